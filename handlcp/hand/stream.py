@@ -26,7 +26,7 @@ from handlcp.grasp.solve.scene_row import views, write_row
 from handlcp.hand.command import read_joint_offset
 from handlcp.hand.elasticity.stiffness import tip_flexibility
 from handlcp.hand.mechanism import HandMechanism
-from handlcp.hand.robot.kinematics import contact_jacobian
+from handlcp.hand.robot.kinematics import columns, contact_jacobian
 from handlcp.hand.update import GraspUpdate
 from handlcp.lcp.compiler.when import at_once
 
@@ -61,7 +61,7 @@ class MovingHand:
         """Take the hand to q (None: it stays); returns E (3k, 3k) at its contacts, k of them, in contact axes."""
         self.q = self.q if q is None else q
         pin.computeJointJacobians(self._model, self._data, self.hand.kinematics.configuration(self.q))
-        J = contact_jacobian(self._data.J.T, self._support, self._coupling, positions, frames)
+        J = contact_jacobian(columns(self._data.J).T, self._support, self._coupling, positions, frames)
         self.mechanism.jacobian[: len(J)] = J
         if q is not None:
             for weight in self._weights:

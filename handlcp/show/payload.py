@@ -13,7 +13,6 @@ from handlcp.show.style import BAD, GOOD, GREY, INK, SMALL, TEXT, further, headi
 from handlcp.study.envelope.causes import causes_of
 from handlcp.study.envelope.printed import direction, geometry
 from handlcp.study.payload import Orientation, Payload
-from handlcp.study.payload.result import kilograms
 
 WIDTH, ROW, BELOW = 10.0, 0.42, 0.72  # inches: of the figure, of a bar with what is around it, below the bars
 RIGHT = 0.975  # of the panel, as a share of the width
@@ -94,4 +93,4 @@ def _end(masses: Any, own: float) -> float:
 def _text(found: Payload, row: Orientation) -> str:
     """Mass, how the hand moves, what gives out."""
     says = found.cause(row, _CAUSE)
-    return f"{kilograms(row.mass)}{found.moving(row).replace(' and the hand', ', hand')}: {says}"
+    return f"{row.most} kg{found.moving(row).replace(' and the hand', ', hand')}: {says}"

@@ -12,6 +12,7 @@ import pinocchio as pin
 from handlcp.check import Array
 from handlcp.errors import Unsupported
 from handlcp.hand.elasticity.tendons import TendonStiffness
+from handlcp.hand.robot.kinematics import columns
 from handlcp.hand.robot.model import HandModel
 from handlcp.simulator.settings import SimulatorSettings, add, placed, text
 
@@ -55,7 +56,8 @@ def axis_of(model: Any, i: int) -> tuple[str, Array]:
     if not joint.nv:
         return "", np.zeros(3)
     data = model.createData()
-    column = pin.computeJointJacobian(model, data, pin.neutral(model), i)[:, joint.idx_v]  # in the joint's own frame
+    own = columns(pin.computeJointJacobian(model, data, pin.neutral(model), i))  # in the joint's own frame
+    column = own[:, joint.idx_v]
     return ("slide", column[:3]) if np.linalg.norm(column[3:]) < 0.5 else ("hinge", column[3:])
 
 

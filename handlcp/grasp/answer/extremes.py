@@ -115,8 +115,30 @@ def _around(program: Conic, y: Array, best: tuple[float, float]) -> tuple[float,
         if end is None:
             break
         value, _, y = end
-        if value < best[0]:
+        inside = max(inside, _within(program, y) * float(-program.c @ y))
+        if value < best[0] or inside > best[0]:  # what interior points said is no bound where more is within the cones
             best = value, max(value - inside, 0.0) / max(1.0, value)
         if best[1] <= _ENOUGH:
             break
     return best
+
+
+def _within(program: Conic, y: Array) -> float:
+    """The largest share, at most 1, of the way from the answer, where y is 0, that stays within all cones."""
+    cones, change, h = program.cones, program.G @ y, program.h[0]
+    share, first = 1.0, cones.linear
+    falls = change[:first] > 0.0
+    share = min(share, float((h[:first][falls] / change[:first][falls]).min(initial=1.0)))
+    for d, count in cones.more:
+        for _ in range(count):
+            a, b = h[first : first + d], -change[first : first + d]
+            first += d
+            # |a_u + x b_u| = a_t + x b_t: the first x > 0 at which the way leaves the cone
+            two, one = float(b[1:] @ b[1:] - b[0] ** 2), 2.0 * float(a[1:] @ b[1:] - a[0] * b[0])
+            zero = min(float(a[1:] @ a[1:] - a[0] ** 2), 0.0)
+            ends = np.roots([two, one, zero])
+            real = ends[np.isreal(ends)].real
+            share = min(share, float(real[real > 0.0].min(initial=1.0)))
+            if a[0] + share * b[0] < 0.0:
+                return 0.0
+    return max(share, 0.0)

@@ -15,6 +15,7 @@ from handlcp.grasp.cause.judge import (
     EQUILIBRIUM,
     OBJECT,
     SLIPS,
+    UNDECIDED,
     Cause,
     Limits,
     binding,
@@ -40,6 +41,7 @@ _FIRST = 0.1  # of the load that is as large as the forces before it: the first 
 _RAY = 1e4  # times that load: nothing binds that has not bound by then
 _AT = 1e-6  # relative: limits that are this near to being reached bind, too
 _NEAR = 1e-3  # of the load: contacts that begin to slide this near to where the object slides through are the cause
+_UNKNOWN: tuple[Cause, ...] = (Cause(UNDECIDED, OBJECT),)  # what gives out where a path was given up
 _NAMED = ("slips", "sticks", "opens", "touches", "yields", "holds", "snaps", "slides through")
 
 
@@ -186,13 +188,15 @@ def _answer(f: _Followed) -> LoadLimit:
     if f.slid is not None:
         factor, number, slides, binds = 0.0, 0, 0.0, slipping(f.spec.names, f.slid[1])
     gave_up = run.outcome is Outcome.GAVE_UP
+    if gave_up and run.slides is None:
+        binds = _UNKNOWN
 
     def sentence() -> str:
         if f.slid is not None:
             return f"the weight alone is not held: the object slides through from {words.percent(f.slid[0])} of it on"
         if gave_up:
             assert run.failure is not None
-            return f"no limit: the path was given up at {end:.4g} times the load, {why_given_up(run.failure.kind)}"
+            return f"held up to {end:.4g} times the load, and undecided beyond: {why_given_up(run.failure.kind)}"
         return why(binds, factor, f.wrench, f.spec, _then(_through(f)))
 
     later = Later(
@@ -276,9 +280,13 @@ def _solution(f: _Followed, number: int, factor: float) -> GraspSolution:
 
 
 def _nothing(spec: GraspSpec, wrench: Array, run: Run, geometry: str, loading: Loading) -> LoadLimit:
-    """Where squeeze or weight alone are not held."""
-    binds = slipping(spec.names, run.states[-1].kinds) if run.states[-1].loaded else (Cause(EQUILIBRIUM, OBJECT),)
-    text = f"the {loading.lost_stage} alone is not held: {loading.why.partition(': ')[2]}"
+    """Where squeeze or weight alone are not held, or nothing is known of it."""
+    reason = loading.why.partition(": ")[2]
+    if run.outcome is Outcome.GAVE_UP:
+        binds, text = _UNKNOWN, f"undecided: the {loading.lost_stage} alone was not followed to its end: {reason}"
+    else:
+        binds = slipping(spec.names, run.states[-1].kinds) if run.states[-1].loaded else (Cause(EQUILIBRIUM, OBJECT),)
+        text = f"the {loading.lost_stage} alone is not held: {reason}"
     none = np.zeros((0, spec.n, 3))
     nv = loading.steps.torques.shape[1]
     path = LimitPath(np.zeros(0), none, np.zeros((0, nv)), np.zeros((0, 6)))

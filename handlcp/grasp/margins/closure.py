@@ -86,7 +86,7 @@ def _test(F: Array, W: Array) -> tuple[Array | None, Array | None]:
     u, s, _ = np.linalg.svd(np.hstack([W, few]), full_matrices=False)
     rank = int((s > RANK * s.max(initial=0.0)).sum())
     if rank < dof:
-        return None, u[:, rank]
+        return None, _plain(u[:, rank:])
     from scipy.optimize import linprog  # half a second of import that few grasps should pay
 
     g, size = W.shape[1], np.sqrt((W * W).sum(axis=0))
@@ -109,6 +109,15 @@ def _test(F: Array, W: Array) -> tuple[Array | None, Array | None]:
         if work.max(initial=0.0) > _INSIDE and work.min(initial=0.0) > -CERTIFY:
             return None, t
     return None, None
+
+
+def _plain(free: Array) -> Array:
+    """(dof,) of all motions that columns (dof, k) span, the one nearest to a translation along an axis or to a turn
+    about one: which basis a decomposition happens to find says nothing.
+    """
+    near = (free * free).sum(axis=1)  # how much of each axis they hold: its cosine, squared
+    t = free @ free[int(np.argmax(near >= near.max() - _INSIDE))]
+    return np.asarray(t / np.sqrt(t @ t))
 
 
 def _told(spec: GraspSpec, scene: Scene, kind: str, forces: Array | None, motion: Array | None) -> Closure:

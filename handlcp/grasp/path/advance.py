@@ -227,7 +227,9 @@ class Leg:
         if isinstance(found, Failure) and guess is not None and size < _ALONE * self.base:
             found = self.stepper.step(state, controls)
         if isinstance(found, Failure) and not state.loaded:
-            found = self.stepper.pushed(state, controls, guess)
+            found = self.stepper.untouched(state, controls)
+            if isinstance(found, Failure):
+                found = self.stepper.pushed(state, controls, guess)
         if isinstance(found, Failure) and self._last_resort(size):
             found = self.stepper.sought(state, controls) or found
         return found

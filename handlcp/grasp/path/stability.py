@@ -41,6 +41,7 @@ def flow(
     steps. most : of the contacts' distances; an object that has moved farther is not followed on (MOVES).
     """
     h, start, speed, off, buckles = _FIRST, state, 0.0, np.inf, False
+    pulled = push is not None or controls.load.any() or bool(controls.weight)
     reach = (
         float(np.sqrt(((state.iterate.positions - state.iterate.reference) ** 2).sum(axis=1)).max()) / stepper.length
     )
@@ -60,6 +61,8 @@ def flow(
             continue
         off, before = stepper.resisted(state, found, h), speed
         speed, state = stepper.far(state.where.pose, found.where.pose) / h, found
+        if not state.loaded and not pulled and not start.loaded:
+            return start, STUCK  # nothing moves an object on which nothing acts
         if not state.loaded or stepper.far(start.where.pose, state.where.pose) > _FAR * max(reach, 1.0):
             return state, GONE
         if stepper.far(start.where.pose, state.where.pose) > most:

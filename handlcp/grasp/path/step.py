@@ -81,15 +81,18 @@ class Stepper:
 
     def beginning(self, controls: Controls) -> State:
         """Before anything is done: nothing is loaded, and the joints stand in the grasp's posture."""
-        first, n, still = self.first, self.grasp.spec.n, read_only(np.zeros(len(self.first.at.q)))
-        none = np.zeros((n, 3))
-        read = Read(none, none, none[:, 0], none[:, 0], still, still)
+        first, none = self.first, np.zeros((self.grasp.spec.n, 3))
         loads = self.grasp.loads(first, none, self.grasp.under(controls, controls))
-        nowhere = np.zeros(0)
-        gives = np.zeros(self.laws.given)
+        still = read_only(np.zeros(len(first.at.q)))
+        return self._unloaded(first, loads, Read(none, none, none[:, 0], none[:, 0], still, still), controls)
+
+    def _unloaded(self, iterate: Iterate, loads: Loads, read: Read, controls: Controls) -> State:
+        """A state in which no contact carries anything."""
+        n, nv = self.grasp.spec.n, len(iterate.at.q)
+        slid = np.column_stack([read.motion[:, :2], read.spin])
         return State(
-            first.at, first, loads, none, none, read, ("separated",) * n, still, controls, nowhere, gives, 0,
-            np.zeros((0, 0)),
+            iterate.at, iterate, loads, np.zeros((n, 3)), slid, read, (OPEN,) * n, read_only(np.zeros(nv)), controls,
+            _NOWHERE, np.zeros(self.laws.given), 0, np.zeros((0, 0)),
         )  # fmt: skip
 
     def step(
@@ -172,6 +175,25 @@ class Stepper:
             last = miss if share == 1.0 else max(miss, last)
             iterate = geometry.iterate(end if share == 1.0 else between(geometry, iterate.at, end, share), iterate)
         return Failure("runs away")
+
+    def untouched(self, state: State, controls: Controls) -> State | Failure:
+        """A step in which no contact carries anything and nothing pulls the object: fingers go where they are
+        commanded, and the object stays. What overlaps by no more than just touches at the start presses nothing: the
+        forces of so little would be those of rounding.
+        """
+        under, n = self.grasp.under(controls, state.controls), self.grasp.spec.n
+        pulled = under.load.any() or (under.weight.any() and not controls.kept)
+        if pulled or self.grasp.sags or not self.geometry.follows:
+            return Failure("no answer")
+        end = Where(under.commanded, np.zeros((n, 3)), np.zeros(n), state.where.pose)
+        iterate = self.geometry.iterate(end, state.iterate)
+        slipped = self.geometry.slipped(state.iterate, iterate, state.slip_memory)
+        loads = self.grasp.loads(iterate, slipped, under)
+        if loads.base[:, 2].min(initial=0.0) < -self.grasp.touches:
+            return Failure("no answer")
+        none = np.zeros(n)
+        read = Read(np.zeros((n, 3)), loads.base, none, loads.spin, iterate.elastic.gravity, np.zeros(len(end.q)))
+        return self._unloaded(iterate, loads, read, controls)
 
     def pushed(self, state: State, controls: Controls, guess: Guess | None = None) -> State | Failure:
         """A step in which fingers may push ahead of them an object that nothing holds, against a damper that is large

@@ -164,7 +164,7 @@ class Under(NamedTuple):
 class StepGrasp:
     """Makes the grasps of steps. spec : what was asked for. first : the contacts before anything is loaded.
     geometry : where contacts are. weight (3,) : of the object [N]. squeezes : whether preloads, offsets or overlaps
-    squeeze the object.
+    squeeze the object. touches : gap or overlap of contacts that just touch [m].
     """
 
     def __init__(self, spec: GraspSpec, geometry: Geometry, first: Iterate, weight: Array) -> None:
@@ -177,7 +177,8 @@ class StepGrasp:
         size = float(abs(spec.positions - spec.positions.mean(axis=0)).max(initial=0.0))
         # Gaps and overlaps that closing left fade in with the squeeze: else the first finger pushes the object away
         fingers = np.arange(spec.n) < spec.of_fingers
-        self._touching = np.where(fingers & (abs(first.gap) <= _TOUCHES * size), first.gap, 0.0)
+        self.touches = _TOUCHES * size
+        self._touching = np.where(fingers & (abs(first.gap) <= self.touches), first.gap, 0.0)
         self._overlap = np.maximum(self._touching - first.gap, 0.0)
         self._given = spec.offset - geometry.apart
         self.squeezes = max(float(abs(self._given).max()), float(self._overlap.max())) > _NONE * size

@@ -13,7 +13,7 @@ from handlcp.errors import InputError, NotReached
 from handlcp.grasp.assembly.asked import as_asked, fastened
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.finger_weight import FingerWeight
-from handlcp.grasp.friction import Coulomb, laws_by_name
+from handlcp.grasp.friction import Coulomb, as_law, laws_by_name
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.environment import beside, offset_beside
@@ -47,6 +47,8 @@ def found_on(
     tips = state.hand.tip_numbers("fingers", fingers)
     ask_for_metres("target", obj, state.tip_positions)
     names = [state.hand.fingertips[i] for i in tips]
+    if isinstance(friction, Mapping):
+        friction = {name: as_law(law, f"friction[{name!r}]") for name, law in friction.items()}  # of those far away, too
     laws = laws_by_name(
         DEFAULT if friction is None else by_site("friction", friction, state.hand), names, [DEFAULT] * len(names)
     )

@@ -75,7 +75,7 @@ class Kinematics:
         oMf = data.oMf
         for i, frame in enumerate(frames):
             placements[i] = oMf[frame].homogeneous
-        return placements, data.J
+        return placements, columns(data.J)
 
     def joints_at(self, q: Array, joints: Sequence[int]) -> tuple[Array, Array]:
         """Placements (n, 4, 4) of joints' frames, and the Jacobian as `frames_at`."""
@@ -84,7 +84,7 @@ class Kinematics:
         oMi, placements = data.oMi, np.empty((len(joints), 4, 4))
         for i, joint in enumerate(joints):
             placements[i] = oMi[joint].homogeneous
-        return placements, data.J
+        return placements, columns(data.J)
 
     def gravity_torque(self, q: Array, gravity: Array) -> Array:
         """(nv,) torque g(q) that holds the links' weight [N·m]; q (nv,), gravity (3,) [m/s²] in world axes."""
@@ -108,6 +108,11 @@ class Kinematics:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(sealed(state))
         self._local = threading.local()
+
+
+def columns(J: Array) -> Array:
+    """(6, joints) as Pinocchio keeps a Jacobian, which it hands out as (6,) where there is one joint."""
+    return J.reshape(6, -1)
 
 
 # ----------------------------------------------------------------

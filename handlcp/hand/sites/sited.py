@@ -54,7 +54,8 @@ def sited(state: T, obj: Object, links: Any, max_gap: float) -> T:
     if not near:
         gaps = {t.name: gap for t, gap in gaps_of(state, touchers(state.hand, links), obj)}
         least = dict(sorted(gaps.items(), key=lambda item: item[1])[:5])
-        raise NotReached("links", f"a link within max_gap = {max_gap * 1e3:g} mm of the object", least)
+        expected = f"a link within max_gap = {max_gap * 1e3:g} mm of the object: hand.close_on(obj, wrap=True) closes the "
+        raise NotReached("links", expected + "hand first, or closing_torque= here does", least)
     return type(state)(touching_there(state.hand, near), state.q)
 
 
@@ -76,7 +77,10 @@ def sites(state: Posture, among: Iterable[Toucher], obj: Object, reach: float) -
                 site = Site(toucher, made, there.position, there.normal, gap)
                 if gap <= reach and not any(_same(site, other) for other in found):
                     found.append(site)
-    _sound(found, *deepest)
+    if len(found) > MOST:
+        expected = f"at most {MOST} contacts (name fewer links, or use coarser collision geometry)"
+        raise InputError("links", expected, f"{len(found)} places that touch")
+    ask_for_outside("target", *deepest)
     return found
 
 
@@ -108,14 +112,11 @@ def _same(site: Site, other: Site) -> bool:
     return bool(near and site.link.place.joint == other.link.place.joint)
 
 
-def _sound(found: list[Site], deepest: str, gap: float) -> None:
-    """Raises InputError for too many, and for a link whose gap, the least of all, is far below zero."""
-    if len(found) > MOST:
-        expected = f"at most {MOST} contacts (name fewer links, or use coarser collision geometry)"
-        raise InputError("links", expected, f"{len(found)} places that touch")
+def ask_for_outside(argument: str, link: str, gap: float) -> None:
+    """Raises InputError where the link whose gap [m] is the least of all is deep inside the object."""
     if gap < -_DEEP:
-        came = f"{deepest}, {words.length(-gap)} inside it"
-        raise InputError("target", "an object beside the hand, where no link begins inside it", came)
+        expected = "an object beside the hand, where no link begins inside it"
+        raise InputError(argument, expected, f"{link}, {words.length(-gap)} inside it")
 
 
 # ----------------------------------------------------------------
@@ -162,7 +163,7 @@ def _moved(shape: TipShape, by: Array) -> TipShape:
 def by_site(argument: str, value: Any, hand: HandModel) -> Any:
     """What was said by link, by site: a mapping whose keys are sites or links. Anything else stays as it is.
 
-    Raises UnknownName for what is neither; a link that does not touch says nothing.
+    Raises UnknownName for what is neither; what is said of a link that does not touch is left out.
     """
     of = hand.links_of_sites
     if of is None or not isinstance(value, Mapping):

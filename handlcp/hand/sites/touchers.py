@@ -47,8 +47,12 @@ def touchers(hand: HandModel, links: Any) -> tuple[Toucher, ...]:
         if not every:
             raise InputError("links", "links with collision geometry", f"{hand.name!r}, whose links have none")
         return tuple(every.values())
+    links = links.tolist() if isinstance(links, np.ndarray) else links
     if isinstance(links, str) or not isinstance(links, Sequence) or not links:
-        raise InputError("links", '"tips", "all", or names of links, at least one', repr(links)[:80])
+        expected = '"tips", "all", or a list with the names of links, at least one'
+        raise InputError("links", expected, repr(links)[:80])
+    if repeated := [str(name) for name in dict.fromkeys(links) if list(links).count(name) > 1]:
+        raise InputError("links", "names of links, each once", f"{', '.join(repeated)} several times")
     known: list[str] = _names(hand)
     if unknown := [str(name) for name in links if name not in known and name not in every]:
         raise UnknownName("links", "a link", unknown, tuple(dict.fromkeys((*known, *hand.fingertips))))

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, Bools, number, per_name, read_only
+from handlcp.check import Array, Bools, array, number, per_name, read_only
 from handlcp.errors import InputError, NotReached
 from handlcp.hand.objects.detect import Proximity, nearest, nearest_of
 from handlcp.hand.objects.inside import distances
@@ -28,7 +28,7 @@ from handlcp.hand.objects.shapes import ask_for_metres
 from handlcp.hand.robot.kinematics import contact_jacobian
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
-from handlcp.hand.sites.sited import placed
+from handlcp.hand.sites.sited import ask_for_outside, placed
 from handlcp.hand.sites.touchers import ALL, Toucher, touchers
 
 _BENDS = np.cos(np.pi / 4)
@@ -69,6 +69,8 @@ def wrap(hand: HandModel, obj: Object, q0: Any = None, rates: Any = True, until:
     closing = _Closing(hand, links, obj, q, speed, until)
     touched = closing.run()
     there = [(t, near.gap) for t, near in closing.final()]
+    deepest, gap = min(there, key=lambda one: one[1])
+    ask_for_outside("obj", deepest.name, gap)
     if not any(gap <= 10 * _TOUCHES for _, gap in there):
         gaps = dict(sorted(((t.name, gap) for t, gap in there), key=lambda item: item[1])[:5])
         raise NotReached("obj", "an object that links come to touch when the hand closes from q0", gaps)
@@ -79,10 +81,7 @@ def _given(value: Any, hand: HandModel) -> Array:
     if isinstance(value, Mapping):
         named = per_name("wrap", value, hand.joint_names, "a joint")
         return np.array([number(f"wrap[{j!r}]", named[j]) if j in named else 0.0 for j in hand.joint_names])
-    speed = np.asarray(value, dtype=float)
-    if speed.shape != (hand.nv,) or not np.isfinite(speed).all():
-        raise InputError("wrap", "True, a mapping of joints to speeds, or a speed for each joint", repr(value)[:80])
-    return speed
+    return array("wrap", value, (hand.nv,), what="True, a mapping of joints to speeds, or a speed for each joint")
 
 
 def bending(hand: HandModel, q: Array, obj: Object) -> Array:
@@ -224,7 +223,7 @@ class _Closing:
 
     def _jacobian(self, k: int, points: Array) -> Array:
         """(m, 3, nv) of points (m, 3) of a link, world axes."""
-        columns = self.hand.kinematics.frames_at(self.q, ())[1].reshape(6, -1)  # of one joint it is a row
+        columns = self.hand.kinematics.frames_at(self.q, ())[1]
         m = len(points)
         support, axes = np.repeat(self.links[k].support, m, axis=0), np.tile(np.eye(3), (m, 1, 1))
         return contact_jacobian(columns.T, support, self.coupling, points, axes).reshape(m, 3, -1)

@@ -10,7 +10,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import LoadLimit
-from handlcp.grasp.cause.judge import Cause
+from handlcp.grasp.cause.judge import UNDECIDED, Cause
 from handlcp.grasp.cause.wording import said
 from handlcp.record import Record
 from handlcp.study.envelope.ask import Load
@@ -26,7 +26,8 @@ class Orientation(Record):
     """The largest mass [kg] with gravity in one direction, seen from the hand.
 
     direction (3,) : of gravity, world axes, which are those of the hand's base. mass : [kg], infinite where nothing
-    gives out, 0 where the grasp does not hold without an object, NaN where it is undecided. binds : what gives out
+    gives out, 0 where the grasp does not hold without an object, NaN where it is undecided; held, and may not be the
+    largest, where `undecided` is true. binds : what gives out
     first, each with `kind` and `who`; () for nothing. says : the same in words. acceleration (3,) : of the hand [m/s²],
     the way with the least mass; zero at rest. limit : of a load of 1 kg, with forces at the limit (`at_limit`), path
     and picture.
@@ -43,6 +44,16 @@ class Orientation(Record):
     says: str
     acceleration: Array
     limit: LoadLimit
+
+    @property
+    def undecided(self) -> bool:
+        """Whether more than this mass was not followed to an end."""
+        return any(cause.kind == UNDECIDED for cause in self.binds)
+
+    @property
+    def most(self) -> str:
+        """The mass in words, without its unit, such as "0.328", "any", "≥ 0.1" where more is undecided."""
+        return f"≥ {_number(self.mass)}" if self.undecided and self.mass > 0.0 else _number(self.mass)
 
     @property
     def first_slip(self) -> float | None:
@@ -126,6 +137,9 @@ class Payload(Record):
             return f"undecided with {where}: no limit was found, although friction and torque limits end any load"
         if np.isinf(row.mass):
             return "any mass is held: nothing gives out"
+        if row.undecided:
+            most = f"at least {kilograms(row.mass)}, undecided beyond" if row.mass > 0.0 else "undecided"
+            return f"{most}, with {where}: {row.limit.why}"
         if row.mass == 0.0:
             return f"no mass is held with {where}: {row.says}"
         times = f", {row.mass / self.object_mass:.3g} times the object’s" if self.object_mass else ""
@@ -173,7 +187,7 @@ class Payload(Record):
         for row in self.by_orientation:
             slip = "" if row.first_slip is None or not row.mass > 0.0 else f"{row.first_slip:.3g}"
             ways = (_along(row),) if moves else ()
-            rows.append((f"{direction(row.direction)}: {self.cause(row, _IN_TABLE)}", *ways, slip, _number(row.mass)))
+            rows.append((f"{direction(row.direction)}: {self.cause(row, _IN_TABLE)}", *ways, slip, row.most))
         if moves:
             heads.insert(1, "hand speeds\nup along")
         return TextTable(tuple(heads), tuple(rows), "<<>>" if moves else "<>>")
