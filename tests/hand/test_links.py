@@ -208,7 +208,7 @@ _REFUSED = {
     "a link that there is not": ({"links": ["plam"]}, "links", "did you mean 'palm'"),
     "a number for a link": ({"links": [1]}, "links", "a link among"),
     "no links": ({"links": []}, "links", "at least one"),
-    "a word": ({"links": "palm"}, "links", '"tips", "all", or names'),
+    "a word": ({"links": "palm"}, "links", '"tips", "all", or a list with the names'),
     "links beside fingers": ({"fingers": ["bare"]}, "fingers", "None beside links"),
     "an object held without a command": ({"hold_object": True}, "hold_object", "closing_torque"),
     "an object held by a number": ({"hold_object": 1, "closing_torque": 0.1}, "hold_object", "True or False"),
@@ -310,3 +310,27 @@ def test_how_a_hand_closes_stays_where_only_its_command_changes():
     for other in others:
         assert other.keeps
         np.testing.assert_array_equal(other.opened, said.opened)
+
+
+def test_links_are_named_once_and_an_array_of_names_will_do():
+    assert names(on_palm(BALL, links=np.array(["palm"]))) == names(on_palm(BALL, links=["palm"]))
+    with pytest.raises(InputError, match=r"links: expected names of links, each once, got palm several times"):
+        on_palm(BALL, links=["palm", "bar", "palm"])
+
+
+def test_what_is_said_of_links_that_do_not_touch_is_read_all_the_same():
+    assert names(on_palm(BALL, friction={"bar": 0.3, "palm": 0.9}, links=["palm"])) == ["palm"]
+    with pytest.raises(InputError, match=r"friction\['bar'\]: expected a coefficient"):
+        on_palm(BALL, friction={"bar": -1.0}, links=["palm"])
+
+
+def test_a_hand_does_not_close_on_an_object_inside_its_palm():
+    with pytest.raises(InputError, match=r"obj: expected an object beside the hand.* got palm, \d+ mm inside it"):
+        example_hand("three_finger").close_on(Sphere(0.03, (0, 0, 0)), wrap=True)
+    with pytest.raises(InputError, match=r"wrap: expected True, a mapping of joints to speeds"):
+        example_hand("three_finger").close_on(Sphere(0.03, (0, 0, 0.045)), wrap="yes")
+
+
+def test_a_hand_that_is_still_open_is_told_how_it_closes():
+    with pytest.raises(NotReached, match=r"close_on\(obj, wrap=True\) closes the hand first, or closing_torque="):
+        flat().at([0.5]).grasp(Sphere(0.02, (0, 0, 0.05)), links=["palm"], squeeze=0.001)

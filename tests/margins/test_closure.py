@@ -136,6 +136,16 @@ def test_two_soft_fingers_have_it_where_their_line_lies_in_both_cones(angle):
     assert found.closed is bool(abs(np.tan(angle)) < 0.5)
 
 
+def test_of_all_motions_that_are_left_the_plainest_one_is_told():
+    """Four contacts around a cube leave it to slide and to turn; noise in the places does not change what is told."""
+    points = [(A, 0, 0), (-A, 0, 0), (0, A, 0), (0, -A, 0)]
+    for noise in (0.0, 1e-12, -1e-12):
+        moved = [np.array(p) + noise * np.array([1.0, -2.0, 3.0]) for p in points]
+        found = grasp(moved, [-np.array(p) / A for p in points]).margins().form_closure
+        assert found.motion == pytest.approx([0, 0, 1, 0, 0, 0], abs=1e-9)
+        assert found.sentence.startswith("without friction the object slides along (0, 0, 1)")
+
+
 def test_two_point_fingers_in_space_leave_the_turn_about_their_line():
     g = tilted(0.0, hl.Coulomb(0.5), planar=False)
     found = g.margins().force_closure

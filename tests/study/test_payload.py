@@ -12,6 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 import handlcp as hl
 from tests.design.hands import pinch as levers
 from tests.hand.levers import L
+from tests.support.paths import give_up_beyond
 from tests.support.squeezed import MU, G, K, N, R, cube, pinch
 from tests.support.texts import same
 
@@ -203,3 +204,17 @@ def test_the_picture_has_a_bar_for_each_orientation(tmp_path):
         inside = [t.get_window_extent() for t in ax.texts]
         assert all(box.x1 <= figure.bbox.width for box in inside)
     assert of_cube().plot(tmp_path / "payload.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_path_that_is_given_up_is_a_lower_bound_and_says_so(monkeypatch):
+    """From three times the load on no step finds a state, and the object neither moves on nor rests."""
+    give_up_beyond(3.0, monkeypatch)
+    limit = cube().load_limit((0, 0, -0.1, 0, 0, 0), geometry="followed")
+    assert limit.factor == pytest.approx(3.0, rel=1e-3)
+    assert [b.kind for b in limit.binds] == ["undecided"]
+    assert limit.why.startswith("held up to 3 times the load, and undecided beyond: ")
+    give_up_beyond(0.2, monkeypatch)
+    p = cube().payload(geometry="followed")
+    assert p.by_orientation[0].undecided
+    assert p.headline.startswith("at least ")
+    assert "≥ " in str(p)

@@ -48,7 +48,9 @@ def found_on(
     ask_for_metres("target", obj, state.tip_positions)
     names = [state.hand.fingertips[i] for i in tips]
     if isinstance(friction, Mapping):
-        friction = {name: as_law(law, f"friction[{name!r}]") for name, law in friction.items()}  # of those far away, too
+        friction = {
+            name: as_law(law, f"friction[{name!r}]") for name, law in friction.items()
+        }  # of those far away, too
     laws = laws_by_name(
         DEFAULT if friction is None else by_site("friction", friction, state.hand), names, [DEFAULT] * len(names)
     )

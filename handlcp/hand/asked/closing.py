@@ -50,7 +50,7 @@ def closed_by(state: Posture, obj: Object, joint_offset: Any, closing_torque: An
         rates, until = offset, 1.0
     if not rates.any():
         return Closed(q, None, pulled(hand, torque) if offset is None else offset)
-    found = wrap(hand, obj, q, rates, until)
+    found = wrap(hand, obj, q, rates, until, "target")
     opened = q if abs(found.q - q).max() > _MOVED else None
     if offset is not None:
         return Closed(found.q, opened, read_only(q + offset - found.q))

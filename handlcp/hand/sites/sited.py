@@ -54,7 +54,9 @@ def sited(state: T, obj: Object, links: Any, max_gap: float) -> T:
     if not near:
         gaps = {t.name: gap for t, gap in gaps_of(state, touchers(state.hand, links), obj)}
         least = dict(sorted(gaps.items(), key=lambda item: item[1])[:5])
-        expected = f"a link within max_gap = {max_gap * 1e3:g} mm of the object: hand.close_on(obj, wrap=True) closes the "
+        expected = (
+            f"a link within max_gap = {max_gap * 1e3:g} mm of the object: hand.close_on(obj, wrap=True) closes the "
+        )
         raise NotReached("links", expected + "hand first, or closing_torque= here does", least)
     return type(state)(touching_there(state.hand, near), state.q)
 

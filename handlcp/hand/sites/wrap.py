@@ -54,15 +54,17 @@ class Wrapped(NamedTuple):
     touched: tuple[Touched, ...]
 
 
-def wrap(hand: HandModel, obj: Object, q0: Any = None, rates: Any = True, until: float = np.inf) -> Wrapped:
+def wrap(
+    hand: HandModel, obj: Object, q0: Any = None, rates: Any = True, until: float = np.inf, called: str = "obj"
+) -> Wrapped:
     """From q0 (None: `neutral`), moved into the joints' ranges. rates : True; or how fast each joint turns, a mapping
-    by joint name (others: 0) or (nv,), with its sign. until : when all stop.
+    by joint name (others: 0) or (nv,), with its sign. until : when all stop. called : the object, in messages.
 
     Raises NotReached where no link comes to touch; InputError, UnknownName.
     """
     if not isinstance(obj, Object):
-        raise InputError("obj", what_to_pass(obj), repr(obj)[:80])
-    ask_for_metres("obj", obj, Posture(hand, hand.neutral).tip_positions)
+        raise InputError(called, what_to_pass(obj), repr(obj)[:80])
+    ask_for_metres(called, obj, Posture(hand, hand.neutral).tip_positions)
     q = np.clip(hand.kinematics.posture("q0", hand.neutral if q0 is None else q0), hand.lower, hand.upper)
     links = touchers(hand, ALL)
     speed = bending(hand, q, obj) if rates is True else _given(rates, hand)
@@ -70,10 +72,10 @@ def wrap(hand: HandModel, obj: Object, q0: Any = None, rates: Any = True, until:
     touched = closing.run()
     there = [(t, near.gap) for t, near in closing.final()]
     deepest, gap = min(there, key=lambda one: one[1])
-    ask_for_outside("obj", deepest.name, gap)
+    ask_for_outside(called, deepest.name, gap)
     if not any(gap <= 10 * _TOUCHES for _, gap in there):
         gaps = dict(sorted(((t.name, gap) for t, gap in there), key=lambda item: item[1])[:5])
-        raise NotReached("obj", "an object that links come to touch when the hand closes from q0", gaps)
+        raise NotReached(called, "an object that links come to touch when the hand closes from q0", gaps)
     return Wrapped(read_only(closing.q), tuple(touched))
 
 
