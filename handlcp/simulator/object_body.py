@@ -14,7 +14,7 @@ from handlcp.errors import Unsupported
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.objects.object import Object
 from handlcp.simulator.settings import SimulatorSettings, add, add_shape, axes_along, placed
-from handlcp.simulator.tips import add_pad, round_shape, shape_words, weighty
+from handlcp.simulator.tips import CORNER, add_pad, round_shape, shape_words, weighty
 
 OBJECT = "object"  # its body, and its shape
 LOADED = "loaded point"  # body at the point that the load refers to, fixed to the object
@@ -65,7 +65,6 @@ def _add_joints(body: ET.Element, at: Any, spec: GraspSpec, damping: float, turn
 # rims each such point becomes a small ball at the object, on slides of its own where the support gives way. A ball or
 # an ellipsoid rolls: it touches a plane, or where that gives way a block on slides.
 
-_FOOT = 1e-4  # [m] radius of the balls at a body's corners
 _BLOCK = 0.5  # [m] half the size of a block that gives way, far larger than what it carries
 _STANDING = 3  # points of a cylinder that stands on its rim; one that lies on its side has fewer
 
@@ -127,12 +126,12 @@ def _rolling(world: ET.Element, place: _Place, obj: Object, settings: SimulatorS
 
 def _foot(world: ET.Element, body: ET.Element, place: _Place, obj: Object, settings: SimulatorSettings) -> Support:
     """A ball whose lowest point is the contact, on slides in the contact's axes."""
-    centre = obj.placement.actInv(place.point + _FOOT * place.axes[:, 2])
+    centre = obj.placement.actInv(place.point + CORNER * place.axes[:, 2])
     axes = obj.placement.rotation.T @ place.axes
     name = f"{place.name} foot"
     foot = add(body, "body", name=name, gravcomp=1.0, **placed(axes, centre))
     add_pad(foot, name, place.flexibility, settings)
-    add_shape(foot, name=name, type="sphere", size=[_FOOT])
+    add_shape(foot, name=name, type="sphere", size=[CORNER])
     return Support(_plane(world, place), name)
 
 

@@ -3,7 +3,8 @@
 A pad is a body on up to three sprung slides, along the axes in which it gives way. Its flexibility is a matrix in the
 axes of the tip frame; its eigenvectors are the slides, and a direction in which it is rigid has none. It carries the
 shapes of its fingertip. A shape that touches at a ball, a line or a face of its own alone (`Swept`) is written as
-that: a sphere, a capsule, a thin box below the face.
+that: a sphere, a capsule, a thin box below the face. Where a corner of the object stands on a face it is the corner,
+a small ball at the object's body, that touches.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from handlcp.simulator.settings import SimulatorSettings, add, add_shape, axes_a
 _MASS, _INERTIA = 1e-4, 1e-8  # [kg, kg·m²] of a pad's body, without weight
 _NONE = 1e-12  # of the largest flexibility: less is rounding, and rigid
 _THIN = 5e-4  # [m] of the box below a face
+CORNER = 1e-4  # [m] radius of the balls that are corners of the object
 _NEAR = 1e-3  # [m] a shape of a fingertip that is farther from the object does not touch it
 
 
@@ -49,9 +51,20 @@ def add_tip(
     names = list[str]()
     for k, shape in enumerate(hand.tip_shapes(tip)):
         names.append(f"{name} ({k + 1})" if k else name)
-        faced = shape.radius is None and shape.face is not None and obj.known is not None
+        faced = shape.radius is None and shape.face is not None and (obj.known is not None or shape.corner is not None)
         add_shape(below, name=names[-1], **(_face_words(shape) if faced else _whole(root, names[-1], shape)))
     return tuple(names)
+
+
+def add_corner(body: ET.Element, posture: Posture, tip: int, obj: Object) -> str | None:
+    """At the object's body, the corner that stands on the fingertip numbered `tip`: its name. None: it has none."""
+    (shape, *_), name = posture.hand.tip_shapes(tip), f"{posture.hand.fingertips[tip]} corner"
+    if shape.corner is None:
+        return None
+    normal = nearest((shape,), posture.tip_positions[tip], posture.tip_rotations[tip], obj).normal
+    centre = obj.placement.actInv(obj.frame[0] @ shape.corner + obj.frame[1] + CORNER * normal)
+    add_shape(body, name=name, type="sphere", size=[CORNER], pos=centre)
+    return name
 
 
 def add_pad(body: ET.Element, name: str, flexibility: Array, settings: SimulatorSettings, mass: float = _MASS) -> None:

@@ -21,7 +21,7 @@ from handlcp.hand.squeeze import joint_by_joint
 from handlcp.simulator.hand_tree import Springs, add_hand, add_springs, full_names
 from handlcp.simulator.object_body import LOADED, OBJECT, add_object, add_supports
 from handlcp.simulator.settings import SimulatorSettings, add, check_writable, friction_words, need_mujoco, of_a_hand
-from handlcp.simulator.tips import add_tip, check_points
+from handlcp.simulator.tips import add_corner, add_tip, check_points
 
 # ----------------------------------------------------------------
 # Where a simulation starts, what the hand is told, and what the object carries.
@@ -169,12 +169,13 @@ def to_mujoco(grasp: Grasp, settings: SimulatorSettings | None = None) -> tuple[
     root = _frame(settings, mechanism.gravity)
     world = add(root, "worldbody")
     bodies = add_hand(world, hand, bool(hand_grasp.finger_weight))
-    touching = list[tuple[tuple[str, ...], str]]()
+    tips = list[tuple[str, ...]]()
     for tip in mechanism.tips:
         check_points(hand_grasp.state, tip, obj)
-        body = bodies[hand.tips.places[tip].joint]
-        touching.append((add_tip(root, body, hand, tip, obj, settings), OBJECT))
+        tips.append(add_tip(root, bodies[hand.tips.places[tip].joint], hand, tip, obj, settings))
     body = add_object(root, world, obj, spec, settings)
+    corners = [add_corner(body, hand_grasp.state, tip, obj) for tip in mechanism.tips]
+    touching = [(ours, corner or OBJECT) for ours, corner in zip(tips, corners, strict=True)]
     touching += [((s.ground,), s.ours) for s in add_supports(world, body, spec, obj, settings)]
     pairs = add(root, "contact")
     for i, ((ours, other), contact) in enumerate(zip(touching, spec.contacts, strict=True)):

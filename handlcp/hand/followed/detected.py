@@ -17,6 +17,7 @@ from handlcp.check import Array
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.path.newton.tangent import skew
 from handlcp.hand.followed.flush import Flush, flush
+from handlcp.hand.objects.corner import corner_contact
 from handlcp.hand.objects.detect import Proximity, nearest, nearest_beside
 from handlcp.hand.objects.object import Object
 
@@ -73,6 +74,14 @@ class Detected:
         """See `Find`."""
         positions, normals, gaps, turn, shift = out
         for i, tip in enumerate(self.shapes):
+            if tip[0].corner is not None:
+                Q, q = self.obj.frame
+                positions[i] = R @ (Q @ tip[0].corner + q) + t
+                centre, spans = places[i] + turns[i] @ tip[0].face.centre, tip[0].face.spans @ turns[i].T
+                gaps[i] = corner_contact(
+                    positions[i], places[i], centre, spans, tip[0].face.radius, normals[i], turn[i], shift[i]
+                )
+                continue
             at, own = R.T @ (places[i] - t), R.T @ turns[i]
             known = self.known.get(i)
             if known is None or self._far(at, own, known) > self.step:

@@ -4,6 +4,7 @@ balls on primitives, by detection for other shapes, on planes for contacts that 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -13,13 +14,16 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.newton.tangent import skew
 from handlcp.hand.followed.contacts import contacts_at
 from handlcp.hand.followed.detected import Detected
+from handlcp.hand.objects.corner import corner_contact
 from handlcp.hand.objects.object import Object, on_surface, put_contact
 from handlcp.hand.objects.swept import nearest_station, station_moves
+from handlcp.hand.robot.tip_geometry import TipShape
 from handlcp.lcp.kernels.dense import kernel, product
 
 # ----------------------------------------------------------------
 # Balls on surfaces that are known in closed form, compiled: contacts, and how they turn and shift as balls move.
 
+_NO_CORNER = np.full(3, np.nan)
 _TURN = 1e-6  # of the object's size: central differences of normals, good to ten digits
 
 
@@ -51,11 +55,21 @@ def ball_look(
 
 
 class Stations(NamedTuple):
-    """Swept balls in tip axes (`Swept`): beside (k, 3) their middles, spans (k, 2, 3), radii (k,) [m]."""
+    """Swept balls in tip axes (`Swept`): beside (k, 3) their middles, spans (k, 2, 3), radii (k,) [m]. corners (k, 3) :
+    of the object, in the axes of its shape, which stand on them; NaN: what is nearest touches.
+    """
 
     beside: Array
     spans: Array
     radii: Array
+    corners: Array
+
+
+def stations(tips: Sequence[TipShape]) -> Stations:
+    """Of fingertips that are swept balls."""
+    every = [tip.swept for tip in tips]
+    beside, spans, radii = (np.array([one[k] for one in every if one is not None], dtype=float) for k in range(3))
+    return Stations(beside, spans, radii, np.array([_NO_CORNER if tip.corner is None else tip.corner for tip in tips]))
 
 
 @kernel
@@ -74,6 +88,16 @@ def ball_contacts(
     )  # fmt: skip
     for i in range(len(swept.radii)):
         turned(turns[i], swept.beside[i], arm)
+        if swept.corners[i, 0] == swept.corners[i, 0]:
+            turned(R, swept.corners[i], c)
+            for k in range(2):
+                turned(turns[i], swept.spans[i, k], spans[k])
+            for a in range(3):
+                positions[i, a] = p[a] + c[a]
+            gaps[i] = corner_contact(
+                positions[i], places[i], places[i] + arm, spans, swept.radii[i], normals[i], turn[i], shift[i]
+            )
+            continue
         for a in range(3):
             c[a] = 0.0
             for b in range(3):
@@ -175,7 +199,7 @@ def finger_contacts(spec: GraspSpec, mechanism: Any) -> Find:
         return _Given(spec, mechanism)
     shapes = [hand.tip_shapes(i) for i in mechanism.tips]
     if obj.known is not None and all(len(s) == 1 and s[0].swept is not None for s in shapes):
-        return Balls(obj, [s[0].swept for s in shapes])
+        return Balls(obj, [s[0] for s in shapes])
     return Detected(obj, shapes)
 
 
@@ -184,12 +208,11 @@ class Balls:
 
     noise = 0.0
 
-    def __init__(self, obj: Object, tips: list[Any]) -> None:
+    def __init__(self, obj: Object, tips: list[TipShape]) -> None:
         assert obj.known is not None  # `finger_contacts` saw to it
         self.kind, self.sizes = obj.known[0], np.array(obj.known[1], dtype=float)
         self.own, self.at = np.ascontiguousarray(obj.placement.rotation), obj.placement.translation.copy()
-        parts = [np.array([tip[k] for tip in tips], dtype=float) for k in range(3)]
-        self.swept = Stations(*parts)
+        self.swept = stations(tips)
 
     def __call__(
         self, places: Array, turns: Array, R: Array, t: Array, out: tuple[Array, Array, Array, Array, Array]

@@ -18,6 +18,7 @@ from handlcp.errors import InputError, NotReached, Unsupported
 from handlcp.grasp.friction import FrictionLaw
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.kind import cross_rows
+from handlcp.hand.objects.corner import corner_contact
 from handlcp.hand.objects.object import Object, on_surface
 from handlcp.hand.objects.overlap import apart, beyond, box_of, known, overlap, size_of, support
 from handlcp.hand.objects.swept import nearest_station
@@ -181,12 +182,14 @@ def nearest(shapes: tuple[TipShape, ...], position: Array, rotation: Array, obj:
     """
     if len(shapes) == 1 and shapes[0].central:
         return _nearest(shapes[0], position, _UNTURNED, obj)
-    found = [
-        _nearest(s, position + rotation @ s.translation, rotation @ s.rotation, obj)
-        if s.face is None or obj.known is None
-        else _by_face(s.face, position, rotation, obj)
-        for s in shapes
-    ]
+    found = list[Proximity]()
+    for s in shapes:
+        if s.face is not None and s.corner is not None:
+            found.append(_on_face(s.face, s.corner, position, rotation, obj))
+        elif s.face is not None and obj.known is not None:
+            found.append(_by_face(s.face, position, rotation, obj))
+        else:
+            found.append(_nearest(s, position + rotation @ s.translation, rotation @ s.rotation, obj))
     return min(found, key=lambda one: one.gap)
 
 
@@ -279,3 +282,11 @@ def _by_face(face: Swept, p: Array, R: Array, obj: Object) -> Proximity:
     away, on, out = on_surface(kind, sizes, station)
     outward = Q @ out
     return Proximity(away - face.radius, Q @ on + q, Q @ station + q - face.radius * outward, -outward)
+
+
+def _on_face(face: Swept, corner: Array, p: Array, R: Array, obj: Object) -> Proximity:
+    """Of a corner of the object, in the axes of its shape, and a face in a frame at p (3,) with rotation R (3, 3)."""
+    (Q, q), normal, rows = obj.frame, np.empty(3), np.empty((2, 3, 6))
+    x = Q @ corner + q
+    gap = corner_contact(x, p, p + R @ face.centre, face.spans @ R.T, face.radius, normal, rows[0], rows[1])
+    return Proximity(gap, x, x - gap * normal, normal)

@@ -19,15 +19,18 @@ SPREAD = 1.5e-3  # [m] farther apart, points are not those of a curved surface
 _WAYS = np.array([(np.cos(a), np.sin(a)) for a in 0.2 + np.arange(8) * np.pi / 4])
 
 
-def tilted(shapes: tuple[Any, ...], p: Array, R: Array, obj: Object, near: Proximity) -> tuple[Array, Array]:
-    """Points (8, 3) of the shapes, where they are, that are nearest when they are tilted in eight directions about
-    where they are nearest now, and the object's points (8, 3) opposite. The frame is at p (3,) with rotation R (3, 3).
+def tilted(
+    shapes: tuple[Any, ...], p: Array, R: Array, obj: Object, near: Proximity, angle: float = TILT
+) -> tuple[Array, Array]:
+    """Points (8, 3) of the shapes, where they are, that are nearest when they are tilted by an angle [rad] in eight
+    directions about where they are nearest now, and the object's points (8, 3) opposite. The frame is at p (3,) with
+    rotation R (3, 3).
     """
     x, y, _ = axes_of(near.normal).T
-    away = 2.0 * TILT * max(size_of(shape.geometry) for shape in shapes)
+    away = 2.0 * angle * max(size_of(shape.geometry) for shape in shapes)
     own, opposite = np.empty((8, 3)), np.empty((8, 3))
     for k, (a, b) in enumerate(_WAYS):
-        turn = pin.exp3(TILT * np.cross(near.normal, a * x + b * y))
+        turn = pin.exp3(angle * np.cross(near.normal, a * x + b * y))
         lifted = near.tip_point - away * near.normal
         there = nearest(shapes, lifted + turn @ (p - near.tip_point), turn @ R, obj)
         own[k] = near.tip_point + turn.T @ (there.tip_point - lifted)

@@ -37,7 +37,8 @@ class TipShape:
 
     radius : [m] of a sphere, None for other shapes. central : whether it is a sphere about the origin of the tip frame.
     name : for messages. face : the ball, line or face of it, in the tip frame, that alone is where it touches; None:
-    not known, or a sphere's.
+    not known, or a sphere's. corner (3,) : of the object, in the axes of its shape, which stands on the face; None:
+    what is nearest touches.
     """
 
     geometry: Any
@@ -47,6 +48,13 @@ class TipShape:
     central: bool = False
     name: str = "a fingertip"
     face: Swept | None = None
+    corner: Array | None = None
+
+    @property
+    def middle(self) -> Array:
+        """(3,) where it touches, or near there, in the tip frame."""
+        face = None if self.corner is not None else self.swept
+        return self.translation if face is None else face.centre
 
     @property
     def swept(self) -> Swept | None:

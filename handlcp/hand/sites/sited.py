@@ -136,7 +136,7 @@ def touching_there(hand: HandModel, near: list[Site]) -> HandModel:
         link = site.link.name
         seen[link] = seen.get(link, 0) + 1
         names.append(f"{link} {seen[link]}" if counts[link] > 1 else link)
-        about = site.shape.swept.centre if site.shape.swept is not None else site.shape.translation
+        about = site.shape.middle
         shapes.append((_moved(site.shape, -about),))
         place = site.link.place.placement * pin.SE3(np.eye(3), about.copy())
         marked = names[-1] if names[-1] not in taken else f"{names[-1]} (contact)"
