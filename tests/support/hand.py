@@ -179,10 +179,16 @@ def swept_station(obj, centre, spans):
     return nearest_station(kind, np.array(sizes, dtype=float), centre, spans, np.zeros(2))
 
 
-def swept_contacts(obj, swept, place, turn):
-    """Position, normal, gap, and how both turn and shift, of a swept ball (centre, spans, radius) in a moved frame."""
-    from handlcp.hand.followed.fingertips import Balls
+def swept_contacts(obj, swept, place, turn, corner=None):
+    """Position, normal, gap, and how both turn and shift, of a swept ball (centre, spans, radius) in a moved frame;
+    corner (3,) of the object, in the axes of its shape, that stands on it.
+    """
+    import coal
 
+    from handlcp.hand.followed.fingertips import Balls
+    from handlcp.hand.robot.tip_geometry import Swept, TipShape
+
+    shape = TipShape(coal.Sphere(0.01), np.eye(3), np.zeros(3), None, face=Swept(*swept), corner=corner)
     one = (np.empty((1, 3)), np.empty((1, 3)), np.empty(1), np.empty((1, 3, 6)), np.empty((1, 3, 6)))
-    Balls(obj, [swept])(place[None].copy(), turn[None].copy(), np.eye(3), np.zeros(3), one)
+    Balls(obj, [shape])(place[None].copy(), turn[None].copy(), np.eye(3), np.zeros(3), one)
     return tuple(part[0] for part in one)
