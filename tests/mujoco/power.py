@@ -11,7 +11,8 @@ factor of two, MuJoCo's forces within `force_bounds` (`tests.mujoco.power_pads`)
 
 An object that jumps by a centimetre is caught again or not: statics does not know which, as that hangs on how fast it
 flies and how fast fingers follow. Where the loss is missed MuJoCo is asked a second time, with an object that is damped
-ten times as much. Where it then says something else its loss is the whole span between its two answers.
+ten times as much. Where it then says something else its loss is the whole span between its two answers. Where
+handlcp's path is given up, which is said ("undecided"), it claims nothing from there on.
 """
 
 from __future__ import annotations
@@ -153,9 +154,10 @@ def asked_again(case: PowerCase, row: Row) -> Row:
     return replace(row, slow=simulate_limit(case.make(), case.wrench, most, seconds=RATE, settings=damped).factor)
 
 
-def _end(limit: Any) -> float:
-    ends = [mark.factor for name, mark in limit.marks.items() if name in ("lost", "limit")]
-    return float(min(ends, default=np.inf))
+def _ends(limit: Any) -> tuple[float, float]:
+    """Between which loads the path ends [N]: apart where it was given up, and nothing is claimed beyond."""
+    at = {name: mark.factor for name, mark in limit.marks.items() if name in ("lost", "limit", "undecided")}
+    return min(at.values(), default=np.inf), np.inf if "undecided" in at else min(at.values(), default=np.inf)
 
 
 def stored() -> dict[str, Row]:
@@ -180,8 +182,8 @@ def store(title: str, row: Row) -> None:
 @dataclass(frozen=True, eq=False)
 class Compared:
     """One case. contacts : how many. squeeze, half : by how much forces by link are apart; NaN where one holds nothing.
-    end, slides, lost : the load at which handlcp's path ends, from which the object slides through, and at which it is
-    lost [N]. seconds : of the limit.
+    ends : between which loads handlcp's path ends; slides, lost : from which the object slides through, and at which it
+    is lost [N]. seconds : of the limit.
     """
 
     case: PowerCase
@@ -189,19 +191,19 @@ class Compared:
     contacts: int
     squeeze: float
     half: float
-    end: float
+    ends: tuple[float, float]
     slides: float
     lost: float
     seconds: float
 
     @property
     def apart(self) -> float:
-        """Of the loads at which the object is lost, as a share of MuJoCo's; 0 between its two."""
+        """Of the loads at which the object is lost, as a share of MuJoCo's; 0 where the two spans meet."""
         low, high = (min(loss, self.row.truth.most) for loss in self.row.losses)
-        end = min(self.end, self.row.truth.most)
-        if low <= end <= high:
+        first, last = (min(end, self.row.truth.most) for end in self.ends)
+        if first <= high and low <= last:
             return 0.0
-        near = low if end < low else high
+        end, near = (last, low) if last < low else (first, high)
         return end / near - 1.0 if near > 0.0 else 1.0
 
     @property
@@ -219,7 +221,7 @@ class Compared:
 
     def __str__(self) -> str:
         t = self.row.truth
-        numbers = f"{self.contacts:8d} {100 * self.squeeze:7.2f}% {100 * self.half:7.2f}% {self.end:8.3f}"
+        numbers = f"{self.contacts:8d} {100 * self.squeeze:7.2f}% {100 * self.half:7.2f}% {self.ends[0]:8.3f}"
         slow = "" if np.isnan(self.row.slow) else f"{self.row.slow:.3f}"
         numbers += f" {t.factor:8.3f} {100 * self.apart:+7.2f}% {self.slides:8.3f} {t.jump:8.3f} {slow:>8s}"
         times = f"{self.seconds:6.1f} s {t.seconds:6.1f} s"
@@ -238,7 +240,7 @@ def compared(case: PowerCase, row: Row) -> Compared:
     if np.isfinite(row.forces).all() and (there := grasp.follow(row.load * case.wrench)).reached:
         half = apart(by_link(grasp, there.solution.forces_world), row.forces)
     return Compared(
-        case, row, len(grasp.names), squeeze, half, _end(limit), min(slides, lost), lost, took
+        case, row, len(grasp.names), squeeze, half, _ends(limit), min(slides, lost), lost, took
     )  # fmt: skip
 
 

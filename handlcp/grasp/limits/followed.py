@@ -250,8 +250,8 @@ def _rest(f: _Followed) -> Rest:
     marks = {
         name: f.mark(x) for name, x in (("first_slip", first), ("slides", slides), ("lost", lost)) if x is not None
     }
-    if run.outcome is Outcome.LIMIT:
-        marks["limit"] = f.mark(run.shares[-1])
+    if run.outcome in (Outcome.LIMIT, Outcome.GAVE_UP):
+        marks["limit" if run.outcome is Outcome.LIMIT else "undecided"] = f.mark(run.shares[-1])
     events = [LimitEvent(e.kind, e.who, e.share) for e in run.events if e.kind in _NAMED]
     events += [LimitEvent("snaps", OBJECT, s.share, s.moved, s.turned, s.pushed) for s in run.snaps if s.rests]
     if slides is not None:

@@ -22,6 +22,7 @@ from handlcp.views import view
 
 _CALLED = {
     "first_slip": "first slip", "slides": "slides through", "lost": "lost", "limit": "limit reached",
+    "undecided": "undecided beyond",
 }  # fmt: skip
 _SAME = 1e-6  # factors that differ by less are the same
 
@@ -130,7 +131,7 @@ class LoadLimit(Record):
     @property
     def lost(self) -> float | None:
         """The factor beyond which the path has no state at rest; None: it has one, or a joint's limit ends the path
-        before.
+        before, or the path could not be followed on: then `marks` has "undecided".
         """
         return self._rest.lost
 
@@ -141,8 +142,8 @@ class LoadLimit(Record):
 
     @property
     def marks(self) -> dict[str, Reached]:
-        """How far the object has moved where it matters: at "first_slip", "slides", "lost", and at the "limit" of a
-        joint or of the motion.
+        """How far the object has moved where it matters: at "first_slip", "slides", "lost", at the "limit" of a joint
+        or of the motion, and where the path could not be followed on: "undecided".
         """
         return self._rest.marks
 
