@@ -23,15 +23,24 @@ HALF, HEIGHT, MASS, WEIGHT, PAD = 0.02, 0.06, 0.5, 0.5 * 9.81, 2e-5  # m, m, kg,
 CENTRE = np.array([0.01, -0.005, HEIGHT / 2])
 
 
-def standing(friction, rotation=None, centre=CENTRE, mesh=False, **arguments):
+def standing(
+    friction,
+    rotation=None,
+    centre=CENTRE,
+    mesh=False,
+    size=(2 * HALF, 2 * HALF, HEIGHT),
+    urdf=PALM,
+    pad=PAD,
+    **arguments,
+):
     """A block on its four corners on a wide palm, its weight alone presses it on; pads give way by 20 µm a newton."""
-    hand = hl.Hand.from_urdf(PALM, fingertips=["bar"], joint_stiffness=5.0, pad_flexibility=PAD)
+    hand = hl.Hand.from_urdf(urdf, fingertips=["bar"], joint_stiffness=5.0, pad_flexibility=pad)
     place = pin.SE3(np.eye(3) if rotation is None else rotation, np.array(centre))
-    block = hl.Box((2 * HALF, 2 * HALF, HEIGHT), place, mass=MASS)
+    block = hl.Box(size, place, mass=MASS)
     if mesh:
         import trimesh
 
-        block = hl.Mesh(trimesh.creation.box((2 * HALF, 2 * HALF, HEIGHT)), placement=place, mass=MASS)
+        block = hl.Mesh(trimesh.creation.box(size), placement=place, mass=MASS)
     return hand.at([0.0]).grasp(block, links=["palm"], friction=friction, **arguments)
 
 
@@ -105,3 +114,51 @@ def test_contacts_at_corners_turn_and_shift_as_differences_of_them_do(beyond):
             gap = (ends[0][2] - ends[1][2]) / (2 * h)
             moved = np.eye(3)[a] if a < 3 else np.cross(np.eye(3)[a - 3], at[0] - place)
             assert gap == pytest.approx(-float(at[1] @ moved), abs=1e-6)
+
+
+# ---------------------------------------------------------------- Blocks that lean, and what stands on little.
+
+
+def laid(R, size=(2 * HALF, 2 * HALF, HEIGHT), **arguments):
+    """A block turned by R (3, 3) that just touches the palm."""
+    signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
+    corners = 0.5 * signs * np.array(size) @ R.T
+    return standing(0.5, R, (0.0, 0.0, -corners[:, 2].min()), size=size, **arguments)
+
+
+@pytest.mark.parametrize("axis", [(1, 0, 0), (1, 1, 0), (0.3, 1, 0)])
+@pytest.mark.parametrize("tilt", [1e-7, 1e-5, 1e-3, 1.9e-3, 2.1e-3, 4e-3, 1e-2])
+def test_no_corner_is_lost_however_little_a_block_leans(tilt, axis):
+    grasp = laid(pin.exp3(tilt * np.array(axis) / np.linalg.norm(axis)), max_gap=2e-3)
+    assert len(grasp.contacts) == 4
+    assert grasp.check().word == "HELD"
+
+
+@pytest.mark.parametrize("mesh", [False, True], ids=["box", "mesh"])
+@pytest.mark.parametrize("off", [0.0, 0.002, 0.02, -0.02])
+def test_a_block_that_is_balanced_on_an_edge_is_not_held(off, mesh):
+    R = pin.exp3(np.array([0.0, np.arctan2(HALF, HEIGHT / 2) + off, 0.0]))
+    assert laid(R, mesh=mesh).check().word == "NOT HELD"
+
+
+def test_a_thin_plate_on_its_edge_tips_over_its_thickness():
+    """F h = m g w, where h is the height and w the thickness: with 1.4 mm the corners are near each other."""
+    limit = laid(np.eye(3), (0.0014, 0.04, 0.03), pad=1e-7).load_limit((1, 0, 0, 0, 0, 0))
+    assert limit.factor == pytest.approx(WEIGHT * 0.0014 / 0.03, rel=0.02)  # it leans on pads, which give way
+
+
+def test_contacts_keep_their_numbers_under_noise():
+    rng, first = np.random.default_rng(0), standing(0.5)
+    where = np.array([c.position for c in first.contacts])
+    for _ in range(8):
+        R = pin.exp3(1e-9 * rng.normal(size=3))
+        moved = standing(0.5, R, CENTRE + 1e-9 * rng.normal(size=3))
+        np.testing.assert_allclose([c.position for c in moved.contacts], where, atol=1e-6)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.0025, 0.01])
+def test_a_disc_is_a_palm_as_a_box_is(tilt):
+    disc = PALM.replace('<box size="0.2 0.2 0.02"/>', '<cylinder radius="0.1" length="0.02"/>')
+    grasp = laid(pin.exp3(np.array([tilt, 0.0, 0.0])), urdf=disc, max_gap=2e-3)
+    assert len(grasp.contacts) == 4
+    assert grasp.check().word == "HELD"

@@ -334,3 +334,13 @@ def test_a_hand_does_not_close_on_an_object_inside_its_palm():
 def test_a_hand_that_is_still_open_is_told_how_it_closes():
     with pytest.raises(NotReached, match=r"close_on\(obj, wrap=True\) closes the hand first, or closing_torque="):
         flat().at([0.5]).grasp(Sphere(0.02, (0, 0, 0.05)), links=["palm"], squeeze=0.001)
+
+
+def test_friction_of_a_link_stays_when_a_grasp_is_made_again():
+    grasp = on_palm(Box(0.04, (0.03, 0, 0.02), mass=0.2), friction={"palm": 0.9, "palm 2": 0.4})
+    for made in (grasp.replace(mass=0.3), grasp.replace(gravity=(0, 9.81, 0)), grasp.replace(load=(1, 0, 0, 0, 0, 0))):
+        assert [c.mu for c in made.contacts] == [c.mu for c in grasp.contacts]
+    new = grasp.replace(friction={"palm": 0.5})
+    assert {c.name: c.mu for c in new.contacts} == {
+        c.name: 0.5 if c.name.startswith("palm") else 0.6 for c in grasp.contacts
+    }

@@ -92,18 +92,21 @@ def _friction(asked: HandAsked, spec: GraspSpec, mechanism: HandMechanism, chang
     target, names = changes["target"], mechanism.fingertips
     old = [c.friction for c in spec.contacts[: len(names)]]
     chosen = changes.get("fingers", asked.fingers)
-    here = set(mechanism.posture.hand.fingertips if chosen is None else chosen)
+    hand = mechanism.posture.hand
+    here = set(hand.fingertips if chosen is None else chosen)
     if "friction" not in changes:
         if "object" in changes and not isinstance(target, Object):
             return {"friction": None}  # contacts bring their own
         if isinstance(asked.friction, Mapping):
-            return {"friction": {name: law for name, law in asked.friction.items() if name in here}}
+            left_out = set(hand.fingertips) - here
+            return {"friction": {name: law for name, law in asked.friction.items() if name not in left_out}}
         return {}
     asked_for = changes["friction"]
     found = changes.get("found", asked.found)
     if found is None and (isinstance(target, Object) or "object" in changes):
         if isinstance(asked_for, Mapping) and isinstance(asked.target, Object):
-            kept = {name: law for name, law in zip(names, old, strict=True) if name in here}
+            links = mechanism.links  # what is said of a link is said of all its contacts
+            kept = {n: law for n, law in zip(names, old, strict=True) if n in here and links.get(n) not in asked_for}
             return {"friction": kept | dict(asked_for)}
         return {}
     laws = laws_by_name(asked_for, names, old)

@@ -8,14 +8,15 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array
-from handlcp.grasp.model.contact import frame as axes_of
 from handlcp.hand.objects.detect import Proximity, nearest
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.overlap import size_of
+from handlcp.words import first_largest
 
 TILT = 2e-3  # [rad]
 SPREAD = 1.5e-3  # [m] farther apart, points are not those of a curved surface
-# Along no axis of a contact: tilted toward an edge alone, a face touches anywhere on that edge, and not at its corners
+# Along no axis of a link: tilted toward an edge alone, a face touches anywhere on that edge, and not at its corners
+_ASIDE = np.array([0.62, 0.34, 0.71])
 _WAYS = np.array([(np.cos(a), np.sin(a)) for a in 0.2 + np.arange(8) * np.pi / 4])
 
 
@@ -26,7 +27,8 @@ def tilted(
     directions about where they are nearest now, and the object's points (8, 3) opposite. The frame is at p (3,) with
     rotation R (3, 3).
     """
-    x, y, _ = axes_of(near.normal).T
+    x = across_in(R, near.normal)
+    y = np.cross(near.normal, x)
     away = 2.0 * angle * max(size_of(shape.geometry) for shape in shapes)
     own, opposite = np.empty((8, 3)), np.empty((8, 3))
     for k, (a, b) in enumerate(_WAYS):
@@ -38,14 +40,21 @@ def tilted(
     return own, opposite
 
 
+def across_in(R: Array, normal: Array) -> Array:
+    """(3,) a unit vector across the normal (3,), which turns with a frame whose rotation is R (3, 3)."""
+    x = R @ _ASIDE
+    x = x - normal * (normal @ x)
+    return np.asarray(x / np.sqrt(x @ x))
+
+
 def corners(flat: Array, apart: float = SPREAD) -> list[int]:
     """Numbers of up to four of points (m, 2) that span what all do, the farthest from those before first; nearer than
-    `apart` [m] two are one.
+    `apart` [m] two are one. Of those that are as far but for rounding, the first.
     """
-    chosen = [int(np.linalg.norm(flat, axis=1).argmax())]
+    chosen = [first_largest(np.linalg.norm(flat, axis=1))]
     while len(chosen) < 4:
         away = np.linalg.norm(flat[:, None] - flat[chosen], axis=2).min(axis=1)
         if away.max() <= apart:
             break
-        chosen.append(int(away.argmax()))
+        chosen.append(first_largest(away))
     return chosen
