@@ -28,7 +28,7 @@ from handlcp.progress import tick
 SHARE, MOST = 1.0 / 3.0, 0.3  # of a joint's torque limit; [N·m], also where no limit is known
 _AT_ONCE, _SOLVED = 12, 48  # closed exactly and solved: of a round, and in all
 _FOLLOWED = 2  # grasps of a round that are followed with success, at most
-_CHECKED = 8  # grasps that are checked; and as many as are followed if those only lie there
+_CHECKED = 6  # grasps that are checked, before those that only lie there
 _WORTH = 0.5  # of the best: what holds no more is not followed any further
 _REACH = 4e-3  # [m] links no farther away may come to touch while the hand closes on what gives way
 _DEEP = 1e-3  # [m] deeper in the object no link may be
@@ -66,7 +66,8 @@ class PowerSearch:
             cradles += found
             if not some:
                 break
-        cradles += self._followed(waiting, _CHECKED + _FOLLOWED)
+        if not cradles:
+            cradles = self._followed(waiting[:_FOLLOWED], _CHECKED + _FOLLOWED)
         return sorted(cradles, key=lambda one: one.rank)
 
     def _followed(self, some: Iterable[Candidate], most: int) -> list[Candidate]:
