@@ -61,7 +61,7 @@ def find_grasp(
         that is not convex its parts count, which take the package coacd (pip install handlcp[convex]).
     friction, wrench, gravity, squeeze, grip_force, closing_torque : as in `state.grasp`. With neither squeeze nor
         grip_force each fingertip presses with the normal force that balance needs, planned with 60 % of the friction.
-        A power grasp is closed by torque; None: by a third of each joint's limit, at most 0.3 N·m, or as much for each
+        A power grasp is closed by torque; None: by half of each joint's limit, at most 0.5 N·m, or as much for each
         of several joints that are driven together.
     fingers : names of those that are to touch with their tips; None: all.
     tries : placements to begin with, ≥ 1. seed : the same seed finds the same grasps.

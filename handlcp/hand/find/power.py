@@ -25,7 +25,7 @@ from handlcp.hand.sites.wrap import bending
 from handlcp.hand.state import HandState
 from handlcp.progress import tick
 
-SHARE, MOST = 1.0 / 3.0, 0.3  # of a joint's torque limit; [N·m], also where no limit is known
+SHARE, MOST = 0.5, 0.5  # of a joint's torque limit; [N·m], also where no limit is known
 _AT_ONCE, _SOLVED = 12, 48  # closed exactly and solved: of a round, and in all
 _FOLLOWED = 2  # grasps of a round that are followed with success, at most
 _CHECKED = 6  # grasps that are checked, before those that only lie there
@@ -153,7 +153,7 @@ def _best(found: Iterable[Candidate]) -> float:
 
 
 def closing_by_limit(hand: HandModel) -> Array:
-    """(nv,) [N·m] with which joints close where nothing else is said: a third of the limit, at most 0.3 N·m, or as
+    """(nv,) [N·m] with which joints close where nothing else is said: half of the limit, at most 0.5 N·m, or as
     much for each joint of those that are driven together.
     """
     C = hand.kinematics.coupling
