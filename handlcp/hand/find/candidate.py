@@ -160,7 +160,9 @@ def followed_through(one: Candidate, least: float) -> Candidate | None:
         return None
     if held is None:
         return None
-    return replace(one, held_force=held.force, cradled=held.cradled, gives_out=held.gives_out)
+    found = replace(one, held_force=held.force, cradled=held.cradled, gives_out=held.gives_out)
+    found.__dict__.update({key: value for key, value in one.__dict__.items() if key == "verdict"})  # it took long
+    return found
 
 
 def checked(found: Sequence[Candidate], most: int, tried: Counter[str], refused: list[Candidate]) -> list[Candidate]:
@@ -199,7 +201,7 @@ _STEPS = {
     "laid": "against the palm", "tried": "placements tried",
     "touching": "touched by all fingers, without a link inside", "enclosing": "closed round the object",
     "balanced": "where forces within friction hold the object", "clear": "without links in each other, solved",
-    "held": "held by one solve", "followed": "followed in all directions", "checked": "checked",
+    "held": "held by one solve", "checked": "checked", "followed": "followed in all directions",
 }  # fmt: skip
 
 
@@ -208,7 +210,7 @@ class Found(Record, Sequence[Candidate]):
     at most 80 columns, with the warnings of that verdict.
 
     tried : how many placements came how far: "sampled", "tried", "touching", "balanced", "clear", "held", "checked"; of
-        power grasps "sampled", "laid", "tried", "settled", "enclosing", "clear", "held", "followed", "checked".
+        power grasps "sampled", "laid", "tried", "settled", "enclosing", "clear", "held", "checked", "followed".
     why : what became of the search in one sentence.
     """
 

@@ -51,17 +51,18 @@ def find_grasp(
         `state.grasp(obj, links="all", closing_torque=…, hold_object=True)` from the open hand. "any": both.
 
     Grasps are sorted by the force that they hold beside the load in the worst of six directions, `held_force` of
-    `Candidate`. Of power grasps the best few that one solve holds are followed, while the hand closes, is loaded and
-    pushed, and the others left out. Those in which the object only lies on fingers, held by its own weight, come last
-    and are called cradled. The first grasp of the result is HELD by `grasp.check()`, which follows it while the hand
-    closes and is loaded; its object does not snap elsewhere on the way. The margin of a grasp is the smaller of its
-    friction reserve and its torque reserve.
+    `Candidate`. Of power grasps the best that one solve holds are checked, then followed while the hand closes, is
+    loaded and pushed, until one holds as much as the load in every direction; the others are left out. Those in which
+    the object only lies on fingers, held by its own weight, come last and are called cradled. The first grasp of the
+    result is HELD by `grasp.check()`, which follows it while the hand closes and is loaded; its object does not snap
+    elsewhere on the way. The margin of a grasp is the smaller of its friction reserve and its torque reserve.
 
     obj : its shape and mass count, its placement does not. For a power grasp of a mesh
         that is not convex its parts count, which take the package coacd (pip install handlcp[convex]).
     friction, wrench, gravity, squeeze, grip_force, closing_torque : as in `state.grasp`. With neither squeeze nor
         grip_force each fingertip presses with the normal force that balance needs, planned with 60 % of the friction.
-        A power grasp is closed by torque; None: by a third of each joint's limit, at most 0.3 N·m.
+        A power grasp is closed by torque; None: by half of each joint's limit, at most 0.5 N·m, or as much for each
+        of several joints that are driven together.
     fingers : names of those that are to touch with their tips; None: all.
     tries : placements to begin with, ≥ 1. seed : the same seed finds the same grasps.
     throw : raise NoGraspFound, which says how far the search came, where nothing is found; False: an empty result.

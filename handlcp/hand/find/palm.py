@@ -1,13 +1,15 @@
 """An object laid against the palm of an open hand, in many ways, and the hand closed round it roughly.
 
 Of each finger the joints that bend are at their open end; those that spread or oppose it are anywhere in their ranges.
+In half of the hands those that only spread fingers side by side stay near rest: at random such fingers cross.
 In every other hand only the first bending joint of each finger closes, and those beyond it are bent beforehand: fingers
 that all curl up meet each other round a small object.
 The object comes from where the fingers bend to, straight towards the palm, until it touches something. A long object
 lies along the axes about which fingers bend, so that they can go round it. Then the hand closes as `hand/sites/wrap.py`
 closes it, with points in place of surfaces. What encloses the object best is closed exactly later.
 
-enclosure = min over directions d of  max over links that touch of  μ |d - (d·n) n| - d·n
+enclosure = min over directions d of  max over links that touch of  μ |d - (d·n) n| - d·n,
+            and more for what touches the palm, too
 
 n the normal of a link into the object, d a way in which the object may leave. It is positive where some link stands in
 every way.
@@ -36,14 +38,18 @@ from handlcp.hand.sites.wrap import bending
 LAID = 1024  # placements that are compared
 CLOSED = 224  # of them, those that lie nearest to the palm, round which the hand closes
 _TILT, _TURN = 0.3, 0.35  # [rad] of the way to the palm, and of the object about it, at most
+_SHARES = 0.1 * np.arange(7)  # of their ranges, as far as fingers close where the ways they move are looked for
+_AGREE = 8  # power of the cosines of axes
 _PLAIN = 0.35  # of fingers that bend to one side: the mean of the unit vectors along which their tips move
 _BENT = 0.6  # of its range, how far a joint is bent beforehand, at most
-_OTHERS = 0.25  # share of placements for the other way to come
+_SPREAD = 0.4  # of the way to the ends of their ranges, how far fingers side by side spread that stay near rest
+_SIDE_BY_SIDE = 0.9  # cosine of the axes of two such fingers
 _ASIDE = 0.25  # of the hand's size, how far beside the middle the object comes
 _STEPS, _NEAR = 40, 2e-4  # towards the palm; [m] what is left before it
 _TOUCHES = 3e-3  # [m] as far as points tell
 _CLOSING, _QUICKEST = 40, 0.02  # steps of closing, and the shortest, in radians
 _SETTLING, _EXACT, _AWAY, _STEEP = 12, 1e-6, 5e-3, 0.05  # steps to just touching, [m] there, [m] at first; n · way
+_PALM = 0.1  # more for what touches the palm, too
 _WAYS = evenly(40)  # in which the object may leave
 
 
@@ -68,12 +74,15 @@ def laid(hand: HandModel, obj: Object, friction: float, seed: int, clear: Callab
 
     skin, home = Skin(hand), obj.moved_to(np.zeros(3))
     lower, upper = free_ranges(hand)
-    draws = qmc.Sobol(hand.nv + 9, rng=seed).random(LAID)
+    draws = qmc.Sobol(hand.nv + 11, rng=seed).random(LAID)
     middle = _Middle(hand, skin, home)
-    u, spread = draws[:, :9], draws[:, 9:]
-    qs = np.where(middle.speed != 0.0, middle.opened, lower + spread * (upper - lower))
-    bent = (u[:, 8:] < 0.5) & (middle.speed != 0.0) & ~middle.first
-    qs = np.where(bent, middle.opened + _BENT * 2.0 * u[:, 8:] * (middle.shut - middle.opened), qs)
+    u, spread, calm = draws[:, :10], draws[:, 10:-1], draws[:, -1:]
+    anywhere = lower + spread * (upper - lower)
+    near = middle.rest + _SPREAD * 2.0 * calm * (anywhere - middle.rest)
+    qs = np.where(middle.beside & (calm < 0.5), near, anywhere)
+    qs = np.where(middle.speed != 0.0, middle.opened, qs)
+    bent = (u[:, 8:9] < 0.5) & (middle.speed != 0.0) & ~middle.first
+    qs = np.where(bent, middle.opened + _BENT * 2.0 * u[:, 8:9] * (middle.shut - middle.opened), qs)
     qs = np.where(hand.moves.all(axis=0), middle.rest, qs)  # a wrist
     rotations, ways, aims = middle.drawn(u, home)
     centre = 0.5 * np.sum(box_of(home.geometry), axis=0)
@@ -113,9 +122,10 @@ def settled(hand: HandModel, among: Iterable[Toucher], obj: Object, one: Laid) -
 
 class _Middle:
     """Where a hand closes to. speed (nv,) of joints that bend, opened, shut (nv,) their ends. first (nv,) : whether a
-    joint is the first of a finger that bends. n (3,), other (3,) : ways
-    out of the palm, across (3,) : along which fingers bend. palm (3,), closes (3,) : middle of the palm, and of where
-    fingertips go. size [m] : from one to the other, and more.
+    joint is the first of a finger that bends. beside (nv,) : whether it moves only fingers that have others at their
+    side, which bend about the same axis. n (3,), other (3,) : ways out of the palm, across (3,) : along which most
+    fingers bend. palm (3,), closes (3,) : middle of the palm, and of where fingertips go. size [m] : from one to the
+    other, and more.
     """
 
     def __init__(self, hand: HandModel, skin: Skin, home: Object) -> None:
@@ -123,7 +133,8 @@ class _Middle:
         lower, upper = free_ranges(hand)
         half = np.where(hand.moves.all(axis=0), self.rest, 0.5 * (lower + upper))
         at_rest = Posture(hand, self.rest)
-        self.speed = bending(hand, self.rest, home.moved_to(at_rest.tip_positions.mean(axis=0)))
+        between = at_rest.tip_positions.mean(axis=0)
+        self.speed = bending(hand, self.rest, home.moved_to(between - home.center_of_mass))
         low, high = (
             np.where(np.isfinite(hand.lower), hand.lower, lower),
             np.where(np.isfinite(hand.upper), hand.upper, upper),
@@ -135,28 +146,37 @@ class _Middle:
             self.first[np.flatnonzero(moved_by)[:1]] = True
         start = np.where(self.speed != 0.0, self.opened, half)
         end = np.where(self.speed != 0.0, self.shut, half)
-        on_way = [Posture(hand, start + share * (end - start)).tip_positions for share in (0.0, 0.3, 0.6)]
-        first = Posture(hand, start)
-        moved = (first.jacobian @ self.speed).reshape(-1, 3)
-        moved /= np.maximum(np.linalg.norm(moved, axis=1), 1e-12)[:, None]
+        closing = [Posture(hand, start + share * (end - start)) for share in _SHARES]
+        on_way = [closing[k].tip_positions for k in (0, 3, 6)]
         palm = skin.palm[skin.of]
         self.palm = (skin.at(start[None])[0][palm] if palm.any() else on_way[0]).mean(axis=0)
         self.closes = np.mean(on_way, axis=(0, 1))
+        # Straight fingers point along the palm and move away from it; bent back, they move along it.
+        away = [np.linalg.norm(one.tip_positions - self.palm, axis=1) for one in closing]
+        moved = np.array([(one.jacobian @ self.speed).reshape(-1, 3) for one in closing])
+        moved = moved[np.argmax(away, axis=0), np.arange(moved.shape[1])]
+        moved /= np.maximum(np.linalg.norm(moved, axis=1), 1e-12)[:, None]
         out, plain = moved.mean(axis=0), float(np.linalg.norm(moved.mean(axis=0)))
         straight = self.closes - self.palm
         ways = [out / max(plain, 1e-12), straight / max(float(np.linalg.norm(straight)), 1e-12)]
         self.n, self.other = ways if plain >= _PLAIN else ways[::-1]
-        axes = first.turning(hand.tips.every) @ (self.speed != 0.0)
-        self.across = np.linalg.eigh(axes.T @ axes)[1][:, -1]
+        axes = at_rest.turning(hand.tips.every) @ self.speed
+        axes /= np.maximum(np.linalg.norm(axes, axis=1), 1e-12)[:, None]
+        alike = axes @ axes.T
+        shared = (alike**_AGREE).sum(axis=1)  # what most fingers bend about counts, a thumb hardly
+        self.across = np.linalg.eigh((axes.T * shared) @ axes)[1][:, -1]
+        np.fill_diagonal(alike, 0.0)
+        self.beside = ~(hand.moves & (alike.max(axis=1) < _SIDE_BY_SIDE)[:, None]).any(axis=0)
         self.size = float(np.linalg.norm(on_way[0] - self.palm, axis=1).max())
 
     def drawn(self, u: Array, home: Object) -> tuple[Array, Array, Array]:
         """Rotations (k, 3, 3) of the object, ways (k, 3) out of the palm on which it comes, and points (k, 3) on them,
-        as draws (k, 8) in [0, 1) say.
+        as draws (k, 10) in [0, 1) say.
         """
         from scipy.spatial.transform import Rotation
 
-        out = np.where(u[:, :1] < _OTHERS, self.other, self.n)
+        out = self.n + u[:, :1] * (self.other - self.n)
+        out /= np.maximum(np.linalg.norm(out, axis=1), 1e-12)[:, None]
         tilts = Rotation.from_rotvec(_TILT * (2.0 * u[:, 1:4] - 1.0)).as_matrix()
         ways = np.einsum("kxy,ky->kx", tilts, out)
         along = self.across - ways * (ways @ self.across)[:, None]
@@ -173,6 +193,9 @@ class _Middle:
         chosen = np.where(
             (u[:, 5] < 0.4)[:, None, None], sides[0], np.where((u[:, 5] < 0.8)[:, None, None], sides[1], upright)
         )
+        turned = np.floor(4.0 * u[:, 9])  # end for end, and upside down: all the same of a box
+        one, two = 1.0 - 2.0 * (turned % 2.0), 1.0 - 2.0 * (turned // 2.0)
+        chosen = chosen * np.stack([one, one * two, two], axis=1)[:, None, :]
         share, beside = u[:, 6:7], _ASIDE * self.size * (2.0 * u[:, 7:8] - 1.0)
         aims = self.palm + share * (self.closes - self.palm) + beside * along
         return hand_axes @ chosen.transpose(0, 2, 1), ways, aims
@@ -233,7 +256,9 @@ def _closed(
         qs = qs + np.sign(speed) * np.minimum(abs(speed) * step_by, np.maximum(ends, 0.0))
     points = (skin.at(qs) - o[:, None]) @ R
     gaps = measure(points)
-    return qs, [_enclosure(skin, *one, measure, friction) for one in zip(points, gaps, strict=True)]
+    scores = [_enclosure(skin, *one, measure, friction) for one in zip(points, gaps, strict=True)]
+    on_palm = skin.least(gaps)[:, skin.palm].min(axis=1, initial=np.inf) <= _TOUCHES
+    return qs, [score + _PALM * on for score, on in zip(scores, on_palm.tolist(), strict=True)]
 
 
 def _carried(skin: Skin, speed: Array) -> Bools:

@@ -13,7 +13,7 @@ from handlcp.check import Array, Bools
 from handlcp.errors import InputError, NotReached, Unsupported
 from handlcp.grasp.batch.solve_many import solve_many
 from handlcp.hand.asked.closing import closing_torques
-from handlcp.hand.find.candidate import Candidate, candidate_of, checked, followed_through
+from handlcp.hand.find.candidate import Candidate, candidate_of, followed_through
 from handlcp.hand.find.clear import Links
 from handlcp.hand.find.palm import LAID, Laid, laid, settled
 from handlcp.hand.hand_grasp import HandGrasp
@@ -25,11 +25,11 @@ from handlcp.hand.sites.wrap import bending
 from handlcp.hand.state import HandState
 from handlcp.progress import tick
 
-SHARE, MOST = 1.0 / 3.0, 0.3  # of a joint's torque limit; [N·m], also where no limit is known
+SHARE, MOST = 0.5, 0.5  # of a joint's torque limit; [N·m], also where no limit is known
 _AT_ONCE, _SOLVED = 12, 48  # closed exactly and solved: of a round, and in all
-_FOLLOWED = 2  # grasps of a round that are followed
+_FOLLOWED = 2  # grasps of a round that are followed with success, at most
+_CHECKED = 6  # grasps that are checked, before those that only lie there
 _WORTH = 0.5  # of the best: what holds no more is not followed any further
-_FIRM = 1.0  # times the load: what holds it in every direction ends the first round, what holds anything a later one
 _REACH = 4e-3  # [m] links no farther away may come to touch while the hand closes on what gives way
 _DEEP = 1e-3  # [m] deeper in the object no link may be
 
@@ -47,36 +47,50 @@ class PowerSearch:
         self.refused: list[Candidate] = []
 
     def run(self, tries: int) -> list[Candidate]:
-        """The grasps that hold when they are followed, the best first; of these the first is held when checked."""
+        """The grasps that hold when they are checked and followed, the best first."""
         clear = self._links.out_of_each_other
         open_hands = laid(self._hand, self._obj, _coefficient(self._asked["friction"]), self._seed, clear)
         self.tried["laid"] = len(open_hands)
         enclosing = (one for one in open_hands if one.score > 0.0 and clear(one.closed))
-        waiting, found = list[Candidate](), list[Candidate]()
-        for tried in range(0, min(tries, _SOLVED), _AT_ONCE):
+        most = min(tries, _SOLVED)
+        waiting, cradles = list[Candidate](), list[Candidate]()
+        for tried in range(0, most, _AT_ONCE):
             some = list(islice(enclosing, min(tries, _AT_ONCE)))
             waiting = sorted([*waiting, *self._held(some)], key=lambda one: one.rank)
-            found = sorted([*found, *self._followed(waiting[:_FOLLOWED], found)], key=lambda one: one.rank)
-            waiting = waiting[_FOLLOWED:]
-            firm = _FIRM * float(np.linalg.norm(found[0].grasp.spec.wrench[:3])) if found and tried == 0 else 0.0
-            if not some or _best(found) > firm:
+            last = not some or tried + _AT_ONCE >= most
+            firm = [one for one in waiting if one.rank < 0.0 and (last or one.held_force > _load(one))]
+            waiting = [one for one in waiting if one not in firm]  # one solve costs far less than to follow these
+            found = self._followed(firm, _CHECKED)
+            if _best(found):
+                return found
+            cradles += found
+            if not some:
                 break
-        return checked(found, len(found), self.tried, self.refused)
+        if not cradles:
+            cradles = self._followed(waiting[:_FOLLOWED], _CHECKED + _FOLLOWED)
+        return sorted(cradles, key=lambda one: one.rank)
 
-    def _followed(self, some: Iterable[Candidate], before: list[Candidate]) -> list[Candidate]:
-        """Those of some that hold when they are followed, with what they hold then. What holds far less than the best,
-        of `before`, too, is left out.
+    def _followed(self, some: Iterable[Candidate], most: int) -> list[Candidate]:
+        """Those of some of which the check is sure, with what they hold when they are followed, the best first. One
+        that holds as much as the load in every direction ends it, or `most` that are checked in all.
         """
         found = list[Candidate]()
         for one in some:
+            if self.tried["checked"] >= most or len(found) >= _FOLLOWED or _best(found) > _load(one):
+                break
+            self.tried["checked"] += 1
+            tick(f"checking grasp {self.tried['checked']}")
+            if not one.sure:  # this costs less than to follow it in all directions
+                self.refused.append(one)
+                continue
             self.tried["followed"] += 1
             tick(f"following grasp {self.tried['followed']}")
-            best = _best([*before, *found])
+            best = _best(found)
             if (held := followed_through(one, _WORTH * best)) is not None:
                 found.append(held)
             elif not best:
                 self.refused.append(one)
-        return found
+        return sorted(found, key=lambda one: one.rank)
 
     def _held(self, some: list[Laid]) -> list[Candidate]:
         """The grasps of these that are clear and held."""
@@ -128,14 +142,22 @@ class PowerSearch:
         return np.where(way != 0.0, np.where(closing, np.sign(way) * given, 0.0), given)
 
 
+def _load(one: Candidate) -> float:
+    """[N] Its size."""
+    return float(np.linalg.norm(one.grasp.spec.wrench[:3]))
+
+
 def _best(found: Iterable[Candidate]) -> float:
     """The largest force of those that are held in every direction [N]; 0 without any."""
     return max((one.held_force for one in found if one.rank < 0.0), default=0.0)
 
 
 def closing_by_limit(hand: HandModel) -> Array:
-    """(nv,) [N·m] with which joints close where nothing else is said: a third of the limit, at most 0.3 N·m."""
-    return np.minimum(SHARE * hand.torque_limits, MOST)
+    """(nv,) [N·m] with which joints close where nothing else is said: half of the limit, at most 0.5 N·m, or as
+    much for each joint of those that are driven together.
+    """
+    C = hand.kinematics.coupling
+    return np.minimum(SHARE * hand.torque_limits, MOST * (1.0 if C is None else abs(C).sum(axis=0)))
 
 
 def encloses(hand: HandModel, grasp: HandGrasp) -> bool:
