@@ -69,6 +69,7 @@ from .hand import (
     HandGrasp as HandGrasp,
     HandGraspSolution as HandGraspSolution,
     HandState as HandState,
+    MeasuredStiffness as MeasuredStiffness,
     Mesh as Mesh,
     RequiredTorque as RequiredTorque,
     Sphere as Sphere,
@@ -81,6 +82,7 @@ from .hand import (
     example_hand as example_hand,
     find_grasp as find_grasp,
     read_postures as read_postures,
+    stiffness_from as stiffness_from,
 )
 from .lcp import (
     LCP as LCP,

@@ -1,4 +1,5 @@
 from .design.motors import RequiredTorque as RequiredTorque
+from .elasticity.measured import MeasuredStiffness as MeasuredStiffness, stiffness_from as stiffness_from
 from .elasticity.tendons import Synergies as Synergies, Tendons as Tendons
 from .find.candidate import Candidate as Candidate, Found as Found
 from .find.find import find_grasp as find_grasp

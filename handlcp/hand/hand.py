@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 _STIFFNESS = (
     "how stiff the joints are [N·m/rad]: a number, such as 1 to 10 for the motors of a hand, a mapping by joint name, "
-    "or a matrix (no file says it)"
+    "or a matrix (no URDF says it)"
 )
 
 
@@ -54,9 +54,9 @@ class Hand(HandModel):
         tip_radius: Any = None,
         package_dirs: Any = None,
     ) -> Self:
-        """Read a hand from a URDF.
+        """Read a hand from a URDF, or a xacro file (pip install handlcp[xacro]).
 
-        source : path of the file, or its text (a string that starts with "<").
+        source : path of the file, or of a URDF its text (a string that starts with "<").
         fingertips : names of links or frames, and points on links: ["thumb_tip", ("index_3", (0, 0, 0.03))], or with
             names of your own: {"thumb": "thumb_tip", "index": ("index_3", (0, 0, 0.03))}. Points in the link's frame
             [m]. None: the leaf frames whose names end in "tip"; without such, the ends of the two to five chains of
@@ -73,7 +73,7 @@ class Hand(HandModel):
         tip_radius : [m] a number, or a mapping by tip name: a sphere about the tip frame. None: the collision
             geometry of the link that is the tip frame or, if it has none, of the links fixed to it; if nothing there
             collides, what is drawn of them. Used when contacts are detected, and only then.
-        package_dirs : folders for package:// addresses of meshes.
+        package_dirs : folders for package:// addresses of meshes, and for what a xacro file includes.
 
         Raises URDFError, UnknownName (listing the valid names, or candidates for fingertips), InputError.
         """
@@ -88,13 +88,12 @@ class Hand(HandModel):
         return cls._made(described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius)
 
     @classmethod
-    @needed("joint_stiffness", _STIFFNESS)
     def from_mjcf(
         cls,
         source: Any,
         fingertips: Any = None,
         *,
-        joint_stiffness: Any,
+        joint_stiffness: Any = "file",
         pad_flexibility: Any = 0.0,
         torque_limits: Any = None,
         base: str | None = None,
@@ -105,8 +104,11 @@ class Hand(HandModel):
 
         Bodies and named sites are links. The world body is the base, and a free joint at the root is left out. Efforts
         are those of the file's actuators; joints that an equality couples follow each other.
+        joint_stiffness : "file": kp of the position actuators with their gear; of one that pulls joints by a fixed
+            tendon with coefficients a, kp a aᵀ, and what nothing else resists there as stiff as a, which is doubted.
 
-        Raises Unsupported without MuJoCo (pip install handlcp[mujoco]), and what `from_urdf` raises.
+        Raises Unsupported without MuJoCo (pip install handlcp[mujoco]); InputError for joints to which the file gives
+        no position actuator, where none is passed; and what `from_urdf` raises.
         """
         from handlcp.hand.robot.source.description import MJCF, describe_xml
 
@@ -139,9 +141,10 @@ class Hand(HandModel):
     def _made(
         cls, described: Description, fingertips: Any, stiffness: Any, pads: Any, limits: Any, radius: Any
     ) -> Self:
-        from handlcp.hand.elasticity.stiffness import read_pads, read_stiffness
+        from handlcp.hand.elasticity.stiffness import read_pads
         from handlcp.hand.robot.fingertips import find_tips
         from handlcp.hand.robot.joints import read_torque_limits
+        from handlcp.hand.robot.source.servos import read_elasticity
         from handlcp.hand.robot.tip_geometry import read_radii
 
         model = pin.Model(described.model)
@@ -149,7 +152,8 @@ class Hand(HandModel):
         tips = find_tips(model, described, fingertips)
         joints = kinematics.joint_names
         hand = cls(
-            kinematics, tips, read_stiffness(stiffness, joints), read_pads(pads, tips.names, described.has(COLLISION)),
+            kinematics, tips, read_elasticity(stiffness, kinematics, described),
+            read_pads(pads, tips.names, described.has(COLLISION)),
             read_torque_limits(limits, joints, {f.name: f for f in described.facts}),
             TipGeometry(described, tips, read_radii(radius, tips.names)),
         )  # fmt: skip
@@ -168,15 +172,15 @@ class Hand(HandModel):
     ) -> Self:
         """The same hand with other numbers, or other fingertips; arguments as of `from_urdf`, the rest stays.
 
-        Beside new fingertips, what was passed by name of the old ones has to be passed again. Raises InputError,
-        UnknownName.
+        Beside new fingertips, what was passed by name of the old ones is passed again. Raises InputError, UnknownName.
         """
-        from handlcp.hand.elasticity.stiffness import read_pads, read_stiffness
+        from handlcp.hand.elasticity.stiffness import read_pads
         from handlcp.hand.robot.fingertips import find_tips
         from handlcp.hand.robot.joints import read_torque_limits
+        from handlcp.hand.robot.source.servos import read_elasticity
         from handlcp.hand.robot.tip_geometry import read_radii
 
-        joints, facts = self.joint_names, self.description.facts
+        facts = self.description.facts
         made = object.__new__(type(self))
         made.__dict__.update(self.__dict__)
         by_tip = dict(self._by_tip)
@@ -193,9 +197,9 @@ class Hand(HandModel):
         if fingertips is not ... or tip_radius is not ...:
             parts["_geometry"] = TipGeometry(self.description, tips, read_radii(by_tip["radius"], tips.names))
         if joint_stiffness is not ...:
-            parts["stiffness"] = read_stiffness(joint_stiffness, joints)
+            parts["stiffness"] = read_elasticity(joint_stiffness, self.kinematics, self.description)
         if torque_limits is not ...:
-            torques = read_torque_limits(torque_limits, joints, {f.name: f for f in facts})
+            torques = read_torque_limits(torque_limits, self.joint_names, {f.name: f for f in facts})
             parts |= {"torques": torques, "torque_limits": torques.limits}
         made.__dict__.pop("doubts", None)
         made.__dict__.update(parts)
@@ -233,20 +237,13 @@ class Hand(HandModel):
 
     def audit(self) -> Audit:
         """Every doubt about the numbers that this hand is made of, the most serious first, and what to pass instead."""
-        from handlcp.hand.robot.audit import audit_of
-        from handlcp.hand.robot.joints import Doubt
+        from handlcp.hand.robot.audit import audit_of, stiffness_doubts
 
-        doubts = self.doubts
-        if self.stiffness.uniform:
-            k = self.stiffness.matrix[0, 0]
-            what = f"joint stiffness is in no file: {k:g} N·m/rad was passed for every joint"
-            advice = "joint_stiffness as measured, by joint name or as a matrix"
-            doubts += (Doubt("hand", what, advice, "minor", "stiffness"),)
-        return audit_of(self.source, doubts)
+        return audit_of(self.source, (*self.doubts, *stiffness_doubts(self)))
 
     def describe(self) -> HandDescription:
         """Joints with ranges, limits, stiffness; fingertips, and why; what may touch, its shapes and pads; couplings;
-        mass; size. To print, or as data.
+        mass; size; where each number came from, and what the file states besides. To print, or as data.
         """
         from handlcp.hand.robot.describe import describe_hand
         from handlcp.hand.sites.touchers import ALL, touchers

@@ -68,6 +68,7 @@ EXAMPLES = {
     "HandGraspSolution TorqueCheck": lambda: held().solve(),
     "HandGraspSolution Effort, of tendons": pulled_by_tendons,
     "GraspSolution, not held": lambda: pinch(squeeze=0.0).solve(throw=False),
+    "MeasuredStiffness": lambda: hl.stiffness_from([0.0, 0.1, 0.21, 0.3], [0.0, 0.5, 1.0, 1.5]),
     "Verdict": lambda: held().check(),
     "Loading Event Summary": lambda: held().follow((20.0, 0, 0, 0, 0, 0), steps=2),
     "Loading, of points": lambda: pinch().follow(steps=2),

@@ -7,13 +7,18 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, overload
 
+import numpy as np
+
 from handlcp import words
-from handlcp.errors import HandLCPError
+from handlcp.errors import HandLCPError, InputError
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.hand.robot.audit_joints import joint_doubts, range_doubts
+from handlcp.hand.robot.fingertips import candidates, obvious
 from handlcp.hand.robot.joints import SEVERITIES, Doubt, joint_facts
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, robot_of
+from handlcp.hand.robot.source.doubts import friction_doubts, stated_doubts, unlike_doubts, weak_doubts
+from handlcp.hand.robot.source.servos import ServoStiffness, servo_stiffness
 from handlcp.hand.robot.urdf import build_model, mesh_file, package_folders
 from handlcp.record import Record
 from handlcp.text_table import wrapped
@@ -22,6 +27,10 @@ from handlcp.text_table import wrapped
 # The audit: every doubt about the numbers of a hand, the most serious first. A parser accepts all of them.
 
 _HEADS = {"serious": "Serious: can change a verdict", "minor": "Minor: changes numbers", "information": "Information"}
+SERVO_DOUBT = Doubt(
+    "hand", "joint stiffness is kp of the file's position actuators, often chosen for a simulation",
+    "joint_stiffness as measured: stiffness_from", "minor", "stiffness",
+)  # fmt: skip
 _SAID_ELSEWHERE = ("limit unknown", "geometry")  # a verdict has warnings of its own about these
 
 
@@ -82,21 +91,49 @@ def audit_urdf(path: Any, base: str | None = None, package_dirs: Any = None) -> 
     Raises URDFError for a file that is missing or not a URDF, UnknownName for an unknown base; Unsupported for an MJCF
     file without MuJoCo.
     """
-    root, file, found = robot_of("path", path, base)
+    root, file, found = robot_of("path", path, base, package_dirs=package_dirs)
     name, folders = file.name if file is not None else root.get("name", ""), package_folders(package_dirs, file)
-    described = Description(name, None, joint_facts(root), root, folders, (), found)
+    facts = joint_facts(root)
     try:
-        kinematics = Kinematics(build_model("path", root, name), described.facts)
+        kinematics = Kinematics(build_model("path", root, name), facts)
     except HandLCPError:  # what makes no hand has doubts, too
         kinematics = None
+    described = Description(name, kinematics and kinematics.model, facts, root, folders, (), found)
     return audit_of(name, file_doubts(described, kinematics))
 
 
 def file_doubts(described: Description, kinematics: Kinematics | None) -> tuple[Doubt, ...]:
-    """Those about a file of which nothing else is known: no file says how stiff its joints are."""
-    what = "the file says nothing of joint stiffness"
+    """Those about a file of which nothing else is known."""
+    return (*doubts_of(described, (), kinematics), *_of_stiffness(described, kinematics))
+
+
+def _of_stiffness(described: Description, kinematics: Kinematics | None) -> Iterator[Doubt]:
+    """Whether a file says how stiff its joints are, and whether it can be."""
     advice = "joint_stiffness: N·m/rad, a number, a mapping by joint name or a matrix"
-    return (*doubts_of(described, (), kinematics), Doubt("hand", what, advice, "minor", "stiffness"))
+    try:
+        stiffness = servo_stiffness(described.servos, kinematics) if kinematics is not None else None
+    except InputError:
+        stiffness = None
+    if stiffness is None or kinematics is None:
+        yield Doubt("hand", "the file says nothing of joint stiffness", advice, "minor", "stiffness")
+        return
+    yield SERVO_DOUBT
+    found = obvious(candidates(described))
+    tips = [(c.name, kinematics.model.getFrameId(c.link), c.point) for c in found]
+    yield from weak_doubts(kinematics, tips, stiffness.compliance(np.eye(kinematics.nv)))
+
+
+def stiffness_doubts(hand: Any) -> Iterator[Doubt]:
+    """Of the stiffness that a hand has: one number for all joints, or that of the file."""
+    if hand.stiffness.uniform:
+        where = "is not that of the file" if hand.description.servos else "is in no file"
+        what = f"joint stiffness {where}: {hand.stiffness.matrix[0, 0]:g} N·m/rad was passed for every joint"
+        advice = "joint_stiffness as measured, by joint name or as a matrix"
+        yield Doubt("hand", what, advice, "minor", "stiffness")
+    if isinstance(hand.stiffness, ServoStiffness):
+        yield SERVO_DOUBT
+        tips = [(name, frame, None) for name, frame in zip(hand.fingertips, hand.tips.frames, strict=True)]
+        yield from weak_doubts(hand.kinematics, tips, hand.joint_compliance)
 
 
 def doubts_of(
@@ -109,7 +146,9 @@ def doubts_of(
     """
     joints = joint_doubts(described.facts, limits_given)
     ranges = range_doubts(described.facts, kinematics)
-    return (*joints, *ranges, *described.doubts, *geometry_doubts(described))
+    stated, own = stated_doubts(described.facts), [f for f in described.facts if f.name not in set(limits_given)]
+    unlike = (*friction_doubts(own), *unlike_doubts(own, described.servos, kinematics))
+    return (*joints, *ranges, *stated, *unlike, *described.doubts, *geometry_doubts(described))
 
 
 def doubt_reasons(doubts: Iterable[Doubt]) -> Iterator[Reason]:

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array
-from handlcp.errors import HandLCPError
+from handlcp.errors import HandLCPError, InputError
 from handlcp.hand.robot.audit import Audit, audit_of, file_doubts
 from handlcp.hand.robot.describe_text import (
     CouplingRow,
@@ -26,6 +26,18 @@ from handlcp.hand.robot.joints import Coupling, read_torque_limits
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.link_surface import surface_points
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, describe_xml
+from handlcp.hand.robot.source.origins import (
+    DEFAULT,
+    GIVEN,
+    NOWHERE,
+    OriginRow,
+    StatedRow,
+    file_origins,
+    limit_origins,
+    servo_word,
+    stated_rows,
+)
+from handlcp.hand.robot.source.servos import ServoStiffness, servo_stiffness
 from handlcp.record import Record, pick
 
 # ---------------------------------------------------------------- How large a hand is.
@@ -72,13 +84,15 @@ class HandDescription(Record):
 
     name : the robot's. source : the file's. joints : the independent ones, in the order of every vector over joints.
     fingertips : those of the hand, and what else could be one (`taken` says which). touching : what may touch an object
-    where a grasp asks for links; () for a file, and where meshes are missing. couplings : joints that follow.
-    links : all of them. mass [kg]. size (3,) : extents along x, y, z in the neutral posture [m]. audit : its doubts.
+    where a grasp asks for links; () for a file, and where meshes are missing. couplings : joints that follow,
+    chains : of them, those that do so through others, as names from the joint to the independent one.
+    links : all of them. mass [kg]. size (3,) : extents along x, y, z in the neutral posture [m]. origins : where each
+    number came from. stated : what the file states besides: friction, springs, gears. audit : its doubts.
     """
 
     entries = (
-        "name", "source", "mass_kg", "size_m (3,)", "joints", "fingertips", "touching", "couplings", "links",
-        "doubts = audit.doubts",
+        "name", "source", "mass_kg", "size_m (3,)", "joints", "fingertips", "touching", "couplings", "chains", "links",
+        "origins", "stated", "doubts = audit.doubts",
     )  # fmt: skip
 
     name: str
@@ -87,9 +101,12 @@ class HandDescription(Record):
     fingertips: tuple[TipRow, ...]
     touching: tuple[TouchRow, ...]
     couplings: tuple[CouplingRow, ...]
+    chains: tuple[tuple[str, ...], ...]
     links: tuple[LinkRow, ...]
     mass: float
     size: tuple[float, float, float]
+    origins: tuple[OriginRow, ...]
+    stated: tuple[StatedRow, ...]
     audit: Audit
 
     def __iter__(self) -> Iterator[JointRow]:
@@ -120,7 +137,9 @@ def describe_urdf(path: Any, base: str | None = None, package_dirs: Any = None) 
     limits = read_torque_limits(None, kinematics.joint_names, facts)
     tips = tuple(_candidate(c, c.name in taken) for c in found)
     audit = audit_of(described.source, file_doubts(described, kinematics))
-    return _made(described, kinematics, tips, (), (limits.limits, limits.known), {}, audit)
+    springs, origins = _of_servos(described, kinematics), [*limit_origins(facts, kinematics.joint_names)]
+    origins += [OriginRow("stiffness", kinematics.joint_names, servo_word(described) if springs else NOWHERE)]
+    return _made(described, kinematics, tips, (), (limits.limits, limits.known), springs, audit, origins)
 
 
 def describe_hand(hand: Any, touching: Iterable[Any]) -> HandDescription:
@@ -140,7 +159,9 @@ def describe_hand(hand: Any, touching: Iterable[Any]) -> HandDescription:
     springs = _springs(hand)
     limits = hand.torques.limits, hand.torques.known
     rows = tuple(TouchRow(t.name, tuple(shape_words(shape) for shape in t.shapes), t.pad) for t in touching)
-    return _made(described, hand.kinematics, (*tips, *rest), rows, limits, springs, hand.audit())
+    return _made(
+        described, hand.kinematics, (*tips, *rest), rows, limits, springs, hand.audit(), [*_origins_of_hand(hand)]
+    )
 
 
 def _made(
@@ -151,6 +172,7 @@ def _made(
     limits: tuple[Array, Sequence[bool]],
     springs: Mapping[str, float],
     audit: Audit,
+    origins: Sequence[OriginRow],
 ) -> HandDescription:
     model = described.model
     shown = [t for t in tips if t.taken] or list(tips)
@@ -166,8 +188,9 @@ def _made(
     mass = sum(float(inertia.mass) for inertia in model.inertias)
     size = size_of(described, kinematics)
     return HandDescription(
-        str(model.name), described.source, joints, tips, touching, _couplings(kinematics), _links(described), mass,
-        size, audit,
+        str(model.name), described.source, joints, tips, touching, _couplings(kinematics), _chains(kinematics),
+        _links(described), mass,
+        size, (*file_origins(described, kinematics.joint_names), *origins), tuple(stated_rows(described)), audit,
     )  # fmt: skip
 
 
@@ -181,6 +204,33 @@ def _springs(hand: Any) -> dict[str, float]:
     if hand.stiffness.law[1]:
         return {}
     return dict(zip(hand.joint_names, np.diagonal(hand.stiffness.matrix).tolist(), strict=True))
+
+
+def _of_servos(described: Description, kinematics: Kinematics) -> dict[str, float]:
+    """The same from a file's position actuators; none where some joint has none."""
+    try:
+        matrix = servo_stiffness(described.servos, kinematics).matrix
+    except InputError:
+        return {}
+    return dict(zip(kinematics.joint_names, np.diagonal(matrix).tolist(), strict=True))
+
+
+def _origins_of_hand(hand: Any) -> Iterator[OriginRow]:
+    """Of what a hand was given, or took from its file."""
+    yield from limit_origins({f.name: f for f in hand.description.facts}, hand.joint_names, hand.torques.given)
+    servos = isinstance(hand.stiffness, ServoStiffness)
+    yield OriginRow("stiffness", hand.joint_names, servo_word(hand.description) if servos else GIVEN)
+    soft = tuple(bool(pad.any()) for pad in hand.pad_flexibility)
+    for some, source in ((True, GIVEN), (False, f"{DEFAULT}: rigid")):
+        yield OriginRow("pad", tuple(t for t, s in zip(hand.fingertips, soft, strict=True) if s is some), source)
+    for kind, source in (
+        ("radius", GIVEN),
+        (COLLISION, "collision geometry"),
+        (VISUAL, "what is drawn"),
+        ("", NOWHERE),
+    ):
+        tips = tuple(name for i, name in enumerate(hand.fingertips) if hand.tip_kind(i) == kind)
+        yield OriginRow("shape of a tip", tips, source)
 
 
 def _moved_tips(model: Any, kinematics: Kinematics, tips: Iterable[TipRow]) -> dict[str, tuple[str, ...]]:
@@ -206,6 +256,19 @@ def _couplings(kinematics: Kinematics) -> tuple[CouplingRow, ...]:
             k = int(np.argmax(abs(row)))
             rows.append(CouplingRow(name, coupling.names[k], float(row[k]), float(offset)))
     return tuple(rows)
+
+
+def _chains(kinematics: Kinematics) -> tuple[tuple[str, ...], ...]:
+    """A joint that follows, those between, and the independent one; of joints that follow through others."""
+    masters = {f.name: f.mimic.master for f in kinematics.facts if f.mimic is not None and f.mimic.master}
+    found = []
+    for name in masters:
+        chain = [name]
+        while chain[-1] in masters:
+            chain.append(masters[chain[-1]])
+        if len(chain) > 2:
+            found.append(tuple(chain))
+    return tuple(found)
 
 
 def _links(described: Description) -> tuple[LinkRow, ...]:

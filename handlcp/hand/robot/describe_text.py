@@ -11,6 +11,7 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array
+from handlcp.hand.robot.source.origins import origin_lines
 from handlcp.hand.robot.tip_geometry import TipShape
 from handlcp.text_table import WIDTH, wrapped
 
@@ -100,7 +101,11 @@ def text_of(hand: Any) -> str:
         lines += ["", "Joints that follow others"]
         for c in hand.couplings:
             shift = f" {'-' if c.offset < 0 else '+'} {abs(c.offset):g}" if c.offset else ""
-            lines.append(wrapped(f"{c.joint} = {c.factor:g} × {c.follows}{shift}", "      ", "  "))
+            between = next((chain[1:-1] for chain in hand.chains if chain[0] == c.joint), ())
+            by = f" (by {', '.join(between)})" if between else ""
+            lines.append(wrapped(f"{c.joint} = {c.factor:g} × {c.follows}{shift}{by}", "      ", "  "))
+    if said := list(origin_lines(hand.origins, hand.stated)):
+        lines += ["", *said]
     lines += ["", _links(hand.links), wrapped(f"Audit: {hand.audit.summary}", "    ")]
     return "\n".join(lines)
 

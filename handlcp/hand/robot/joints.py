@@ -13,6 +13,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, dimensions, number, per_name, read_only
 from handlcp.errors import InputError, URDFError
+from handlcp.hand.robot.source.stated import NOTHING_STATED, Stated, number_of, reductions_of, stated_of, vector_of
 from handlcp.hand.robot.urdf import LARGEST_NUMBER, link_of
 
 
@@ -30,6 +31,7 @@ class Mimic:
 class JointFacts:
     """One movable joint as written. Positions in rad or m, efforts in N·m or N; NaN for numbers that are absent or
     cannot be read. mass : of the child link [kg]; NaN without <inertial>. axis : None where it is unknown.
+    effort_said : where the effort is from; "" : nowhere. stated : friction, spring, gear, soft limits, as written.
     """
 
     name: str
@@ -40,6 +42,8 @@ class JointFacts:
     axis: tuple[float, float, float] | None
     mimic: Mimic | None = None
     mass: float = math.nan
+    effort_said: str = ""
+    stated: Stated = NOTHING_STATED
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,26 +58,28 @@ class Coupling:
 def joint_facts(root: ET.Element) -> tuple[JointFacts, ...]:
     """The movable joints of a <robot>, in the file's order. Written for an MJCF file, its zero efforts are unknown."""
     no_effort = math.inf if root.get("format") == "mjcf" else 0.0
-    masses = {link.get("name", ""): _number(link.find("inertial/mass"), "value") for link in root.findall("link")}
+    masses = {link.get("name", ""): number_of(link.find("inertial/mass"), "value") for link in root.findall("link")}
     above = {link_of(j, "child"): (link_of(j, "parent"), j.get("name", "")) for j in root.findall("joint")}
     joints = [j for j in root.findall("joint") if j.get("type") not in (None, "fixed")]
     names = [j.get("name", "") for j in joints]
-    found = []
+    gears, found = reductions_of(root), []
     for joint, name in zip(joints, names, strict=True):
         limit, axis, tag = joint.find("limit"), joint.find("axis"), joint.find("mimic")
         mimic = None
         if tag is not None:
             written = tag.get("joint", "")
             master = _master(written, name, names, _ancestors(joint, above))
-            mimic = Mimic(written, master, _number(tag, "multiplier", 1.0), _number(tag, "offset", 0.0))
+            mimic = Mimic(written, master, number_of(tag, "multiplier", 1.0), number_of(tag, "offset", 0.0))
         lower, upper, effort = (
-            _number(limit, "lower", 0.0),
-            _number(limit, "upper", 0.0),
-            _number(limit, "effort") or no_effort,
+            number_of(limit, "lower", 0.0),
+            number_of(limit, "upper", 0.0),
+            number_of(limit, "effort") or no_effort,
         )
-        way = (1.0, 0.0, 0.0) if axis is None else _vector(axis.get("xyz", "1 0 0"))
+        way = (1.0, 0.0, 0.0) if axis is None else vector_of(axis.get("xyz", "1 0 0"))
         mass = masses.get(link_of(joint, "child"), math.nan)
-        found.append(JointFacts(name, joint.get("type", ""), lower, upper, effort, way, mimic, mass))
+        said = "" if limit is None else limit.get("said", "<limit effort>")
+        stated = stated_of(joint, gears)
+        found.append(JointFacts(name, joint.get("type", ""), lower, upper, effort, way, mimic, mass, said, stated))
     return tuple(found)
 
 
@@ -88,7 +94,7 @@ def model_facts(model: Any) -> tuple[JointFacts, ...]:
                 kind = "prismatic" if slides else "revolute"
                 lower, upper = (float(x[joint.idx_q]) for x in (model.lowerPositionLimit, model.upperPositionLimit))
             effort, mass = float(model.upperEffortLimit[joint.idx_v]), float(model.inertias[i].mass)
-            found.append(JointFacts(model.names[i], kind, lower, upper, effort, None, None, mass))
+            found.append(JointFacts(model.names[i], kind, lower, upper, effort, None, None, mass, "the model"))
     return tuple(found)
 
 
@@ -149,23 +155,6 @@ def _master(written: str, name: str, names: Sequence[str], ancestors: set[str]) 
     if len(ends) > 1:
         ends = [other for other in ends if other in ancestors]
     return ends[0] if len(ends) == 1 else None
-
-
-def _number(element: ET.Element | None, attribute: str, default: float = math.nan) -> float:
-    if element is None:
-        return math.nan
-    try:
-        return float(element.get(attribute, default))
-    except ValueError:
-        return math.nan
-
-
-def _vector(text: str) -> tuple[float, float, float]:
-    try:
-        x, y, z = (float(v) for v in text.split())
-    except ValueError:
-        return (math.nan, math.nan, math.nan)
-    return (x, y, z)
 
 
 # ---------------------------------------------------------------- One doubt about a hand, and how much it weighs.

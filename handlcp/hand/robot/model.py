@@ -132,8 +132,10 @@ class HandModel:
     def doubts(self) -> tuple[Doubt, ...]:
         """About the robot as it was read and its fingertips; those about torque limits that were passed left out."""
         from handlcp.hand.robot.audit import doubts_of, tip_doubts
+        from handlcp.hand.robot.source.servos import ServoStiffness
 
-        shared = self.stiffness.law[1]  # words of a transmission
+        servos = self.stiffness if isinstance(self.stiffness, ServoStiffness) else None
+        shared = self.stiffness.law[1] or (servos is not None and not servos.widened)  # tendons pull as they do
         every = (*doubts_of(self.description, self.torques.given, self.kinematics), *tip_doubts(self))
         return tuple(d for d in every if not (shared and d.about == "tendon"))
 

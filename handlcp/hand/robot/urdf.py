@@ -30,6 +30,7 @@ _NUMBERS = (
     ("sphere", "radius", 1, 0.0), ("cylinder", "radius", 1, 0.0), ("cylinder", "length", 1, 0.0),
     ("box", "size", 3, 0.0),
 )  # fmt: skip
+_BESIDE = ("material", "transmission", "ros2_control", "servo")  # what stands beside links and joints, of all of them
 _stderr = threading.Lock()
 
 
@@ -66,7 +67,7 @@ def _below(root: ET.Element, base: str) -> ET.Element:
         joints.update(more)
         kept.update(link_of(joint, "child") for joint in more)
     cut = ET.Element("robot", root.attrib)
-    cut.extend(e for e in root if (e.tag == "link" and e.get("name") in kept) or e in joints or e.tag == "material")
+    cut.extend(e for e in root if (e.tag == "link" and e.get("name") in kept) or e in joints or e.tag in _BESIDE)
     return cut
 
 

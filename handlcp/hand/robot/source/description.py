@@ -15,6 +15,7 @@ import pinocchio as pin
 from handlcp.check import Array
 from handlcp.errors import InputError, URDFError
 from handlcp.hand.robot.joints import Doubt, JointFacts, joint_facts, model_facts
+from handlcp.hand.robot.source.stated import Servo, servos_of
 from handlcp.hand.robot.urdf import (
     MOST_JOINTS,
     build_model,
@@ -72,6 +73,11 @@ class Description:
         links = () if self.root is None else self.root.findall("link")
         meshes = {link.get("name", ""): link.iterfind(f"{kind}/geometry/mesh") for link in links}
         return {name for name in self.has(kind) if all(mesh_file(m, self.folders) for m in meshes.get(name, ()))}
+
+    @property
+    def servos(self) -> tuple[Servo, ...]:
+        """The position actuators of an MJCF file; () for others."""
+        return () if self.root is None else servos_of(self.root)
 
     @property
     def masses(self) -> dict[str, float]:
@@ -162,19 +168,29 @@ _STRING = "the XML string"
 
 
 def robot_of(
-    argument: str, source: Any, base: str | None = None, kinds: tuple[str, ...] = (URDF, MJCF)
+    argument: str,
+    source: Any,
+    base: str | None = None,
+    kinds: tuple[str, ...] = (URDF, MJCF),
+    package_dirs: Any = None,
 ) -> tuple[ET.Element, Path | None, tuple[Doubt, ...]]:
     """The <robot> of a path, or of a string that starts with "<", below the link `base`; the path, None for a string;
     and what was read in a way worth knowing.
 
     kinds : formats that are welcome, by the tag of the first element. Raises URDFError for what is missing, unreadable,
-    not XML, of another kind, or too large; UnknownName for the base; InputError.
+    not XML, of another kind, or too large; UnknownName for the base; InputError; Unsupported without what reads it.
     """
     text, path = _content(argument, source)
+    if path is not None and path.suffix == ".xacro":
+        from handlcp.hand.robot.source.xacro import expanded
+
+        text = expanded(argument, path, package_folders(package_dirs, None))
     shown = _STRING if path is None else repr(str(path))
     root = _parsed(argument, text, shown)
     if root.tag not in kinds:
-        raise URDFError(argument, _wanted(kinds, root.tag, path), f"<{root.tag}> in {shown}")
+        raise URDFError(argument, _wanted(kinds, root.tag), f"<{root.tag}> in {shown}")
+    if path is None and any("xacro" in tag for tag in {e.tag for e in root}):
+        raise URDFError(argument, "a URDF, or the path of a xacro file, which is expanded", f"macros in {shown}")
     doubts: tuple[Doubt, ...] = ()
     if root.tag == MJCF:
         _shallow(argument, root, shown)
@@ -229,12 +245,10 @@ def _shallow(argument: str, root: ET.Element, shown: str) -> None:
         raise URDFError(argument, "an MJCF file", f"{shown}, whose elements are nested thousands deep") from None
 
 
-def _wanted(kinds: tuple[str, ...], came: str, path: Path | None) -> str:
+def _wanted(kinds: tuple[str, ...], came: str) -> str:
     """What was expected, and who reads what came."""
     names = " or ".join(f"<{kind}>" for kind in kinds)
     hint = f" ({_ADVICE[came]} reads <{came}>)" if came in _ADVICE else ""
-    if path is not None and path.suffix == ".xacro":
-        hint = " (expand a xacro file to a URDF first)"
     return f"a {names} element at the top{hint}"
 
 
@@ -247,9 +261,10 @@ def describe_xml(
 ) -> Description:
     """Of a URDF or MJCF file, or of such a text; arguments as of `robot_of` and `Hand.from_urdf`.
 
-    Raises URDFError, UnknownName, InputError, and Unsupported for an MJCF file without MuJoCo.
+    Raises URDFError, UnknownName, InputError, and Unsupported for an MJCF file without MuJoCo, a xacro file without
+    xacrodoc.
     """
-    root, path, doubts = robot_of(argument, source, base, kinds)
+    root, path, doubts = robot_of(argument, source, base, kinds, package_dirs)
     folders = package_folders(package_dirs, path)
     name = str(path) if path is not None else "the XML string"
     model = build_model(argument, root, name)

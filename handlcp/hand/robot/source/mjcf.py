@@ -8,6 +8,9 @@ is written link by link. A free joint at the root is left out: the hand stands w
 | body, site | link; a site is fixed to its body's link |
 | hinge, slide | revolute or continuous, prismatic; several of one body in a row of links |
 | forcerange of an actuator, actuatorfrcrange of a joint | effort |
+| position actuator, of a joint or a tendon of joints | servo, a tag of our own: kp and arms |
+| frictionloss | dynamics |
+| stiffness, springref, armature of a joint | passive, a tag of our own |
 | equality of two joints | mimic |
 | geom that collides | collision, and visual in the groups 0 to 2 |
 | geom that doesn't collide | visual |
@@ -25,7 +28,8 @@ import pinocchio as pin
 from handlcp.check import Array
 from handlcp.errors import Unsupported, URDFError
 from handlcp.hand.robot.joints import Doubt
-from handlcp.hand.robot.source.mjcf_parts import add, add_shapes, couplings, efforts, placed, rotation_of
+from handlcp.hand.robot.source.mjcf_drives import couplings, efforts, reaches, write_passive, write_servos
+from handlcp.hand.robot.source.mjcf_parts import add, add_shapes, placed, rotation_of
 
 _UNBOUNDED = 1e3  # [m] the range of a slide without one
 
@@ -60,7 +64,8 @@ class _Writer:
         self.bodies = [model.body(i).name or f"body_{i}" for i in range(model.nbody)]
         owners = model.jnt_bodyid
         self.joints = [model.joint(j).name or f"{self.bodies[owners[j]]}_joint_{j}" for j in range(model.njnt)]
-        self.effort, found = efforts(model, self.joints)
+        self.effort, self.effort_said, found = efforts(model, self.joints)
+        self.reaches = reaches(model)
         self.follows, more = couplings(model, self.joints)
         self.doubts += [*found, *more]
 
@@ -70,6 +75,7 @@ class _Writer:
             self._body(b)
         for s in range(self.model.nsite):
             self._site(s)
+        self.doubts += write_servos(self.root, self.model, self.joints)
         return self.root, tuple(self.doubts)
 
     def _body(self, b: int) -> None:
@@ -124,7 +130,12 @@ class _Writer:
         if bounded or slides:
             low, high = model.jnt_range[j] if bounded else (-_UNBOUNDED, _UNBOUNDED)
             limit |= {"lower": float(low), "upper": float(high)}
-        add(joint, "limit", **limit)
+        words = {"said": self.effort_said[j]} if known else {}
+        add(joint, "limit", **limit, **words)
+        write_passive(joint, model, j)
+        if j in self.reaches:
+            low, high = self.reaches[j]
+            add(joint, "reach", lower=low, upper=high)
         if j in self.follows:
             master, factor, offset = self.follows[j]
             add(joint, "mimic", joint=self.joints[master], multiplier=factor, offset=offset)

@@ -1,0 +1,154 @@
+"""Doubts about what a file states of drives: soft limits, servos, springs too weak, joints unlike their like."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array
+from handlcp.hand.robot.joints import Doubt, JointFacts
+from handlcp.hand.robot.kinematics import Kinematics
+from handlcp.hand.robot.source.stated import Servo
+
+_SHORT = 1e-2  # of a range: a soft limit or a servo that leaves out less is not worth a word
+_SAGS = 1e-3  # [m] by its own weight
+_RUBS = 0.25  # of the effort limit: no good drive has as much
+_GRAVITY = 9.81  # [m/s²]
+_UNLIKE = 0.05  # of the larger number: less is rounding
+
+# ---------------------------------------------------------------- One joint at a time.
+
+
+def stated_doubts(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
+    """Of soft limits and servos that leave out a part of the range, and numbers that cannot be."""
+    for f in facts:
+        stated = f.stated
+        if _leaves_out(f, stated.soft):
+            assert stated.soft is not None
+            what = f"its soft limits [{_ends(stated.soft)}] are narrower than its range, which is used"
+            yield Doubt(f.name, what, "a URDF with the soft limits as <limit>, if they count", "minor", "range")
+        if _leaves_out(f, stated.reach):
+            assert stated.reach is not None
+            what = f"its actuator is told no more than [{_ends(stated.reach)}]: the rest of its range is not reached"
+            yield Doubt(f.name, what, "an MJCF file whose ctrlrange fits the range", "minor", "range")
+        if not 0.0 <= stated.friction < math.inf:
+            what = f"its dry friction is {stated.friction:g}, which is no number ≥ 0"
+            yield Doubt(f.name, what, "a file with the friction of the drive [N·m]", "minor", "friction")
+        if stated.reduction is not None and not 0.0 < abs(stated.reduction) < math.inf:
+            what = f"the reduction of its transmission is {stated.reduction:g}"
+            yield Doubt(f.name, what, "a file with turns of the motor for one of the joint", "minor", "gear")
+
+
+def _leaves_out(f: JointFacts, part: tuple[float, float] | None) -> bool:
+    """Whether a part of a range is narrower; equal ends are no limits, but a form that was not filled in."""
+    if part is None or not part[0] < part[1] or not f.lower < f.upper or f.kind == "continuous":
+        return False
+    return max(part[0] - f.lower, f.upper - part[1]) > _SHORT * (f.upper - f.lower)
+
+
+def _ends(pair: tuple[float, float]) -> str:
+    return f"{pair[0]:.4g}, {pair[1]:.4g}"
+
+
+def friction_doubts(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
+    """Of friction that takes much of what the motor has."""
+    high = [f for f in facts if f.mimic is None and 0.0 < f.effort < math.inf and f.stated.friction > _RUBS * f.effort]
+    if high:
+        worst = max(f.stated.friction / f.effort for f in high)
+        what = f"dry friction of the file takes up to {words.percent(worst)} of the effort limit"
+        yield Doubt(", ".join(f.name for f in high), what, "a file with measured friction", "minor", "friction")
+
+
+# ----------------------------------------------------------------
+# Joints whose names differ by a side, a finger or a number alone should have equal motors. Thumbs are unlike fingers,
+# and numbers along one finger count its joints, so that these are not compared.
+
+_SIDE = re.compile(r"(?<![a-z])(left|right|lh|rh|l|r)(?![a-z])", re.IGNORECASE)
+_FINGER = re.compile(r"(?<![a-z])(index|middle|ring|little|pinky|(?:ff|mf|rf|lf|if)(?=[_\d]|j\d))", re.IGNORECASE)
+_NUMBER = re.compile(r"\d+")
+
+
+def unlike_doubts(
+    facts: Sequence[JointFacts], servos: Sequence[Servo], kinematics: Kinematics | None
+) -> Iterator[Doubt]:
+    """Of sides that differ, and of one among three or more like fingers that does."""
+    efforts = {f.name: f.effort for f in facts if f.mimic is None and 0.0 < f.effort < math.inf}
+    kp = {next(iter(s.arms)) if len(s.arms) == 1 else s.name: s.kp for s in servos}
+    for what, advice, values in (("effort limit", "torque_limits", efforts), ("kp", "joint_stiffness", kp)):
+        for names in _groups(values, _SIDE, 2):
+            if len(names) == 2 and not _same(*(values[n] for n in names)):
+                one, two = names
+                said = f"{what} {values[one]:g} and {values[two]:g}, though they differ by their side alone"
+                yield Doubt(f"{one}, {two}", said, f"{advice} by joint name", "minor", "unlike")
+        for names in (*_groups(values, _FINGER, 3), *_groups(values, _NUMBER, 3)):
+            odd = [n for n in names if sum(not _same(values[n], values[m]) for m in names) == len(names) - 1]
+            if len(odd) == 1 and _alike_but(odd[0], names, values) and _side_by_side(names, kinematics):
+                usual = next(values[n] for n in names if n != odd[0])
+                said = f"{what} {values[odd[0]]:g}, where its like on other fingers have {usual:g}"
+                yield Doubt(odd[0], said, f"{advice} by joint name", "minor", "unlike")
+
+
+def _groups(values: Mapping[str, float], part: re.Pattern[str], least: int) -> list[list[str]]:
+    """Names that are the same but for one such part, of `least` or more."""
+    found = defaultdict[tuple[str, str], list[str]](list)
+    for name in values:
+        for at in part.finditer(name):
+            found[name[: at.start()], name[at.end() :]].append(name)
+    return [names for names in found.values() if len(names) >= least]
+
+
+def _same(one: float, two: float) -> bool:
+    return abs(one - two) <= _UNLIKE * max(abs(one), abs(two))
+
+
+def _alike_but(odd: str, names: Sequence[str], values: Mapping[str, float]) -> bool:
+    rest = [values[n] for n in names if n != odd]
+    return all(_same(rest[0], value) for value in rest)
+
+
+def _side_by_side(names: Sequence[str], kinematics: Kinematics | None) -> bool:
+    """Whether no joint carries another. A name of no joint is that of a tendon."""
+    if kinematics is None:
+        return False
+    model = kinematics.model
+    numbers = {model.getJointId(name) for name in names if model.existJointName(name)}
+    return all(len(numbers & set(model.supports[j])) == 1 for j in numbers)
+
+
+# ---------------------------------------------------------------- Springs too weak for a finger.
+
+
+def weak_doubts(kinematics: Kinematics, tips: Sequence[tuple[str, int, Any]], compliance: Array) -> Iterator[Doubt]:
+    """Of fingertips that sag by more than a millimetre under their own finger's weight, in the worst direction of
+    gravity, in the neutral posture. tips : name, frame, point in it [m] or None. compliance (nv, nv).
+    """
+    if not tips:
+        return
+    model, q = kinematics.model, kinematics.neutral
+    places, J = kinematics.frames_at(q, [frame for _, frame, _ in tips])
+    J = J.copy()
+    weight = np.column_stack([kinematics.gravity_torque(q, _GRAVITY * axis) for axis in np.eye(3)])
+    C = np.eye(kinematics.nv) if kinematics.coupling is None else kinematics.coupling
+    support = np.zeros((len(tips), len(C)))
+    for row, (_, frame, _) in zip(support, tips, strict=True):
+        row[[model.joints[j].idx_v for j in model.supports[model.frames[frame].parentJoint] if j]] = 1.0
+    moves = kinematics.moved_by(support)
+    sags = dict[str, float]()
+    for (name, _, point), place, row, moved in zip(tips, places, support, moves, strict=True):
+        own = np.flatnonzero(moved & (moves.sum(axis=0) == 1))
+        p = place[:3, 3] if point is None else place[:3, :3] @ np.asarray(point) + place[:3, 3]
+        tip = ((J[:3] + np.cross(J[3:], p, axis=0)) * row) @ C
+        motion = tip[:, own] @ compliance[np.ix_(own, own)] @ weight[own]
+        if (sag := float(np.linalg.norm(motion, 2)) if len(own) else 0.0) > _SAGS:
+            sags[name] = sag
+    if sags:
+        worst = list(sags)[words.first_largest(np.array(list(sags.values())))]
+        far = words.length(sags[worst])
+        what = f"kp of the file is so small that a finger's own weight moves its tip by {far} ({worst})"
+        yield Doubt(", ".join(sags), what, "joint_stiffness as measured: stiffness_from", "minor", "stiffness")

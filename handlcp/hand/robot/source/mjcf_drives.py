@@ -1,0 +1,173 @@
+"""What drives the joints of an MJCF model: torque limits and servos from its actuators, couplings from its equalities,
+springs and friction of the joints themselves.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.hand.robot.joints import Doubt
+from handlcp.hand.robot.source.mjcf_parts import add
+
+_JOINT, _IN_PARENT, _TENDON = 0, 1, 3  # what an actuator moves
+_OF_JOINTS, _WRAPS_JOINT = 2, 1  # an equality of joints; a tendon that is a sum of joint angles
+_FIXED, _AFFINE = 0, 1  # gains and biases of actuators
+
+Follows = dict[int, tuple[int, float, float]]  # joint → the joint it follows, factor, offset
+
+# ---------------------------------------------------------------- How hard actuators pull.
+
+
+def efforts(model: Any, names: list[str]) -> tuple[Array, list[str], list[Doubt]]:
+    """(joints,) largest torque or force of each joint's actuators [N·m, N], inf where the file says none; the word of
+    the file that says it; and a doubt for each tendon that moves several joints.
+    """
+    force, said = np.full(model.njnt, np.inf), [""] * model.njnt
+    pulled = dict[str, dict[int, float]]()
+    for a in range(model.nu):
+        most, word = _most(model, a)
+        arms = _moved(model, a)
+        if int(model.actuator_trntype[a]) == _TENDON and len(arms) > 1:
+            target = int(model.actuator_trnid[a, 0])
+            pulled[model.tendon(target).name or f"tendon {target}"] = arms
+        for j, arm in arms.items():
+            torque = abs(arm) * most
+            force[j] = torque if np.isinf(force[j]) else force[j] + torque
+            said[j] = word
+    bounded = model.jnt_actfrclimited.astype(bool)
+    own = abs(model.jnt_actfrcrange).max(axis=1)
+    for j in np.flatnonzero(bounded & (own < force)).tolist():
+        force[j], said[j] = own[j], "actuatorfrcrange"
+    return force, said, _shared(pulled, names) if pulled else []
+
+
+def _moved(model: Any, a: int) -> dict[int, float]:
+    """Joints that an actuator moves, and how far its length changes with each, before its gear; none for one that pulls
+    along a path in space.
+    """
+    what, target = int(model.actuator_trntype[a]), int(model.actuator_trnid[a, 0])
+    if what in (_JOINT, _IN_PARENT):
+        return {target: 1.0}
+    if what != _TENDON:
+        return {}
+    first = int(model.tendon_adr[target])
+    wraps = range(first, first + int(model.tendon_num[target]))
+    return {int(model.wrap_objid[w]): float(model.wrap_prm[w]) for w in wraps if model.wrap_type[w] == _WRAPS_JOINT}
+
+
+def _most(model: Any, a: int) -> tuple[float, str]:
+    """The largest force of an actuator times its gear, and the word that says it; inf where none is said."""
+    gear = abs(float(model.actuator_gear[a, 0]))
+    if model.actuator_forcelimited[a]:
+        return gear * float(abs(model.actuator_forcerange[a]).max()), "forcerange"
+    plain = int(model.actuator_gaintype[a]) == _FIXED and int(model.actuator_biastype[a]) == 0  # a motor
+    if plain and model.actuator_ctrllimited[a]:
+        most = abs(model.actuator_gainprm[a, 0]) * abs(model.actuator_ctrlrange[a]).max()
+        return gear * float(most), "ctrlrange of a motor"
+    return float("inf"), ""
+
+
+def _shared(pulled: dict[str, dict[int, float]], names: list[str]) -> list[Doubt]:
+    """Of tendons that pull several joints each."""
+    joints = [names[j] for arms in pulled.values() for j in arms]
+    first, arms = next(iter(pulled.items()))
+    given = ", ".join(f"{names[j]!r}: {arm:g}" for j, arm in arms.items())
+    what = f"one actuator pulls several of them by a tendon ({', '.join(pulled)}); here each has a spring of its own"
+    advice = f"joint_stiffness=Tendons(...) with {{{first!r}: {{{given}}}, …}}"
+    return [Doubt(", ".join(dict.fromkeys(joints)), what, advice, "serious", "tendon")]
+
+
+# ----------------------------------------------------------------
+# Position servos: force = g u + b₀ + b₁ l, so that kp = -b₁, whatever the gain g; l = gear × joint angle or tendon.
+
+
+def write_servos(root: ET.Element, model: Any, names: list[str]) -> Iterator[Doubt]:
+    """Write each as a <servo> with kp times the gear squared and the arm of each joint; a doubt for those that pull
+    along a path in space, whose arms change with the posture.
+    """
+    for a in range(model.nu):
+        kp = -float(model.actuator_biasprm[a, 1])
+        if int(model.actuator_gaintype[a]) != _FIXED or int(model.actuator_biastype[a]) != _AFFINE or kp <= 0.0:
+            continue
+        name, arms = model.actuator(a).name or f"actuator {a}", _moved(model, a)
+        if int(model.actuator_trntype[a]) == _TENDON and not arms:
+            what = f"the servo {name!r} pulls a tendon along a path in space: its kp is not read"
+            yield Doubt(
+                "hand", what, "joint_stiffness, such as Tendons(...) with arms of a posture", "minor", "stiffness"
+            )
+        gear = float(model.actuator_gear[a, 0])
+        servo = add(root, "servo", name=name, kp=kp * gear * gear) if arms else None
+        for j, arm in arms.items():
+            assert servo is not None
+            add(servo, "arm", joint=names[j], per_rad=arm)
+
+
+def reaches(model: Any) -> dict[int, tuple[float, float]]:
+    """Joint → where its own servo can be told to go [rad, m]."""
+    found = dict[int, tuple[float, float]]()
+    for a in range(model.nu):
+        gain, kp, gear = (
+            float(x) for x in (model.actuator_gainprm[a, 0], -model.actuator_biasprm[a, 1], model.actuator_gear[a, 0])
+        )
+        own = int(model.actuator_trntype[a]) in (_JOINT, _IN_PARENT) and int(model.actuator_biastype[a]) == _AFFINE
+        if own and kp > 0.0 and gear and model.actuator_ctrllimited[a]:
+            low, high = sorted((gain * u + float(model.actuator_biasprm[a, 0])) / (kp * gear)
+                               for u in model.actuator_ctrlrange[a])  # fmt: skip
+            found[int(model.actuator_trnid[a, 0])] = (low, high)
+    return found
+
+
+def write_passive(joint: ET.Element, model: Any, j: int) -> None:
+    """What resists the joint itself: friction as a URDF has it, spring, rest and armature in a tag of its own."""
+    dof, at = int(model.jnt_dofadr[j]), int(model.jnt_qposadr[j])
+    add(joint, "dynamics", damping=float(model.dof_damping[dof]), friction=float(model.dof_frictionloss[dof]))
+    add(joint, "passive", stiffness=float(np.ravel(model.jnt_stiffness[j])[0]), rest=float(model.qpos_spring[at]),
+        armature=float(model.dof_armature[dof]))  # fmt: skip
+
+
+# ---------------------------------------------------------------- Joints that follow others.
+
+
+def couplings(model: Any, names: list[str]) -> tuple[Follows, list[Doubt]]:
+    """Joints that follow others, also one after the other, and doubts about constraints that are read in part or not at
+    all. Where an equality's first joint follows another already, the second one follows the first.
+    """
+    follows, doubts = Follows(), list[Doubt]()
+    for e in range(model.neq):
+        if not model.eq_active0[e]:
+            continue
+        kind, name = int(model.eq_type[e]), model.eq(e).name or f"equality {e}"
+        if kind != _OF_JOINTS or int(model.eq_obj2id[e]) < 0:
+            what = f"the constraint {name!r} is left out: only couplings of two joints are read"
+            doubts.append(Doubt("hand", what, "an MJCF file that couples joints by <equality><joint>", "serious"))
+            continue
+        one, two = int(model.eq_obj1id[e]), int(model.eq_obj2id[e])
+        c0, c1, *curved = (float(x) for x in model.eq_data[e, :5])
+        at_one, at_two = (float(model.qpos0[model.jnt_qposadr[j]]) for j in (one, two))
+        offset = c0 + at_one - c1 * at_two
+        if one not in follows:
+            follows[one] = (two, c1, offset)
+        elif two not in follows and c1 and _leader(follows, one) != two:
+            follows[two] = (one, 1.0 / c1, -offset / c1)
+        else:
+            what = f"the constraint {name!r} is left out: {names[one]} and {names[two]} are coupled by others already"
+            doubts.append(
+                Doubt(f"{names[one]}, {names[two]}", what, "one coupling for each joint", "serious", "coupling")
+            )
+        if any(curved):
+            what = f"follows {names[two]} along a curve, of which the straight part alone is read"
+            doubts.append(Doubt(names[one], what, "a posture near the file's reference posture", "serious"))
+    return follows, doubts
+
+
+def _leader(follows: Follows, j: int) -> int:
+    """The joint at the end of a chain; the one where it meets itself, if it is a circle."""
+    seen = {j}
+    while j in follows and (j := follows[j][0]) not in seen:
+        seen.add(j)
+    return j

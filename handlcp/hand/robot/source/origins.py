@@ -1,0 +1,125 @@
+"""Where the numbers of a hand came from, and what else its file states: rows for a description."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from handlcp import words
+from handlcp.hand.robot.joints import JointFacts
+from handlcp.hand.robot.source.description import Description
+from handlcp.text_table import wrapped
+
+GIVEN, DEFAULT, NOWHERE = "given", "default", "nowhere"
+_MODEL = "the Pinocchio model"
+
+
+class OriginRow(NamedTuple):
+    """One kind of number. of : the joints, fingertips or links that have it. source : "given" to the hand, "default",
+    "nowhere", or where the file says it.
+    """
+
+    number: str
+    of: tuple[str, ...]
+    source: str
+
+
+class StatedRow(NamedTuple):
+    """What a file states besides. tag : where. unit : of the values, by joint. used : what becomes of it."""
+
+    what: str
+    tag: str
+    unit: str
+    values: dict[str, Any]
+    used: str
+
+
+# ---------------------------------------------------------------- Where numbers came from.
+
+
+def file_origins(described: Description, joints: Sequence[str]) -> Iterator[OriginRow]:
+    """Of what only a file says. joints : the independent ones."""
+    root = described.root
+    mjcf = root is not None and root.get("format") == "mjcf"
+    if root is None:
+        ranges = masses = _MODEL
+    else:
+        ranges = "range of <joint>" if mjcf else "<limit lower upper>"
+        masses = "<inertial>, or the geoms" if mjcf else "<inertial mass>"
+    kinds = {f.name: f.kind for f in described.facts}
+    yield OriginRow("range", tuple(j for j in joints if kinds[j] != "continuous"), ranges)
+    followers = tuple(f.name for f in described.facts if f.mimic is not None)
+    yield OriginRow("coupling", followers, "<equality><joint>" if mjcf else "<mimic>")
+    yield OriginRow("mass", tuple(k for k, m in described.masses.items() if m), masses)
+
+
+def limit_origins(
+    facts: Mapping[str, JointFacts], joints: Sequence[str], given: Sequence[str] = ()
+) -> Iterator[OriginRow]:
+    """Of torque limits. given : the joints whose limit was passed."""
+    found = dict[str, list[str]]()
+    for joint in joints:
+        known = 0 < facts[joint].effort < np.inf
+        source = GIVEN if joint in given else facts[joint].effort_said if known else NOWHERE
+        found.setdefault(source, []).append(joint)
+    for source, names in found.items():
+        yield OriginRow("torque limit", tuple(names), source)
+
+
+def servo_word(described: Description) -> str:
+    """Where the stiffness of a file is from."""
+    return "kp of position actuators" if described.servos else NOWHERE
+
+
+# ---------------------------------------------------------------- What else is stated.
+
+_Value = Callable[[JointFacts], Any]
+_STATED: tuple[tuple[str, str, str, str, _Value, str], ...] = (
+    ("dry friction", "dynamics friction", "frictionloss", "N·m", lambda f: f.stated.friction or None, "read"),
+    ("spring at the joint", "", "stiffness", "N·m/rad", lambda f: f.stated.stiffness or None, "read"),
+    ("rest of that spring", "", "springref", "rad", lambda f: f.stated.rest if f.stated.stiffness else None, "read"),
+    ("armature", "", "armature", "kg·m²", lambda f: f.stated.armature or None, "ignored: nothing accelerates"),
+    ("soft limits", "safety_controller", "", "rad", lambda f: f.stated.soft, "read; the range is the limit's"),
+    ("reduction", "transmission", "", "", lambda f: f.stated.reduction, "read; limits are the joint's"),
+)  # fmt: skip
+
+
+def stated_rows(described: Description) -> Iterator[StatedRow]:
+    """Of every joint, those that follow others among them; nothing for what the file leaves out."""
+    mjcf = described.root is not None and described.root.get("format") == "mjcf"
+    for what, urdf, xml, unit, value, used in _STATED:
+        values = {f.name: v for f in described.facts if (v := value(f)) is not None}
+        if values:
+            yield StatedRow(what, xml if mjcf else urdf, unit, values, used)
+
+
+# ---------------------------------------------------------------- Both, printed.
+
+
+def origin_lines(origins: Sequence[OriginRow], stated: Sequence[StatedRow]) -> Iterator[str]:
+    """In lines of at most 80 columns."""
+    rows = [row for row in origins if row.of]
+    if rows:
+        yield "Where numbers come from"
+    for row in rows:
+        several = sum(other.number == row.number for other in rows) > 1
+        who = f" of {words.listed(row.of)}" if several else ""
+        yield wrapped(f"{row.number}{who}: {row.source}", "      ", "  ")
+    if stated:
+        yield "Also stated by the file"
+    for s in stated:
+        yield wrapped(f"{s.what}: {_values(s)} ({s.tag}; {s.used})", "      ", "  ")
+
+
+def _values(row: StatedRow) -> str:
+    """Such as "0.01 N·m, 24 joints", or "0.5 to 2 N·m, 3 joints"."""
+    values = list(dict.fromkeys(row.values.values()))
+    unit, count = f" {row.unit}" if row.unit else "", len(row.values)
+    many = f"{count} joint{'' if count == 1 else 's'}"
+    if isinstance(values[0], tuple):
+        return many if len(values) > 1 else f"{values[0][0]:.4g} to {values[0][1]:.4g}{unit}, {many}"
+    if len(values) == 1:
+        return f"{values[0]:.4g}{unit}, {many}"
+    return f"{min(values):.4g} to {max(values):.4g}{unit}, {many}"
