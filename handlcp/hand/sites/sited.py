@@ -74,10 +74,11 @@ def sites(state: Posture, among: Iterable[Toucher], obj: Object, reach: float) -
             if gap > reach:
                 continue
             deepest = min(deepest, (toucher.name, gap), key=lambda one: one[1])
+            others = tuple(found)
             for made, gap in patch(shape, p, R, obj):
                 there = nearest((made,), p, R, obj)
                 site = Site(toucher, made, there.position, there.normal, gap)
-                if gap <= reach and not any(_same(site, other) for other in found):
+                if gap <= reach and not any(_same(site, other) for other in others):
                     found.append(site)
     if len(found) > MOST:
         expected = f"at most {MOST} contacts (name fewer links, or use coarser collision geometry)"
