@@ -49,7 +49,7 @@ def why_given_up(how: str) -> str:
     """Why a path was given up, though nothing says that the object is lost."""
     if how == STUCK:
         return "forces balance the load up to there, and no next state is found"
-    return "it takes more steps than paths of use take"
+    return "contacts touch, slip and let go so often there that thousands of short steps do not lead on"
 
 
 def under_load(now: Array, end: Array) -> str:

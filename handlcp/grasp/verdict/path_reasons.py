@@ -59,13 +59,16 @@ def slides_reason(path: Loading) -> Reason:
 
 
 def rigid_reasons(spec: GraspSpec) -> Iterator[Reason]:
-    """Of fingertips that give way in no direction but those of their joints, where the object is lost."""
+    """Of contacts that give way in no direction but those of their joints, where the object is lost."""
     k = 3 * spec.of_fingers
     E = spec.flexibility[:k, :k]
     if spec.mechanism is None or not E.any() or np.linalg.eigvalsh(E)[0] > RIGID * float(E.diagonal().mean()):
         return
-    text = "the fingertips have no pads: where joints do not give way nothing does, and small differences decide what"
-    yield Reason("rigid_tips", "warning", f"{text} slips; pass pad_flexibility, such as 1e-4 m/N for rubber")
+    least = [np.linalg.eigvalsh(E[i : i + 3, i : i + 3])[0] for i in range(0, k, 3)]
+    rigid = [name for name, e in zip(spec.names, least, strict=False) if e <= RIGID * float(E.diagonal().mean())]
+    who = f"{words.listed(rigid)} {'have' if len(rigid) > 1 else 'has'}" if rigid else "the contacts have together"
+    text = f"{who} no pads: where joints do not give way nothing does, and small differences decide what slips"
+    yield Reason("rigid_tips", "warning", f"{text}; pass pad_flexibility, such as 1e-4 m/N for rubber")
 
 
 def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Reason]:

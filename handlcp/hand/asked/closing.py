@@ -75,10 +75,12 @@ def closing_torques(hand: HandModel, way: Array, value: Any) -> Array:
 def carries(state: Posture, q: Array, obj: Object) -> Bools:
     """(nv,) whether a joint carries a link that touches where the joints are at q."""
     hand = state.hand
-    there = [link.support[0] for link, gap in gaps_of(Posture(hand, q), touchers(hand, ALL), obj) if gap <= _TOUCHES]
+    gaps = gaps_of(Posture(hand, q), touchers(hand, ALL), obj)
+    there = [link.support[0] for link, gap in gaps if gap <= _TOUCHES]
     found = np.asarray(hand.kinematics.moved_by(np.array(there)).any(axis=0) if there else np.zeros(hand.nv, bool))
     if not found.any():
-        raise NotReached("closing_torque", "a hand that closes on the object", {})
+        nearest = dict(sorted([(link.name, gap) for link, gap in gaps], key=lambda one: one[1])[:5])
+        raise NotReached("closing_torque", "a hand whose joints bring a link to the object", nearest)
     return found
 
 

@@ -11,6 +11,7 @@ from handlcp.check import array, number
 from handlcp.errors import HandLCPError, InputError, NoGraspFound
 from handlcp.grasp.cause.judge import UNDECIDED
 from handlcp.hand import Cylinder, Hand, find_grasp
+from handlcp.hand.objects.shapes import ask_for_metres
 from handlcp.progress import told
 from handlcp.study.grip_strength.across import Around
 from handlcp.study.grip_strength.full_torque import Closed, ask_for_limits, closed
@@ -54,6 +55,7 @@ def split_cylinder(
     split = None if normal is None else array("normal", normal, (3,))
     ask_for_limits(hand)
     cylinder = Cylinder(0.5 * wide, long, placement, mass=0.0)
+    ask_for_metres("diameter", cylinder, hand.at(hand.neutral).tip_positions)
     missing = dict[str, str]()
 
     def made(kind: str, make: Callable[[], Closed]) -> Grip | None:
