@@ -16,7 +16,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp.path.geometry import between
-from handlcp.grasp.path.stability import GROWS, MOVES, REST, STUCK, flow, growing, growth, steepens
+from handlcp.grasp.path.stability import GROWS, MOVES, REST, STUCK, flow, growing, growth
 from handlcp.grasp.path.state import SLIDES, STICKS, Controls, Failure, Goal, Guess, Outcome, Run, Slides, Snap, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import Rate, Watch, first_change, reached
@@ -270,11 +270,10 @@ class Leg:
         """(size, state, whether a small push grows): the step up to where a push begins to grow; the whole step where a
         push that seemed to grow comes to rest where the object was.
         """
-        if not steepens(found):
-            end, how = flow(self.stepper, found, found.controls, self._push(found, self._growing(found)))
-            if how == REST and self.stepper.far(found.where.pose, end.where.pose) < _SAME:
-                self.calm = found.kinds
-                return size, found, False
+        end, how = flow(self.stepper, found, found.controls, self._push(found, self._growing(found)))
+        if how == REST and self.stepper.far(found.where.pose, end.where.pose) < _SAME:
+            self.calm = found.kinds
+            return size, found, False
         low, high, best = 0.0, 1.0, state
         for _ in range(_HALVED):
             middle = 0.5 * (low + high)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.path.state import SLIDES, Controls, Failure, State
+from handlcp.grasp.path.state import Controls, Failure, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.progress import tick
@@ -30,7 +30,6 @@ _NEAR = 0.01  # how far the static state may be from there
 _FAR = 1.5  # times the farthest contact's distance: an object that has moved farther has left
 _MOST = 200
 _PUSHED = 4  # steps
-_ALONG = 0.5  # h times how fast a push grows: longer steps lead back to where it grows from
 
 
 def flow(
@@ -68,14 +67,13 @@ def flow(
             return state, GONE
         if stepper.far(start.where.pose, state.where.pose) > most:
             return state, MOVES
-        grows = steepens(state)
-        if off < _CALM and speed <= before and under is controls and not grows:
+        if off < _CALM and speed <= before and under is controls:
             rest = stepper.step(state, controls)
             if isinstance(rest, State) and stepper.far(state.where.pose, rest.where.pose) < _NEAR:
                 return rest, REST
             if push is not None:  # longer steps would lead back to the state that it was pushed out of
                 return state, CREEPS
-        h = min(2.0 * h, stepper.slow, _ALONG / grows if grows else np.inf)
+        h = min(2.0 * h, stepper.slow)
     return state, STUCK if off < _CALM else CREEPS
 
 
@@ -102,16 +100,6 @@ def growth(state: State) -> float:
     if shrinks(state.met, GROWS):
         return GROWS
     return float(np.linalg.eigvals(state.met).real.max())
-
-
-def steepens(state: State) -> float:
-    """How fast a small push grows for sure, as `growth`; 0: it dies away, or a contact slides, which may stick when it
-    is pushed back.
-    """
-    if SLIDES in state.kinds:
-        return 0.0
-    fast = growth(state)
-    return fast if fast > GROWS else 0.0
 
 
 @kernel

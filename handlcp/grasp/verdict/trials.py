@@ -21,7 +21,7 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.parameter import BALANCE, FORCES, TORQUE, Trial, by_effort, two_digits
 from handlcp.grasp.path.follow import follow
 from handlcp.grasp.solve.solve_spec import solve_spec
-from handlcp.lcp import Auto, Status
+from handlcp.lcp import Auto
 from handlcp.progress import tick
 
 _STEPS = 5  # of a stage
@@ -69,10 +69,8 @@ def _spread(count: int) -> list[int]:
 
 
 def _bears(spec: GraspSpec, section: Section) -> bool:
-    """Whether one solve finds an equilibrium within the torque limits, or cannot tell."""
+    """Whether one solve finds an equilibrium within the torque limits."""
     found = solve_spec(spec, section, Auto(search_seconds=0.0), proof=False)
-    if found.status is Status.UNDECIDED:
-        return True
     check = getattr(found, "torque_check", None)
     return found.held and (check is None or not check.over)
 

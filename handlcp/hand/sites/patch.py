@@ -25,6 +25,7 @@ from handlcp.hand.objects.overlap import size_of, support
 from handlcp.hand.robot.tip_geometry import Swept, TipShape
 from handlcp.hand.sites.corners import SAME, TINY, around, carrying, in_plane, spanning, swept
 
+_ROUNDING = 1e-4  # [rad] of detected normals
 _INSET, _SHARE = 5e-4, 0.05  # [m], of the patch's size: how far inside its rim points lie, which its edge may leave
 
 
@@ -34,7 +35,7 @@ def patch(shape: TipShape, p: Array, R: Array, obj: Object) -> tuple[tuple[TipSh
 
     Raises Unsupported and InputError as `nearest`.
     """
-    near = nearest((shape,), p, R, obj)
+    near = _squared(nearest((shape,), p, R, obj), shape, R)
     if shape.radius is not None:
         return ((shape, near.gap),)
     if (cornered := _at_corners(shape, p, R, obj, near)) is not None:
@@ -47,6 +48,17 @@ def patch(shape: TipShape, p: Array, R: Array, obj: Object) -> tuple[tuple[TipSh
     chosen = spanning(points, near, R, SPREAD)
     found = [_on_rim(shape, p, R, near, points, k, chosen, bool(length[1] <= SPREAD)) for k in chosen]
     return tuple([(made, nearest((made,), p, R, obj).gap) for made in found])
+
+
+def _squared(near: Proximity, shape: TipShape, R: Array) -> Proximity:
+    """With a normal along an axis of the shape where it is along it but for the rounding of detection: what lies on a
+    level palm would roll away along the slope of that.
+    """
+    axes = R @ shape.rotation
+    along = near.normal @ axes
+    k = int(abs(along).argmax())
+    exact = np.copysign(1.0, along[k]) * axes[:, k]
+    return replace(near, normal=read_only(exact)) if np.linalg.norm(exact - near.normal) < _ROUNDING else near
 
 
 def _at_corners(
