@@ -23,7 +23,7 @@ from handlcp.hand.robot.tip_geometry import Swept, TipShape
 
 SAME = 1e-4  # [m] corners nearer to each other are one
 _LEANS = 0.05, 0.06  # [rad]
-_STILL = 2e-6  # [m] as far as the nearest point of a corner moves between them
+_STILL = 2e-5  # [m] as far as the nearest point of a corner moves between them, by rounding of distances at a rim
 _START = 0.7  # [rad] where counting round begins: corners of boxes are elsewhere
 
 TINY = 1e-4  # [m] radius of the ball that stands for a corner, and of edges
