@@ -21,7 +21,7 @@ from handlcp.hand.command import read_joint_offset
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
-from handlcp.hand.sites.sited import gaps_of
+from handlcp.hand.sites.sited import gaps_of, nearest_links
 from handlcp.hand.sites.touchers import ALL, touchers
 from handlcp.hand.sites.wrap import bending, wrap
 
@@ -79,8 +79,8 @@ def carries(state: Posture, q: Array, obj: Object) -> Bools:
     there = [link.support[0] for link, gap in gaps if gap <= _TOUCHES]
     found = np.asarray(hand.kinematics.moved_by(np.array(there)).any(axis=0) if there else np.zeros(hand.nv, bool))
     if not found.any():
-        nearest = dict(sorted([(link.name, gap) for link, gap in gaps], key=lambda one: one[1])[:5])
-        raise NotReached("closing_torque", "a hand whose joints bring a link to the object", nearest)
+        expected = "a hand whose joints bring a link to the object"
+        raise NotReached("closing_torque", expected, nearest_links(gaps))
     return found
 
 

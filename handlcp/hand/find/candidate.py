@@ -161,7 +161,7 @@ def followed_through(one: Candidate, least: float) -> Candidate | None:
     if held is None:
         return None
     found = replace(one, held_force=held.force, cradled=held.cradled, gives_out=held.gives_out)
-    found.__dict__.update({key: value for key, value in one.__dict__.items() if key == "verdict"})  # it took long
+    found.__dict__["verdict"] = one.verdict  # known already, and long to find
     return found
 
 

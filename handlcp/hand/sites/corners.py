@@ -22,6 +22,7 @@ from handlcp.hand.objects.overlap import beyond, size_of, support
 from handlcp.hand.robot.tip_geometry import Swept, TipShape
 
 SAME = 1e-4  # [m] corners nearer to each other are one
+_CORNERED = coal.Box, coal.Cylinder, coal.ConvexBase
 _LEANS = 0.05, 0.06  # [rad]
 _STILL = 2e-5  # [m] as far as the nearest point of a corner moves between them, by rounding of distances at a rim
 _START = 0.7  # [rad] where counting round begins: corners of boxes are elsewhere
@@ -44,7 +45,7 @@ def around(shape: TipShape, p: Array, R: Array, obj: Object, near: Proximity) ->
     """Where faces, edges and corners alone meet; None: some surface is curved. The shape's frame is at p (3,) with
     rotation R (3, 3).
     """
-    if not isinstance(shape.geometry, (coal.Box, coal.Cylinder, coal.ConvexBase)):
+    if not isinstance(shape.geometry, _CORNERED) or not isinstance(obj.geometry, _CORNERED):
         return None
     (points, opposite), (further, other) = (tilted((shape,), p, R, obj, near, angle) for angle in _LEANS)
     of_shape = np.linalg.norm(further - points, axis=1) <= _STILL

@@ -35,9 +35,10 @@ def patch(shape: TipShape, p: Array, R: Array, obj: Object) -> tuple[tuple[TipSh
 
     Raises Unsupported and InputError as `nearest`.
     """
-    near = _squared(nearest((shape,), p, R, obj), shape, R)
+    near = nearest((shape,), p, R, obj)
     if shape.radius is not None:
         return ((shape, near.gap),)
+    near = _squared(near, shape, R)
     if (cornered := _at_corners(shape, p, R, obj, near)) is not None:
         return cornered
     points, _ = tilted((shape,), p, R, obj, near)

@@ -52,8 +52,7 @@ def sited(state: T, obj: Object, links: Any, max_gap: float) -> T:
     """
     near = sites(state, touchers(state.hand, links), obj, max_gap)
     if not near:
-        gaps = {t.name: gap for t, gap in gaps_of(state, touchers(state.hand, links), obj)}
-        least = dict(sorted(gaps.items(), key=lambda item: item[1])[:5])
+        least = nearest_links(gaps_of(state, touchers(state.hand, links), obj))
         expected = (
             f"a link within max_gap = {max_gap * 1e3:g} mm of the object: hand.close_on(obj, wrap=True) closes the "
         )
@@ -96,6 +95,11 @@ def gaps_of(state: Posture, among: Iterable[Toucher], obj: Object) -> list[tuple
         except Unsupported:
             continue
     return found
+
+
+def nearest_links(gaps: Iterable[tuple[Toucher, float]]) -> dict[str, float]:
+    """The five nearest of links and their gaps [m], by name, for messages."""
+    return dict(sorted([(link.name, gap) for link, gap in gaps], key=lambda one: one[1])[:5])
 
 
 def placed(state: Posture, among: Iterable[Toucher]) -> list[tuple[Toucher, Array, Array]]:

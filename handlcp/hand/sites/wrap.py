@@ -28,7 +28,7 @@ from handlcp.hand.objects.shapes import ask_for_metres
 from handlcp.hand.robot.kinematics import contact_jacobian
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
-from handlcp.hand.sites.sited import ask_for_outside, placed
+from handlcp.hand.sites.sited import ask_for_outside, nearest_links, placed
 from handlcp.hand.sites.touchers import ALL, Toucher, touchers
 
 _BENDS = np.cos(np.pi / 4)
@@ -74,8 +74,8 @@ def wrap(
     deepest, gap = min(there, key=lambda one: one[1])
     ask_for_outside(called, deepest.name, gap)
     if not any(gap <= 10 * _TOUCHES for _, gap in there):
-        gaps = dict(sorted(((t.name, gap) for t, gap in there), key=lambda item: item[1])[:5])
-        raise NotReached(called, "an object that links come to touch when the hand closes from q0", gaps)
+        expected = "an object that links come to touch when the hand closes from q0"
+        raise NotReached(called, expected, nearest_links(there))
     return Wrapped(read_only(closing.q), tuple(touched))
 
 
