@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from handlcp.check import Array, read_only
 from handlcp.errors import HandLCPError, InputError, UnknownName, Unsupported
+from handlcp.hand.elasticity.stiffness import HOW_STIFF
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.source.description import COLLISION, Description
@@ -24,10 +25,7 @@ if TYPE_CHECKING:
     from handlcp.hand.robot.audit import Audit
     from handlcp.hand.robot.describe import HandDescription
 
-_STIFFNESS = (
-    "how stiff the joints are [N·m/rad]: a number, such as 1 to 10 for the motors of a hand, a mapping by joint name, "
-    "or a matrix (no URDF says it)"
-)
+_STIFFNESS = f"{HOW_STIFF} (no URDF says it)"
 
 
 class Hand(HandModel):

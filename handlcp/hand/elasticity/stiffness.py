@@ -77,6 +77,11 @@ def read_springs(
 # ----------------------------------------------------------------
 # Joint stiffness: from what users pass to the root of its inverse.
 
+HOW_STIFF = (  # what is expected where nobody says it
+    "how stiff the joints are [N·m/rad]: a number, such as 1 to 10 for the motors of a hand, a mapping by joint name, "
+    "or a matrix"
+)
+
 
 class JointStiffness(Elasticity):
     """Stiffness K of the joints [N·m/rad], positive definite; inf on the diagonal: rigid. A = L⁻ᵀ for K = L Lᵀ."""

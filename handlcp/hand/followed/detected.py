@@ -75,12 +75,12 @@ class Detected:
         positions, normals, gaps, turn, shift = out
         for i, tip in enumerate(self.shapes):
             if tip[0].corner is not None:
-                Q, q = self.obj.frame
+                (Q, q), face = self.obj.frame, tip[0].face
                 positions[i] = R @ (Q @ tip[0].corner + q) + t
-                centre, spans = places[i] + turns[i] @ tip[0].face.centre, tip[0].face.spans @ turns[i].T
                 gaps[i] = corner_contact(
-                    positions[i], places[i], centre, spans, tip[0].face.radius, normals[i], turn[i], shift[i]
-                )
+                    positions[i], places[i], turns[i], face.centre, face.spans, face.radius, normals[i], turn[i],
+                    shift[i],
+                )  # fmt: skip
                 continue
             at, own = R.T @ (places[i] - t), R.T @ turns[i]
             known = self.known.get(i)

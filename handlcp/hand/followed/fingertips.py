@@ -87,17 +87,15 @@ def ball_contacts(
         np.empty((3, 3)), np.empty((3, 3)), np.empty((2, 3)), np.empty((2, 3)), np.zeros(2), np.empty((3, 6)),
     )  # fmt: skip
     for i in range(len(swept.radii)):
-        turned(turns[i], swept.beside[i], arm)
         if swept.corners[i, 0] == swept.corners[i, 0]:
             turned(R, swept.corners[i], c)
-            for k in range(2):
-                turned(turns[i], swept.spans[i, k], spans[k])
-            for a in range(3):
-                positions[i, a] = p[a] + c[a]
+            positions[i] = p + c
             gaps[i] = corner_contact(
-                positions[i], places[i], places[i] + arm, spans, swept.radii[i], normals[i], turn[i], shift[i]
-            )
+                positions[i], places[i], turns[i], swept.beside[i], swept.spans[i], swept.radii[i], normals[i],
+                turn[i], shift[i],
+            )  # fmt: skip
             continue
+        turned(turns[i], swept.beside[i], arm)
         for a in range(3):
             c[a] = 0.0
             for b in range(3):

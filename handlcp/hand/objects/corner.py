@@ -14,13 +14,21 @@ from handlcp.lcp.kernels.dense import kernel
 
 @kernel
 def corner_contact(
-    x: Array, place: Array, centre: Array, spans: Array, radius: float, normal: Array, turn: Array, shift: Array
-) -> float:
-    """The gap between a corner at x (3,) and a face, a ball of this radius swept about centre (3,) along spans (2, 3),
-    whose product points out of the link: all in world axes. Writes the normal (3,), and how it turns and the contact
-    shifts with the link, which moves by v + ω × (x - place): turn, shift (3, 6) as in `Touch`.
+    x: Array, place: Array, R: Array, beside: Array, face: Array, radius: float, normal: Array, turn: Array,
+    shift: Array,
+) -> float:  # fmt: skip
+    """The gap between a corner at x (3,) and a face, a ball of this radius swept about `beside` (3,) along the rows of
+    `face` (2, 3), whose product points out of the link: in a frame at place (3,) with rotation R (3, 3). Writes the
+    normal (3,), and how it turns and the contact shifts with the link, which moves by v + ω × (x - place): turn, shift
+    (3, 6) as in `Touch`.
     """
-    d, out = x - centre, np.cross(spans[0], spans[1])
+    d, spans = x - place, np.zeros((2, 3))
+    for a in range(3):
+        for b in range(3):
+            d[a] -= R[a, b] * beside[b]
+            for k in range(2):
+                spans[k, a] += R[a, b] * face[k, b]
+    out = np.cross(spans[0], spans[1])
     out /= np.sqrt(out @ out)
     over = np.zeros((3, 3))  # takes what of a motion changes d: all of it that does not run along the face
     for a in range(3):

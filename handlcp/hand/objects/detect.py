@@ -288,5 +288,5 @@ def _on_face(face: Swept, corner: Array, p: Array, R: Array, obj: Object) -> Pro
     """Of a corner of the object, in the axes of its shape, and a face in a frame at p (3,) with rotation R (3, 3)."""
     (Q, q), normal, rows = obj.frame, np.empty(3), np.empty((2, 3, 6))
     x = Q @ corner + q
-    gap = corner_contact(x, p, p + R @ face.centre, face.spans @ R.T, face.radius, normal, rows[0], rows[1])
+    gap = corner_contact(x, p, R, *face, normal, rows[0], rows[1])
     return Proximity(gap, x, x - gap * normal, normal)

@@ -2,7 +2,7 @@
 
 The shape is tilted by a small angle in eight directions. Where both surfaces are curved the nearest point moves by the
 angle times a radius, a tenth of a millimetre; where both are flat it moves to the other end of what touches. A line is
-held by its two ends and a patch by up to four corners: more points add no wrench.
+held by its two ends and a patch by up to four corners. More points of a line add no wrench, and none of a rectangle.
 
 At each of them the shape becomes what it is there: a ball of its own radius, a line or a face (`Swept`), so that what
 moves later stays on the surface that is there, flat where it is flat. Hulls of meshes stay whole where they touch at a

@@ -60,6 +60,11 @@ class Description:
     given: tuple[tuple[str, tuple[Part, ...]], ...] = ()
     doubts: tuple[Doubt, ...] = ()
 
+    @property
+    def mjcf(self) -> bool:
+        """Whether it was read from an MJCF file."""
+        return self.root is not None and self.root.get("format") == "mjcf"
+
     def has(self, kind: str) -> tuple[str, ...]:
         """Names of the links with such geometry, each once."""
         if self.root is None:

@@ -41,17 +41,15 @@ class StatedRow(NamedTuple):
 
 def file_origins(described: Description, joints: Sequence[str]) -> Iterator[OriginRow]:
     """Of what only a file says. joints : the independent ones."""
-    root = described.root
-    mjcf = root is not None and root.get("format") == "mjcf"
-    if root is None:
+    if described.root is None:
         ranges = masses = _MODEL
     else:
-        ranges = "range of <joint>" if mjcf else "<limit lower upper>"
-        masses = "<inertial>, or the geoms" if mjcf else "<inertial mass>"
+        ranges = "range of <joint>" if described.mjcf else "<limit lower upper>"
+        masses = "<inertial>, or the geoms" if described.mjcf else "<inertial mass>"
     kinds = {f.name: f.kind for f in described.facts}
     yield OriginRow("range", tuple(j for j in joints if kinds[j] != "continuous"), ranges)
     followers = tuple(f.name for f in described.facts if f.mimic is not None)
-    yield OriginRow("coupling", followers, "<equality><joint>" if mjcf else "<mimic>")
+    yield OriginRow("coupling", followers, "<equality><joint>" if described.mjcf else "<mimic>")
     yield OriginRow("mass", tuple(k for k, m in described.masses.items() if m), masses)
 
 
@@ -88,11 +86,10 @@ _STATED: tuple[tuple[str, str, str, str, _Value, str], ...] = (
 
 def stated_rows(described: Description) -> Iterator[StatedRow]:
     """Of every joint, those that follow others among them; nothing for what the file leaves out."""
-    mjcf = described.root is not None and described.root.get("format") == "mjcf"
     for what, urdf, xml, unit, value, used in _STATED:
         values = {f.name: v for f in described.facts if (v := value(f)) is not None}
         if values:
-            yield StatedRow(what, xml if mjcf else urdf, unit, values, used)
+            yield StatedRow(what, xml if described.mjcf else urdf, unit, values, used)
 
 
 # ---------------------------------------------------------------- Both, printed.

@@ -18,7 +18,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.errors import InputError
 from handlcp.hand.elasticity.elasticity import Elasticity
-from handlcp.hand.elasticity.stiffness import JointStiffness, read_stiffness
+from handlcp.hand.elasticity.stiffness import HOW_STIFF, JointStiffness, read_stiffness
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.description import Description
 from handlcp.hand.robot.source.stated import Servo
@@ -54,10 +54,7 @@ def servo_stiffness(servos: Sequence[Servo], kinematics: Kinematics) -> ServoSti
     K = rows.T @ (kp[:, None] * rows)
     if bare := [name for name, k in zip(coupling.names, np.diagonal(K), strict=True) if k <= 0.0]:
         what = "none" if len(bare) == coupling.C.shape[1] else f"none for {', '.join(bare)}"
-        expected = (
-            "how stiff the joints are [N·m/rad]: a number, such as 1 to 10 for the motors of a hand, a mapping by "
-            "joint name, or a matrix, where the file has no position actuators that say it"
-        )
+        expected = f"{HOW_STIFF}, where the file has no position actuators that say it"
         raise InputError("joint_stiffness", expected, what)
     loose = _loose(K)
     widened = tuple(i for i, row in enumerate(rows) if np.count_nonzero(row) > 1 and loose[row != 0.0].any())
