@@ -155,3 +155,13 @@ def test_a_disc_is_a_palm_as_a_box_is(tilt):
     grasp = laid(pin.exp3(np.array([tilt, 0.0, 0.0])), urdf=disc, max_gap=2e-3)
     assert len(grasp.contacts) == 4
     assert grasp.check().word == "HELD"
+
+
+@pytest.mark.parametrize("over", [0.0, 0.02], ids=["over the edge", "a degree beside it"])
+def test_a_block_balanced_on_an_edge_is_not_held(over):
+    """Forces balance its weight there, and the smallest push makes it fall."""
+    lean = pin.exp3(np.array([0.0, np.arctan2(HALF, HEIGHT / 2) + over, 0.0]))
+    height = HALF * np.sin(np.arctan2(HALF, HEIGHT / 2)) + 0.5 * HEIGHT * np.cos(np.arctan2(HALF, HEIGHT / 2))
+    found = standing(0.5, lean, (0.0, 0.0, height)).follow()
+    assert not found.held
+    assert "a small push drives it away: it tips over" in found.why or over > 0.0

@@ -19,7 +19,8 @@ RUNS_AWAY, UNSTABLE, PUSHED_OUT, LOOSE, NO_FORCES, TOO_FAR, LEAPS, STUCK = (
 )  # fmt: skip
 _SENTENCES = {
     RUNS_AWAY: "the object runs away{}: the fingers give way faster than their forces grow",
-    UNSTABLE: "the object is in balance, but a small push{} drives it away: the fingers are too soft for their forces",
+    UNSTABLE: "the object is in balance, but a small push{} drives it away: it tips over, or the fingers are "
+    "too soft for their forces",
     PUSHED_OUT: "the squeeze pushes the object out from between the fingers",
     LOOSE: "no finger holds the object any more",
     NO_FORCES: "the fingers do not create the forces that would balance the load",

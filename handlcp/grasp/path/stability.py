@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.path.state import Controls, Failure, State
+from handlcp.grasp.path.state import SLIDES, Controls, Failure, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.progress import tick
@@ -30,6 +30,7 @@ _NEAR = 0.01  # how far the static state may be from there
 _FAR = 1.5  # times the farthest contact's distance: an object that has moved farther has left
 _MOST = 200
 _PUSHED = 4  # steps
+_GROWN = 0.5  # times the time in which a push grows
 
 
 def flow(
@@ -41,6 +42,7 @@ def flow(
     steps. most : of the contacts' distances; an object that has moved farther is not followed on (MOVES).
     """
     h, start, speed, off, buckles = _FIRST, state, 0.0, np.inf, False
+    longest = stepper.slow if push is None else _longest(stepper, state)
     pulled = push is not None or controls.load.any() or bool(controls.weight)
     reach = (
         float(np.sqrt(((state.iterate.positions - state.iterate.reference) ** 2).sum(axis=1)).max()) / stepper.length
@@ -73,8 +75,18 @@ def flow(
                 return rest, REST
             if push is not None:  # longer steps would lead back to the state that it was pushed out of
                 return state, CREEPS
-        h = min(2.0 * h, stepper.slow)
+        h = min(2.0 * h, longest)
     return state, STUCK if off < _CALM else CREEPS
+
+
+def _longest(stepper: Stepper, state: State) -> float:
+    """The longest step of a flow that begins with a push: no more than half the time in which the push grows to e times
+    itself. A longer implicit step leads back to the state that it was pushed out of. Where contacts slide S says more
+    growth than there is, and where they are detected on meshes it is too rough to say how much.
+    """
+    if SLIDES in state.kinds or stepper.geometry.noise > 0.0:
+        return stepper.slow
+    return min(_GROWN / growth(state), stepper.slow)
 
 
 # ----------------------------------------------------------------
