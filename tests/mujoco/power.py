@@ -234,13 +234,14 @@ def compared(case: PowerCase, row: Row) -> Compared:
     began = perf_counter()
     limit = grasp.load_limit(case.wrench)
     took = perf_counter() - began
+    ends = _ends(limit)
     slides, lost = (np.inf if value is None else value for value in (limit.slides, limit.lost))
     squeeze = apart(by_link(grasp, grasp.follow(order=("squeeze",)).solution.forces_world), row.squeezed)
     half = float("nan")
     if np.isfinite(row.forces).all() and (there := grasp.follow(row.load * case.wrench)).reached:
         half = apart(by_link(grasp, there.solution.forces_world), row.forces)
     return Compared(
-        case, row, len(grasp.names), squeeze, half, _ends(limit), min(slides, lost), lost, took
+        case, row, len(grasp.names), squeeze, half, ends, min(slides, lost, ends[0]), lost, took
     )  # fmt: skip
 
 

@@ -21,7 +21,7 @@ from handlcp.text_table import wrapped
 from handlcp.views import view
 
 _CALLED = {
-    "first_slip": "first slip", "slides": "slides through", "lost": "lost", "limit": "limit reached",
+    "first_slip": "first slip at", "slides": "slides through at", "lost": "lost at", "limit": "limit reached at",
     "undecided": "undecided beyond",
 }  # fmt: skip
 _SAME = 1e-6  # factors that differ by less are the same
@@ -65,12 +65,13 @@ class Reached(Record):
 @dataclass(frozen=True, slots=True)
 class Rest:
     """What is known of the whole path: the factor at which the object is lost, how far it has moved where it matters,
-    and what happens.
+    what happens, and why no more is known; "" where the path was followed to its end.
     """
 
     lost: float | None
     marks: dict[str, Reached]
     events: tuple[LimitEvent, ...]
+    undecided: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +95,8 @@ class LoadLimit(Record):
     factor : times `wrench`; the load at which the object slides through or is lost, or a joint is at a limit, whichever
     comes first; inf where nothing binds however large the load, 0 where squeeze or weight alone are not held.
     wrench (6,) : the load [N, N·m], beside the weight, about the grasp's reference. binds : what gives out, one or
-    several; "undecided" where the path could not be followed on: the factor is held, and may not be the largest.
+    several; "undecided" where the path could not be followed on, or a link that is no contact comes into the object:
+    the factor is held, and may not be the largest.
     geometry : "fixed" or "followed".
     first_slip, slides, lost : factors, None where that never comes. first_slip : a finger begins to slide. slides : no
     contact that presses sticks any more, and the object gives way more than ten times as fast as it did while one
@@ -131,7 +133,7 @@ class LoadLimit(Record):
     @property
     def lost(self) -> float | None:
         """The factor beyond which the path has no state at rest; None: it has one, or a joint's limit ends the path
-        before, or the path could not be followed on: then `marks` has "undecided".
+        before, or nothing is known of the path beyond some load: then `marks` has "undecided".
         """
         return self._rest.lost
 
@@ -143,7 +145,7 @@ class LoadLimit(Record):
     @property
     def marks(self) -> dict[str, Reached]:
         """How far the object has moved where it matters: at "first_slip", "slides", "lost", at the "limit" of a joint
-        or of the motion, and where the path could not be followed on: "undecided".
+        or of the motion, and beyond which nothing is known: "undecided".
         """
         return self._rest.marks
 
@@ -197,7 +199,9 @@ class LoadLimit(Record):
         lines = [wrapped(self.why, "  ")]
         for name, mark in self.marks.items():
             moved = f"the object has moved {words.length(mark.moved)}, {words.angle(mark.turned)}"
-            said = f"{_CALLED[name]} at {mark.factor:.4g} times the load: {moved}"
+            said = f"{_CALLED[name]} {mark.factor:.4g} times the load: {moved}"
+            if name == "undecided" and not self.why.endswith(self._rest.undecided):
+                said = f"{said}; {self._rest.undecided}"
             lines.append(wrapped(said, "    ", "  "))
         others = [e for e in self.events if e.kind != "slides through"]  # which `marks` tell
         lines += [wrapped(line, "    ", "  ") for line in told(others, lambda factor: f"{factor:.4g} times the load")]

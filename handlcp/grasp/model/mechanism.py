@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
@@ -190,6 +190,12 @@ class Mechanism:
         such as "at the end of the loading".
         """
         return ()
+
+    def in_the_way(self, q: Array, pose: Any) -> Mapping[str, str]:
+        """Links that are deep in the object and no contacts of it, with a sentence each, of a grasp in which any link
+        may be a contact; arguments as of `at_end`.
+        """
+        return {}
 
     def elsewhere(self, spec: Any, shift: Array) -> Any:
         """The same grasp of the object moved by shift (3,) [m], closed anew; None where that is not known, or does not

@@ -193,6 +193,12 @@ def posture_reasons(posture: Posture, obj: Object | None, tips: tuple[int, ...],
                 yield _inside(these, beside_tip, far, when, posture.hand.links_of_sites is None)
 
 
+def deep_inside(posture: Posture, obj: Object, tips: tuple[int, ...]) -> dict[str, str]:
+    """Links that are no contacts and so deep in the object that the hand cannot be there, with a sentence each."""
+    deep = [one for one in links_inside(posture, obj, tips) if one.tip is None and one.depth > _DEEP]
+    return {one.link: _inside([one], False, True, "soon after", False).sentence for one in deep}
+
+
 def _inside(links: list[Inside], beside_tip: bool, far: bool, when: str, tips_alone: bool) -> Reason:
     """Links of one kind, the deepest first. tips_alone : whether fingertips are all that may touch."""
     values = {"links": [{"link": one.link, "depth_m": one.depth, "fingertip": one.tip} for one in links]}

@@ -1,0 +1,260 @@
+"""What a path whose load has grown says of the load limit: how much is held, what gives out, and what happens after."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array, read_only
+from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.cause.judge import (
+    EQUILIBRIUM,
+    OBJECT,
+    SLIPS,
+    UNDECIDED,
+    Cause,
+    Limits,
+    binding,
+    over,
+    slipping,
+)  # fmt: skip
+from handlcp.grasp.cause.wording import moves, why, why_given_up
+from handlcp.grasp.friction import Section
+from handlcp.grasp.limits.result import Later, LimitEvent, LimitPath, LoadLimit, Reached, Rest
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.path.advance import Leg
+from handlcp.grasp.path.follow import Loading, solution_of
+from handlcp.grasp.path.state import Outcome, Run, State
+from handlcp.grasp.path.step import Stepper
+from handlcp.grasp.path.watch import margins
+from handlcp.tolerances import OVER
+
+_AT = 1e-6  # relative: limits that are this near to being reached bind, too
+_NEAR = 1e-3  # of the load: contacts that begin to slide this near to where the object slides through are the cause
+_UNKNOWN: tuple[Cause, ...] = (Cause(UNDECIDED, OBJECT),)  # what gives out beyond what is known of a path
+_NAMED = ("slips", "sticks", "opens", "touches", "yields", "holds", "snaps", "slides through")
+_LOOKED, _HALVED = 16, 10  # states of a path, and times a step, where a link comes into the object
+
+
+class Followed(NamedTuple):
+    """A path whose load has grown: run, from `at` (6,), the object's motion before it. slid : the share of the weight
+    at which the object slides through already, and what contacts do there; None: it does not.
+    """
+
+    spec: GraspSpec
+    section: Section
+    wrench: Array
+    run: Run
+    leg: Leg
+    stepper: Stepper
+    limits: Limits
+    at: Array
+    geometry: str
+    slid: tuple[float, list[str]] | None
+
+    @property
+    def number(self) -> int:
+        """Of the last state."""
+        return len(self.run.states) - 1
+
+    def mark(self, factor: float) -> Reached:
+        """How far the object has moved at a factor, between two states."""
+        shares = np.array(self.run.shares)
+        moved = np.array([self.stepper.geometry.displacement(s.where.pose) - self.at for s in self.run.states])
+        there = np.array([np.interp(factor, shares, column) for column in moved.T])
+        return Reached(factor, float(np.linalg.norm(there[:3])), float(np.linalg.norm(there[3:])))
+
+
+# ----------------------------------------------------------------
+# Contacts are where links were near when the hand had closed. A link that comes into the object later would press on
+# it, and the path knows nothing of that: from there on it says nothing.
+
+
+class _Ends(NamedTuple):
+    """Where what is known of a path ends: factor, number of the last state before, and why."""
+
+    factor: float
+    number: int
+    why: str
+
+
+def _known(f: Followed) -> _Ends | None:
+    """Where a link that was outside before the load grew comes into the object; None: none is in it at the end."""
+    if f.geometry != "followed" or not _inside(f, f.run.states[-1]):
+        return None
+    at_first = _inside(f, f.run.states[0])
+
+    def comes(state: State) -> bool:
+        return not _inside(f, state).keys() <= at_first.keys()
+
+    looked = np.unique(np.linspace(0, f.number, min(f.number, _LOOKED) + 1).astype(int)).tolist()
+    high = next((k for k in looked if comes(f.run.states[k])), 0)
+    if not high:
+        return None
+    low = looked[looked.index(high) - 1]
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if comes(f.run.states[middle]) else (middle, high)
+    begin, end = f.run.shares[low], f.run.shares[high]
+    for _ in range(_HALVED):
+        factor = 0.5 * (begin + end)
+        begin, end = (begin, factor) if comes(f.leg.seen(low, factor)) else (factor, end)
+    return _Ends(begin, low, words.listed([*_inside(f, f.run.states[high]).values()]))
+
+
+def _inside(f: Followed, state: State) -> Mapping[str, str]:
+    """The links that are in the object and no contacts of it, with a sentence each."""
+    mechanism = f.spec.mechanism
+    return {} if mechanism is None else mechanism.in_the_way(state.where.q, state.where.pose)
+
+
+# ----------------------------------------------------------------
+# The limit.
+
+
+def answer(f: Followed) -> LoadLimit:
+    """The load limit."""
+    run, end = f.run, f.run.shares[-1]
+    first = next((e.share for e in run.events if e.kind == "slips"), None)
+    slides = None if run.slides is None else run.slides.share
+    factor, number = np.inf if run.outcome is Outcome.UNBOUNDED else end, len(run.states) - 1
+    binds: tuple[Cause, ...] = ()
+    if run.outcome is Outcome.LIMIT:
+        if over(f.limits, *_read(f, run.states[0])):  # before there is any load
+            factor, number = 0.0, 0
+        binds = binding(f.limits, *_read(f, run.states[number]), near=_AT)
+        stood = [c for c in binding(f.limits, *_read(f, run.states[0]), near=_AT) if c.margin <= OVER]
+        binds = (factor > 0.0 and tuple([c for c in binds if c not in stood])) or binds
+    elif run.outcome is Outcome.LOST:
+        before = run.states[-2].kinds if len(run.states) > 1 else None
+        binds = slipping(f.spec.names, run.states[-1].kinds, before)
+    if run.slides is not None:
+        factor, number = run.slides.share, run.slides.number
+        binds = slipping(f.spec.names, kinds_near(run, number))
+    if binds == (Cause(EQUILIBRIUM, OBJECT),):  # the last static state is short of where contacts begin to slide
+        binds = _about_to_slip(f, run.states[number]) or binds
+    if f.slid is not None:
+        factor, number, slides, binds = 0.0, 0, 0.0, slipping(f.spec.names, f.slid[1])
+    gave_up, ends = run.outcome is Outcome.GAVE_UP, _known(f)
+    if gave_up and run.slides is None:
+        binds = _UNKNOWN
+    unknown = ends is not None and ends.factor < factor
+    if ends is not None and unknown:
+        factor, number, slides, binds = ends.factor, ends.number, None, _UNKNOWN
+        first = first if first is not None and first <= factor else None
+
+    def sentence() -> str:
+        if f.slid is not None:
+            return f"the weight alone is not held: the object slides through from {words.percent(f.slid[0])} of it on"
+        if ends is not None and unknown:
+            return f"held up to {factor:.4g} times the load, and undecided beyond: {ends.why}"
+        if gave_up:
+            assert run.failure is not None
+            return f"held up to {end:.4g} times the load, and undecided beyond: {why_given_up(run.failure.kind)}"
+        return why(binds, factor, f.wrench, f.spec, _then(_through(f)))
+
+    later = Later(
+        sentence, lambda: _path(f, number), lambda: _solution(f, number, factor), lambda _: _through(f).shares[-1],
+        lambda: _rest(f, ends),
+    )  # fmt: skip
+    return LoadLimit(factor, f.wrench, binds, f.geometry, later, first, slides)
+
+
+def kinds_near(run: Run, number: int) -> list[str]:
+    """What contacts do where the object slides through; those that stick for a moment there slide."""
+    near = [s.kinds for s, x in zip(run.states, run.shares, strict=True) if x >= (1.0 - _NEAR) * run.shares[number]]
+    last = run.states[min(number + 1, len(run.states) - 1)].kinds
+    return ["sliding" if any(kinds[i] == "sliding" for kinds in near) else last[i] for i in range(len(last))]
+
+
+def _about_to_slip(f: Followed, state: State) -> tuple[Cause, ...]:
+    """Contacts whose friction is all but used up."""
+    left, normal = margins(f.stepper, state)[:, 0], state.read.forces[:, 2]
+    pressed = normal > _AT * max(float(normal.max(initial=0.0)), 1e-300)
+    near = pressed & (left <= _NEAR * f.stepper.friction * normal)
+    return tuple([Cause(SLIPS, name) for name, slips in zip(f.spec.names, near.tolist(), strict=True) if slips])
+
+
+def _then(run: Run) -> str:
+    """What the object does at the limit, other than that it is lost; "" for nothing."""
+    if run.slides is None:
+        return ""
+    there = [s for s in run.snaps if (s.stage, s.share) == (run.slides.stage, run.slides.share)]
+    if not there:
+        return "slides through"
+    pushed = there[0].pushed
+    by = f", as a small push{moves(np.array(pushed))} makes it where it is in balance" if pushed else ""
+    if there[0].rests:
+        return f"snaps to another place{by}"
+    return f"leaves{by}" if pushed else ""
+
+
+def _through(f: Followed) -> Run:
+    """The whole path, beyond where the object begins to slide through."""
+    if f.run.outcome is Outcome.END and f.run.slides is not None:
+        f.leg.through()
+    return f.run
+
+
+def _rest(f: Followed, ends: _Ends | None) -> Rest:
+    """What follows. ends : of what is known up to where the object slides through."""
+    run = f.run if ends is not None else _through(f)
+    ends = ends or _known(f)
+    known = np.inf if ends is None else ends.factor
+    lost = run.shares[-1] if run.outcome is Outcome.LOST and ends is None else None
+    first = next((e.share for e in run.events if e.kind == "slips"), None)
+    slides = 0.0 if f.slid is not None else None if run.slides is None else run.slides.share
+    named = ("first_slip", first), ("slides", slides), ("lost", lost)
+    marks = {name: f.mark(x) for name, x in named if x is not None and x <= known}
+    if ends is not None or run.outcome is Outcome.GAVE_UP:
+        marks["undecided"] = f.mark(min(known, run.shares[-1]))
+    elif run.outcome is Outcome.LIMIT:
+        marks["limit"] = f.mark(run.shares[-1])
+    events = [LimitEvent(e.kind, e.who, e.share) for e in run.events if e.kind in _NAMED]
+    events += [LimitEvent("snaps", OBJECT, s.share, s.moved, s.turned, s.pushed) for s in run.snaps if s.rests]
+    if slides is not None:
+        events.append(LimitEvent("slides through", OBJECT, slides))
+    said = "" if ends is None else ends.why
+    if ends is None and run.outcome is Outcome.GAVE_UP:
+        assert run.failure is not None
+        said = why_given_up(run.failure.kind)
+    return Rest(lost, marks, tuple(sorted([e for e in events if e.factor <= known], key=lambda e: e.factor)), said)
+
+
+def _read(f: Followed, state: State) -> tuple[Array, Array, Array]:
+    moved = f.stepper.geometry.displacement(state.where.pose) - f.at
+    return state.read.torque, state.where.q, moved
+
+
+def _path(f: Followed, number: int) -> LimitPath:
+    """To the limit, whatever is known of the path beyond; number : of the last state."""
+    states, displacement = f.run.states[: number + 1], f.stepper.geometry.displacement
+    return LimitPath(
+        read_only(np.array(f.run.shares[: number + 1])), read_only(np.array([s.read.forces for s in states])),
+        read_only(np.array([s.read.torque for s in states])),
+        read_only(np.array([displacement(s.where.pose) for s in states])),
+    )  # fmt: skip
+
+
+def _solution(f: Followed, number: int, factor: float) -> GraspSolution:
+    state = f.leg.seen(number, factor) if np.isfinite(factor) else f.run.states[number]
+    return solution_of(f.stepper.grasp, state, f.section)
+
+
+def nothing(spec: GraspSpec, wrench: Array, run: Run, geometry: str, loading: Loading) -> LoadLimit:
+    """Where squeeze or weight alone are not held, or nothing is known of it."""
+    reason = loading.why.partition(": ")[2]
+    if run.outcome is Outcome.GAVE_UP:
+        binds, text = _UNKNOWN, f"undecided: the {loading.lost_stage} alone was not followed to its end: {reason}"
+    else:
+        binds = slipping(spec.names, run.states[-1].kinds) if run.states[-1].loaded else (Cause(EQUILIBRIUM, OBJECT),)
+        text = f"the {loading.lost_stage} alone is not held: {reason}"
+    none = np.zeros((0, spec.n, 3))
+    nv = loading.steps.torques.shape[1]
+    path = LimitPath(np.zeros(0), none, np.zeros((0, nv)), np.zeros((0, 6)))
+    rest = Rest(0.0, {"lost": Reached(0.0, 0.0, 0.0)}, ())
+    later = Later(lambda: text, lambda: path, lambda: loading.solution, lambda _: 0.0, lambda: rest)
+    return LoadLimit(0.0, wrench, binds, geometry, later)
