@@ -13,7 +13,7 @@ _GAP, _LEAST = "  ", 8  # between columns; the narrowest that the first one beco
 @dataclass(frozen=True, slots=True)
 class TextTable:
     """heads : of the columns; a unit stands in a second line. rows : as many cells each. align : "<" or ">" for each
-    column. Prints within 80 columns: the first column is broken over several lines where it is too wide.
+    column. Prints within 80 columns: where the first column is too wide its words go on in further lines.
     """
 
     heads: tuple[str, ...]
@@ -29,7 +29,7 @@ class TextTable:
         widths[0] = max(min(widths[0], WIDTH - others), _LEAST)
         lines = [self._line(cells, widths) for cells in top]
         for first, *rest in self.rows:
-            pieces = [first[k : k + widths[0]] for k in range(0, len(first), widths[0])] or [""]
+            pieces = textwrap.wrap(first, widths[0], subsequent_indent=" ", break_on_hyphens=False) or [""]
             lines += [self._line([pieces[0], *rest], widths), *pieces[1:]]
         return "\n".join(lines)
 

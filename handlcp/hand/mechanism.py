@@ -288,12 +288,14 @@ class HandMechanism(Varied, Mechanism):
         if posture is not None:
             yield from posture_reasons(posture, obj, self.tips, when)
 
-    def in_the_way(self, q: Array, pose: Any) -> dict[str, str]:
+    def in_the_way(self, q: Array, pose: Any) -> tuple[set[str], str]:
         """Of a hand whose sites may be on any link; of fingertips `check` looks at the end."""
         from handlcp.hand.objects.inside import deep_inside
 
         posture, obj = self.at_end(q, pose)
-        return {} if posture.hand.links_of_sites is None or obj is None else deep_inside(posture, obj, self.tips)
+        if posture.hand.links_of_sites is None or obj is None:
+            return set(), ""
+        return deep_inside(posture, obj, self.tips)
 
     def moved(self, posture: Posture, positions: Array, frames: Array) -> HandMechanism:
         """The same fingers in another posture, with contacts of all fingers elsewhere, as in `mechanism_of`."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -82,15 +81,18 @@ class _Ends(NamedTuple):
 
 
 def _known(f: Followed) -> _Ends | None:
-    """Where a link that was outside before the load grew comes into the object; None: none is in it at the end."""
-    if f.geometry != "followed" or not _inside(f, f.run.states[-1]):
+    """Where a link that was outside before the load grew comes into the object; None: nowhere that is looked at."""
+    mechanism = f.spec.mechanism
+    if f.geometry != "followed" or mechanism is None or not mechanism.links:
         return None
-    at_first = _inside(f, f.run.states[0])
+    at_first, _ = _inside(f, f.run.states[0])
 
     def comes(state: State) -> bool:
-        return not _inside(f, state).keys() <= at_first.keys()
+        return not _inside(f, state)[0] <= at_first
 
-    looked = np.unique(np.linspace(0, f.number, min(f.number, _LOOKED) + 1).astype(int)).tolist()
+    snapped = [int(np.searchsorted(f.run.shares, snap.until)) for snap in f.run.snaps]
+    evenly = np.linspace(0, f.number, min(f.number, _LOOKED) + 1).astype(int)
+    looked = np.unique(np.minimum([*evenly, *snapped], f.number)).tolist()
     high = next((k for k in looked if comes(f.run.states[k])), 0)
     if not high:
         return None
@@ -102,13 +104,13 @@ def _known(f: Followed) -> _Ends | None:
     for _ in range(_HALVED):
         factor = 0.5 * (begin + end)
         begin, end = (begin, factor) if comes(f.leg.seen(low, factor)) else (factor, end)
-    return _Ends(begin, low, words.listed([*_inside(f, f.run.states[high]).values()]))
+    return _Ends(begin, low, _inside(f, f.run.states[high])[1])
 
 
-def _inside(f: Followed, state: State) -> Mapping[str, str]:
-    """The links that are in the object and no contacts of it, with a sentence each."""
+def _inside(f: Followed, state: State) -> tuple[set[str], str]:
+    """The links that are in the object where no contact is, and a sentence about them."""
     mechanism = f.spec.mechanism
-    return {} if mechanism is None else mechanism.in_the_way(state.where.q, state.where.pose)
+    return (set(), "") if mechanism is None else mechanism.in_the_way(state.where.q, state.where.pose)
 
 
 # ----------------------------------------------------------------

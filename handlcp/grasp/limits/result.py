@@ -138,6 +138,13 @@ class LoadLimit(Record):
         return self._rest.lost
 
     @property
+    def undecided(self) -> str:
+        """Why nothing is known of the path beyond some load, such as a link that comes into the object; "" where the
+        path was followed to its end.
+        """
+        return self._rest.undecided
+
+    @property
     def events(self) -> tuple[LimitEvent, ...]:
         """What happens on the way, to the end of the path, in order."""
         return self._rest.events
@@ -200,8 +207,8 @@ class LoadLimit(Record):
         for name, mark in self.marks.items():
             moved = f"the object has moved {words.length(mark.moved)}, {words.angle(mark.turned)}"
             said = f"{_CALLED[name]} {mark.factor:.4g} times the load: {moved}"
-            if name == "undecided" and not self.why.endswith(self._rest.undecided):
-                said = f"{said}; {self._rest.undecided}"
+            if name == "undecided" and not self.why.endswith(self.undecided):
+                said = f"{said}; {self.undecided}"
             lines.append(wrapped(said, "    ", "  "))
         others = [e for e in self.events if e.kind != "slides through"]  # which `marks` tell
         lines += [wrapped(line, "    ", "  ") for line in told(others, lambda factor: f"{factor:.4g} times the load")]

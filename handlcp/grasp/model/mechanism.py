@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
@@ -191,11 +191,11 @@ class Mechanism:
         """
         return ()
 
-    def in_the_way(self, q: Array, pose: Any) -> Mapping[str, str]:
-        """Links that are deep in the object and no contacts of it, with a sentence each, of a grasp in which any link
-        may be a contact; arguments as of `at_end`.
+    def in_the_way(self, q: Array, pose: Any) -> tuple[set[str], str]:
+        """Links that are deep in the object where no contact is, and a sentence about them, of a grasp in which any
+        link may be a contact; arguments as of `at_end`.
         """
-        return {}
+        return set(), ""
 
     def elsewhere(self, spec: Any, shift: Array) -> Any:
         """The same grasp of the object moved by shift (3,) [m], closed anew; None where that is not known, or does not

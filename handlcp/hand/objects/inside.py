@@ -193,10 +193,15 @@ def posture_reasons(posture: Posture, obj: Object | None, tips: tuple[int, ...],
                 yield _inside(these, beside_tip, far, when, posture.hand.links_of_sites is None)
 
 
-def deep_inside(posture: Posture, obj: Object, tips: tuple[int, ...]) -> dict[str, str]:
-    """Links that are no contacts and so deep in the object that the hand cannot be there, with a sentence each."""
-    deep = [one for one in links_inside(posture, obj, tips) if one.tip is None and one.depth > _DEEP]
-    return {one.link: _inside([one], False, True, "soon after", False).sentence for one in deep}
+def deep_inside(posture: Posture, obj: Object, tips: tuple[int, ...]) -> tuple[set[str], str]:
+    """Links that are so deep in the object beside their contacts, or without any, that the hand cannot be there, and a
+    sentence about them.
+    """
+    found = links_inside(posture, obj, tips)
+    alone = [one for one in found if one.tip is None and one.depth > _DEEP]
+    beside = [one for one in found if one.tip is not None and one.depth > _DEEP_BESIDE_TIP]
+    said = [_inside(these, these is beside, True, "soon after", False) for these in (alone, beside) if these]
+    return {one.link for one in (*alone, *beside)}, "; ".join([reason.sentence for reason in said])
 
 
 def _inside(links: list[Inside], beside_tip: bool, far: bool, when: str, tips_alone: bool) -> Reason:

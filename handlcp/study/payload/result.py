@@ -172,9 +172,13 @@ class Payload(Record):
         return view("payload_plot")(self, path, title)
 
     def __str__(self) -> str:
-        """The mass, what was asked, a table of the directions."""
+        """The mass, what was asked, a table of the directions, and why some are undecided."""
         lines = [wrapped(text, "  ") for text in (f"payload: {self.headline}", self.asked, geometry(self))]
-        return "\n".join([*lines, "", str(self._table())])
+        doubts = [
+            wrapped(f"{direction(row.direction)} is undecided beyond: {row.limit.undecided}", "  ")
+            for row in self.by_orientation if row.undecided and row.limit.undecided
+        ]  # fmt: skip
+        return "\n".join([*lines, "", str(self._table()), *([""] if doubts else []), *doubts])
 
     def __repr__(self) -> str:
         return f"Payload(mass={self.mass:.6g}, binds={words.listed([f'{b.kind}: {b.who}' for b in self.binds])})"
