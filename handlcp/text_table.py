@@ -29,7 +29,7 @@ class TextTable:
         widths[0] = max(min(widths[0], WIDTH - others), _LEAST)
         lines = [self._line(cells, widths) for cells in top]
         for first, *rest in self.rows:
-            pieces = textwrap.wrap(first, widths[0], subsequent_indent=" ", break_on_hyphens=False) or [""]
+            pieces = textwrap.wrap(first, widths[0], break_on_hyphens=False) or [""]
             lines += [self._line([pieces[0], *rest], widths), *pieces[1:]]
         return "\n".join(lines)
 

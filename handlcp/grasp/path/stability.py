@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.path.state import SLIDES, Controls, Failure, State
+from handlcp.grasp.path.state import Controls, Failure, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.progress import tick
@@ -84,7 +84,7 @@ def _longest(stepper: Stepper, state: State) -> float:
     itself. A longer implicit step leads back to the state that it was pushed out of. Where contacts slide S says more
     growth than there is, and where they are detected on meshes it is too rough to say how much.
     """
-    if SLIDES in state.kinds or stepper.geometry.noise > 0.0:
+    if state.slides or stepper.geometry.noise > 0.0:
         return stepper.slow
     return min(_GROWN / growth(state), stepper.slow)
 

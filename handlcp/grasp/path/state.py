@@ -189,6 +189,11 @@ class State(NamedTuple):
     met: Array
 
     @property
+    def slides(self) -> bool:
+        """Whether a contact slides."""
+        return SLIDES in self.kinds
+
+    @property
     def loaded(self) -> bool:
         """Whether any contact carries anything."""
         return any(kind != OPEN for kind in self.kinds)
