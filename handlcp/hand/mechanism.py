@@ -289,13 +289,11 @@ class HandMechanism(Varied, Mechanism):
             yield from posture_reasons(posture, obj, self.tips, when)
 
     def in_the_way(self, q: Array, pose: Any) -> tuple[set[str], str]:
-        """Of a hand whose sites may be on any link; of fingertips `check` looks at the end."""
+        """By distances of their collision geometry."""
         from handlcp.hand.objects.inside import deep_inside
 
         posture, obj = self.at_end(q, pose)
-        if posture.hand.links_of_sites is None or obj is None:
-            return set(), ""
-        return deep_inside(posture, obj, self.tips)
+        return (set(), "") if obj is None else deep_inside(posture, obj, self.tips)
 
     def moved(self, posture: Posture, positions: Array, frames: Array) -> HandMechanism:
         """The same fingers in another posture, with contacts of all fingers elsewhere, as in `mechanism_of`."""

@@ -106,6 +106,16 @@ def test_a_stored_row_says_the_same_as_handlcp(title):
     assert first == pytest.approx(min(found.slides, found.ends[0]), rel=0.01)
 
 
+def test_where_a_link_gets_into_the_object_no_more_is_claimed_than_mujoco_holds():
+    """MuJoCo was given the contacts of the grasp alone, and holds more without that link; see `tests.mujoco.power`."""
+    case = next(case for case in CASES if case.title == "five_finger, cylinder 1, -y")
+    found = compared(case, stored()[case.title])
+    assert found.squeeze < 0.01
+    assert found.half < 0.01
+    assert found.ends == (found.slides, np.inf)
+    assert found.slides < min(found.row.truth.jump, found.row.truth.factor)
+
+
 @pytest.mark.parametrize(
     "name", ["three_finger, box 1", "five_finger, box 1", pytest.param("barrett, ball 2", marks=commercial)]
 )

@@ -19,7 +19,7 @@ from handlcp.grasp.cause.judge import (
     binding,
     over,
     slipping,
-)  # fmt: skip
+)
 from handlcp.grasp.cause.wording import moves, why, why_given_up
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.result import Later, LimitEvent, LimitPath, LoadLimit, Reached, Rest
@@ -69,7 +69,8 @@ class Followed(NamedTuple):
 
 # ----------------------------------------------------------------
 # Contacts are where links were near when the hand had closed. A link that comes into the object later would press on
-# it, and the path knows nothing of that: from there on it says nothing.
+# it, and the path knows nothing of that: from there on it says nothing. Where fingertips alone may touch `check` looks
+# at the end.
 
 
 class _Ends(NamedTuple):
@@ -85,10 +86,14 @@ def _known(f: Followed) -> _Ends | None:
     mechanism = f.spec.mechanism
     if f.geometry != "followed" or mechanism is None or not mechanism.links:
         return None
-    at_first, _ = _inside(f, f.run.states[0])
+
+    def inside(state: State) -> tuple[set[str], str]:
+        return mechanism.in_the_way(state.where.q, state.where.pose)
+
+    at_first, _ = inside(f.run.states[0])
 
     def comes(state: State) -> bool:
-        return not _inside(f, state)[0] <= at_first
+        return not inside(state)[0] <= at_first
 
     snapped = [int(np.searchsorted(f.run.shares, snap.until)) for snap in f.run.snaps]
     evenly = np.linspace(0, f.number, min(f.number, _LOOKED) + 1).astype(int)
@@ -104,13 +109,7 @@ def _known(f: Followed) -> _Ends | None:
     for _ in range(_HALVED):
         factor = 0.5 * (begin + end)
         begin, end = (begin, factor) if comes(f.leg.seen(low, factor)) else (factor, end)
-    return _Ends(begin, low, _inside(f, f.run.states[high])[1])
-
-
-def _inside(f: Followed, state: State) -> tuple[set[str], str]:
-    """The links that are in the object where no contact is, and a sentence about them."""
-    mechanism = f.spec.mechanism
-    return (set(), "") if mechanism is None else mechanism.in_the_way(state.where.q, state.where.pose)
+    return _Ends(begin, low, inside(f.run.states[high])[1])
 
 
 # ----------------------------------------------------------------
@@ -122,7 +121,7 @@ def answer(f: Followed) -> LoadLimit:
     run, end = f.run, f.run.shares[-1]
     first = next((e.share for e in run.events if e.kind == "slips"), None)
     slides = None if run.slides is None else run.slides.share
-    factor, number = np.inf if run.outcome is Outcome.UNBOUNDED else end, len(run.states) - 1
+    factor, number = np.inf if run.outcome is Outcome.UNBOUNDED else end, f.number
     binds: tuple[Cause, ...] = ()
     if run.outcome is Outcome.LIMIT:
         if over(f.limits, *_read(f, run.states[0])):  # before there is any load
@@ -143,16 +142,16 @@ def answer(f: Followed) -> LoadLimit:
     gave_up, ends = run.outcome is Outcome.GAVE_UP, _known(f)
     if gave_up and run.slides is None:
         binds = _UNKNOWN
-    unknown = ends is not None and ends.factor < factor
-    if ends is not None and unknown:
-        factor, number, slides, binds = ends.factor, ends.number, None, _UNKNOWN
+    early = ends if ends is not None and ends.factor < factor else None
+    if early is not None:
+        factor, number, slides, binds = early.factor, early.number, None, _UNKNOWN
         first = first if first is not None and first <= factor else None
 
     def sentence() -> str:
         if f.slid is not None:
             return f"the weight alone is not held: the object slides through from {words.percent(f.slid[0])} of it on"
-        if ends is not None and unknown:
-            return f"held up to {factor:.4g} times the load, and undecided beyond: {ends.why}"
+        if early is not None:
+            return f"held up to {factor:.4g} times the load, and undecided beyond: {early.why}"
         if gave_up:
             assert run.failure is not None
             return f"held up to {end:.4g} times the load, and undecided beyond: {why_given_up(run.failure.kind)}"

@@ -192,9 +192,7 @@ class Mechanism:
         return ()
 
     def in_the_way(self, q: Array, pose: Any) -> tuple[set[str], str]:
-        """Links that are deep in the object where no contact is, and a sentence about them, of a grasp in which any
-        link may be a contact; arguments as of `at_end`.
-        """
+        """Links that are deep in the object where no contact is, and a sentence about them; arguments of `at_end`."""
         return set(), ""
 
     def elsewhere(self, spec: Any, shift: Array) -> Any:

@@ -146,9 +146,9 @@ class Leg:
             self.ends = np.inf
         if self.ends < np.inf:
             return max(0.5 * size, _EXACT * self.base)
-        grows = 0.0 if self.beyond is None else self.beyond.coarse * _GROWS[SLIDES in found.kinds]
+        grows = 0.0 if self.beyond is None else self.beyond.coarse * _GROWS[found.slides]
         step = max(self.base, grows * share)
-        if self.before is None and SLIDES in found.kinds:
+        if self.before is None and found.slides:
             step *= _ANEW
         return min(step, most)
 
@@ -244,7 +244,7 @@ class Leg:
         """A step of second order: friction opposes the slip at its end, as a parabola through the last two steps has it
         (BDF2). None where a contact that slid sticks: it would stick to that parabola.
         """
-        if self.before is None or SLIDES not in state.kinds:
+        if self.before is None or not state.slides:
             return None
         ratio = size / self.before[1]
         slides = np.array([kind == SLIDES for kind in state.kinds])

@@ -26,7 +26,7 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.advance import advance
 from handlcp.grasp.path.events import Event, Summary, summary
 from handlcp.grasp.path.geometry import FixedGeometry, Geometry
-from handlcp.grasp.path.state import SLIDES, Controls, Goal, Outcome, Run, Slides, State, read_stages
+from handlcp.grasp.path.state import Controls, Goal, Outcome, Run, Slides, State, read_stages
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.step_grasp import StepGrasp
 from handlcp.grasp.path.trajectory import Steps
@@ -251,7 +251,7 @@ def _accurate(
 
 def sliding(found: Loading) -> int:
     """How many steps there are in which a contact slides: elsewhere a step is exact, however long."""
-    return sum([SLIDES in s.kinds for s in found.steps.states])
+    return sum([s.slides for s in found.steps.states])
 
 
 def _apart(last: Loading, found: Loading) -> float:

@@ -86,7 +86,7 @@ def _longest(stepper: Stepper, state: State) -> float:
     """
     if state.slides or stepper.geometry.noise > 0.0:
         return stepper.slow
-    return min(_GROWN / growth(state), stepper.slow)
+    return _GROWN / max(GROWS, growth(state))  # where growth is negative or was not measured, of the least that counts
 
 
 # ----------------------------------------------------------------

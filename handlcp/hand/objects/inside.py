@@ -23,6 +23,8 @@ from handlcp.hand.robot.tip_geometry import sphere_tip
 
 _MOST = 24  # points of a link that are measured one by one, where no formula measures all at once
 _UNTURNED = np.eye(3)
+_DEEP = 1e-3  # [m] a link deeper in the object cannot be there
+_DEEP_BESIDE_TIP = 4e-3  # [m] the same of a link with a fingertip on the object, half the radius of a usual one
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +36,11 @@ class Inside:
     link: str
     depth: float
     tip: str | None
+
+    @property
+    def far(self) -> bool:
+        """Whether it is so deep that the hand cannot be there."""
+        return self.depth > (_DEEP if self.tip is None else _DEEP_BESIDE_TIP)
 
 
 def links_inside(posture: Posture, obj: Object, tips: tuple[int, ...]) -> tuple[Inside, ...]:
@@ -164,8 +171,6 @@ def _ball_gap(point: Array, radius: float, obj: Object) -> float:
 
 _FAR = 0.05  # [rad]; past its range by more, the joint cannot be there
 _TOUCHES = 2e-4  # [m] collision geometry is no more exact than that
-_DEEP = 1e-3  # [m] a link deeper in the object cannot be there
-_DEEP_BESIDE_TIP = 4e-3  # [m] the same of a link with a fingertip on the object, half the radius of a usual one
 
 
 def posture_reasons(posture: Posture, obj: Object | None, tips: tuple[int, ...], when: str) -> Iterator[Reason]:
@@ -186,22 +191,22 @@ def posture_reasons(posture: Posture, obj: Object | None, tips: tuple[int, ...],
         text = "no link has collision geometry: whether links are inside the object is not checked"
         yield Reason("link_inside", "warning", text)
     seen = [one for one in inside if one.depth > _TOUCHES]
-    for beside_tip, deep in ((False, _DEEP), (True, _DEEP_BESIDE_TIP)):
+    tips_alone = posture.hand.links_of_sites is None
+    for beside_tip in (False, True):
         for far in (True, False):
-            these = [one for one in seen if (one.tip is not None) is beside_tip and (one.depth > deep) is far]
+            these = [one for one in seen if (one.tip is not None) is beside_tip and one.far is far]
             if these:
-                yield _inside(these, beside_tip, far, when, posture.hand.links_of_sites is None)
+                yield _inside(these, beside_tip, far, when, tips_alone)
 
 
 def deep_inside(posture: Posture, obj: Object, tips: tuple[int, ...]) -> tuple[set[str], str]:
     """Links that are so deep in the object beside their contacts, or without any, that the hand cannot be there, and a
     sentence about them.
     """
-    found = links_inside(posture, obj, tips)
-    alone = [one for one in found if one.tip is None and one.depth > _DEEP]
-    beside = [one for one in found if one.tip is not None and one.depth > _DEEP_BESIDE_TIP]
+    deep = [one for one in links_inside(posture, obj, tips) if one.far]
+    alone, beside = ([one for one in deep if (one.tip is not None) is beside_tip] for beside_tip in (False, True))
     said = [_inside(these, these is beside, True, "soon after", False) for these in (alone, beside) if these]
-    return {one.link for one in (*alone, *beside)}, "; ".join([reason.sentence for reason in said])
+    return {one.link for one in deep}, "; ".join([reason.sentence for reason in said])
 
 
 def _inside(links: list[Inside], beside_tip: bool, far: bool, when: str, tips_alone: bool) -> Reason:
