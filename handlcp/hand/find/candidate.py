@@ -15,7 +15,8 @@ from handlcp.errors import Unsupported
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Verdict
 from handlcp.grasp.friction import as_section
-from handlcp.grasp.verdict.check import judged
+from handlcp.grasp.path.follow import follow
+from handlcp.grasp.verdict.check import STEPS, judged
 from handlcp.hand.find.held import followed, solved
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.object import Object
@@ -24,6 +25,9 @@ from handlcp.lazy import lazy
 from handlcp.progress import tick
 from handlcp.record import Record, columns_of, data_frame, pick
 from handlcp.text_table import wrapped
+
+STAGES = "squeeze", "load"
+_ALIKE = 0.05  # of the way an object goes: as far apart may two ends be that are called the same
 
 # ----------------------------------------------------------------
 # A grasp that was found: the posture, the object where it is, and how far it is from being lost.
@@ -100,7 +104,7 @@ class Candidate(Record):
     def verdict(self) -> Verdict:
         """As `grasp.check()` says it, without advice; made when it is first asked for."""
         section = as_section("cone", planar=False)
-        return judged(self.grasp.spec, self.grasp.scene, section, ("squeeze", "load"), self.solution)
+        return judged(self.grasp.spec, self.grasp.scene, section, STAGES, self.solution)
 
     @property
     def sure(self) -> bool:
@@ -109,6 +113,16 @@ class Candidate(Record):
         """
         path = self.verdict.loading
         return self.verdict.ok and path is not None and all(event.kind != "snaps" for event in path.events)
+
+    @property
+    def settles(self) -> bool:
+        """Whether the verdict is HELD, and the object snaps, but ends at the same place with half the steps' length."""
+        path, section = self.verdict.loading, as_section("cone", planar=False)
+        if not self.verdict.ok or path is None:
+            return False
+        finer = follow(self.grasp.spec, section, None, STAGES, None, 2 * STEPS, None)
+        ends = np.array([path.displacement, finer.displacement]).reshape(2, 2, 3)  # moved [m] and turned [rad]
+        return finer.held and bool((abs(ends[1] - ends[0]).max(axis=1) <= _ALIKE * abs(ends[0]).max(axis=1)).all())
 
     @property
     def doubt(self) -> str:
