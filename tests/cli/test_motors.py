@@ -40,6 +40,7 @@ def test_loads_and_directions_of_gravity_are_named_in_json():
     assert all(0 < row["torque_Nm"] <= row["limit_Nm"] for row in found["joints"])
 
 
+@pytest.mark.long
 def test_a_load_that_no_grip_holds_exits_1_and_says_which(tmp_path):
     text = pathlib.Path(CUBE).read_text(encoding="utf-8").replace("friction = 0.8", "friction = 0.01")
     file = tmp_path / "slippery.toml"

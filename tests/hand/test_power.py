@@ -74,6 +74,7 @@ def test_the_same_seed_finds_the_same_grasps(hand, found):
     assert [one.q.tolist() for one in again] == [one.q.tolist() for one in found]
 
 
+@pytest.mark.long
 def test_another_seed_finds_other_grasps_that_are_held_too(hand, found):
     other = hl.find_grasp(hand, hl.Sphere(BALL, mass=0.2), kind="power", tries=12, seed=1)
     assert other[0].q.tolist() != found[0].q.tolist()
@@ -91,6 +92,7 @@ def test_where_the_check_refuses_the_best_the_search_goes_on(hand, found, monkey
     assert not other[0].cradled
 
 
+@pytest.mark.long
 def test_it_does_not_matter_where_the_frame_of_a_mesh_lies(hand):
     trimesh = pytest.importorskip("trimesh")
     shape = trimesh.creation.box((0.0525, 0.0625, 0.125))
@@ -114,6 +116,7 @@ def test_a_hand_whose_fingers_bend_back_and_whose_thumb_opposes_them_holds_a_bal
     assert any(name.startswith("th_") for name in names)
 
 
+@pytest.mark.long
 def test_the_closing_torque_is_what_was_asked_for(hand):
     weak = hl.find_grasp(hand, hl.Sphere(BALL, mass=0.05), kind="power", tries=6, closing_torque=0.1)
     command = weak[0].grasp.joint_offset * 6.0  # K δq
@@ -147,6 +150,7 @@ def test_a_mesh_that_is_not_convex_is_refused_without_its_parts_and_the_error_sa
         hl.find_grasp(hand, ring, kind="power")
 
 
+@pytest.mark.long
 def test_a_mesh_that_is_not_convex_is_held_by_its_parts(hand, ring):
     pytest.importorskip("coacd")
     held = hl.find_grasp(hand, ring, kind="power", tries=4)[0]
@@ -170,6 +174,7 @@ def test_bad_input_is_refused(hand, wrong, said):
         hl.find_grasp(hand, hl.Sphere(BALL), **wrong)
 
 
+@pytest.mark.long
 def test_any_finds_both_kinds_the_best_first_and_held(hand, found):
     both = hl.find_grasp(hand, hl.Sphere(BALL, mass=0.2), kind="any", tries=12)
     assert {one.kind for one in both} == {"pinch", "power"}

@@ -28,7 +28,15 @@ def test_both_end_with_the_same_forces_and_torques(case):
         assert found.torque_error < 3e-3
 
 
-@pytest.mark.parametrize("case", [c for c in CASES_OF_LIMITS if c.short], ids=lambda case: case.title)
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(c, marks=pytest.mark.long) if c.title.startswith("allegro") else c
+        for c in CASES_OF_LIMITS
+        if c.short
+    ],
+    ids=lambda case: case.title,
+)
 def test_a_load_that_grows_is_lost_at_the_same_factor_as_the_stored_table_says(case):
     ours, expected = limits.ours(case), stored()[case.title]
     most = 1.2 * ours.end

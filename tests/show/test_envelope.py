@@ -37,6 +37,7 @@ def texts(figure):
 
 
 # ---------------------------------------------------------------- the surface
+@pytest.mark.long
 def test_every_point_of_the_surface_is_the_factor_along_its_direction():
     for env in (cube(), pinch()):
         s, m = surface_of(env), len(env.factors)

@@ -116,6 +116,7 @@ def test_the_object_is_held_just_below_its_payload_and_lost_just_above(way):
         assert (not doubts(verdict)) is holds, str(verdict)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("way", [1, 4])
 def test_a_hand_that_accelerates_is_one_under_another_gravity(way):
     row = of_cube(6, 5.0, accuracy=0.01).by_orientation[way]
@@ -130,6 +131,7 @@ def test_a_hand_that_accelerates_is_one_under_another_gravity(way):
         assert cube().replace(mass=0.97 * row.mass, gravity=pull).check().ok
 
 
+@pytest.mark.long
 def test_no_direction_of_an_envelope_is_worse_than_the_worst():
     p = of_cube("any", geometry="fixed")
     env = hl.envelope(cube(), 362, of="gravity", geometry="fixed")

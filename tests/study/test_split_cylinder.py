@@ -159,6 +159,7 @@ def test_a_cylinder_that_no_hand_pinches_is_said():
         hl.split_cylinder(hand, 0.6, grasps=["pinch"])
 
 
+@pytest.mark.long
 def test_a_power_grasp_presses_all_around_and_is_held():
     found = hl.split_cylinder(hl.example_hand("five_finger", joint_stiffness=6.0), 0.065, grasps=["power"])
     assert found.missing == {}

@@ -55,7 +55,9 @@ class PowerSearch:
         clear = self._links.out_of_each_other
         open_hands = laid(self._hand, self._obj, _coefficient(self._asked["friction"]), self._seed, clear)
         self.tried["laid"] = len(open_hands)
-        enclosing = list(islice((one for one in open_hands if one.score > 0.0 and clear(one.closed)), min(tries, _MOST)))
+        enclosing = list(
+            islice((one for one in open_hands if one.score > 0.0 and clear(one.closed)), min(tries, _MOST))
+        )
         cradles = list[Candidate]()
         for times in HARDER if self._asked["closing_torque"] is None else HARDER[:1]:
             self._times, self.tried["times"] = times, int(times)
