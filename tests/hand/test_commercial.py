@@ -34,3 +34,17 @@ def test_a_commercial_hand_holds_it(name, thing):
     assert best.margin > 0.0
     assert (best.solution.gap < 1e-2).all()
     assert best.grasp.check().ok
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("thing", ["box", "cylinder"])
+@pytest.mark.parametrize("name", ["schunk", "shadow"])
+def test_a_hand_whose_object_snaps_when_it_is_let_go_holds_it_against_the_palm(name, thing):
+    try:
+        hand = hl.example_hand(name, joint_stiffness=20.0)
+    except hl.Unsupported as why:
+        pytest.skip(str(why))
+    best = hl.find_grasp(hand, OBJECTS[thing], kind="power")[0]
+    assert best.grasp.check().word == "HELD"
+    assert not best.cradled
+    assert best.held_force > 0.0

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from importlib.util import find_spec
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -86,10 +88,33 @@ def test_where_the_check_refuses_the_best_the_search_goes_on(hand, found, monkey
     kind, best = type(found[0]), found[0].q.tolist()
     sure = kind.sure.fget
     monkeypatch.setattr(kind, "sure", property(lambda one: one.q.tolist() != best and sure(one)))
+    monkeypatch.setattr(kind, "settles", False)
     other = hl.find_grasp(hand, hl.Sphere(BALL, mass=0.2), kind="power", tries=12)
     assert best not in [one.q.tolist() for one in other]
     assert other[0].verdict.ok
     assert not other[0].cradled
+
+
+@pytest.mark.parametrize(("farther", "alike"), [(0.0, True), (0.04, True), (0.06, False)])
+def test_an_object_that_snaps_is_held_where_twice_the_steps_lead_to_the_same_place(found, monkeypatch, farther, alike):
+    best, module = found[0], sys.modules[type(found[0]).__module__]
+    follow, steps = module.follow, list[int]()
+
+    def to_a_place_farther_away(*asked):
+        steps.append(asked[5])
+        path = follow(*asked)
+        return SimpleNamespace(held=path.held, steps=path.steps, displacement=(1.0 + farther) * found_at)
+
+    found_at = best.verdict.loading.displacement
+    monkeypatch.setattr(module, "follow", to_a_place_farther_away)
+    assert best.settles is alike
+    assert steps == [16]
+
+
+def test_what_twice_the_steps_lose_does_not_count(found, monkeypatch):
+    lost = SimpleNamespace(held=False)
+    monkeypatch.setattr(sys.modules[type(found[0]).__module__], "follow", lambda *_: lost)
+    assert not found[0].settles
 
 
 @pytest.mark.long

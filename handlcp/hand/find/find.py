@@ -55,7 +55,8 @@ def find_grasp(
     loaded and pushed, until one holds as much as the load in every direction; the others are left out. Those in which
     the object only lies on fingers, held by its own weight, come last and are called cradled. The first grasp of the
     result is HELD by `grasp.check()`, which follows it while the hand closes and is loaded; its object does not snap
-    elsewhere on the way. The margin of a grasp is the smaller of its friction reserve and its torque reserve.
+    elsewhere on the way, or, of a power grasp, ends at the same place with twice the steps. The margin of a grasp
+    is the smaller of its friction reserve and its torque reserve.
 
     obj : its shape and mass count, its placement does not. For a power grasp of a mesh
         that is not convex its parts count, which take the package coacd (pip install handlcp[convex]).

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
+from collections.abc import Iterable, Mapping
 from itertools import islice
 from typing import Any
 
@@ -15,7 +14,7 @@ from handlcp.errors import InputError, NotReached, Unsupported
 from handlcp.grasp.batch.solve_many import solve_many
 from handlcp.hand.asked.closing import closing_torques
 from handlcp.hand.find.candidate import Candidate, candidate_of, followed_through
-from handlcp.hand.find.clear import Links, Place
+from handlcp.hand.find.clear import Links
 from handlcp.hand.find.palm import LAID, Laid, laid, settled
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.inside import links_inside
@@ -26,14 +25,12 @@ from handlcp.hand.sites.wrap import bending
 from handlcp.hand.state import HandState
 from handlcp.progress import tick
 
-SHARE, LARGEST = 0.5, 0.5  # of a joint's torque limit; [N·m], also where no limit is known
-HARDER = 1.0, 2.0  # times as much, in turn, where nothing is held
-_AT_ONCE, _MOST = 12, 48  # closed exactly and solved: of a round, and in all
+SHARE, MOST = 0.5, 0.5  # of a joint's torque limit; [N·m], also where no limit is known
+_AT_ONCE, _SOLVED = 12, 48  # closed exactly and solved: of a round, and in all
 _FOLLOWED = 2  # grasps of a round that are followed with success, at most
-_CHECKED = 12  # times that grasps are checked, before those that only lie there
-_AGAIN = 3  # times that the hand closes again on an object that came to rest elsewhere than where it was laid
+_CHECKED = 6  # grasps that are checked, before those that only lie there
 _WORTH = 0.5  # of the best: what holds no more is not followed any further
-_REACH, _FARTHER = 4e-3, 12e-3  # [m] links no farther away may come to touch; where one farther away did
+_REACH = 4e-3  # [m] links no farther away may come to touch while the hand closes on what gives way
 _DEEP = 1e-3  # [m] deeper in the object no link may be
 
 
@@ -48,40 +45,30 @@ class PowerSearch:
         self._links, self._among = Links(hand, ()), touchers(hand, ALL)
         self.tried: Counter[str] = Counter(sampled=LAID)
         self.refused: list[Candidate] = []
-        self._times = 1.0
 
     def run(self, tries: int) -> list[Candidate]:
         """The grasps that hold when they are checked and followed, the best first."""
         clear = self._links.out_of_each_other
         open_hands = laid(self._hand, self._obj, _coefficient(self._asked["friction"]), self._seed, clear)
         self.tried["laid"] = len(open_hands)
-        enclosing = list(
-            islice((one for one in open_hands if one.score > 0.0 and clear(one.closed)), min(tries, _MOST))
-        )
-        cradles = list[Candidate]()
-        for times in HARDER if self._asked["closing_torque"] is None else HARDER[:1]:
-            self._times, self.tried["times"] = times, int(times)
-            found = self._closed(enclosing)
-            if _best(found):
-                return found
-            cradles += found
-            if not self.tried["clear"]:
-                break
-        return sorted(cradles, key=lambda one: one.rank)
-
-    def _closed(self, open_hands: Sequence[Laid]) -> list[Candidate]:
-        """The same, closed with one torque."""
-        waiting, cradles, checked = list[Candidate](), list[Candidate](), self.tried["checked"]
-        for k in range(0, len(open_hands), _AT_ONCE):
-            some, last = open_hands[k : k + _AT_ONCE], k + _AT_ONCE >= len(open_hands)
+        enclosing = (one for one in open_hands if one.score > 0.0 and clear(one.closed))
+        most = min(tries, _SOLVED)
+        waiting, cradles = list[Candidate](), list[Candidate]()
+        for tried in range(0, most, _AT_ONCE):
+            some = list(islice(enclosing, min(tries, _AT_ONCE)))
             waiting = sorted([*waiting, *self._held(some)], key=lambda one: one.rank)
+            last = not some or tried + _AT_ONCE >= most
             firm = [one for one in waiting if one.rank < 0.0 and (last or one.held_force > _load(one))]
             waiting = [one for one in waiting if one not in firm]  # one solve costs far less than to follow these
-            found = self._followed(firm, checked + _CHECKED)
+            found = self._followed(firm, _CHECKED)
             if _best(found):
                 return found
             cradles += found
-        return cradles or self._followed(waiting[:_FOLLOWED], checked + _CHECKED + _FOLLOWED)
+            if not some:
+                break
+        if not cradles:
+            cradles = self._followed(waiting[:_FOLLOWED], _CHECKED + _FOLLOWED)
+        return sorted(cradles, key=lambda one: one.rank)
 
     def _followed(self, some: Iterable[Candidate], most: int) -> list[Candidate]:
         """Those of some of which the check is sure, with what they hold when they are followed, the best first. One
@@ -91,68 +78,44 @@ class PowerSearch:
         for one in some:
             if self.tried["checked"] >= most or len(found) >= _FOLLOWED or _best(found) > _load(one):
                 break
-            if (sure := self._sure(one)) is None:  # this costs less than to follow it in all directions
+            self.tried["checked"] += 1
+            tick(f"checking grasp {self.tried['checked']}")
+            if not (one.sure or one.settles):  # this costs less than to follow it in all directions
                 self.refused.append(one)
                 continue
             self.tried["followed"] += 1
             tick(f"following grasp {self.tried['followed']}")
             best = _best(found)
-            if (held := followed_through(sure, _WORTH * best)) is not None:
+            if (held := followed_through(one, _WORTH * best)) is not None:
                 found.append(held)
             elif not best:
-                self.refused.append(sure)
+                self.refused.append(one)
         return sorted(found, key=lambda one: one.rank)
 
-    def _sure(self, one: Candidate) -> Candidate | None:
-        """The grasp if its check is sure of it, or else one that is closed again where the object came to rest."""
-        for _ in range(_AGAIN + 1):
-            self.tried["checked"] += 1
-            tick(f"checking grasp {self.tried['checked']}")
-            if one.sure or one.settles:
-                return one
-            if not (anew := self._anew(one)):
-                return None
-            one = anew[0]
-        return None
-
-    def _anew(self, one: Candidate) -> list[Candidate]:
-        """The hand opened and closed again, round the object where it came to rest when it was checked; with contacts
-        on links farther away, where one had come into the object. Nothing where that is not held.
-        """
-        path = one.verdict.loading
-        if path is None or not path.reached or path.object is None:
-            return []
-        max_gap = _FARTHER if one.verdict.about("link_inside") else None
-        return self._solved(self._clear(lambda: one.grasp.replace(object=path.object, max_gap=max_gap)))
-
-    def _held(self, some: Iterable[Laid]) -> list[Candidate]:
+    def _held(self, some: list[Laid]) -> list[Candidate]:
         """The grasps of these that are clear and held."""
         grasps = list[HandGrasp]()
         for one in some:
             self.tried["tried"] += 1
             tick(f"{self.tried['tried']} placements tried")
-            if (place := settled(self._hand, self._among, self._obj, one)) is not None:
-                self.tried["settled"] += 1
-                grasps += self._clear(partial(self._closed_at, place, one.closing))
-        return self._solved(grasps)
-
-    def _solved(self, grasps: Sequence[HandGrasp]) -> list[Candidate]:
-        """Those of them that one solve holds."""
-        answers = solve_many(grasps, "cone", workers=1, proof=False)
-        found = [candidate_of("power", *one) for one in zip(grasps, answers, strict=True) if one[1].held]
+            grasps += self._grasp(one)
+        found = list[Candidate]()
+        for grasp, solution in zip(grasps, solve_many(grasps, "cone", workers=1, proof=False), strict=True):
+            if solution.held:
+                found.append(candidate_of("power", grasp, solution))
         self.tried["held"] += len(found)
         return found
 
-    def _closed_at(self, place: Place, closing: Bools) -> HandGrasp:
-        """The hand closed round the object. Raises InputError, NotReached, Unsupported."""
-        state, obj = HandState(self._hand, place.q), place.of(self._obj)
-        asked = self._asked | {"closing_torque": self._torque(state, obj, closing)}
-        return state.grasp(obj, links=ALL, hold_object=True, max_gap=_REACH, **asked)
-
-    def _clear(self, closed: Callable[[], HandGrasp]) -> list[HandGrasp]:
-        """The grasp, or none where it does not enclose the object, or links are in each other or in the object."""
+    def _grasp(self, one: Laid) -> list[HandGrasp]:
+        """The grasp of an open hand, or none where it does not enclose the object, or links are in each other."""
         try:
-            grasp = closed()
+            place = settled(self._hand, self._among, self._obj, one)
+            if place is None:
+                return []
+            self.tried["settled"] += 1
+            state, obj = HandState(self._hand, place.q), place.of(self._obj)
+            asked = self._asked | {"closing_torque": self._torque(state, obj, one.closing)}
+            grasp = state.grasp(obj, links=ALL, hold_object=True, max_gap=_REACH, **asked)
         except (NotReached, Unsupported):
             return []
         except InputError as error:
@@ -162,9 +125,8 @@ class PowerSearch:
         if not encloses(self._hand, grasp):
             return []
         self.tried["enclosing"] += 1
-        obj = grasp.target
-        assert obj is not None
-        if not self._links.out_of_each_other(grasp.state.q):
+        closed = HandState(self._hand, grasp.state.q)
+        if not self._links.out_of_each_other(closed.q):
             return []
         if any(link.depth > _DEEP for link in links_inside(grasp.state, obj, grasp.state.hand.tips.every)):
             return []
@@ -175,7 +137,7 @@ class PowerSearch:
         """(nv,) [N·m] of the joints that close (nv,), positive towards the object: as asked, or by their limits."""
         way, asked = bending(self._hand, state.q, obj), self._asked["closing_torque"]
         if asked is None:
-            return np.where(closing & (way != 0.0), closing_by_limit(self._hand, self._times), 0.0)
+            return np.where(closing & (way != 0.0), closing_by_limit(self._hand), 0.0)
         given = closing_torques(self._hand, way, asked)
         return np.where(way != 0.0, np.where(closing, np.sign(way) * given, 0.0), given)
 
@@ -190,12 +152,12 @@ def _best(found: Iterable[Candidate]) -> float:
     return max((one.held_force for one in found if one.rank < 0.0), default=0.0)
 
 
-def closing_by_limit(hand: HandModel, times: float = 1.0) -> Array:
-    """(nv,) [N·m] with which joints close where nothing else is said: half of the limit, at most 0.5 N·m, or so many
-    times that, or as much for each joint of those that are driven together.
+def closing_by_limit(hand: HandModel) -> Array:
+    """(nv,) [N·m] with which joints close where nothing else is said: half of the limit, at most 0.5 N·m, or as
+    much for each joint of those that are driven together.
     """
     C = hand.kinematics.coupling
-    return np.minimum(SHARE * hand.torque_limits, times * LARGEST * (1.0 if C is None else abs(C).sum(axis=0)))
+    return np.minimum(SHARE * hand.torque_limits, MOST * (1.0 if C is None else abs(C).sum(axis=0)))
 
 
 def encloses(hand: HandModel, grasp: HandGrasp) -> bool:
