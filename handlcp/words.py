@@ -72,6 +72,11 @@ def torque(newton_metres: float) -> str:
     return _text(newton_metres * 1e3, " mN·m") if small else _text(newton_metres, " N·m")
 
 
+def effort(size: float, unit: str) -> str:
+    """Of a joint, in "N·m", or of one that slides, in "N"."""
+    return force(size) if unit == "N" else torque(size)
+
+
 def torques(newton_metres: Iterable[float]) -> list[str]:
     """Such as ["0.21 N·m", "0.2 N·m"], with one unit; a limit that is infinite is "∞"."""
     values = list(newton_metres)

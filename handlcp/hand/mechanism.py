@@ -321,10 +321,11 @@ class HandMechanism(Varied, Mechanism):
     def _check(self, torque: Array, yielded: Array) -> TorqueCheck:
         from handlcp.hand.solution import torque_check
 
-        limits, yielding = self.posture.hand.torques, tuple[str, ...]()
+        hand, yielding = self.posture.hand, tuple[str, ...]()
         if yielded.any():  # NaN without an answer
             yielding = tuple([self.names[k] for k in np.flatnonzero(abs(yielded) > 0.0)])
-        return torque_check(self.names, read_only(torque), limits.limits, limits.known, yielding)
+        limits = hand.torques
+        return torque_check(self.names, read_only(torque), limits.limits, limits.known, yielding, hand.sliding)
 
 
 def hand_of(spec: GraspSpec) -> HandMechanism:

@@ -28,13 +28,16 @@ from handlcp.views import view
 
 
 class TorqueRow(NamedTuple):
-    """One joint. torque, limit [N·m] (N for a prismatic joint); utilisation [-]; known: whether the limit is."""
+    """One joint. torque, limit [N·m] (N for a prismatic joint); utilisation [-]; known: whether the limit is. unit :
+    "N·m" or "N".
+    """
 
     joint: str
     torque: float
     limit: float
     utilisation: float
     known: bool
+    unit: str = "N·m"
 
     @property
     def over(self) -> bool:
@@ -51,6 +54,7 @@ class TorqueCheck(Record):
         or unknown.
     known : nv booleans.
     yielding : names of the joints at their limit that give way there (`TorqueSaturation`); their utilisation is 1.
+    sliding : names of prismatic joints, whose torque, limit and margin are forces [N].
     """
 
     entries = (
@@ -64,6 +68,7 @@ class TorqueCheck(Record):
     utilisation: Array
     known: tuple[bool, ...]
     yielding: tuple[str, ...] = ()
+    sliding: tuple[str, ...] = ()
 
     @property
     def unknown(self) -> tuple[str, ...]:
@@ -89,7 +94,8 @@ class TorqueCheck(Record):
 
     def __iter__(self) -> Iterator[TorqueRow]:
         columns = (a.tolist() for a in (self.torque, self.limit, self.utilisation))
-        return map(TorqueRow, self.joints, *columns, self.known)
+        units = ["N" if joint in self.sliding else "N·m" for joint in self.joints]
+        return map(TorqueRow, self.joints, *columns, self.known, units)
 
     def __len__(self) -> int:
         return len(self.joints)
@@ -110,9 +116,15 @@ class TorqueCheck(Record):
     def table(self) -> TextTable:
         """Joint by joint, with a remark in the last column."""
         known = [limit for limit in self.limit.tolist() if np.isfinite(limit)]
-        unit, size = words.prefixed("N·m", [10.0 * x for x in (*self.torque.tolist(), *known)])
+        units = {row.unit for row in self}
+        unit, size = words.prefixed(max(units, key=len), [10.0 * x for x in (*self.torque.tolist(), *known)])
+        if len(units) > 1:
+            unit, size = "N·m", 1.0
         limits = [_limit(r._replace(limit=r.limit / size)) for r in self]
-        columns = ([r.joint for r in self], _torques(self.torque / size), limits, [_share(r) for r in self],
+        torques = _torques(self.torque / size)
+        if len(units) > 1:  # those of joints that slide say their own
+            torques = [f"{t} N" if r.unit == "N" else t for t, r in zip(torques, self, strict=True)]
+        columns = ([r.joint for r in self], torques, limits, [_share(r) for r in self],
                    [self.remark(r) for r in self])  # fmt: skip
         heads = ("joint", f"torque\n{unit}", f"limit\n{unit}", "of limit", "")
         return TextTable(heads, tuple(zip(*columns, strict=True)), "<>>><")
@@ -150,21 +162,22 @@ class TorqueCheck(Record):
 
 
 def torque_check(
-    joints: Sequence[str], torque: Array, limit: Array, known: Sequence[bool], yielding: tuple[str, ...] = ()
-) -> TorqueCheck:
-    """Compare torques (nv,) with limits (nv,) [N·m]; an infinite limit is never used up. yielding : names."""
-    return TorqueCheck(tuple(joints), torque, limit, read_only(abs(torque) / limit), tuple(known), yielding)
+    joints: Sequence[str], torque: Array, limit: Array, known: Sequence[bool], yielding: tuple[str, ...] = (),
+    sliding: tuple[str, ...] = (),
+) -> TorqueCheck:  # fmt: skip
+    """Compare torques (nv,) with limits (nv,) [N·m]; an infinite limit is never used up. yielding, sliding : names."""
+    return TorqueCheck(tuple(joints), torque, limit, read_only(abs(torque) / limit), tuple(known), yielding, sliding)
 
 
 def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
     """What a check says about holding: joints over their limit, or the nearest to it; those that yield; the unknown."""
     if check.over:
-        needs = [f"{r.joint} needs {' of '.join(words.torques((abs(r.torque), r.limit)))}" for r in check.over]
+        needs = [f"{r.joint} needs {_needs(r)}" for r in check.over]
         text = f"the contacts could hold the object, the motors cannot: {words.listed(needs)}"
         yield Reason("torque_over_limit", "decides", text, {"joints": [_values(r) for r in check.over]})
     elif check.binding is not None:
         r = check[check.binding]
-        share = f"{words.percent(r.utilisation)} of {words.torque(r.limit)}"
+        share = f"{words.percent(r.utilisation)} of {words.effort(r.limit, r.unit)}"
         text = f"the joint closest to its limit is {r.joint} at {share}"
         text = text if np.isfinite(r.limit) else "no joint has a torque limit"
         yield Reason("torque", "note", text, _values(r))
@@ -207,6 +220,12 @@ def _of_limit(least: float, most: float) -> str:
     if np.isfinite(most):
         return f"{span(least, most)} of its limit"
     return f"{words.percent(least)} of its limit, or any amount more"
+
+
+def _needs(r: TorqueRow) -> str:
+    """Such as "0.21 N·m of 0.2 N·m"."""
+    both = (abs(r.torque), r.limit)
+    return " of ".join(map(words.force, both) if r.unit == "N" else words.torques(both))
 
 
 def _values(r: TorqueRow) -> dict[str, Any]:

@@ -91,7 +91,7 @@ class GraspUpdate:
         torques = self.torques
         assert isinstance(self._grasp, HandGrasp)
         hand = self._grasp.state.hand
-        return torque_check(hand.joint_names, torques, hand.torques.limits, hand.torques.known)
+        return torque_check(hand.joint_names, torques, hand.torques.limits, hand.torques.known, sliding=hand.sliding)
 
     @property
     def effort(self) -> Effort | None:

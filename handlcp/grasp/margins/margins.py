@@ -87,7 +87,7 @@ class Margins(Record):
         row = check[check.binding]
         if not np.isfinite(row.limit):
             return None
-        return Least(row.joint, row.limit - abs(row.torque), 1.0 - row.utilisation, "N·m")
+        return Least(row.joint, row.limit - abs(row.torque), 1.0 - row.utilisation, row.unit)
 
     @lazy
     def load(self) -> LoadLimit | None:
@@ -154,7 +154,7 @@ class Margins(Record):
         if self.friction is not None:
             rows.append(_friction(self.friction))
         if self.torque is not None:
-            rows.append(("torque", words.torque(self.torque.amount), words.percent(self.torque.share),
+            rows.append(("torque", words.effort(self.torque.amount, self.torque.unit), words.percent(self.torque.share),
                          self.torque.who))  # fmt: skip
         if isinstance(self._load, str):
             rows.append(("load", "–", "", self._load))

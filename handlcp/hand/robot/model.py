@@ -86,6 +86,11 @@ class HandModel:
         """(n, nv) bool: which independent joint moves which fingertip."""
         return self.kinematics.moved_by(self.tips.support[:, 0, :])
 
+    @lazy
+    def sliding(self) -> tuple[str, ...]:
+        """Names of prismatic joints, whose torques are forces [N]."""
+        return tuple([fact.name for fact in self.kinematics.facts if fact.kind == "prismatic"])
+
     @property
     def urdf_tree(self) -> tuple[Any, tuple[Path, ...]]:
         """The URDF as read, or written for an MJCF file, an xml.etree Element not to be changed (None for a

@@ -98,7 +98,7 @@ def torque_bars(figure: Any, across: tuple[float, float], top: float, check: Any
         ax.text(0, 1, "no joint has a known limit", fontsize=9.5, color=INK, va="top")
         return
     widest = max(1.0, max(r.utilisation for r in rows))
-    said = [f"{words.percent(r.utilisation)} of {words.torque(r.limit)}" for r in rows]
+    said = [f"{words.percent(r.utilisation)} of {words.effort(r.limit, r.unit)}" for r in rows]
     names = shortened([r.joint for r in rows], max(LEAST, LETTERS - max(map(len, said))))
     longest = max(len(name) + len(words) for name, words in zip(names, said, strict=True))
     size = 9.0 * min(1.0, LETTERS / longest)
