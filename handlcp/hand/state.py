@@ -30,7 +30,7 @@ class HandState(Posture):
         offset: Any = None,
         reference: Any = None,
         fingers: Sequence[str] | None = None,
-        max_gap: Any = 1e-3,
+        max_gap: Any = None,
         effects: Iterable[Any] = (),
         finger_weight: WeightGiven = False,
         plane: Any = None,
@@ -58,7 +58,8 @@ class HandState(Posture):
             command.
         reference : (3,) [m], of wrench and object motion; None: the object's centre of mass, the origin for contacts.
         fingers : the fingertips that take part, in this order; None: all (those a mapping of contacts names).
-        max_gap : [m] the farthest a fingertip may be from the object and still count as touching.
+        max_gap : [m] the farthest a fingertip or a link may be from the object and still count as touching; None: 1 mm,
+            but 10 mm for links with closing_torque or joint_offset: they may come to touch on the way.
         effects, plane : as in `Grasp`; `TorqueSaturation()` lets joints at their limit yield, `GeometricStiffness()`
             lets the forces turn their own levers.
         finger_weight : True: the fingers' own weight is in the torques and in the elastic balance. The posture is then

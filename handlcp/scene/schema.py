@@ -216,8 +216,9 @@ class GraspTable(Table):
     something is said by finger, links and their contacts, such as "palm 2", then stand for fingers"""
     fingers: k.Names | None = None
     """the fingertips that take part; left out: all; not beside links"""
-    max_gap_m: k.NotNegative = 1e-3
-    """the farthest a fingertip or link may be from the object and still count as touching"""
+    max_gap_m: k.NotNegative | None = None
+    """the farthest a fingertip or link may be from the object and still count as touching; left out: 1 mm, but 10 mm
+    for links with closing_torque_Nm or joint_offset_rad, which may come to touch on the way"""
     finger_weight: k.FingerWeight = False
     """the fingers' own weight in torques and elastic balance, for a commanded posture; "torques": for a measured one"""
     reference_m: k.Vector | None = None

@@ -38,6 +38,8 @@ from handlcp.hand.squeeze import joint_by_joint, overlaps
 # Which fingertips take part, and where they touch: detected on an object, or given.
 
 DEFAULT = Coulomb(0.6)  # of contacts with an object
+TOUCHING = 1e-3  # [m] no farther from the object, a fingertip or a link touches it
+CLOSING = 1e-2  # [m] no farther, a link may come to touch while joints close or the load grows
 
 
 def found_on(
@@ -114,7 +116,7 @@ class HandAsked:
     offset: Any = None
     reference: Any = None
     fingers: Any = None
-    max_gap: Any = 1e-3
+    max_gap: Any = None
     effects: Any = ()
     finger_weight: Any = False
     plane: Any = None
@@ -198,14 +200,20 @@ class HandAsked:
             raise InputError("fingers", "None beside links, which says what touches", repr(self.fingers)[:80])
         ask_for_metres("target", obj, self.state.tip_positions)
         closed, state = None, self.state
-        if self.joint_offset is not None or self.closing_torque is not None:
+        if self._moves_far:
             closed = closed_by(state, obj, self.joint_offset, self.closing_torque)
             state = type(state)(state.hand, closed.q)
-        return replace(self, state=sited(state, obj, self.links, self._reach), bare=self.state, closed=closed)
+        reach = self._reach(CLOSING if self._moves_far else TOUCHING)
+        return replace(self, state=sited(state, obj, self.links, reach), bare=self.state, closed=closed)
+
+    def _reach(self, unsaid: float) -> float:
+        """[m] How far is still touching; `unsaid` where nothing is asked."""
+        return unsaid if self.max_gap is None else number("max_gap", self.max_gap, minimum=0.0)
 
     @property
-    def _reach(self) -> float:
-        return number("max_gap", self.max_gap, minimum=0.0)
+    def _moves_far(self) -> bool:
+        """Whether joints are commanded, which go on where they meet nothing; other commands press on each contact."""
+        return self.joint_offset is not None or self.closing_torque is not None
 
     def _fingers(self, obj: Object | None) -> tuple[tuple[int, ...], tuple[Contact, ...], Array]:
         """Numbers of the fingertips, their contacts, and their gaps (k,) [m]."""
@@ -214,7 +222,7 @@ class HandAsked:
             return self.state.hand.tip_numbers("fingers", self.fingers), contacts, np.zeros(len(contacts))
         if obj is None:
             return given_by(self.state, self.target, self.friction, self.fingers)
-        reach = self._reach if self.bare is None else np.inf  # those farther away were left out
+        reach = self._reach(TOUCHING) if self.bare is None else np.inf  # those farther away were left out
         try:
             return found_on(self.state, obj, self.friction, self.fingers, reach)
         except NotReached as far:

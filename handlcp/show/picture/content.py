@@ -151,6 +151,13 @@ class Content:
         """Contacts that slide, in an equilibrium."""
         return [i for i, state in enumerate(self.solution.contact_state) if state == "sliding" and self.solution.held]
 
+    @cached_property
+    def drawn(self) -> list[int]:
+        """Contacts that are drawn: all, but of those on links the ones that press. Many never touch."""
+        press = [not self.grasp.spec.links or not self.solution.held or state != "separated"
+                 for state in self.solution.contact_state]  # fmt: skip
+        return np.flatnonzero(press).tolist()
+
     def marks(self) -> Marks:
         """What should lie apart in the picture."""
         positions = self.grasp.scene.positions

@@ -92,7 +92,7 @@ def _scene(figure: Any, shown: Content, head: float) -> list[Entry]:
     written = [labels.Label(at[list(who)], name, detail, shown.colours[who[0]]) for who, name, detail in said]
     labels.place(ax, written, view)
     _scales(over, shown, view)
-    return entries(shown, unseen, bool(hidden.any()))
+    return entries(shown, unseen, bool(hidden[shown.drawn].any()))
 
 
 def _arrows(over: Overlay, shown: Content, hidden: Bools) -> Unseen:
@@ -108,7 +108,8 @@ def _arrows(over: Overlay, shown: Content, hidden: Bools) -> Unseen:
     if shown.turn is not None:
         over.turn(shown.turn, LOAD, 1.15)
     load_seen = shown.load == 0.0 or over.arrow(shown.acts_at, shown.pull, LOAD, 1.15)
-    for i, (p, force) in enumerate(zip(scene.positions, shown.forces, strict=True)):
+    for i in shown.drawn:
+        p, force = scene.positions[i], shown.forces[i]
         if (turn := shown.turns.get(i)) is not None:
             over.turn(turn, shown.colours[i])
         over.arrow(p, force, shown.colours[i])
@@ -173,7 +174,8 @@ def _small(ax: Any, shown: Content) -> None:
     over, _, hidden = stage(ax, shown, shown.reach(), (CELL, CELL), 0.1, COARSE)
     if shown.load > 0:
         over.arrow(shown.acts_at, shown.pull, LOAD, 1.6)
-    for i, (p, force) in enumerate(zip(shown.grasp.scene.positions, shown.forces, strict=True)):
+    for i in shown.drawn:
+        p, force = shown.grasp.scene.positions[i], shown.forces[i]
         over.arrow(p, force, shown.colours[i], 1.6)
         over.dot(p, shown.colours[i], bool(hidden[i]))
 

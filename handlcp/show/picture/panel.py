@@ -154,14 +154,14 @@ def contact_labels(shown: Content, room: int) -> list[Said]:
     largest such groups first, or of a link and a state.
     """
     names, states = shown.solution.names, shown.solution.contact_state
-    single = {i: ((i,), name, _detail(shown, i)) for i, name in enumerate(names)}
+    single = {i: ((i,), names[i], _detail(shown, i)) for i in shown.drawn}
     groups, links = dict[tuple[str, str], list[int]](), shown.grasp.spec.links
-    for i, (name, state) in enumerate(zip(names, states, strict=True)):
-        alike = links.get(name, name) if links else _NUMBER.sub("", name)
-        groups.setdefault((alike, state if shown.solution.held else ""), []).append(i)
-    out, count = list[Said](), len(names)
+    for i in shown.drawn:
+        alike = links.get(names[i], names[i]) if links else _NUMBER.sub("", names[i])
+        groups.setdefault((alike, states[i] if shown.solution.held else ""), []).append(i)
+    out, count = list[Said](), len(shown.drawn)
     for (stem, state), members in sorted(groups.items(), key=lambda group: -len(group[1])):
-        if len(members) > 1 and (count > room or (links and len(names) > room)):
+        if len(members) > 1 and (count > room or (links and len(shown.drawn) > room)):
             count -= len(members) - 1
             out.append((tuple(members), f"{stem}: {len(members)} contacts", _together(shown, members, state)))
         else:
@@ -222,7 +222,7 @@ def _contacts(shown: Content, hidden: bool) -> Iterator[Entry]:
     for state in ("sticking", "sliding"):
         if s.held and state in s.contact_state:
             yield "line", STATE[state], f"{who} force, {state}"
-    if s.held and "separated" in s.contact_state:
+    if s.held and "separated" in [s.contact_state[i] for i in shown.drawn]:
         yield "dot", STATE["separated"], f"{who} that lets go"
     if hidden:
         yield "ring", UNKNOWN, "contact seen through object or hand"
