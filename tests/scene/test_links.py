@@ -71,7 +71,7 @@ def same(grasp, expected):
         ),
         (
             f'links = "all"\nclosing_torque_Nm = 0.2\npreload_m = {{ {DISTAL} = 1e-4 }}',
-            {"links": "all", "closing_torque": 0.2, "preload": [0, 1e-4, *9 * [0]]},
+            {"links": "all", "closing_torque": 0.2, "preload": [0, 0, 1e-4, *8 * [0]]},
         ),
     ],
 )
