@@ -91,7 +91,7 @@ def test_what_is_stored_of_power_grasps_is_of_cases_and_of_many_hands():
     assert len(hands - {"three_finger", "five_finger"}) >= 3
     for case in cases:
         truth = rows[case.title].truth
-        assert len(truth.squeezed) == GRASPS[case.grasp]["contacts"]
+        assert len(truth.squeezed) >= GRASPS[case.grasp]["contacts"]
         assert truth.factor > 0.0
         assert min(truth.factor, truth.jump, truth.most) > 0.5 * truth.most / BEYOND or truth.jump < truth.factor
 
@@ -106,14 +106,15 @@ def test_a_stored_row_says_the_same_as_handlcp(title):
     assert first == pytest.approx(min(found.slides, found.ends[0]), rel=0.01)
 
 
-def test_where_a_link_gets_into_the_object_no_more_is_claimed_than_mujoco_holds():
-    """MuJoCo was given the contacts of the grasp alone, and holds more without that link; see `tests.mujoco.power`."""
+def test_an_object_that_jumps_is_caught_by_links_that_were_millimetres_away_and_lost_where_mujoco_loses_it():
     case = next(case for case in CASES if case.title == "five_finger, cylinder 1, -y")
+    assert (case.make().tip_offset[:, 2] > 1e-3).any()
     found = compared(case, stored()[case.title])
     assert found.squeeze < 0.01
     assert found.half < 0.01
-    assert found.ends == (found.slides, np.inf)
-    assert found.slides < min(found.row.truth.jump, found.row.truth.factor)
+    assert found.slides == pytest.approx(found.row.truth.jump, rel=0.01)
+    assert found.ends[0] == pytest.approx(found.row.truth.factor, rel=0.01)
+    assert found.slides < 0.7 * found.ends[0]
 
 
 @pytest.mark.parametrize(
