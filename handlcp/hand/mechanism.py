@@ -321,10 +321,9 @@ class HandMechanism(Varied, Mechanism):
     def _check(self, torque: Array, yielded: Array) -> TorqueCheck:
         from handlcp.hand.solution import torque_check
 
-        hand, yielding = self.posture.hand, tuple[str, ...]()
+        hand, limits, yielding = self.posture.hand, self.posture.hand.torques, tuple[str, ...]()
         if yielded.any():  # NaN without an answer
             yielding = tuple([self.names[k] for k in np.flatnonzero(abs(yielded) > 0.0)])
-        limits = hand.torques
         return torque_check(self.names, read_only(torque), limits.limits, limits.known, yielding, hand.sliding)
 
 

@@ -98,12 +98,12 @@ def a_hand(name: str) -> Any:
     return hl.example_hand(name, joint_stiffness=STIFFNESS, torque_limits=10.0)
 
 
-def made(row: Any, max_gap: float = 1e-3) -> Any:
-    """The grasp of a row of the file; max_gap [m] as in `state.grasp`."""
+def made(row: Any) -> Any:
+    """The grasp of a row of the file."""
     hand = a_hand(row["hand"])
     obj = thing(row["thing"], row["hand"], pin.SE3(np.array(row["rotation"]), np.array(row["position"])))
     state = hand.at(row["q"])
-    return state.grasp(obj, hl.Coulomb(row["mu"]), links="all", closing_torque=row["torque"], max_gap=max_gap)
+    return state.grasp(obj, hl.Coulomb(row["mu"]), links="all", closing_torque=row["torque"])
 
 
 def main(names: list[str]) -> None:

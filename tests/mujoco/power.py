@@ -33,7 +33,6 @@ from tests.mujoco.limit_truth import Truth
 
 ROWS = pathlib.Path(__file__).with_name("power.json")
 FORCES, NEAR, SAME = 0.03, 0.05, 0.96
-REACH = 0.01  # [m] links so far away may come to touch while the load grows: objects move by millimetres
 HALF = 0.5  # of the load that is held: where forces are compared
 BEYOND, RATE = 2.0, 3.0  # times where ours first slides through: how far MuJoCo's load grows; [s] for each of them
 SLOW = 10.0  # times the damping of the object, where MuJoCo is asked again
@@ -66,7 +65,7 @@ class PowerCase:
 
     def make(self) -> Any:
         """The grasp."""
-        return made(_grasps()[self.grasp], REACH)
+        return made(_grasps()[self.grasp])
 
 
 def _grasps() -> dict[str, Any]:

@@ -91,7 +91,7 @@ def test_what_is_stored_of_power_grasps_is_of_cases_and_of_many_hands():
     assert len(hands - {"three_finger", "five_finger"}) >= 3
     for case in cases:
         truth = rows[case.title].truth
-        assert len(truth.squeezed) >= GRASPS[case.grasp]["contacts"]
+        assert len(truth.squeezed) == GRASPS[case.grasp]["contacts"]
         assert truth.factor > 0.0
         assert min(truth.factor, truth.jump, truth.most) > 0.5 * truth.most / BEYOND or truth.jump < truth.factor
 

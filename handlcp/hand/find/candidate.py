@@ -26,7 +26,7 @@ from handlcp.progress import tick
 from handlcp.record import Record, columns_of, data_frame, pick
 from handlcp.text_table import wrapped
 
-STAGES = "squeeze", "load"
+_STAGES = "squeeze", "load"
 _ALIKE = 0.05  # of the way an object goes: as far apart may two ends be that are called the same
 
 # ----------------------------------------------------------------
@@ -104,7 +104,7 @@ class Candidate(Record):
     def verdict(self) -> Verdict:
         """As `grasp.check()` says it, without advice; made when it is first asked for."""
         section = as_section("cone", planar=False)
-        return judged(self.grasp.spec, self.grasp.scene, section, STAGES, self.solution)
+        return judged(self.grasp.spec, self.grasp.scene, section, _STAGES, self.solution)
 
     @property
     def sure(self) -> bool:
@@ -122,7 +122,7 @@ class Candidate(Record):
         path, section = self.verdict.loading, as_section("cone", planar=False)
         if not self.verdict.ok or path is None:
             return False
-        finer = follow(self.grasp.spec, section, None, STAGES, None, 2 * STEPS, None)
+        finer = follow(self.grasp.spec, section, None, _STAGES, None, 2 * STEPS, None)
         if not finer.held or len(finer.steps.states) <= len(path.steps.states):  # a check may take as many
             return False
         end, other = path.displacement.reshape(2, 3), finer.displacement.reshape(2, 3)  # moved [m] and turned [rad]

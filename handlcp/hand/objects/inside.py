@@ -236,8 +236,7 @@ def _ranges(posture: Posture, when: str) -> Iterator[Reason]:
     shares = used(limits, np.zeros(hand.nv), q)[hand.nv :]
     for k in np.flatnonzero(exceeded(shares)):
         name, by = hand.joint_names[k], float(past[k])
-        kinds = {f.name: f.kind for f in hand.kinematics.facts}
-        much = words.length(by) if kinds[name] == "prismatic" else words.angle(by)
+        much = words.length(by) if name in hand.sliding else words.angle(by)
         text = f"{when}, {name} is {much} past the end of its range"
         values = {"joint": name, "position": float(q[k]), "lower": float(hand.lower[k]), "upper": float(hand.upper[k])}
         if by > _FAR:
