@@ -71,6 +71,7 @@ from .hand import (
     HandState as HandState,
     MeasuredStiffness as MeasuredStiffness,
     Mesh as Mesh,
+    Motor as Motor,
     RequiredTorque as RequiredTorque,
     Sphere as Sphere,
     Synergies as Synergies,

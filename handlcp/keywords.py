@@ -33,13 +33,15 @@ def helped(**elsewhere: str) -> Callable[[_F], _F]:
     return of
 
 
-def needed(name: str, expected: str) -> Callable[[_F], _F]:
-    """Decorates a function with a required keyword: InputError that says what is expected where it is left out."""
+def needed(name: str, expected: str, unless: str = "") -> Callable[[_F], _F]:
+    """Decorates a function with a required keyword: InputError that says what is expected where it is left out. unless
+    : another keyword, which may say the same.
+    """
 
     def of(function: _F) -> _F:
         @wraps(function)
         def called(*args: Any, **given: Any) -> Any:
-            if name not in given:
+            if name not in given and unless not in given:
                 raise InputError(name, expected, "none")
             return function(*args, **given)
 

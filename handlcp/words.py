@@ -103,6 +103,14 @@ def column(values: Iterable[float]) -> list[str]:
     return [f"{round(x, decimals) + 0.0:.{decimals}f}" if np.isfinite(x) else "–" for x in numbers]
 
 
+def duration(seconds: float) -> str:
+    """Such as "0.4 s", "12 s", "3 min" or "2 h"."""
+    for size, unit in ((3600.0, "h"), (60.0, "min")):
+        if seconds >= 2.0 * size:
+            return f"{seconds / size:.2g} {unit}"
+    return f"{seconds:.2g} s" if seconds < 99.5 else f"{seconds:.0f} s"
+
+
 def angle(radians: float) -> str:
     """Such as "0.58°"."""
     return _text(float(np.degrees(radians)), "°", 2)

@@ -1,5 +1,6 @@
 from .design.motors import RequiredTorque as RequiredTorque
 from .elasticity.measured import MeasuredStiffness as MeasuredStiffness, stiffness_from as stiffness_from
+from .elasticity.motor import Motor as Motor
 from .elasticity.tendons import Synergies as Synergies, Tendons as Tendons
 from .find.candidate import Candidate as Candidate, Found as Found
 from .find.find import find_grasp as find_grasp
@@ -13,7 +14,8 @@ from .objects.table import Table as Table
 from .robot.audit import Audit as Audit, audit_urdf as audit_urdf
 from .robot.describe import HandDescription as HandDescription, describe_urdf as describe_urdf
 from .robot.joints import Doubt as Doubt
-from .solution import HandGraspSolution as HandGraspSolution, TorqueCheck as TorqueCheck, TorqueRow as TorqueRow
+from .solution import HandGraspSolution as HandGraspSolution
 from .state import HandState as HandState
 from .stream import GraspStream as GraspStream
+from .torque_check import TorqueCheck as TorqueCheck, TorqueRow as TorqueRow
 from .update import GraspUpdate as GraspUpdate

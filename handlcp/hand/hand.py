@@ -11,10 +11,8 @@ import pinocchio as pin
 from handlcp.check import Array, read_only
 from handlcp.errors import HandLCPError, InputError, UnknownName, Unsupported
 from handlcp.hand.elasticity.stiffness import HOW_STIFF
-from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.source.description import COLLISION, Description
-from handlcp.hand.robot.tip_geometry import TipGeometry
 from handlcp.hand.state import HandState
 from handlcp.keywords import helped, needed
 
@@ -39,18 +37,19 @@ class Hand(HandModel):
     _by_tip: dict[str, Any]  # what was passed fingertip by fingertip
 
     @classmethod
-    @needed("joint_stiffness", _STIFFNESS)
+    @needed("joint_stiffness", _STIFFNESS, "motors")
     def from_urdf(
         cls,
         source: Any,
         fingertips: Any = None,
         *,
-        joint_stiffness: Any,
+        joint_stiffness: Any = ...,
         pad_flexibility: Any = 0.0,
         torque_limits: Any = None,
         base: str | None = None,
         tip_radius: Any = None,
         package_dirs: Any = None,
+        motors: Any = None,
     ) -> Self:
         """Read a hand from a URDF, or a xacro file (pip install handlcp[xacro]).
 
@@ -72,6 +71,8 @@ class Hand(HandModel):
             geometry of the link that is the tip frame or, if it has none, of the links fixed to it; if nothing there
             collides, what is drawn of them. Used when contacts are detected, and only then.
         package_dirs : folders for package:// addresses of meshes, and for what a xacro file includes.
+        motors : a `Motor` for every joint, or a mapping by joint name (others: none). A motor gives the torque limit of
+            its joint, what it holds for good, and its stiffness where it says one.
 
         Raises URDFError, UnknownName (listing the valid names, or candidates for fingertips), InputError.
         """
@@ -83,7 +84,7 @@ class Hand(HandModel):
             described = describe_model("source", source)
         else:
             described = describe_xml("source", source, base, package_dirs, (URDF,))
-        return cls._made(described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius)
+        return cls._made(described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius, motors)
 
     @classmethod
     def from_mjcf(
@@ -97,6 +98,7 @@ class Hand(HandModel):
         base: str | None = None,
         tip_radius: Any = None,
         package_dirs: Any = None,
+        motors: Any = None,
     ) -> Self:
         """Read a hand from an MJCF file, MuJoCo's format; arguments as of `from_urdf`.
 
@@ -111,19 +113,20 @@ class Hand(HandModel):
         from handlcp.hand.robot.source.description import MJCF, describe_xml
 
         described = describe_xml("source", source, base, package_dirs, (MJCF,))
-        return cls._made(described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius)
+        return cls._made(described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius, motors)
 
     @classmethod
-    @needed("joint_stiffness", _STIFFNESS)
+    @needed("joint_stiffness", _STIFFNESS, "motors")
     def from_model(
         cls,
         model: Any,
         fingertips: Any = None,
         *,
-        joint_stiffness: Any,
+        joint_stiffness: Any = ...,
         pad_flexibility: Any = 0.0,
         torque_limits: Any = None,
         tip_radius: Any = None,
+        motors: Any = None,
     ) -> Self:
         """A hand from a pinocchio.Model, or a pinocchio.RobotWrapper with its collision and visual geometry.
 
@@ -133,28 +136,15 @@ class Hand(HandModel):
         from handlcp.hand.robot.source.description import describe_model
 
         described = describe_model("model", model)
-        return cls._made(described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius)
+        return cls._made(described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius, motors)
 
     @classmethod
     def _made(
-        cls, described: Description, fingertips: Any, stiffness: Any, pads: Any, limits: Any, radius: Any
+        cls, described: Description, fingertips: Any, stiffness: Any, pads: Any, limits: Any, radius: Any, motors: Any
     ) -> Self:
-        from handlcp.hand.elasticity.stiffness import read_pads
-        from handlcp.hand.robot.fingertips import find_tips
-        from handlcp.hand.robot.joints import read_torque_limits
-        from handlcp.hand.robot.source.servos import read_elasticity
-        from handlcp.hand.robot.tip_geometry import read_radii
+        from handlcp.hand.parts import parts_of
 
-        model = pin.Model(described.model)
-        kinematics = Kinematics(model, described.facts)
-        tips = find_tips(model, described, fingertips)
-        joints = kinematics.joint_names
-        hand = cls(
-            kinematics, tips, read_elasticity(stiffness, kinematics, described),
-            read_pads(pads, tips.names, described.has(COLLISION)),
-            read_torque_limits(limits, joints, {f.name: f for f in described.facts}),
-            TipGeometry(described, tips, read_radii(radius, tips.names)),
-        )  # fmt: skip
+        hand = cls(*parts_of(described, fingertips, stiffness, pads, limits, radius, motors))
         hand.__dict__["_by_tip"] = deepcopy({"pads": pads, "radius": radius})
         return hand
 
@@ -167,40 +157,24 @@ class Hand(HandModel):
         torque_limits: Any = ...,
         tip_radius: Any = ...,
         fingertips: Any = ...,
+        motors: Any = ...,
     ) -> Self:
         """The same hand with other numbers, or other fingertips; arguments as of `from_urdf`, the rest stays.
 
-        Beside new fingertips, what was passed by name of the old ones is passed again. Raises InputError, UnknownName.
+        What is passed last counts: of joints that are given a torque limit the motors go, and a joint_stiffness counts
+        before what motors say. motors None : without them. Beside new fingertips, what was passed by name of the old
+        ones is passed again. Raises InputError, UnknownName.
         """
-        from handlcp.hand.elasticity.stiffness import read_pads
-        from handlcp.hand.robot.fingertips import find_tips
-        from handlcp.hand.robot.joints import read_torque_limits
-        from handlcp.hand.robot.source.servos import read_elasticity
-        from handlcp.hand.robot.tip_geometry import read_radii
+        from handlcp.hand.parts import replaced
 
-        facts = self.description.facts
+        given = {
+            "joint_stiffness": joint_stiffness, "pad_flexibility": pad_flexibility, "torque_limits": torque_limits,
+            "tip_radius": tip_radius, "fingertips": fingertips, "motors": motors,
+        }  # fmt: skip
         made = object.__new__(type(self))
         made.__dict__.update(self.__dict__)
-        by_tip = dict(self._by_tip)
-        by_tip |= {} if pad_flexibility is ... else {"pads": deepcopy(pad_flexibility)}
-        by_tip |= {} if tip_radius is ... else {"radius": deepcopy(tip_radius)}
-        parts: dict[str, Any] = {"_by_tip": by_tip}
-        tips = self.tips
-        if fingertips is not ...:
-            model = pin.Model(self.description.model)
-            tips = find_tips(model, self.description, fingertips)
-            parts |= {"tips": tips, "fingertips": tips.names, "kinematics": Kinematics(model, facts)}
-        if fingertips is not ... or pad_flexibility is not ...:
-            parts["pads"] = read_pads(by_tip["pads"], tips.names, self.description.has(COLLISION))
-        if fingertips is not ... or tip_radius is not ...:
-            parts["_geometry"] = TipGeometry(self.description, tips, read_radii(by_tip["radius"], tips.names))
-        if joint_stiffness is not ...:
-            parts["stiffness"] = read_elasticity(joint_stiffness, self.kinematics, self.description)
-        if torque_limits is not ...:
-            torques = read_torque_limits(torque_limits, self.joint_names, {f.name: f for f in facts})
-            parts |= {"torques": torques, "torque_limits": torques.limits}
         made.__dict__.pop("doubts", None)
-        made.__dict__.update(parts)
+        made.__dict__.update(replaced(self, self._by_tip, {k: v for k, v in given.items() if v is not ...}))
         return made
 
     def in_parts(self, *links: str) -> Self:

@@ -40,7 +40,7 @@ from handlcp.lazy import lazy
 if TYPE_CHECKING:
     from handlcp.grasp.answer.verdict import Reason
     from handlcp.hand.followed.geometry import FollowedHand
-    from handlcp.hand.solution import TorqueCheck
+    from handlcp.hand.torque_check import TorqueCheck
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +154,7 @@ class HandMechanism(Varied, Mechanism):
     def reasons(self, solution: Any) -> Iterator[Reason]:
         """Of its torques, its limits and its posture."""
         from handlcp.hand.robot.audit import doubt_reasons
-        from handlcp.hand.solution import torque_reasons
+        from handlcp.hand.torque_check import torque_reasons
 
         if solution.held:
             yield from torque_reasons(solution.torque_check)
@@ -165,7 +165,7 @@ class HandMechanism(Varied, Mechanism):
 
     def open_reasons(self, solution: Any) -> Iterator[Reason]:
         """Between what and what torques are, where forces are open."""
-        from handlcp.hand.solution import open_torque_reasons
+        from handlcp.hand.torque_check import open_torque_reasons
 
         yield from open_torque_reasons(solution)
 
@@ -195,12 +195,25 @@ class HandMechanism(Varied, Mechanism):
     def end_reasons(self, torque: Array, yielded: Array, place: tuple[Any, Any]) -> Iterator[Reason]:
         """Of torques and posture at the end of a loading."""
         from handlcp.hand.robot.audit import doubt_reasons
-        from handlcp.hand.solution import torque_reasons
+        from handlcp.hand.torque_check import torque_reasons
 
         at_limit = np.where(yielded != 0.0, np.clip(torque, -self.limits, self.limits), torque)  # but for rounding
         yield from torque_reasons(self._check(at_limit, yielded))
         yield from doubt_reasons(self.posture.hand.doubts)
         yield from self.place_reasons(*place, "at the end of the loading")
+
+    @property
+    def closes(self) -> Array | None:
+        """Of a hand with motors."""
+        limits = self.posture.hand.torques
+        return None if limits.drives is None else limits.drives.closes
+
+    def closing_reasons(self, torque: Array) -> Iterator[Reason]:
+        """Of its motors."""
+        from handlcp.hand.torque_check import closing_reasons
+
+        if (drives := self.posture.hand.torques.drives) is not None:
+            yield from closing_reasons(self.names, torque, drives)
 
     def elsewhere(self, spec: GraspSpec, shift: Array) -> GraspSpec | None:
         """The hand closes anew on its object, moved by shift (3,) [m]. None beside a command of the joints, which would
@@ -319,12 +332,13 @@ class HandMechanism(Varied, Mechanism):
         }  # fmt: skip
 
     def _check(self, torque: Array, yielded: Array) -> TorqueCheck:
-        from handlcp.hand.solution import torque_check
+        from handlcp.hand.torque_check import torque_check
 
         hand, limits, yielding = self.posture.hand, self.posture.hand.torques, tuple[str, ...]()
         if yielded.any():  # NaN without an answer
             yielding = tuple([self.names[k] for k in np.flatnonzero(abs(yielded) > 0.0)])
-        return torque_check(self.names, read_only(torque), limits.limits, limits.known, yielding, hand.sliding)
+        drives = limits.drives
+        return torque_check(self.names, read_only(torque), limits.limits, limits.known, yielding, hand.sliding, drives)
 
 
 def hand_of(spec: GraspSpec) -> HandMechanism:

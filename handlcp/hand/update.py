@@ -12,7 +12,7 @@ from handlcp.grasp.verify.contact_laws import in_world
 from handlcp.grasp.verify.judge import Residuals
 from handlcp.hand.elasticity.elasticity import Effort
 from handlcp.hand.hand_grasp import HandGrasp
-from handlcp.hand.solution import TorqueCheck, torque_check
+from handlcp.hand.torque_check import TorqueCheck, torque_check
 from handlcp.lcp import Status
 
 
@@ -91,7 +91,10 @@ class GraspUpdate:
         torques = self.torques
         assert isinstance(self._grasp, HandGrasp)
         hand = self._grasp.state.hand
-        return torque_check(hand.joint_names, torques, hand.torques.limits, hand.torques.known, sliding=hand.sliding)
+        limits = hand.torques
+        return torque_check(
+            hand.joint_names, torques, limits.limits, limits.known, sliding=hand.sliding, drives=limits.drives
+        )
 
     @property
     def effort(self) -> Effort | None:

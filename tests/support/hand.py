@@ -18,7 +18,7 @@ from handlcp.hand.robot.posture import contact_hessian
 from handlcp.hand.robot.tip_geometry import TipShape, sphere_tip
 from handlcp.hand.sites.sited import gaps_of
 from handlcp.hand.sites.touchers import touchers
-from handlcp.hand.solution import torque_check
+from handlcp.hand.torque_check import torque_check
 
 __all__ = [
     "RIM",

@@ -11,6 +11,7 @@ import numpy as np
 
 from handlcp.check import Array, Bools, read_only
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
+from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.record import Record
 from handlcp.tolerances import OVER
@@ -152,6 +153,15 @@ def over(limits: Limits, torque: Array, q: Array | None = None, moved: Array | N
         return ()
     share = used(limits, torque, q, moved)
     return _causes(limits, share, exceeded(share))
+
+
+def over_closing(mechanism: Mechanism | None, torque: Array) -> tuple[Cause, ...]:
+    """Joints that closing took more of, (nv,) [N·m], than their motors give."""
+    if mechanism is None or (closes := mechanism.closes) is None:
+        return ()
+    share = torque / closes
+    every = zip(mechanism.names, share.tolist(), exceeded(share).tolist(), strict=True)
+    return tuple([Cause(TORQUE, name, 1.0 - used) for name, used, beyond in every if beyond])
 
 
 def binding(

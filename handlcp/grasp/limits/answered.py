@@ -245,10 +245,17 @@ def _solution(f: Followed, number: int, factor: float) -> GraspSolution:
     return solution_of(f.stepper.grasp, state, f.section)
 
 
-def nothing(spec: GraspSpec, wrench: Array, run: Run, geometry: str, loading: Loading) -> LoadLimit:
-    """Where squeeze or weight alone are not held, or nothing is known of it."""
+def nothing(
+    spec: GraspSpec, wrench: Array, run: Run, geometry: str, loading: Loading, closing: tuple[Cause, ...] = ()
+) -> LoadLimit:
+    """Where squeeze or weight alone are not held, or nothing is known of it. closing : joints whose motors cannot close
+    so hard.
+    """
     reason = loading.why.partition(": ")[2]
-    if run.outcome is Outcome.GAVE_UP:
+    if closing:
+        binds = closing
+        text = f"the hand cannot close so hard: {words.listed([c.who for c in closing])} would need more than the peak"
+    elif run.outcome is Outcome.GAVE_UP:
         binds, text = _UNKNOWN, f"undecided: the {loading.lost_stage} alone was not followed to its end: {reason}"
     else:
         binds = slipping(spec.names, run.states[-1].kinds) if run.states[-1].loaded else (Cause(EQUILIBRIUM, OBJECT),)

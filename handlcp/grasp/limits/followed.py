@@ -8,7 +8,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.doubled import doubled
-from handlcp.grasp.cause.judge import Limits, limits_of, used
+from handlcp.grasp.cause.judge import Limits, limits_of, over_closing, used
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.answered import Followed, answer as answered, kinds_near, nothing
 from handlcp.grasp.limits.result import LoadLimit
@@ -17,6 +17,7 @@ from handlcp.grasp.path.advance import Leg, Open, advance
 from handlcp.grasp.path.follow import TOLERANCE, begun, geometry_of, loading_of
 from handlcp.grasp.path.state import STILL, Goal, Outcome, Run, Stage, State
 from handlcp.grasp.path.step import Stepper
+from handlcp.grasp.path.trajectory import closing_torque
 from handlcp.grasp.path.watch import watch_of
 from handlcp.tolerances import OVER
 
@@ -52,15 +53,17 @@ class Before:
 
     @property
     def held(self) -> bool:
-        """Whether the object is held by then, and has not begun to slide through."""
-        return self._run.outcome is Outcome.END and self._run.slides is None
+        """Whether the object is held by then, and has not begun to slide through, and motors close so hard."""
+        closed = not over_closing(self._spec.mechanism, closing_torque(self._run.states))
+        return closed and self._run.outcome is Outcome.END and self._run.slides is None
 
     def limit(self, wrench: Array, until: float = np.inf) -> LoadLimit:
         """Of a load (6,) that grows, up to this factor: none is found that is larger."""
         spec, section, before, stepper = self._spec, self._section, self._run, self._stepper
-        if before.outcome is not Outcome.END:
+        closing = over_closing(spec.mechanism, closing_torque(before.states))
+        if before.outcome is not Outcome.END or closing:
             loading = loading_of(before, self._goals[:-1], stepper, section)
-            return nothing(spec, wrench, before, self._geometry, loading)
+            return nothing(spec, wrench, before, self._geometry, loading, closing)
         start, finer, follows = before.states[-1], self._finer, self._body.follows
         size = _as_large(stepper, start, wrench)
         at = stepper.geometry.displacement(start.where.pose)

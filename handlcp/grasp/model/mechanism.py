@@ -185,6 +185,15 @@ class Mechanism:
         """The same of the end of a loading: torques (nv,), how far joints yield (nv,), and `at_end`."""
         return ()
 
+    @property
+    def closes(self) -> Array | None:
+        """(nv,) the torque with which each joint can close [N·m]; None where no motor says it."""
+        return None
+
+    def closing_reasons(self, torque: Array) -> Iterable[Any]:
+        """The same of what closing took at most of each joint (nv,) [N·m]."""
+        return ()
+
     def place_reasons(self, posture: Any, obj: Any, when: str) -> Iterable[Any]:
         """The same of a posture alone, with the object where it is then; None for what is not known. when : that is,
         such as "at the end of the loading".

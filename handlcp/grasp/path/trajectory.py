@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -191,6 +192,13 @@ def used_on_path(scene: Scene, forces: Array, torsion: Array) -> Array:
     normal = forces[:, :, 2]
     used[normal <= _NO_FORCE * normal.max()] = np.nan
     return read_only(used)
+
+
+def closing_torque(states: Sequence[State]) -> Array:
+    """(nv,) the largest torque of each joint while it is commanded against it [N·m]."""
+    command, torque = _rows([s.controls.command for s in states]), _rows([s.read.torque for s in states])[1:]
+    against = np.diff(command, axis=0) * torque > 0.0
+    return np.asarray((abs(torque) * against).max(axis=0, initial=0.0))
 
 
 def _done(force: Array, moved: Array) -> Array:

@@ -24,6 +24,7 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.follow import Loading
 from handlcp.grasp.path.geometry import RIGID
+from handlcp.grasp.path.trajectory import closing_torque
 
 _SLIDES = 1e-4  # of the grasp's size: a contact that slides less on the way and sticks at the end is not named
 _BEFORE = 0.98  # of the load at which the object is lost: if it slides through only from here on, that is not said
@@ -80,6 +81,7 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
         place = (path.state, path.object)
         found = mechanism.end_reasons(path.steps.torques[-1], last.yielded, place)
         yield from (r for r in found if _about(r) not in known)
+        yield from mechanism.closing_reasons(closing_torque(path.steps.states))
         yield from before
     end = path.solution
     if end.held and end.scene is not None:

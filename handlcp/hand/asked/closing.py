@@ -24,6 +24,7 @@ from handlcp.hand.robot.posture import Posture
 from handlcp.hand.sites.sited import gaps_of, nearest_links
 from handlcp.hand.sites.touchers import ALL, touchers
 from handlcp.hand.sites.wrap import bending, wrap
+from handlcp.tolerances import OVER
 
 _TOUCHES = 1e-5  # [m] from a link to the object it touches, where a hand has closed
 _MOVED = 1e-9  # [rad, m] a hand that closes by less is closed already
@@ -58,10 +59,29 @@ def closed_by(state: Posture, obj: Object, joint_offset: Any, closing_torque: An
 
 
 def closing_torques(hand: HandModel, way: Array, value: Any) -> Array:
-    """(nv,) [N·m], with the sign in which each joint turns: a number or (nv,) of the joints that bend, positive towards
-    the object; or a mapping by joint name (others: 0), where that of a joint that does not bend keeps its sign. Raises
-    InputError, UnknownName. way (nv,) : how the joints bend towards the object, as `bending` has it.
+    """(nv,) [N·m] at the joints, with the sign in which each joint turns: a number or (nv,) of the joints that bend,
+    positive towards the object; or a mapping by joint name (others: 0), where that of a joint that does not bend keeps
+    its sign. The dry friction of a motor's drive takes its part of it. Raises InputError, also where a motor has no
+    such peak, or does not overcome that friction; UnknownName. way (nv,) : how the joints bend towards the object, as
+    `bending` has it.
     """
+    return _through_drives(hand, _pulls(hand, way, value))
+
+
+def _through_drives(hand: HandModel, torque: Array) -> Array:
+    """(nv,) what is left at the joints of what their motors pull with, (nv,)."""
+    drives = hand.torques.drives
+    if drives is None:
+        return torque
+    for joint, motor, pull in zip(hand.joint_names, drives.of, abs(torque).tolist(), strict=True):
+        if motor is not None and pull > 0.0 and not motor.friction < pull <= motor.at_peak * (1.0 + OVER):
+            rubs = f"more than the dry friction of its drive, {motor.friction:g}, and " if motor.friction else ""
+            expected = f"{rubs}at most the peak of its motor, {motor.at_peak:g} N·m at the joint"
+            raise InputError(f"closing_torque[{joint!r}]", expected, f"{pull:g}")
+    return np.asarray(np.sign(torque) * np.maximum(abs(torque) - drives.friction, 0.0))
+
+
+def _pulls(hand: HandModel, way: Array, value: Any) -> Array:
     if dimensions(value) == 0 and not isinstance(value, Mapping):
         return np.asarray(number("closing_torque", value, minimum=0.0) * np.sign(way))
     if isinstance(value, Mapping):

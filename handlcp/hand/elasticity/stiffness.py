@@ -131,6 +131,23 @@ def read_stiffness(value: Any, joints: Sequence[str], argument: str = "joint_sti
     return JointStiffness(spd(argument, matrix))
 
 
+def stiff_as(elasticity: Elasticity, own: Mapping[str, float], joints: Sequence[str]) -> Elasticity:
+    """The same with joints by name that are as stiff as their motors say [N·m/rad]. Raises InputError where other
+    springs take part there.
+    """
+    if not own:
+        return elasticity
+    at = [joints.index(joint) for joint in own]
+    if isinstance(elasticity, JointStiffness):
+        K = elasticity.matrix.copy()
+        coupled = np.count_nonzero(K, axis=1) > 1
+        if not coupled[at].any():
+            K[at, at] = list(own.values())
+            return JointStiffness(K)
+    expected = "None of a motor whose joint shares springs with others (joint_stiffness says how stiff these are)"
+    raise InputError("Motor.stiffness", expected, ", ".join(own))
+
+
 def springs(argument: str, value: Any, names: Sequence[str], read: Callable[[str, Any], float]) -> Array | None:
     """(m, m) diagonal of m springs, from one number for all or m in the order of `names`; None for anything else.
 

@@ -153,11 +153,11 @@ def _best(found: Iterable[Candidate]) -> float:
 
 
 def closing_by_limit(hand: HandModel) -> Array:
-    """(nv,) [N·m] with which joints close where nothing else is said: half of the limit, at most 0.5 N·m, or as
-    much for each joint of those that are driven together.
+    """(nv,) [N·m] with which joints close where nothing else is said: half of what they can close with and hold for
+    good, at most 0.5 N·m, or as much for each joint of those that are driven together.
     """
-    C = hand.kinematics.coupling
-    return np.minimum(SHARE * hand.torque_limits, MOST * (1.0 if C is None else abs(C).sum(axis=0)))
+    C, least = hand.kinematics.coupling, np.minimum(hand.torque_limits, hand.torques.closes)
+    return np.minimum(SHARE * least, MOST * (1.0 if C is None else abs(C).sum(axis=0)))
 
 
 def encloses(hand: HandModel, grasp: HandGrasp) -> bool:

@@ -13,6 +13,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, dimensions, number, per_name, read_only
 from handlcp.errors import InputError, URDFError
+from handlcp.hand.elasticity.motor import Drives
 from handlcp.hand.robot.source.stated import NOTHING_STATED, Stated, number_of, reductions_of, stated_of, vector_of
 from handlcp.hand.robot.urdf import LARGEST_NUMBER, link_of
 
@@ -214,19 +215,49 @@ def read_ranges(names: Sequence[str], facts: Mapping[str, JointFacts], coupling:
 
 @dataclass(frozen=True, slots=True)
 class TorqueLimits:
-    """limits : (nv,) [N·m], inf for none. known : nv booleans. given : the joints whose limit the user passed."""
+    """limits : (nv,) what the joints hold for good [N·m], inf for none. known : nv booleans. given : the joints whose
+    limit the user passed. drives : motors, where joints have some; without : the limits without them, else None.
+    """
 
     limits: Array
     known: tuple[bool, ...]
     given: tuple[str, ...]
+    drives: Drives | None = None
+    without: TorqueLimits | None = None
+
+    @property
+    def closes(self) -> Array:
+        """(nv,) with which motors can close the joints [N·m]; inf where no motor says it."""
+        return read_only(np.full(len(self.limits), np.inf)) if self.drives is None else self.drives.closes
+
+    def driven(self, drives: Drives | None, joints: Sequence[str]) -> TorqueLimits:
+        """With these motors in place of earlier ones; of joints that have one, the limit is what it holds for good."""
+        bare = self if self.without is None else self.without
+        if drives is None:
+            return bare
+        own = drives.names(joints)
+        known = tuple([k or joint in own for k, joint in zip(bare.known, joints, strict=True)])
+        given = tuple(dict.fromkeys((*bare.given, *own)))
+        return TorqueLimits(drives.holds(bare.limits), known, given, drives, bare)
 
 
-def read_torque_limits(value: Any, joints: Sequence[str], facts: Mapping[str, JointFacts]) -> TorqueLimits:
-    """From None (the URDF's efforts), a number, a mapping by joint name (over the URDF's), or (nv,) [N·m].
+def read_torque_limits(
+    value: Any, joints: Sequence[str], facts: Mapping[str, JointFacts], drives: Drives | None = None
+) -> TorqueLimits:
+    """From None (the URDF's efforts), a number, a mapping by joint name (over the URDF's), or (nv,) [N·m]; and from
+    motors, which give the limits of their joints.
 
     A URDF effort that is zero, negative, infinite or absent is unknown. An inf that the user passes is known: no limit.
-    Raises InputError for limits that are not positive; UnknownName.
+    Raises InputError for limits that are not positive, and for a limit by name of a joint that has a motor;
+    UnknownName.
     """
+    bare = _passed_limits(value, joints, facts)
+    if drives is not None and isinstance(value, Mapping) and (both := [j for j in drives.names(joints) if j in value]):
+        raise InputError("torque_limits", "no limit of a joint with a motor, which gives it", ", ".join(both))
+    return bare.driven(drives, joints)
+
+
+def _passed_limits(value: Any, joints: Sequence[str], facts: Mapping[str, JointFacts]) -> TorqueLimits:
     argument, named = "torque_limits", dict[str, Any]()
     if isinstance(value, Mapping):
         named = per_name(argument, value, joints, "a joint")

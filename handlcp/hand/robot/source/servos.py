@@ -10,7 +10,7 @@ as stiff as the motion that the tendon resists: kp |a|² for each of its joints,
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,8 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.errors import InputError
 from handlcp.hand.elasticity.elasticity import Elasticity
-from handlcp.hand.elasticity.stiffness import HOW_STIFF, JointStiffness, read_stiffness
+from handlcp.hand.elasticity.motor import Drives
+from handlcp.hand.elasticity.stiffness import HOW_STIFF, JointStiffness, read_stiffness, stiff_as
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.description import Description
 from handlcp.hand.robot.source.stated import Servo
@@ -35,11 +36,19 @@ class ServoStiffness(JointStiffness):
         self.widened = widened
 
 
-def read_elasticity(value: Any, kinematics: Kinematics, described: Description) -> Elasticity:
-    """From "file", the stiffness that the file states, or from what `read_stiffness` takes."""
+def read_elasticity(
+    value: Any, kinematics: Kinematics, described: Description, drives: Drives | None = None
+) -> Elasticity:
+    """From "file", the stiffness that the file states, or from what `read_stiffness` takes; motors that say how stiff
+    their joints are come first. Ellipsis : these alone.
+    """
+    joints = kinematics.joint_names
+    own = {} if drives is None else drives.stiffness(joints)
+    if value is ... or (isinstance(value, Mapping) and own):
+        return read_stiffness(({} if value is ... else dict(value)) | own, joints)
     if isinstance(value, str) and value == FILE:
-        return servo_stiffness(described.servos, kinematics)
-    return read_stiffness(value, kinematics.joint_names)
+        return stiff_as(servo_stiffness(described.servos, kinematics), own, joints)
+    return stiff_as(read_stiffness(value, joints), own, joints)
 
 
 def servo_stiffness(servos: Sequence[Servo], kinematics: Kinematics) -> ServoStiffness:

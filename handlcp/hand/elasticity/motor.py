@@ -1,0 +1,179 @@
+"""Motors behind joints: what they give for a moment, what they give for good, and what a gear carries without them.
+
+At the joint, through reduction N and efficiency η, with dry friction τ_f of the drive:
+
+    τ_c = N η continuous,    τ_p = N η peak
+    closing    |τ| ≤ τ_p - τ_f                     friction is against the motion
+    held       |τ| ≤ max(τ_c + τ_f, holding)       and helps to hold
+    lasts      t = T ln(u² / (u² - 1)),   u = (|τ| - τ_f) / τ_c
+
+u is what the motor itself gives, as a share of what it gives for good. Its winding heats with u², and T is its thermal
+time: from cold, it is as hot as it may be after t.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, number, per_name, read_only
+from handlcp.errors import InputError
+from handlcp.lazy import lazy
+
+CONTINUOUS, HOLDING = "continuous", "holding"  # which of the two a joint is held by
+
+
+@dataclass(frozen=True)
+class Motor:
+    """One motor with its gear, for `motors=` of a hand.
+
+    continuous, peak : torque of the motor itself [N·m] (N of a linear one), for good and for a moment; peak None: no
+        more than continuous.
+    holding : torque at the joint [N·m] that a gear which cannot be driven back carries, more than its motor gives for
+        good; numpy.inf: any, as of a worm. None: the motor alone holds.
+    friction : dry friction of the drive at the joint [N·m]: it hinders closing, and helps to hold.
+    reduction : turns of the motor per turn of the joint. efficiency : of the gear, 0 to 1.
+    stiffness : of the joint [N·m/rad], in place of what the hand's `joint_stiffness` says; None: that.
+    thermal_time : [s] time constant of the winding's temperature; None: not known.
+
+    Raises InputError for a peak below continuous, a negative friction, an efficiency that is not above 0 and at most 1,
+    a friction that peak does not overcome, and a holding torque below what the motor holds for good.
+    """
+
+    continuous: float
+    peak: float | None = None
+    holding: float | None = None
+    friction: float = 0.0
+    reduction: float = 1.0
+    efficiency: float = 1.0
+    stiffness: float | None = None
+    thermal_time: float | None = None
+
+    def __post_init__(self) -> None:
+        own: dict[str, float | None] = {
+            "continuous": number("Motor.continuous", self.continuous, above=0.0),
+            "friction": number("Motor.friction", self.friction, minimum=0.0),
+            "reduction": number("Motor.reduction", self.reduction, above=0.0),
+            "efficiency": number("Motor.efficiency", self.efficiency, above=0.0),
+        }
+        for name in ("peak", "holding", "stiffness", "thermal_time"):
+            value, finite = getattr(self, name), name in ("peak", "thermal_time")
+            own[name] = None if value is None else number(f"Motor.{name}", value, above=0.0, finite=finite)
+        for name, value in own.items():
+            object.__setattr__(self, name, value)
+        if self.efficiency > 1.0:
+            raise InputError("Motor.efficiency", "a number above 0 and at most 1", self.efficiency)
+        if self.peak is not None and self.peak < self.continuous:
+            raise InputError("Motor.peak", f"at least the continuous torque, {self.continuous:g}", self.peak)
+        if self.friction >= self.at_peak:
+            expected = f"less than the peak torque at the joint, {self.at_peak:g} N·m, which has to overcome it"
+            raise InputError("Motor.friction", expected, self.friction)
+        if self.holding is not None and self.holding < self.for_good + self.friction:
+            least = self.for_good + self.friction
+            expected = f"at least what the motor and friction hold for good at the joint, {least:g} N·m, or None"
+            raise InputError("Motor.holding", expected, self.holding)
+
+    @property
+    def for_good(self) -> float:
+        """τ_c [N·m], at the joint."""
+        return self.reduction * self.efficiency * self.continuous
+
+    @property
+    def at_peak(self) -> float:
+        """τ_p [N·m], at the joint."""
+        return self.reduction * self.efficiency * (self.continuous if self.peak is None else self.peak)
+
+    @property
+    def closes(self) -> float:
+        """[N·m] With which the joint can close on something."""
+        return self.at_peak - self.friction
+
+    @property
+    def holds(self) -> float:
+        """[N·m] That the joint holds for good."""
+        return max(self.for_good + self.friction, self.holding or 0.0)
+
+    @property
+    def held_by(self) -> str:
+        """What holds for good: "continuous", the motor, or "holding", the gear where it carries more."""
+        return HOLDING if self.holding is not None else CONTINUOUS
+
+    def share(self, torque: float) -> float:
+        """U [-] : what the motor gives for a torque at the joint [N·m], as a share of what it gives for good; 0 where
+        friction or the gear carries all of it.
+        """
+        if abs(torque) <= (self.holding or 0.0):
+            return 0.0
+        return max(abs(torque) - self.friction, 0.0) / self.for_good
+
+    def lasts(self, torque: float) -> float | None:
+        """[s] how long a torque at the joint [N·m] is held, begun cold: inf where the motor gives no more than for
+        good, 0 beyond its peak; None where the thermal time is not known.
+        """
+        u = self.share(torque)
+        if u <= 1.0:
+            return np.inf
+        if abs(torque) > self.at_peak + self.friction:
+            return 0.0
+        return None if self.thermal_time is None else self.thermal_time * float(np.log(u * u / (u * u - 1.0)))
+
+
+# ----------------------------------------------------------------
+# The motors of a hand, joint by joint.
+
+
+@dataclass(frozen=True, eq=False)
+class Drives:
+    """of (nv,) : the motor of each joint; None: it has a torque limit alone, or none."""
+
+    of: tuple[Motor | None, ...]
+
+    def names(self, joints: Sequence[str]) -> tuple[str, ...]:
+        """Of the joints (nv,) that have a motor."""
+        return tuple([joint for joint, motor in zip(joints, self.of, strict=True) if motor is not None])
+
+    def without(self, joints: Sequence[str], named: Sequence[str]) -> Drives | None:
+        """But for those of the named joints, of joints (nv,)."""
+        left = tuple([None if j in named else motor for j, motor in zip(joints, self.of, strict=True)])
+        return Drives(left) if any(left) else None
+
+    def stiffness(self, joints: Sequence[str]) -> dict[str, float]:
+        """[N·m/rad] By name, of the joints (nv,) whose motors say it."""
+        every = zip(joints, self.of, strict=True)
+        return {joint: m.stiffness for joint, m in every if m is not None and m.stiffness is not None}
+
+    @lazy
+    def friction(self) -> Array:
+        """(nv,) τ_f [N·m]."""
+        return read_only(np.array([0.0 if m is None else m.friction for m in self.of]))
+
+    @lazy
+    def closes(self) -> Array:
+        """(nv,) with which the joints can close [N·m]; inf of a joint without a motor."""
+        return read_only(np.array([np.inf if m is None else m.closes for m in self.of]))
+
+    def holds(self, limits: Array) -> Array:
+        """(nv,) that they hold for good [N·m]; of a joint without a motor its limit, of limits (nv,)."""
+        each = zip(self.of, limits.tolist(), strict=True)
+        return read_only(np.array([most if m is None else m.holds for m, most in each]))
+
+
+def read_motors(value: Any, joints: Sequence[str]) -> Drives | None:
+    """From a `Motor` for every joint, a mapping of joint names to motors (others: none), or None. Raises InputError,
+    UnknownName.
+    """
+    argument = "motors"
+    if value is None:
+        return None
+    if isinstance(value, Motor):
+        return Drives((value,) * len(joints))
+    if not isinstance(value, Mapping):
+        raise InputError(argument, "a Motor for every joint, or a mapping of joint names to Motors", repr(value)[:80])
+    named = per_name(argument, value, joints, "a joint")
+    for joint, motor in named.items():
+        if not isinstance(motor, Motor):
+            raise InputError(f"{argument}[{joint!r}]", "a Motor", repr(motor)[:80])
+    return Drives(tuple([named.get(joint) for joint in joints])) if named else None

@@ -1,0 +1,87 @@
+"""The parts that a hand is made of, from what users pass; and those that change where they pass something else."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from copy import deepcopy
+from typing import Any
+
+import pinocchio as pin
+
+from handlcp.hand.elasticity.elasticity import Elasticity
+from handlcp.hand.elasticity.motor import read_motors
+from handlcp.hand.elasticity.stiffness import Pads, read_pads, stiff_as
+from handlcp.hand.robot.fingertips import TipFrames, find_tips
+from handlcp.hand.robot.joints import TorqueLimits, read_torque_limits
+from handlcp.hand.robot.kinematics import Kinematics
+from handlcp.hand.robot.model import HandModel
+from handlcp.hand.robot.source.description import COLLISION, Description
+from handlcp.hand.robot.source.servos import read_elasticity
+from handlcp.hand.robot.tip_geometry import TipGeometry, read_radii
+
+Parts = tuple[Kinematics, TipFrames, Elasticity, Pads, TorqueLimits, TipGeometry]
+
+
+def parts_of(
+    described: Description, fingertips: Any, stiffness: Any, pads: Any, limits: Any, radius: Any, motors: Any
+) -> Parts:
+    """In the order of `HandModel`; arguments as of `Hand.from_urdf`. stiffness Ellipsis : what the motors say. Raises
+    InputError, UnknownName, URDFError.
+    """
+    model = pin.Model(described.model)
+    kinematics = Kinematics(model, described.facts)
+    tips = find_tips(model, described, fingertips)
+    joints = kinematics.joint_names
+    drives = read_motors(motors, joints)
+    return (
+        kinematics, tips, read_elasticity(stiffness, kinematics, described, drives),
+        read_pads(pads, tips.names, described.has(COLLISION)),
+        read_torque_limits(limits, joints, {f.name: f for f in described.facts}, drives),
+        TipGeometry(described, tips, read_radii(radius, tips.names)),
+    )  # fmt: skip
+
+
+def replaced(hand: HandModel, by_tip: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """What changes of a hand, by attribute, where these arguments of `Hand.replace` are given. by_tip : what was passed
+    fingertip by fingertip.
+    """
+    described, tips = hand.description, hand.tips
+    own = {"pads": "pad_flexibility", "radius": "tip_radius"}
+    passed = {key: deepcopy(given[name]) if name in given else by_tip[key] for key, name in own.items()}
+    parts: dict[str, Any] = {"_by_tip": passed}
+    if "fingertips" in given:
+        model = pin.Model(described.model)
+        tips = find_tips(model, described, given["fingertips"])
+        parts |= {"tips": tips, "fingertips": tips.names, "kinematics": Kinematics(model, described.facts)}
+    if "fingertips" in given or "pad_flexibility" in given:
+        parts["pads"] = read_pads(passed["pads"], tips.names, described.has(COLLISION))
+    if "fingertips" in given or "tip_radius" in given:
+        parts["_geometry"] = TipGeometry(described, tips, read_radii(passed["radius"], tips.names))
+    if "joint_stiffness" in given or "motors" in given:
+        parts["stiffness"] = _stiffness(hand, given)
+    if "torque_limits" in given or "motors" in given:
+        torques = _torques(hand, given)
+        parts |= {"torques": torques, "torque_limits": torques.limits}
+    return parts
+
+
+def _stiffness(hand: HandModel, given: Mapping[str, Any]) -> Elasticity:
+    """What is passed, joints whose motors are passed as stiff as these say."""
+    drives = read_motors(given.get("motors"), hand.joint_names)
+    if "joint_stiffness" in given:
+        return read_elasticity(given["joint_stiffness"], hand.kinematics, hand.description, drives)
+    own = {} if drives is None else drives.stiffness(hand.joint_names)
+    return stiff_as(hand.stiffness, own, hand.joint_names)
+
+
+def _torques(hand: HandModel, given: Mapping[str, Any]) -> TorqueLimits:
+    """Limits and motors that are passed, in place of earlier ones of the same joints."""
+    joints, drives = hand.joint_names, hand.torques.drives
+    if "motors" in given:
+        drives = read_motors(given["motors"], joints)
+    if "torque_limits" not in given:
+        return hand.torques.driven(drives, joints)
+    limits = given["torque_limits"]
+    if "motors" not in given and drives is not None and limits is not None:
+        drives = drives.without(joints, tuple(limits) if isinstance(limits, Mapping) else joints)
+    return read_torque_limits(limits, joints, {f.name: f for f in hand.description.facts}, drives)
