@@ -30,6 +30,8 @@ from handlcp.errors import InputError, brief
 from handlcp.grasp.parameter import parameters
 from handlcp.hand import HandGrasp
 from handlcp.hand.design.motors import RequiredTorque
+from handlcp.hand.elasticity.motor import Motor
+from handlcp.record import plain
 from handlcp.show import tables
 from handlcp.show.file import writable
 
@@ -51,16 +53,22 @@ def motors(
     turned: Annotated[
         bool, typer.Option("--turned", help="The file's load with gravity along each axis of the hand's base, too.")
     ] = False,
+    motor: Annotated[
+        str | None, typer.Option(help="A motor to buy, as CONTINUOUS,PEAK [N·m]: which gear it needs at each joint.")
+    ] = None,
+    efficiency: Annotated[float, typer.Option(help="Of that gear, 0 to 1.")] = 1.0,
     faces: Faces = None,
 ) -> None:
     """Which motors? The torque of each joint and the grip of each finger with which every load times safety holds.
 
-    Without --load and --turned: for the file's own load. The hand closes by a grip force at each fingertip, in place
-    of what the file says. Exit status 0 such a grip was found and check() says HELD of every load, 1 otherwise, 2
+    Torques are those at the joint: peak for a moment, continuous for good, and with --motor the gear that brings them
+    there. Without --load and --turned: for the file's own load. The hand closes by a grip force at each fingertip, in
+    place of what the file says. Exit status 0 such a grip was found and check() says HELD of every load, 1 otherwise, 2
     bad input.
     """
     from handlcp import scene as scenes
 
+    bought = None if motor is None else _motor(motor, efficiency)
     read = scenes.load(scene)
     grasp = read.build()
     if not isinstance(grasp, HandGrasp):
@@ -69,9 +77,10 @@ def motors(
     sides = sides_of(read.solve_with.faces, faces)
     found = grasp.required_torque(brief_, safety, sides)
     if json:
-        print_json({"title": read.title, **found.to_dict()})
+        gears = {} if bought is None else {"reductions": plain(found.reductions(bought))}
+        print_json({"title": read.title, **found.to_dict(), **gears})
     else:
-        _print(found, read.title)
+        _print(found, read.title, bought)
     raise typer.Exit(0 if found.confirmed else 1)
 
 
@@ -98,7 +107,15 @@ def _numbers(text: str) -> list[float] | None:
         return None
 
 
-def _print(found: RequiredTorque, title: str) -> None:
+def _motor(text: str, efficiency: float) -> Motor:
+    """From CONTINUOUS or CONTINUOUS,PEAK. Raises InputError."""
+    values = _numbers(text)
+    if values is None or len(values) not in (1, 2):
+        raise InputError("--motor", "CONTINUOUS,PEAK in N·m, such as 0.02,0.06", brief(repr(text)))
+    return Motor(values[0], values[-1], efficiency=efficiency)
+
+
+def _print(found: RequiredTorque, title: str, motor: Motor | None) -> None:
     out = titled(title)
     word, style = ("FOUND", "green") if found.confirmed else ("NOT CONFIRMED", "yellow")
     if not found.holds:
@@ -106,16 +123,23 @@ def _print(found: RequiredTorque, title: str) -> None:
     say(out, word, f"bold {style}", " ".join(found.sentence.split()).removesuffix("."))
     out.print()
     if found.holds:
-        print_tables(out, [_joints(found), _grips(found)])
+        print_tables(out, [_joints(found), *([] if motor is None else [_gears(found, motor)]), _grips(found)])
 
 
 def _joints(found: RequiredTorque) -> Table:
-    note = "N·m (N of prismatic joints), the largest from first touch to full load"
-    heads = "joint", "torque", "limit", "of limit", "sized by", ""
-    table = tables.table("Torque of each joint", heads, "<>>><<", note=note)
-    for joint, torque, limit, share, load, remark in found.rows:
-        table.add_row(Text(joint), torque, limit, share, Text(load), remark, style="red" if remark else None)
+    note = "N·m at the joint (N of prismatic joints): peak from first touch to full load, continuous under full load"
+    heads = "joint", "peak", "continuous", "limit", "of limit", "sized by", ""
+    table = tables.table("Sizes of the motors", heads, "<>>>><<", note=note)
+    for row in found.rows:
+        joint, peak, held, limit, share, load, remark = row
+        table.add_row(Text(joint), peak, held, limit, share, Text(load), remark, style="red" if remark else None)
     return table
+
+
+def _gears(found: RequiredTorque, motor: Motor) -> Table:
+    rows = zip(found.joints, words.column(found.reductions(motor)), strict=True)
+    note = "the least with which the motor gives peak and continuous torque"
+    return tables.table("Reduction that the motor needs", ("joint", "reduction"), "<>", rows, note=note)
 
 
 def _grips(found: RequiredTorque) -> Table:

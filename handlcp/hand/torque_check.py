@@ -149,24 +149,22 @@ class TorqueCheck(Record):
         torques = _torques(self.torque / size)
         if len(units) > 1:  # those of joints that slide say their own
             torques = [f"{t} N" if r.unit == "N" else t for t, r in zip(torques, self, strict=True)]
-        columns = [[r.joint for r in self], torques, limits, [_share(r) for r in self]]
-        heads, align = ["joint", f"torque\n{unit}", f"limit\n{unit}", "of limit"], "<>>>"
-        if self.drives is not None:
-            columns.append(list(self.held_by))
-            heads, align = [*heads, "by"], f"{align}<"
-        columns.append([self.remark(r) for r in self])
-        return TextTable((*heads, ""), tuple(zip(*columns, strict=True)), f"{align}<")
+        columns = ([r.joint for r in self], torques, limits, [_share(r) for r in self],
+                   [self.remark(r) for r in self])  # fmt: skip
+        heads = ("joint", f"torque\n{unit}", f"limit\n{unit}", "of limit", "")
+        return TextTable(heads, tuple(zip(*columns, strict=True)), "<>>><")
 
     def remark(self, row: TorqueRow) -> str:
-        """What stands beside a row: over its limit, and for how long its motor holds that; yields at its limit, closest
-        to its limit; "" for all others.
+        """What stands beside a row: over its limit, yields at its limit, closest to its limit; "" for all others. With
+        a motor also which torque of it is the limit, and for how long it holds more.
         """
         if row.over and row.known:
             lasts = row.lasts
-            return f"over limit, holds {words.duration(lasts)}" if lasts else "over limit"
+            return f"holds for {words.duration(lasts)}" if lasts else "over limit"
         if row.joint in self.yielding:
             return "yields"
-        return "closest" if row.joint == self.binding and np.isfinite(row.limit) else ""
+        closest = row.joint == self.binding and np.isfinite(row.limit)
+        return ", ".join([word for word in (row.held_by, "closest" * closest) if word])
 
     def __str__(self) -> str:
         return f"{self.table}\n{wrapped(self.verdict)}"

@@ -11,17 +11,28 @@ import numpy as np
 import pinocchio as pin
 from pydantic import ValidationError
 
-from handlcp.check import Array, array
+from handlcp.check import Array
 from handlcp.errors import InputError, SceneFileError, unreadable
 from handlcp.grasp import Contact, Environment, Grasp, GraspSolution
 from handlcp.grasp.model.limit import by_finger
-from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, Mesh, Object, Sphere, Synergies, Table, Tendons, example_hand
+from handlcp.hand import (
+    Box,
+    Cylinder,
+    Ellipsoid,
+    Hand,
+    Mesh,
+    Object,
+    Sphere,
+    Table,
+    example_hand,
+)  # fmt: skip
 from handlcp.hand.sites.sited import by_site
 from handlcp.hand.sites.touchers import TIPS
 from handlcp.lcp import Auto
+from handlcp.scene.drives import HAND, motors, springs
 from handlcp.scene.keys import refused
 from handlcp.scene.scene_tables import SceneTables, effects_of, is_by_finger, keyed, known, law_of
-from handlcp.scene.schema import BoxTable, CylinderTable, EllipsoidTable, HandTable, MeshTable, SphereTable
+from handlcp.scene.schema import BoxTable, CylinderTable, EllipsoidTable, MeshTable, SphereTable
 
 # ----------------------------------------------------------------
 # Reading a scene file: TOML in, a checked `SceneFile` out, or one error that lists everything wrong with it.
@@ -103,16 +114,6 @@ def _within(value: Any) -> Iterable[Any]:
 # ----------------------------------------------------------------
 
 # Arguments of the package's functions, and the keys that they come from
-HAND = {
-    "source": "hand.urdf", "path": "hand.urdf", "name": "hand.name", "base": "hand.base",
-    "fingertips": "hand.fingertips",
-    "joint_stiffness": "hand.joint_stiffness_Nm_per_rad", "pad_flexibility": "hand.pad_flexibility_m_per_N",
-    "Tendons.moment_arms": "hand.tendons.moment_arms_m", "Tendons.stiffness": "hand.tendons.stiffness_N_per_m",
-    "Tendons.passive": "hand.tendons.passive_Nm_per_rad",
-    "Synergies.S": "hand.synergies.columns", "Synergies.stiffness": "hand.synergies.stiffness_Nm_per_rad",
-    "Synergies.joint_stiffness": "hand.synergies.joint_stiffness_Nm_per_rad",
-    "torque_limits": "hand.torque_limits_Nm", "tip_radius": "hand.tip_radius_m", "package_dirs": "hand.package_dirs",
-}  # fmt: skip
 OBJECT = {
     "size": "object.size_m", "radius": "object.radius_m", "length": "object.length_m", "radii": "object.radii_m",
     "path": "object.file", "scale": "object.scale", "mass": "object.mass_kg", "density": "object.density_kg_per_m3",
@@ -143,26 +144,14 @@ def hand(scene: SceneTables) -> Hand:
     h = scene.hand
     assert h is not None
     words: dict[str, Any] = {
-        "base": h.base, "fingertips": h.fingertips, "joint_stiffness": _springs(h),
+        "base": h.base, "fingertips": h.fingertips, "joint_stiffness": springs(h),
         "pad_flexibility": h.pad_flexibility_m_per_N, "torque_limits": h.torque_limits_Nm, "tip_radius": h.tip_radius_m,
         "package_dirs": None if h.package_dirs is None else [str(scene.folder / d) for d in h.package_dirs],
+        "motors": motors(h),
     }  # fmt: skip
     given = {name: value for name, value in words.items() if value is not None}
     with keyed(HAND):
         return example_hand(h.name, **given) if h.name else Hand.from_urdf(scene.folder / (h.urdf or ""), **given)
-
-
-def _springs(table: HandTable) -> Any:
-    """What [hand] says of stiffness."""
-    with keyed(HAND):
-        if (t := table.tendons) is not None:
-            return Tendons(t.moment_arms_m, t.stiffness_N_per_m, t.passive_Nm_per_rad)
-        if (s := table.synergies) is not None:
-            columns: Any = s.columns
-            if not isinstance(columns, dict):  # written one by one
-                columns = array("Synergies.S", columns, (-1, -1)).T
-            return Synergies(columns, s.stiffness_Nm_per_rad, s.joint_stiffness_Nm_per_rad)
-    return table.joint_stiffness_Nm_per_rad
 
 
 def shape(scene: SceneTables) -> Object | None:

@@ -59,11 +59,12 @@ def _walk(table: str, model: type[BaseModel], shape: str = "", many: bool = Fals
     for field_name, field in model.model_fields.items():
         name = field.alias or field_name
         later = [m.model() for m in field.metadata if isinstance(m, MadeWhenRead)]
-        inner = later or _models(field.annotation)
+        named = _named_tables(field.annotation)
+        inner = later or ([] if named else _models(field.annotation))
         if not inner:
             default = "" if field.is_required() else _toml(field.get_default(call_default_factory=True))
             words = next((m.words for m in field.metadata if isinstance(m, Expected)), None)
-            words = words or _words(field.annotation)
+            words = words or ("a table by name of tables" if named else _words(field.annotation))
             meaning = (field.description or _docstrings(model).get(field_name, "")).strip()
             yield Key(table, name, words, meaning, field.is_required(), default, shape, many)
         for m in inner:
@@ -92,6 +93,11 @@ def _models(annotation: Any) -> list[type[BaseModel]]:
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
     return [m for a in typing.get_args(annotation) for m in _models(a)]
+
+
+def _named_tables(annotation: Any) -> bool:
+    """Whether the type is tables by names that a user chooses, whose keys stand elsewhere."""
+    return any(typing.get_origin(a) is dict and _models(a) for a in (annotation, *typing.get_args(annotation)))
 
 
 def _shape(model: type[BaseModel]) -> str:

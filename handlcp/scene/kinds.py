@@ -74,6 +74,7 @@ FingerWeight = Annotated[bool | Literal["torques"], Expected('true, false or "to
 
 Number = Annotated[_Finite, Expected("a finite number")]
 Positive = Annotated[_Above0, Expected("a number > 0")]
+PositiveOrInf = Annotated[_Above0OrInf, Expected("a number > 0, or inf")]
 NotNegative = Annotated[_From0, Expected("a number ≥ 0")]
 Vector = Annotated[_Three, Expected("three finite numbers")]
 PlanarVector = Annotated[

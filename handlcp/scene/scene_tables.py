@@ -163,7 +163,11 @@ class SceneTables(Table):
                 key = "hand.tendons" if hand.tendons is not None else "hand.synergies"
                 words = "one of joint_stiffness_Nm_per_rad, [hand.tendons] and [hand.synergies]"
                 raise InputError(key, words, "more than one")
-            if hand.urdf is not None and springs.count(None) == len(springs):
+            if hand.motor is not None and hand.motors is not None:
+                raise InputError("hand.motors", "either hand.motor or hand.motors", "both")
+            motors = [*([] if hand.motor is None else [hand.motor]), *(hand.motors or {}).values()]
+            stiff = any(m.stiffness_Nm_per_rad is not None for m in motors)
+            if hand.urdf is not None and springs.count(None) == len(springs) and not stiff:
                 words = "the stiffness of the joints (a URDF has no place for it)"
                 raise InputError("hand.joint_stiffness_Nm_per_rad", words, "nothing: the key is missing")
             if self.object is None:

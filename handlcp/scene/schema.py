@@ -33,6 +33,27 @@ class SynergiesTable(Table):
     """of the joints' own springs behind the actuators; left out: rigid"""
 
 
+class MotorTable(Table):
+    """A motor with its gear."""
+
+    continuous_Nm: k.Positive
+    """torque that the motor itself gives for good"""
+    peak_Nm: k.Positive | None = None
+    """for a moment; left out: no more"""
+    holding_Nm: k.PositiveOrInf | None = None
+    """torque at the joint that a gear which cannot be driven back carries; inf: any, as of a worm"""
+    friction_Nm: k.NotNegative = 0.0
+    """dry friction of the drive at the joint"""
+    reduction: k.Positive = 1.0
+    """turns of the motor per turn of the joint"""
+    efficiency: k.Positive = 1.0
+    """of the gear, up to 1"""
+    stiffness_Nm_per_rad: k.PositiveOrInf | None = None
+    """of the joint; left out: what the hand's joint_stiffness_Nm_per_rad says"""
+    thermal_time_s: k.Positive | None = None
+    """time constant of the winding's temperature, with which a verdict says for how long the motor lasts"""
+
+
 class HandTable(Table):
     """Which hand, and what its URDF does not say. Either `name` or `urdf`."""
 
@@ -61,6 +82,10 @@ class HandTable(Table):
     """fingertips as balls about their frames; left out: the collision geometry of the URDF"""
     package_dirs: k.Names | None = None
     """folders for package:// addresses of meshes, relative to the scene file"""
+    motors: dict[str, MotorTable] | None = None
+    """by joint name, such as [hand.motors.finger_1_distal], with the keys of [hand.motor]; others have none"""
+    motor: MotorTable | None = None
+    """instead of motors: of every joint"""
 
 
 class PostureTable(Table):

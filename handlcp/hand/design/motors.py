@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, Bools, array, number, per_name
+from handlcp.check import Array, Bools, array, number, per_name, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.cause.judge import exceeded
@@ -18,6 +18,7 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.torque_limits import with_limits
 from handlcp.hand.asked.change import hand_remade
 from handlcp.hand.asked.load import weight_of
+from handlcp.hand.elasticity.motor import Drives, Motor
 from handlcp.hand.mechanism import hand_of
 from handlcp.record import Record, columns, pick, plain, rows
 from handlcp.text_table import TextTable, wrapped
@@ -90,12 +91,14 @@ class RequiredTorque(Record):
     """The torque that each joint needs so that every load of a brief, times the safety factor, holds.
 
     joints : nv names. torque : (nv,) [N·m] (N for a prismatic joint), the largest of each joint under any load, from
-        the first touch to the whole load; NaN where no grip was found that holds.
+        the first touch to the whole load: what its motor gives for a moment. held : (nv,) the largest under any whole
+        load: what it gives for good. NaN where no grip was found that holds.
     grip : normal force [N] to command at each fingertip, by name, `grip_force=` of `state.grasp`; where nothing holds,
         the grip that got furthest.
     sized_by : for each joint the load that needs most of it, or "squeeze": closing the hand does.
     loads : m names. torques : (m, nv) [N·m] the same under each load. safety : factor on loads and weight.
-    limits : (nv,) of the hand as it is [N·m], inf where there is none or none is known. known : nv booleans.
+    limits : (nv,) of the hand as it is [N·m], inf where there is none or none is known. known : nv booleans. drives :
+        its motors, whose dry friction counts in what they give; None: none are known.
     verdicts : what `check()` says of each load, with `torque` as the limits. reasons : of each load that is not HELD,
         why; the answer is confirmed only where there is none.
     fails : the largest share of the grip that was tried and does not hold; None: none was found, because less grip
@@ -109,6 +112,7 @@ class RequiredTorque(Record):
 
     joints: tuple[str, ...]
     torque: Array
+    held: Array
     grip: dict[str, float]
     sized_by: tuple[str, ...]
     loads: tuple[str, ...]
@@ -120,6 +124,35 @@ class RequiredTorque(Record):
     fails: float | None
     lost: tuple[str, str] | None
     reasons: dict[str, str] = field(default_factory=dict)
+    drives: Drives | None = None
+
+    @property
+    def peak(self) -> Array:
+        """(nv,) [N·m] that each motor gives at the joint for a moment: `torque`, and the drive's dry friction."""
+        return read_only(self.torque + self._friction)
+
+    @property
+    def continuous(self) -> Array:
+        """(nv,) [N·m] that each motor gives at the joint for good: `held`, less what dry friction holds of it, and
+        nothing where a gear carries all of it.
+        """
+        motors = (None,) * len(self.joints) if self.drives is None else self.drives.of
+        carried = np.array([0.0 if m is None else m.holding or 0.0 for m in motors])
+        left = np.maximum(self.held - self._friction, 0.0)
+        return read_only(np.where(self.held <= carried, 0.0, left))
+
+    def reductions(self, motor: Motor) -> Array:
+        """(nv,) the least reduction with which this motor serves at each joint: N η is at least peak and continuous of
+        the joint over those of the motor. Its own reduction and friction are left out. Raises InputError.
+        """
+        if not isinstance(motor, Motor):
+            raise InputError("motor", "a Motor", repr(motor)[:80])
+        own = replace(motor, reduction=1.0, friction=0.0, holding=None)
+        return read_only(np.maximum(self.peak / own.at_peak, self.continuous / own.for_good))
+
+    @property
+    def _friction(self) -> Array:
+        return np.zeros(len(self.joints)) if self.drives is None else self.drives.friction
 
     @property
     def holds(self) -> bool:
@@ -143,24 +176,30 @@ class RequiredTorque(Record):
 
     @property
     def _short(self) -> Bools:
-        return np.asarray(exceeded(self.torque / self.limits))
+        if self.drives is None:
+            return np.asarray(exceeded(self.torque / self.limits))
+        most = np.maximum(self.limits, np.where(np.isfinite(self.drives.closes), self.drives.closes, 0.0))
+        return np.asarray(exceeded(self.torque / most) | exceeded(self.held / self.limits))
 
     @property
-    def rows(self) -> tuple[tuple[str, str, str, str, str, str], ...]:
-        """Of each joint, to print: name, torque and limit [N·m], share of the limit, what sizes it, remark."""
-        torque, rows = words.column(self.torque), []
+    def rows(self) -> tuple[tuple[str, ...], ...]:
+        """Of each joint, to print: name, peak, continuous and limit [N·m], share of the limit, what sizes the peak,
+        remark.
+        """
+        peak, held, rows = words.column(self.peak), words.column(self.continuous), []
+        used = self.torque if self.drives is None else self.held
         for k, (joint, load, limit) in enumerate(zip(self.joints, self.sized_by, self.limits.tolist(), strict=True)):
             finite = np.isfinite(limit)
             most = f"{limit:.4g}" if finite else "none" if self.known[k] else "unknown"
-            share = words.percent(float(self.torque[k] / limit)) if finite else "–"
-            rows.append((joint, torque[k], most, share, load, "over limit" if self._short[k] else ""))
+            share = words.percent(float(used[k] / limit)) if finite else "–"
+            rows.append((joint, peak[k], held[k], most, share, load, "over limit" if self._short[k] else ""))
         return tuple(rows)
 
     @property
     def table(self) -> TextTable:
         """Joint by joint."""
-        heads = ("joint", "torque\nN·m", "limit\nN·m", "of limit", "sized by", "")
-        return TextTable(heads, self.rows, "<>>><<")
+        heads = ("joint", "peak\nN·m", "continuous\nN·m", "limit\nN·m", "of limit", "sized by", "")
+        return TextTable(heads, self.rows, "<>>>><<")
 
     def __str__(self) -> str:
         if not self.holds:
@@ -207,7 +246,10 @@ class RequiredTorque(Record):
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data, SI units in the key names, None for what is not a finite number."""
-        lines = "joint = joints", "torque_Nm", "sized_by", "limit_Nm = limits", "limit_known = known"
+        lines = (
+            "joint = joints", "torque_Nm", "held_Nm", "peak_Nm", "continuous_Nm", "sized_by", "limit_Nm = limits",
+            "limit_known = known",
+        )  # fmt: skip
         by_load = [dict(zip(self.loads, column, strict=True)) for column in self.torques.T]
         lost = None if self.lost is None else dict(zip(("load", "why"), self.lost, strict=True))
         joints = rows(columns(self, *lines) | {"by_load_Nm": by_load})

@@ -160,7 +160,7 @@ def required_torque(
     share = hand.limits if known else np.ones(len(hand.names))
     trials = Trials(brief, section, share, progress)
     best, fails = least(trials, starts(brief, section, share), near)
-    torque = np.full(len(hand.names), np.nan)
+    torque, held = np.full(len(hand.names), np.nan), np.full(len(hand.names), np.nan)
     verdicts = dict[str, Verdict]()
     if best.holds:
         # What `check` follows has more steps where fewer would end elsewhere, and may see a little more
@@ -168,17 +168,18 @@ def required_torque(
         seen = [abs(path.steps.torques).max(axis=0) for path in paths]
         torque = np.max([best.largest, *seen], axis=0) * (1.0 + _ROUNDED_UP)
         torque = np.maximum(torque, _ROUNDED_UP * torque.max(initial=_ROUNDED_UP))
+        held = np.minimum(torque, np.max([abs(path.steps.torques[-1]) for path in paths], axis=0) * (1.0 + _ROUNDED_UP))
         verdicts = {case.name: _judged(case, best, torque, section) for case in brief}
     names = tuple([case.name for case in brief])
     grip = dict(zip(hand.fingertips, best.force.tolist(), strict=True))
     limits = hand.posture.hand.torques
     less = None if fails is None else float(fails.force.max() / best.force.max())
     lost = best.lost or (None if fails is None else fails.lost)
+    sized = tuple(["squeeze" if k < 0 else names[k] for k in best.worst.tolist()])
     return RequiredTorque(
-        hand.names, read_only(torque), grip, tuple(["squeeze" if k < 0 else names[k] for k in best.worst.tolist()]),
-        names, read_only(best.torque), float(safety), limits.limits, limits.known,
-        {name: v.word for name, v in verdicts.items()}, less, lost,
-        {name: _why(v) for name, v in verdicts.items() if v.word != HELD},
+        hand.names, read_only(torque), read_only(held), grip, sized, names, read_only(best.torque), float(safety),
+        limits.limits, limits.known, {name: v.word for name, v in verdicts.items()}, less, lost,
+        {name: _why(v) for name, v in verdicts.items() if v.word != HELD}, limits.drives,
     )  # fmt: skip
 
 

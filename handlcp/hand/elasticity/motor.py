@@ -97,6 +97,11 @@ class Motor:
         return max(self.for_good + self.friction, self.holding or 0.0)
 
     @property
+    def gives(self) -> float:
+        """[N·m] That the joint holds for a moment."""
+        return max(self.at_peak + self.friction, self.holding or 0.0)
+
+    @property
     def held_by(self) -> str:
         """What holds for good: "continuous", the motor, or "holding", the gear where it carries more."""
         return HOLDING if self.holding is not None else CONTINUOUS
@@ -116,7 +121,7 @@ class Motor:
         u = self.share(torque)
         if u <= 1.0:
             return np.inf
-        if abs(torque) > self.at_peak + self.friction:
+        if abs(torque) > self.gives:
             return 0.0
         return None if self.thermal_time is None else self.thermal_time * float(np.log(u * u / (u * u - 1.0)))
 

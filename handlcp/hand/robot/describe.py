@@ -217,7 +217,8 @@ def _of_servos(described: Description, kinematics: Kinematics) -> dict[str, floa
 
 def _origins_of_hand(hand: Any) -> Iterator[OriginRow]:
     """Of what a hand was given, or took from its file."""
-    yield from limit_origins({f.name: f for f in hand.description.facts}, hand.joint_names, hand.torques.given)
+    facts, limits = {f.name: f for f in hand.description.facts}, hand.torques
+    yield from limit_origins(facts, hand.joint_names, limits.given, limits.drives)
     servos = isinstance(hand.stiffness, ServoStiffness)
     yield OriginRow("stiffness", hand.joint_names, servo_word(hand.description) if servos else GIVEN)
     soft = tuple(bool(pad.any()) for pad in hand.pad_flexibility)

@@ -34,6 +34,7 @@ Entry = tuple[str, str, str]
 ROW = 0.058  # height of a joint, as a share of the figure
 LETTERS = 31  # that fit a bar's width: joint and share, bold, at full size
 LEAST = 20  # letters of a joint's name that are always shown
+_WIDEST = 2.0  # times what is held for good: how far the peak of a motor is drawn
 _UNIT = re.compile(r"(\d) (?=\S)")  # between a number and its unit
 VERDICT = {"HELD": GOOD, "UNDECIDED": DOUBT}  # the rest is red
 
@@ -86,7 +87,9 @@ def _symbol(kind: str, colour: str, meaning: str) -> Any:
 
 
 def torque_bars(figure: Any, across: tuple[float, float], top: float, check: Any) -> None:
-    """A bar for each of the joints nearest to their limits, below `top`. across : left and width."""
+    """A bar for each of the joints nearest to their limits, below `top`, and on it how far the peak of a motor goes
+    beyond what it holds for good. across : left and width.
+    """
     known = [r for r in check if r.known and np.isfinite(r.limit)]
     most = max(2, int((top - 0.055) / ROW))
     rows = sorted(known, key=lambda r: (-round(r.utilisation, 6), r.joint != check.binding))[:most]
@@ -97,7 +100,8 @@ def torque_bars(figure: Any, across: tuple[float, float], top: float, check: Any
     if not rows:
         ax.text(0, 1, "no joint has a known limit", fontsize=9.5, color=INK, va="top")
         return
-    widest = max(1.0, max(r.utilisation for r in rows))
+    peaks = [0.0 if r.motor is None else r.motor.gives / r.limit for r in rows]
+    widest = max(1.0, max(r.utilisation for r in rows), min(max(peaks), _WIDEST))
     said = [f"{words.percent(r.utilisation)} of {words.effort(r.limit, r.unit)}" for r in rows]
     names = shortened([r.joint for r in rows], max(LEAST, LETTERS - max(map(len, said))))
     longest = max(len(name) + len(words) for name, words in zip(names, said, strict=True))
@@ -106,14 +110,18 @@ def torque_bars(figure: Any, across: tuple[float, float], top: float, check: Any
         over, binding = r.over, r.joint == check.binding
         colour = RED if over else BLUE if binding else "#8FB8D4"
         ax.barh(k + 0.72, 1.0, height=0.26, color="#ECEEF0", zorder=1)
+        if peaks[k] > 1.0:  # for a moment
+            moment = {"color": "white", "edgecolor": "#9AA0A6", "linewidth": 0.7, "zorder": 0.5}
+            ax.barh(k + 0.72, min(peaks[k], widest), height=0.26, **moment)
         ax.barh(k + 0.72, r.utilisation, height=0.26, color=colour, zorder=2)
         style = {"va": "bottom", "fontsize": size, "color": INK, "weight": "bold" if over or binding else "normal"}
         ax.text(0, k + 0.54, names[k], ha="left", **style)
         ax.text(widest, k + 0.54, said[k], ha="right", **style)
+    notes = ["grey: what is held for good; outlined: for a moment"] if max(peaks) > 1.0 else []
     if (left_out := len(known) - len(rows)) > 0:
         least = words.percent(rows[-1].utilisation)
-        more = f"and {left_out} joint{'s' if left_out > 1 else ''} with {least} or less"
-        ax.text(0, len(rows) + 0.28, more, fontsize=9, color="#555555", va="center")
+        notes.append(f"and {left_out} joint{'s' if left_out > 1 else ''} with {least} or less")
+    ax.text(0, len(rows) + 0.18, "\n".join(notes), fontsize=9, color="#555555", va="top")
     ax.set_xlim(0, widest)
     ax.set_ylim(len(rows), 0)
 

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from handlcp import words
+from handlcp.hand.elasticity.motor import Drives
 from handlcp.hand.robot.joints import JointFacts
 from handlcp.hand.robot.source.description import Description
 from handlcp.text_table import wrapped
@@ -54,13 +55,16 @@ def file_origins(described: Description, joints: Sequence[str]) -> Iterator[Orig
 
 
 def limit_origins(
-    facts: Mapping[str, JointFacts], joints: Sequence[str], given: Sequence[str] = ()
+    facts: Mapping[str, JointFacts], joints: Sequence[str], given: Sequence[str] = (), drives: Drives | None = None
 ) -> Iterator[OriginRow]:
-    """Of torque limits. given : the joints whose limit was passed."""
+    """Of torque limits. given : the joints whose limit was passed. drives : motors, where joints have some."""
     found = dict[str, list[str]]()
-    for joint in joints:
+    motors = (None,) * len(joints) if drives is None else drives.of
+    for joint, motor in zip(joints, motors, strict=True):
         known = 0 < facts[joint].effort < np.inf
         source = GIVEN if joint in given else facts[joint].effort_said if known else NOWHERE
+        if motor is not None:
+            source = f"its motor, {motor.held_by} torque"
         found.setdefault(source, []).append(joint)
     for source, names in found.items():
         yield OriginRow("torque limit", tuple(names), source)

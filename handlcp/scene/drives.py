@@ -1,0 +1,55 @@
+"""What [hand] says of springs, tendons, synergies and motors."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from handlcp.check import array
+from handlcp.hand import Motor, Synergies, Tendons
+from handlcp.scene.scene_tables import keyed
+from handlcp.scene.schema import HandTable, MotorTable
+
+# Arguments of `Hand.from_urdf`, and the keys that they come from
+HAND = {
+    "source": "hand.urdf", "path": "hand.urdf", "name": "hand.name", "base": "hand.base",
+    "fingertips": "hand.fingertips",
+    "joint_stiffness": "hand.joint_stiffness_Nm_per_rad", "pad_flexibility": "hand.pad_flexibility_m_per_N",
+    "Tendons.moment_arms": "hand.tendons.moment_arms_m", "Tendons.stiffness": "hand.tendons.stiffness_N_per_m",
+    "Tendons.passive": "hand.tendons.passive_Nm_per_rad",
+    "Synergies.S": "hand.synergies.columns", "Synergies.stiffness": "hand.synergies.stiffness_Nm_per_rad",
+    "Synergies.joint_stiffness": "hand.synergies.joint_stiffness_Nm_per_rad",
+    "torque_limits": "hand.torque_limits_Nm", "tip_radius": "hand.tip_radius_m", "package_dirs": "hand.package_dirs",
+    "motors": "hand.motors",
+}  # fmt: skip
+_MOTOR = {
+    "continuous": "continuous_Nm", "peak": "peak_Nm", "holding": "holding_Nm", "friction": "friction_Nm",
+    "reduction": "reduction", "efficiency": "efficiency", "stiffness": "stiffness_Nm_per_rad",
+    "thermal_time": "thermal_time_s",
+}  # fmt: skip
+
+
+def motors(table: HandTable) -> Any:
+    """What [hand] says of motors; None: nothing."""
+    if table.motor is not None:
+        return _motor(table.motor, "hand.motor")
+    if table.motors is None:
+        return None
+    return {joint: _motor(motor, f"hand.motors.{joint}") for joint, motor in table.motors.items()}
+
+
+def _motor(table: MotorTable, path: str) -> Motor:
+    with keyed({f"Motor.{argument}": f"{path}.{key}" for argument, key in _MOTOR.items()}):
+        return Motor(**{argument: getattr(table, key) for argument, key in _MOTOR.items()})
+
+
+def springs(table: HandTable) -> Any:
+    """What [hand] says of stiffness."""
+    with keyed(HAND):
+        if (t := table.tendons) is not None:
+            return Tendons(t.moment_arms_m, t.stiffness_N_per_m, t.passive_Nm_per_rad)
+        if (s := table.synergies) is not None:
+            columns: Any = s.columns
+            if not isinstance(columns, dict):  # written one by one
+                columns = array("Synergies.S", columns, (-1, -1)).T
+            return Synergies(columns, s.stiffness_Nm_per_rad, s.joint_stiffness_Nm_per_rad)
+    return table.joint_stiffness_Nm_per_rad
