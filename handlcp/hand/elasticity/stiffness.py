@@ -141,7 +141,7 @@ def stiff_as(elasticity: Elasticity, own: Mapping[str, float], joints: Sequence[
     if isinstance(elasticity, JointStiffness):
         K = elasticity.matrix.copy()
         coupled = np.count_nonzero(K, axis=1) > 1
-        if not coupled[at].any():
+        if not coupled[at].any() and not elasticity.law[1]:
             K[at, at] = list(own.values())
             return JointStiffness(K)
     expected = "None of a motor whose joint shares springs with others (joint_stiffness says how stiff these are)"

@@ -117,7 +117,7 @@ def torque_bars(figure: Any, across: tuple[float, float], top: float, check: Any
         style = {"va": "bottom", "fontsize": size, "color": INK, "weight": "bold" if over or binding else "normal"}
         ax.text(0, k + 0.54, names[k], ha="left", **style)
         ax.text(widest, k + 0.54, said[k], ha="right", **style)
-    notes = ["grey: what is held for good; outlined: for a moment"] if max(peaks) > 1.0 else []
+    notes = ["grey: held for good; outline: peak"] if max(peaks) > 1.0 else []
     if (left_out := len(known) - len(rows)) > 0:
         least = words.percent(rows[-1].utilisation)
         notes.append(f"and {left_out} joint{'s' if left_out > 1 else ''} with {least} or less")

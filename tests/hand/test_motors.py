@@ -1,0 +1,223 @@
+"""Motors behind joints, against answers written down: what closes, what holds for good, and for how long the rest."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp import Motor
+from handlcp.errors import InputError, UnknownName
+from handlcp.hand import Hand, HandGrasp, example_hand
+
+from .levers import C, L, lever_hand, lever_pinch
+
+Writer = Callable[[str], Path]
+DEPTH = 5e-3  # m each tip is commanded deeper than touching
+PRESSED = DEPTH / C  # N of each finger without a load
+PUSH = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # towards the right finger
+MOTOR = Motor(0.01, 0.04, friction=0.05, reduction=50.0, efficiency=0.8, thermal_time=20.0)  # 0.4 and 1.6 N·m
+
+
+def pinch(write: Writer, motors: object, squeeze: float = DEPTH) -> HandGrasp:
+    hand = lever_hand(write, motors=motors)
+    return lever_pinch(hand, (0.0, 0.0, 0.0), squeeze=squeeze)
+
+
+# ---------------------------------------------------------------- what a joint holds
+def test_reduction_and_efficiency_bring_the_motors_torque_to_the_joint() -> None:
+    np.testing.assert_allclose([MOTOR.for_good, MOTOR.at_peak], [0.4, 1.6], rtol=1e-15)
+    np.testing.assert_allclose([MOTOR.closes, MOTOR.holds, MOTOR.gives], [1.55, 0.45, 1.65], rtol=1e-15)
+    geared = Motor(0.01, 0.04, 2.0, 0.05, 50.0, 0.8)
+    assert (geared.closes, geared.holds, geared.gives, geared.held_by) == (MOTOR.closes, 2.0, 2.0, "holding")
+    assert Motor(0.3).at_peak == 0.3
+
+
+@pytest.mark.parametrize("share", [1.2, 2.0, 3.5])
+def test_a_motor_overheats_when_its_winding_is_as_warm_as_with_continuous_torque_for_ever(share: float) -> None:
+    """T' = (u² - T) / τ from T = 0 reaches 1, integrated in small steps."""
+    torque = share * MOTOR.for_good + MOTOR.friction
+    lasts = MOTOR.lasts(torque)
+    assert lasts is not None
+    count, warm, step = 20000, 0.0, lasts / 20000
+    for _ in range(count):
+        middle = warm + 0.5 * step * (share**2 - warm) / 20.0
+        warm += step * (share**2 - middle) / 20.0
+    np.testing.assert_allclose(warm, 1.0, rtol=1e-6)
+
+
+def test_a_torque_within_the_limit_lasts_for_ever_and_one_beyond_the_peak_not_at_all() -> None:
+    assert MOTOR.lasts(MOTOR.holds) == np.inf
+    assert MOTOR.lasts(-1.0001 * MOTOR.gives) == 0.0
+    assert Motor(0.1, 0.3).lasts(0.2) is None
+    assert Motor(0.1, 0.3, holding=1.0).lasts(0.9) == np.inf
+
+
+@pytest.mark.parametrize("holding", [1.2 * PRESSED * L, 1.6 * PRESSED * L])
+def test_a_gear_that_cannot_be_driven_back_holds_its_torque_whatever_the_motor(write: Writer, holding: float) -> None:
+    """While both fingers touch, N₂ + N₁ = 2 δ / C and N₂ - N₁ = P: the right joint carries L (δ / C + P / 2)."""
+    for continuous in (0.001, 0.002):
+        motor = Motor(continuous, 0.05, holding=holding, reduction=50.0)
+        limit = pinch(write, motor).load_limit(PUSH, geometry="fixed")
+        np.testing.assert_allclose(limit.factor, 2 * (holding / L - PRESSED), rtol=1e-9)
+        assert [(c.kind, c.who) for c in limit.binds] == [("torque", "right_joint")]
+
+
+def test_dry_friction_helps_to_hold(write: Writer) -> None:
+    """The same pushed finger by a motor that can be driven back: continuous torque and friction carry it together."""
+    friction, limits = (0.0, 0.1), []
+    for rubs in friction:
+        motor = Motor(1.2 * PRESSED * L, 2.0, friction=rubs)
+        limits.append(pinch(write, motor).load_limit(PUSH, geometry="fixed").factor)
+    np.testing.assert_allclose(limits, [2 * ((1.2 * PRESSED * L + f) / L - PRESSED) for f in friction], rtol=1e-9)
+
+
+# ---------------------------------------------------------------- what a verdict says
+def test_the_held_end_is_judged_by_continuous_torque_and_the_verdict_says_how_long_more_lasts(write: Writer) -> None:
+    torque = PRESSED * L
+    held = pinch(write, Motor(1.001 * torque, 2.0 * torque)).check()
+    assert held.word == "HELD"
+    assert "continuous" in str(held)
+    hot = pinch(write, Motor(torque / 1.2, 2.0 * torque, thermal_time=20.0)).check()
+    (reason,) = hot.about("overheats")
+    assert (hot.word, reason.severity) == ("OVER LIMIT", "decides")
+    np.testing.assert_allclose(reason.values["lasts_s"], 20.0 * np.log(1.44 / 0.44), rtol=1e-3)
+    assert "120 % of continuous" in reason.sentence
+    solved = pinch(write, Motor(torque / 1.2, 2.0 * torque, thermal_time=20.0)).solve().verdict  # in this very posture
+    np.testing.assert_allclose(solved.about("overheats")[0].values["lasts_s"], 20.0 * np.log(1.44 / 0.44), rtol=1e-9)
+    (unknown,) = pinch(write, Motor(torque / 1.2, 2.0 * torque)).solve().verdict.about("overheats")
+    assert "not for longer than the motor's thermal time" in unknown.sentence
+
+
+def test_closing_is_judged_by_the_peak_less_dry_friction_and_nothing_is_held_before_the_hand_has_closed(
+    write: Writer,
+) -> None:
+    torque = PRESSED * L
+    enough, short = (Motor(0.9 * torque, peak, 2 * torque, 0.05) for peak in (1.001 * torque + 0.05, torque + 0.049))
+    assert pinch(write, enough).check().word == "HELD"
+    grasp = pinch(write, short)
+    (reason,) = grasp.check().about("closing_over_peak")
+    assert [joint["joint"] for joint in reason.values["joints"]] == ["left_joint", "right_joint"]
+    assert grasp.check().word == "OVER LIMIT"
+    limit = grasp.load_limit(PUSH)
+    assert limit.factor == 0.0
+    assert "cannot close so hard" in limit.why
+    assert hl.envelope(grasp, [PUSH], geometry="followed").factors.tolist() == [0.0]
+
+
+def test_a_table_says_which_torque_is_the_limit(write: Writer) -> None:
+    hand = lever_hand(write, motors={"left_joint": Motor(1.0), "right_joint": Motor(0.1, 9.0, thermal_time=5.0)})
+    check = lever_pinch(hand, (0.0, 0.0, 0.0), squeeze=DEPTH).solve().torque_check
+    assert check.held_by == ("continuous", "continuous")
+    assert check.lasts[0] == np.inf
+    assert "holds for 0.0" in str(check)
+    assert check.to_dict()["lasts_s"][0] is None
+    assert pickle.loads(pickle.dumps(check)).held_by == check.held_by
+
+
+# ---------------------------------------------------------------- how hard a motor closes
+def test_closing_torque_is_the_motors_and_dry_friction_takes_its_part() -> None:
+    ball = hl.Sphere(0.03, (0.0, 0.0, 0.09))
+    hand = example_hand("three_finger", motors=Motor(1.0, friction=0.1))
+    q = hand.close_on(ball)
+    through = hand.at(q).grasp(ball, closing_torque=0.3)
+    plain = hand.replace(motors=None).at(q).grasp(ball, closing_torque=0.2)
+    np.testing.assert_allclose(through.joint_offset, plain.joint_offset, rtol=1e-12)
+    for torque, words in ((0.1, "dry friction"), (1.1, "peak")):
+        with pytest.raises(InputError, match=f"closing_torque.*{words}"):
+            hand.at(q).grasp(ball, closing_torque=torque)
+
+
+# ---------------------------------------------------------------- what is passed
+def test_motors_give_limits_and_stiffness_of_their_joints_and_others_keep_theirs() -> None:
+    joints = example_hand("three_finger").joint_names
+    hand = example_hand("three_finger", joint_stiffness=6.0, motors={joints[1]: Motor(0.1, stiffness=9.0)})
+    np.testing.assert_allclose(hand.torque_limits, [0.8, 0.1, 0.8, 0.4, 0.8, 0.4])
+    np.testing.assert_allclose(np.diagonal(hand.joint_stiffness), [6, 9, 6, 6, 6, 6])
+    assert "its motor, continuous torque" in str(hand.describe())
+    every = Hand.from_urdf(_file("three_finger"), motors=Motor(0.1, stiffness=9.0))
+    np.testing.assert_allclose(np.diagonal(every.joint_stiffness), 9.0)
+
+
+def test_what_is_passed_last_counts() -> None:
+    hand = example_hand("three_finger", motors=Motor(0.1, stiffness=9.0))
+    joint = hand.joint_names[0]
+    np.testing.assert_allclose(hand.replace(torque_limits={joint: 0.3}).torque_limits, [0.3, *[0.1] * 5])
+    np.testing.assert_allclose(hand.replace(torque_limits=0.3).torque_limits, 0.3)
+    np.testing.assert_allclose(hand.replace(motors=None).torque_limits, example_hand("three_finger").torque_limits)
+    np.testing.assert_allclose(hand.replace(motors=Motor(0.2)).torque_limits, 0.2)
+    np.testing.assert_allclose(np.diagonal(hand.replace(joint_stiffness=3.0).joint_stiffness), 3.0)
+    assert pickle.loads(pickle.dumps(hand)).torques.drives is not None
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"continuous": 0.3, "peak": 0.2}, "Motor.peak: expected at least the continuous torque"),
+        ({"continuous": 0.0}, "Motor.continuous"),
+        ({"continuous": 0.3, "efficiency": -0.5}, "Motor.efficiency"),
+        ({"continuous": 0.3, "efficiency": 1.1}, "Motor.efficiency: expected a number above 0 and at most 1"),
+        ({"continuous": 0.3, "friction": 0.3}, "Motor.friction: expected less than the peak torque"),
+        ({"continuous": 0.3, "holding": 0.2}, "Motor.holding: expected at least what the motor"),
+        ({"continuous": 0.3, "peak": np.inf}, "Motor.peak"),
+        ({"continuous": 0.3, "reduction": 0.0}, "Motor.reduction"),
+        ({"continuous": 0.3, "thermal_time": 0.0}, "Motor.thermal_time"),
+        ({"continuous": "much"}, "Motor.continuous"),
+    ],
+)
+def test_a_motor_that_cannot_be_is_refused(given: dict[str, float], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        Motor(**given)
+
+
+def test_motors_of_unknown_joints_and_what_is_no_motor_are_refused() -> None:
+    with pytest.raises(UnknownName, match="finger_1_proximal"):
+        example_hand("three_finger", motors={"finger_9_proximal": Motor(0.3)})
+    with pytest.raises(InputError, match="motors.*a Motor"):
+        example_hand("three_finger", motors={"finger_1_proximal": 0.3})
+    with pytest.raises(InputError, match="a Motor for every joint"):
+        example_hand("three_finger", motors=0.3)
+    both = {"finger_1_proximal": 0.3}
+    with pytest.raises(InputError, match="torque_limits.*no limit of a joint with a motor"):
+        example_hand("three_finger", motors=Motor(0.3), torque_limits=both)
+    with pytest.raises(InputError, match="joint_stiffness.*finger_1_distal"):
+        Hand.from_urdf(_file("three_finger"), motors={"finger_1_proximal": Motor(0.3, stiffness=5.0)})
+    tendons = hl.Tendons({"pull": {"finger_1_distal": 0.01}}, 2e4, 4.0)
+    with pytest.raises(InputError, match="Motor.stiffness.*shares springs"):
+        example_hand("three_finger", joint_stiffness=tendons, motors=Motor(0.3, stiffness=5.0))
+
+
+# ---------------------------------------------------------------- which to buy
+def test_a_brief_sizes_motors_by_what_is_held_and_by_the_peak_and_says_the_gear_of_one() -> None:
+    cube = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
+    rubs = 0.02
+    hand = example_hand("three_finger", joint_stiffness=6.0)
+    plain = hand.at(hand.close_on(cube)).grasp(cube, friction=0.8).required_torque()
+    assert (plain.held <= plain.torque).all()
+    np.testing.assert_allclose(plain.peak, plain.torque)
+    np.testing.assert_allclose(plain.continuous, plain.held)
+    driven = hand.replace(motors=Motor(0.3, 0.6, friction=rubs))
+    found = driven.at(driven.close_on(cube)).grasp(cube, friction=0.8).required_torque()
+    np.testing.assert_allclose(found.torque, plain.torque, rtol=1e-6)
+    np.testing.assert_allclose(found.peak, plain.torque + rubs, rtol=1e-6)
+    np.testing.assert_allclose(found.continuous, np.maximum(plain.held - rubs, 0.0), rtol=1e-6, atol=1e-9)
+    assert found.enough
+    small = Motor(0.004, 0.005, efficiency=0.5)
+    gears = found.reductions(small)
+    geared = [Motor(0.004, 0.005, friction=rubs, reduction=N * (1 + 1e-9), efficiency=0.5) for N in gears.tolist()]
+    bought = driven.replace(motors=dict(zip(driven.joint_names, geared, strict=True)))
+    again = bought.at(bought.close_on(cube)).grasp(cube, friction=0.8, grip_force=found.grip)
+    assert again.replace(mass=1.5 * 0.2).check().word == "HELD"
+    carried = hand.replace(motors=Motor(0.3, 0.6, holding=2.0))
+    worm = carried.at(carried.close_on(cube)).grasp(cube, friction=0.8).required_torque()
+    assert not worm.continuous.any()
+
+
+def _file(name: str) -> Path:
+    from handlcp.hand.library import urdf
+
+    return urdf(name)
