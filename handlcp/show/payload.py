@@ -71,14 +71,28 @@ def _bars(ax: Any, found: Payload) -> None:
         box = {"boxstyle": "round,pad=0.18", "facecolor": "white", "edgecolor": "none", "alpha": 0.0 if fits else 0.85}
         x, ha = (size + _APART * end, "left") if fits else (ends - _APART * end, "right")
         ax.text(x, at, text, ha=ha, va="center", fontsize=SMALL, color=INK, bbox=box)
+    for at in y[masses > end].tolist():  # goes on beyond the axis
+        _cut(ax, end, at)
     if 0.0 < found.object_mass < end:
         ax.axvline(found.object_mass, color=INK, linewidth=1.0, linestyle=(0, (4, 2.5)), zorder=3)
-        label = {"fontsize": SMALL, "color": INK, "ha": "left", "va": "bottom"}
-        ax.text(found.object_mass, len(rows) - 0.58, " the object’s mass", **label)
+        label = {
+            "fontsize": SMALL,
+            "color": INK,
+            "va": "bottom",
+            "ha": "left" if found.object_mass < 0.7 * end else "right",
+        }
+        ax.text(found.object_mass, len(rows) - 0.58, " the object’s mass ", **label)
     ax.set_yticks(y, [direction(row.direction) for row in rows])
     ax.tick_params(axis="y", labelsize=TEXT, length=0)
     ax.grid(visible=False, axis="y")
     ax.set_ylim(-0.5, len(rows) - 0.3)
+
+
+def _cut(ax: Any, end: float, at: float) -> None:
+    """Two slanted gaps in a bar that ends farther than the axis."""
+    for share in (0.965, 0.98):
+        x = np.array([share - 0.004, share + 0.004]) * end
+        ax.plot(x, (at - 0.36, at + 0.36), color="white", linewidth=2.4, solid_capstyle="butt", zorder=2)
 
 
 def _end(masses: Any, own: float) -> float:

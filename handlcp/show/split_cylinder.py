@@ -16,6 +16,7 @@ WIDTH, TALL, BELOW = 10.0, 3.1, 0.55  # inches: of the figure, of a grasp's pane
 _SIDE, _RIGHT = 0.44, 0.53  # shares of the width: of the cross-section, where the curve begins
 _ROOM, _ARROW = 1.75, 0.6  # in radii: half of the panel's height; the longest arrow
 _LABEL, _TALL, _NAME = 1.72, 0.44, 15  # in radii: where labels stand, and their height; letters of a name
+_NOTHING = 1e-3  # of the largest force: a contact with less is not drawn
 _ANGLES = 721  # of the split
 _HALVES = ("#F1F3F5", "#DFE4E8")
 
@@ -60,13 +61,15 @@ def _section(ax: Any, found: SplitCylinder, grip: Grip) -> None:
         ax.add_patch(Wedge((0.0, 0.0), r, begin, begin + 180.0, facecolor=colour, edgecolor=GREY, linewidth=1.0))
     ax.plot((0.0, 0.0), (-1.25 * r, 1.25 * r), color=RED, linewidth=1.6, linestyle=(0, (5, 2.5)), zorder=3)
     ax.text(0.0, 1.3 * r, "split", color=RED, fontsize=SMALL, ha="center", va="bottom")
-    places, forces = around.positions @ axes.T, around.forces @ axes.T
+    sizes = np.linalg.norm(around.forces, axis=1)
+    press = sizes > _NOTHING * sizes.max(initial=0.0)  # others would only crowd out the labels of these
+    places, forces = around.positions[press] @ axes.T, around.forces[press] @ axes.T
     long = float(np.linalg.norm(forces, axis=1).max(initial=0.0)) or 1.0
     style = {"arrowstyle": "-|>", "color": BLUE, "linewidth": 1.8, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 13}
     tails = places - _ARROW * r * forces / long
     for p, tail in zip(places, tails, strict=True):
         ax.annotate("", xy=tuple(p), xytext=tuple(tail), arrowprops=style, zorder=4)
-    names = shortened(grip.solution.names, _NAME)
+    names = shortened([name for name, yes in zip(grip.solution.names, press.tolist(), strict=True) if yes], _NAME)
     texts = [f"{name}\n{words.force(float(np.linalg.norm(f)))}" for name, f in zip(names, forces, strict=True)]
     for side in (-1.0, 1.0):
         _labels(ax, tails / r, texts, side, r)

@@ -177,17 +177,17 @@ def test_a_motor_that_cannot_be_is_refused(given: dict[str, float], words: str) 
 def test_motors_of_unknown_joints_and_what_is_no_motor_are_refused() -> None:
     with pytest.raises(UnknownName, match="finger_1_proximal"):
         example_hand("three_finger", motors={"finger_9_proximal": Motor(0.3)})
-    with pytest.raises(InputError, match="motors.*a Motor"):
+    with pytest.raises(InputError, match=r"motors.*a Motor"):
         example_hand("three_finger", motors={"finger_1_proximal": 0.3})
     with pytest.raises(InputError, match="a Motor for every joint"):
         example_hand("three_finger", motors=0.3)
     both = {"finger_1_proximal": 0.3}
-    with pytest.raises(InputError, match="torque_limits.*no limit of a joint with a motor"):
+    with pytest.raises(InputError, match=r"torque_limits.*no limit of a joint with a motor"):
         example_hand("three_finger", motors=Motor(0.3), torque_limits=both)
-    with pytest.raises(InputError, match="joint_stiffness.*finger_1_distal"):
+    with pytest.raises(InputError, match=r"joint_stiffness.*finger_1_distal"):
         Hand.from_urdf(_file("three_finger"), motors={"finger_1_proximal": Motor(0.3, stiffness=5.0)})
     tendons = hl.Tendons({"pull": {"finger_1_distal": 0.01}}, 2e4, 4.0)
-    with pytest.raises(InputError, match="Motor.stiffness.*shares springs"):
+    with pytest.raises(InputError, match=r"Motor.stiffness.*shares springs"):
         example_hand("three_finger", joint_stiffness=tendons, motors=Motor(0.3, stiffness=5.0))
 
 

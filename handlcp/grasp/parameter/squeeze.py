@@ -4,13 +4,14 @@ factor on preloads and commands of the joints together.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
 
 from handlcp import words
 from handlcp.check import Array, read_only
+from handlcp.errors import InputError
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.parameter import (
@@ -32,7 +33,8 @@ from handlcp.grasp.tangent.change import Change, no_change
 
 MOST = 0.2  # of the grasp's size: no hand squeezes farther than that for a better hold
 _SQUEEZES = (0.125, 0.25, 0.375, 0.5, 0.75, 1.0)  # of the most that is tried
-_LESS = (0.75, 0.5, 0.25)  # of the squeeze
+_LESS = (0.75, 0.5, 0.25)  # of the squeeze, or what else was asked for
+_MORE = (1.25, 1.5, 2.0, 3.0, 5.0)  # times what was asked for
 
 
 class Squeeze(OfContacts):
@@ -88,7 +90,14 @@ class Squeeze(OfContacts):
         yield from more_and_less(lambda f: self.scaled(spec, f), share, (f"{{}} more {what}", f"{{}} less {what}"))
 
     def trials(self, spec: GraspSpec, why: str) -> Iterator[Trial]:
-        """More of it where nothing creates the forces, less where the motors are too weak."""
+        """More of it where nothing creates the forces, less where the motors are too weak: by what the hand was told to
+        close with, where that has a size, or else by depth.
+        """
+        if (harder := getattr(spec.asked, "harder", None)) is not None and why in (FORCES, TORQUE):
+            sized = [made for times in (_MORE if why == FORCES else _LESS) if (made := _again(harder, times))]
+            yield from sized
+            if sized:
+                return
         if why == FORCES:
             for share in _SQUEEZES:
                 depth = two_digits(share * MOST * build(spec).units.length)
@@ -97,6 +106,18 @@ class Squeeze(OfContacts):
             for share in _LESS:
                 made = spec.mechanism.eased(spec, share)
                 yield Trial("less squeeze", share, f"{words.percent(share)} of the squeeze", made)
+
+
+def _again(harder: Callable[[float], Any], times: float) -> Trial | None:
+    """With so many times as much of what was asked for; None where that cannot be, or nothing that has a size was."""
+    try:
+        found = harder(times)
+    except InputError:
+        return None
+    if found is None:
+        return None
+    what, text, made = found
+    return Trial(what, times, text, made)
 
 
 def deeper(spec: GraspSpec, depth: float) -> GraspSpec:

@@ -27,6 +27,7 @@ from handlcp.grasp.path.geometry import RIGID
 from handlcp.grasp.path.trajectory import closing_torque
 
 _SLIDES = 1e-4  # of the grasp's size: a contact that slides less on the way and sticks at the end is not named
+_ELSEWHERE = 0.15  # of the grasp's size: an object that slides farther has left its place
 _BEFORE = 0.98  # of the load at which the object is lost: if it slides through only from here on, that is not said
 _APART = 1e-5  # [m] a contact that began farther away and never pressed does not let go
 _TWIST = 1e-3  # [rad] the same of a soft finger's turn
@@ -96,6 +97,7 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     if end.held:
         yield from friction_reasons(spec.names, end.friction_used, last.kinds, " at the end" if slid else "")
     yield motion_reason(path.displacement, scene.force, scene.units.length)
+    yield from _slid_far(slid, scene.units.length)
     if (snap := next((e for e in path.events if e.kind == "snaps"), None)) is not None:
         text = f"{snap}: where it comes to rest depends on how fast and how evenly the hand closes"
         yield Reason("snaps", "warning", text, {"stage": snap.stage, "share": snap.share})
@@ -132,6 +134,15 @@ def _about(r: Reason) -> tuple[object, ...]:
     """What tells reasons of two postures apart: with the same key they say the same of both."""
     links = tuple(sorted(str(link["link"]) for link in r.values.get("links", ())))
     return r.code, r.severity, r.values.get("joint"), links
+
+
+def _slid_far(slid: dict[str, float], size: float) -> Iterator[Reason]:
+    """Of an object that has slid so far past a finger that it rests somewhere else than where it was gripped."""
+    far = max(slid.values(), default=0.0)
+    if far > _ELSEWHERE * size:
+        name = next(n for n, d in slid.items() if d == far)
+        text = f"the object slides {words.length(far)} past {name} before it comes to rest: it is held, but not where"
+        yield Reason("contacts", "warning", f"{text} the hand gripped it", {"finger": name, "slid_m": far})
 
 
 def _slid(path: Loading, size: float) -> tuple[dict[str, float], dict[str, float]]:

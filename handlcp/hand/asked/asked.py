@@ -8,9 +8,10 @@ from typing import Any, cast
 
 import numpy as np
 
+from handlcp import words
 from handlcp.check import Array, array, number, per_name, read_only, yes_or_no
 from handlcp.errors import InputError, NotReached
-from handlcp.grasp.assembly.asked import as_asked, fastened
+from handlcp.grasp.assembly.asked import again, as_asked, fastened
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.friction import Coulomb, as_law, laws_by_name
@@ -93,6 +94,10 @@ def given_by(
 
 # ----------------------------------------------------------------
 
+_BY_SIZE = {
+    "grip_force": ("grip force", "N"), "closing_torque": ("closing torque", "N·m"),
+    "joint_offset": ("joint offset", ""),
+}  # fmt: skip
 _GRAVITY = "an acceleration [m/s²], such as (0, 0, -9.81) or (0, 0, 0): finite numbers"
 
 
@@ -179,6 +184,24 @@ class HandAsked:
         spec = commanded(as_asked(spec, self.effects), self.squeeze, self.grip_force, offset)
         opened, keeps = None if closed is None else closed.opened, yes_or_no("hold_object", self.hold_object)
         return begun_open(spec, opened, keeps).replace(asked=self)
+
+    def harder(self, factor: float) -> tuple[str, str, GraspSpec] | None:
+        """What says how hard the hand closes, so many times as much of it in words, and the grasp with that; None: a
+        squeeze, which is said by depth, or nothing. Raises InputError, NotReached.
+        """
+        name = next((name for name in _BY_SIZE if getattr(self, name) is not None), None)
+        if name is None:
+            return None
+        value, (what, unit) = getattr(self, name), _BY_SIZE[name]
+        text = f"{words.percent(factor)} of the {what}"
+        if isinstance(value, Mapping):
+            value = {who: factor * np.asarray(size, dtype=float) for who, size in value.items()}
+        else:
+            value = factor * np.asarray(value, dtype=float)
+            text = f"a {what} of {float(value):.3g} {unit}" if value.ndim == 0 else text
+        anew = {} if self.bare is None else {"state": self.bare, "bare": None, "found": None}
+        made: HandAsked = again(self, {name: value, "closed": None, **anew})
+        return what, text, made.spec()
 
     def _closed(self, obj: Object | None) -> Closed | None:
         """How the hand has closed, where that was asked for."""
