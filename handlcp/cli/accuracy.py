@@ -159,11 +159,15 @@ def _print(out: Console, grasp: HandGrasp, found: Any) -> None:
         for table in _tables(grasp, found):
             out.print(table)
         say(out, "Difference", "bold", _differences(found))
+    ours = found.loading
+    jumps = "" if ours.held or not ours.reached else "; the object jumps on the way, which check() calls NOT HELD"
     for name, held, where in (
-        ("handlcp", found.loading.reached, found.loading.why),
+        ("handlcp", ours.reached, f"{ours.why}{jumps}"),
         ("MuJoCo", found.simulation.held, _where(found.simulation)),
     ):
-        say(out, f"{name}: HELD" if held else f"{name}: NOT HELD", f"bold {'green' if held else 'red'}", where)
+        colour = "red" if not held else "yellow" if name == "handlcp" and jumps else "green"
+        word = "NOT HELD" if not held else "HELD AFTER A JUMP" if name == "handlcp" and jumps else "HELD"
+        say(out, f"{name}: {word}", f"bold {colour}", where)
     ratio = found.simulation.seconds / found.seconds
     say(out, "Time", "bold", f"handlcp {found.seconds:.3g} s, MuJoCo {found.simulation.seconds:.3g} s, {ratio:.0f} ×")
 

@@ -135,7 +135,9 @@ class HandGrasp(HandQuestions):
 
     @helped(joint_stiffness="it is the hand's: hand.replace(joint_stiffness=...)", faces="grasp.solve(faces=...)",
             solver="grasp.solve(solver=...)", order="grasp.check(order=...)",
-            torque_limits="they are the hand's: hand.replace(torque_limits=...)")  # fmt: skip
+            torque_limits="they are the hand's: hand.replace(torque_limits=...)",
+            pad_flexibility="it is the hand's: hand.replace(pad_flexibility=...)",
+            motors="they are the hand's: hand.replace(motors=...)")  # fmt: skip
     def replace(
         self, *, wrench: Any = None, flexibility: Any = None, offset: Any = None, preload: Any = None,
         friction: Any = None, effects: Any = None, environment: Any = None, gravity: Any = None, mass: Any = None,

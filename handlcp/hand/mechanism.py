@@ -215,6 +215,15 @@ class HandMechanism(Varied, Mechanism):
         if (drives := self.posture.hand.torques.drives) is not None:
             yield from closing_reasons(self.names, torque, drives)
 
+    def pulling_reasons(self, spec: GraspSpec, torque: Array) -> Iterator[Reason]:
+        """Of a closing torque: K δq is what was asked for at the joints."""
+        from handlcp.hand.torque_check import pulling_reasons
+
+        command, hand = command_of(spec.effects), self.posture.hand
+        if command is not None and getattr(spec.asked, "closing_torque", None) is not None:
+            asked = np.linalg.pinv(hand.stiffness.compliance(np.eye(hand.nv)), hermitian=True) @ command.command
+            yield from pulling_reasons(self._check(torque, np.zeros(len(torque))), asked)
+
     def elsewhere(self, spec: GraspSpec, shift: Array) -> GraspSpec | None:
         """The hand closes anew on its object, moved by shift (3,) [m]. None beside a command of the joints, which would
         be another one there.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,9 +19,6 @@ from handlcp.hand.elasticity.motor import Drives, Motor
 from handlcp.record import Record
 from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
-
-if TYPE_CHECKING:
-    from handlcp.hand.solution import HandGraspSolution
 
 
 class TorqueRow(NamedTuple):
@@ -163,7 +160,7 @@ class TorqueCheck(Record):
             return f"holds for {words.duration(lasts)}" if lasts else "over limit"
         if row.joint in self.yielding:
             return "yields"
-        closest = row.joint == self.binding and np.isfinite(row.limit)
+        closest = row.joint == self.binding and bool(np.isfinite(row.limit))
         return ", ".join([word for word in (row.held_by, "closest" * closest) if word])
 
     def __str__(self) -> str:
@@ -220,6 +217,23 @@ def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
         yield Reason("limit_unknown", "warning", text, {"joints": check.unknown})
 
 
+_FALLS_SHORT = 0.8  # of the torque that was asked for: a joint that pulls with less is named
+
+
+def pulling_reasons(check: TorqueCheck, asked: Array) -> Iterator[Reason]:
+    """Of joints that pull with less than asked for (nv,) [N·m] once the hand has closed: motors are commanded by an
+    angle, and let go of their springs where links turn on.
+    """
+    pulls = check.torque * np.sign(asked)
+    short = np.flatnonzero((asked != 0.0) & (pulls < _FALLS_SHORT * abs(asked))).tolist()
+    if short:
+        both = [(check.joints[k], words.torques((float(pulls[k]), abs(float(asked[k]))))) for k in short]
+        needs = [f"{joint} {' of '.join(each)}" for joint, each in both]
+        text = f"where the hand has closed, joints pull with less than the closing torque: {words.listed(needs)}"
+        values = [{"joint": check.joints[k], "torque_Nm": float(pulls[k]), "asked_Nm": float(asked[k])} for k in short]
+        yield Reason("closing_torque", "warning", text, {"joints": values})
+
+
 def _over(rows: tuple[TorqueRow, ...]) -> Reason:
     """Of joints over their limits: for a while, where motors hold all of them at their peak, or not at all."""
     values = {"joints": [_values(r) for r in rows]}
@@ -247,8 +261,8 @@ def closing_reasons(joints: Sequence[str], torque: Array, drives: Drives) -> Ite
         yield Reason("closing_over_peak", "decides", text, {"joints": values})
 
 
-def open_torque_reasons(s: HandGraspSolution) -> Iterator[Reason]:
-    """Of a solution that leaves forces open: whether joints are within their limits whatever these are."""
+def open_torque_reasons(s: Any) -> Iterator[Reason]:
+    """Of a hand's solution that leaves forces open: whether joints are within their limits whatever these are."""
     if s.uniqueness is None or s.uniqueness.forces_determined:
         return
     check, torques = s.torque_check, torque_bounds(s)

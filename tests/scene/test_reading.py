@@ -204,11 +204,23 @@ def test_the_key_for_a_hands_name_lists_every_hand():
 
 
 def test_lengths_forces_and_torques_carry_their_unit_in_the_key():
-    with_unit = ("_m", "_N", "_Nm", "_kg", "_kg_per_m3", "_rad", "_m_per_N", "_Nm_per_rad", "_rad_per_Nm", "_m_per_s2")
+    with_unit = (
+        "_m",
+        "_N",
+        "_Nm",
+        "_kg",
+        "_kg_per_m3",
+        "_rad",
+        "_m_per_N",
+        "_Nm_per_rad",
+        "_rad_per_Nm",
+        "_m_per_s2",
+        "_s",
+    )
     without = {"title", "description", "name", "urdf", "base", "fingertips", "package_dirs", "close", "shape", "file",
                "scale", "normal", "friction", "tangent", "fingers", "finger_weight", "plane", "contact", "faces",
                "seed", "flexibility", "torque_saturation", "columns",
-               "geometric_stiffness", "hold_object", "links"}  # fmt: skip
+               "geometric_stiffness", "hold_object", "links", "motors", "reduction", "efficiency"}  # fmt: skip
     for k in keys():
         assert k.key.endswith(with_unit) != (k.key in without), k.path
 

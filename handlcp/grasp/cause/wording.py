@@ -27,11 +27,13 @@ _SENTENCES = {
     TOO_FAR: "no balance was found near the last one, however small the step: the object would have to jump",
     LEAPS: "no balance was found near the last one, however small the step: the object would have to jump",
 }
+_KEPT = "no balance of the fingers was found on an object that is kept in place: they press too hard, or slip off it"
 
 
-def why_lost(how: str, spec: GraspSpec, kinds: Sequence[str], motion: Array | None = None) -> str:
+def why_lost(how: str, spec: GraspSpec, kinds: Sequence[str], motion: Array | None = None, kept: bool = False) -> str:
     """How the loading fails, one of the above, and what the contacts last did: kinds (n,) "separated", "sticking",
-    "sliding". motion (6,) : in which the object runs away, or a small push grows; None: not known.
+    "sliding". motion (6,) : in which the object runs away, or a small push grows; None: not known. kept : whether the
+    object is kept in place there, and only the fingers can fail.
     """
     open_, sliding = (
         [name for name, kind in zip(spec.names, kinds, strict=True) if kind == what]
@@ -42,7 +44,7 @@ def why_lost(how: str, spec: GraspSpec, kinds: Sequence[str], motion: Array | No
         state.append(f"{called(sliding, spec)} {'slide' if len(sliding) > 1 else 'slides'}")
     if open_:
         state.append(f"{called(open_, spec)} {'have' if len(open_) > 1 else 'has'} let go")
-    text = _SENTENCES[how].format("" if motion is None else moves(motion))
+    text = _KEPT if kept else _SENTENCES[how].format("" if motion is None else moves(motion))
     return f"{text} ({' and '.join(state)})" if state else text
 
 

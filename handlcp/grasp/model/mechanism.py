@@ -194,6 +194,10 @@ class Mechanism:
         """The same of what closing took at most of each joint (nv,) [N·m]."""
         return ()
 
+    def pulling_reasons(self, spec: Any, torque: Array) -> Iterable[Any]:
+        """The same of torques (nv,) [N·m] where the hand has closed, beside those that it was to close with."""
+        return ()
+
     def place_reasons(self, posture: Any, obj: Any, when: str) -> Iterable[Any]:
         """The same of a posture alone, with the object where it is then; None for what is not known. when : that is,
         such as "at the end of the loading".

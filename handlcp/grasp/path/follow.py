@@ -334,7 +334,7 @@ def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) 
         going = stepper.between(run.states[-2].where.pose, last.where.pose) if len(run.states) > 1 else None
         if run.failure.kind == UNSTABLE:
             going = np.array(run.snaps[-1].pushed)
-        why = why_lost(run.failure.kind, spec, last.kinds, going)
+        why = why_lost(run.failure.kind, spec, last.kinds, going, last.controls.kept)
         events.append(Event("lost", why, str(stage), share, number))
         weight, end = np.append(stepper.grasp.weight, np.zeros(3)), goals[number].end
         now = last.controls

@@ -83,6 +83,9 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
         found = mechanism.end_reasons(path.steps.torques[-1], last.yielded, place)
         yield from (r for r in found if _about(r) not in known)
         yield from mechanism.closing_reasons(closing_torque(path.steps.states))
+        if "squeeze" in path.stages:
+            closed = np.flatnonzero(path.steps.stage == path.stages.index("squeeze"))
+            yield from mechanism.pulling_reasons(spec, path.steps.torques[closed[-1]])
         yield from before
     end = path.solution
     if end.held and end.scene is not None:

@@ -14,6 +14,7 @@ from handlcp.check import Array
 from handlcp.errors import Unsupported
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Verdict
+from handlcp.grasp.cause.judge import UNDECIDED
 from handlcp.grasp.friction import as_section
 from handlcp.grasp.path.follow import follow
 from handlcp.grasp.verdict.check import STEPS, judged
@@ -153,6 +154,8 @@ class Candidate(Record):
     def __str__(self) -> str:
         forces = ", ".join(f"{f:.2g}" for f in self.solution.normal_force)
         then = f", where {self.gives_out}" if self.gives_out else ""
+        if self.gives_out == UNDECIDED:
+            then = ", and nothing is known beyond"
         only = ", cradled: the object only lies there" if self.cradled else ""
         return (
             f"{self.kind}: {words.force(self.held_force)} in the worst direction{then}{only}; margin "
