@@ -169,15 +169,18 @@ class Leg:
         if not known and self._may_slide(state):  # where it comes to rest is asked once the snap is located exactly
             near = max(self._no_snap(size), RUNS - self.rate.beyond)
         end, how = flow(self.stepper, state, self.controls(until), None, near)
-        if how not in (MOVES, STUCK):
-            self._snapped(state, end, share, until, how == REST, ())
+        snapped = how not in (MOVES, STUCK) and self._snapped(state, end, share, until, how == REST, ())
         if how != REST:
             self.ends, self.then, self.step = until, how, size / 2.0
             return not known or self._over(how, why)
         self.share, self.ends = until, np.inf
         self._add(end, until)
         self.step, self.before = min(_AFTER * FINEST * self.base, self.base), None
-        self.rate.snaps(self.stepper.far(state.where.pose, end.where.pose))
+        far = self.stepper.far(state.where.pose, end.where.pose)
+        if snapped:
+            self.rate.snaps(far)
+        else:
+            self.rate.last = far / (until - share)
         return True
 
     def _over(self, how: str, why: Failure) -> bool:
@@ -193,10 +196,12 @@ class Leg:
         last, far = self.rate.last, self.stepper.far(state.where.pose, found.where.pose)
         if last > 0.0 and far > self._no_snap(size):
             return True
-        if far <= NO_SNAP or size <= 2.0 * FINEST * self.base:
+        if far <= NO_SNAP:
             return False
         if self.before is not None:
             expected = _further(self.stepper, self.before[0], state, min(size / self.before[1], _ALONG))
+        elif size <= 2.0 * FINEST * self.base:
+            return False
         else:
             expected, half = _part(self.stepper, state, found, 0.5), self._at(state, found, share, size, 0.5)
             if isinstance(half, Failure):
@@ -319,18 +324,22 @@ class Leg:
 
     def _snapped(
         self, state: State, end: State, share: float, until: float, rests: bool, pushed: tuple[float, ...]
-    ) -> None:  # fmt: skip
+    ) -> bool:  # fmt: skip
+        """Note that the object has moved from one state to another under a load that stays, unless it has moved on as
+        before, and only Newton's method had found no solution; whether it has.
+        """
         run = self.run
         moved = self.stepper.between(state.where.pose, end.where.pose)
         distance, turn = float(np.linalg.norm(moved[:3])), float(np.linalg.norm(moved[3:]))
         if rests and distance / self.stepper.length + turn < self._no_snap(until - share):
-            return  # no snap: it moved on as before, only Newton's method had found no solution
+            return False
         last = run.snaps[-1] if run.snaps else None
         if last is not None and last.stage == self.number and share - last.until <= _CHAIN * self.base:
             distance, turn, share = distance + last.moved, turn + last.turned, last.share
             pushed = last.pushed or pushed
             run.snaps.pop()
         run.snaps.append(Snap(self.number, share, until, distance, turn, rests, pushed))
+        return True
 
     def _may_slide(self, state: State) -> bool:
         """Whether the object may begin to slide through, and has not yet."""
