@@ -344,3 +344,17 @@ def test_friction_of_a_link_stays_when_a_grasp_is_made_again():
     assert {c.name: c.mu for c in new.contacts} == {
         c.name: 0.5 if c.name.startswith("palm") else 0.6 for c in grasp.contacts
     }
+
+
+def test_a_scene_that_is_its_own_mirror_image_holds_as_much_both_ways_and_check_agrees() -> None:
+    """A snap of 1.5 mm under 0.2 kg hid in the shortest step after one that only the flow had found."""
+    hand = example_hand("three_finger", joint_stiffness=6.0)
+    box = Box(0.05, placement=(0.0, 0.0, 0.03), mass=0.3)
+    grasp = hand.at(hand.neutral).grasp(box, links="all", closing_torque=0.4, hold_object=True, friction=0.8)
+    bare = grasp.replace(gravity=(0.0, 0.0, 0.0))
+    one, other = (bare.load_limit((0.0, side * 9.81, 0.0, 0.0, 0.0, 0.0)) for side in (1.0, -1.0))
+    np.testing.assert_allclose(one.factor, other.factor, rtol=0.01)
+    for side in (1.0, -1.0):
+        pulled = grasp.replace(gravity=(0.0, side * 9.81, 0.0), mass=0.9 * one.factor)
+        assert pulled.follow().held
+        assert not pulled.replace(mass=1.3 * one.factor).follow().held

@@ -160,6 +160,11 @@ class Drives:
         """(nv,) with which the joints can close [N·m]; inf of a joint without a motor."""
         return read_only(np.array([np.inf if m is None else m.closes for m in self.of]))
 
+    def pulls(self, limits: Array) -> Array:
+        """(nv,) the peak of each motor at the joint [N·m]; of a joint without a motor its limit, of limits (nv,)."""
+        each = zip(self.of, limits.tolist(), strict=True)
+        return read_only(np.array([most if m is None else m.at_peak for m, most in each]))
+
     def holds(self, limits: Array) -> Array:
         """(nv,) that they hold for good [N·m]; of a joint without a motor its limit, of limits (nv,)."""
         each = zip(self.of, limits.tolist(), strict=True)

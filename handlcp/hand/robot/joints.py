@@ -230,6 +230,13 @@ class TorqueLimits:
         """(nv,) with which motors can close the joints [N·m]; inf where no motor says it."""
         return read_only(np.full(len(self.limits), np.inf)) if self.drives is None else self.drives.closes
 
+    @property
+    def pulls(self) -> Array:
+        """(nv,) the largest torque with which a joint can be asked to close [N·m]: the peak of its motor, or its
+        limit.
+        """
+        return self.limits if self.drives is None else self.drives.pulls(self.limits)
+
     def driven(self, drives: Drives | None, joints: Sequence[str]) -> TorqueLimits:
         """With these motors in place of earlier ones; of joints that have one, the limit is what it holds for good."""
         bare = self if self.without is None else self.without

@@ -41,7 +41,7 @@ class Closed:
 
 def ask_for_limits(hand: HandModel) -> None:
     """Raises InputError unless the torque of every joint is limited."""
-    unknown = [name for name, most in zip(hand.joint_names, hand.torque_limits, strict=True) if not np.isfinite(most)]
+    unknown = [name for name, most in zip(hand.joint_names, hand.torques.pulls, strict=True) if not np.isfinite(most)]
     if unknown:
         expected = "a hand with a torque limit for each joint: hand.replace(torque_limits=...)"
         raise InputError("hand", expected, f"none for {', '.join(unknown)}")

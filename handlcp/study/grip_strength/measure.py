@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import array, number
+from handlcp import words
+from handlcp.check import Array, array, number
 from handlcp.errors import HandLCPError, InputError, NoGraspFound
 from handlcp.grasp.cause.judge import UNDECIDED
 from handlcp.hand import Cylinder, Hand, find_grasp
@@ -21,6 +22,7 @@ POWER, PINCH = "power", "pinch"
 _LONG = 3.0  # diameters: a cylinder's length, unless said otherwise
 _TRIED = 4  # pinch grasps that are closed, of which the strongest counts
 _WEIGHTLESS = (0.0, 0.0, 0.0)
+_MOST_OF_IT = 0.8  # of its torque: a joint that keeps less once the links have come to rest is counted
 
 
 def split_cylinder(
@@ -93,13 +95,26 @@ def _wrapped(hand: Hand, cylinder: Cylinder, friction: Any, placed: bool) -> Clo
     """All links that touch, every joint that bends closing with its torque limit. Raises NotReached, NoGraspFound."""
     if placed:
         state = hand.at(hand.neutral)
-        grasp = state.grasp(cylinder, friction, gravity=_WEIGHTLESS, links="all", closing_torque=hand.torque_limits,
+        grasp = state.grasp(cylinder, friction, gravity=_WEIGHTLESS, links="all", closing_torque=hand.torques.pulls,
                             hold_object=True)  # fmt: skip
     else:
         found = find_grasp(hand, cylinder, kind=POWER, friction=friction, gravity=_WEIGHTLESS)
-        grasp = found[0].grasp.replace(closing_torque=hand.torque_limits)
+        grasp = found[0].grasp.replace(closing_torque=hand.torques.pulls)
     path = grasp.follow(order=("squeeze",))
-    return Closed(grasp, path, (), "every joint closes with its torque limit")
+    return Closed(grasp, path, (), _left_of(hand.torques.pulls, grasp.joint_offset, path.steps.torques[-1]))
+
+
+def _left_of(pulls: Array, command: Array, torque: Array) -> str:
+    """What joints that close, with `pulls` (nv,), hold of it in the end: torque (nv,) [N·m]."""
+    share = (np.sign(command) * torque / pulls)[command != 0.0]
+    text = "every joint closes with all its torque"
+    short = share < _MOST_OF_IT
+    if not short.any():
+        return text
+    least = words.percent(max(float(share.min()), 0.0))
+    return (
+        f"{text}, but {short.sum()} of {len(share)} keep less than {words.percent(_MOST_OF_IT)} of it, down to {least}"
+    )
 
 
 def _around(one: Closed) -> Around:
