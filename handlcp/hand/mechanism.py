@@ -8,18 +8,19 @@ the package's README, "The model and its symbols".
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 import pinocchio as pin
 
+from handlcp import words
 from handlcp.check import Array, Bools, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.assembly.asked import again, under
 from handlcp.grasp.effects import Effect
-from handlcp.grasp.effects.joint_offset import command_of
+from handlcp.grasp.effects.joint_offset import command_of, joints_commanded
 from handlcp.grasp.model.flexibility import Factor, Flexibility
 from handlcp.grasp.model.kind import MANY
 from handlcp.grasp.model.mechanism import Mechanism
@@ -49,6 +50,7 @@ class HandMechanism(Varied, Mechanism):
 
     posture : where the hand is. tips : numbers of the fingertips that take part, in the order of the contacts.
     positions (k, 3), frames (k, 3, 3) : of the fingers' contacts, contact axes. target : the object, if it is known.
+    relaxed (nv,) : where springs at the joints are at rest [rad, m]: in the grasp's posture, wherever that is followed.
     gravity : (3,) as given [m/s²]. stand_off : (k, 3) offsets of the gaps and overlaps that were detected [m], part of
     the grasp's; 0 for contacts that were given.
     """
@@ -62,6 +64,7 @@ class HandMechanism(Varied, Mechanism):
     target: Object | None
     gravity: Array
     stand_off: Array
+    relaxed: Array
 
     @property
     def fingertips(self) -> tuple[str, ...]:
@@ -81,6 +84,10 @@ class HandMechanism(Varied, Mechanism):
         still = np.zeros(self.posture.hand.nv)
         rows = [self.frames[i, :, 2] @ J[i] if i < len(self.tips) else still for i in contacts]
         return read_only(np.array(rows).reshape(len(contacts), len(still)))
+
+    def turned_on(self, q: Array) -> Self:
+        """Springs at the joints keep their rest angle."""
+        return replace(self, relaxed=self.relaxed - q)
 
     def gives(self, spec: GraspSpec) -> bool:
         """Unless another flexibility was asked for."""
@@ -177,6 +184,11 @@ class HandMechanism(Varied, Mechanism):
         yield from reach_reasons(spec)
         if (command := command_of(spec.effects)) is not None and command.keeps:
             yield Reason("object_kept", "note", "the object is kept in place until the hand has closed")
+        if command is not None and (beyond := self.posture.hand.stiffness.beyond(command.command)).any():
+            needs = [(name, float(t)) for name, t in zip(self.names, beyond, strict=True) if t]
+            listed = words.listed([f"{name} with {words.torque(t)}" for name, t in needs])
+            text = f"no tendons make this command: springs at the joints would have to push {listed}"
+            yield Reason("out_of_reach", "warning", text, {"joints": [name for name, _ in needs]})
         if text := weight_left_out(spec, weight_of(self.target, self.gravity, spec.reference)):
             yield Reason("weight_left_out", "note", text)
 
@@ -321,7 +333,7 @@ class HandMechanism(Varied, Mechanism):
         """The same fingers in another posture, with contacts of all fingers elsewhere, as in `mechanism_of`."""
         made = mechanism_of(posture, self.tips, positions, frames, self.target, self.gravity, self.stand_off)
         still = len(self.jacobian) // 3 - len(self.tips)
-        return made.beside(still)
+        return replace(made, relaxed=self.relaxed).beside(still)
 
     def beside(self, environment: int) -> HandMechanism:
         """The same with so many contacts of the environment, which no joint moves."""
@@ -337,8 +349,12 @@ class HandMechanism(Varied, Mechanism):
         return {
             "torques": total, "joint_deflection": read_only(joints.deflection),
             "joint_yield": read_only(joints.yielded), "torque_check": self._check(total, joints.yielded),
-            "effort": self.posture.hand.stiffness.effort(total),
+            "effort": self.posture.hand.stiffness.effort(total, self.turned(effects)),
         }  # fmt: skip
+
+    def turned(self, effects: Iterable[Effect]) -> Array:
+        """(nv,) from where the joints' own springs are at rest to where the joints are commanded [rad, m]."""
+        return np.asarray(self.posture.q - self.relaxed + joints_commanded(effects, len(self.names)))
 
     def _check(self, torque: Array, yielded: Array) -> TorqueCheck:
         from handlcp.hand.torque_check import torque_check
@@ -365,7 +381,7 @@ def mechanism_of(
     jacobian = (frames.transpose(0, 2, 1) @ posture.jacobian_at(positions, tips)).reshape(3 * k, hand.nv)
     return HandMechanism(
         hand.joint_names, read_only(jacobian), hand.stiffness.root, hand.torques.limits, posture, tips, positions,
-        frames, target, gravity, stand_off,
+        frames, target, gravity, stand_off, posture.q,
     )  # fmt: skip
 
 

@@ -233,7 +233,7 @@ class GraspStream:
             posture = type(mechanism.posture)(self._hand.hand, self._hand.q)
             k = len(self._tips)
             mechanism = replace(
-                mechanism, posture=posture, jacobian=read_only(self._hand.mechanism.jacobian.copy()),
+                mechanism, posture=posture, relaxed=posture.q, jacobian=read_only(self._hand.mechanism.jacobian.copy()),
                 positions=positions[:k], frames=frames[:k],
                 stand_off=read_only(np.zeros((k, 3))) if self._moved_off else mechanism.stand_off,
             )  # fmt: skip

@@ -101,7 +101,7 @@ class GraspUpdate:
         """What tendons or synergies do, as in `HandGraspSolution`. Raises AttributeError for a grasp without a hand."""
         torques = self.torques
         assert isinstance(self._grasp, HandGrasp)
-        return self._grasp.state.hand.stiffness.effort(torques)
+        return self._grasp.state.hand.stiffness.effort(torques, self._grasp.joint_offset)
 
     def _or_nan(self, values: Array) -> Array:
         return values if self.held else read_only(np.full(values.shape, np.nan))

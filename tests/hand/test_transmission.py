@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from handlcp import GraspStream, Sphere, Synergies, Tendons
+from handlcp import Box, GraspStream, Sphere, Synergies, Tendons
 from handlcp.errors import InputError, UnknownName, Unsupported
 from handlcp.hand import Hand, HandGraspSolution, example_hand
 from tests.support.hand import deflection, effort, full_positions
@@ -155,6 +155,38 @@ def test_a_rigid_joint_draws_on_no_tendon(write: Writer) -> None:
 
 # ---------------------------------------------------------------- everything downstream
 SYNERGIES = Synergies(np.kron(np.eye(5), [[1.0], [0.6]]), [2.0, 3.0, 4.0, 5.0, 6.0])  # C of rank 5
+
+
+def test_a_commanded_tendon_also_pulls_against_the_springs_at_the_joints() -> None:
+    """A return spring keeps its rest angle: τ = Rᵀ t - K_p δq, whether one solve or the followed path asks."""
+    R = np.array([[0.012, 0.008, 0, 0], [0, 0, 0.012, 0.008]])
+    springs = np.array([0.2, 0.1, 0.2, 0.1])
+    hand = example_hand("two_finger", joint_stiffness=Tendons(R, 2e4, springs))
+    box = Box(0.04, (0.0, 0.0, 0.07))
+    grasp = hand.at(hand.close_on(box)).grasp(box, gravity=(0, 0, 0), grip_force=3.0)
+    s = grasp.solve()
+    assert s.tendon_tension is not None
+    turned = grasp.joint_offset - s.joint_deflection
+    np.testing.assert_allclose(R.T @ s.tendon_tension - springs * turned, s.torques, atol=1e-12)
+    assert not grasp.check().about("out_of_reach")
+    for geometry in ("fixed", "followed"):
+        path = grasp.follow(geometry=geometry)
+        moved = path.steps.q[-1] - path.steps.q[0]
+        tension = path.solution.tendon_tension
+        assert tension is not None
+        np.testing.assert_allclose(R.T @ tension - springs * moved, path.solution.torques, atol=1e-8)
+
+
+def test_a_command_that_no_tendon_makes_is_said() -> None:
+    R = np.array([[0.012, 0.008, 0, 0], [0, 0, 0.012, 0.008]])
+    hand = example_hand("two_finger", joint_stiffness=Tendons(R, 2e4, 0.2))
+    box = Box(0.04, (0.0, 0.0, 0.07))
+    grasp = hand.at(hand.close_on(box)).grasp(box, gravity=(0, 0, 0), joint_offset=[0.05, -0.02, 0.05, -0.02])
+    (reason,) = grasp.solve().verdict.about("out_of_reach")
+    assert "no tendons make this command" in reason.sentence
+    assert reason.values["joints"] == list(hand.joint_names)
+
+
 TENDONS = Tendons(np.random.default_rng(4).normal(size=(4, 10)) * 0.01, 3e4, 2.0)
 
 

@@ -118,7 +118,7 @@ def elastic_flexibility(hand: Hand, jacobian: np.ndarray) -> np.ndarray:
 
 def effort(hand: Hand, torque: np.ndarray) -> Any:
     """What tendons or actuators do under a torque: names and values."""
-    return hand.stiffness.effort(torque)
+    return hand.stiffness.effort(torque, np.zeros(len(torque)))
 
 
 def is_one_spring_a_joint(hand: Hand) -> bool:

@@ -71,6 +71,10 @@ class Mechanism:
         """(n, 3, nv) how fast the joints turn the fingers of the contacts, world axes [rad/rad]."""
         raise NotImplementedError
 
+    def turned_on(self, q: Array) -> Self:
+        """The same with joints that stand farther by q (nv,) [rad, m] than its posture has them."""
+        return self
+
     def gives(self, spec: Any) -> bool:
         """Whether the flexibility of a grasp is that of these joints and the pads, and follows them."""
         return False

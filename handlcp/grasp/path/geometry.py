@@ -205,7 +205,8 @@ class FixedGeometry(Geometry):
         return Iterate(at, touch, self._moving, self._frames, self._elastic, self._radius, reference, self._arm, slips)
 
     def mechanism(self, iterate: Iterate) -> Mechanism | None:
-        return self.spec.mechanism
+        mechanism: Mechanism | None = self.spec.mechanism
+        return None if mechanism is None else mechanism.turned_on(iterate.at.q)
 
     def slipped(self, a: Iterate, b: Iterate, slip_memory: Array) -> Array:
         return np.asarray(b.bodies - a.bodies - slip_memory)

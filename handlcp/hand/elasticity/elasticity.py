@@ -81,9 +81,15 @@ class Elasticity:
         """(nv, m) joint motions that the actuators can command, in orthonormal columns; a rigid joint can be, too."""
         return np.eye(len(self.root))
 
-    def effort(self, torque: Array) -> Effort | None:
-        """What the actuators do for joint torques (nv,) [N·m]; None where each joint has its own actuator."""
+    def effort(self, torque: Array, command: Array) -> Effort | None:
+        """What the actuators do for joint torques (nv,) [N·m] once they have commanded the joints by so much, (nv,)
+        [rad]; None where each joint has its own actuator.
+        """
         return None
+
+    def beyond(self, command: Array) -> Array:
+        """(nv,) the part of the torques K δq of a command (nv,) [rad] that no actuator makes [N·m]."""
+        return np.zeros(len(command))
 
     def stiffer(self, factor: float) -> Self:
         """The same with every spring so many times as stiff."""

@@ -116,7 +116,7 @@ class SynergyCompliance(Elasticity):
         """The columns of S: an actuator moves its joints together."""
         return spanned(self.columns.T)
 
-    def effort(self, torque: Array) -> Effort:
+    def effort(self, torque: Array, command: Array) -> Effort:
         """The force η = Sᵀ τ [N·m where S has no unit] of each actuator."""
         return Effort("actuator force", "N·m", self.names, read_only(self.columns @ torque))
 
@@ -134,8 +134,10 @@ class SynergyCompliance(Elasticity):
 #
 # l is the length by which each tendon is drawn in when the joints are at q, and R holds the moment arms. k is the
 # stiffness of the tendons, K_p that of the springs at the joints. Under joint torques τ the joints deflect by
-# δq = K⁻¹ τ, which stretches the tendons by R δq and raises their tension by t. A tendon over several joints couples
-# them; one over two fingers is a differential. As k → ∞ the joints can only move such that R δq = 0.
+# δq = K⁻¹ τ, which stretches the tendons by R δq and raises their tension by t. Drawn in by x they command the joints
+# to δq_c = K⁻¹ Rᵀ k x: springs at the joints keep their rest angle, and the tendons pull against them, too. A tendon
+# over several joints couples them; one over two fingers is a differential. As k → ∞ the joints can only move such that
+# R δq = 0.
 
 TENDONS = Description(
     title=f"{TRANSMISSION}: tendons",
@@ -151,6 +153,7 @@ TENDONS = Description(
     module=__name__,
 )
 
+_MADE = 1e-6  # of the largest torque of a command: less is rounding
 _SHARE = 0.1  # of the largest motion: joints that move less are not named as loose
 _tendon_spring = partial(number, above=0.0)
 _passive_spring = partial(number, minimum=0.0, finite=False)
@@ -187,31 +190,46 @@ class Tendons(Transmission):
         """K over these joints."""
         names, R = read_rows("Tendons.moment_arms", self.moment_arms, "tendon", joints)
         k = read_springs("Tendons.stiffness", self.stiffness, "tendon", names, _tendon_spring)
-        K = _passive("Tendons.passive", self.passive, joints).copy()
+        own = _passive("Tendons.passive", self.passive, joints)
+        K = own.copy()
         rigid = np.isinf(np.diagonal(K))
         through = R.T @ k @ R
         through[rigid] = through[:, rigid] = 0.0  # no load reaches the tendons through a rigid joint
         K += (through + through.T) / 2
         _check_sprung(K, rigid, joints)
-        return TendonStiffness(K, names, R, k)
+        return TendonStiffness(K, names, R, k, read_only(np.where(np.isinf(own), 0.0, own)))
 
 
 class TendonStiffness(JointStiffness):
-    """K = K_p + Rᵀ k R, and the tendons behind it: names (t,), arms R (t, nv), springs k (t, t)."""
+    """K = K_p + Rᵀ k R, and the tendons behind it: names (t,), arms R (t, nv), springs k (t, t), passive K_p (nv, nv),
+    0 of a rigid joint.
+    """
 
-    def __init__(self, matrix: Array, names: tuple[str, ...], arms: Array, springs: Array) -> None:
+    def __init__(self, matrix: Array, names: tuple[str, ...], arms: Array, springs: Array, passive: Array) -> None:
         super().__init__(matrix)
-        self.names, self.arms, self.springs = names, arms, springs
+        self.names, self.arms, self.springs, self.passive = names, arms, springs, passive
 
     @property
     def commands(self) -> Array:
         """K⁻¹ Rᵀ: where the springs let the joints go when a tendon is drawn in."""
         return spanned(self.root @ (self.arms @ self.root).T)
 
-    def effort(self, torque: Array) -> Effort:
-        """The tension t = k R K⁻¹ τ [N]: how much harder each tendon pulls; below 0 it pulls less."""
+    def effort(self, torque: Array, command: Array) -> Effort:
+        """The tension t = k R K⁻¹ τ + t_c [N]: how much harder each tendon pulls; below 0 it pulls less. t_c is what it
+        takes to turn the joints to where they are commanded against their own springs, Rᵀ t_c = K_p δq_c.
+        """
         tension = self.springs @ (self.arms @ self.deflection(torque))
+        if command.any():
+            tension = tension + np.linalg.lstsq(self.arms.T, self.passive @ command)[0]
         return Effort("tendon tension", "N", self.names, read_only(tension))
+
+    def beyond(self, command: Array) -> Array:
+        """Tendons make torques Rᵀ t; what else K δq_c asks for, springs at the joints would have to be commanded to."""
+        free = np.asarray(self.root.any(axis=1))
+        asked = np.where(free, np.where(np.isinf(self.matrix), 0.0, self.matrix) @ command, 0.0)
+        arms = self.arms.T * free[:, None]
+        left = asked - arms @ np.linalg.lstsq(arms, asked)[0]
+        return np.where(abs(left) > _MADE * abs(asked).max(initial=0.0), left, 0.0)
 
     @property
     def law(self) -> tuple[str, str]:
