@@ -81,3 +81,19 @@ def test_a_scene_without_a_hand_has_no_motors():
     done = run(str(ROOT / "examples" / "paper" / "hard_finger.toml"))
     assert done.exit_code == 2
     assert "[hand]" in done.stderr
+
+
+def test_a_motor_to_buy_gets_the_reduction_that_it_needs_at_each_joint():
+    done = run(CUBE, "--motor", "0.01,0.03", "--efficiency", "0.7", "--json")
+    assert done.exit_code == 0, done.output
+    found = json.loads(done.stdout)
+    for row, reduction in zip(found["joints"], found["reductions"], strict=True):
+        needs = max(row["peak_Nm"] / (0.7 * 0.03), row["continuous_Nm"] / (0.7 * 0.01))
+        assert reduction == pytest.approx(needs, rel=1e-12)
+    table = run(CUBE, "--motor", "0.01,0.03", "--efficiency", "0.7").stdout
+    assert max(map(len, table.splitlines())) <= 80
+    assert "Reduction that the motor needs" in table
+    for wrong in ("much", "1,2,3", "0.03,0.01", "0"):
+        refused = run(CUBE, "--motor", wrong)
+        assert refused.exit_code == 2
+        assert "otor" in refused.stderr
