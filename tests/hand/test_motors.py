@@ -17,6 +17,7 @@ from handlcp.hand import Hand, HandGrasp, example_hand
 from .levers import C, L, lever_hand, lever_pinch
 
 Writer = Callable[[str], Path]
+URDF = Path(__file__).parents[2] / "urdf" / "three_finger.urdf"
 DEPTH = 5e-3  # m each tip is commanded deeper than touching
 PRESSED = DEPTH / C  # N of each finger without a load
 PUSH = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # towards the right finger
@@ -139,7 +140,7 @@ def test_motors_give_limits_and_stiffness_of_their_joints_and_others_keep_theirs
     np.testing.assert_allclose(hand.torque_limits, [0.8, 0.1, 0.8, 0.4, 0.8, 0.4])
     np.testing.assert_allclose(np.diagonal(hand.joint_stiffness), [6, 9, 6, 6, 6, 6])
     assert "its motor, continuous torque" in str(hand.describe())
-    every = Hand.from_urdf(_file("three_finger"), motors=Motor(0.1, stiffness=9.0))
+    every = Hand.from_urdf(URDF, motors=Motor(0.1, stiffness=9.0))
     np.testing.assert_allclose(np.diagonal(every.joint_stiffness), 9.0)
 
 
@@ -185,7 +186,7 @@ def test_motors_of_unknown_joints_and_what_is_no_motor_are_refused() -> None:
     with pytest.raises(InputError, match=r"torque_limits.*no limit of a joint with a motor"):
         example_hand("three_finger", motors=Motor(0.3), torque_limits=both)
     with pytest.raises(InputError, match=r"joint_stiffness.*finger_1_distal"):
-        Hand.from_urdf(_file("three_finger"), motors={"finger_1_proximal": Motor(0.3, stiffness=5.0)})
+        Hand.from_urdf(URDF, motors={"finger_1_proximal": Motor(0.3, stiffness=5.0)})
     tendons = hl.Tendons({"pull": {"finger_1_distal": 0.01}}, 2e4, 4.0)
     with pytest.raises(InputError, match=r"Motor.stiffness.*shares springs"):
         example_hand("three_finger", joint_stiffness=tendons, motors=Motor(0.3, stiffness=5.0))
@@ -215,9 +216,3 @@ def test_a_brief_sizes_motors_by_what_is_held_and_by_the_peak_and_says_the_gear_
     carried = hand.replace(motors=Motor(0.3, 0.6, holding=2.0))
     worm = carried.at(carried.close_on(cube)).grasp(cube, friction=0.8).required_torque()
     assert not worm.continuous.any()
-
-
-def _file(name: str) -> Path:
-    from handlcp.hand.library import urdf
-
-    return urdf(name)
