@@ -40,6 +40,7 @@ from handlcp.lazy import lazy
 
 if TYPE_CHECKING:
     from handlcp.grasp.answer.verdict import Reason
+    from handlcp.grasp.cause.judge import Cause
     from handlcp.hand.followed.geometry import FollowedHand
     from handlcp.hand.torque_check import TorqueCheck
 
@@ -220,21 +221,26 @@ class HandMechanism(Varied, Mechanism):
         limits = self.posture.hand.torques
         return None if limits.drives is None else limits.drives.closes
 
-    def closing_reasons(self, torque: Array) -> Iterator[Reason]:
+    def closing_reasons(self, beyond: Iterable[Cause]) -> Iterator[Reason]:
         """Of its motors."""
         from handlcp.hand.torque_check import closing_reasons
 
         if (drives := self.posture.hand.torques.drives) is not None:
-            yield from closing_reasons(self.names, torque, drives)
+            yield from closing_reasons(self.names, tuple(beyond), drives)
+
+    def closing_with(self, spec: GraspSpec) -> Array | None:
+        """(nv,) K δq, the torques that a closing torque asked of the joints [N·m]; None: none was asked for."""
+        command, hand = command_of(spec.effects), self.posture.hand
+        if command is None or getattr(spec.asked, "closing_torque", None) is None:
+            return None
+        return np.linalg.pinv(hand.stiffness.compliance(np.eye(hand.nv)), hermitian=True) @ command.command
 
     def pulling_reasons(self, spec: GraspSpec, torque: Array) -> Iterator[Reason]:
-        """Of a closing torque: K δq is what was asked for at the joints."""
+        """Of a closing torque."""
         from handlcp.hand.torque_check import pulling_reasons
 
-        command, hand = command_of(spec.effects), self.posture.hand
-        if command is not None and getattr(spec.asked, "closing_torque", None) is not None:
-            asked = np.linalg.pinv(hand.stiffness.compliance(np.eye(hand.nv)), hermitian=True) @ command.command
-            yield from pulling_reasons(self._check(torque, np.zeros(len(torque))), asked)
+        if (asked := self.closing_with(spec)) is not None:
+            yield from pulling_reasons(self.names, torque, asked)
 
     def elsewhere(self, spec: GraspSpec, shift: Array) -> GraspSpec | None:
         """The hand closes anew on its object, moved by shift (3,) [m]. None beside a command of the joints, which would

@@ -13,7 +13,7 @@ from handlcp.check import Array, read_only
 from handlcp.errors import UnknownName
 from handlcp.grasp.answer.force_bounds import apart, shares, span, torque_bounds
 from handlcp.grasp.answer.verdict import Reason
-from handlcp.grasp.cause.judge import exceeded, most_used
+from handlcp.grasp.cause.judge import Cause, exceeded, most_used
 from handlcp.grasp.cause.wording import needs_more
 from handlcp.hand.elasticity.motor import Drives, Motor
 from handlcp.record import Record
@@ -217,20 +217,24 @@ def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
         yield Reason("limit_unknown", "warning", text, {"joints": check.unknown})
 
 
-_FALLS_SHORT = 0.8  # of the torque that was asked for: a joint that pulls with less is named
+KEEPS = 0.8  # of the torque that was asked for: a joint that pulls with less, once the hand has closed, is named
 
 
-def pulling_reasons(check: TorqueCheck, asked: Array) -> Iterator[Reason]:
+def kept(torque: Array, asked: Array) -> Array:
+    """(nv,) share of the torques that joints were asked to pull with [N·m] that they pull with; inf where that is 0."""
+    return np.where(asked != 0.0, torque * np.sign(asked) / np.where(asked != 0.0, abs(asked), 1.0), np.inf)
+
+
+def pulling_reasons(joints: Sequence[str], torque: Array, asked: Array) -> Iterator[Reason]:
     """Of joints that pull with less than asked for (nv,) [N·m] once the hand has closed: motors are commanded by an
     angle, and let go of their springs where links turn on.
     """
-    pulls = check.torque * np.sign(asked)
-    short = np.flatnonzero((asked != 0.0) & (pulls < _FALLS_SHORT * abs(asked))).tolist()
-    if short:
-        both = [(check.joints[k], words.torques((float(pulls[k]), abs(float(asked[k]))))) for k in short]
+    if short := np.flatnonzero(kept(torque, asked) < KEEPS).tolist():
+        pulls = torque * np.sign(asked)
+        both = [(joints[k], words.torques((float(pulls[k]), abs(float(asked[k]))))) for k in short]
         needs = [f"{joint} {' of '.join(each)}" for joint, each in both]
         text = f"where the hand has closed, joints pull with less than the closing torque: {words.listed(needs)}"
-        values = [{"joint": check.joints[k], "torque_Nm": float(pulls[k]), "asked_Nm": float(asked[k])} for k in short]
+        values = [{"joint": joints[k], "torque_Nm": float(pulls[k]), "asked_Nm": float(asked[k])} for k in short]
         yield Reason("closing_torque", "warning", text, {"joints": values})
 
 
@@ -250,14 +254,17 @@ def _over(rows: tuple[TorqueRow, ...]) -> Reason:
     return Reason("overheats", "decides", text, values | {"lasts_s": min(known) if len(known) == len(rows) else None})
 
 
-def closing_reasons(joints: Sequence[str], torque: Array, drives: Drives) -> Iterator[Reason]:
-    """Of what closing took at most, (nv,) of each joint [N·m], beside what its motor closes with."""
-    closes = drives.closes
-    if beyond := np.flatnonzero(exceeded(torque / closes)).tolist():
-        needs = [f"{joints[k]} needs {' of '.join(words.torques((torque[k], closes[k])))}" for k in beyond]
-        rubs = " less dry friction" if drives.friction[beyond].any() else ""
+def closing_reasons(joints: Sequence[str], beyond: Sequence[Cause], drives: Drives) -> Iterator[Reason]:
+    """Of joints that closing took more of than their motors give."""
+    if beyond:
+        at = [joints.index(c.who) for c in beyond]
+        closes = drives.closes[at]
+        torque = closes * np.array([1.0 - c.margin for c in beyond])
+        both = list(zip([c.who for c in beyond], torque.tolist(), closes.tolist(), strict=True))
+        needs = [f"{joint} needs {' of '.join(words.torques(each))}" for joint, *each in both]
+        rubs = " less dry friction" if drives.friction[at].any() else ""
         text = f"closing takes more than the motors give (peak{rubs}): {words.listed(needs)}"
-        values = [{"joint": joints[k], "torque_Nm": float(torque[k]), "limit_Nm": float(closes[k])} for k in beyond]
+        values = [{"joint": joint, "torque_Nm": taken, "limit_Nm": most} for joint, taken, most in both]
         yield Reason("closing_over_peak", "decides", text, {"joints": values})
 
 

@@ -75,12 +75,8 @@ def _bars(ax: Any, found: Payload) -> None:
         _cut(ax, end, at)
     if 0.0 < found.object_mass < end:
         ax.axvline(found.object_mass, color=INK, linewidth=1.0, linestyle=(0, (4, 2.5)), zorder=3)
-        label = {
-            "fontsize": SMALL,
-            "color": INK,
-            "va": "bottom",
-            "ha": "left" if found.object_mass < 0.7 * end else "right",
-        }
+        side = "left" if found.object_mass < 0.7 * end else "right"
+        label = {"fontsize": SMALL, "color": INK, "ha": side, "va": "bottom"}
         ax.text(found.object_mass, len(rows) - 0.58, " the object’s mass ", **label)
     ax.set_yticks(y, [direction(row.direction) for row in rows])
     ax.tick_params(axis="y", labelsize=TEXT, length=0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import hypot
 from typing import Any
@@ -155,11 +155,13 @@ def over(limits: Limits, torque: Array, q: Array | None = None, moved: Array | N
     return _causes(limits, share, exceeded(share))
 
 
-def over_closing(mechanism: Mechanism | None, torque: Array) -> tuple[Cause, ...]:
-    """Joints that closing took more of, (nv,) [N·m], than their motors give."""
+def over_closing(mechanism: Mechanism | None, torque: Callable[[], Array]) -> tuple[Cause, ...]:
+    """Joints that closing took more of than their motors give. torque : makes (nv,) [N·m], and is asked only where
+    there are motors.
+    """
     if mechanism is None or (closes := mechanism.closes) is None:
         return ()
-    share = torque / closes
+    share = torque() / closes
     every = zip(mechanism.names, share.tolist(), exceeded(share).tolist(), strict=True)
     return tuple([Cause(TORQUE, name, 1.0 - used) for name, used, beyond in every if beyond])
 

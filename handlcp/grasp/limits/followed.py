@@ -50,20 +50,19 @@ class Before:
         first, self._goals, self._stepper = begun(spec, section, self._body, TOLERANCE, _ORDER, path)
         self._watch, count = watch_of(spec, self._body), max(int(np.ceil(finer * _STEPS)), 1)
         self._run = advance(self._stepper, self._watch, first, self._goals[:-1], count)
+        self._closing = over_closing(spec.mechanism, lambda: closing_torque(self._run.states))
 
     @property
     def held(self) -> bool:
         """Whether the object is held by then, and has not begun to slide through, and motors close so hard."""
-        closed = not over_closing(self._spec.mechanism, closing_torque(self._run.states))
-        return closed and self._run.outcome is Outcome.END and self._run.slides is None
+        return not self._closing and self._run.outcome is Outcome.END and self._run.slides is None
 
     def limit(self, wrench: Array, until: float = np.inf) -> LoadLimit:
         """Of a load (6,) that grows, up to this factor: none is found that is larger."""
         spec, section, before, stepper = self._spec, self._section, self._run, self._stepper
-        closing = over_closing(spec.mechanism, closing_torque(before.states))
-        if before.outcome is not Outcome.END or closing:
+        if before.outcome is not Outcome.END or self._closing:
             loading = loading_of(before, self._goals[:-1], stepper, section)
-            return nothing(spec, wrench, before, self._geometry, loading, closing)
+            return nothing(spec, wrench, before, self._geometry, loading, self._closing)
         start, finer, follows = before.states[-1], self._finer, self._body.follows
         size = _as_large(stepper, start, wrench)
         at = stepper.geometry.displacement(start.where.pose)

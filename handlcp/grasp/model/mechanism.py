@@ -194,8 +194,8 @@ class Mechanism:
         """(nv,) the torque with which each joint can close [N·m]; None where no motor says it."""
         return None
 
-    def closing_reasons(self, torque: Array) -> Iterable[Any]:
-        """The same of what closing took at most of each joint (nv,) [N·m]."""
+    def closing_reasons(self, beyond: Any) -> Iterable[Any]:
+        """The same of `Cause`s, joints that closing took more of than their motors give."""
         return ()
 
     def pulling_reasons(self, spec: Any, torque: Array) -> Iterable[Any]:

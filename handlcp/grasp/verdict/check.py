@@ -61,9 +61,8 @@ def _suggestion(r: Reason) -> Suggestion:
         "friction": f"friction={value:g}",
         "stiffness": f"joint_stiffness × {value:g}",
         "grip": "another placement of the object",
-        **{what: f"{what} × {value:g}" for what in ("grip force", "closing torque", "joint offset")},
     }
-    return Suggestion(change, np.inf, r.sentence, ask[change])
+    return Suggestion(change, np.inf, r.sentence, ask.get(change, f"{change} × {value:g}"))
 
 
 # ----------------------------------------------------------------

@@ -20,6 +20,7 @@ from handlcp.grasp.answer.reasons import (
 )  # fmt: skip
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Reason
+from handlcp.grasp.cause.judge import over_closing
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.follow import Loading
@@ -82,7 +83,7 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
         place = (path.state, path.object)
         found = mechanism.end_reasons(path.steps.torques[-1], last.yielded, place)
         yield from (r for r in found if _about(r) not in known)
-        yield from mechanism.closing_reasons(closing_torque(path.steps.states))
+        yield from mechanism.closing_reasons(over_closing(mechanism, lambda: closing_torque(path.steps.states)))
         if "squeeze" in path.stages:
             closed = np.flatnonzero(path.steps.stage == path.stages.index("squeeze"))
             yield from mechanism.pulling_reasons(spec, path.steps.torques[closed[-1]])

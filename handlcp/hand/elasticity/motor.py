@@ -153,22 +153,25 @@ class Drives:
     @lazy
     def friction(self) -> Array:
         """(nv,) τ_f [N·m]."""
-        return read_only(np.array([0.0 if m is None else m.friction for m in self.of]))
+        return self._each("friction", np.zeros(len(self.of)))
 
     @lazy
     def closes(self) -> Array:
         """(nv,) with which the joints can close [N·m]; inf of a joint without a motor."""
-        return read_only(np.array([np.inf if m is None else m.closes for m in self.of]))
+        return self._each("closes", np.full(len(self.of), np.inf))
 
     def pulls(self, limits: Array) -> Array:
         """(nv,) the peak of each motor at the joint [N·m]; of a joint without a motor its limit, of limits (nv,)."""
-        each = zip(self.of, limits.tolist(), strict=True)
-        return read_only(np.array([most if m is None else m.at_peak for m, most in each]))
+        return self._each("at_peak", limits)
 
     def holds(self, limits: Array) -> Array:
         """(nv,) that they hold for good [N·m]; of a joint without a motor its limit, of limits (nv,)."""
-        each = zip(self.of, limits.tolist(), strict=True)
-        return read_only(np.array([most if m is None else m.holds for m, most in each]))
+        return self._each("holds", limits)
+
+    def _each(self, number: str, others: Array) -> Array:
+        """(nv,) of each motor; of joints without one, those of others (nv,)."""
+        every = zip(self.of, others.tolist(), strict=True)
+        return read_only(np.array([other if m is None else getattr(m, number) for m, other in every]))
 
 
 def read_motors(value: Any, joints: Sequence[str]) -> Drives | None:

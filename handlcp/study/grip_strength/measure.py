@@ -13,6 +13,7 @@ from handlcp.errors import HandLCPError, InputError, NoGraspFound
 from handlcp.grasp.cause.judge import UNDECIDED
 from handlcp.hand import Cylinder, Hand, find_grasp
 from handlcp.hand.objects.shapes import ask_for_metres
+from handlcp.hand.torque_check import KEEPS, kept
 from handlcp.progress import told
 from handlcp.study.grip_strength.across import Around
 from handlcp.study.grip_strength.full_torque import Closed, ask_for_limits, closed
@@ -22,7 +23,6 @@ POWER, PINCH = "power", "pinch"
 _LONG = 3.0  # diameters: a cylinder's length, unless said otherwise
 _TRIED = 4  # pinch grasps that are closed, of which the strongest counts
 _WEIGHTLESS = (0.0, 0.0, 0.0)
-_MOST_OF_IT = 0.8  # of its torque: a joint that keeps less once the links have come to rest is counted
 
 
 def split_cylinder(
@@ -101,20 +101,18 @@ def _wrapped(hand: Hand, cylinder: Cylinder, friction: Any, placed: bool) -> Clo
         found = find_grasp(hand, cylinder, kind=POWER, friction=friction, gravity=_WEIGHTLESS)
         grasp = found[0].grasp.replace(closing_torque=hand.torques.pulls)
     path = grasp.follow(order=("squeeze",))
-    return Closed(grasp, path, (), _left_of(hand.torques.pulls, grasp.joint_offset, path.steps.torques[-1]))
+    return Closed(grasp, path, (), _left_of(grasp, path.steps.torques[-1]))
 
 
-def _left_of(pulls: Array, command: Array, torque: Array) -> str:
-    """What joints that close, with `pulls` (nv,), hold of it in the end: torque (nv,) [N·m]."""
-    share = (np.sign(command) * torque / pulls)[command != 0.0]
-    text = "every joint closes with all its torque"
-    short = share < _MOST_OF_IT
+def _left_of(grasp: Any, torque: Array) -> str:
+    """What joints that close hold of their torque in the end, (nv,) [N·m]."""
+    asked = grasp.mechanism.closing_with(grasp.spec)
+    share = kept(torque, asked)[asked != 0.0]
+    text, short = "every joint closes with all its torque", share < KEEPS
     if not short.any():
         return text
     least = words.percent(max(float(share.min()), 0.0))
-    return (
-        f"{text}, but {short.sum()} of {len(share)} keep less than {words.percent(_MOST_OF_IT)} of it, down to {least}"
-    )
+    return f"{text}, but {short.sum()} of {len(share)} keep less than {words.percent(KEEPS)} of it, down to {least}"
 
 
 def _around(one: Closed) -> Around:
