@@ -229,11 +229,12 @@ class HandMechanism(Varied, Mechanism):
             yield from closing_reasons(self.names, tuple(beyond), drives)
 
     def closing_with(self, spec: GraspSpec) -> Array | None:
-        """(nv,) K δq, the torques that a closing torque asked of the joints [N·m]; None: none was asked for."""
-        command, hand = command_of(spec.effects), self.posture.hand
-        if command is None or getattr(spec.asked, "closing_torque", None) is None:
+        """(nv,) the torques that a closing torque asked of the joints [N·m]; None: the joints are commanded otherwise."""
+        command, closed = command_of(spec.effects), getattr(spec.asked, "closed", None)
+        if command is None or closed is None or (command.command != closed.command).any():
             return None
-        return np.linalg.pinv(hand.stiffness.compliance(np.eye(hand.nv)), hermitian=True) @ command.command
+        torque: Array | None = closed.torque
+        return torque
 
     def pulling_reasons(self, spec: GraspSpec, torque: Array) -> Iterator[Reason]:
         """Of a closing torque."""

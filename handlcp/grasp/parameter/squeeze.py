@@ -94,8 +94,11 @@ class Squeeze(OfContacts):
         close with, where that has a size, or else by depth.
         """
         if (harder := getattr(spec.asked, "harder", None)) is not None and why in (FORCES, TORQUE):
-            sized = [made for times in (_MORE if why == FORCES else _LESS) if (made := _again(harder, times))]
-            yield from sized
+            sized = False
+            for times in _MORE if why == FORCES else _LESS:
+                if (made := _again(harder, times)) is not None:
+                    sized = True
+                    yield made
             if sized:
                 return
         if why == FORCES:

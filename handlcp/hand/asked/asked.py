@@ -13,6 +13,7 @@ from handlcp.check import Array, array, number, per_name, read_only, yes_or_no
 from handlcp.errors import InputError, NotReached
 from handlcp.grasp.assembly.asked import again, as_asked, fastened
 from handlcp.grasp.effects import Effect
+from handlcp.grasp.effects.joint_offset import joints_commanded
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.friction import Coulomb, as_law, laws_by_name
 from handlcp.grasp.model import validate
@@ -20,8 +21,9 @@ from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.environment import beside, offset_beside
 from handlcp.grasp.model.flexibility import matrix_of
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.hand.asked.closing import Closed, begun_open, closed_by, closing_torques, pulled
+from handlcp.hand.asked.closing import Closed, begun_open, closed_by, closing_torques, pulling
 from handlcp.hand.asked.load import load_of, point_of
+from handlcp.hand.asked.wound import wound
 from handlcp.hand.command import commanded, one_command
 from handlcp.hand.mechanism import HandMechanism, mechanism_of, own_flexibility
 from handlcp.hand.objects.detect import touching
@@ -144,13 +146,23 @@ class HandAsked:
 
     def spec(self) -> GraspSpec:
         """See `state.grasp`. Raises NotReached, UnknownName, InputError."""
+        made = self.begun()
+        closed = made.asked.closed
+        if closed is None or closed.wound:
+            return made
+        tight = wound(made, closed.torque)
+        command = joints_commanded(tight.effects, len(closed.q))
+        return tight.replace(asked=replace(made.asked, closed=replace(closed, command=command, wound=True)))
+
+    def begun(self) -> GraspSpec:
+        """The same, with motors that have only begun to turn on where links touch."""
         obj = self.target if isinstance(self.target, Object) else None
         one_command(
             squeeze=self.squeeze, grip_force=self.grip_force, joint_offset=self.joint_offset,
             closing_torque=self.closing_torque,
         )  # fmt: skip
         if self.bare is None and not (isinstance(self.links, str) and self.links == TIPS):
-            return self._on_links(obj).spec()
+            return self._on_links(obj).begun()
         closed = self._closed(obj)
         offset = self.joint_offset if closed is None else closed.command
         weighed = _weight_given(self.finger_weight)
@@ -183,7 +195,7 @@ class HandAsked:
         )  # fmt: skip
         spec = commanded(as_asked(spec, self.effects), self.squeeze, self.grip_force, offset)
         opened, keeps = None if closed is None else closed.opened, yes_or_no("hold_object", self.hold_object)
-        return begun_open(spec, opened, keeps).replace(asked=self)
+        return begun_open(spec, opened, keeps).replace(asked=self if closed is self.closed else replace(self, closed=closed))
 
     def harder(self, factor: float) -> tuple[str, str, GraspSpec] | None:
         """What says how hard the hand closes, so many times as much of it in words, and the grasp with that; None: a
@@ -212,7 +224,7 @@ class HandAsked:
             raise InputError("closing_torque", expected, repr(self.closing_torque)[:80])
         way = bending(self.state.hand, self.state.q, obj)
         torque = closing_torques(self.state.hand, way, self.closing_torque)
-        return Closed(self.state.q, None, pulled(self.state.hand, torque))
+        return pulling(self.state.hand, self.state.q, None, torque)
 
     def _on_links(self, obj: Object | None) -> HandAsked:
         """The same asked of the hand whose fingertips are the places that touch."""

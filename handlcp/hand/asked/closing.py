@@ -32,11 +32,16 @@ _MOVED = 1e-9  # [rad, m] a hand that closes by less is closed already
 
 @dataclass(frozen=True, eq=False)
 class Closed:
-    """q (nv,) where links touch. opened (nv,) : where the hand began; None: there. command (nv,) : on from q."""
+    """q (nv,) where links touch. opened (nv,) : where the hand began; None: there. command (nv,) : on from q. torque
+    (nv,) : with which motors pull [N·m]; None: joints were commanded. wound : whether the command is as far as motors
+    turn on; or else it is K⁻¹ τ, as if nothing gave way.
+    """
 
     q: Array
     opened: Array | None
     command: Array
+    torque: Array | None = None
+    wound: bool = True
 
 
 def closed_by(state: Posture, obj: Object, joint_offset: Any, closing_torque: Any) -> Closed:
@@ -55,7 +60,7 @@ def closed_by(state: Posture, obj: Object, joint_offset: Any, closing_torque: An
     opened = q if abs(found.q - q).max() > _MOVED else None
     if offset is not None:
         return Closed(found.q, opened, read_only(q + offset - found.q))
-    return Closed(found.q, opened, pulled(hand, np.where(carries(state, found.q, obj), torque, 0.0)))
+    return pulling(hand, found.q, opened, np.where(carries(state, found.q, obj), torque, 0.0))
 
 
 def closing_torques(hand: HandModel, way: Array, value: Any) -> Array:
@@ -104,14 +109,14 @@ def carries(state: Posture, q: Array, obj: Object) -> Bools:
     return found
 
 
-def pulled(hand: HandModel, torque: Array) -> Array:
-    """(nv,) K⁻¹ τ: how far joints are commanded that pull with these torques at an object that stays where it is."""
+def pulling(hand: HandModel, q: Array, opened: Array | None, torque: Array) -> Closed:
+    """Commanded by K⁻¹ τ, as far as motors turn where neither links nor the object give way. Raises InputError."""
     root = hand.stiffness.root
     command = np.asarray(root @ (torque @ root))
     if (rigid := (torque != 0.0) & (command == 0.0)).any():
         stuck = ", ".join(name for name, is_rigid in zip(hand.joint_names, rigid, strict=True) if is_rigid)
         raise InputError("closing_torque", "joints that give way, which a torque turns", f"{stuck}: rigid")
-    return read_only(command)
+    return Closed(q, opened, read_only(command), read_only(torque), False)
 
 
 def begun_open(spec: GraspSpec, opened: Array | None, keeps: bool) -> GraspSpec:

@@ -87,6 +87,12 @@ class Elasticity:
         """
         return None
 
+    def pulled(self, torque: Array, command: Array) -> Array:
+        """(nv,) the torques with which the actuators themselves pull at the joints [N·m], springs beside them left out;
+        arguments as of `effort`.
+        """
+        return torque
+
     def beyond(self, command: Array) -> Array:
         """(nv,) the part of the torques K δq of a command (nv,) [rad] that no actuator makes [N·m]."""
         return np.zeros(len(command))

@@ -223,6 +223,10 @@ class TendonStiffness(JointStiffness):
             tension = tension + np.linalg.lstsq(self.arms.T, self.passive @ command)[0]
         return Effort("tendon tension", "N", self.names, read_only(tension))
 
+    def pulled(self, torque: Array, command: Array) -> Array:
+        """Rᵀ t."""
+        return np.asarray(self.arms.T @ self.effort(torque, command).values)
+
     def beyond(self, command: Array) -> Array:
         """Tendons make torques Rᵀ t; what else K δq_c asks for, springs at the joints would have to be commanded to."""
         free = np.asarray(self.root.any(axis=1))
