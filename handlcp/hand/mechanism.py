@@ -31,6 +31,7 @@ from handlcp.hand.elasticity.elasticity import TRANSMISSION
 from handlcp.hand.elasticity.stiffness import JointStiffness, Pads, tip_flexibility
 from handlcp.hand.objects.detect import touching
 from handlcp.hand.objects.object import Object
+from handlcp.hand.pulling import Pulling, pulling_reasons
 from handlcp.hand.robot.joints import TorqueLimits
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.varied import Varied
@@ -228,20 +229,18 @@ class HandMechanism(Varied, Mechanism):
         if (drives := self.posture.hand.torques.drives) is not None:
             yield from closing_reasons(self.names, tuple(beyond), drives)
 
-    def closing_with(self, spec: GraspSpec) -> Array | None:
-        """(nv,) the torques that a closing torque asked of the joints [N·m]; None: the joints are commanded otherwise."""
-        command, closed = command_of(spec.effects), getattr(spec.asked, "closed", None)
-        if command is None or closed is None or (command.command != closed.command).any():
+    def pulling(self, spec: GraspSpec) -> Pulling | None:
+        """What a closing torque asked of the joints; None: they are commanded otherwise."""
+        command, closed, hand = command_of(spec.effects), getattr(spec.asked, "closed", None), self.posture.hand
+        if command is None or closed is None or closed.torque is None or (command.command != closed.command).any():
             return None
-        torque: Array | None = closed.torque
-        return torque
+        return Pulling.of(closed.torque, hand.moves[list(self.tips)], hand.stiffness)
 
     def pulling_reasons(self, spec: GraspSpec, torque: Array) -> Iterator[Reason]:
         """Of a closing torque."""
-        from handlcp.hand.torque_check import pulling_reasons
-
-        if (asked := self.closing_with(spec)) is not None:
-            yield from pulling_reasons(self.names, torque, asked)
+        if (pulling := self.pulling(spec)) is not None:
+            shares = pulling.shares(torque, joints_commanded(spec.effects, len(torque)))
+            yield from pulling_reasons(self.names, pulling, shares)
 
     def elsewhere(self, spec: GraspSpec, shift: Array) -> GraspSpec | None:
         """The hand closes anew on its object, moved by shift (3,) [m]. None beside a command of the joints, which would

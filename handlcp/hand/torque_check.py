@@ -217,27 +217,6 @@ def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
         yield Reason("limit_unknown", "warning", text, {"joints": check.unknown})
 
 
-KEEPS = 0.8  # of the torque that was asked for: a joint that pulls with less, once the hand has closed, is named
-
-
-def kept(torque: Array, asked: Array) -> Array:
-    """(nv,) share of the torques that joints were asked to pull with [N·m] that they pull with; inf where that is 0."""
-    return np.where(asked != 0.0, torque * np.sign(asked) / np.where(asked != 0.0, abs(asked), 1.0), np.inf)
-
-
-def pulling_reasons(joints: Sequence[str], torque: Array, asked: Array) -> Iterator[Reason]:
-    """Of joints that pull with less than asked for (nv,) [N·m] once the hand has closed: motors are commanded by an
-    angle, and let go of their springs where links turn on.
-    """
-    if short := np.flatnonzero(kept(torque, asked) < KEEPS).tolist():
-        pulls = torque * np.sign(asked)
-        both = [(joints[k], words.torques((float(pulls[k]), abs(float(asked[k]))))) for k in short]
-        needs = [f"{joint} {' of '.join(each)}" for joint, each in both]
-        text = f"where the hand has closed, joints pull with less than the closing torque: {words.listed(needs)}"
-        values = [{"joint": joints[k], "torque_Nm": float(pulls[k]), "asked_Nm": float(asked[k])} for k in short]
-        yield Reason("closing_torque", "warning", text, {"joints": values})
-
-
 def _over(rows: tuple[TorqueRow, ...]) -> Reason:
     """Of joints over their limits: for a while, where motors hold all of them at their peak, or not at all."""
     values = {"joints": [_values(r) for r in rows]}

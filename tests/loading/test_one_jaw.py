@@ -38,16 +38,13 @@ def test_what_lies_on_the_palm_stays_there_until_the_jaw_has_come(pad):
     on = [sum(f[2] for f, name in zip(forces, followed.solution.names, strict=True) if link in name)
           for link in ("jaw", "palm")]  # fmt: skip
     assert on[0] == pytest.approx(on[1], rel=1e-6)
-    # Two lines of two pads each between a spring and a wall: the spring eases by what they give
-    most = PULL / (1.0 + STIFF * (pad / 2.0 + pad / 2.0))
-    assert on[0] == pytest.approx(most, abs=CLOSES)
+    assert on[0] == pytest.approx(PULL, rel=1e-6)  # however far pads give way: the motor turns on until it pulls so
 
 
 def test_across_it_holds_what_friction_holds_on_both_sides():
     """The rod would have to slide on the palm or on the jaw, and roll on the other: 2 μ N."""
-    force = PULL / (1.0 + STIFF * PAD)
     limit = held().load_limit((0, 0, 1.0, 0, 0, 0))
-    assert limit.factor == pytest.approx(2.0 * MU * force, abs=2.0 * MU * CLOSES)
+    assert limit.factor == pytest.approx(2.0 * MU * PULL, rel=1e-6)
 
 
 def test_a_hand_of_one_joint_has_all_that_hands_have():
@@ -64,7 +61,7 @@ def test_what_a_joint_that_slides_does_is_said_in_newtons():
     s = held().solve()
     table, force = str(s.torque_check), s.torques[0]
     assert "N·m" not in table
-    assert f"{abs(force):.4f}" in table
+    assert f"{abs(force):.3f}" in table
     assert "of 40 N" in s.verdict.text
     assert s.torque_check["slide"].unit == "N"
     tight = held().state.hand.replace(torque_limits=0.5 * abs(force)).at([0.02 - GAP])

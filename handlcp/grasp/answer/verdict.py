@@ -10,7 +10,7 @@
 | `link_inside`, `joint_range` | a posture that the hand cannot take: a link inside the object, a joint past its range |
 | `large_motion`, `followed_forces` | motions, or forces, that the equations of small motions miss |
 | `torque_over_limit`, `torque`, `limit_unknown`, `limit_doubtful` | what the joints bear, and what is known of it |
-| `closing_torque` | joints that pull with less than was asked for, once the hand has closed |
+| `closing_torque` | fingers that pull with less than was asked for, once the hand has closed |
 | `overheats`, `closing_over_peak` | what motors hold for a while alone; what closing takes beyond their peak |
 | `hand_doubtful` | a serious doubt of the hand's audit that is not about torque limits |
 | `unplaced` | a sample of a study that is no grasp, such as one with a contact past an edge |

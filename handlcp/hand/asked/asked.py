@@ -13,8 +13,8 @@ from handlcp.check import Array, array, number, per_name, read_only, yes_or_no
 from handlcp.errors import InputError, NotReached
 from handlcp.grasp.assembly.asked import again, as_asked, fastened
 from handlcp.grasp.effects import Effect
-from handlcp.grasp.effects.joint_offset import joints_commanded
 from handlcp.grasp.effects.finger_weight import FingerWeight
+from handlcp.grasp.effects.joint_offset import joints_commanded
 from handlcp.grasp.friction import Coulomb, as_law, laws_by_name
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Contact
@@ -195,7 +195,7 @@ class HandAsked:
         )  # fmt: skip
         spec = commanded(as_asked(spec, self.effects), self.squeeze, self.grip_force, offset)
         opened, keeps = None if closed is None else closed.opened, yes_or_no("hold_object", self.hold_object)
-        return begun_open(spec, opened, keeps).replace(asked=self if closed is self.closed else replace(self, closed=closed))
+        return begun_open(spec, opened, keeps).replace(asked=replace(self, closed=closed))
 
     def harder(self, factor: float) -> tuple[str, str, GraspSpec] | None:
         """What says how hard the hand closes, so many times as much of it in words, and the grasp with that; None: a

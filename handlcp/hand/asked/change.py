@@ -17,13 +17,14 @@ from handlcp.grasp.friction import laws_by_name
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.asked.asked import HandAsked
-from handlcp.hand.asked.closing import Closed
+from handlcp.hand.asked.closing import Closed, pulling
 from handlcp.hand.asked.load import load_of, weight_of
 from handlcp.hand.command import COMMANDS
 from handlcp.hand.mechanism import HandMechanism, finger_flexibility
 from handlcp.hand.objects.object import Object
 
 _WEIGH = ("object", "mass", "gravity")
+_LOADS = frozenset({"wrench", "load", "mass", "gravity"})  # come once the hand has closed
 _PLACE = ("object", "fingers", "max_gap", "links")  # what makes the fingertips look for the object anew
 
 
@@ -48,6 +49,9 @@ def hand_remade(spec: GraspSpec, given: dict[str, Any]) -> GraspSpec:
         changes["found"] = None
     if asked.bare is not None and any(name in given for name in (*_PLACE, *COMMANDS)):  # the hand closes anew
         changes |= {"state": asked.bare, "bare": None, "closed": None, "found": None}
+    closed = changes.get("closed", asked.closed)
+    if closed is not None and closed.torque is not None and not set(given) <= _LOADS:
+        changes["closed"] = pulling(mechanism.posture.hand, closed.q, closed.opened, closed.torque)
     changes["target"] = _target(asked, spec, mechanism, given)
     changes |= _friction(asked, spec, mechanism, changes)
     made: HandAsked = again(asked, {name: x for name, x in changes.items() if name not in ("object", "mass")})

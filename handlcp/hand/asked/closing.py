@@ -55,7 +55,7 @@ def closed_by(state: Posture, obj: Object, joint_offset: Any, closing_torque: An
         torque, offset = np.zeros(hand.nv), read_joint_offset(joint_offset, hand.joint_names)
         rates, until = offset, 1.0
     if not rates.any():
-        return Closed(q, None, pulled(hand, torque) if offset is None else offset)
+        return pulling(hand, q, None, torque) if offset is None else Closed(q, None, offset)
     found = wrap(hand, obj, q, rates, until, "target")
     opened = q if abs(found.q - q).max() > _MOVED else None
     if offset is not None:

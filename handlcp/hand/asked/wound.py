@@ -1,17 +1,16 @@
 """How far motors turn on once the hand touches, until they pull with the torque that was asked for.
 
-A joint whose motor has turned δq further than the joint pulls with K (δq - Δq), where Δq is how far the joint itself has
-turned on meanwhile: K⁻¹ τ alone is right only where nothing gives way. So the closing is followed: the motors of each
-finger turn on together, in proportion to K⁻¹ τ, until the first of them pulls with its torque; then that finger holds.
-What its other joints pull with is for the contacts to say: a fingertip's force needs torques in one proportion.
+A motor that has turned on by δq pulls with K (δq - Δq) where its joint has turned on by Δq meanwhile: K⁻¹ τ alone is
+right only where nothing gives way. So the closing is followed: the motors of each finger turn on together, in
+proportion to K⁻¹ τ, until the first of them pulls with its torque; then that finger holds. What its other joints pull
+with is for the contacts to say: a fingertip's force needs torques in one proportion.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse.csgraph import connected_components
 
-from handlcp.check import Array, Bools, Ints, read_only
+from handlcp.check import Array, Bools, read_only
 from handlcp.errors import Unsupported
 from handlcp.grasp.effects.joint_offset import recommanded
 from handlcp.grasp.friction import Section, as_section
@@ -20,26 +19,14 @@ from handlcp.grasp.path.advance import Leg, Open
 from handlcp.grasp.path.follow import TOLERANCE, begun, geometry_of
 from handlcp.grasp.path.state import Goal, Outcome, Run, State
 from handlcp.grasp.path.watch import watch_of
-from handlcp.hand.elasticity.elasticity import Elasticity
 from handlcp.hand.mechanism import HandMechanism
+from handlcp.hand.pulling import Pulling
 from handlcp.progress import told
 
 _STEP = 1.0 / 20.0  # of K⁻¹ τ
 _MOST = 100.0  # times K⁻¹ τ: joints that turn as far and do not pull meet nothing
 _THERE = 1e-3  # of the torque: as near to it is there
 _OTHERS = 1.1  # times its torque: no finger turns on that drives a joint of another beyond this
-
-
-def fingers_of(moves: Bools, stiffness: Elasticity, torque: Array) -> Ints:
-    """(nv,) number of the finger of each joint that pulls; -1 of others. Joints that move one place that may touch, or
-    that are driven together, are of one finger. moves (n, nv) : which joint moves which place.
-    """
-    pulls = np.flatnonzero(torque)
-    move, compliance = moves[:, pulls].astype(int), stiffness.compliance(np.eye(len(torque)))[np.ix_(pulls, pulls)]
-    together = (move.T @ move > 0) | (abs(compliance) > 0.0)
-    found = np.full(len(torque), -1)
-    found[pulls] = connected_components(together, directed=False)[1]
-    return found
 
 
 @told("closing the hand")
@@ -49,65 +36,60 @@ def wound(spec: GraspSpec, torque: Array) -> GraspSpec:
     followed.
     """
     mechanism = spec.mechanism
+    if not torque.any():
+        return spec
     assert isinstance(mechanism, HandMechanism)  # which pulls
     hand = mechanism.posture.hand
-    fingers = fingers_of(hand.moves[list(mechanism.tips)], hand.stiffness, torque)
+    pulling = Pulling.of(torque, hand.moves[list(mechanism.tips)], hand.stiffness)
     try:
-        closing = _Closing(spec, as_section("cone", planar=spec.plane is not None), torque, fingers, hand.stiffness)
+        closing = _Closing(spec, as_section("cone", planar=spec.plane is not None), pulling)
     except Unsupported:
         return spec
     return spec.replace(effects=recommanded(spec.effects, read_only(closing.command())))
 
 
 class _Closing:
-    """A closing that is followed. fingers (nv,) : as `fingers_of` has them."""
+    """A closing that is followed."""
 
-    def __init__(self, spec: GraspSpec, section: Section, torque: Array, fingers: Ints, stiffness: Elasticity) -> None:
+    def __init__(self, spec: GraspSpec, section: Section, pulling: Pulling) -> None:
         body = geometry_of(spec, None)
         first, goals, self.stepper = begun(spec, section, body, TOLERANCE, "squeeze", None)
-        self.watch, self.torque, self.fingers = watch_of(spec, body), torque, fingers
-        self.stiffness = stiffness
+        self.watch, self.pulling = watch_of(spec, body), pulling
         self.end = goals[0].end
         self.run = Run([self.stepper.beginning(first)], [0], [0.0])
 
     def command(self) -> Array:
         """(nv,) beyond the posture, at the end."""
-        rate, none = self.end.command, np.zeros(len(self.torque))
-        if self.run.states[0].controls.command.any():
-            goal = Goal("squeeze", self.end._replace(command=none))
-            if not Leg(self.stepper, self.watch, self.run, 0, goal, _STEP).through():
+        rate, run, fingers = self.end.command, self.run, self.pulling.fingers
+        if run.states[0].controls.command.any():  # the hand closes until it touches
+            goal = Goal("squeeze", self.end._replace(command=np.zeros_like(rate)))
+            if not Leg(self.stepper, self.watch, run, 0, goal, _STEP).through():
                 return rate
-        winding, found = set(self.fingers.tolist()) - {-1}, rate.copy()
-        while winding:
-            on = np.isin(self.fingers, list(winding))
-            before = self.run.states[-1]
-            now = before.controls
-            goal = Goal("squeeze", self.end._replace(command=now.command + np.where(on, rate, 0.0)))
-            self.run.outcome = Outcome.END
-            beyond = Open(_STEP, _MOST, lambda state, on=on: self._beyond(state, on))  # type: ignore[misc]
-            Leg(self.stepper, self.watch, self.run, 0, goal, _STEP, beyond).through()
-            last, pulls = self.run.states[-1], self._pulls(self.run.states[-1])
-            there = {int(f) for f in self.fingers[on & (pulls > 1.0 - _THERE)]}
-            if self.run.outcome is Outcome.LIMIT and there:
-                done = there
-            else:  # nothing more to be had, or another finger in the way
-                done = set(winding)
+        found, turning = rate.copy(), set(self.pulling.every)
+        while turning:
+            on, before = np.isin(fingers, list(turning)), run.states[-1]
+            self._turn_on(on)
+            last, shares = run.states[-1], self._shares(run.states[-1])
+            there = set(fingers[on & (shares > 1.0 - _THERE)].tolist())
+            done = there or turning  # a finger whose turning on drives another one too far; or nothing more to be had
             for finger in done:
-                its = self.fingers == finger
-                harder = pulls[its].max() > self._pulls(before)[its].max()
-                if harder or self.run.outcome is Outcome.LIMIT:
+                its = fingers == finger
+                if run.outcome is Outcome.LIMIT or shares[its].max() > self._shares(before)[its].max():
                     found[its] = last.controls.command[its]
-            if self.run.outcome is Outcome.LOST:
-                found[on] = last.controls.command[on] + rate[on]  # the closing itself loses the object
-            winding -= done
+            if run.outcome is Outcome.LOST:  # the closing itself loses the object
+                found[on] = last.controls.command[on] + rate[on]
+            turning = turning - done
         return found
 
-    def _pulls(self, state: State) -> Array:
-        """(nv,) of its torque that each joint pulls with; 0 of joints that are not asked to."""
-        asked = np.where(self.torque != 0.0, self.torque, 1.0)
-        pulled = self.stiffness.pulled(state.read.torque, state.controls.command)
-        return np.where(self.torque != 0.0, pulled / asked, 0.0)
+    def _turn_on(self, on: Bools) -> None:
+        """These joints (nv,), until one of them pulls with its torque, or others are driven too far."""
+        now = self.run.states[-1].controls.command
+        goal = Goal("squeeze", self.end._replace(command=now + np.where(on, self.end.command, 0.0)))
+        most = np.where(on, 1.0, _OTHERS)
+        beyond = Open(_STEP, _MOST, lambda state: float((self._shares(state) - most).max()))
+        self.run.outcome = Outcome.END
+        Leg(self.stepper, self.watch, self.run, 0, goal, _STEP, beyond).through()
 
-    def _beyond(self, state: State, on: Bools) -> float:
-        """How far a joint is beyond its torque, as a share."""
-        return float((self._pulls(state) - np.where(on, 1.0, _OTHERS)).max())
+    def _shares(self, state: State) -> Array:
+        """(nv,) of its torque that each joint pulls with."""
+        return self.pulling.shares(state.read.torque, state.controls.command)

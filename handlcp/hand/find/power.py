@@ -12,6 +12,7 @@ import numpy as np
 from handlcp.check import Array, Bools
 from handlcp.errors import InputError, NotReached, Unsupported
 from handlcp.grasp.batch.solve_many import solve_many
+from handlcp.hand.asked.asked import HandAsked
 from handlcp.hand.asked.closing import closing_torques
 from handlcp.hand.find.candidate import Candidate, candidate_of, followed_through
 from handlcp.hand.find.clear import Links
@@ -80,6 +81,7 @@ class PowerSearch:
                 break
             self.tried["checked"] += 1
             tick(f"checking grasp {self.tried['checked']}")
+            one = _tight(one)
             if not (one.sure or one.settles):  # this costs less than to follow it in all directions
                 self.refused.append(one)
                 continue
@@ -115,7 +117,8 @@ class PowerSearch:
             self.tried["settled"] += 1
             state, obj = HandState(self._hand, place.q), place.of(self._obj)
             asked = self._asked | {"closing_torque": self._torque(state, obj, one.closing)}
-            grasp = state.grasp(obj, links=ALL, hold_object=True, max_gap=_REACH, **asked)
+            asked |= {"links": ALL, "hold_object": True, "max_gap": _REACH}
+            grasp = HandGrasp(HandAsked(state, obj, **asked).begun())
         except (NotReached, Unsupported):
             return []
         except InputError as error:
@@ -140,6 +143,12 @@ class PowerSearch:
             return np.where(closing & (way != 0.0), closing_by_limit(self._hand), 0.0)
         given = closing_torques(self._hand, way, asked)
         return np.where(way != 0.0, np.where(closing, np.sign(way) * given, 0.0), given)
+
+
+def _tight(one: Candidate) -> Candidate:
+    """With motors that have turned on until they pull with their torque: this costs more than to solve one."""
+    grasp = HandGrasp(one.grasp.spec.asked.spec())
+    return candidate_of("power", grasp, grasp.solve(proof=False))
 
 
 def _load(one: Candidate) -> float:

@@ -13,7 +13,7 @@ from handlcp.errors import HandLCPError, InputError, NoGraspFound
 from handlcp.grasp.cause.judge import UNDECIDED
 from handlcp.hand import Cylinder, Hand, find_grasp
 from handlcp.hand.objects.shapes import ask_for_metres
-from handlcp.hand.torque_check import KEEPS, kept
+from handlcp.hand.pulling import KEEPS
 from handlcp.progress import told
 from handlcp.study.grip_strength.across import Around
 from handlcp.study.grip_strength.full_torque import Closed, ask_for_limits, closed
@@ -105,14 +105,15 @@ def _wrapped(hand: Hand, cylinder: Cylinder, friction: Any, placed: bool) -> Clo
 
 
 def _left_of(grasp: Any, torque: Array) -> str:
-    """What joints that close hold of their torque in the end, (nv,) [N·m]."""
-    asked = grasp.mechanism.closing_with(grasp.spec)
-    share = kept(torque, asked)[asked != 0.0]
-    text, short = "every joint closes with all its torque", share < KEEPS
-    if not short.any():
+    """What fingers hold of their torque, (nv,) [N·m], once the cylinder has been let go."""
+    pulling = grasp.mechanism.pulling(grasp.spec)
+    shares = pulling.shares(torque, grasp.joint_offset)
+    text, short = "every finger closes until a joint of it pulls with all its torque", pulling.short(shares)
+    if not short:
         return text
-    least = words.percent(max(float(share.min()), 0.0))
-    return f"{text}, but {short.sum()} of {len(share)} keep less than {words.percent(KEEPS)} of it, down to {least}"
+    least = words.percent(max(float(shares[short].min()), 0.0))
+    few = f"{len(short)} of {len(pulling.every)} keep less than {words.percent(KEEPS)} of it"
+    return f"{text}, but once the cylinder is let go {few}, down to {least}"
 
 
 def _around(one: Closed) -> Around:
