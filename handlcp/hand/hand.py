@@ -30,8 +30,8 @@ class Hand(HandModel):
     """A hand with elastic joints and fingertips, made by `Hand.from_urdf`, `from_mjcf` or `from_model`; what it
     promises is said at `HandModel`.
 
-    Data: name, joint_names, nv, fingertips, lower, upper, neutral, torque_limits, and the parts kinematics, tips,
-    stiffness, pads, torques.
+    Data: name, joint_names, nv, fingertips, lower, upper, neutral, torque_limits, joint_friction, and the parts
+    kinematics, tips, stiffness, pads, torques.
     """
 
     _by_tip: dict[str, Any]  # what was passed fingertip by fingertip
@@ -50,6 +50,7 @@ class Hand(HandModel):
         tip_radius: Any = None,
         package_dirs: Any = None,
         motors: Any = None,
+        joint_friction: Any = None,
     ) -> Self:
         """Read a hand from a URDF, or a xacro file (pip install handlcp[xacro]).
 
@@ -73,6 +74,9 @@ class Hand(HandModel):
         package_dirs : folders for package:// addresses of meshes, and for what a xacro file includes.
         motors : a `Motor` for every joint, or a mapping by joint name (others: none). A motor gives the torque limit of
             its joint, what it holds for good, and its stiffness where it says one.
+        joint_friction : [N·m] dry friction at the joints, beside their springs: None: none; "file": what the file
+            states; a number, a mapping by joint name (others: none), or (nv,). A loading that is followed has it, and
+            MuJoCo; one solve in one posture has not.
 
         Raises URDFError, UnknownName (listing the valid names, or candidates for fingertips), InputError.
         """
@@ -84,7 +88,9 @@ class Hand(HandModel):
             described = describe_model("source", source)
         else:
             described = describe_xml("source", source, base, package_dirs, (URDF,))
-        return cls._made(described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius, motors)
+        return cls._made(
+            described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius, motors, joint_friction
+        )
 
     @classmethod
     def from_mjcf(
@@ -99,6 +105,7 @@ class Hand(HandModel):
         tip_radius: Any = None,
         package_dirs: Any = None,
         motors: Any = None,
+        joint_friction: Any = None,
     ) -> Self:
         """Read a hand from an MJCF file, MuJoCo's format; arguments as of `from_urdf`.
 
@@ -113,7 +120,9 @@ class Hand(HandModel):
         from handlcp.hand.robot.source.description import MJCF, describe_xml
 
         described = describe_xml("source", source, base, package_dirs, (MJCF,))
-        return cls._made(described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius, motors)
+        return cls._made(
+            described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius, motors, joint_friction
+        )
 
     @classmethod
     @needed("joint_stiffness", _STIFFNESS, "motors")
@@ -127,6 +136,7 @@ class Hand(HandModel):
         torque_limits: Any = None,
         tip_radius: Any = None,
         motors: Any = None,
+        joint_friction: Any = None,
     ) -> Self:
         """A hand from a pinocchio.Model, or a pinocchio.RobotWrapper with its collision and visual geometry.
 
@@ -136,17 +146,20 @@ class Hand(HandModel):
         from handlcp.hand.robot.source.description import describe_model
 
         described = describe_model("model", model)
-        return cls._made(described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius, motors)
+        return cls._made(
+            described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius, motors, joint_friction
+        )
 
     @classmethod
     def _made(
-        cls, described: Description, fingertips: Any, stiffness: Any, pads: Any, limits: Any, radius: Any, motors: Any
-    ) -> Self:
-        from handlcp.hand.parts import parts_of
+        cls, described: Description, fingertips: Any, stiffness: Any, pads: Any, limits: Any, radius: Any, motors: Any,
+        friction: Any,
+    ) -> Self:  # fmt: skip
+        from handlcp.hand.parts import friction_of, parts_of
 
         hand = cls(*parts_of(described, fingertips, stiffness, pads, limits, radius, motors))
         hand.__dict__["_by_tip"] = deepcopy({"pads": pads, "radius": radius})
-        return hand
+        return hand.with_parts(joint_friction=friction_of(hand, friction))
 
     @helped()
     def replace(
@@ -158,6 +171,7 @@ class Hand(HandModel):
         tip_radius: Any = ...,
         fingertips: Any = ...,
         motors: Any = ...,
+        joint_friction: Any = ...,
     ) -> Self:
         """The same hand with other numbers, or other fingertips; arguments as of `from_urdf`, the rest stays.
 
@@ -170,6 +184,7 @@ class Hand(HandModel):
         given = {
             "joint_stiffness": joint_stiffness, "pad_flexibility": pad_flexibility, "torque_limits": torque_limits,
             "tip_radius": tip_radius, "fingertips": fingertips, "motors": motors,
+            "joint_friction": joint_friction,
         }  # fmt: skip
         made = object.__new__(type(self))
         made.__dict__.update(self.__dict__)

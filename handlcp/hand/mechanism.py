@@ -217,6 +217,11 @@ class HandMechanism(Varied, Mechanism):
         yield from self.place_reasons(*place, "at the end of the loading")
 
     @property
+    def dry_friction(self) -> Array:
+        """Of the hand."""
+        return self.posture.hand.joint_friction
+
+    @property
     def closes(self) -> Array | None:
         """Of a hand with motors."""
         limits = self.posture.hand.torques
@@ -239,7 +244,8 @@ class HandMechanism(Varied, Mechanism):
     def pulling_reasons(self, spec: GraspSpec, torque: Array) -> Iterator[Reason]:
         """Of a closing torque."""
         if (pulling := self.pulling(spec)) is not None:
-            shares = pulling.shares(torque, joints_commanded(spec.effects, len(torque)))
+            command = command_of(spec.effects)
+            shares = pulling.shares(torque, np.zeros(len(torque)) if command is None else command.driven)
             yield from pulling_reasons(self.names, pulling, shares)
 
     def elsewhere(self, spec: GraspSpec, shift: Array) -> GraspSpec | None:

@@ -8,11 +8,12 @@ from typing import Any
 
 import pinocchio as pin
 
+from handlcp.check import Array
 from handlcp.hand.elasticity.elasticity import Elasticity
 from handlcp.hand.elasticity.motor import read_motors
 from handlcp.hand.elasticity.stiffness import Pads, read_pads, stiff_as
 from handlcp.hand.robot.fingertips import TipFrames, find_tips
-from handlcp.hand.robot.joints import TorqueLimits, read_torque_limits
+from handlcp.hand.robot.joints import TorqueLimits, read_joint_friction, read_torque_limits
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.source.description import COLLISION, Description
@@ -62,7 +63,14 @@ def replaced(hand: HandModel, by_tip: Mapping[str, Any], given: Mapping[str, Any
     if "torque_limits" in given or "motors" in given:
         torques = _torques(hand, given)
         parts |= {"torques": torques, "torque_limits": torques.limits}
+    if "joint_friction" in given:
+        parts["joint_friction"] = friction_of(hand, given["joint_friction"])
     return parts
+
+
+def friction_of(hand: HandModel, value: Any) -> Array:
+    """(nv,) dry friction at the joints, from what is passed. Raises InputError, UnknownName."""
+    return read_joint_friction(value, hand.joint_names, {f.name: f for f in hand.description.facts})
 
 
 def _stiffness(hand: HandModel, given: Mapping[str, Any]) -> Elasticity:

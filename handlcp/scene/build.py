@@ -147,7 +147,7 @@ def hand(scene: SceneTables) -> Hand:
         "base": h.base, "fingertips": h.fingertips, "joint_stiffness": springs(h),
         "pad_flexibility": h.pad_flexibility_m_per_N, "torque_limits": h.torque_limits_Nm, "tip_radius": h.tip_radius_m,
         "package_dirs": None if h.package_dirs is None else [str(scene.folder / d) for d in h.package_dirs],
-        "motors": motors(h),
+        "motors": motors(h), "joint_friction": h.joint_friction_Nm,
     }  # fmt: skip
     given = {name: value for name, value in words.items() if value is not None}
     with keyed(HAND):

@@ -19,7 +19,7 @@ HAND = {
     "Synergies.S": "hand.synergies.columns", "Synergies.stiffness": "hand.synergies.stiffness_Nm_per_rad",
     "Synergies.joint_stiffness": "hand.synergies.joint_stiffness_Nm_per_rad",
     "torque_limits": "hand.torque_limits_Nm", "tip_radius": "hand.tip_radius_m", "package_dirs": "hand.package_dirs",
-    "motors": "hand.motors",
+    "motors": "hand.motors", "joint_friction": "hand.joint_friction_Nm",
 }  # fmt: skip
 _MOTOR = {
     "continuous": "continuous_Nm", "peak": "peak_Nm", "holding": "holding_Nm", "friction": "friction_Nm",

@@ -149,6 +149,10 @@ ClosingTorque = Annotated[
     _From0 | list[_Finite] | dict[str, _Finite],
     Expected("a number ≥ 0, one finite number for each joint, or a table of these by joint name"),
 ]
+JointFriction = Annotated[
+    _From0 | list[_From0] | dict[str, _From0],
+    Expected("a number ≥ 0, one for each joint, or a table of these by joint name"),
+]
 ByTip = Annotated[
     _From0 | list[_From0] | dict[str, _From0],
     Expected("a number ≥ 0, one for each fingertip, or a table by fingertip"),

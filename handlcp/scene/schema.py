@@ -78,6 +78,8 @@ class HandTable(Table):
     a table by fingertip or link leaves the others rigid"""
     torque_limits_Nm: k.TorqueLimits | None = None
     """over the effort limits of the URDF"""
+    joint_friction_Nm: k.JointFriction | None = None
+    """dry friction at the joints, beside their springs; a number is for all, a table leaves the others without"""
     tip_radius_m: k.Radius | None = None
     """fingertips as balls about their frames; left out: the collision geometry of the URDF"""
     package_dirs: k.Names | None = None

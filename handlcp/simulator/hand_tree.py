@@ -20,14 +20,15 @@ _LEAST_MASS = 1e-6  # [kg] of a link without <inertial>
 _LEAST_INERTIA = 1e-9  # [kg·m²]
 _NONE = 1e-12  # of the largest stiffness: less is rounding, and no spring
 _ARMATURE = 1e-5  # [kg·m²] of every joint: links without inertia would move without limit
+_STANDS = (0.9999, 0.9999, 1e-3)  # as near to 1 as MuJoCo has it: else a joint creeps that its friction should hold
 
 
-def add_hand(world: ET.Element, hand: HandModel, weighs: bool) -> dict[int, ET.Element]:
+def add_hand(world: ET.Element, hand: HandModel, weighs: bool, settings: SimulatorSettings) -> dict[int, ET.Element]:
     """Bodies of all links that move, by the number of their joint in Pinocchio's model; 0 is the world.
 
     weighs : whether gravity acts on them.
     """
-    model = hand.kinematics.model
+    model, friction = hand.kinematics.model, dict(zip(hand.joint_names, hand.joint_friction.tolist(), strict=True))
     bodies = {0: world}
     for i in range(1, model.njoints):
         at = model.jointPlacements[i]
@@ -38,8 +39,11 @@ def add_hand(world: ET.Element, hand: HandModel, weighs: bool) -> dict[int, ET.E
         _add_inertia(body, model.inertias[i])
         bodies[i] = body
         kind, axis = axis_of(model, i)
+        rubs = friction.get(model.names[i], 0.0)
+        stands = {"solreffriction": (settings.contact_time, 1.0), "solimpfriction": _STANDS}
+        rubbing: dict[str, Any] = {"frictionloss": rubs} | stands if rubs else {}
         if kind:
-            add(body, "joint", name=model.names[i], type=kind, axis=axis, armature=_ARMATURE)
+            add(body, "joint", name=model.names[i], type=kind, axis=axis, armature=_ARMATURE, **rubbing)
     return bodies
 
 

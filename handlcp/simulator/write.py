@@ -90,9 +90,10 @@ def starting_state(grasp: HandGrasp, springs: Springs) -> SimulatorState:
     """Posture, commands and load. Raises Unsupported where tips overlap the object and joints cannot open them, and for
     rigid joints that would have to move.
     """
-    hand, q, offset = grasp.state.hand, grasp.state.q, grasp.joint_offset
+    hand, q = grasp.state.hand, grasp.state.q
     kinematics, gravity = hand.kinematics, grasp.mechanism.gravity
     command = command_of(grasp.spec.effects)
+    offset = grasp.joint_offset if command is None else command.driven
     start = _opened(grasp) if command is None or command.opened is None else command.opened
     for j in springs.rigid:
         if offset[j] or start[j] != q[j]:
@@ -168,7 +169,7 @@ def to_mujoco(grasp: Grasp, settings: SimulatorSettings | None = None) -> tuple[
     assert obj is not None
     root = _frame(settings, mechanism.gravity)
     world = add(root, "worldbody")
-    bodies = add_hand(world, hand, bool(hand_grasp.finger_weight))
+    bodies = add_hand(world, hand, bool(hand_grasp.finger_weight), settings)
     tips = list[tuple[str, ...]]()
     for tip in mechanism.tips:
         check_points(hand_grasp.state, tip, obj)

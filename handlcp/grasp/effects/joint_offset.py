@@ -112,14 +112,21 @@ class JointOffset(Effect):
 
     command : (nv,) δq [rad, m], beyond the posture. reach : what it was made from, and what of that is out of reach;
     None: it was given itself. opened : (nv,) where the joints are when the hand begins to close, if not in the grasp's
-    posture. keeps : whether the object is kept in place until the hand has closed. Both matter to a loading that is
-    followed, and to nothing else.
+    posture. keeps : whether the object is kept in place until the hand has closed. against : (nv,) how much further
+    motors turn because dry friction takes its part of what their springs pull with [rad, m]; None: not at all. All of
+    these matter to a loading that is followed, and to nothing else.
     """
 
     command: Array
     reach: Reach | None = None
     opened: Array | None = None
     keeps: bool = False
+    against: Array | None = None
+
+    @property
+    def driven(self) -> Array:
+        """(nv,) how far motors turn beyond the posture [rad, m]."""
+        return self.command if self.against is None else self.command + self.against
 
     title = "commanded joint offset"
     equation = "d -= J δq"

@@ -71,6 +71,11 @@ class Mechanism:
         """(n, 3, nv) how fast the joints turn the fingers of the contacts, world axes [rad/rad]."""
         raise NotImplementedError
 
+    @property
+    def dry_friction(self) -> Array:
+        """(nv,) at the joints, beside their springs [N·m, N]."""
+        return np.zeros(len(self.names))
+
     def turned_on(self, q: Array) -> Self:
         """The same with joints that stand farther by q (nv,) [rad, m] than its posture has them."""
         return self

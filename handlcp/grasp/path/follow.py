@@ -290,7 +290,7 @@ def begun(
     weight = np.zeros(6) if spec.mechanism is None else spec.mechanism.weight_of_object(spec.reference)
     stepper = Stepper(spec, body, section, weight[:3], tolerance)
     closing = command_of(spec.effects)
-    command, kept = (np.zeros(len(body.posture)), False) if closing is None else (closing.command, closing.keeps)
+    command, kept = (np.zeros(len(body.posture)), False) if closing is None else (closing.driven, closing.keeps)
     before = body.start.q - body.posture
     squeezes = stepper.grasp.squeezes or bool((command != before).any())
     weighs = bool(weight[:3].any())

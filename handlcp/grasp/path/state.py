@@ -171,7 +171,8 @@ class State(NamedTuple):
     read : forces, slips and gaps, torques. kinds (n,) : "separated", "sticking", "sliding". yielded (nv,) : how far
     joints at their limit are driven back [rad]. controls : what was asked for. start : where the next solve begins.
     gives (k,) : motions of limits that give way. iterates : how many the step took. met (dof, dof) : the wrench that a
-    small push meets, natural units, along it where it drives it further; empty where that was not measured.
+    small push meets, natural units, along it where it drives it further; empty where that was not measured. rubs
+    (nv,) : dry friction at the joints, which takes so much of what their springs pull with [N·m].
     """
 
     where: Where
@@ -187,6 +188,12 @@ class State(NamedTuple):
     gives: Array
     iterates: int
     met: Array
+    rubs: Array
+
+    @property
+    def pulled(self) -> Array:
+        """(nv,) torques with which the springs pull, friction included [N·m]."""
+        return self.read.torque + self.rubs
 
     @property
     def slides(self) -> bool:

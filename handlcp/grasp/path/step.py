@@ -13,9 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, Ints, read_only
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.path.drag import MOST, Drag
 from handlcp.grasp.path.geometry import Geometry, Iterate, Where, between, length_of
 from handlcp.grasp.path.newton.answer import Reached
 from handlcp.grasp.path.newton.by_contact import iteration_by_contact
@@ -43,12 +44,14 @@ _LEAST = 0.2  # of the way from an iterate to its end
 _SEED = Auto().seed
 _ALL = Auto(search_seconds=0.0)
 _NOWHERE = np.zeros(0)
+_NONE = np.zeros(0, dtype=np.int64)
 _PRESSED = (16.0, 8.0, 4.0, 3.0, 2.0, 1.7, 1.4, 1.2, 1.1, 1.0)  # times friction as it is
 
 
 class _Asked(NamedTuple):
     """What is asked of the solves of an iterate. slipped (n, 3) : since the step began. gives (k,) : motions of limits
     that they start from. near : an answer that is no farther from the iterate than this is measured for its stability.
+    begun (nv,) : where the joints stood before the step. moves (nv,) : what `Drag` assumes of them first.
     """
 
     iterate: Iterate
@@ -57,6 +60,8 @@ class _Asked(NamedTuple):
     damping: Damping
     gives: Array
     near: float
+    begun: Array
+    moves: Ints
 
 
 class Stepper:
@@ -75,8 +80,10 @@ class Stepper:
         self.stiffness = 1.0 / float(softness.mean()) if softness.any() else 1.0
         self._damper = self.stiffness * np.array([1.0] * 3 + [self.length**2] * 3)
         laws = [c.friction for c in spec.contacts]
-        self.friction = self.laws.limits
+        self.friction, self._still = self.laws.limits, read_only(np.zeros(len(self.first.at.q)))
         self.iteration = iteration_by_contact if self.laws.by_contact else one_iteration
+        rubs = None if spec.mechanism is None else spec.mechanism.dry_friction
+        self.drag = Drag(self.first.elastic.root, rubs) if rubs is not None and rubs.any() else None
         self.lever = np.array([1.0 / law.lever if law.lever > 0.0 else 0.0 for law in laws])
 
     def beginning(self, controls: Controls) -> State:
@@ -84,15 +91,15 @@ class Stepper:
         first, none = self.first, np.zeros((self.grasp.spec.n, 3))
         loads = self.grasp.loads(first, none, self.grasp.under(controls, controls))
         still = read_only(np.zeros(len(first.at.q)))
-        return self._unloaded(first, loads, Read(none, none, none[:, 0], none[:, 0], still, still), controls)
+        return self._unloaded(first, loads, Read(none, none, none[:, 0], none[:, 0], still, still), controls, still)
 
-    def _unloaded(self, iterate: Iterate, loads: Loads, read: Read, controls: Controls) -> State:
+    def _unloaded(self, iterate: Iterate, loads: Loads, read: Read, controls: Controls, rubs: Array) -> State:
         """A state in which no contact carries anything."""
         n, nv = self.grasp.spec.n, len(iterate.at.q)
         slid = np.column_stack([read.motion[:, :2], read.spin])
         return State(
             iterate.at, iterate, loads, np.zeros((n, 3)), slid, read, (OPEN,) * n, read_only(np.zeros(nv)), controls,
-            _NOWHERE, np.zeros(self.laws.given), 0, np.zeros((0, 0)),
+            _NOWHERE, np.zeros(self.laws.given), 0, np.zeros((0, 0)), rubs,
         )  # fmt: skip
 
     def step(
@@ -107,6 +114,7 @@ class Stepper:
         guess = guess or state.same
         geometry, follows = self.geometry, self.geometry.follows
         iterate, start, gives = geometry.iterate(guess.where, state.iterate), guess.start, guess.gives
+        moves = _NONE if self.drag is None else self.drag.moving(state.rubs)
         last, swing, under, near = np.inf, _Swing(), self.grasp.under(controls, state.controls), rough * self.tolerance
         damper, most, here = self._damper / h, near if follows else -1.0, None
         pads = 1.0 / h if slow_pads else 0.0
@@ -120,7 +128,7 @@ class Stepper:
             done = self.between(state.where.pose, iterate.at.pose)
             was, now = state.where, iterate.at
             damping = Damping(1.0 / h, pads, damper, done, was.q - now.q, was.give - now.give, was.turn - now.turn)
-            reached = self._answer(_Asked(iterate, loads, slipped, damping, gives, most), start, state)
+            reached = self._answer(_Asked(iterate, loads, slipped, damping, gives, most, was.q, moves), start, state)
             if reached is None:
                 return Failure("no answer")
             end = Where(
@@ -129,7 +137,7 @@ class Stepper:
                 reached.turn,
                 geometry.moved(iterate.at.pose, reached.twist, reached.centre),
             )
-            start, gives, miss = reached.start, reached.gives, reached.miss
+            start, gives, miss, moves = reached.start, reached.gives, reached.miss, reached.moves
             if miss <= near or not follows:
                 if follows and self.far(state.where.pose, end.pose) > _LARGEST:
                     return Failure("too far")
@@ -147,6 +155,10 @@ class Stepper:
                 read = Read(
                     reached.forces, motion, reached.torsion, spin, reached.torque, under.commanded - end.q - yielded
                 )
+                rubs = self._still
+                if self.drag is not None:
+                    rubs = self._rubs(self.drag, reached, iterate, under.commanded - yielded, end.q)
+                    loads = loads._replace(command=loads.command - self.drag.C @ rubs)  # as if there were no friction
                 kinds = names_of(reached.kinds)
                 if ahead:
                     kinds = (OPEN,) * len(kinds)  # pushed ahead, and held by nobody
@@ -164,6 +176,7 @@ class Stepper:
                     gives,
                     count,
                     reached.met,
+                    read_only(rubs),
                 )
             if (count > 3 and miss > _CONTRACTS * last) or miss > _PARTS * last:
                 return Failure("runs away")
@@ -185,15 +198,18 @@ class Stepper:
         pulled = under.load.any() or (under.weight.any() and not controls.kept)
         if pulled or self.grasp.sags or not self.geometry.follows:
             return Failure("no answer")
-        end = Where(under.commanded, np.zeros((n, 3)), np.zeros(n), state.where.pose)
+        q, rubs = under.commanded, self._still
+        if self.drag is not None:
+            q, rubs = self.drag.ends(under.commanded, state.where.q)
+        end = Where(q, np.zeros((n, 3)), np.zeros(n), state.where.pose)
         iterate = self.geometry.iterate(end, state.iterate)
         slipped = self.geometry.slipped(state.iterate, iterate, state.slip_memory)
         loads = self.grasp.loads(iterate, slipped, under)
         if loads.base[:, 2].min(initial=0.0) < -self.grasp.touches:
             return Failure("no answer")
         none = np.zeros(n)
-        read = Read(np.zeros((n, 3)), loads.base, none, loads.spin, iterate.elastic.gravity, np.zeros(len(end.q)))
-        return self._unloaded(iterate, loads, read, controls)
+        read = Read(np.zeros((n, 3)), loads.base, none, loads.spin, iterate.elastic.gravity, under.commanded - end.q)
+        return self._unloaded(iterate, loads, read, controls, rubs)
 
     def pushed(self, state: State, controls: Controls, guess: Guess | None = None) -> State | Failure:
         """A step in which fingers may push ahead of them an object that nothing holds, against a damper that is large
@@ -278,7 +294,33 @@ class Stepper:
         return found
 
     def _solved(self, asked: _Asked, start: Array, friction: float = 1.0, cold: bool = False) -> Reached | None:
-        """One solve; friction : times what it is. cold : from contacts that all stick, not from the start."""
+        """One solve; friction : times what it is. cold : from contacts that all stick, not from the start. Where joints
+        rub, one for each assumption of which of them move.
+        """
+        drag, loads, iterate, moves = self.drag, asked.loads, asked.iterate, asked.moves
+        if drag is None:
+            return self._solved_once(asked, start, friction, cold)
+        at, el = iterate.at.q, iterate.elastic
+        commanded = at + loads.command
+        for count in range(MOST):
+            command = drag.command(moves, commanded, asked.begun, at)
+            sprung = iterate._replace(elastic=el._replace(root=drag.sprung(moves).root))
+            made = asked._replace(iterate=sprung, loads=loads._replace(command=command))
+            if (found := self._solved_once(made, start, friction, cold)) is None:
+                return None
+            found.moves, q = moves, at + found.change
+            does = drag.does(moves, self._rubs(drag, found, iterate, commanded, q), q - asked.begun)
+            if (does == moves).all():
+                return found
+            moves = drag.again(count, moves, does)
+        return None
+
+    def _rubs(self, drag: Drag, reached: Reached, iterate: Iterate, commanded: Array, q: Array) -> Array:
+        """(nv,) dry friction at the joints, of an answer in which they come to q (nv,)."""
+        torque = reached.torque - (1.0 - self.laws.laws.sags) * iterate.elastic.gravity
+        return drag.acts(reached.moves, commanded, torque, q)
+
+    def _solved_once(self, asked: _Asked, start: Array, friction: float, cold: bool) -> Reached | None:
         laws, iterate = self.laws, asked.iterate
         extra, giving, loads = laws.added(iterate, asked.loads, asked.gives)
         limits = laws.limits if friction == 1.0 else friction * laws.limits

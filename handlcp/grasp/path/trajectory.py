@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -138,6 +139,11 @@ class Steps:
         """(m, nv) that the actuators hold [N·m]."""
         return _rows([s.read.torque for s in self.states])
 
+    @lazy
+    def pulled(self) -> Array:
+        """(m, nv) with which the joints' springs pull: that, and what dry friction takes of it [N·m]."""
+        return _rows([s.pulled for s in self.states])
+
     def to_dict(self, stages: tuple[str, ...]) -> dict[str, Any]:
         """Columns of m rows for a data frame: "stage", "share", "object.x" … "object.z" [m] and "object.rx" … [rad]
         since the start; for each contact "<name>.force_x", "…_y", "…_z" [N], contact axes, and "<name>.state"; for each
@@ -156,8 +162,9 @@ class Steps:
     # ---- energy
     @lazy
     def dissipated(self) -> Array:
-        """(m,) energy that friction has taken since the start [J]; it never falls."""
-        lost = [_friction_work(s) for s in self.states]
+        """(m,) energy that friction at contacts and joints has taken since the start [J]; it never falls."""
+        at_joints = [0.0, *[float(b.rubs @ (b.where.q - a.where.q)) for a, b in pairwise(self.states)]]
+        lost = [_friction_work(s) + more for s, more in zip(self.states, at_joints, strict=True)]
         return read_only(np.cumsum([0.0, *lost[1:]]))
 
     @lazy
@@ -165,7 +172,7 @@ class Steps:
         """(m,) elastic energy of joints, pads and environment [J]."""
         pads = -0.5 * (self.forces_world * _rows([s.where.give for s in self.states])).sum(axis=(1, 2))
         twists = -0.5 * (self.torsion * _rows([s.where.turn for s in self.states])).sum(axis=1)
-        joints = [0.5 * float(s.read.torque @ s.read.deflection) for s in self.states]
+        joints = [0.5 * float(s.pulled @ s.read.deflection) for s in self.states]
         return read_only(pads + twists + np.array(joints))
 
     @lazy
@@ -179,7 +186,7 @@ class Steps:
         moment = _rows([s.loads.moment - cross_rows(s.iterate.reference, s.loads.force) for s in states])
         preload = _rows([self.grasp.preload(s.controls) for s in states])
         gravity = _rows([s.iterate.elastic.gravity for s in states])
-        done = _done(np.column_stack([force, moment]), self.displacement) + _done(self.torques, self.command)
+        done = _done(np.column_stack([force, moment]), self.displacement) + _done(self.pulled, self.command)
         done -= _done(self.forces.reshape(len(self), -1), preload.reshape(len(self), -1)) + _done(gravity, self.q)
         return read_only(np.cumsum([0.0, *done]))
 
@@ -195,8 +202,8 @@ def used_on_path(scene: Scene, forces: Array, torsion: Array) -> Array:
 
 
 def closing_torque(states: Sequence[State]) -> Array:
-    """(nv,) the largest torque of each joint while it is commanded against it [N·m]."""
-    command, torque = _rows([s.controls.command for s in states]), _rows([s.read.torque for s in states])[1:]
+    """(nv,) the largest torque with which each joint's spring pulls while it is commanded against it [N·m]."""
+    command, torque = _rows([s.controls.command for s in states]), _rows([s.pulled for s in states])[1:]
     against = np.diff(command, axis=0) * torque > 0.0
     return np.asarray((abs(torque) * against).max(axis=0, initial=0.0))
 

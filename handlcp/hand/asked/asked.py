@@ -14,7 +14,7 @@ from handlcp.errors import InputError, NotReached
 from handlcp.grasp.assembly.asked import again, as_asked, fastened
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.finger_weight import FingerWeight
-from handlcp.grasp.effects.joint_offset import joints_commanded
+from handlcp.grasp.effects.joint_offset import command_of
 from handlcp.grasp.friction import Coulomb, as_law, laws_by_name
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Contact
@@ -151,8 +151,10 @@ class HandAsked:
         if closed is None or closed.wound:
             return made
         tight = wound(made, closed.torque)
-        command = joints_commanded(tight.effects, len(closed.q))
-        return tight.replace(asked=replace(made.asked, closed=replace(closed, command=command, wound=True)))
+        command = command_of(tight.effects)
+        if command is not None:
+            closed = replace(closed, command=command.command, against=command.against)
+        return tight.replace(asked=replace(made.asked, closed=replace(closed, wound=True)))
 
     def begun(self) -> GraspSpec:
         """The same, with motors that have only begun to turn on where links touch."""
@@ -194,8 +196,8 @@ class HandAsked:
             read_only(d), _weight(self.state, weighed, g),
         )  # fmt: skip
         spec = commanded(as_asked(spec, self.effects), self.squeeze, self.grip_force, offset)
-        opened, keeps = None if closed is None else closed.opened, yes_or_no("hold_object", self.hold_object)
-        return begun_open(spec, opened, keeps).replace(asked=replace(self, closed=closed))
+        keeps = yes_or_no("hold_object", self.hold_object)
+        return begun_open(spec, closed, keeps).replace(asked=replace(self, closed=closed))
 
     def harder(self, factor: float) -> tuple[str, str, GraspSpec] | None:
         """What says how hard the hand closes, so many times as much of it in words, and the grasp with that; None: a

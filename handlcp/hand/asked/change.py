@@ -139,7 +139,7 @@ def _asked_of(spec: GraspSpec, mechanism: HandMechanism) -> HandAsked:
         plane=None if contacts[0].planar else spec.plane, environment=environment_of(spec),
         joint_offset=None if command is None else command.command,
         hold_object=command is not None and command.keeps,
-        closed=None if command is None else Closed(mechanism.posture.q, command.opened, command.command),
+        closed=None if command is None else Closed.by(mechanism.posture.q, command),
         flexibility=None if np.allclose(E, finger_flexibility(own), rtol=1e-12, atol=0.0) else E, load=spec.wrench,
         found=(contacts, mechanism.stand_off),
     )  # fmt: skip

@@ -32,16 +32,22 @@ _MOVED = 1e-9  # [rad, m] a hand that closes by less is closed already
 
 @dataclass(frozen=True, eq=False)
 class Closed:
-    """q (nv,) where links touch. opened (nv,) : where the hand began; None: there. command (nv,) : on from q. torque
-    (nv,) : with which motors pull [N·m]; None: joints were commanded. wound : whether the command is as far as motors
-    turn on; or else it is K⁻¹ τ, as if nothing gave way.
+    """q (nv,) where links touch. opened (nv,) : where the hand began; None: there. command, against (nv,) : on from q,
+    as of a `JointOffset`. torque (nv,) : with which motors pull [N·m]; None: joints were commanded. wound : whether the
+    command is as far as motors turn on; or else it is K⁻¹ τ, as if nothing gave way.
     """
 
     q: Array
     opened: Array | None
     command: Array
+    against: Array | None = None
     torque: Array | None = None
     wound: bool = True
+
+    @classmethod
+    def by(cls, q: Array, command: JointOffset) -> Closed:
+        """By a command of a grasp at q (nv,)."""
+        return cls(q, command.opened, command.command, command.against)
 
 
 def closed_by(state: Posture, obj: Object, joint_offset: Any, closing_torque: Any) -> Closed:
@@ -111,23 +117,29 @@ def carries(state: Posture, q: Array, obj: Object) -> Bools:
 
 def pulling(hand: HandModel, q: Array, opened: Array | None, torque: Array) -> Closed:
     """Commanded by K⁻¹ τ, as far as motors turn where neither links nor the object give way. Raises InputError."""
-    root = hand.stiffness.root
-    command = np.asarray(root @ (torque @ root))
-    if (rigid := (torque != 0.0) & (command == 0.0)).any():
+    command, against = (hand.stiffness.deflection(t) for t in _shared(torque, hand.joint_friction))
+    if (rigid := (torque != 0.0) & (command + against == 0.0)).any():
         stuck = ", ".join(name for name, is_rigid in zip(hand.joint_names, rigid, strict=True) if is_rigid)
         raise InputError("closing_torque", "joints that give way, which a torque turns", f"{stuck}: rigid")
-    return Closed(q, opened, read_only(command), read_only(torque), False)
+    return Closed(q, opened, read_only(command), read_only(against), read_only(torque), False)
 
 
-def begun_open(spec: GraspSpec, opened: Array | None, keeps: bool) -> GraspSpec:
+def _shared(torque: Array, friction: Array) -> tuple[Array, Array]:
+    """What is left of torques (nv,) at the joints, and what friction (nv,) takes as they close [N·m]."""
+    takes = np.sign(torque) * np.minimum(abs(torque), friction)
+    return torque - takes, takes
+
+
+def begun_open(spec: GraspSpec, closed: Closed | None, keeps: bool) -> GraspSpec:
     """The grasp that begins to close elsewhere, with the object kept in place or not. Raises InputError."""
-    if opened is None and not keeps:
+    opened, against = (None, None) if closed is None else (closed.opened, closed.against)
+    if opened is None and not keeps and (against is None or not against.any()):
         return spec
     old = command_of(spec.effects)
     if old is None and keeps:
         expected = "False where nothing closes the hand: beside squeeze, grip_force, joint_offset or closing_torque"
         raise InputError("hold_object", expected, "True")
-    command = JointOffset(read_only(np.zeros_like(opened))) if old is None else old
-    new = replace(command, opened=opened, keeps=keeps)
+    command = JointOffset(read_only(np.zeros_like(opened if against is None else against))) if old is None else old
+    new = replace(command, opened=opened, keeps=keeps, against=against)
     others = tuple([e for e in spec.effects if not isinstance(e, JointOffset)])
     return spec.replace(effects=(*others, new))

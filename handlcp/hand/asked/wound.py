@@ -8,11 +8,13 @@ with is for the contacts to say: a fingertip's force needs torques in one propor
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from handlcp.check import Array, Bools, read_only
 from handlcp.errors import Unsupported
-from handlcp.grasp.effects.joint_offset import recommanded
+from handlcp.grasp.effects.joint_offset import command_of
 from handlcp.grasp.friction import Section, as_section
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.advance import Leg, Open
@@ -45,7 +47,12 @@ def wound(spec: GraspSpec, torque: Array) -> GraspSpec:
         closing = _Closing(spec, as_section("cone", planar=spec.plane is not None), pulling)
     except Unsupported:
         return spec
-    return spec.replace(effects=recommanded(spec.effects, read_only(closing.command())))
+    driven, rubs = closing.ends()
+    against = hand.stiffness.deflection(rubs)
+    command = command_of(spec.effects)
+    assert command is not None  # `spec` begins with it
+    new = replace(command, command=read_only(driven - against), against=read_only(against))
+    return spec.replace(effects=tuple([new if e is command else e for e in spec.effects]))
 
 
 class _Closing:
@@ -58,13 +65,15 @@ class _Closing:
         self.end = goals[0].end
         self.run = Run([self.stepper.beginning(first)], [0], [0.0])
 
-    def command(self) -> Array:
-        """(nv,) beyond the posture, at the end."""
+    def ends(self) -> tuple[Array, Array]:
+        """How far motors turn beyond the posture (nv,) [rad, m], and the dry friction of their drives then (nv,)
+        [N·m].
+        """
         rate, run, fingers = self.end.command, self.run, self.pulling.fingers
         if run.states[0].controls.command.any():  # the hand closes until it touches
             goal = Goal("squeeze", self.end._replace(command=np.zeros_like(rate)))
             if not Leg(self.stepper, self.watch, run, 0, goal, _STEP).through():
-                return rate
+                return rate, run.states[-1].rubs
         found, turning = rate.copy(), set(self.pulling.every)
         while turning:
             on, before = np.isin(fingers, list(turning)), run.states[-1]
@@ -79,7 +88,7 @@ class _Closing:
             if run.outcome is Outcome.LOST:  # the closing itself loses the object
                 found[on] = last.controls.command[on] + rate[on]
             turning = turning - done
-        return found
+        return found, run.states[-1].rubs
 
     def _turn_on(self, on: Bools) -> None:
         """These joints (nv,), until one of them pulls with its torque, or others are driven too far."""
@@ -92,4 +101,4 @@ class _Closing:
 
     def _shares(self, state: State) -> Array:
         """(nv,) of its torque that each joint pulls with."""
-        return self.pulling.shares(state.read.torque, state.controls.command)
+        return self.pulling.shares(state.pulled, state.controls.command)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, dimensions, number, per_name, read_only
+from handlcp.check import Array, array, dimensions, number, per_name, read_only
 from handlcp.errors import InputError, URDFError
 from handlcp.hand.elasticity.motor import Drives
 from handlcp.hand.robot.source.stated import NOTHING_STATED, Stated, number_of, reductions_of, stated_of, vector_of
@@ -278,3 +278,23 @@ def _passed_limits(value: Any, joints: Sequence[str], facts: Mapping[str, JointF
     known = {joint: facts[joint].effort for joint in joints if 0 < facts[joint].effort < np.inf} | given
     limits = np.array([known.get(joint, np.inf) for joint in joints])
     return TorqueLimits(read_only(limits), tuple(joint in known for joint in joints), tuple(given))
+
+
+def read_joint_friction(value: Any, joints: Sequence[str], facts: Mapping[str, JointFacts]) -> Array:
+    """(nv,) from None (none), "file" (what the file states), a number, a mapping by joint name (others: none), or (nv,)
+    [N·m]. Raises InputError for what is negative or not finite, also in a file; UnknownName.
+    """
+    argument = "joint_friction"
+    if value is None:
+        return read_only(np.zeros(len(joints)))
+    if isinstance(value, str):
+        if value != "file":
+            raise InputError(argument, 'a number, a mapping by joint name, or "file"', repr(value))
+        value = {joint: facts[joint].stated.friction for joint in joints}
+    if isinstance(value, Mapping):
+        named = per_name(argument, value, joints, "a joint")
+        return read_only(np.array([number(f"{argument}[{j!r}]", named.get(j, 0.0), minimum=0.0) for j in joints]))
+    if dimensions(value) == 0:
+        return read_only(np.full(len(joints), number(argument, value, minimum=0.0)))
+    given = array(argument, value, (len(joints),))
+    return read_only(np.array([number(f"{argument}[{k}]", x, minimum=0.0) for k, x in enumerate(given.tolist())]))

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+import numpy as np
 import pinocchio as pin
 
-from handlcp.check import Array, sealed
+from handlcp.check import Array, read_only, sealed
 from handlcp.errors import InputError, UnknownName
 from handlcp.hand.elasticity.elasticity import Elasticity
 from handlcp.hand.elasticity.stiffness import Pads
@@ -35,6 +36,7 @@ class HandModel:
     lower, upper : (nv,) ends of the joint ranges [rad, m], narrowed by the limits of mimic joints; ±inf: none.
     neutral : (nv,) the posture nearest to zero inside the joint ranges [rad, m].
     torque_limits : (nv,) [N·m] (N for prismatic joints); inf where there is none or none is known.
+    joint_friction : (nv,) dry friction at the joints, beside their springs [N·m] (N for prismatic joints).
     in_parts_of : links whose meshes touch in convex parts, not as their hulls.
     links_of_sites : (n,) of a hand whose fingertips are contacts on its links, the link of each; else None. own_tips :
     names of the fingertips that such a hand has otherwise; else ().
@@ -54,6 +56,7 @@ class HandModel:
     upper: Array
     neutral: Array
     torque_limits: Array
+    joint_friction: Array
     in_parts_of: frozenset[str]
     links_of_sites: tuple[str, ...] | None
     own_tips: tuple[str, ...]
@@ -73,7 +76,7 @@ class HandModel:
             name=str(kinematics.model.name), source=geometry.description.source, joint_names=kinematics.joint_names,
             nv=kinematics.nv, fingertips=tips.names, lower=kinematics.lower, upper=kinematics.upper,
             neutral=kinematics.neutral, torque_limits=torques.limits, links_of_sites=None,
-            in_parts_of=frozenset(), own_tips=(),
+            in_parts_of=frozenset(), own_tips=(), joint_friction=read_only(np.zeros(kinematics.nv)),
         )  # fmt: skip
 
     @property
