@@ -10,9 +10,10 @@ and under half of the load that is held; the first jump and the loss within 5 %;
 factor of two, MuJoCo's forces within `force_bounds` (`tests.mujoco.power_pads`), all of them.
 
 An object that jumps by a centimetre is caught again or not: statics does not know which, as that hangs on how fast it
-flies and how fast fingers follow. Where the loss is missed MuJoCo is asked a second time, with an object that is damped
-ten times as much. Where it then says something else its loss is the whole span between its two answers. Where
-handlcp's path is given up, which is said ("undecided"), it claims nothing from there on.
+flies and how fast fingers follow. So handlcp says two loads, that from which the object slides through and that at which it is
+lost, and MuJoCo's loss has to lie between them. Where the loss is missed MuJoCo is asked a second time, with an object
+that is damped ten times as much. Where it then says something else its loss is the whole span between its two answers.
+Where handlcp's path is given up, which is said ("undecided"), or a joint is at its limit, it claims nothing beyond.
 """
 
 from __future__ import annotations
@@ -155,9 +156,12 @@ def asked_again(case: PowerCase, row: Row) -> Row:
 
 
 def _ends(limit: Any) -> tuple[float, float]:
-    """Between which loads the path ends [N]: apart where it was given up, and nothing is claimed beyond."""
-    at = {name: mark.factor for name, mark in limit.marks.items() if name in ("lost", "limit", "undecided")}
-    return min(at.values(), default=np.inf), np.inf if "undecided" in at else min(at.values(), default=np.inf)
+    """Between which loads the object is lost, as handlcp says [N]: from where it slides through on mass and damping
+    decide whether it is caught again, and beyond a joint's limit, or where the path was given up, nothing is claimed.
+    """
+    at = {name: mark.factor for name, mark in limit.marks.items() if name in ("slides", "lost", "limit", "undecided")}
+    ends = [load for name, load in at.items() if name == "lost"]
+    return min(at.values(), default=np.inf), ends[0] if ends and not {"limit", "undecided"} & set(at) else np.inf
 
 
 def stored() -> dict[str, Row]:
@@ -182,8 +186,8 @@ def store(title: str, row: Row) -> None:
 @dataclass(frozen=True, eq=False)
 class Compared:
     """One case. contacts : how many. squeeze, half : by how much forces by link are apart; NaN where one holds nothing.
-    ends : between which loads handlcp's path ends; slides, lost : from which the object slides through, and at which it
-    is lost [N]. seconds : of the limit.
+    ends : between which loads it is lost, as handlcp says; slides, lost : from which the object slides through, and at
+    which it is lost [N]. seconds : of the limit.
     """
 
     case: PowerCase

@@ -113,8 +113,8 @@ def test_an_object_that_jumps_is_caught_by_links_that_were_millimetres_away_and_
     assert found.squeeze < 0.01
     assert found.half < 0.01
     assert found.slides == pytest.approx(found.row.truth.jump, rel=0.01)
-    assert found.ends[0] == pytest.approx(found.row.truth.factor, rel=0.01)
-    assert found.slides < 0.7 * found.ends[0]
+    assert found.lost == pytest.approx(found.row.truth.factor, rel=0.01)
+    assert found.slides < 0.7 * found.lost
 
 
 @pytest.mark.parametrize(

@@ -78,8 +78,9 @@ def servo_word(described: Description) -> str:
 # ---------------------------------------------------------------- What else is stated.
 
 _Value = Callable[[JointFacts], Any]
+_RUBS = 'read; used with joint_friction="file"'
 _STATED: tuple[tuple[str, str, str, str, _Value, str], ...] = (
-    ("dry friction", "dynamics friction", "frictionloss", "N·m", lambda f: f.stated.friction or None, "read"),
+    ("dry friction", "dynamics friction", "frictionloss", "N·m", lambda f: f.stated.friction or None, _RUBS),
     ("spring at the joint", "", "stiffness", "N·m/rad", lambda f: f.stated.stiffness or None, "read"),
     ("rest of that spring", "", "springref", "rad", lambda f: f.stated.rest if f.stated.stiffness else None, "read"),
     ("armature", "", "armature", "kg·m²", lambda f: f.stated.armature or None, "ignored: nothing accelerates"),
