@@ -10,7 +10,7 @@ from handlcp.check import Array
 from handlcp.grasp.answer.printed import printed
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.cause.wording import needs_more
-from handlcp.hand.elasticity.elasticity import Effort
+from handlcp.hand.elasticity.elasticity import TENSION, Effort
 from handlcp.hand.torque_check import TorqueCheck
 from handlcp.record import columns
 
@@ -48,7 +48,7 @@ class HandGraspSolution(GraspSolution):
     @property
     def tendon_tension(self) -> Array | None:
         """(t,) k R K⁻¹ τ [N], how much harder each tendon pulls (below 0: less); None without `Tendons`."""
-        return self.effort.values if self.effort is not None and self.effort.kind == "tendon tension" else None
+        return self.effort.values if self.effort is not None and self.effort.kind == TENSION else None
 
     @property
     def actuator_force(self) -> Array | None:

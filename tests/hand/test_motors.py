@@ -216,3 +216,26 @@ def test_a_brief_sizes_motors_by_what_is_held_and_by_the_peak_and_says_the_gear_
     carried = hand.replace(motors=Motor(0.3, 0.6, holding=2.0))
     worm = carried.at(carried.close_on(cube)).grasp(cube, friction=0.8).required_torque()
     assert not worm.continuous.any()
+
+
+# ---------------------------------------------------------------- tendons
+def test_a_brief_says_what_tendons_pull_with_and_which_would_go_slack(write: Writer) -> None:
+    """Fingers of one joint: a flexor's tension is torque over arm; an extensor beside it would have to push."""
+    arm, stiffness = 0.01, 1e5
+    flexors = {f"{side} flexor": {f"{side}_joint": arm} for side in ("left", "right")}
+    extensors = {f"{side} extensor": {f"{side}_joint": -arm} for side in ("left", "right")}
+    alone = lever_hand(write, joint_stiffness=hl.Tendons(flexors, 2.0 * stiffness))
+    both = lever_hand(write, joint_stiffness=hl.Tendons(flexors | extensors, stiffness))
+    found = [lever_pinch(hand, (0.0, 0.0, -1.0)).required_torque(safety=1.0) for hand in (alone, both)]
+    tensions = [one.tensions for one in found]
+    assert tensions[0] is not None
+    assert tensions[1] is not None
+    np.testing.assert_allclose(found[1].torque, found[0].torque, rtol=1e-6)  # as stiff as before
+    np.testing.assert_allclose(tensions[0].tension, found[0].torque / arm, rtol=1e-6)
+    assert tensions[0].slack == ()
+    np.testing.assert_allclose(tensions[1].tension[:2], 0.5 * found[1].torque / arm, rtol=1e-6)
+    np.testing.assert_allclose(tensions[1].least[2:], -0.5 * found[1].torque / arm, rtol=1e-6)
+    assert tensions[1].slack == tuple(extensors)
+    assert "pre-tension it by" in str(found[1])
+    assert [row["tendon"] for row in found[1].to_dict()["tendons"]] == [*flexors, *extensors]
+    assert "tendons" not in lever_pinch(lever_hand(write), (0.0, 0.0, -1.0)).required_torque(safety=1.0).to_dict()

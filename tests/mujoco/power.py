@@ -10,10 +10,11 @@ and under half of the load that is held; the first jump and the loss within 5 %;
 factor of two, MuJoCo's forces within `force_bounds` (`tests.mujoco.power_pads`), all of them.
 
 An object that jumps by a centimetre is caught again or not: statics does not know which, as that hangs on how fast it
-flies and how fast fingers follow. So handlcp says two loads, that from which the object slides through and that at which it is
-lost, and MuJoCo's loss has to lie between them. Where the loss is missed MuJoCo is asked a second time, with an object
-that is damped ten times as much. Where it then says something else its loss is the whole span between its two answers.
-Where handlcp's path is given up, which is said ("undecided"), or a joint is at its limit, it claims nothing beyond.
+flies and how fast fingers follow. So handlcp says two loads, that from which the object slides through and that at
+which it is lost, and MuJoCo's loss has to lie between them. Where the loss is missed MuJoCo is asked a second time,
+with an object that is damped ten times as much. Where it then says something else its loss is the whole span between
+its two answers. Where handlcp's path is given up, which is said ("undecided"), or a joint is at its limit, it claims
+nothing beyond.
 """
 
 from __future__ import annotations

@@ -26,6 +26,7 @@ from handlcp.text_table import TextTable, wrapped
 # ----------------------------------------------------------------
 # A brief: the loads that a grasp has to hold, each multiplied by a safety factor, and the grasp under each of them.
 
+_NO_TENSION = 1e-6  # of the largest tension: less is rounding
 _PARTS = ("load", "mass", "gravity")
 _ONE = "the load"
 
@@ -87,6 +88,43 @@ def _under(spec: GraspSpec, said: dict[str, Any], factor: float) -> GraspSpec:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class RequiredTension:
+    """What tendons pull with, under any load of a brief, from the first touch to the whole load: how much harder than
+    their pre-tension, which is not known.
+
+    tendons : t names. tension, held : (t,) [N] the largest, and the largest under any whole load, 0 where a tendon only
+    lets go. least : (t,) [N] the smallest; below 0 the tendon would have to push: it goes slack, unless it is
+    pre-tensioned by as much.
+    """
+
+    tendons: tuple[str, ...]
+    tension: Array
+    held: Array
+    least: Array
+
+    @property
+    def slack(self) -> tuple[str, ...]:
+        """Those that would have to push, by more than rounding."""
+        size = _NO_TENSION * float(self.tension.max(initial=0.0))
+        return tuple([name for name, least in zip(self.tendons, self.least.tolist(), strict=True) if least < -size])
+
+    @property
+    def table(self) -> TextTable:
+        """Tendon by tendon."""
+        numbers = words.column(self.tension.tolist()), words.column(self.held.tolist())
+        least = zip(self.tendons, self.least.tolist(), strict=True)
+        says = [f"pre-tension it by {words.force(-low)}" if name in self.slack else "" for name, low in least]
+        every = tuple(zip(self.tendons, *numbers, says, strict=True))
+        return TextTable(("tendon", "peak\nN", "continuous\nN", ""), every, "<>><")
+
+    def to_dict(self) -> list[dict[str, Any]]:
+        """A dictionary for each tendon."""
+        lines = "tendon = tendons", "tension_N = tension", "held_N = held", "least_N = least"
+        found: list[dict[str, Any]] = plain(rows(columns(self, *lines)))
+        return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class RequiredTorque(Record):
     """The torque that each joint needs so that every load of a brief, times the safety factor, holds.
 
@@ -101,6 +139,7 @@ class RequiredTorque(Record):
         its motors, whose dry friction counts in what they give; None: none are known.
     verdicts : what `check()` says of each load, with `torque` as the limits. reasons : of each load that is not HELD,
         why; the answer is confirmed only where there is none.
+    tensions : of a hand with `Tendons`, what they pull with; None: it has none.
     fails : the largest share of the grip that was tried and does not hold; None: none was found, because less grip
         needs as much torque. lost : the load that this share does not hold, and why; where nothing holds, those of
         `grip`.
@@ -125,6 +164,7 @@ class RequiredTorque(Record):
     lost: tuple[str, str] | None
     reasons: dict[str, str] = field(default_factory=dict)
     drives: Drives | None = None
+    tensions: RequiredTension | None = None
 
     @property
     def peak(self) -> Array:
@@ -205,8 +245,12 @@ class RequiredTorque(Record):
         if not self.holds:
             return self.sentence
         if not self.confirmed:
-            return wrapped(f"NOT CONFIRMED: {self.sentence}") + f"\n\n{self.table}"
-        return f"{self.table}\n{self.sentence}"
+            return wrapped(f"NOT CONFIRMED: {self.sentence}") + f"\n\n{self._tables}"
+        return f"{self._tables}\n{self.sentence}"
+
+    @property
+    def _tables(self) -> str:
+        return str(self.table) if self.tensions is None else f"{self.table}\n\n{self.tensions.table}\n"
 
     @property
     def sentence(self) -> str:
@@ -253,7 +297,9 @@ class RequiredTorque(Record):
         by_load = [dict(zip(self.loads, column, strict=True)) for column in self.torques.T]
         lost = None if self.lost is None else dict(zip(("load", "why"), self.lost, strict=True))
         joints = rows(columns(self, *lines) | {"by_load_Nm": by_load})
-        return {**pick(self, *self.entries), "lost": lost, "joints": plain(joints)}
+        return {**pick(self, *self.entries), "lost": lost, "joints": plain(joints)} | (
+            {} if self.tensions is None else {"tendons": self.tensions.to_dict()}
+        )
 
 
 def _of(lost: tuple[str, str]) -> str:

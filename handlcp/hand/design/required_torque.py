@@ -22,11 +22,13 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.torque_limits import with_limits
+from handlcp.grasp.path.follow import Loading
 from handlcp.grasp.tangent.solutions import without_slip
 from handlcp.grasp.verdict.check import followed_to
 from handlcp.hand.command import commanded, gripped
-from handlcp.hand.design.motors import Case, RequiredTorque, cases
+from handlcp.hand.design.motors import Case, RequiredTension, RequiredTorque, cases
 from handlcp.hand.design.trials import Trial, Trials, least
+from handlcp.hand.elasticity.elasticity import TENSION, Elasticity
 from handlcp.hand.mechanism import hand_of
 
 # ----------------------------------------------------------------
@@ -161,7 +163,7 @@ def required_torque(
     trials = Trials(brief, section, share, progress)
     best, fails = least(trials, starts(brief, section, share), near)
     torque, held = np.full(len(hand.names), np.nan), np.full(len(hand.names), np.nan)
-    verdicts = dict[str, Verdict]()
+    verdicts, tensions = dict[str, Verdict](), None
     if best.holds:
         # What `check` follows has more steps where fewer would end elsewhere, and may see a little more
         paths = [followed_to(gripped(case.spec, best.force), section, ORDER)[0] for case in brief]
@@ -169,6 +171,7 @@ def required_torque(
         torque = np.max([best.largest, *seen], axis=0) * (1.0 + _ROUNDED_UP)
         torque = np.maximum(torque, _ROUNDED_UP * torque.max(initial=_ROUNDED_UP))
         held = np.minimum(torque, np.max([abs(path.steps.torques[-1]) for path in paths], axis=0) * (1.0 + _ROUNDED_UP))
+        tensions = _tensions(hand.posture.hand.stiffness, paths)
         verdicts = {case.name: _judged(case, best, torque, section) for case in brief}
     names = tuple([case.name for case in brief])
     grip = dict(zip(hand.fingertips, best.force.tolist(), strict=True))
@@ -179,7 +182,22 @@ def required_torque(
     return RequiredTorque(
         hand.names, read_only(torque), read_only(held), grip, sized, names, read_only(best.torque), float(safety),
         limits.limits, limits.known, {name: v.word for name, v in verdicts.items()}, less, lost,
-        {name: _why(v) for name, v in verdicts.items() if v.word != HELD}, limits.drives,
+        {name: _why(v) for name, v in verdicts.items() if v.word != HELD}, limits.drives, tensions,
+    )  # fmt: skip
+
+
+def _tensions(stiffness: Elasticity, paths: Sequence[Loading]) -> RequiredTension | None:
+    """What tendons pull with along these paths; None without tendons."""
+    states = [state for path in paths for state in path.steps.states]
+    efforts = [stiffness.effort(state.pulled, state.controls.command) for state in states]
+    if not efforts or efforts[0] is None or efforts[0].kind != TENSION:
+        return None
+    every = np.array([effort.values for effort in efforts if effort is not None])
+    ends = np.cumsum([len(path.steps.states) for path in paths]) - 1
+    every *= 1.0 + _ROUNDED_UP
+    return RequiredTension(
+        efforts[0].names, read_only(every.max(axis=0, initial=0.0)), read_only(every[ends].max(axis=0, initial=0.0)),
+        read_only(every.min(axis=0)),
     )  # fmt: skip
 
 

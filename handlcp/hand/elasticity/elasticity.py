@@ -24,6 +24,7 @@ from handlcp.text_table import TextTable
 from handlcp.tolerances import SEMIDEFINITE
 
 TRANSMISSION = "transmission"  # the effect's name in `explain()`
+TENSION = "tendon tension"  # the kind of effort of a tendon
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,7 +12,7 @@ import numpy as np
 from handlcp.check import Array, Bools, array, number, per_name, psd, read_only
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.analysis.explanation import Description
-from handlcp.hand.elasticity.elasticity import TRANSMISSION, Effort, Elasticity, Transmission, spanned
+from handlcp.hand.elasticity.elasticity import TENSION, TRANSMISSION, Effort, Elasticity, Transmission, spanned
 from handlcp.hand.elasticity.stiffness import (
     JointStiffness,
     given_rows,
@@ -221,7 +221,7 @@ class TendonStiffness(JointStiffness):
         tension = self.springs @ (self.arms @ self.deflection(torque))
         if command.any():
             tension = tension + np.linalg.lstsq(self.arms.T, self.passive @ command)[0]
-        return Effort("tendon tension", "N", self.names, read_only(tension))
+        return Effort(TENSION, "N", self.names, read_only(tension))
 
     def pulled(self, torque: Array, command: Array) -> Array:
         """Rᵀ t."""
