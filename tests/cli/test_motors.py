@@ -31,6 +31,7 @@ def test_a_scene_gets_its_motors_within_80_columns_and_exits_0():
         assert part in done.stdout
 
 
+@pytest.mark.long
 def test_loads_and_directions_of_gravity_are_named_in_json():
     done = run(CUBE, "--load", "push=0,2,0", "--load", "twist=0,0,0,0,0,0.01", "--turned", "--json")
     assert done.exit_code == 0, done.output
@@ -83,6 +84,7 @@ def test_a_scene_without_a_hand_has_no_motors():
     assert "[hand]" in done.stderr
 
 
+@pytest.mark.long
 def test_a_motor_to_buy_gets_the_reduction_that_it_needs_at_each_joint():
     done = run(CUBE, "--motor", "0.01,0.03", "--efficiency", "0.7", "--json")
     assert done.exit_code == 0, done.output

@@ -14,6 +14,7 @@ from tests.support import patches
 distributed = pytest.importorskip("distributed", reason="Dask is not installed here: handlcp[test] brings it")
 
 
+@pytest.mark.long
 def test_a_worker_killed_midway_changes_no_bit(monkeypatch, tmp_path):
     patches.shards_of(monkeypatch, 8)
     grasps = [*sweep(hand_grasp(), 100, 0.3), *mixture()[18:], *sweep(hand_grasp(), 4, 3.0)]

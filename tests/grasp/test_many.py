@@ -37,6 +37,7 @@ def test_a_hands_grasps_come_back_with_torques():
         np.testing.assert_array_equal(s.torques, g.solve().torques)
 
 
+@pytest.mark.long
 def test_what_takes_long_goes_through_processes_and_comes_back_the_same(monkeypatch):
     patches.everything_to_processes(monkeypatch)
     grasps = [g for g in mixture() if not g.solve(8, QUICK, throw=False).held or g.effects]

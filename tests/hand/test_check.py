@@ -133,6 +133,7 @@ def test_a_joint_that_yields_at_its_limit_is_not_over_it(write):
     assert set(yields.values["yielding"]) == {"left_joint", "right_joint"}
 
 
+@pytest.mark.long
 def test_levers_whose_joints_both_yield_tip_over_under_a_push_towards_their_hinges(write):
     """Nothing keeps them upright: pushed by F they meet -F / L [N/m], and go sideways until one joint yields no more,
     which is half of what both have yielded: (5 - 3.75) N of the joints' own share of C.

@@ -193,6 +193,7 @@ def test_motors_of_unknown_joints_and_what_is_no_motor_are_refused() -> None:
 
 
 # ---------------------------------------------------------------- which to buy
+@pytest.mark.long
 def test_a_brief_sizes_motors_by_what_is_held_and_by_the_peak_and_says_the_gear_of_one() -> None:
     cube = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
     rubs = 0.02

@@ -60,6 +60,7 @@ def test_forces_balance_the_weight(found):
         np.testing.assert_allclose(moment, 0.0, atol=1e-6)
 
 
+@pytest.mark.long
 def test_it_is_held_in_the_worst_direction_and_sorted_by_that(found):
     """The load limit in that direction, followed on its own, is what is said to be held; all others hold as much."""
     best = found[0]
@@ -71,6 +72,7 @@ def test_it_is_held_in_the_worst_direction_and_sorted_by_that(found):
     assert min(limits) == pytest.approx(best.held_force, rel=0.02)
 
 
+@pytest.mark.long
 def test_the_same_seed_finds_the_same_grasps(hand, found):
     again = hl.find_grasp(hand, hl.Sphere(BALL, mass=0.2, placement=(1, 2, 3)), kind="power", tries=12)
     assert [one.q.tolist() for one in again] == [one.q.tolist() for one in found]

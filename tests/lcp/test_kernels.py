@@ -246,6 +246,7 @@ def test_a_home_that_is_none_leaves_the_packages_own_folder(monkeypatch, home):
     assert all(root.is_absolute() for root in k.roots())
 
 
+@pytest.mark.long
 def test_several_processes_may_fill_a_cache_at_a_time(tmp_path):
     code = """
 import numpy as np
@@ -282,6 +283,7 @@ def solved(folder, other_first=False):
     return out
 
 
+@pytest.mark.long
 def test_code_is_loaded_with_what_it_calls_or_compiled_anew(tmp_path):
     """A kernel that is called where it is may be gone from the cache, or come from another process under another
     symbol: code that called it would end the process.
