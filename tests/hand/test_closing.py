@@ -111,3 +111,32 @@ def test_each_finger_closes_until_one_of_its_motors_pulls_with_the_closing_torqu
         ends.append(path.steps.torques[np.flatnonzero(path.steps.stage == 0)[-1]].reshape(2, 2))
     np.testing.assert_allclose(abs(ends[0]).max(axis=1), 0.1, rtol=1e-3)
     np.testing.assert_allclose(*ends, rtol=0.02)
+
+
+def test_a_strong_finger_stops_where_it_would_drive_a_weak_one_beyond_its_torque():
+    """Nothing keeps the ball in place: what one finger presses the other has to bear, and the verdict names the one
+    that could do more.
+    """
+    hand = example_hand("two_finger", joint_stiffness=6.0)
+    ball = hl.Sphere(0.02, (0.0, 0.0, 0.09), mass=0.01)
+    torque = {name: 0.05 if "finger_1" in name else 0.3 for name in hand.joint_names}
+    grasp = hand.at(hand.close_on(ball)).grasp(ball, closing_torque=torque, gravity=(0, 0, 0))
+    path = grasp.follow(order="squeeze")
+    weak, strong = np.abs(path.steps.torques[-1]).reshape(2, 2)
+    assert 0.95 * 0.05 < weak.max() < 1.12 * 0.05
+    assert strong.max() < 0.5 * 0.3
+    (warned,) = grasp.check().about("closing_torque")
+    assert "finger_2" in warned.sentence
+    assert "finger_1" not in warned.sentence
+
+
+def test_fingers_that_are_not_asked_to_pull_stay_where_they_are():
+    hand = example_hand("three_finger", joint_stiffness=6.0)
+    ball = hl.Sphere(0.03, (0.0, 0.0, 0.09), mass=0.1)
+    q = hand.close_on(ball)
+    alone = {name: 0.2 for name in hand.joint_names if "finger_3" not in name}
+    grasp = hand.at(q).grasp(ball, closing_torque=alone, hold_object=True)
+    end = grasp.follow(order="squeeze").steps
+    last = np.flatnonzero(end.stage == 0)[-1]
+    np.testing.assert_allclose(np.abs(end.torques[last]).reshape(3, 2)[:2].max(axis=1), 0.2, rtol=2e-3)
+    assert not grasp.joint_offset[4:].any()
