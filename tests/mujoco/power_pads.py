@@ -107,11 +107,11 @@ def main(words: list[str]) -> int:
         if words and not any(word in name for word in words):
             continue
         forces = theirs(made(known[name]), SEED)
-        if forces is None:
-            print(f"{name:32s} lost")
-            continue
-        rows = dict(sorted((stored() | {name: np.round(forces, 5).tolist()}).items()))
+        found = {} if forces is None else {name: np.round(forces, 5).tolist()}
+        others = {title: row for title, row in stored().items() if title != name}
+        rows = dict(sorted((others | found).items()))
         text = ",\n".join(f"{json.dumps(key)}: {json.dumps(row)}" for key, row in rows.items())
         FILE.write_text(f"{{\n{text}\n}}\n", encoding="utf-8")
-        print(f"{name:32s} largest {np.linalg.norm(forces, axis=1).max():.3f} N", flush=True)
+        said = "lost" if forces is None else f"largest {np.linalg.norm(forces, axis=1).max():.3f} N"
+        print(f"{name:32s} {said}", flush=True)
     return 0
