@@ -66,7 +66,7 @@ class _Closing:
         self.run = Run([self.stepper.beginning(first)], [0], [0.0])
 
     def ends(self) -> tuple[Array, Array]:
-        """How far motors turn beyond the posture (nv,) [rad, m], and the dry friction at the joints then (nv,) [N·m]."""
+        """How far motors turn beyond the posture (nv,) [rad, m], and friction at the joints then (nv,) [N·m]."""
         rate, run, fingers = self.end.command, self.run, self.pulling.fingers
         if run.states[0].controls.command.any():  # the hand closes until it touches
             goal = Goal("squeeze", self.end._replace(command=np.zeros_like(rate)))
