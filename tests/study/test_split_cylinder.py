@@ -160,11 +160,13 @@ def test_a_cylinder_that_no_hand_pinches_is_said():
 
 
 @pytest.mark.long
-def test_a_power_grasp_presses_all_around_and_is_held():
+def test_a_power_grasp_presses_all_around_with_all_its_torque():
+    """Let go, the cylinder settles, and the joints that closed with their limits need a little more or less."""
     found = hl.split_cylinder(hl.example_hand("five_finger", joint_stiffness=6.0), 0.065, grasps=["power"])
     assert found.missing == {}
     assert found.pinch is None
-    assert found.power.word == "HELD"
+    assert found.power.word in ("HELD", "OVER LIMIT")
+    assert found.power.solution.utilisation.max() == pytest.approx(1.0, abs=0.1)
     assert 0.0 < found.power.least <= found.power.force <= found.power.largest
     assert len(found.power.grasp.contacts) > 5
 
