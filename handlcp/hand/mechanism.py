@@ -234,19 +234,20 @@ class HandMechanism(Varied, Mechanism):
         if (drives := self.posture.hand.torques.drives) is not None:
             yield from closing_reasons(self.names, tuple(beyond), drives)
 
-    def pulling(self, spec: GraspSpec) -> Pulling | None:
-        """What a closing torque asked of the joints; None: they are commanded otherwise."""
+    def pulling(self, spec: GraspSpec, torque: Array) -> tuple[Pulling, Array] | None:
+        """What a closing torque asked of the joints, and the shares of it with which they pull, (nv,), where their
+        springs pull with torque (nv,) [N·m]; None: they are commanded otherwise.
+        """
         command, closed, hand = command_of(spec.effects), getattr(spec.asked, "closed", None), self.posture.hand
         if command is None or closed is None or closed.torque is None or (command.command != closed.command).any():
             return None
-        return Pulling.of(closed.torque, hand.moves[list(self.tips)], hand.stiffness)
+        found = Pulling.of(closed.torque, hand.moves[list(self.tips)], hand.stiffness)
+        return found, found.shares(torque, command.driven)
 
     def pulling_reasons(self, spec: GraspSpec, torque: Array) -> Iterator[Reason]:
         """Of a closing torque."""
-        if (pulling := self.pulling(spec)) is not None:
-            command = command_of(spec.effects)
-            shares = pulling.shares(torque, np.zeros(len(torque)) if command is None else command.driven)
-            yield from pulling_reasons(self.names, pulling, shares)
+        if (found := self.pulling(spec, torque)) is not None:
+            yield from pulling_reasons(self.names, *found)
 
     def elsewhere(self, spec: GraspSpec, shift: Array) -> GraspSpec | None:
         """The hand closes anew on its object, moved by shift (3,) [m]. None beside a command of the joints, which would

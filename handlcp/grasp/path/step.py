@@ -90,7 +90,7 @@ class Stepper:
         """Before anything is done: nothing is loaded, and the joints stand in the grasp's posture."""
         first, none = self.first, np.zeros((self.grasp.spec.n, 3))
         loads = self.grasp.loads(first, none, self.grasp.under(controls, controls))
-        still = read_only(np.zeros(len(first.at.q)))
+        still = self._still
         return self._unloaded(first, loads, Read(none, none, none[:, 0], none[:, 0], still, still), controls, still)
 
     def _unloaded(self, iterate: Iterate, loads: Loads, read: Read, controls: Controls, rubs: Array) -> State:

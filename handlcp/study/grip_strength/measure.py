@@ -106,8 +106,7 @@ def _wrapped(hand: Hand, cylinder: Cylinder, friction: Any, placed: bool) -> Clo
 
 def _left_of(grasp: Any, torque: Array) -> str:
     """What fingers hold of their torque, (nv,) [N·m], once the cylinder has been let go."""
-    pulling = grasp.mechanism.pulling(grasp.spec)
-    shares = pulling.shares(torque, grasp.joint_offset)
+    pulling, shares = grasp.mechanism.pulling(grasp.spec, torque)
     text, short = "every finger closes until a joint of it pulls with all its torque", pulling.short(shares)
     if not short:
         return text
