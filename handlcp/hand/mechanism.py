@@ -21,14 +21,16 @@ from handlcp.errors import InputError
 from handlcp.grasp.assembly.asked import again, under
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.joint_offset import command_of, joints_commanded
+from handlcp.grasp.model.cables import Cables
 from handlcp.grasp.model.flexibility import Factor, Flexibility
 from handlcp.grasp.model.kind import MANY
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.asked.load import load_of, weight_left_out, weight_of
-from handlcp.hand.elasticity.elasticity import TRANSMISSION
+from handlcp.hand.elasticity.elasticity import TRANSMISSION, Effort
 from handlcp.hand.elasticity.stiffness import JointStiffness, Pads, tip_flexibility
+from handlcp.hand.elasticity.tendons import TendonStiffness
 from handlcp.hand.objects.detect import touching
 from handlcp.hand.objects.object import Object
 from handlcp.hand.pulling import Pulling, pulling_reasons
@@ -189,7 +191,7 @@ class HandMechanism(Varied, Mechanism):
         if command is not None and (beyond := self.posture.hand.stiffness.beyond(command.command)).any():
             needs = [(name, float(t)) for name, t in zip(self.names, beyond, strict=True) if t]
             listed = words.listed([f"{name} with {words.torque(t)}" for name, t in needs])
-            text = f"no tendons make this command: springs at the joints would have to push {listed}"
+            text = f"no tendons that pull make this command: springs at the joints would have to push {listed}"
             yield Reason("out_of_reach", "warning", text, {"joints": [name for name, _ in needs]})
         if text := weight_left_out(spec, weight_of(self.target, self.gravity, spec.reference)):
             yield Reason("weight_left_out", "note", text)
@@ -220,6 +222,14 @@ class HandMechanism(Varied, Mechanism):
     def dry_friction(self) -> Array:
         """Of the hand."""
         return self.posture.hand.joint_friction
+
+    @lazy
+    def cables(self) -> Cables | None:
+        """Of a hand with tendons."""
+        stiffness = self.posture.hand.stiffness
+        if not isinstance(stiffness, TendonStiffness):
+            return None
+        return stiffness.cables._replace(rest=read_only(self.relaxed - self.posture.q))
 
     @property
     def closes(self) -> Array | None:
@@ -362,8 +372,15 @@ class HandMechanism(Varied, Mechanism):
         return {
             "torques": total, "joint_deflection": read_only(joints.deflection),
             "joint_yield": read_only(joints.yielded), "torque_check": self._check(total, joints.yielded),
-            "effort": self.posture.hand.stiffness.effort(total, self.turned(effects)),
+            "effort": self._effort(total, effects),
         }  # fmt: skip
+
+    def _effort(self, torque: Array, effects: tuple[Effect, ...]) -> Effort | None:
+        """What tendons or synergies do for torques (nv,), or what is known of it from a path."""
+        stiffness, command = self.posture.hand.stiffness, command_of(effects)
+        if isinstance(stiffness, TendonStiffness) and command is not None and command.tension is not None:
+            return stiffness.tensions(command.tension)
+        return stiffness.effort(torque, self.turned(effects))
 
     def turned(self, effects: Iterable[Effect]) -> Array:
         """(nv,) from where the joints' own springs are at rest to where the joints are commanded [rad, m]."""

@@ -153,6 +153,13 @@ JointFriction = Annotated[
     _From0 | list[_From0] | dict[str, _From0],
     Expected("a number ≥ 0, one for each joint, or a table of these by joint name"),
 ]
+Pretension = Annotated[
+    _From0OrInf | list[_From0OrInf] | dict[str, _From0OrInf],
+    Expected("a number ≥ 0 (inf: taut whatever comes), one for each tendon, or a table of these by tendon"),
+]
+TensionLimits = Annotated[
+    _PerJoint, Expected("a number > 0 (inf: no limit), one for each tendon, or a table of these by tendon")
+]
 ByTip = Annotated[
     _From0 | list[_From0] | dict[str, _From0],
     Expected("a number ≥ 0, one for each fingertip, or a table by fingertip"),

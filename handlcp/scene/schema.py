@@ -20,6 +20,10 @@ class TendonsTable(Table):
     """of the tendons"""
     passive_Nm_per_rad: k.Springs = 0.0
     """springs at the joints themselves; joints left out of a table: none"""
+    pretension_N: k.Pretension = 0.0
+    """with which tendons pull before the hand closes; inf: taut whatever comes; tendons left out of a table: 0"""
+    limits_N: k.TensionLimits = float("inf")
+    """that tendons bear; tendons left out of a table: no limit"""
 
 
 class SynergiesTable(Table):

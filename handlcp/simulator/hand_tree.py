@@ -138,9 +138,9 @@ def _springs(hand: HandModel) -> Springs:
         found = [(names[j], np.eye(len(names))[j], K[j, j]) for j in free]
     elif isinstance(hand.stiffness, TendonStiffness):
         given = hand.stiffness
-        arms = given.arms * ~rigid
-        passive = K - arms.T @ given.springs @ arms
-        found = [*_modes(given.springs, arms, given.names), *_modes(passive, np.eye(len(names)), names)]
+        cables = given.cables
+        passive = K - cables.arms.T @ cables.springs @ cables.arms
+        found = [*_modes(cables.springs, cables.arms, cables.names), *_modes(passive, np.eye(len(names)), names)]
     else:
         found = _modes(K, np.eye(len(names)), names)
     used = [spring for spring in found if spring[2] > _NONE * abs(K).max(initial=0.0) and np.any(spring[1])]

@@ -164,7 +164,7 @@ class _Growing:
     def __init__(self, run: Run, squeezed: Array) -> None:
         self.run, self.squeezed = run, squeezed
         # As in `load_limit`: the end of a range at which a joint stands before the load grows does not end it
-        limits, q = limits_of(run.grasp.spec), run.track.readings[-1].q
+        limits, q = limits_of(run.grasp.spec).of_joints, run.track.readings[-1].q
         self.limits = replace(
             limits,
             lower=np.where(q < limits.lower + _STANDS, -np.inf, limits.lower),

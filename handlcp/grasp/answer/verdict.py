@@ -10,6 +10,7 @@
 | `link_inside`, `joint_range` | a posture that the hand cannot take: a link inside the object, a joint past its range |
 | `large_motion`, `followed_forces` | motions, or forces, that the equations of small motions miss |
 | `torque_over_limit`, `torque`, `limit_unknown`, `limit_doubtful` | what the joints bear, and what is known of it |
+| `tension_over_limit`, `tension`, `slack` | what tendons bear, and which of them hang slack |
 | `closing_torque` | fingers that pull with less than was asked for, once the hand has closed |
 | `overheats`, `closing_over_peak` | what motors hold for a while alone; what closing takes beyond their peak |
 | `hand_doubtful` | a serious doubt of the hand's audit that is not about torque limits |
@@ -43,7 +44,8 @@ _DECIDES = {
     "not_holdable": NOT_HELD, "no_equilibrium": NOT_HELD, "lost": NOT_HELD, "slides_through": NOT_HELD,
     "steps_differ": UNDECIDED, "solver_stopped": UNDECIDED,
     "follow_stopped": UNDECIDED, "link_inside": UNDECIDED, "joint_range": UNDECIDED, "large_motion": UNDECIDED,
-    "torque_over_limit": OVER_LIMIT, "overheats": OVER_LIMIT, "closing_over_peak": OVER_LIMIT, "unplaced": UNDECIDED,
+    "torque_over_limit": OVER_LIMIT, "tension_over_limit": OVER_LIMIT, "overheats": OVER_LIMIT,
+    "closing_over_peak": OVER_LIMIT, "unplaced": UNDECIDED,
 }  # fmt: skip
 _HEADS = {"warning": "Warning", "advice": "Advice"}
 

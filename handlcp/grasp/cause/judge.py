@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import hypot
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from handlcp.check import Array, Bools, read_only
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
+from handlcp.grasp.model.cables import Cables
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.record import Record
@@ -19,7 +20,7 @@ from handlcp.tolerances import OVER
 # ----------------------------------------------------------------
 # What gives out, as data. The judge makes it (`judge.py`), the table of words says it (`wording.py`).
 
-SLIPS, OPENS, TORQUE, RANGE = "slips", "opens", "torque", "range"
+SLIPS, OPENS, TORQUE, TENSION, RANGE = "slips", "opens", "torque", "tension", "range"
 EQUILIBRIUM, MOTION, SLIDES, UNDECIDED = "equilibrium", "motion", "slides through", "undecided"
 OBJECT = "the object"
 
@@ -27,11 +28,11 @@ OBJECT = "the object"
 @dataclass(frozen=True, slots=True)
 class Cause(Record):
     """What gives out. kind : "slips" (a finger that slips), "opens" (a contact that lets go), "torque" (a joint at its
-    torque limit), "range" (a joint at the end of its range), "equilibrium" (forces can no longer balance the load),
-    "motion" (the object moves farther than was allowed), "slides through" (the object, where no contact that presses
-    sticks), "undecided" (something does, and it is not known what).
-    who : the finger, the joint or "the object". margin : share of the limit that is left; 0 at the limit, below 0
-    beyond it. Causes of the same kind and name are equal, whatever their margins.
+    torque limit), "tension" (a tendon at its limit), "range" (a joint at the end of its range), "equilibrium" (forces
+    can no longer balance the load), "motion" (the object moves farther than was allowed), "slides through" (the object,
+    where no contact that presses sticks), "undecided" (something does, and it is not known what).
+    who : the finger, the joint, the tendon or "the object". margin : share of the limit that is left; 0 at the limit,
+    below 0 beyond it. Causes of the same kind and name are equal, whatever their margins.
     """
 
     entries = ("kind", "who")
@@ -51,7 +52,7 @@ Bind = Cause
 # ----------------------------------------------------------------
 # The judge: what in a state is beyond its limit, what is at it, and which contacts give way.
 #
-# share = |τ| / τ_max            of a torque limit
+# share = |τ| / τ_max            of a torque limit, and likewise of a tendon's tension
 # share = 1 + outside / span     of a joint's range; outside < 0 within it
 # share = moved / allowed        of the object's motion
 #
@@ -72,35 +73,45 @@ def exceeded(share: Any) -> Any:
 class Limits:
     """What a state must not exceed.
 
-    names (n,) : of the contacts. joints (nv,) : names. torque (nv,) : limits [N·m, N], inf where there is none.
+    names (n,) : of the contacts. joints (nv,), tendons (t,) : names. efforts (nv + t,) : limits of torques [N·m, N],
+    then of tensions [N], inf where there is none.
     lower, upper (nv,) : ends of the ranges [rad, m], infinite where there is none. motion : how far the object may
     move [m] and turn [rad].
     """
 
     names: tuple[str, ...]
     joints: tuple[str, ...]
-    torque: Array
+    efforts: Array
     lower: Array
     upper: Array
     motion: tuple[float, float] = _FREE
-    by_torque: Array = field(init=False, repr=False)  # 1 / τ_max
+    tendons: tuple[str, ...] = ()
+    by_effort: Array = field(init=False, repr=False)  # 1 / τ_max
     by_span: Array = field(init=False, repr=False)  # 1 / span; 1 where a range has none
-    most: tuple[Array, Array, Array] = field(init=False, repr=False)  # beyond which τ, q and -q are beyond a limit
+    most: tuple[Array, Array, Array] = field(init=False, repr=False)  # beyond which τ, q and -q are beyond theirs
 
     def __post_init__(self) -> None:
         span = self.upper - self.lower
         ranged = np.isfinite(span) & (span > 0.0)
-        object.__setattr__(self, "by_torque", read_only(1.0 / np.maximum(self.torque, _NONE)))
+        object.__setattr__(self, "by_effort", read_only(1.0 / np.maximum(self.efforts, _NONE)))
         object.__setattr__(self, "by_span", read_only(1.0 / np.where(ranged, span, 1.0)))
         slack = OVER / self.by_span
-        object.__setattr__(self, "most", (_MOST * self.torque, self.upper + slack, slack - self.lower))
+        object.__setattr__(self, "most", (_MOST * self.efforts, self.upper + slack, slack - self.lower))
 
     def cause(self, k: int, share: float) -> Cause:
         """What the k-th share of `used` is of."""
-        nv = len(self.joints)
-        if k >= 2 * nv:
-            return Cause(MOTION, OBJECT, 1.0 - share)
-        return Cause(TORQUE if k < nv else RANGE, self.joints[k % nv], 1.0 - share)
+        nv, left = len(self.joints), 1.0 - share
+        if k < nv:
+            return Cause(TORQUE, self.joints[k], left)
+        if (k := k - nv) < len(self.tendons):
+            return Cause(TENSION, self.tendons[k], left)
+        k -= len(self.tendons)
+        return Cause(RANGE, self.joints[k], left) if k < nv else Cause(MOTION, OBJECT, left)
+
+    @property
+    def of_joints(self) -> Limits:
+        """Without those of tendons."""
+        return replace(self, efforts=self.efforts[: len(self.joints)], tendons=())
 
 
 def limits_of(
@@ -118,18 +129,20 @@ def limits_of(
     torque, free = mechanism.limits, np.full(len(mechanism.names), np.inf)
     if any(isinstance(e, TorqueSaturation) for e in spec.effects):
         torque = free
+    cables = Cables.none(0) if mechanism.cables is None else mechanism.cables
+    efforts = np.concatenate([torque, cables.limits])
     lower, upper = (mechanism.ranges if ranges else None) or (-free, free)
     if nominal is not None:
         left = exceeded(Limits((), mechanism.names, free, lower, upper).by_span * _outside(lower, upper, nominal) + 1.0)
         lower, upper = np.where(left, -np.inf, lower), np.where(left, np.inf, upper)
-    return Limits(spec.names, mechanism.names, torque, lower, upper, motion)
+    return Limits(spec.names, mechanism.names, efforts, lower, upper, motion, cables.names)
 
 
-def used(limits: Limits, torque: Array, q: Array | None = None, moved: Array | None = None) -> Array:
-    """Shares of the limits: (nv,) of torques; with q (nv,) of ranges too, (2 nv,); with moved (6,) of the object's
-    motion too, (2 nv + 2,), of shift and turn. NaN where a torque is.
+def used(limits: Limits, efforts: Array, q: Array | None = None, moved: Array | None = None) -> Array:
+    """Shares of the limits: (nv + t,) of torques and tensions; with q (nv,) of ranges too, nv more; with moved (6,) of
+    the object's motion too, 2 more, of shift and turn. NaN where a torque is.
     """
-    parts = [abs(torque) * limits.by_torque]
+    parts = [abs(efforts) * limits.by_effort]
     if q is not None:
         parts.append(_outside(limits.lower, limits.upper, q) * limits.by_span + 1.0)
     if moved is not None:
@@ -139,19 +152,19 @@ def used(limits: Limits, torque: Array, q: Array | None = None, moved: Array | N
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
-def over(limits: Limits, torque: Array, q: Array | None = None, moved: Array | None = None) -> tuple[Cause, ...]:
-    """What is beyond its limit in a state: torques first, then ranges, then the object's motion; arguments as in
-    `used`.
+def over(limits: Limits, efforts: Array, q: Array | None = None, moved: Array | None = None) -> tuple[Cause, ...]:
+    """What is beyond its limit in a state: torques first, then tensions, ranges and the object's motion; arguments as
+    in `used`.
     """
     most, upper, lower = limits.most
-    some = np.count_nonzero(abs(torque) > most)
+    some = np.count_nonzero(abs(efforts) > most)
     if q is not None:
         some += np.count_nonzero(q > upper) + np.count_nonzero(-q > lower)
     if moved is not None:
         some += bool(exceeded(max(_motion(limits, moved))))
     if not some:  # the common case, in which no share is worked out
         return ()
-    share = used(limits, torque, q, moved)
+    share = used(limits, efforts, q, moved)
     return _causes(limits, share, exceeded(share))
 
 
@@ -167,12 +180,12 @@ def over_closing(mechanism: Mechanism | None, torque: Callable[[], Array]) -> tu
 
 
 def binding(
-    limits: Limits, torque: Array, q: Array | None = None, moved: Array | None = None, near: float = OVER
+    limits: Limits, efforts: Array, q: Array | None = None, moved: Array | None = None, near: float = OVER
 ) -> tuple[Cause, ...]:
     """What ends a path in a state: all that is at its limit or beyond, or else what is nearest to it. () where nothing
     has a limit. near : shares that differ by no more, relative, are equal: as exactly as the state is located.
     """
-    share = used(limits, torque, q, moved)
+    share = used(limits, efforts, q, moved)
     most = float(np.nanmax(share, initial=0.0))
     if not most > 0.0:
         return ()

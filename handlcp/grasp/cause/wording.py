@@ -8,7 +8,18 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array
-from handlcp.grasp.cause.judge import EQUILIBRIUM, MOTION, OPENS, RANGE, SLIDES, SLIPS, TORQUE, UNDECIDED, Cause
+from handlcp.grasp.cause.judge import (
+    EQUILIBRIUM,
+    MOTION,
+    OPENS,
+    RANGE,
+    SLIDES,
+    SLIPS,
+    TENSION,
+    TORQUE,
+    UNDECIDED,
+    Cause,
+)  # fmt: skip
 from handlcp.grasp.model.spec import GraspSpec
 
 # ---------------------------------------------------------------- Why an object is lost, in one sentence.
@@ -82,6 +93,7 @@ _GIVES_OUT = {  # of one, of several
     SLIPS: ("slips", "slip"),
     OPENS: ("lets go", "let go"),
     TORQUE: ("reaches its torque limit", "reach their torque limits"),
+    TENSION: ("reaches the limit of its tension", "reach the limits of their tensions"),
     RANGE: ("reaches the end of its range", "reach the ends of their ranges"),
 }  # fmt: skip
 _OF_OBJECT = {
@@ -101,6 +113,12 @@ _HAPPENS = {  # of one, of several
     "within limit": ("is within its torque limit again", "are within their torque limits again"),
     "over limit by turns": ("goes over its torque limit and back by turns", "go over their torque limits and back by "
                             "turns"),
+    "over tension": ("pulls with more than its limit", "pull with more than their limits"),
+    "within tension": ("is within its limit again", "are within their limits again"),
+    "over tension by turns": ("goes over its limit and back by turns", "go over their limits and back by turns"),
+    "slackens": ("goes slack", "go slack"),
+    "tightens": ("is taut again", "are taut again"),
+    "slackens by turns": ("goes slack and taut by turns", "go slack and taut by turns"),
     "yields": ("yields at its torque limit", "yield at their torque limits"),
     "holds": ("holds again, below its torque limit", "hold again, below their torque limits"),
     "yields by turns": ("yields and holds by turns", "yield and hold by turns"),
@@ -113,6 +131,7 @@ _HAPPENS = {  # of one, of several
 }  # fmt: skip
 BY_TURNS = " by turns"
 _JOINTS = ("over limit", "within limit", "yields", "holds", "range end", "range", TORQUE)
+_TENDONS = ("over tension", "within tension", "slackens", "tightens", TENSION)
 _FEW = 4  # contacts that are named one by one
 _STRAIGHT = 1e-9  # of a load: less of it across an axis is none
 
@@ -148,7 +167,7 @@ def why(
     if factor > 0.0:
         load = amount(factor * wrench)
         return f"at {factor:.4g} times the load{f', {load}' if load else ''}: {text}"
-    if kind in (TORQUE, RANGE):
+    if kind in (TORQUE, TENSION, RANGE):
         return f"before there is any load, {text}"
     return f"it holds nothing of this load: {text.replace('more load', 'it')}"
 
@@ -173,6 +192,9 @@ def called(who: Sequence[str], spec: GraspSpec | None, kind: str = "") -> str:
         groups = [(names[:k], "contacts" if spec.links else "fingers"), (names, "contacts")]
         if kind.removesuffix(BY_TURNS) in _JOINTS:
             groups = [(() if spec.mechanism is None else spec.mechanism.names, "joints")]
+        if kind.removesuffix(BY_TURNS) in _TENDONS:
+            cables = None if spec.mechanism is None else spec.mechanism.cables
+            groups = [(() if cables is None else cables.names, "tendons")]
         for group, plural in groups:
             if len(who) == len(group) and set(who) == set(group):
                 return f"{'both' if len(who) == 2 else f'all {len(who)}'} {plural}"

@@ -123,7 +123,7 @@ def _why(changed: Changed, held: dict[float, Loading], allowed: float, pads: flo
 def _over(path: Loading) -> tuple[Cause, ...]:
     """The joints that need more than their torque limits at the end."""
     spec = path.steps.grasp.spec
-    return () if spec.mechanism is None else over(limits_of(spec), path.steps.torques[-1])
+    return () if spec.mechanism is None else over(limits_of(spec), path.last.efforts)
 
 
 def _short_of_torque(path: Loading) -> str:

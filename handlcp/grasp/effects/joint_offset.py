@@ -114,7 +114,8 @@ class JointOffset(Effect):
     None: it was given itself. opened : (nv,) where the joints are when the hand begins to close, if not in the grasp's
     posture. keeps : whether the object is kept in place until the hand has closed. against : (nv,) how much further
     motors turn because dry friction takes its part of what their springs pull with [rad, m]; None: not at all. All of
-    these matter to a loading that is followed, and to nothing else.
+    these matter to a loading that is followed, and to nothing else. tension : (t,) with which tendons pull where such
+    a loading has come to [N]; None: as springs that are all taut.
     """
 
     command: Array
@@ -122,6 +123,7 @@ class JointOffset(Effect):
     opened: Array | None = None
     keeps: bool = False
     against: Array | None = None
+    tension: Array | None = None
 
     @property
     def driven(self) -> Array:

@@ -227,7 +227,7 @@ def _rest(f: Followed, ends: _Ends | None) -> Rest:
 
 def _read(f: Followed, state: State) -> tuple[Array, Array, Array]:
     moved = f.stepper.geometry.displacement(state.where.pose) - f.at
-    return state.read.torque, state.where.q, moved
+    return state.efforts, state.where.q, moved
 
 
 def _path(f: Followed, number: int) -> LimitPath:

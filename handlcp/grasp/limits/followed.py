@@ -121,4 +121,4 @@ def _as_large(stepper: Stepper, start: State, wrench: Array) -> float:
 
 def _used(stepper: Stepper, limits: Limits, at: Array, state: State) -> Array:
     moved = stepper.geometry.displacement(state.where.pose) - at
-    return used(limits, state.read.torque, state.where.q, moved)
+    return used(limits, state.efforts, state.where.q, moved)

@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from handlcp.check import Array, Bools, read_only
+from handlcp.grasp.model.cables import Cables
 from handlcp.lcp.kernels.dense import kernel
 
 
@@ -75,6 +76,11 @@ class Mechanism:
     def dry_friction(self) -> Array:
         """(nv,) at the joints, beside their springs [N·m, N]."""
         return np.zeros(len(self.names))
+
+    @property
+    def cables(self) -> Cables | None:
+        """The tendons that move the joints; None: each has its own motor, or tendons are not known as such."""
+        return None
 
     def turned_on(self, q: Array) -> Self:
         """The same with joints that stand farther by q (nv,) [rad, m] than its posture has them."""

@@ -17,7 +17,10 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.record import Record
 
 _LOST = "lost"
-_UNDONE = {"sticks": "slips", "touches": "opens", "within limit": "over limit", "holds": "yields", "range": "range end"}
+_UNDONE = {
+    "sticks": "slips", "touches": "opens", "within limit": "over limit", "within tension": "over tension",
+    "tightens": "slackens", "holds": "yields", "range": "range end",
+}  # fmt: skip
 _NEAR = 0.01  # of a stage: events of one kind no further apart are told as one
 _START = 0.005  # of a stage
 _TURNS, _APART = 3, 0.03  # so many changes of one finger, each no further from the last, are "by turns"
@@ -26,11 +29,12 @@ _TURNS, _APART = 3, 0.03  # so many changes of one finger, each no further from 
 @dataclass(frozen=True, slots=True)
 class Event(Record):
     """kind : "slips", "sticks", "opens", "touches" (a contact), "over limit", "within limit", "yields", "holds",
-    "range end", "range" (a joint), "snaps" (the object, which comes to rest again elsewhere), "slides through" (the
-    object), "lost". who : the finger, the joint or "the object"; for "lost" the reason. stage : its name.
-    share : of the stage, 0 to 1, at the end of the step in which it happens. number : of the stage, from 0.
-    moved [m], turned [rad] : how far the object snaps. pushed (6,) : where the object was in balance, but not stable:
-    the motion in which a small push makes it snap; (): no state in balance was left.
+    "range end", "range" (a joint), "over tension", "within tension", "slackens", "tightens" (a tendon), "snaps" (the
+    object, which comes to rest again elsewhere), "slides through" (the object), "lost". who : the finger, the joint,
+    the tendon or "the object"; for "lost" the reason. stage : its name. share : of the stage, 0 to 1, at the end of the
+    step in which it happens. number : of the stage, from 0. moved [m], turned [rad] : how far the object snaps. pushed
+    (6,) : where the object was in balance, but not stable: the motion in which a small push makes it snap; (): no state
+    in balance was left.
     """
 
     kind: str
@@ -109,8 +113,10 @@ def summary(events: Iterable[Event], spec: GraspSpec) -> tuple[Summary, ...]:
                 break
         else:
             groups.append(new)
-    joints = () if spec.mechanism is None else spec.mechanism.names
-    order = {name: k for k, name in enumerate((*spec.names, *joints))}
+    mechanism = spec.mechanism
+    joints = () if mechanism is None else mechanism.names
+    tendons = () if mechanism is None or mechanism.cables is None else mechanism.cables.names
+    order = {name: k for k, name in enumerate((*spec.names, *joints, *tendons))}
     for g in groups:
         g.who.sort(key=lambda name: order.get(name, -1))
     return tuple([

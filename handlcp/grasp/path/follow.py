@@ -203,7 +203,7 @@ def solution_of(grasp: StepGrasp, state: State, section: Section) -> GraspSoluti
     """A state of a path as a certified solution of its own grasp: its forces and motion, if the certifier agrees, else
     those that a solve finds from there.
     """
-    made = grasp.made(state.iterate, state.loads)
+    made = grasp.made(state.iterate, state.loads, state.pull.tension if len(state.pull.tension) else None)
     scene = build(made)
     if len(state.start) and not grasp.general:
         c = scene.components

@@ -13,6 +13,7 @@ from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.path.events import Event
 from handlcp.grasp.path.geometry import Iterate, Where
+from handlcp.grasp.path.joints import Pull
 from handlcp.grasp.path.newton.numbers import Loads, Read
 
 # ----------------------------------------------------------------
@@ -55,10 +56,11 @@ class Controls(NamedTuple):
     def toward(self, end: Controls, share: float) -> Controls:
         """On the straight way to `end`."""
         rest = 1.0 - share
+        stands = np.array_equal(self.command, end.command)  # to the last bit: drives that stand still hold
+        command = end.command if stands else rest * self.command + share * end.command
         return Controls(
             rest * self.load + share * end.load, rest * self.weight + share * end.weight,
-            rest * self.preload + share * end.preload, rest * self.command + share * end.command,
-            end.kept,
+            rest * self.preload + share * end.preload, command, end.kept,
         )  # fmt: skip
 
 
@@ -172,7 +174,7 @@ class State(NamedTuple):
     joints at their limit are driven back [rad]. controls : what was asked for. start : where the next solve begins.
     gives (k,) : motions of limits that give way. iterates : how many the step took. met (dof, dof) : the wrench that a
     small push meets, natural units, along it where it drives it further; empty where that was not measured. rubs
-    (nv,) : dry friction at the joints, which takes so much of what their springs pull with [N·m].
+    (nv,) : dry friction at the joints, which takes so much of what their springs pull with [N·m]. pull : of tendons.
     """
 
     where: Where
@@ -189,6 +191,12 @@ class State(NamedTuple):
     iterates: int
     met: Array
     rubs: Array
+    pull: Pull
+
+    @property
+    def efforts(self) -> Array:
+        """(nv + t,) torques that the joints hold, and tensions of tendons [N·m, N]."""
+        return np.concatenate([self.read.torque, self.pull.tension]) if len(self.pull.tension) else self.read.torque
 
     @property
     def pulled(self) -> Array:

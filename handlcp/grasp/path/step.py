@@ -16,15 +16,15 @@ import numpy as np
 from handlcp.check import Array, Ints, read_only
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.path.drag import MOST, Drag
 from handlcp.grasp.path.geometry import Geometry, Iterate, Where, between, length_of
+from handlcp.grasp.path.joints import NO_PULL, Joints, Pull, Task
 from handlcp.grasp.path.newton.answer import Reached
 from handlcp.grasp.path.newton.by_contact import iteration_by_contact
 from handlcp.grasp.path.newton.iteration import one_iteration
 from handlcp.grasp.path.newton.linear_solve import Rules
 from handlcp.grasp.path.newton.numbers import Damping, Loads, Read, Situation, softness_of
 from handlcp.grasp.path.state import OPEN, Controls, Failure, Guess, State
-from handlcp.grasp.path.step_grasp import StepGrasp, StepLaws
+from handlcp.grasp.path.step_grasp import StepGrasp, StepLaws, Under
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verify.contact_states import names_of
 from handlcp.lcp import Auto
@@ -51,7 +51,7 @@ _PRESSED = (16.0, 8.0, 4.0, 3.0, 2.0, 1.7, 1.4, 1.2, 1.1, 1.0)  # times friction
 class _Asked(NamedTuple):
     """What is asked of the solves of an iterate. slipped (n, 3) : since the step began. gives (k,) : motions of limits
     that they start from. near : an answer that is no farther from the iterate than this is measured for its stability.
-    begun (nv,) : where the joints stood before the step. moves (nv,) : what `Drag` assumes of them first.
+    task : of the joints. does (nv + t,) : what `Joints` assumes of them first.
     """
 
     iterate: Iterate
@@ -60,8 +60,8 @@ class _Asked(NamedTuple):
     damping: Damping
     gives: Array
     near: float
-    begun: Array
-    moves: Ints
+    task: Task
+    does: Ints
 
 
 class Stepper:
@@ -82,24 +82,28 @@ class Stepper:
         laws = [c.friction for c in spec.contacts]
         self.friction, self._still = self.laws.limits, read_only(np.zeros(len(self.first.at.q)))
         self.iteration = iteration_by_contact if self.laws.by_contact else one_iteration
-        rubs = None if spec.mechanism is None else spec.mechanism.dry_friction
-        self.drag = Drag(self.first.elastic.root, rubs) if rubs is not None and rubs.any() else None
+        self.joints = _joints(spec, geometry, self.first.elastic.root)
         self.lever = np.array([1.0 / law.lever if law.lever > 0.0 else 0.0 for law in laws])
 
     def beginning(self, controls: Controls) -> State:
         """Before anything is done: nothing is loaded, and the joints stand in the grasp's posture."""
         first, none = self.first, np.zeros((self.grasp.spec.n, 3))
-        loads = self.grasp.loads(first, none, self.grasp.under(controls, controls))
-        still = self._still
-        return self._unloaded(first, loads, Read(none, none, none[:, 0], none[:, 0], still, still), controls, still)
+        under = self.grasp.under(controls, controls)
+        loads, still, pull = self.grasp.loads(first, none, under), self._still, NO_PULL
+        if self.joints is not None:
+            pull = self.joints.pull(self.joints.still, Task(under.commanded, first.at.q, None), first.at.q)
+        read = Read(none, none, none[:, 0], none[:, 0], still, still)
+        return self._unloaded(first, loads, read, controls, still, pull)
 
-    def _unloaded(self, iterate: Iterate, loads: Loads, read: Read, controls: Controls, rubs: Array) -> State:
+    def _unloaded(
+        self, iterate: Iterate, loads: Loads, read: Read, controls: Controls, rubs: Array, pull: Pull
+    ) -> State:
         """A state in which no contact carries anything."""
         n, nv = self.grasp.spec.n, len(iterate.at.q)
         slid = np.column_stack([read.motion[:, :2], read.spin])
         return State(
             iterate.at, iterate, loads, np.zeros((n, 3)), slid, read, (OPEN,) * n, read_only(np.zeros(nv)), controls,
-            _NOWHERE, np.zeros(self.laws.given), 0, np.zeros((0, 0)), rubs,
+            _NOWHERE, np.zeros(self.laws.given), 0, np.zeros((0, 0)), rubs, pull,
         )  # fmt: skip
 
     def step(
@@ -114,8 +118,9 @@ class Stepper:
         guess = guess or state.same
         geometry, follows = self.geometry, self.geometry.follows
         iterate, start, gives = geometry.iterate(guess.where, state.iterate), guess.start, guess.gives
-        moves = _NONE if self.drag is None else self.drag.moving(state.rubs)
-        last, swing, under, near = np.inf, _Swing(), self.grasp.under(controls, state.controls), rough * self.tolerance
+        does = _NONE if self.joints is None else self.joints.moving(state.rubs, state.pull)
+        task = _task(state, controls, under := self.grasp.under(controls, state.controls))
+        last, swing, near = np.inf, _Swing(), rough * self.tolerance
         damper, most, here = self._damper / h, near if follows else -1.0, None
         pads = 1.0 / h if slow_pads else 0.0
         if controls.kept:
@@ -128,7 +133,7 @@ class Stepper:
             done = self.between(state.where.pose, iterate.at.pose)
             was, now = state.where, iterate.at
             damping = Damping(1.0 / h, pads, damper, done, was.q - now.q, was.give - now.give, was.turn - now.turn)
-            reached = self._answer(_Asked(iterate, loads, slipped, damping, gives, most, was.q, moves), start, state)
+            reached = self._answer(_Asked(iterate, loads, slipped, damping, gives, most, task, does), start, state)
             if reached is None:
                 return Failure("no answer")
             end = Where(
@@ -137,7 +142,7 @@ class Stepper:
                 reached.turn,
                 geometry.moved(iterate.at.pose, reached.twist, reached.centre),
             )
-            start, gives, miss, moves = reached.start, reached.gives, reached.miss, reached.moves
+            start, gives, miss, does = reached.start, reached.gives, reached.miss, reached.does
             if miss <= near or not follows:
                 if follows and self.far(state.where.pose, end.pose) > _LARGEST:
                     return Failure("too far")
@@ -155,10 +160,13 @@ class Stepper:
                 read = Read(
                     reached.forces, motion, reached.torsion, spin, reached.torque, under.commanded - end.q - yielded
                 )
-                rubs = self._still
-                if self.drag is not None:
-                    rubs = self._rubs(self.drag, reached, iterate, under.commanded - yielded, end.q)
-                    loads = loads._replace(command=loads.command - self.drag.C @ rubs)  # as if there were no friction
+                rubs, pull = self._still, NO_PULL
+                if (joints := self.joints) is not None:
+                    stands = task._replace(commanded=under.commanded - yielded)
+                    left = self._left(reached, iterate)
+                    rubs, pull = joints.rubbing(does, stands, end.q, left), joints.pull(does, stands, end.q)
+                    # as if there were springs alone
+                    loads = loads._replace(command=end.q + yielded - iterate.at.q + joints.C @ left)
                 kinds = names_of(reached.kinds)
                 if ahead:
                     kinds = (OPEN,) * len(kinds)  # pushed ahead, and held by nobody
@@ -177,6 +185,7 @@ class Stepper:
                     count,
                     reached.met,
                     read_only(rubs),
+                    pull,
                 )
             if (count > 3 and miss > _CONTRACTS * last) or miss > _PARTS * last:
                 return Failure("runs away")
@@ -198,9 +207,11 @@ class Stepper:
         pulled = under.load.any() or (under.weight.any() and not controls.kept)
         if pulled or self.grasp.sags or not self.geometry.follows:
             return Failure("no answer")
-        q, rubs = under.commanded, self._still
-        if self.drag is not None:
-            q, rubs = self.drag.ends(under.commanded, state.where.q)
+        q, rubs, pull, still = under.commanded, self._still, NO_PULL, self._still
+        if (joints := self.joints) is not None:
+            task = _task(state, controls, under)
+            q, does = joints.ends(joints.moving(state.rubs, state.pull), task)
+            rubs, pull = joints.rubbing(does, task, q, still), joints.pull(does, task, q)
         end = Where(q, np.zeros((n, 3)), np.zeros(n), state.where.pose)
         iterate = self.geometry.iterate(end, state.iterate)
         slipped = self.geometry.slipped(state.iterate, iterate, state.slip_memory)
@@ -209,7 +220,7 @@ class Stepper:
             return Failure("no answer")
         none = np.zeros(n)
         read = Read(np.zeros((n, 3)), loads.base, none, loads.spin, iterate.elastic.gravity, under.commanded - end.q)
-        return self._unloaded(iterate, loads, read, controls, rubs)
+        return self._unloaded(iterate, loads, read, controls, read_only(rubs), pull)
 
     def pushed(self, state: State, controls: Controls, guess: Guess | None = None) -> State | Failure:
         """A step in which fingers may push ahead of them an object that nothing holds, against a damper that is large
@@ -295,30 +306,28 @@ class Stepper:
 
     def _solved(self, asked: _Asked, start: Array, friction: float = 1.0, cold: bool = False) -> Reached | None:
         """One solve; friction : times what it is. cold : from contacts that all stick, not from the start. Where joints
-        rub, one for each assumption of which of them move.
+        rub or tendons may go slack, one for each assumption of what they do.
         """
-        drag, loads, iterate, moves = self.drag, asked.loads, asked.iterate, asked.moves
-        if drag is None:
+        loads, iterate = asked.loads, asked.iterate
+        if self.joints is None:
             return self._solved_once(asked, start, friction, cold)
-        at, el = iterate.at.q, iterate.elastic
-        commanded = at + loads.command
-        for count in range(MOST):
-            command = drag.command(moves, commanded, asked.begun, at)
-            sprung = iterate._replace(elastic=el._replace(root=drag.sprung(moves).root))
-            made = asked._replace(iterate=sprung, loads=loads._replace(command=command))
-            if (found := self._solved_once(made, start, friction, cold)) is None:
-                return None
-            found.moves, q = moves, at + found.change
-            does = drag.does(moves, self._rubs(drag, found, iterate, commanded, q), q - asked.begun)
-            if (does == moves).all():
-                return found
-            moves = drag.again(count, moves, does)
-        return None
 
-    def _rubs(self, drag: Drag, reached: Reached, iterate: Iterate, commanded: Array, q: Array) -> Array:
-        """(nv,) dry friction at the joints, of an answer in which they come to q (nv,)."""
-        torque = reached.torque - (1.0 - self.laws.laws.sags) * iterate.elastic.gravity
-        return drag.acts(reached.moves, commanded, torque, q)
+        def once(root: Array, command: Array) -> tuple[Reached, Array, Array] | None:
+            sprung = iterate._replace(elastic=iterate.elastic._replace(root=root))
+            made = asked._replace(iterate=sprung, loads=loads._replace(command=command))
+            found = self._solved_once(made, start, friction, cold)
+            return None if found is None else (found, iterate.at.q + found.change, self._left(found, iterate))
+
+        tried = self.joints.solved(asked.does, asked.task, iterate.at.q, once)
+        if tried is None:
+            return None
+        found: Reached = tried[0]
+        found.does = tried[1]
+        return found
+
+    def _left(self, reached: Reached, iterate: Iterate) -> Array:
+        """(nv,) what springs pull with for the contacts alone."""
+        return reached.torque - (1.0 - self.laws.laws.sags) * iterate.elastic.gravity
 
     def _solved_once(self, asked: _Asked, start: Array, friction: float, cold: bool) -> Reached | None:
         laws, iterate = self.laws, asked.iterate
@@ -332,6 +341,20 @@ class Stepper:
         row = np.zeros(laws.answer.size)
         self.iteration(situation, rules, start, not cold, _SEED, asked.near, row)
         return Reached(row, laws.answer.parts) if row[0] else None
+
+
+def _joints(spec: GraspSpec, geometry: Geometry, root: Array) -> Joints | None:
+    """Of joints with dry friction, or with tendons that may go slack or have a limit; None: springs alone."""
+    mechanism = spec.mechanism
+    if mechanism is None or not (mechanism.dry_friction.any() or mechanism.cables is not None):
+        return None
+    return Joints(root, mechanism.dry_friction, mechanism.cables, geometry.posture)
+
+
+def _task(state: State, controls: Controls, under: Under) -> Task:
+    """Of a step from a state."""
+    driven = bool((controls.command != state.controls.command).any())
+    return Task(under.commanded, state.where.q, None if driven else state.pull.drawn)
 
 
 class _Swing:

@@ -211,15 +211,17 @@ class StepGrasp:
         """The effects that a step does not work out itself."""
         return self._effects
 
-    def made(self, iterate: Iterate, loads: Loads) -> GraspSpec:
-        """The grasp with the contacts of an iterate, under these loads."""
-        return self._made(iterate, loads, self._effects)
+    def made(self, iterate: Iterate, loads: Loads, tension: Array | None = None) -> GraspSpec:
+        """The grasp with the contacts of an iterate, under these loads. tension (t,) : of tendons; None: not known."""
+        return self._made(iterate, loads, self._effects, tension)
 
     def plain(self, iterate: Iterate, loads: Loads) -> GraspSpec:
         """The same without the effects that a step does not work out itself."""
         return self._made(iterate, loads, ())
 
-    def _made(self, iterate: Iterate, loads: Loads, effects: tuple[Effect, ...]) -> GraspSpec:
+    def _made(
+        self, iterate: Iterate, loads: Loads, effects: tuple[Effect, ...], tension: Array | None = None
+    ) -> GraspSpec:
         spec = self.spec
         offset = loads.base + np.einsum("nji,nj->ni", iterate.frames, loads.give)
         if spec.mechanism is None and len(loads.command):
@@ -228,7 +230,7 @@ class StepGrasp:
             effects = (*effects, _Turned(loads.spin + loads.turn))
         mechanism = self.geometry.mechanism(iterate)
         if mechanism is not None:
-            effects = (*effects, JointOffset(loads.command))
+            effects = (*effects, JointOffset(loads.command, tension=tension))
             if self._weighs is not None:
                 effects = (*effects, FingerWeight(iterate.elastic.gravity, self._weighs.sags))
         contacts = tuple([

@@ -144,6 +144,13 @@ class Steps:
         """(m, nv) with which the joints' springs pull: that, and what dry friction takes of it [N·m]."""
         return _rows([s.pulled for s in self.states])
 
+    @lazy
+    def tensions(self) -> Array:
+        """(m, t) with which tendons pull [N], 0 of those that hang slack; of those with no known pretension how much
+        harder they pull than at first.
+        """
+        return _rows([s.pull.tension for s in self.states])
+
     def to_dict(self, stages: tuple[str, ...]) -> dict[str, Any]:
         """Columns of m rows for a data frame: "stage", "share", "object.x" … "object.z" [m] and "object.rx" … [rad]
         since the start; for each contact "<name>.force_x", "…_y", "…_z" [N], contact axes, and "<name>.state"; for each
@@ -172,7 +179,12 @@ class Steps:
         """(m,) elastic energy of joints, pads and environment [J]."""
         pads = -0.5 * (self.forces_world * _rows([s.where.give for s in self.states])).sum(axis=(1, 2))
         twists = -0.5 * (self.torsion * _rows([s.where.turn for s in self.states])).sum(axis=1)
-        joints = [0.5 * float(s.pulled @ s.read.deflection) for s in self.states]
+        mechanism = self.grasp.spec.mechanism
+        cables = None if mechanism is None else mechanism.cables
+        joints = [
+            0.5 * float(s.pulled @ s.read.deflection) - s.pull.not_stored(cables, s.read.deflection)
+            for s in self.states
+        ]
         return read_only(pads + twists + np.array(joints))
 
     @lazy

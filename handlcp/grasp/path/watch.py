@@ -1,5 +1,5 @@
-"""What is watched while a grasp is loaded: states of contacts, torque limits, ends of joint ranges, and how fast the
-object gives way.
+"""What is watched while a grasp is loaded: states of contacts and tendons, limits of torques and tensions, ends of
+joint ranges, and how fast the object gives way.
 
 While something that presses sticks, fingers hold the object. The fastest rate at which it gives way then is compared
 with what comes: once nothing sticks, all that the object moves beyond `FASTER` times that rate is added up, and what it
@@ -109,8 +109,8 @@ def _crossing(low: _Side, high: _Side, changed: Bools) -> float:
 # ----------------------------------------------------------------
 
 _NEAR = 1e-6  # of the contacts' distances from their centre: fingertips no farther than this touch already
-_BEGINS = ("over limit", "yields", "range end")
-_ENDS = ("within limit", "holds", "range")
+_BEGINS = ("over limit", "over tension", "slackens", "yields", "range end")
+_ENDS = ("within limit", "within tension", "tightens", "holds", "range")
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,17 +144,18 @@ class Watch:
                 yield "slips" if now == "sliding" else "sticks", name
 
     def _joints(self, a: State, b: State) -> Iterator[tuple[str, str]]:
-        """What joints do."""
-        limits, nv = self.limits, len(self.limits.joints)
-        if not nv:
+        """What joints and tendons do."""
+        joints, tendons = self.limits.joints, self.limits.tendons
+        if not joints:
             return
-        marks = []
+        marks, parts = [], [len(joints), len(joints) + len(tendons)]
         for s in (a, b):
-            beyond = exceeded(used(limits, s.read.torque, s.where.q))
-            marks.append((beyond[:nv], s.yielded != 0.0, beyond[nv:]))
-        for ends, begins, before, now in zip(_ENDS, _BEGINS, *marks, strict=True):
+            torque, tension, outside = np.split(exceeded(used(self.limits, s.efforts, s.where.q)), parts)
+            marks.append((torque, tension, s.pull.slack, s.yielded != 0.0, outside))
+        names = joints, tendons, tendons, joints, joints
+        for ends, begins, of, before, now in zip(_ENDS, _BEGINS, names, *marks, strict=True):
             for j in np.flatnonzero(before != now).tolist():
-                yield (begins if now[j] else ends), limits.joints[j]
+                yield (begins if now[j] else ends), of[j]
 
 
 def watch_of(spec: GraspSpec, geometry: Geometry) -> Watch:

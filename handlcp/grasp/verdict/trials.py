@@ -83,7 +83,7 @@ def _holds(spec: GraspSpec, section: Section, order: Any) -> bool:
         return False
     if not path.held or spec.mechanism is None:
         return path.held
-    return not over(limits_of(spec), path.steps.torques[-1])
+    return not over(limits_of(spec), path.last.efforts)
 
 
 def _moved(spec: GraspSpec) -> Iterator[Trial]:

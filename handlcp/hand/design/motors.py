@@ -89,12 +89,12 @@ def _under(spec: GraspSpec, said: dict[str, Any], factor: float) -> GraspSpec:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RequiredTension:
-    """What tendons pull with, under any load of a brief, from the first touch to the whole load: how much harder than
-    their pre-tension, which is not known.
+    """What tendons pull with, under any load of a brief, from the first touch to the whole load; how much harder than
+    at first, of those that are taut whatever comes.
 
     tendons : t names. tension, held : (t,) [N] the largest, and the largest under any whole load, 0 where a tendon only
-    lets go. least : (t,) [N] the smallest; below 0 the tendon would have to push: it goes slack, unless it is
-    pre-tensioned by as much.
+    lets go. least : (t,) [N] the smallest; below 0 the tendon goes slack, and as much more of pretension would keep it
+    taut.
     """
 
     tendons: tuple[str, ...]
@@ -104,7 +104,7 @@ class RequiredTension:
 
     @property
     def slack(self) -> tuple[str, ...]:
-        """Those that would have to push, by more than rounding."""
+        """Those that go slack, by more than rounding."""
         size = _NO_TENSION * float(self.tension.max(initial=0.0))
         return tuple([name for name, least in zip(self.tendons, self.least.tolist(), strict=True) if least < -size])
 
@@ -113,7 +113,10 @@ class RequiredTension:
         """Tendon by tendon."""
         numbers = words.column(self.tension.tolist()), words.column(self.held.tolist())
         least = zip(self.tendons, self.least.tolist(), strict=True)
-        says = [f"pre-tension it by {words.force(-low)}" if name in self.slack else "" for name, low in least]
+        says = [
+            f"goes slack; {words.force(-low)} more of pretension keep it taut" if name in self.slack else ""
+            for name, low in least
+        ]
         every = tuple(zip(self.tendons, *numbers, says, strict=True))
         return TextTable(("tendon", "peak\nN", "continuous\nN", ""), every, "<>><")
 

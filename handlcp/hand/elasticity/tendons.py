@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, Bools, array, number, per_name, psd, read_only
+from handlcp.check import Array, Bools, array, dimensions, number, per_name, psd, read_only
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.analysis.explanation import Description
+from handlcp.grasp.model.cables import Cables
 from handlcp.hand.elasticity.elasticity import TENSION, TRANSMISSION, Effort, Elasticity, Transmission, spanned
 from handlcp.hand.elasticity.stiffness import (
     JointStiffness,
@@ -157,6 +158,8 @@ _MADE = 1e-6  # of the largest torque of a command: less is rounding
 _SHARE = 0.1  # of the largest motion: joints that move less are not named as loose
 _tendon_spring = partial(number, above=0.0)
 _passive_spring = partial(number, minimum=0.0, finite=False)
+_pretension = partial(number, minimum=0.0, finite=False)
+_limit = partial(number, above=0.0, finite=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,8 +171,14 @@ class Tendons(Transmission):
     stiffness : k [N/m] a number, (t,), a mapping by tendon name, or an SPD matrix (t, t).
     passive : springs at the joints themselves [N·m/rad]: a number ≥ 0, a mapping by joint name (joints left out: 0),
         (nv,), or a positive semidefinite matrix (nv, nv); numpy.inf: that joint is rigid.
+    pretension : [N] ≥ 0 with which tendons pull in the grasp's posture before the hand closes, springs at the joints in
+        balance with them: a number, (t,), or a mapping by tendon name (tendons left out: 0); numpy.inf: taut whatever
+        comes, and pushing where it must, as a rod or a sheathed cable does.
+    limits : [N] > 0 that tendons bear, in the same forms; numpy.inf, and tendons left out: no limit.
 
-    Tendons are assumed taut: one that would go slack still acts as a spring.
+    In a loading that is followed (`follow`, `check`, `load_limit`) a tendon never pushes: it goes slack, and is a
+    spring less. Drives keep all tendons taut while the hand closes, with the least tensions that make its torques; then
+    they hold. One solve in one posture takes all tendons as taut.
     Raises InputError, UnknownName; also when a hand is made with it, where K is singular: the error names the joints
     that no spring drives back.
     """
@@ -177,6 +186,8 @@ class Tendons(Transmission):
     moment_arms: Any
     stiffness: Any
     passive: Any = 0.0
+    pretension: Any = 0.0
+    limits: Any = np.inf
 
     def __post_init__(self) -> None:
         """Check what does not depend on the joints."""
@@ -185,6 +196,16 @@ class Tendons(Transmission):
         if not isinstance(self.stiffness, Mapping):
             numbers = [str(i) for i in range(len(arms))]
             read_springs("Tendons.stiffness", self.stiffness, "tendon", numbers, _tendon_spring)
+        self._forces(tuple(arms) if isinstance(arms, dict) else [f"tendon {i + 1}" for i in range(len(arms))])
+
+    def _forces(self, names: Sequence[str]) -> tuple[Array, Array]:
+        """(t,) pretension and limits. Raises InputError, UnknownName."""
+        begun = _by_tendon("Tendons.pretension", self.pretension, names, _pretension, 0.0)
+        most = _by_tendon("Tendons.limits", self.limits, names, _limit, np.inf)
+        for name, least, limit in zip(names, begun.tolist(), most.tolist(), strict=True):
+            if limit < least < np.inf:
+                raise InputError(f"Tendons.limits[{name!r}]", f"at least the pretension, {least:g} N", f"{limit:g} N")
+        return begun, most
 
     def for_joints(self, joints: Sequence[str]) -> TendonStiffness:
         """K over these joints."""
@@ -197,42 +218,54 @@ class Tendons(Transmission):
         through[rigid] = through[:, rigid] = 0.0  # no load reaches the tendons through a rigid joint
         K += (through + through.T) / 2
         _check_sprung(K, rigid, joints)
-        return TendonStiffness(K, names, R, k, read_only(np.where(np.isinf(own), 0.0, own)))
+        through = read_only(np.where(rigid, 0.0, R))
+        own = read_only(np.where(np.isinf(own), 0.0, own))
+        return TendonStiffness(K, R, Cables(names, through, k, own, np.zeros(len(K)), *self._forces(names)))
 
 
 class TendonStiffness(JointStiffness):
-    """K = K_p + Rᵀ k R, and the tendons behind it: names (t,), arms R (t, nv), springs k (t, t), passive K_p (nv, nv),
-    0 of a rigid joint.
-    """
+    """K = K_p + Rᵀ k R, and the tendons behind it; arms (t, nv) : R as it was given."""
 
-    def __init__(self, matrix: Array, names: tuple[str, ...], arms: Array, springs: Array, passive: Array) -> None:
+    def __init__(self, matrix: Array, arms: Array, cables: Cables) -> None:
         super().__init__(matrix)
-        self.names, self.arms, self.springs, self.passive = names, arms, springs, passive
+        self.arms, self.cables = arms, cables
 
     @property
     def commands(self) -> Array:
         """K⁻¹ Rᵀ: where the springs let the joints go when a tendon is drawn in."""
         return spanned(self.root @ (self.arms @ self.root).T)
 
+    def stiffer(self, factor: float) -> TendonStiffness:
+        """The same with every spring so many times as stiff."""
+        c = self.cables
+        springs, passive = read_only(factor * c.springs), read_only(factor * c.passive)
+        return TendonStiffness(self.matrix * factor, self.arms, c._replace(springs=springs, passive=passive))
+
     def effort(self, torque: Array, command: Array) -> Effort:
         """The tension t = k R K⁻¹ τ + t_c [N]: how much harder each tendon pulls; below 0 it pulls less. t_c is what it
         takes to turn the joints to where they are commanded against their own springs, Rᵀ t_c = K_p δq_c.
         """
-        tension = self.springs @ (self.arms @ self.deflection(torque))
+        c = self.cables
+        tension = c.springs @ (self.arms @ self.deflection(torque))
         if command.any():
-            tension = tension + np.linalg.lstsq(self.arms.T, self.passive @ command)[0]
-        return Effort(TENSION, "N", self.names, read_only(tension))
+            tension = tension + np.linalg.lstsq(self.arms.T, c.passive @ command)[0]
+        return self.tensions(tension)
+
+    def tensions(self, values: Array) -> Effort:
+        """With which tendons pull, (t,) [N]."""
+        return Effort(TENSION, "N", self.cables.names, read_only(values))
 
     def pulled(self, torque: Array, command: Array) -> Array:
         """Rᵀ t."""
         return np.asarray(self.arms.T @ self.effort(torque, command).values)
 
     def beyond(self, command: Array) -> Array:
-        """Tendons make torques Rᵀ t; what else K δq_c asks for, springs at the joints would have to be commanded to."""
+        """Tendons that pull make torques Rᵀ (t - T₀), none of them below 0; what else K δq_c asks for, springs at the
+        joints would have to be commanded to, or tendons would have to push.
+        """
         free = np.asarray(self.root.any(axis=1))
         asked = np.where(free, np.where(np.isinf(self.matrix), 0.0, self.matrix) @ command, 0.0)
-        arms = self.arms.T * free[:, None]
-        left = asked - arms @ np.linalg.lstsq(arms, asked)[0]
+        left = self.cables.not_made(asked)
         return np.where(abs(left) > _MADE * abs(asked).max(initial=0.0), left, 0.0)
 
     @property
@@ -240,6 +273,18 @@ class TendonStiffness(JointStiffness):
         """For `explain()`."""
         t, nv = self.arms.shape
         return TENDONS.equation, f"{t} tendon{'s' if t > 1 else ''} over {nv} joints"
+
+
+def _by_tendon(argument: str, value: Any, names: Sequence[str], read: Callable[[str, Any], float], out: float) -> Array:
+    """(t,) numbers from one for all, (t,), or a mapping, `out` for tendons that it leaves out."""
+    if isinstance(value, Mapping):
+        values = per_name(argument, value, names, "a tendon")
+        return read_only(np.array([read(f"{argument}[{n!r}]", values[n]) if n in values else out for n in names]))
+    if dimensions(value) == 0:
+        return read_only(np.full(len(names), read(argument, value)))
+    if len(value) != len(names):
+        raise InputError(argument, f"{len(names)} numbers, one for each tendon", f"{len(value)} of them")
+    return read_only(np.array([read(f"{argument}[{i}]", x) for i, x in enumerate(value)]))
 
 
 def _passive(argument: str, value: Any, joints: Sequence[str]) -> Array:

@@ -95,8 +95,8 @@ def _within(limits: Limits, path: Loading) -> tuple[float, tuple[Cause, ...]]:
 
 def _most(limits: Limits, state: State) -> float:
     """The largest share of a limit."""
-    return float(np.nanmax(used(limits, state.read.torque, state.where.q), initial=0.0))
+    return float(np.nanmax(used(limits, state.efforts, state.where.q), initial=0.0))
 
 
 def _gives_out(limits: Limits, state: State) -> tuple[Cause, ...]:
-    return binding(limits, state.read.torque, state.where.q, near=_AT)
+    return binding(limits, state.efforts, state.where.q, near=_AT)

@@ -35,13 +35,13 @@ class Reached:
     """Where an iterate's answer leads, SI. forces, motion (n, 3), torsion, spin (n,), torque, change (nv,) of the
     joints from the iterate, twist (6,) about centre (3,), gives (k,) motions of limits. give (n, 3), turn (n,),
     slip_memory (n, 3) : as `_end_of_step` has them. start (c + 9,) : where the next solve may begin, forces in the
-    laws' coordinates. moves (nv,) : which joints move against dry friction, as `Drag` has it; empty without any.
+    laws' coordinates. does (nv + t,) : of joints and tendons, as `Joints` has it; empty where there is nothing to tell.
     """
 
-    __slots__ = ("_parts", "_row", "moves")
+    __slots__ = ("_parts", "_row", "does")
 
     def __init__(self, row: Array, parts: dict[str, tuple[slice, tuple[int, ...]]]) -> None:
-        self._row, self._parts, self.moves = row, parts, _NONE
+        self._row, self._parts, self.does = row, parts, _NONE
 
     def __getattr__(self, name: str) -> Array:
         at, shape = self._parts[name]

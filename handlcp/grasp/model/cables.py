@@ -1,0 +1,62 @@
+"""Tendons that move joints, as far as the mechanics need to know them: they pull, and never push."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array
+
+_CONVERGED = 1e-14  # of the cost
+_EXACT, _MADE = 1e6, 1e-6  # times as heavy as small tensions: that these make the torques; to this share of them
+
+
+class Cables(NamedTuple):
+    """Tendons that move joints. names (t,). arms (t, nv) : R, 0 of a joint that gives way to nothing [m/rad, m/m].
+    springs (t, t) : k [N/m]. passive (nv, nv) : K_p of the joints' own springs [N·m/rad]; rest (nv,) : where these are
+    at rest, from the grasp's posture [rad, m]. pretension (t,) : T₀ in the grasp's posture before the hand closes [N];
+    inf : taut whatever comes, as a rod is. limits (t,) : what they bear [N], inf where nothing is known.
+    """
+
+    names: tuple[str, ...]
+    arms: Array
+    springs: Array
+    passive: Array
+    rest: Array
+    pretension: Array
+    limits: Array
+
+    @classmethod
+    def none(cls, nv: int) -> Cables:
+        """Of joints without tendons."""
+        return cls((), np.zeros((0, nv)), np.zeros((0, 0)), np.zeros((nv, nv)), np.zeros(nv), np.zeros(0), np.zeros(0))
+
+    def tensions(self, torque: Array) -> Array:
+        """(t,) t [N] that make torques Rᵀ (t - T₀) (nv,) [N·m] with the least pull beyond T₀: none is let go below T₀
+        where the others can do without, and none below 0. Of tendons without a known T₀, how much harder they pull.
+        """
+        begun, more = self._begun, np.asarray(np.linalg.lstsq(self.arms.T, torque)[0])
+        known = np.isfinite(self.pretension)
+        if (more >= 0.0)[known].all():
+            return begun + more
+        from scipy.optimize import lsq_linear  # half a second of import that only antagonists should pay
+
+        size = float(abs(self.arms).max())
+        rows = np.vstack([_EXACT * self.arms.T / size, np.eye(len(known))])
+        asked = np.append(_EXACT * torque / size, np.zeros(len(known)))
+        for least in (np.zeros(len(known)), -begun):
+            bounds = np.where(known, least, -np.inf), np.inf
+            more = lsq_linear(rows, asked, bounds, "bvls", _CONVERGED).x
+            if abs(self.arms.T @ more - torque).max() <= _MADE * abs(torque).max():
+                break
+        return np.where(known, np.maximum(begun + more, 0.0), more)
+
+    @property
+    def _begun(self) -> Array:
+        """(t,) T₀; 0 where it is not known."""
+        return np.where(np.isfinite(self.pretension), self.pretension, 0.0)
+
+    def not_made(self, torque: Array) -> Array:
+        """(nv,) the part of torques (nv,) [N·m] that no tensions make."""
+        return np.asarray(torque - self.arms.T @ (self.tensions(torque) - self._begun))
