@@ -191,7 +191,7 @@ class HandMechanism(Varied, Mechanism):
         if command is not None and (beyond := self.posture.hand.stiffness.beyond(command.command)).any():
             needs = [(name, float(t)) for name, t in zip(self.names, beyond, strict=True) if t]
             listed = words.listed([f"{name} with {words.torque(t)}" for name, t in needs])
-            text = f"no tendons that pull make this command: springs at the joints would have to push {listed}"
+            text = f"no tendons make this command by pulling: something else would have to turn {listed}"
             yield Reason("out_of_reach", "warning", text, {"joints": [name for name, _ in needs]})
         if text := weight_left_out(spec, weight_of(self.target, self.gravity, spec.reference)):
             yield Reason("weight_left_out", "note", text)

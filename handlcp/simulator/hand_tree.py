@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,6 +20,7 @@ from handlcp.simulator.settings import SimulatorSettings, add, placed, text
 _LEAST_MASS = 1e-6  # [kg] of a link without <inertial>
 _LEAST_INERTIA = 1e-9  # [kg·m²]
 _NONE = 1e-12  # of the largest stiffness: less is rounding, and no spring
+_MOST_FORCE = 1e6  # [N] of a tendon, in place of none
 _ARMATURE = 1e-5  # [kg·m²] of every joint: links without inertia would move without limit
 _STANDS = (0.9999, 0.9999, 1e-3)  # as near to 1 as MuJoCo has it: else a joint creeps that its friction should hold
 
@@ -95,11 +97,16 @@ class Springs:
     rigid: tuple[int, ...]
 
 
-def add_springs(root: ET.Element, hand: HandModel, at: Array, limited: bool, settings: SimulatorSettings) -> Springs:
+def add_springs(
+    root: ET.Element, hand: HandModel, at: Array, limited: bool, settings: SimulatorSettings,
+    least: Mapping[str, float],
+) -> Springs:  # fmt: skip
     """Springs, rigid joints and mimic joints of a hand.
 
-    at : (nv,) where rigid joints stand. limited : whether actuators push no harder than the torque limits.
-    Raises Unsupported for a compliance that is no stiffness, and for limits beside coupled springs.
+    at : (nv,) where rigid joints stand. limited : whether actuators push no harder than the torque limits. least : of
+    tendons that go slack, the least force of their actuators [N].
+    Raises Unsupported for a compliance that is no stiffness, for limits beside coupled springs, and for tendons that go
+    slack and share springs with others.
     """
     springs = _springs(hand)
     coupled = len(springs.names) and not _single(springs.arms)
@@ -108,6 +115,8 @@ def add_springs(root: ET.Element, hand: HandModel, at: Array, limited: bool, set
         raise Unsupported(
             "torque limits of joints that share springs cannot be written: MuJoCo limits a spring's force"
         )
+    if missing := [name for name in least if name not in springs.names]:
+        raise Unsupported(f"tendons that go slack and share springs cannot be written: {', '.join(missing)}")
     actuators = add(root, "actuator")
     tendons = add(root, "tendon") if coupled else None
     for name, arms, k in zip(springs.names, springs.arms, springs.stiffness, strict=True):
@@ -122,6 +131,8 @@ def add_springs(root: ET.Element, hand: HandModel, at: Array, limited: bool, set
             words["joint"] = hand.joint_names[j]
             if limited and np.isfinite(limits[j]):
                 words["forcerange"] = (-limits[j], limits[j])
+        if name in least:
+            words["forcerange"] = (least[name], _MOST_FORCE)
         add(actuators, "position", **words)
     _damp(root, springs, hand, settings)
     _add_equations(root, hand, springs, at)
@@ -134,13 +145,12 @@ def _springs(hand: HandModel) -> Springs:
     free = np.flatnonzero(~rigid)
     K = np.where(np.outer(rigid, rigid) | np.isinf(K), 0.0, K)
     off = K - np.diag(np.diagonal(K))
-    if not off.any():
-        found = [(names[j], np.eye(len(names))[j], K[j, j]) for j in free]
-    elif isinstance(hand.stiffness, TendonStiffness):
-        given = hand.stiffness
-        cables = given.cables
+    if isinstance(hand.stiffness, TendonStiffness):
+        cables = hand.stiffness.cables
         passive = K - cables.arms.T @ cables.springs @ cables.arms
         found = [*_modes(cables.springs, cables.arms, cables.names), *_modes(passive, np.eye(len(names)), names)]
+    elif not off.any():
+        found = [(names[j], np.eye(len(names))[j], K[j, j]) for j in free]
     else:
         found = _modes(K, np.eye(len(names)), names)
     used = [spring for spring in found if spring[2] > _NONE * abs(K).max(initial=0.0) and np.any(spring[1])]

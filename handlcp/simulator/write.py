@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -34,6 +34,8 @@ class SimulatorState:
     positions : of all movable joints of the hand where the grasp begins, by name [rad, m]: where its fingertips touch,
         or where it begins to close.
     before, after : commands of the actuators at the start and with all of the squeeze, by name [rad, m].
+    least : the least forces of those that only pull, likewise, of tendons: (before, after) [N]; a tendon's force counts
+    from that with which its actuator holds the joints where they are commanded.
     mass : [kg] of the object's weight; the mass with which it moves is another.
     weighing : bodies of the hand whose weight bends its joints, by name; none where the grasp leaves it out.
     wrench : (6,) force [N] and torque [N·m] on the object besides its weight, world axes. The force acts at the
@@ -48,6 +50,7 @@ class SimulatorState:
     weighing: tuple[str, ...]
     wrench: Array
     keeps: bool = False
+    least: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def put(self, model: Any, data: Any, squeeze: float = 1.0, load: float = 1.0) -> None:
         """Put a simulation at its start, with these shares of squeeze, and of weight and load.
@@ -70,6 +73,8 @@ class SimulatorState:
         """
         for name, start in self.before.items():
             data.ctrl[model.actuator(name).id] = start + squeeze * (self.after[name] - start)
+        for name, (first, last) in self.least.items():
+            model.actuator_forcerange[model.actuator(name).id, 0] = first + squeeze * (last - first)
         for name in self.weighing:
             model.body_gravcomp[model.body(name).id] = 1.0 - sag
         body = model.body(OBJECT).id
@@ -86,9 +91,29 @@ _LEFT = 1e-5  # [m] an overlap up to this that joints cannot open is begun with:
 _ITERATIONS = 30
 
 
-def starting_state(grasp: HandGrasp, springs: Springs) -> SimulatorState:
-    """Posture, commands and load. Raises Unsupported where tips overlap the object and joints cannot open them, and for
-    rigid joints that would have to move.
+def pulling(grasp: HandGrasp) -> dict[str, tuple[float, float]]:
+    """The least forces of actuators of tendons that may go slack, before and after the hand has closed [N]: an actuator
+    that holds the joints where they are commanded, where its tendon pulls with a, pulls with a + F ≥ 0.
+    """
+    cables = grasp.mechanism.cables
+    if cables is None or not np.isfinite(cables.pretension).any():
+        return {}
+    states = grasp.follow(order="squeeze").steps.states if grasp.mechanism.commands(grasp.spec) else ()
+    found = dict[str, tuple[float, float]]()
+    for i in np.flatnonzero(np.isfinite(cables.pretension)).tolist():
+        first = after = float(cables.pretension[i])
+        if states:
+            commanded = grasp.state.q + states[-1].controls.command
+            after = float((states[-1].pull.drawn - cables.springs @ (cables.arms @ commanded))[i])
+        found[cables.names[i]] = -first, -after
+    return found
+
+
+def starting_state(
+    grasp: HandGrasp, springs: Springs, least: Mapping[str, tuple[float, float]]
+) -> SimulatorState:  # fmt: skip
+    """Posture, commands and load. least : as in `SimulatorState`. Raises Unsupported where tips overlap the object and
+    joints cannot open them, and for rigid joints that would have to move.
     """
     hand, q = grasp.state.hand, grasp.state.q
     kinematics, gravity = hand.kinematics, grasp.mechanism.gravity
@@ -113,7 +138,7 @@ def starting_state(grasp: HandGrasp, springs: Springs) -> SimulatorState:
         dict(zip(full_names(hand), full.tolist(), strict=True)),
         dict(zip(springs.names, before.tolist(), strict=True)), dict(zip(springs.names, after.tolist(), strict=True)),
         float(obj.mass), weighing, read_only(spec.wrench - np.append(weight, moment)),
-        command is not None and command.keeps,
+        command is not None and command.keeps, least,
     )  # fmt: skip
 
 
@@ -185,9 +210,12 @@ def to_mujoco(grasp: Grasp, settings: SimulatorSettings | None = None) -> tuple[
         for one in ours:
             add(pairs, "pair", name=one, geom1=one, geom2=other, **words)
     limited = any(isinstance(e, TorqueSaturation) for e in spec.effects)
-    springs = add_springs(root, hand, hand_grasp.state.q, limited, settings)
+    least = pulling(hand_grasp)
+    springs = add_springs(
+        root, hand, hand_grasp.state.q, limited, settings, {k: after for k, (_, after) in least.items()}
+    )
     ET.indent(root)
-    return ET.tostring(root, encoding="unicode"), starting_state(hand_grasp, springs)
+    return ET.tostring(root, encoding="unicode"), starting_state(hand_grasp, springs, least)
 
 
 def _frame(settings: SimulatorSettings, gravity: Array) -> ET.Element:
