@@ -50,7 +50,7 @@ def test_links_weigh_what_the_urdf_says_and_only_where_that_was_asked_for():
 def test_springs_make_the_stiffness_of_tendons():
     R = {"pull": {"finger_1_proximal": 0.01, "finger_1_distal": 0.008}}
     hand = {"torque_limits": np.inf}
-    grasp = three(K=hl.Tendons(R, 2e4, 4.0), hand=hand)
+    grasp = three(K=hl.Tendons(R, 2e4, 4.0, pretension=10.0), hand=hand)
     model, data, _ = started(grasp, squeeze=0.0)
     dofs = [model.joint(name).dofadr[0] for name in grasp.state.hand.joint_names]
     at = [model.joint(name).qposadr[0] for name in grasp.state.hand.joint_names]

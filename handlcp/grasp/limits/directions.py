@@ -11,7 +11,15 @@ from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.cause.judge import EQUILIBRIUM, OBJECT, Bind
 from handlcp.grasp.friction import Section
-from handlcp.grasp.limits.fixed import begun_of, ends_plainly, fixed_limit, over_nothing, slid_place, watch_from
+from handlcp.grasp.limits.fixed import (
+    begun_of,
+    ends_plainly,
+    fixed_limit,
+    over_nothing,
+    slid_place,
+    springs_alone,
+    watch_from,
+)  # fmt: skip
 from handlcp.grasp.limits.followed import accurate_limit
 from handlcp.grasp.limits.kernels.happens import GIVES_UP, LOST
 from handlcp.grasp.limits.kernels.onward import onward_each
@@ -62,15 +70,17 @@ def limits_of(
     if not len(loads) or not loads.any(axis=1).all():
         raise InputError("wrenches", "at least one load, none of them zero", f"{len(loads)} of them")
     most = (tolerance("motion", motion), tolerance("turn", turn))
-    return (_followed if follows else _fixed)(spec, section, loads, most, accuracy)
+    if follows or not springs_alone(spec):
+        return _in_steps(spec, section, loads, most, accuracy, "followed" if follows else "fixed")
+    return _fixed(spec, section, loads, most, accuracy)
 
 
-def _followed(
-    spec: GraspSpec, section: Section, loads: Array, most: tuple[float, float], accuracy: float | None
+def _in_steps(
+    spec: GraspSpec, section: Section, loads: Array, most: tuple[float, float], accuracy: float | None, geometry: str
 ) -> Limits:
-    found = [accurate_limit(spec, section, load, most, "followed", accuracy) for load in loads]
+    found = [accurate_limit(spec, section, load, most, geometry, accuracy) for load in loads]
     factors, off = np.array([(one.factor, one.accuracy) for one in found]).T.copy()
-    return Limits(loads, read_only(factors), tuple([x.binds for x in found]), "followed", read_only(off))
+    return Limits(loads, read_only(factors), tuple([x.binds for x in found]), geometry, read_only(off))
 
 
 def _never(loads: Array) -> Limits:

@@ -183,6 +183,8 @@ def fixed_limit(
     spec: GraspSpec, section: Section, wrench: Array, most: tuple[float, float], accuracy: float | None = None
 ) -> LoadLimit:
     """Most : motion [m] and turn [rad] of the object that are allowed. accuracy : as in `accurate_limit`."""
+    if not springs_alone(spec):
+        return accurate_limit(spec, section, wrench, most, "fixed", accuracy)
     system, begun = begun_of(spec, section, wrench)
     if begun.place is None:
         none = TracedPath(system, wrench, np.zeros((0, 1)), None)
@@ -214,6 +216,11 @@ def fixed_limit(
         path = TracedPath(system, wrench, np.vstack([before, at]), place, path)
     later = _later(why(binds, factor, wrench, spec, then), path, factor, lost, slides, happened)
     return LoadLimit(factor, wrench, binds, "fixed", later, first, slides, np.nan if accuracy is None else EVENTS_END)
+
+
+def springs_alone(spec: GraspSpec) -> bool:
+    """Whether fingers give way as springs do, as a trace takes it; others are followed in steps."""
+    return spec.mechanism is None or spec.mechanism.springs_alone
 
 
 def ends_plainly(system: System) -> bool:

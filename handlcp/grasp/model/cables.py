@@ -32,6 +32,11 @@ class Cables(NamedTuple):
         """Of joints without tendons."""
         return cls((), np.zeros((0, nv)), np.zeros((0, 0)), np.zeros((nv, nv)), np.zeros(nv), np.zeros(0), np.zeros(0))
 
+    @property
+    def springs_alone(self) -> bool:
+        """Whether they act as springs whatever comes, and bear all of it."""
+        return bool(np.isinf(self.pretension).all() and np.isinf(self.limits).all())
+
     def tensions(self, torque: Array) -> Array:
         """(t,) t [N] that make torques Rᵀ (t - T₀) (nv,) [N·m] with the least pull beyond T₀: none is let go below T₀
         where the others can do without, and none below 0. Of tendons without a known T₀, how much harder they pull.

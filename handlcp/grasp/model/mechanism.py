@@ -82,6 +82,11 @@ class Mechanism:
         """The tendons that move the joints; None: each has its own motor, or tendons are not known as such."""
         return None
 
+    @property
+    def springs_alone(self) -> bool:
+        """Whether joints give way as springs do whatever comes: no dry friction, and tendons that always pull."""
+        return not self.dry_friction.any() and (self.cables is None or self.cables.springs_alone)
+
     def turned_on(self, q: Array) -> Self:
         """The same with joints that stand farther by q (nv,) [rad, m] than its posture has them."""
         return self
