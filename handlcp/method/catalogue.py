@@ -28,7 +28,8 @@ from handlcp.grasp.effects.coulomb_friction import CoulombFriction
 from handlcp.grasp.effects.object_balance import ObjectBalance
 from handlcp.grasp.effects.unilateral_contact import UnilateralContact
 from handlcp.hand import HandGrasp, HandState, Sphere, example_hand
-from handlcp.hand.elasticity.tendons import SYNERGIES, TENDONS
+from handlcp.hand.elasticity.synergies import SYNERGIES
+from handlcp.hand.elasticity.tendons import TENDONS
 from handlcp.hand.objects.object import WEIGHS
 from handlcp.lcp.compiler.when import at_once
 

@@ -16,7 +16,7 @@ HAND = {
     "joint_stiffness": "hand.joint_stiffness_Nm_per_rad", "pad_flexibility": "hand.pad_flexibility_m_per_N",
     "Tendons.moment_arms": "hand.tendons.moment_arms_m", "Tendons.stiffness": "hand.tendons.stiffness_N_per_m",
     "Tendons.passive": "hand.tendons.passive_Nm_per_rad", "Tendons.pretension": "hand.tendons.pretension_N",
-    "Tendons.limits": "hand.tendons.limits_N",
+    "Tendons.limits": "hand.tendons.limits_N", "Tendons.friction": "hand.tendons.friction",
     "Synergies.S": "hand.synergies.columns", "Synergies.stiffness": "hand.synergies.stiffness_Nm_per_rad",
     "Synergies.joint_stiffness": "hand.synergies.joint_stiffness_Nm_per_rad",
     "torque_limits": "hand.torque_limits_Nm", "tip_radius": "hand.tip_radius_m", "package_dirs": "hand.package_dirs",
@@ -47,7 +47,9 @@ def springs(table: HandTable) -> Any:
     """What [hand] says of stiffness."""
     with keyed(HAND):
         if (t := table.tendons) is not None:
-            return Tendons(t.moment_arms_m, t.stiffness_N_per_m, t.passive_Nm_per_rad, t.pretension_N, t.limits_N)
+            return Tendons(
+                t.moment_arms_m, t.stiffness_N_per_m, t.passive_Nm_per_rad, t.pretension_N, t.limits_N, t.friction
+            )
         if (s := table.synergies) is not None:
             columns: Any = s.columns
             if not isinstance(columns, dict):  # written one by one

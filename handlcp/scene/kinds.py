@@ -157,6 +157,10 @@ Pretension = Annotated[
     _From0OrInf | list[_From0OrInf] | dict[str, _From0OrInf],
     Expected("a number ≥ 0 (inf: taut whatever comes), one for each tendon, or a table of these by tendon"),
 ]
+Grips = Annotated[
+    _From0 | list[list[_From0]] | dict[str, _From0 | dict[str, _From0]],
+    Expected("a number ≥ 0, or a table by tendon of numbers or of tables by joint name"),
+]
 TensionLimits = Annotated[
     _PerJoint, Expected("a number > 0 (inf: no limit), one for each tendon, or a table of these by tendon")
 ]

@@ -24,6 +24,8 @@ class TendonsTable(Table):
     """with which tendons pull before the hand closes; inf: taut whatever comes; tendons left out of a table: 0"""
     limits_N: k.TensionLimits = float("inf")
     """that tendons bear; tendons left out of a table: no limit"""
+    friction: k.Grips = 0.0
+    """times the angle of the wrap, of posts at the joints of each tendon; what is left out of a table: 0"""
 
 
 class SynergiesTable(Table):

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, Ints
 
 _CONVERGED = 1e-14  # of the cost
 _EXACT, _MADE = 1e6, 1e-6  # times as heavy as small tensions: that these make the torques; to this share of them
@@ -17,6 +17,9 @@ class Cables(NamedTuple):
     springs (t, t) : k [N/m]. passive (nv, nv) : K_p of the joints' own springs [N·m/rad]; rest (nv,) : where these are
     at rest, from the grasp's posture [rad, m]. pretension (t,) : T₀ in the grasp's posture before the hand closes [N];
     inf : taut whatever comes, as a rod is. limits (t,) : what they bear [N], inf where nothing is known.
+    Posts that tendons wrap around, m of them, those of a tendon in the order from its drive on: of (m,) : number of the
+    tendon. grips (m,) : μθ, friction times the angle of the wrap [rad]. posts (m, nv) : arms of the tendon at this post
+    and beyond.
     """
 
     names: tuple[str, ...]
@@ -26,16 +29,21 @@ class Cables(NamedTuple):
     rest: Array
     pretension: Array
     limits: Array
+    of: Ints
+    grips: Array
+    posts: Array
 
     @classmethod
     def none(cls, nv: int) -> Cables:
         """Of joints without tendons."""
-        return cls((), np.zeros((0, nv)), np.zeros((0, 0)), np.zeros((nv, nv)), np.zeros(nv), np.zeros(0), np.zeros(0))
+        none, row = np.zeros(0), np.zeros((0, nv))
+        own, rest = np.zeros((nv, nv)), np.zeros(nv)
+        return cls((), row, np.zeros((0, 0)), own, rest, none, none, np.zeros(0, dtype=np.int64), none, row)
 
     @property
     def springs_alone(self) -> bool:
         """Whether they act as springs whatever comes, and bear all of it."""
-        return bool(np.isinf(self.pretension).all() and np.isinf(self.limits).all())
+        return bool(np.isinf(self.pretension).all() and np.isinf(self.limits).all()) and not len(self.posts)
 
     def tensions(self, torque: Array) -> Array:
         """(t,) t [N] that make torques Rᵀ (t - T₀) (nv,) [N·m] with the least pull beyond T₀: none is let go below T₀

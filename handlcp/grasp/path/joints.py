@@ -1,23 +1,26 @@
-"""Joints in a step of a path that do more than give way: dry friction holds them, and tendons go slack.
+"""Joints in a step of a path that do more than give way: dry friction holds them, and tendons rub and go slack.
 
 A joint's springs, driven to q_c, pull with K (q_c - q). What is left of that for the contacts, τ, is less by friction
-f, which opposes the motion of the step as friction at a contact does,
+f, which opposes the motion of the step as friction at a contact does. At a joint it is at most τ_f. Where a tendon
+wraps around a post, it takes f of the tension T with which the tendon comes from its drive (capstan):
 
-    |f| ≤ τ_f,    f = τ_f sign(q - q⁻) where the joint moves,
+    T (1 - exp(μθ)) ≤ f ≤ T (1 - exp(-μθ)),    τ -= Dᵀ f,
 
-and less by what tendons would push with. Once the hand is closed, its tendons are drawn in by what they are, and pull
-with t as far as that is no push:
+with D q how much of the tendon is drawn in from beyond. f is at the upper end where that is drawn towards the drive,
+and at the lower end where it is drawn away. The next post of the tendon has what is left of T.
 
-    0 ≤ t ⟂ s ≥ 0,    t = a + k s,    a = d - k R q,    τ = K (q_c - q) + Rᵀ (t - a) - f.
+Once the hand is closed, its tendons are drawn in by what they are, and pull with t as far as that is no push:
+
+    0 ≤ t ⟂ s ≥ 0,    t = a + k s,    a = d - k R q,    τ = K (q_c - q) + Rᵀ (t - a) - Dᵀ f.
 
 s is how far a slack tendon hangs through, d what is drawn in [N]. While the hand is driven, its drives keep all tendons
 taut: they pull with the least tensions that make its torques.
 
-With what each joint and each tendon does known, a step is one of joints with springs alone: one that stands still is
-rigid, one that moves is commanded by K⁻¹ f less, and a slack tendon is a spring less. Which it is, is found by trying:
-all that do otherwise than was assumed are assumed anew; where that goes round in circles, the first of them alone,
-which ends (Murty, Linear Algebra and its Applications 7, 1974). The memory of a path is where the joints stand and how
-far the tendons are drawn in, and nothing else.
+With what each joint, each post and each tendon does known, a step is one of joints with springs alone: what stands
+still is rigid, what moves is commanded by K⁻¹ Dᵀ f less, and a slack tendon is a spring less. Which it is, is found by
+trying: all that do otherwise than was assumed are assumed anew; where that goes round in circles, the first of them
+alone, which ends (Murty, Linear Algebra and its Applications 7, 1974). The memory of a path is where the joints stand
+and how far the tendons are drawn in, and nothing else.
 """
 
 from __future__ import annotations
@@ -30,22 +33,22 @@ import numpy as np
 from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.grasp.model.cables import Cables
 
-_SAME = 1e-9  # of the friction, of the motion that its torque makes, or of the largest tension: less is none
+_SAME = 1e-9  # of the friction, of the motion that it makes, or of the largest tension: less is none
+_SETTLED = 1e-10  # of the largest tension: friction at posts that changes by no more
 _AT_ONCE = 6  # trials that change all that does otherwise
-_MOST = 60  # trials
+_MOST = 80  # trials
 _LIMP = 1e-5  # of its stiffness: what a joint keeps that no taut tendon and no spring holds
+_DEPENDS = 1e-9  # of the longest: rows shorter than this across others say nothing that these do not
 
 
 class Sprung(NamedTuple):
     """Joints of which some stand still, and some tendons are slack. K (nv, nv) : their stiffness. root (nv, m) : C =
-    root rootᵀ of those that move, free (nv, nv) : C itself. drawn (nv, nv) : how far the springs of those that stand
-    still, drawn by (nv,), draw the others. lost (nv, t) : Rᵀ (t - a), from a.
+    root rootᵀ of those that move, free (nv, nv) : C itself. lost (nv, t) : Rᵀ (t - a), from a.
     """
 
     K: Array
     root: Array
     free: Array
-    drawn: Array
     lost: Array
 
 
@@ -60,10 +63,13 @@ class Task(NamedTuple):
 
 
 class Pull(NamedTuple):
-    """What tendons do in a state. drawn (t,) : d [N]. tension (t,) : with which they pull [N], how much harder than at
-    first where it is not known how hard that was. taut (t,) : the same as springs that could push, a.
+    """What joints, posts and tendons do in a state. does : as `Joints` has it. posts (m,) : f [N]. drawn (t,) : d [N].
+    tension (t,) : with which tendons pull [N], how much harder than at first where it is not known how hard that was.
+    taut (t,) : the same as springs that could push, a.
     """
 
+    does: Ints
+    posts: Array
     drawn: Array
     tension: Array
     taut: Array
@@ -84,58 +90,69 @@ class Pull(NamedTuple):
         return 0.5 * float(pushed + (cables.arms.T @ more) @ deflection)
 
 
-NO_PULL = Pull(*[read_only(np.zeros(0))] * 3)
+NO_PULL = Pull(np.zeros(0, dtype=np.int64), *[read_only(np.zeros(0))] * 4)
 
 
 class Joints:
     """Of joints with compliance C = root rootᵀ, root (nv, m), friction (nv,) [N·m], and tendons; None: without. posture
     (nv,) : from which the rest of their springs is counted.
 
-    What they do is a vector (nv + t,): of joints ±1, the way they move against friction, or 0; of tendons 1 where they
-    are slack, or 0.
+    What they do is a vector (nv + m + t,): of joints and posts ±1, the way they move against friction, or 0; of tendons
+    1 where they are slack, or 0.
     """
 
     def __init__(self, root: Array, friction: Array, cables: Cables | None, posture: Array) -> None:
         C = root @ root.T
+        self.cables = cables = Cables.none(len(friction)) if cables is None else cables
         self.gives = C.diagonal() > 0.0
-        self.friction = np.where(self.gives, friction, 0.0)  # rigid joints stand still anyhow
-        self.rubs = self.friction > 0.0
-        self.least = _SAME * self.friction * C.diagonal()  # [rad]
         self.K = np.zeros_like(C)
         on = np.ix_(self.gives, self.gives)
         self.K[on] = np.linalg.solve(C[on], np.eye(int(self.gives.sum())))
-        self.C, self._root, self.nv = C, root, len(friction)
-        self.cables = Cables.none(self.nv) if cables is None else cables
-        self._pulls = self.cables.springs @ self.cables.arms  # k R
-        self._rest = posture + self.cables.rest
-        self.slackens = np.isfinite(self.cables.pretension)
+        self.C, self._root, self.nv, self.posts = C, root, len(friction), len(cables.posts)
+        self.friction = np.where(self.gives, friction, 0.0)  # rigid joints stand still anyhow
+        self.rows = np.concatenate([np.eye(self.nv), cables.posts])  # along which friction acts
+        self.rubs = np.append(self.friction > 0.0, (cables.grips > 0.0) & cables.posts.any(axis=1))
+        self._gives_by = np.einsum("ij,jk,ik->i", self.rows, C, self.rows)  # by a unit of friction
+        self._pulls = cables.springs @ cables.arms  # k R
+        self._rest = posture + cables.rest
+        self.slackens = np.isfinite(cables.pretension)
         self._known = dict[bytes, Sprung]()
 
     @property
-    def still(self) -> Ints:
-        """(nv + t,) all joints stand still, and all tendons are taut."""
-        return np.zeros(self.nv + len(self.slackens), dtype=np.int64)
+    def still(self) -> Pull:
+        """Nothing moves, and all tendons are taut."""
+        return NO_PULL._replace(
+            does=np.zeros(len(self.rubs) + len(self.slackens), dtype=np.int64), posts=np.zeros(self.posts)
+        )
 
     def solved(
-        self, does: Ints, task: Task, at: Array, solve: Callable[[Array, Array], tuple[Any, Array, Array] | None]
-    ) -> tuple[Any, Ints] | None:
-        """The answer in which joints and tendons do what was assumed of them, at first `does` (nv + t,), and what they
-        do. at (nv,) : where joints stand at the iterate. solve : from the root of the joints' compliance and how far
-        they are driven (nv,) to an answer, where joints come to (nv,), and the torques that contacts take (nv,).
-        None where an assumption has no answer, or none is right.
+        self, begun: Pull, task: Task, at: Array, solve: Callable[[Array, Array], tuple[Any, Array, Array] | None]
+    ) -> tuple[Any, Pull] | None:
+        """The answer in which joints, posts and tendons do what was assumed of them, at first what they did in `begun`,
+        and what they do. at (nv,) : where joints stand at the iterate. solve : from the root of the joints' compliance
+        and how far they are driven (nv,) to an answer, where joints come to (nv,), and the torques that contacts take
+        (nv,). None where an assumption has no answer, or none is right.
         """
+        does, posts, mixed = begun.does, begun.posts, _Mixed()
         for count in range(_MOST):
-            found = solve(self.sprung(does).root, self.command(does, task, at))
+            found = solve(self.sprung(does).root, self.command(does, posts, task, at))
             if found is None:
                 return None
             answer, q, torque = found
-            so = self.does(does, task, q, torque)
+            pull = self.pull(does, posts, task, q)
+            f = self.rubbing(pull, task, q, torque)
+            so, settled = self._does(pull, f, task, q)
+            apart = settled - posts
             if (so == does).all():
-                return answer, does
-            does = so if count < _AT_ONCE else np.where(np.arange(len(so)) == np.argmax(so != does), so, does)
+                if abs(apart).max(initial=0.0) <= _SETTLED * float(abs(pull.tension).max(initial=0.0)):
+                    return answer, pull._replace(posts=read_only(f[self.nv :]))
+                posts = mixed.next(posts, apart)
+                continue
+            first = np.arange(len(so)) == np.argmax(so != does)
+            does, posts, mixed = so if count < _AT_ONCE else np.where(first, so, does), settled, _Mixed()
         return None
 
-    def ends(self, does: Ints, task: Task) -> tuple[Array, Ints]:
+    def ends(self, begun: Pull, task: Task) -> tuple[Array, Pull]:
         """Where joints come to that meet nothing, and what they do."""
         none = np.zeros(self.nv)
 
@@ -143,44 +160,53 @@ class Joints:
             q = task.begun + command
             return q, q, none
 
-        found = self.solved(does, task, task.begun, solve)
-        return (task.commanded, self.still) if found is None else found
+        found = self.solved(begun, task, task.begun, solve)
+        still = self.still
+        return (task.commanded, self.pull(still.does, still.posts, task, task.commanded)) if found is None else found
 
     def sprung(self, does: Ints) -> Sprung:
-        """Where joints and tendons do this."""
-        still, slack = self.rubs & (does[: self.nv] == 0), does[self.nv :] == 1
+        """Where joints, posts and tendons do this."""
+        still, slack = self._still(does), does[len(self.rubs) :] == 1
         key = still.tobytes() + slack.tobytes()
         if (found := self._known.get(key)) is None:
             found = self._known[key] = self._sprung(still, slack)
         return found
 
+    def _still(self, does: Ints) -> Bools:
+        """(nv + m,) what friction holds."""
+        return np.asarray(self.rubs & (does[: len(self.rubs)] == 0))
+
     def _sprung(self, still: Bools, slack: Bools) -> Sprung:
-        nv, K, lost = self.nv, self.K, np.zeros((self.nv, len(slack)))
+        K, lost, on = self.K, np.zeros((self.nv, len(slack))), self.gives
         if not still.any() and not slack.any():
-            return Sprung(K, self._root, self.C, np.zeros((nv, nv)), lost)
-        on, free, drawn = self.gives & ~still, np.zeros((nv, nv)), np.zeros((nv, nv))
+            return Sprung(K, self._root, self.C, lost)
         if slack.any():
             k, R = self.cables.springs, self.cables.arms
             # t = 0 of the slack ones, s = -k⁻¹ a of these alone; the others lose what springs between tendons take
             lost[:, slack] = -R[slack].T - R[~slack].T @ np.linalg.solve(k[np.ix_(slack, slack)], k[slack][:, ~slack]).T
             K = _held(K + lost @ self._pulls, self.K, on)
-        root = np.zeros((nv, nv))
+        moves = np.zeros((self.nv, 0))
         if on.any():
-            L = np.linalg.cholesky(K[np.ix_(on, on)])
-            half = np.linalg.solve(L, np.eye(int(on.sum()))).T  # K⁻¹ = half halfᵀ
-            root[np.ix_(on, on)] = half
-            free[np.ix_(on, on)] = half @ half.T
-            drawn[on] = free[on] @ np.where(still, K, 0.0)
-        return Sprung(K, np.ascontiguousarray(root), free, drawn, lost)
+            ways = np.eye(self.nv)[:, on] @ _across(self.rows[still][:, on])  # in which joints can move
+            L = np.linalg.cholesky(ways.T @ K @ ways)
+            moves = np.linalg.solve(L, ways.T).T  # C = moves movesᵀ
+        root = np.zeros((self.nv, self.nv))
+        root[:, : moves.shape[1]] = moves
+        return Sprung(K, root, moves @ moves.T, lost)
 
-    def command(self, does: Ints, task: Task, at: Array) -> Array:
+    def command(self, does: Ints, posts: Array, task: Task, at: Array) -> Array:
         """(nv,) from where joints stand at an iterate, at (nv,), to where they are driven as if there were springs
-        alone.
+        alone. posts (m,) : f of those that move.
         """
-        sprung, moves = self.sprung(does), does[: self.nv]
-        kept = self.friction * moves - self._not_pulled(sprung, task)
-        driven = task.commanded - at + sprung.drawn @ (task.commanded - task.begun) - sprung.free @ kept
-        return np.where(self.rubs & (moves == 0), task.begun - at, driven)
+        sprung = self.sprung(does)
+        pulled = sprung.K @ (task.commanded - task.begun) + self._not_pulled(sprung, task)
+        driven = task.begun + sprung.free @ (pulled - self.rows.T @ self._known_friction(does, posts))
+        return np.where(self.gives, driven, task.commanded) - at
+
+    def _known_friction(self, does: Ints, posts: Array) -> Array:
+        """(nv + m,) f of what moves; 0 of what stands still."""
+        moves = does[: len(self.rubs)]
+        return np.append(self.friction * moves[: self.nv], np.where(moves[self.nv :] != 0, posts, 0.0))
 
     def _not_pulled(self, sprung: Sprung, task: Task) -> Array:
         """(nv,) Rᵀ (t - a) where the joints stand as commanded."""
@@ -195,58 +221,100 @@ class Joints:
         sprung = self.sprung(does)
         return sprung.K @ (task.commanded - q) + self._not_pulled(sprung, task)
 
-    def rubbing(self, does: Ints, task: Task, q: Array, torque: Array) -> Array:
-        """(nv,) f [N·m] where joints have come to q (nv,), with torques (nv,) left for the contacts."""
-        moves = does[: self.nv]
-        held = np.where(self.rubs, self.pulls(does, task, q) - torque, 0.0)
-        return np.where(moves != 0, self.friction * moves, held)
-
-    def does(self, does: Ints, task: Task, q: Array, torque: Array) -> Ints:
-        """(nv + t,) what joints and tendons do where they were assumed to do something, and that has come of it;
-        arguments as of `rubbing`.
+    def rubbing(self, pull: Pull, task: Task, q: Array, torque: Array) -> Array:
+        """(nv + m,) f of joints [N·m] and posts [N] where joints have come to q (nv,), with torques (nv,) left for the
+        contacts.
         """
-        moves, slack = does[: self.nv], does[self.nv :] == 1
-        f, moved = self.rubbing(does, task, q, torque), q - task.begun
-        beyond = (moves == 0) & (abs(f) > self.friction * (1.0 + _SAME))
-        back = moved * moves < -self.least
-        so = np.where(self.rubs, np.where(beyond, np.sign(f), np.where(back, 0, moves)), 0)
+        f, still = self._known_friction(pull.does, pull.posts), self._still(pull.does)
+        if still.any():
+            held = self.pulls(pull.does, task, q) - torque - self.rows.T @ f
+            f[still] = np.linalg.lstsq(self.rows[still].T, held, rcond=_DEPENDS)[0]
+        return f
+
+    def taken(self, f: Array) -> Array:
+        """(nv,) what friction f (nv + m,) takes of the torques [N·m]."""
+        return read_only(np.asarray(self.rows.T @ f))
+
+    def _does(self, pull: Pull, f: Array, task: Task, q: Array) -> tuple[Ints, Array]:
+        """(nv + m + t,) what joints, posts and tendons do where they were assumed to do what `pull` says, and friction
+        f (nv + m,) and q (nv,) have come of that; and f (m,) of the posts that it would then be, of those that move.
+        """
+        rubs, moves, slack = self.rubs, pull.does[: len(self.rubs)], pull.does[len(self.rubs) :] == 1
+        low, high = self._between(pull, f)
+        moved = (self.rows @ (q - task.begun)) * moves
+        size = np.maximum(high, -low)
+        pushed = np.where(f > high + _SAME * size, 1, np.where(f < low - _SAME * size, -1, 0))
+        so = np.where(moves == 0, pushed, np.where(moved < -_SAME * size * self._gives_by, 0, moves))
+        so = np.where(rubs, so, 0).astype(np.int64)
+        posts = np.where(so > 0, high, np.where(so < 0, low, 0.0))[self.nv :]
+        return np.append(so, self._slackens(pull, slack, task)).astype(np.int64), posts
+
+    def _between(self, pull: Pull, f: Array) -> tuple[Array, Array]:
+        """(nv + m,) between what friction is, f (nv + m,) at the posts before each."""
+        low, high = np.append(-self.friction, np.zeros(self.posts)), np.append(self.friction, np.zeros(self.posts))
+        left = np.maximum(pull.tension, 0.0)
+        for p, (tendon, grip) in enumerate(zip(self.cables.of.tolist(), self.cables.grips.tolist(), strict=True)):
+            T, k = float(left[tendon]), self.nv + p
+            low[k], high[k] = T * (1.0 - np.exp(grip)), T * (1.0 - np.exp(-grip))
+            left[tendon] = T - min(max(f[k], low[k]), high[k])
+        return low, high
+
+    def _slackens(self, pull: Pull, slack: Bools, task: Task) -> Bools:
+        """(t,) which tendons go slack where some were assumed to."""
         if task.drawn is None:
-            return np.append(so, np.zeros(len(slack))).astype(np.int64)
-        a = self._taut(task, q)
-        t, hangs = self._tensions(a, slack), np.zeros(len(slack))
+            return np.zeros(len(slack), dtype=bool)
+        a, hangs = pull.taut, np.zeros(len(slack))
         if slack.any():
             k = self.cables.springs[np.ix_(slack, slack)]
             hangs[slack] = k.diagonal() * np.linalg.solve(k, -a[slack])  # k s
         least = _SAME * max(float(abs(a).max(initial=0.0)), float(abs(task.drawn).max(initial=0.0)))
-        slackens = self.slackens & np.where(slack, hangs >= -least, t < -least)
-        return np.append(so, slackens).astype(np.int64)
+        return np.asarray(self.slackens & np.where(slack, hangs >= -least, pull.tension < -least))
 
     def _tensions(self, a: Array, slack: Bools) -> Array:
         """(t,) t of tendons of which some are slack."""
         if not slack.any():
             return a
-        k = self.cables.springs
-        left = a[~slack] - k[~slack][:, slack] @ np.linalg.solve(k[np.ix_(slack, slack)], a[slack])
-        t = np.zeros(len(a))
-        t[~slack] = left
+        k, t = self.cables.springs, np.zeros(len(a))
+        t[~slack] = a[~slack] - k[~slack][:, slack] @ np.linalg.solve(k[np.ix_(slack, slack)], a[slack])
         return t
 
-    def moving(self, rubs: Array, pull: Pull) -> Ints:
-        """(nv + t,) what joints and tendons did on which friction f (nv,) acts, and which pulled so."""
-        moves = np.where(self.rubs & (abs(rubs) >= self.friction * (1.0 - _SAME)), np.sign(rubs), 0)
-        return np.append(moves, pull.slack).astype(np.int64)
-
-    def pull(self, does: Ints, task: Task, q: Array) -> Pull:
+    def pull(self, does: Ints, posts: Array, task: Task, q: Array) -> Pull:
         """What tendons do where joints have come to q (nv,)."""
         if not len(self.slackens):
-            return NO_PULL
+            return NO_PULL._replace(does=does, posts=posts)
         if task.drawn is not None:
             a = self._taut(task, q)
-            return Pull(task.drawn, read_only(self._tensions(a, does[self.nv :] == 1)), read_only(a))
+            tension = self._tensions(a, does[len(self.rubs) :] == 1)
+            return Pull(does, posts, task.drawn, read_only(tension), read_only(a))
         # Rᵀ (t - T₀) is what springs pull with in all, and turns the joints against their own springs
         torque = self.pulls(does, task, q) + self.cables.passive @ (q - self._rest)
         tension = read_only(self.cables.tensions(torque))
-        return Pull(read_only(tension + self._pulls @ q), tension, tension)
+        return Pull(does, posts, read_only(tension + self._pulls @ q), tension, tension)
+
+
+class _Mixed:
+    """A fixed point from its iterates: Anderson's mixing of the last ones (Journal of the ACM 12, 1965)."""
+
+    def __init__(self) -> None:
+        self._at, self._apart = list[Array](), list[Array]()
+
+    def next(self, at: Array, apart: Array) -> Array:
+        """From where an iterate began (m,), and how far from there it ended (m,)."""
+        self._at, self._apart = [*self._at[-3:], at], [*self._apart[-3:], apart]
+        if len(self._at) == 1:
+            return np.asarray(at + apart)
+        steps, changes = np.diff(self._at, axis=0), np.diff(self._apart, axis=0)
+        share = np.linalg.lstsq(changes.T, apart)[0]
+        return np.asarray(at + apart - share @ (steps + changes))
+
+
+def _across(rows: Array) -> Array:
+    """(nv, r) orthonormal basis of what is across rows (m, nv)."""
+    if not len(rows):
+        return np.eye(rows.shape[1])
+    lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+    _, s, Vt = np.linalg.svd(rows / np.where(lengths > 0.0, lengths, 1.0))
+    return np.asarray(Vt[int((s > _DEPENDS * s.max(initial=0.0)).sum()) :].T)
 
 
 def _held(K: Array, before: Array, on: Bools) -> Array:

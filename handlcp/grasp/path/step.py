@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, Ints, read_only
+from handlcp.check import Array, read_only
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.geometry import Geometry, Iterate, Where, between, length_of
@@ -44,14 +44,13 @@ _LEAST = 0.2  # of the way from an iterate to its end
 _SEED = Auto().seed
 _ALL = Auto(search_seconds=0.0)
 _NOWHERE = np.zeros(0)
-_NONE = np.zeros(0, dtype=np.int64)
 _PRESSED = (16.0, 8.0, 4.0, 3.0, 2.0, 1.7, 1.4, 1.2, 1.1, 1.0)  # times friction as it is
 
 
 class _Asked(NamedTuple):
     """What is asked of the solves of an iterate. slipped (n, 3) : since the step began. gives (k,) : motions of limits
     that they start from. near : an answer that is no farther from the iterate than this is measured for its stability.
-    task : of the joints. does (nv + t,) : what `Joints` assumes of them first.
+    task : of the joints. begun : what `Joints` assumes of them first.
     """
 
     iterate: Iterate
@@ -61,7 +60,7 @@ class _Asked(NamedTuple):
     gives: Array
     near: float
     task: Task
-    does: Ints
+    begun: Pull
 
 
 class Stepper:
@@ -91,7 +90,9 @@ class Stepper:
         under = self.grasp.under(controls, controls)
         loads, still, pull = self.grasp.loads(first, none, under), self._still, NO_PULL
         if self.joints is not None:
-            pull = self.joints.pull(self.joints.still, Task(under.commanded, first.at.q, None), first.at.q)
+            none_yet = self.joints.still
+            task = Task(under.commanded, first.at.q, None)
+            pull = self.joints.pull(none_yet.does, none_yet.posts, task, first.at.q)
         read = Read(none, none, none[:, 0], none[:, 0], still, still)
         return self._unloaded(first, loads, read, controls, still, pull)
 
@@ -118,7 +119,7 @@ class Stepper:
         guess = guess or state.same
         geometry, follows = self.geometry, self.geometry.follows
         iterate, start, gives = geometry.iterate(guess.where, state.iterate), guess.start, guess.gives
-        does = _NONE if self.joints is None else self.joints.moving(state.rubs, state.pull)
+        begun = state.pull
         task = _task(state, controls, under := self.grasp.under(controls, state.controls))
         last, swing, near = np.inf, _Swing(), rough * self.tolerance
         damper, most, here = self._damper / h, near if follows else -1.0, None
@@ -133,7 +134,7 @@ class Stepper:
             done = self.between(state.where.pose, iterate.at.pose)
             was, now = state.where, iterate.at
             damping = Damping(1.0 / h, pads, damper, done, was.q - now.q, was.give - now.give, was.turn - now.turn)
-            reached = self._answer(_Asked(iterate, loads, slipped, damping, gives, most, task, does), start, state)
+            reached = self._answer(_Asked(iterate, loads, slipped, damping, gives, most, task, begun), start, state)
             if reached is None:
                 return Failure("no answer")
             end = Where(
@@ -142,7 +143,7 @@ class Stepper:
                 reached.turn,
                 geometry.moved(iterate.at.pose, reached.twist, reached.centre),
             )
-            start, gives, miss, does = reached.start, reached.gives, reached.miss, reached.does
+            start, gives, miss, begun = reached.start, reached.gives, reached.miss, reached.pull
             if miss <= near or not follows:
                 if follows and self.far(state.where.pose, end.pose) > _LARGEST:
                     return Failure("too far")
@@ -160,11 +161,11 @@ class Stepper:
                 read = Read(
                     reached.forces, motion, reached.torsion, spin, reached.torque, under.commanded - end.q - yielded
                 )
-                rubs, pull = self._still, NO_PULL
+                rubs, pull = self._still, reached.pull
                 if (joints := self.joints) is not None:
                     stands = task._replace(commanded=under.commanded - yielded)
                     left = self._left(reached, iterate)
-                    rubs, pull = joints.rubbing(does, stands, end.q, left), joints.pull(does, stands, end.q)
+                    rubs = joints.taken(joints.rubbing(pull, stands, end.q, left))
                     # as if there were springs alone
                     loads = loads._replace(command=end.q + yielded - iterate.at.q + joints.C @ left)
                 kinds = names_of(reached.kinds)
@@ -184,7 +185,7 @@ class Stepper:
                     gives,
                     count,
                     reached.met,
-                    read_only(rubs),
+                    rubs,
                     pull,
                 )
             if (count > 3 and miss > _CONTRACTS * last) or miss > _PARTS * last:
@@ -207,11 +208,11 @@ class Stepper:
         pulled = under.load.any() or (under.weight.any() and not controls.kept)
         if pulled or self.grasp.sags or not self.geometry.follows:
             return Failure("no answer")
-        q, rubs, pull, still = under.commanded, self._still, NO_PULL, self._still
+        q, rubs, pull = under.commanded, self._still, NO_PULL
         if (joints := self.joints) is not None:
             task = _task(state, controls, under)
-            q, does = joints.ends(joints.moving(state.rubs, state.pull), task)
-            rubs, pull = joints.rubbing(does, task, q, still), joints.pull(does, task, q)
+            q, pull = joints.ends(state.pull, task)
+            rubs = joints.taken(joints.rubbing(pull, task, q, rubs))
         end = Where(q, np.zeros((n, 3)), np.zeros(n), state.where.pose)
         iterate = self.geometry.iterate(end, state.iterate)
         slipped = self.geometry.slipped(state.iterate, iterate, state.slip_memory)
@@ -220,7 +221,7 @@ class Stepper:
             return Failure("no answer")
         none = np.zeros(n)
         read = Read(np.zeros((n, 3)), loads.base, none, loads.spin, iterate.elastic.gravity, under.commanded - end.q)
-        return self._unloaded(iterate, loads, read, controls, read_only(rubs), pull)
+        return self._unloaded(iterate, loads, read, controls, rubs, pull)
 
     def pushed(self, state: State, controls: Controls, guess: Guess | None = None) -> State | Failure:
         """A step in which fingers may push ahead of them an object that nothing holds, against a damper that is large
@@ -318,11 +319,11 @@ class Stepper:
             found = self._solved_once(made, start, friction, cold)
             return None if found is None else (found, iterate.at.q + found.change, self._left(found, iterate))
 
-        tried = self.joints.solved(asked.does, asked.task, iterate.at.q, once)
+        tried = self.joints.solved(asked.begun, asked.task, iterate.at.q, once)
         if tried is None:
             return None
         found: Reached = tried[0]
-        found.does = tried[1]
+        found.pull = tried[1]
         return found
 
     def _left(self, reached: Reached, iterate: Iterate) -> Array:

@@ -1,4 +1,4 @@
-"""Tendons and synergies: how fewer drives than joints move a hand, and what its stiffness becomes."""
+"""Tendons: cables that pull at joints, what they bear, and what the stiffness of a hand becomes."""
 
 from __future__ import annotations
 
@@ -9,124 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, Bools, array, dimensions, number, per_name, psd, read_only
-from handlcp.errors import InputError, Unsupported
+from handlcp.check import Array, Bools, Ints, array, dimensions, number, per_name, psd, read_only
+from handlcp.errors import InputError
 from handlcp.grasp.analysis.explanation import Description
 from handlcp.grasp.model.cables import Cables
-from handlcp.hand.elasticity.elasticity import TENSION, TRANSMISSION, Effort, Elasticity, Transmission, spanned
+from handlcp.hand.elasticity.elasticity import TENSION, TRANSMISSION, Effort, Transmission, spanned
 from handlcp.hand.elasticity.stiffness import (
     JointStiffness,
     given_rows,
     read_rows,
     read_springs,
-    read_stiffness,
     springs,
 )
 from handlcp.tolerances import SEMIDEFINITE
-
-# ----------------------------------------------------------------
-# Soft synergies: each actuator moves many joints at once, through a spring.
-#
-# q = S z,    C = K_q⁻¹ + S K_z⁻¹ Sᵀ,    η = Sᵀ τ
-#
-# Each column of S is a posture towards which one actuator pulls the hand. Actuator springs K_z and joint springs K_q
-# are in series: both carry the torque τ, the actuators as η, so their compliances add. With rigid joints (K_q = ∞) the
-# hand gives way in as many directions as it has actuators; C is then singular and has no inverse. A column with one
-# joint and the joints that mimic it acts as a mimic joint.
-
-SYNERGIES = Description(
-    title=f"{TRANSMISSION}: synergies",
-    equation="C = K_q⁻¹ + S K_z⁻¹ Sᵀ,  η = Sᵀ τ",
-    when="A few actuators move many joints at once; joints that mimic another.",
-    in_python='joint_stiffness=Synergies({"fist": {"finger_1_distal": 1, "finger_2_distal": 1}}, 4.0, 8.0)',
-    in_file="[hand.synergies]\n"
-    "columns = { fist = { finger_1_distal = 1, finger_2_distal = 1 } }\n"
-    "stiffness_Nm_per_rad = 4.0\n"
-    "joint_stiffness_Nm_per_rad = 8.0",
-    brings="none: part of K",
-    source="Gabiccini, Bicchi, Prattichizzo & Malvezzi, Autonomous Robots 31 (2011); Brown & Asada, IROS 2007",
-    module=__name__,
-)
-
-
-_spring = partial(number, above=0.0, finite=False)
-
-
-@dataclass(frozen=True, eq=False)
-class Synergies(Transmission):
-    """Pass it as a hand's `joint_stiffness`.
-
-    S : (nv, k), a column for each actuator [rad or m of a joint per unit of z], or a mapping of synergy names to
-        mappings of joint names to entries (joints left out: 0).
-    stiffness : K_z of the actuators, a number, (k,), a mapping by synergy name, or an SPD matrix (k, k); [N·m/rad]
-        where S has no unit. numpy.inf: that actuator is rigid.
-    joint_stiffness : K_q [N·m/rad] of the joints' own springs, in series with the actuators, as for a hand without
-        synergies; None: the joints are rigid.
-
-    Raises InputError, UnknownName.
-    """
-
-    S: Any
-    stiffness: Any
-    joint_stiffness: Any = None
-
-    def __post_init__(self) -> None:
-        """Check what does not depend on the joints. `S` becomes rows, one for each actuator."""
-        columns = self.S if isinstance(self.S, Mapping) else array("Synergies.S", self.S, (-1, -1)).T
-        rows = given_rows("Synergies.S", columns)
-        object.__setattr__(self, "S", rows)
-        if not isinstance(self.stiffness, Mapping):
-            numbers = [str(i) for i in range(len(rows))]
-            read_springs("Synergies.stiffness", self.stiffness, "synergy", numbers, _spring)
-        if isinstance(self.joint_stiffness, Transmission):
-            expected = "the springs of the joints themselves, or None where they are rigid"
-            raise InputError("Synergies.joint_stiffness", expected, type(self.joint_stiffness).__name__)
-
-    def for_joints(self, joints: Sequence[str]) -> SynergyCompliance:
-        """C over these joints."""
-        names, rows = read_rows("Synergies.S", self.S, "synergy", joints)
-        springs = read_springs("Synergies.stiffness", self.stiffness, "synergy", names, _spring)
-        root = rows.T @ JointStiffness(springs).root
-        if self.joint_stiffness is not None:
-            own = read_stiffness(self.joint_stiffness, joints, "Synergies.joint_stiffness")
-            root = np.hstack([own.root, root])
-        return SynergyCompliance(names, rows, root)
-
-
-class SynergyCompliance(Elasticity):
-    """C = A Aᵀ with A = (K_q^-½, S K_z^-½), and the synergies behind it: names (k,), columns (k, nv) of S as rows."""
-
-    def __init__(self, names: tuple[str, ...], columns: Array, root: Array) -> None:
-        super().__init__(root)
-        self.names, self.columns = names, columns
-
-    @property
-    def matrix(self) -> Array:
-        """(nv, nv) K = C⁻¹. Raises Unsupported where C is singular: some joints only move together."""
-        U, s, _ = np.linalg.svd(self.root, full_matrices=False)
-        nv = len(self.root)
-        if len(s) < nv or s[-1] ** 2 <= SEMIDEFINITE * s[0] ** 2:
-            raise Unsupported(
-                f"{len(self.names)} synergies move {nv} joints that are rigid but for them: these have a compliance "
-                "(hand.joint_compliance) and no stiffness"
-            )
-        return read_only((U / s**2) @ U.T)
-
-    @property
-    def commands(self) -> Array:
-        """The columns of S: an actuator moves its joints together."""
-        return spanned(self.columns.T)
-
-    def effort(self, torque: Array, command: Array) -> Effort:
-        """The force η = Sᵀ τ [N·m where S has no unit] of each actuator."""
-        return Effort("actuator force", "N·m", self.names, read_only(self.columns @ torque))
-
-    @property
-    def law(self) -> tuple[str, str]:
-        """For `explain()`."""
-        k, nv = self.columns.shape
-        return SYNERGIES.equation, f"{k} synerg{'ies' if k > 1 else 'y'} over {nv} joints"
-
 
 # ----------------------------------------------------------------
 # Tendons: elastic cables over several joints, usually fewer of them than joints.
@@ -160,6 +55,7 @@ _tendon_spring = partial(number, above=0.0)
 _passive_spring = partial(number, minimum=0.0, finite=False)
 _pretension = partial(number, minimum=0.0, finite=False)
 _limit = partial(number, above=0.0, finite=False)
+_grip = partial(number, minimum=0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,9 +72,15 @@ class Tendons(Transmission):
         comes, and pushing where it must, as a rod or a sheathed cable does.
     limits : [N] > 0 that tendons bear, in the same forms; numpy.inf, and tendons left out: no limit.
 
+    friction : μθ of the posts or pulleys that a tendon wraps around at its joints, in the order of its arms from the
+        drive on: friction times the angle of the wrap [rad], such as 0.16 for 15 % of the tension. A number for every
+        joint that a tendon moves, a mapping by tendon name to a number or to a mapping by joint name (those left out:
+        0), or (t, nv).
+
     In a loading that is followed (`follow`, `check`, `load_limit`) a tendon never pushes: it goes slack, and is a
     spring less. Drives keep all tendons taut while the hand closes, with the least tensions that make its torques; then
-    they hold. One solve in one posture takes all tendons as taut.
+    they hold. At a post a tendon loses T (1 - exp(-μθ)) of its tension T where it is drawn in, and is held by up to
+    T (exp(μθ) - 1) more where it is drawn out. One solve in one posture takes all tendons as taut and smooth.
     Raises InputError, UnknownName; also when a hand is made with it, where K is singular: the error names the joints
     that no spring drives back.
     """
@@ -188,6 +90,7 @@ class Tendons(Transmission):
     passive: Any = 0.0
     pretension: Any = 0.0
     limits: Any = np.inf
+    friction: Any = 0.0
 
     def __post_init__(self) -> None:
         """Check what does not depend on the joints."""
@@ -220,7 +123,17 @@ class Tendons(Transmission):
         _check_sprung(K, rigid, joints)
         through = read_only(np.where(rigid, 0.0, R))
         own = read_only(np.where(np.isinf(own), 0.0, own))
-        return TendonStiffness(K, R, Cables(names, through, k, own, np.zeros(len(K)), *self._forces(names)))
+        begun, most = self._forces(names)
+        of, grips, posts = _posts(self.friction, names, through, self._order(joints), joints)
+        cables = Cables(names, through, k, own, np.zeros(len(K)), begun, most, of, grips, posts)
+        return TendonStiffness(K, R, cables)
+
+    def _order(self, joints: Sequence[str]) -> list[list[int]]:
+        """Of each tendon, the joints in the order of its arms, by number."""
+        arms = self.moment_arms
+        if isinstance(arms, dict):
+            return [[joints.index(joint) for joint, arm in row.items() if arm] for row in arms.values()]
+        return [np.flatnonzero(row).tolist() for row in arms]
 
 
 class TendonStiffness(JointStiffness):
@@ -273,6 +186,38 @@ class TendonStiffness(JointStiffness):
         """For `explain()`."""
         t, nv = self.arms.shape
         return TENDONS.equation, f"{t} tendon{'s' if t > 1 else ''} over {nv} joints"
+
+
+def _posts(
+    value: Any, names: Sequence[str], R: Array, order: list[list[int]], joints: Sequence[str]
+) -> tuple[Ints, Array, Array]:
+    """Of posts that have friction: number of the tendon (m,), μθ (m,), and arms from there on (m, nv)."""
+    if isinstance(value, Mapping):
+        rows = per_name("Tendons.friction", value, names, "a tendon")
+        grips = [_grips(f"Tendons.friction[{name!r}]", rows.get(name, 0.0), joints) for name in names]
+    elif dimensions(value) == 0:
+        grips = [np.full(len(joints), _grip("Tendons.friction", value))] * len(names)
+    else:
+        given = array("Tendons.friction", value, R.shape, what="μθ ≥ 0, one row for each tendon,")
+        grips = [_grips("Tendons.friction", dict(zip(joints, row.tolist(), strict=True)), joints) for row in given]
+    of, every, posts = list[int](), list[float](), list[Array]()
+    for i, (passes, own) in enumerate(zip(order, grips, strict=True)):
+        for k, j in enumerate(passes):
+            if own[j] > 0.0:
+                of.append(i)
+                every.append(float(own[j]))
+                posts.append(np.where(np.isin(np.arange(len(joints)), passes[k:]), R[i], 0.0))
+    rows_of = read_only(np.array(posts).reshape(-1, len(joints)))
+    numbers = np.array(of, dtype=np.int64)
+    return numbers, read_only(np.array(every)), rows_of
+
+
+def _grips(argument: str, value: Any, joints: Sequence[str]) -> Array:
+    """(nv,) μθ of one tendon at the joints."""
+    if not isinstance(value, Mapping):
+        return np.full(len(joints), _grip(argument, value))
+    values = per_name(argument, value, joints, "a joint")
+    return np.array([_grip(f"{argument}[{joint!r}]", values.get(joint, 0.0)) for joint in joints])
 
 
 def _by_tendon(argument: str, value: Any, names: Sequence[str], read: Callable[[str, Any], float], out: float) -> Array:

@@ -8,10 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
+from handlcp.grasp.path.joints import NO_PULL
 from handlcp.grasp.path.newton.numbers import Laws, Situation
 from handlcp.lcp.kernels.dense import kernel
-
-_NONE = np.zeros(0, dtype=np.int64)
 
 
 class Answer:
@@ -35,13 +34,13 @@ class Reached:
     """Where an iterate's answer leads, SI. forces, motion (n, 3), torsion, spin (n,), torque, change (nv,) of the
     joints from the iterate, twist (6,) about centre (3,), gives (k,) motions of limits. give (n, 3), turn (n,),
     slip_memory (n, 3) : as `_end_of_step` has them. start (c + 9,) : where the next solve may begin, forces in the
-    laws' coordinates. does (nv + t,) : of joints and tendons, as `Joints` has it; empty where there is nothing to tell.
+    laws' coordinates. pull : what joints, posts and tendons do, as `Joints` has it.
     """
 
-    __slots__ = ("_parts", "_row", "does")
+    __slots__ = ("_parts", "_row", "pull")
 
     def __init__(self, row: Array, parts: dict[str, tuple[slice, tuple[int, ...]]]) -> None:
-        self._row, self._parts, self.does = row, parts, _NONE
+        self._row, self._parts, self.pull = row, parts, NO_PULL
 
     def __getattr__(self, name: str) -> Array:
         at, shape = self._parts[name]
