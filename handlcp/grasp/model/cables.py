@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,8 @@ class Cables(NamedTuple):
     Posts that tendons wrap around, m of them, those of a tendon in the order from its drive on: of (m,) : number of the
     tendon. grips (m,) : μθ, friction times the angle of the wrap [rad]. posts (m, nv) : arms of the tendon at this post
     and beyond.
+    Of tendons whose arms change with the posture these are those of one: shift (t,) : l - R q there, with l what joints
+    have drawn in [m]; 0 of others. way : from joints at q (nv,) to the tendons there; None: arms stay.
     """
 
     names: tuple[str, ...]
@@ -32,13 +35,15 @@ class Cables(NamedTuple):
     of: Ints
     grips: Array
     posts: Array
+    shift: Array
+    way: Callable[[Array], Cables] | None = None
 
     @classmethod
     def none(cls, nv: int) -> Cables:
         """Of joints without tendons."""
         none, row = np.zeros(0), np.zeros((0, nv))
         own, rest = np.zeros((nv, nv)), np.zeros(nv)
-        return cls((), row, np.zeros((0, 0)), own, rest, none, none, np.zeros(0, dtype=np.int64), none, row)
+        return cls((), row, np.zeros((0, 0)), own, rest, none, none, np.zeros(0, dtype=np.int64), none, row, none)
 
     @property
     def springs_alone(self) -> bool:
@@ -49,7 +54,7 @@ class Cables(NamedTuple):
         """(t,) t [N] that make torques Rᵀ (t - T₀) (nv,) [N·m] with the least pull beyond T₀: none is let go below T₀
         where the others can do without, and none below 0. Of tendons without a known T₀, how much harder they pull.
         """
-        begun, more = self._begun, np.asarray(np.linalg.lstsq(self.arms.T, torque)[0])
+        begun, more = self.begun, np.asarray(np.linalg.lstsq(self.arms.T, torque)[0])
         known = np.isfinite(self.pretension)
         if (more >= 0.0)[known].all():
             return begun + more
@@ -66,10 +71,10 @@ class Cables(NamedTuple):
         return np.where(known, np.maximum(begun + more, 0.0), more)
 
     @property
-    def _begun(self) -> Array:
+    def begun(self) -> Array:
         """(t,) T₀; 0 where it is not known."""
         return np.where(np.isfinite(self.pretension), self.pretension, 0.0)
 
     def not_made(self, torque: Array) -> Array:
         """(nv,) the part of torques (nv,) [N·m] that no tensions make."""
-        return np.asarray(torque - self.arms.T @ (self.tensions(torque) - self._begun))
+        return np.asarray(torque - self.arms.T @ (self.tensions(torque) - self.begun))

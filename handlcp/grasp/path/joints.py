@@ -116,7 +116,45 @@ class Joints:
         self._pulls = cables.springs @ cables.arms  # k R
         self._rest = posture + cables.rest
         self.slackens = np.isfinite(cables.pretension)
-        self._known = dict[bytes, Sprung]()
+        self._known, self._whole, self._near = dict[bytes, Sprung](), self, (b"", self)
+        at_rest = cables if cables.way is None else cables.way(self._rest)
+        self._preload = at_rest.arms.T @ cables.begun  # which springs at the joints take up at rest
+
+    def at(self, q: Array) -> Joints:
+        """With the arms of tendons where joints are at q (nv,)."""
+        if self.cables.way is None:
+            return self
+        if self._near[0] != q.tobytes():
+            cables, on, half = self.cables.way(q), np.ix_(self.gives, self.gives), np.zeros((self.nv, self.nv))
+            K = (cables.passive + cables.arms.T @ cables.springs @ cables.arms)[on]
+            half[on] = np.linalg.solve(np.linalg.cholesky((K + K.T) / 2), np.eye(len(K))).T
+            made = Joints(half, self.friction, cables._replace(rest=self.cables.rest), self._rest - self.cables.rest)
+            made._preload, made._whole = self._preload, self
+            self._near = q.tobytes(), made
+        return self._near[1]
+
+    @property
+    def _routed(self) -> bool:
+        """Whether arms are those of a posture."""
+        return self._whole is not self
+
+    def _drawn_to(self, commanded: Array) -> Array:
+        """(t,) d of tendons that hold joints free of contacts where they are commanded to be (nv,)."""
+        assert self.cables.way is not None
+        there = self.cables.way(commanded)
+        torque = self.cables.passive @ (commanded - self._rest) + self._preload - there.arms.T @ there.begun
+        return np.asarray(there.tensions(torque) + there.springs @ (there.shift + there.arms @ commanded))
+
+    def _to(self, task: Task) -> Array:
+        """(nv,) where springs that are as stiff as here would drive joints to: K q_c = Rᵀ (d - k (l - R q)) + K_p q₀ -
+        R₀ᵀ T₀; where they are commanded to, unless arms change.
+        """
+        if not self._routed:
+            return task.commanded
+        drawn = self._whole._drawn_to(task.commanded) if task.drawn is None else task.drawn
+        c = self.cables
+        torque = c.arms.T @ (drawn - c.springs @ c.shift) + c.passive @ self._rest - self._preload
+        return np.where(self.gives, self.C @ torque, task.commanded)
 
     @property
     def still(self) -> Pull:
@@ -154,15 +192,21 @@ class Joints:
 
     def ends(self, begun: Pull, task: Task) -> tuple[Array, Pull]:
         """Where joints come to that meet nothing, and what they do."""
-        none = np.zeros(self.nv)
+        none, q = np.zeros(self.nv), task.begun
 
         def solve(_: Array, command: Array) -> tuple[Array, Array, Array]:
-            q = task.begun + command
-            return q, q, none
+            return q + command, q + command, none
 
-        found = self.solved(begun, task, task.begun, solve)
+        for _ in range(_MOST):
+            last, here = q, self.at(q)
+            found = here.solved(begun, task, q, solve)
+            if found is None:
+                break
+            q, pull = found
+            if not here._routed or abs(q - last).max() <= _SAME:
+                return q, pull
         still = self.still
-        return (task.commanded, self.pull(still.does, still.posts, task, task.commanded)) if found is None else found
+        return task.commanded, self.at(task.commanded).pull(still.does, still.posts, task, task.commanded)
 
     def sprung(self, does: Ints) -> Sprung:
         """Where joints, posts and tendons do this."""
@@ -199,7 +243,7 @@ class Joints:
         alone. posts (m,) : f of those that move.
         """
         sprung = self.sprung(does)
-        pulled = sprung.K @ (task.commanded - task.begun) + self._not_pulled(sprung, task)
+        pulled = sprung.K @ (self._to(task) - task.begun) + self._not_pulled(sprung, task)
         driven = task.begun + sprung.free @ (pulled - self.rows.T @ self._known_friction(does, posts))
         return np.where(self.gives, driven, task.commanded) - at
 
@@ -210,16 +254,20 @@ class Joints:
 
     def _not_pulled(self, sprung: Sprung, task: Task) -> Array:
         """(nv,) Rᵀ (t - a) where the joints stand as commanded."""
-        return sprung.lost @ self._taut(task, task.commanded)
+        return sprung.lost @ self._taut(task, self._to(task))
 
     def _taut(self, task: Task, q: Array) -> Array:
         """(t,) a of joints at q (nv,); 0 while the hand is driven."""
-        return np.zeros(len(self.slackens)) if task.drawn is None else task.drawn - self._pulls @ q
+        return np.zeros(len(self.slackens)) if task.drawn is None else task.drawn - self._drawn(q)
+
+    def _drawn(self, q: Array) -> Array:
+        """(t,) k l of joints at q (nv,) [N]."""
+        return self.cables.springs @ self.cables.shift + self._pulls @ q
 
     def pulls(self, does: Ints, task: Task, q: Array) -> Array:
         """(nv,) with which springs pull at the joints [N·m], tendons as springs and friction included."""
         sprung = self.sprung(does)
-        return sprung.K @ (task.commanded - q) + self._not_pulled(sprung, task)
+        return sprung.K @ (self._to(task) - q) + self._not_pulled(sprung, task)
 
     def rubbing(self, pull: Pull, task: Task, q: Array, torque: Array) -> Array:
         """(nv + m,) f of joints [N·m] and posts [N] where joints have come to q (nv,), with torques (nv,) left for the
@@ -288,8 +336,9 @@ class Joints:
             return Pull(does, posts, task.drawn, read_only(tension), read_only(a))
         # Rᵀ (t - T₀) is what springs pull with in all, and turns the joints against their own springs
         torque = self.pulls(does, task, q) + self.cables.passive @ (q - self._rest)
+        torque = torque + self._preload - self.cables.arms.T @ self.cables.begun
         tension = read_only(self.cables.tensions(torque))
-        return Pull(does, posts, read_only(tension + self._pulls @ q), tension, tension)
+        return Pull(does, posts, read_only(tension + self._drawn(q)), tension, tension)
 
 
 class _Mixed:

@@ -92,7 +92,7 @@ class Stepper:
         if self.joints is not None:
             none_yet = self.joints.still
             task = Task(under.commanded, first.at.q, None)
-            pull = self.joints.pull(none_yet.does, none_yet.posts, task, first.at.q)
+            pull = self.joints.at(first.at.q).pull(none_yet.does, none_yet.posts, task, first.at.q)
         read = Read(none, none, none[:, 0], none[:, 0], still, still)
         return self._unloaded(first, loads, read, controls, still, pull)
 
@@ -162,7 +162,8 @@ class Stepper:
                     reached.forces, motion, reached.torsion, spin, reached.torque, under.commanded - end.q - yielded
                 )
                 rubs, pull = self._still, reached.pull
-                if (joints := self.joints) is not None:
+                if self.joints is not None:
+                    joints = self.joints.at(iterate.at.q)
                     stands = task._replace(commanded=under.commanded - yielded)
                     left = self._left(reached, iterate)
                     rubs = joints.taken(joints.rubbing(pull, stands, end.q, left))
@@ -212,7 +213,7 @@ class Stepper:
         if (joints := self.joints) is not None:
             task = _task(state, controls, under)
             q, pull = joints.ends(state.pull, task)
-            rubs = joints.taken(joints.rubbing(pull, task, q, rubs))
+            rubs = joints.taken(joints.at(q).rubbing(pull, task, q, rubs))
         end = Where(q, np.zeros((n, 3)), np.zeros(n), state.where.pose)
         iterate = self.geometry.iterate(end, state.iterate)
         slipped = self.geometry.slipped(state.iterate, iterate, state.slip_memory)
@@ -319,7 +320,7 @@ class Stepper:
             found = self._solved_once(made, start, friction, cold)
             return None if found is None else (found, iterate.at.q + found.change, self._left(found, iterate))
 
-        tried = self.joints.solved(asked.begun, asked.task, iterate.at.q, once)
+        tried = self.joints.at(iterate.at.q).solved(asked.begun, asked.task, iterate.at.q, once)
         if tried is None:
             return None
         found: Reached = tried[0]
@@ -349,7 +350,10 @@ def _joints(spec: GraspSpec, geometry: Geometry, root: Array) -> Joints | None:
     mechanism = spec.mechanism
     if mechanism is None or not (mechanism.dry_friction.any() or mechanism.cables is not None):
         return None
-    return Joints(root, mechanism.dry_friction, mechanism.cables, geometry.posture)
+    cables = mechanism.cables
+    if cables is not None and not geometry.follows:  # joints are measured from the posture, and arms are those there
+        cables = cables._replace(shift=np.zeros(len(cables.names)), way=None)
+    return Joints(root, mechanism.dry_friction, cables, geometry.posture)
 
 
 def _task(state: State, controls: Controls, under: Under) -> Task:

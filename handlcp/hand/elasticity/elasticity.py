@@ -98,6 +98,10 @@ class Elasticity:
         """(nv,) the part of the torques K δq of a command (nv,) [rad] that no actuator makes [N·m]."""
         return np.zeros(len(command))
 
+    def at(self, kinematics: Any, q: Array) -> Elasticity:
+        """In a posture q (nv,) of a hand with these kinematics: the same, unless tendons run along routes."""
+        return self
+
     def stiffer(self, factor: float) -> Self:
         """The same with every spring so many times as stiff."""
         made = copy(self)
@@ -124,6 +128,6 @@ def spanned(motions: Array) -> Array:
 class Transmission:
     """What users pass in place of a joint stiffness where an actuator moves several joints."""
 
-    def for_joints(self, joints: Sequence[str]) -> Elasticity:
-        """The elasticity of these joints. Raises InputError, UnknownName."""
+    def for_joints(self, joints: Sequence[str], kinematics: Any = None) -> Elasticity:
+        """The elasticity of these joints, of a hand with kinematics. Raises InputError, UnknownName."""
         raise NotImplementedError

@@ -110,13 +110,15 @@ class JointStiffness(Elasticity):
         return made
 
 
-def read_stiffness(value: Any, joints: Sequence[str], argument: str = "joint_stiffness") -> Elasticity:
+def read_stiffness(
+    value: Any, joints: Sequence[str], argument: str = "joint_stiffness", kinematics: Any = None
+) -> Elasticity:
     """From a number, a mapping by joint name, (nv,), an SPD matrix (nv, nv) [N·m/rad], or a transmission.
 
     None and inf are rigid. Raises InputError (not positive, not SPD, a joint left out), UnknownName.
     """
     if isinstance(value, Transmission):
-        return value.for_joints(joints)
+        return value.for_joints(joints, kinematics)
     if isinstance(value, Mapping):
         values = per_name(argument, value, joints, "a joint")
         if missing := [name for name in joints if name not in values]:

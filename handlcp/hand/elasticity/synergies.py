@@ -80,7 +80,7 @@ class Synergies(Transmission):
             expected = "the springs of the joints themselves, or None where they are rigid"
             raise InputError("Synergies.joint_stiffness", expected, type(self.joint_stiffness).__name__)
 
-    def for_joints(self, joints: Sequence[str]) -> SynergyCompliance:
+    def for_joints(self, joints: Sequence[str], kinematics: Any = None) -> SynergyCompliance:
         """C over these joints."""
         names, rows = read_rows("Synergies.S", self.S, "synergy", joints)
         springs = read_springs("Synergies.stiffness", self.stiffness, "synergy", names, _spring)

@@ -9,11 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, Bools, Ints, array, dimensions, number, per_name, psd, read_only
-from handlcp.errors import InputError
+from handlcp.check import Array, Bools, array, dimensions, number, per_name, psd, read_only
+from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.analysis.explanation import Description
 from handlcp.grasp.model.cables import Cables
 from handlcp.hand.elasticity.elasticity import TENSION, TRANSMISSION, Effort, Transmission, spanned
+from handlcp.hand.elasticity.laid import Laid, Lays, lays_of
+from handlcp.hand.elasticity.route import BoundRoute, Route
 from handlcp.hand.elasticity.stiffness import (
     JointStiffness,
     given_rows,
@@ -55,7 +57,7 @@ _tendon_spring = partial(number, above=0.0)
 _passive_spring = partial(number, minimum=0.0, finite=False)
 _pretension = partial(number, minimum=0.0, finite=False)
 _limit = partial(number, above=0.0, finite=False)
-_grip = partial(number, minimum=0.0)
+_ARMS = "Tendons.moment_arms"
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +65,8 @@ class Tendons(Transmission):
     """Pass it as a hand's `joint_stiffness`.
 
     moment_arms : (t, nv) R [m/rad, m/m] over the hand's joints, or a mapping of tendon names to mappings of joint names
-        to arms (joints left out: 0). A positive arm: pulling the tendon turns the joint to larger angles.
+        to arms (joints left out: 0), or to a `Route` through the links, whose arms change with the posture. A positive
+        arm: pulling the tendon turns the joint to larger angles.
     stiffness : k [N/m] a number, (t,), a mapping by tendon name, or an SPD matrix (t, t).
     passive : springs at the joints themselves [N·m/rad]: a number ≥ 0, a mapping by joint name (joints left out: 0),
         (nv,), or a positive semidefinite matrix (nv, nv); numpy.inf: that joint is rigid.
@@ -75,7 +78,7 @@ class Tendons(Transmission):
     friction : μθ of the posts or pulleys that a tendon wraps around at its joints, in the order of its arms from the
         drive on: friction times the angle of the wrap [rad], such as 0.16 for 15 % of the tension. A number for every
         joint that a tendon moves, a mapping by tendon name to a number or to a mapping by joint name (those left out:
-        0), or (t, nv).
+        0), or (t, nv). Of a route it is μ alone; the angles are those of its wraps.
 
     In a loading that is followed (`follow`, `check`, `load_limit`) a tendon never pushes: it goes slack, and is a
     spring less. Drives keep all tendons taut while the hand closes, with the least tensions that make its torques; then
@@ -94,7 +97,7 @@ class Tendons(Transmission):
 
     def __post_init__(self) -> None:
         """Check what does not depend on the joints."""
-        arms = given_rows("Tendons.moment_arms", self.moment_arms)
+        arms = _given_arms(self.moment_arms)
         object.__setattr__(self, "moment_arms", arms)
         if not isinstance(self.stiffness, Mapping):
             numbers = [str(i) for i in range(len(arms))]
@@ -110,30 +113,62 @@ class Tendons(Transmission):
                 raise InputError(f"Tendons.limits[{name!r}]", f"at least the pretension, {least:g} N", f"{limit:g} N")
         return begun, most
 
-    def for_joints(self, joints: Sequence[str]) -> TendonStiffness:
-        """K over these joints."""
-        names, R = read_rows("Tendons.moment_arms", self.moment_arms, "tendon", joints)
+    def for_joints(self, joints: Sequence[str], kinematics: Any = None) -> TendonStiffness:
+        """K over these joints; with routes, in the neutral posture of kinematics. Raises Unsupported without."""
+        arms = self.moment_arms
+        routed = [] if not isinstance(arms, dict) else [name for name, row in arms.items() if isinstance(row, Route)]
+        if not routed:
+            names, R = read_rows(_ARMS, arms, "tendon", joints)
+        else:
+            plain = {name: row for name, row in arms.items() if name not in routed}
+            known = read_rows(_ARMS, plain, "tendon", joints)[1] if plain else np.zeros((0, len(joints)))
+            names, R = tuple(arms), np.zeros((len(arms), len(joints)))
+            R[[name not in routed for name in names]] = known
         k = read_springs("Tendons.stiffness", self.stiffness, "tendon", names, _tendon_spring)
         own = _passive("Tendons.passive", self.passive, joints)
-        K = own.copy()
+        lays = lays_of(names, R, arms if isinstance(arms, dict) else None, self.friction, joints)
+        made = _Made(names, joints, k, own, *self._forces(names), lays)
+        if not routed:
+            return made.at({}, np.zeros(len(joints)), None)
+        if kinematics is None:
+            raise Unsupported("tendons with routes need a hand, whose links they pass")
+        return RoutedStiffness.of(made, kinematics, kinematics.neutral)
+
+
+@dataclass(frozen=True, eq=False)
+class _Made:
+    """Tendons over joints: names (t,), joints (nv,), springs (t, t), passive (nv, nv) with inf of rigid joints,
+    pretension and limits (t,), and how they lie.
+    """
+
+    names: tuple[str, ...]
+    joints: Sequence[str]
+    springs: Array
+    passive: Array
+    pretension: Array
+    limits: Array
+    lays: Lays
+
+    def at(self, bound: dict[int, BoundRoute], q: Array, way: Callable[[Array], Cables] | None) -> TendonStiffness:
+        """In a posture q (nv,)."""
+        laid = self.lays.at(bound, q)
+        K = self.passive.copy()
         rigid = np.isinf(np.diagonal(K))
-        through = R.T @ k @ R
+        through = laid.arms.T @ self.springs @ laid.arms
         through[rigid] = through[:, rigid] = 0.0  # no load reaches the tendons through a rigid joint
         K += (through + through.T) / 2
-        _check_sprung(K, rigid, joints)
-        through = read_only(np.where(rigid, 0.0, R))
-        own = read_only(np.where(np.isinf(own), 0.0, own))
-        begun, most = self._forces(names)
-        of, grips, posts = _posts(self.friction, names, through, self._order(joints), joints)
-        cables = Cables(names, through, k, own, np.zeros(len(K)), begun, most, of, grips, posts)
-        return TendonStiffness(K, R, cables)
+        _check_sprung(K, rigid, self.joints)
+        return TendonStiffness(K, laid.arms, self.cables(laid, way))
 
-    def _order(self, joints: Sequence[str]) -> list[list[int]]:
-        """Of each tendon, the joints in the order of its arms, by number."""
-        arms = self.moment_arms
-        if isinstance(arms, dict):
-            return [[joints.index(joint) for joint, arm in row.items() if arm] for row in arms.values()]
-        return [np.flatnonzero(row).tolist() for row in arms]
+    def cables(self, laid: Laid, way: Callable[[Array], Cables] | None) -> Cables:
+        """As a path needs them."""
+        rigid, none = np.isinf(np.diagonal(self.passive)), np.zeros(len(self.joints))
+        arms, posts = (read_only(np.where(rigid, 0.0, rows)) for rows in (laid.arms, laid.posts))
+        own = read_only(np.where(np.isinf(self.passive), 0.0, self.passive))
+        return Cables(
+            self.names, arms, self.springs, own, none, self.pretension, self.limits, laid.of, laid.grips, posts,
+            laid.shift, way,
+        )  # fmt: skip
 
 
 class TendonStiffness(JointStiffness):
@@ -188,36 +223,38 @@ class TendonStiffness(JointStiffness):
         return TENDONS.equation, f"{t} tendon{'s' if t > 1 else ''} over {nv} joints"
 
 
-def _posts(
-    value: Any, names: Sequence[str], R: Array, order: list[list[int]], joints: Sequence[str]
-) -> tuple[Ints, Array, Array]:
-    """Of posts that have friction: number of the tendon (m,), μθ (m,), and arms from there on (m, nv)."""
-    if isinstance(value, Mapping):
-        rows = per_name("Tendons.friction", value, names, "a tendon")
-        grips = [_grips(f"Tendons.friction[{name!r}]", rows.get(name, 0.0), joints) for name in names]
-    elif dimensions(value) == 0:
-        grips = [np.full(len(joints), _grip("Tendons.friction", value))] * len(names)
-    else:
-        given = array("Tendons.friction", value, R.shape, what="μθ ≥ 0, one row for each tendon,")
-        grips = [_grips("Tendons.friction", dict(zip(joints, row.tolist(), strict=True)), joints) for row in given]
-    of, every, posts = list[int](), list[float](), list[Array]()
-    for i, (passes, own) in enumerate(zip(order, grips, strict=True)):
-        for k, j in enumerate(passes):
-            if own[j] > 0.0:
-                of.append(i)
-                every.append(float(own[j]))
-                posts.append(np.where(np.isin(np.arange(len(joints)), passes[k:]), R[i], 0.0))
-    rows_of = read_only(np.array(posts).reshape(-1, len(joints)))
-    numbers = np.array(of, dtype=np.int64)
-    return numbers, read_only(np.array(every)), rows_of
+class RoutedStiffness(TendonStiffness):
+    """Of tendons that run along routes, in one posture."""
+
+    _made: _Made
+    _bound: dict[int, BoundRoute]
+    _on: Any
+
+    @classmethod
+    def of(cls, made: _Made, kinematics: Any, q: Array, bound: dict[int, BoundRoute] | None = None) -> RoutedStiffness:
+        """On the links of a hand, at q (nv,). Raises InputError, UnknownName."""
+        bound = made.lays.bound(kinematics, made.names) if bound is None else bound
+
+        def way(q: Array) -> Cables:
+            return made.cables(made.lays.at(bound, q), None)
+
+        plain = made.at(bound, q, way)
+        found = cls(plain.matrix, plain.arms, plain.cables)
+        found._made, found._bound, found._on = made, bound, kinematics
+        return found
+
+    def at(self, kinematics: Any, q: Array) -> RoutedStiffness:
+        """In another posture, of a hand with these kinematics."""
+        return self.of(self._made, kinematics, q, self._bound if kinematics is self._on else None)
 
 
-def _grips(argument: str, value: Any, joints: Sequence[str]) -> Array:
-    """(nv,) μθ of one tendon at the joints."""
+def _given_arms(value: Any) -> Any:
+    """Checked, with routes as they are. Raises InputError."""
     if not isinstance(value, Mapping):
-        return np.full(len(joints), _grip(argument, value))
-    values = per_name(argument, value, joints, "a joint")
-    return np.array([_grip(f"{argument}[{joint!r}]", values.get(joint, 0.0)) for joint in joints])
+        return given_rows(_ARMS, value)
+    plain = {str(name): row for name, row in value.items() if not isinstance(row, Route)}
+    checked: Any = given_rows(_ARMS, plain) if plain or not value else {}
+    return {str(name): row if isinstance(row, Route) else checked[str(name)] for name, row in value.items()}
 
 
 def _by_tendon(argument: str, value: Any, names: Sequence[str], read: Callable[[str, Any], float], out: float) -> Array:

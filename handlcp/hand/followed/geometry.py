@@ -96,6 +96,8 @@ class FollowedHand(Geometry):
     # ---- where the contacts are
     def iterate(self, at: Where, before: Iterate | None) -> Iterate:
         R, t = at.pose
+        posed = self.hand.posed(at.q)
+        root = self._root if posed is self.hand else np.array(posed.stiffness.root, order="C")
         n, nv, kinematics, balls = self.n, self.hand.nv, self.hand.kinematics, self._find
         placements, columns = kinematics.frames_at(at.q, self._frames)
         moving = Moving(np.ascontiguousarray(columns.T), self._support, self._coupling)
@@ -103,7 +105,7 @@ class FollowedHand(Geometry):
         touch = Touch(np.empty((n, 3)), np.empty((n, 3)), np.empty(n), places, np.zeros((n, 3, 6)), np.zeros((n, 3, 6)))
         weight = kinematics.gravity_torque(at.q, self._mechanism.gravity) if self.weighs else self._none
         frames = np.empty((n, 3, 3))
-        el = Elastic(np.empty((3 * n, 3 * n)), np.empty((3 * n, nv)), np.empty((n, nv)), self._root, weight)
+        el = Elastic(np.empty((3 * n, 3 * n)), np.empty((3 * n, nv)), np.empty((n, nv)), root, weight)
         old = self._first_frames if before is None else before.frames
         if self.quick and isinstance(balls, Balls):
             ball_look(

@@ -154,6 +154,13 @@ class HandModel:
 
         return link_surfaces(self.description)
 
+    def posed(self, q: Array) -> Self:
+        """The same hand with springs as they are with joints at q (nv,), where tendons that run along routes have arms
+        of their own.
+        """
+        stiffness = self.stiffness.at(self.kinematics, q)
+        return self if stiffness is self.stiffness else self.with_parts(stiffness=stiffness)
+
     def stiffer(self, factor: float) -> Self:
         """The same hand with springs that are so many times as stiff."""
         return self.with_parts(stiffness=self.stiffness.stiffer(factor))

@@ -39,6 +39,7 @@ class Posture:
     _spread: Array
 
     def __init__(self, hand: HandModel, q: Array) -> None:
+        hand = hand.posed(q)
         placements, columns = hand.kinematics.frames_at(q, hand.tips.frames)
         placements.flags.writeable = False
         self.__dict__.update(hand=hand, q=read_only(q), _spread=np.dot(_SPREAD, columns).reshape(4, -1))

@@ -48,7 +48,7 @@ def read_elasticity(
         return read_stiffness(({} if value is ... else dict(value)) | own, joints)
     if isinstance(value, str) and value == FILE:
         return stiff_as(servo_stiffness(described.servos, kinematics), own, joints)
-    return stiff_as(read_stiffness(value, joints), own, joints)
+    return stiff_as(read_stiffness(value, joints, kinematics=kinematics), own, joints)
 
 
 def servo_stiffness(servos: Sequence[Servo], kinematics: Kinematics) -> ServoStiffness:
