@@ -55,6 +55,7 @@ from .grasp import (
     wrench_from_fingertip_forces as wrench_from_fingertip_forces,
 )
 from .hand import (
+    Around as Around,
     Audit as Audit,
     Box as Box,
     Candidate as Candidate,
@@ -72,7 +73,10 @@ from .hand import (
     MeasuredStiffness as MeasuredStiffness,
     Mesh as Mesh,
     Motor as Motor,
+    Pulley as Pulley,
     RequiredTorque as RequiredTorque,
+    Route as Route,
+    Site as Site,
     Sphere as Sphere,
     Synergies as Synergies,
     Table as Table,

@@ -15,6 +15,7 @@ from handlcp.errors import Unsupported
 from handlcp.hand.elasticity.tendons import TendonStiffness
 from handlcp.hand.robot.kinematics import columns
 from handlcp.hand.robot.model import HandModel
+from handlcp.simulator.routes import add_route
 from handlcp.simulator.settings import SimulatorSettings, add, placed, text
 
 _LEAST_MASS = 1e-6  # [kg] of a link without <inertial>
@@ -98,13 +99,13 @@ class Springs:
 
 
 def add_springs(
-    root: ET.Element, hand: HandModel, at: Array, limited: bool, settings: SimulatorSettings,
-    least: Mapping[str, float],
+    root: ET.Element, bodies: Mapping[int, ET.Element], hand: HandModel, at: Array, limited: bool,
+    settings: SimulatorSettings, least: Mapping[str, float],
 ) -> Springs:  # fmt: skip
     """Springs, rigid joints and mimic joints of a hand.
 
-    at : (nv,) where rigid joints stand. limited : whether actuators push no harder than the torque limits. least : of
-    tendons that go slack, the least force of their actuators [N].
+    bodies : as `add_hand` returns them. at : (nv,) where rigid joints stand. limited : whether actuators push no harder
+    than the torque limits. least : of tendons that go slack, the least force of their actuators [N].
     Raises Unsupported for a compliance that is no stiffness, for limits beside coupled springs, and for tendons that go
     slack and share springs with others.
     """
@@ -119,9 +120,13 @@ def add_springs(
         raise Unsupported(f"tendons that go slack and share springs cannot be written: {', '.join(missing)}")
     actuators = add(root, "actuator")
     tendons = add(root, "tendon") if coupled else None
+    routes = hand.stiffness.routes if isinstance(hand.stiffness, TendonStiffness) else {}
     for name, arms, k in zip(springs.names, springs.arms, springs.stiffness, strict=True):
         words: dict[str, object] = {"name": name, "kp": k}
-        if tendons is not None:
+        if tendons is not None and name in routes:
+            add_route(root, tendons, bodies, hand, name, routes[name])
+            words |= {"tendon": name, "forcerange": (-_MOST_FORCE, 0.0)}  # along the length, which a pull shortens
+        elif tendons is not None:
             tendon = add(tendons, "fixed", name=name)
             for joint in np.flatnonzero(arms):
                 add(tendon, "joint", joint=hand.joint_names[joint], coef=arms[joint])
@@ -131,7 +136,7 @@ def add_springs(
             words["joint"] = hand.joint_names[j]
             if limited and np.isfinite(limits[j]):
                 words["forcerange"] = (-limits[j], limits[j])
-        if name in least:
+        if name in least and name not in routes:
             words["forcerange"] = (least[name], _MOST_FORCE)
         add(actuators, "position", **words)
     _damp(root, springs, hand, settings)

@@ -20,6 +20,7 @@ from handlcp.hand.robot.posture import Posture
 from handlcp.hand.squeeze import joint_by_joint
 from handlcp.simulator.hand_tree import Springs, add_hand, add_springs, full_names
 from handlcp.simulator.object_body import LOADED, OBJECT, add_object, add_supports
+from handlcp.simulator.routes import commands, has_routes
 from handlcp.simulator.settings import SimulatorSettings, add, check_writable, friction_words, need_mujoco, of_a_hand
 from handlcp.simulator.tips import add_corner, add_tip, check_points
 
@@ -96,7 +97,7 @@ def pulling(grasp: HandGrasp) -> dict[str, tuple[float, float]]:
     that holds the joints where they are commanded, where its tendon pulls with a, pulls with a + F ≥ 0.
     """
     cables = grasp.mechanism.cables
-    if cables is None or not np.isfinite(cables.pretension).any():
+    if cables is None or not np.isfinite(cables.pretension).any() or has_routes(grasp.state.hand):
         return {}
     states = grasp.follow(order="squeeze").steps.states if grasp.mechanism.commands(grasp.spec) else ()
     found = dict[str, tuple[float, float]]()
@@ -130,6 +131,8 @@ def starting_state(
         weighing = tuple(kinematics.model.names)[1:]
     full = start if kinematics.coupling is None else kinematics.coupling @ start + kinematics.offset
     before, after = springs.arms @ (start + held), springs.arms @ (q + held + offset)
+    if has_routes(hand):
+        before, after = commands(grasp, springs.names, springs.arms)
     obj, spec = grasp.target, grasp.spec
     assert obj is not None
     weight = obj.mass * gravity
@@ -212,7 +215,7 @@ def to_mujoco(grasp: Grasp, settings: SimulatorSettings | None = None) -> tuple[
     limited = any(isinstance(e, TorqueSaturation) for e in spec.effects)
     least = pulling(hand_grasp)
     springs = add_springs(
-        root, hand, hand_grasp.state.q, limited, settings, {k: after for k, (_, after) in least.items()}
+        root, bodies, hand, hand_grasp.state.q, limited, settings, {k: after for k, (_, after) in least.items()}
     )
     ET.indent(root)
     return ET.tostring(root, encoding="unicode"), starting_state(hand_grasp, springs, least)

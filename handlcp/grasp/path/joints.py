@@ -117,6 +117,7 @@ class Joints:
         self._rest = posture + cables.rest
         self.slackens = np.isfinite(cables.pretension)
         self._known, self._whole, self._near = dict[bytes, Sprung](), self, (b"", self)
+        self._lately = b"", root
         at_rest = cables if cables.way is None else cables.way(self._rest)
         self._preload = at_rest.arms.T @ cables.begun  # which springs at the joints take up at rest
 
@@ -141,17 +142,23 @@ class Joints:
     def _drawn_to(self, commanded: Array) -> Array:
         """(t,) d of tendons that hold joints free of contacts where they are commanded to be (nv,)."""
         assert self.cables.way is not None
+        if self._lately[0] == commanded.tobytes():
+            return self._lately[1]
         there = self.cables.way(commanded)
         torque = self.cables.passive @ (commanded - self._rest) + self._preload - there.arms.T @ there.begun
-        return np.asarray(there.tensions(torque) + there.springs @ (there.shift + there.arms @ commanded))
+        drawn = np.asarray(there.tensions(torque) + there.springs @ (there.shift + there.arms @ commanded))
+        self._lately = commanded.tobytes(), drawn
+        return drawn
 
     def _to(self, task: Task) -> Array:
-        """(nv,) where springs that are as stiff as here would drive joints to: K q_c = Rᵀ (d - k (l - R q)) + K_p q₀ -
-        R₀ᵀ T₀; where they are commanded to, unless arms change.
+        """(nv,) where springs that are as stiff as here would drive joints to: where they are commanded to; once tendons
+        are drawn in by d, K q_c = Rᵀ (d - k (l - R q)) + K_p q₀ - R₀ᵀ T₀.
         """
-        if not self._routed:
+        drawn = task.drawn
+        if drawn is None and self._routed:
+            drawn = self._whole._drawn_to(task.commanded)
+        if drawn is None or not len(drawn):
             return task.commanded
-        drawn = self._whole._drawn_to(task.commanded) if task.drawn is None else task.drawn
         c = self.cables
         torque = c.arms.T @ (drawn - c.springs @ c.shift) + c.passive @ self._rest - self._preload
         return np.where(self.gives, self.C @ torque, task.commanded)

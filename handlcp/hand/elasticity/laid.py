@@ -7,7 +7,7 @@ whose wrap changes with the posture.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -19,6 +19,7 @@ from handlcp.hand.elasticity.route import BoundRoute, Route, TendonPath
 
 Arms = dict[str, dict[str, float]]
 _FRICTION = "Tendons.friction"
+_KEPT = 8  # postures, which steps ask for again
 _grip = partial(number, minimum=0.0)
 
 
@@ -51,6 +52,7 @@ class Lays:
     order: list[list[int]]
     grips: list[Array | float]
     routes: dict[int, Route]
+    _lately: dict[bytes, Laid] = field(default_factory=dict, init=False, repr=False)
 
     def bound(self, kinematics: Any, names: Sequence[str]) -> dict[int, BoundRoute]:
         """The routes on the links of a hand. Raises UnknownName."""
@@ -58,6 +60,16 @@ class Lays:
 
     def at(self, bound: Mapping[int, BoundRoute], q: Array) -> Laid:
         """With joints at q (nv,). Raises InputError as `BoundRoute.at`."""
+        if not bound:
+            return self._at(bound, q)
+        key = q.tobytes()
+        if (found := self._lately.get(key)) is None:
+            if len(self._lately) >= _KEPT:
+                self._lately.clear()
+            found = self._lately[key] = self._at(bound, q)
+        return found
+
+    def _at(self, bound: Mapping[int, BoundRoute], q: Array) -> Laid:
         R, shift, posts = self.arms.copy(), np.zeros(len(self.arms)), list[_Post]()
         for i, (order, grips) in enumerate(zip(self.order, self.grips, strict=True)):
             if i in bound:

@@ -179,6 +179,11 @@ class TendonStiffness(JointStiffness):
         self.arms, self.cables = arms, cables
 
     @property
+    def routes(self) -> dict[str, Route]:
+        """Of the tendons that have one, by name."""
+        return {}
+
+    @property
     def commands(self) -> Array:
         """K⁻¹ Rᵀ: where the springs let the joints go when a tendon is drawn in."""
         return spanned(self.root @ (self.arms @ self.root).T)
@@ -242,6 +247,11 @@ class RoutedStiffness(TendonStiffness):
         found = cls(plain.matrix, plain.arms, plain.cables)
         found._made, found._bound, found._on = made, bound, kinematics
         return found
+
+    @property
+    def routes(self) -> dict[str, Route]:
+        """Of the tendons that have one, by name."""
+        return {self._made.names[i]: route for i, route in self._made.lays.routes.items()}
 
     def at(self, kinematics: Any, q: Array) -> RoutedStiffness:
         """In another posture, of a hand with these kinematics."""
