@@ -11,10 +11,8 @@ import pinocchio as pin
 import pytest
 
 from handlcp.errors import InputError, UnknownName, Unsupported
-from handlcp.hand import Hand
-from handlcp.hand.elasticity.route import Pulley, Route, Site
-from handlcp.hand.elasticity.wrapping import Around
-from handlcp.hand.robot.source.mjcf_routes import routes
+from handlcp.hand import Around, Hand, Pulley, Route, Site
+from tests.support.routes import routes
 
 from .chains import chain_hand
 from .conftest import inside

@@ -151,8 +151,8 @@ class Joints:
         return drawn
 
     def _to(self, task: Task) -> Array:
-        """(nv,) where springs that are as stiff as here would drive joints to: where they are commanded to; once tendons
-        are drawn in by d, K q_c = Rᵀ (d - k (l - R q)) + K_p q₀ - R₀ᵀ T₀.
+        """(nv,) where springs that are as stiff as here would drive joints to: where they are commanded to; and where
+        tendons are drawn in by d, K q_c = Rᵀ (d - k (l - R q)) + K_p q₀ - R₀ᵀ T₀.
         """
         drawn = task.drawn
         if drawn is None and self._routed:

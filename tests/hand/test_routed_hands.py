@@ -1,0 +1,158 @@
+"""Hands whose tendons run along routes, on followed paths: beside fixed arms, MuJoCo, and closed forms of wraps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.hand import Hand, HandGrasp, example_hand
+from tests.support.routes import mjcf_routes
+
+from .chains import A, chain_hand
+
+Writer = Callable[[str], Path]
+FIRST, SECOND, KT, Y = 0.009, 0.006, 3e4, (0.0, 1.0, 0.0)  # m, m, N/m
+
+
+def on_pulleys(name: str, x: float, s: float) -> hl.Route:
+    """Over two pulleys about the joints, on which the cable lies in every posture that matters."""
+    return hl.Route([
+        hl.Site("palm", (x - s * 0.02, 0, -0.02)),
+        hl.Around("palm", ((x, 0, 0), Y), FIRST, side=(x + s * 0.02, 0, 0)),
+        hl.Site(f"{name}_1", (-s * 0.015, 0, 0.025)),
+        hl.Around(f"{name}_1", ((0, 0, A), Y), SECOND, side=(s * 0.02, 0, A)),
+        hl.Site(f"{name}_2", (-s * 0.015, 0, 0.02)),
+    ])  # fmt: skip
+
+
+def chains(write: Writer, routed: bool, friction: float = 0.0) -> HandGrasp:
+    """A box between two fingers of two joints, with one tendon each."""
+    arms: dict[str, object] = {n: {f"{n}_root": FIRST, f"{n}_end": SECOND} for n in ("left", "right")}
+    if routed:
+        arms = {n: on_pulleys(n, x, s) for n, x, s in (("left", -0.01, 1.0), ("right", 0.01, -1.0))}
+    tendons = hl.Tendons(arms, KT, 1.0, friction=friction)
+    hand = chain_hand(write, joint_stiffness=tendons, pad_flexibility=1e-4, tip_radius=0.005)
+    box = hl.Box((0.01, 0.02, 0.02), placement=(0, 0, 0.08), mass=0.1)
+    return hand.at(np.zeros(4)).grasp(box, friction=0.8, squeeze=0.003)
+
+
+def test_a_cable_on_pulleys_is_a_tendon_of_fixed_arms(write: Writer) -> None:
+    fixed, routed = (chains(write, along).follow() for along in (False, True))
+    np.testing.assert_allclose(routed.steps.tensions, fixed.steps.tensions, rtol=1e-8)
+    np.testing.assert_allclose(routed.steps.forces, fixed.steps.forces, atol=1e-8)
+    np.testing.assert_allclose(routed.steps.displacement, fixed.steps.displacement, atol=1e-11)
+    assert routed.solution.held
+
+
+def test_posts_of_a_route_take_what_its_wraps_say(write: Writer) -> None:
+    """F = T (1 - exp(-μθ)) at the first pulley, of what the drive pulls with, with θ of the end's posture."""
+    path = chains(write, True, friction=0.1).follow(order="squeeze")
+    bound = on_pulleys("left", -0.01, 1.0).bound(path.state.hand.kinematics)
+    first, second = bound.at(path.state.q).angles
+    tension, posts = path.steps.tensions[-1, 0], path.last.pull.posts[:2]
+    left = tension * np.exp(-0.1 * first)
+    np.testing.assert_allclose(posts, [tension - left, left * (1 - np.exp(-0.1 * second))], rtol=1e-6)
+
+
+def test_arms_are_those_of_the_posture_in_which_the_hand_stands(write: Writer) -> None:
+    """A straight cable has the arm of its distance from the joint, which a grasp's stiffness has, too."""
+    across = {n: hl.Route([hl.Site("palm", (x - s * 0.02, 0, -0.02)), hl.Site(f"{n}_1", (s * 0.015, 0, 0.02))])
+              for n, x, s in (("left", -0.01, 1.0), ("right", 0.01, -1.0))}  # fmt: skip
+    hand = chain_hand(write, joint_stiffness=hl.Tendons(across, KT, 1.0), tip_radius=0.005)
+    for angle in (0.0, 0.5):
+        state = hand.at([angle, 0.0, angle, 0.0])
+        a, c, s = np.array([-0.02, -0.02]), np.cos(angle), np.sin(angle)
+        b = np.array([[c, s], [-s, c]]) @ [0.015, 0.02]  # x towards the object, z up, seen from the joint
+        arm = abs(a[0] * b[1] - a[1] * b[0]) / np.linalg.norm(b - a)
+        np.testing.assert_allclose(state.hand.joint_stiffness[0, 0], 1.0 + KT * arm**2, rtol=1e-12)
+
+
+def threes(extensors: bool, pretension: float) -> HandGrasp:
+    """A box in three fingers with a flexor each, and an extensor."""
+    ways, routes = {"flexor": -1.0} | ({"extensor": 1.0} if extensors else {}), dict[str, hl.Route]()
+    for k, a in ((1, 0.0), (2, 2 * np.pi / 3), (3, -2 * np.pi / 3)):
+        near, far = f"finger_{k}_proximal_link", f"finger_{k}_distal_link"
+        for way, s in ways.items():
+            r = 0.045 + s * 0.012
+            routes[f"{way} {k}"] = hl.Route([
+                hl.Site("palm", (r * np.cos(a), r * np.sin(a), -0.005)), hl.Site(near, (s * 0.009, 0, 0.02)),
+                hl.Around(near, ((0, 0, 0.05), Y), 0.006, side=(s * 0.02, 0, 0.05)),
+                hl.Site(far, (s * 0.004, 0, 0.015)),
+            ])  # fmt: skip
+    tendons = hl.Tendons(routes, KT, 1.0, pretension=pretension)
+    hand = example_hand("three_finger", joint_stiffness=tendons, pad_flexibility=1e-4)
+    box = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
+    load = [2.0, 1.0, 0.0, 0.0, 0.02, 0.0]
+    return hand.at(hand.close_on(box)).grasp(box, friction=0.8, squeeze=0.004, wrench=load)
+
+
+def compared(grasp: HandGrasp, near: float) -> None:
+    """Forces, joint torques and tensions at the end of the loading, beside MuJoCo."""
+    from handlcp.simulator import simulate
+
+    path, truth = grasp.follow(), simulate(grasp)
+    assert path.reached
+    assert truth.held
+    size, torque = np.abs(truth.forces_world).max(), np.abs(truth.torques).max()
+    np.testing.assert_allclose(path.solution.forces_world, truth.forces_world, atol=near * size)
+    np.testing.assert_allclose(path.steps.torques[-1], truth.torques, atol=near * torque)
+
+
+@pytest.mark.parametrize(("extensors", "pretension"), [(False, 0.0), (True, 2.0)])
+def test_mujoco_has_the_same_forces_and_torques(extensors: bool, pretension: float) -> None:
+    """Spatial tendons, which only pull: an extensor goes slack under the load."""
+    pytest.importorskip("mujoco")
+    compared(threes(extensors, pretension), 0.005)
+
+
+def finger(k: int, angle: float) -> tuple[str, str]:
+    """Three joints 40 mm apart that bend towards the middle, and four tendons: long and short ones on both sides."""
+    x, y = -0.05 * np.cos(angle), -0.05 * np.sin(angle)
+    body, tail = "", ""
+    sides = {"flexor": 1.0, "extensor": -1.0}
+    way = {f"{size} {side}": "" for size in ("long", "short") for side in sides}
+    for j in range(3):
+        pos = f'pos="{x} {y} 0" euler="0 0 {angle}"' if j == 0 else 'pos="0 0 0.04"'
+        sites = "".join(f'<site name="{side} {k} {j}" pos="{s * 0.008} 0 0.02"/>' for side, s in sides.items())
+        sites += "".join(f'<site name="beside {side} {k} {j}" pos="{s * 0.03} 0 0"/>' for side, s in sides.items())
+        tip = '<geom type="capsule" size="0.006" fromto="0 0 0.02 0 0 0.03" mass="0.01"/>' if j == 2 else ""
+        body += f"""<body name="finger_{k}_{j}" {pos}><joint name="joint_{k}_{j}" axis="0 1 0" range="-0.6 1.4"/>
+          <geom name="post {k} {j}" type="cylinder" size="0.006 0.02" euler="1.5707963267948966 0 0" contype="0"
+          conaffinity="0" mass="0.01"/>{tip}{sites}"""
+        tail += "</body>"
+        for name in way:
+            side = name.split()[1]
+            if j < (3 if name.startswith("long") else 1):
+                way[name] += (
+                    f'<geom geom="post {k} {j}" sidesite="beside {side} {k} {j}"/><site site="{side} {k} {j}"/>'
+                )
+    roots = "".join(f'<site name="root {side} {k}" pos="{(1 - s * 0.18) * x} {(1 - s * 0.18) * y} -0.02"/>'
+                    for side, s in sides.items())  # fmt: skip
+    tendons = "".join(f'<spatial name="{name} {k}"><site site="root {name.split()[1]} {k}"/>{part}</spatial>'
+                      for name, part in way.items())  # fmt: skip
+    return roots + body + tail, tendons
+
+
+def twenty() -> HandGrasp:
+    """A ball in five fingers of three joints and four tendons each, written in MJCF."""
+    fingers = [finger(k, 2 * np.pi * k / 5) for k in range(5)]
+    text = f"""<mujoco model="twenty"><compiler angle="radian" autolimits="true"/><worldbody><body name="palm">
+      <geom type="cylinder" size="0.06 0.005" pos="0 0 -0.03" mass="0.1"/>{"".join(b for b, _ in fingers)}</body>
+      </worldbody><tendon>{"".join(t for _, t in fingers)}</tendon></mujoco>"""
+    routes = mjcf_routes(text)
+    assert len(routes) == 20
+    tendons = hl.Tendons(routes, KT, 0.5, pretension=3.0)
+    tips = [f"finger_{k}_2" for k in range(5)]
+    hand = Hand.from_mjcf(text, tips, joint_stiffness=tendons, pad_flexibility=1e-4)
+    ball = hl.Sphere(0.03, (0, 0, 0.09), mass=0.2)
+    return hand.at(hand.close_on(ball)).grasp(ball, friction=0.7, squeeze=0.01, wrench=[1.5, 0.5, 0, 0, 0, 0])
+
+
+@pytest.mark.long
+def test_a_whole_hand_of_twenty_tendons_is_as_in_mujoco() -> None:
+    pytest.importorskip("mujoco")
+    compared(twenty(), 0.02)
