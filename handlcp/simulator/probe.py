@@ -15,6 +15,7 @@ from handlcp.simulator.object_body import LOADED, OBJECT
 from handlcp.simulator.settings import need_mujoco
 from handlcp.simulator.tips import pad_of
 
+_SAME = 1e-6  # [m] contacts of one pair that are nearer coincide
 _POINT = 3  # rows of a contact without a moment about its normal
 
 
@@ -80,6 +81,18 @@ class Probe:
         R = data.xmat[self._loaded].reshape(3, 3) @ self.axes.T
         motion = np.append(at - self.start, pin.log3(R))
         return Reading(forces, slipping, friction, motion, speed, *self.joints())
+
+    def coincide(self) -> bool:
+        """Whether some pairs of shapes touch at one point twice, and none at points apart."""
+        contact = self.data.contact
+        shapes, points = np.sort(contact.geom, axis=1), contact.pos
+        twice = apart = False
+        for pair in np.unique(shapes, axis=0):
+            own = points[(shapes == pair).all(axis=1)]
+            if len(own) > 1:
+                spread = float(np.ptp(own, axis=0).max())
+                twice, apart = twice or spread <= _SAME, apart or spread > _SAME
+        return twice and not apart
 
     def joints(self) -> tuple[Array, Array]:
         """(nv,) positions [rad, m] and torques that the actuators hold [N·m, N]."""

@@ -198,6 +198,7 @@ class Run:
             kept = self._damped * _KEPT ** (1.0 - now["free"])
             self.model.dof_damping[self._own] = kept
             self.model.dof_armature[self._own] = self._slows * (kept - self._damped)
+        self._choose_contacts()
         began = perf_counter()
         self.mujoco.mj_step(self.model, self.data, _READ)
         self.seconds += perf_counter() - began
@@ -207,6 +208,17 @@ class Run:
         carried = reading.forces.any() or not (now["weight"] or now["load"])
         self._adrift = 0.0 if carried else self._adrift + self.period
         return not (escaped(reading, self.probe.reach) or self._adrift > _ADRIFT)
+
+    def _choose_contacts(self) -> None:
+        """Several contacts of a pair of shapes, or one. MuJoCo looks for several where an edge lies along a face; where
+        it takes a face that is not the one touched its contacts coincide, and their normal is off by degrees. It then
+        looks for one contact, unless others lie apart: shapes that lie flush are held by more than one.
+        """
+        options, off = self.model.opt, int(self.mujoco.mjtDisableBit.mjDSBL_MULTICCD)
+        options.disableflags &= ~off
+        self.mujoco.mj_collision(self.model, self.data)
+        if self.probe.coincide():
+            options.disableflags |= off
 
     def _size(self, wrench: Array) -> float:
         """[N] of a force and a torque, the torque as forces at the contacts."""
