@@ -101,7 +101,7 @@ def moved(before: Array, after: Array) -> Array:
 
 # ----------------------------------------------------------------
 
-_BEFORE = 2.0  # [s] of each stage before the load grows, at most
+_BEFORE = 6.0  # [s] of each stage before the load grows, at most: friction follows within 0.1 s, see `friction_time`
 _DRAG = 0.0025  # of the load: what damping of the object may take up while it grows
 _STANDS = 1e-4  # [rad, m] as near to the end of its range a joint stands there
 _REST_AFTER = 0.5  # [s] that an object has to stay under the largest factor
@@ -142,7 +142,7 @@ def simulate_limit(
 ) -> SimulatedLimit:  # fmt: skip
     """Squeeze, then the weight, then a load that grows from 0 to `most` times `wrench` (6,).
 
-    seconds : for all of the load, where it need not wait; the stages before it take as long, up to 2 s each. settle,
+    seconds : for all of the load, where it need not wait; the stages before it take as long, up to 6 s each. settle,
     settings : as in `simulate`. Joints that yield by `TorqueSaturation` have no limit to reach.
     Raises as `simulate`.
     """
