@@ -88,6 +88,7 @@ from .hand import (
     find_grasp as find_grasp,
     read_postures as read_postures,
     stiffness_from as stiffness_from,
+    tendon_routes as tendon_routes,
 )
 from .lcp import (
     LCP as LCP,

@@ -10,7 +10,6 @@ import pytest
 
 import handlcp as hl
 from handlcp.hand import Hand, HandGrasp, example_hand
-from tests.support.routes import mjcf_routes
 
 from .chains import A, chain_hand
 
@@ -143,7 +142,7 @@ def twenty() -> HandGrasp:
     text = f"""<mujoco model="twenty"><compiler angle="radian" autolimits="true"/><worldbody><body name="palm">
       <geom type="cylinder" size="0.06 0.005" pos="0 0 -0.03" mass="0.1"/>{"".join(b for b, _ in fingers)}</body>
       </worldbody><tendon>{"".join(t for _, t in fingers)}</tendon></mujoco>"""
-    routes = mjcf_routes(text)
+    routes = hl.tendon_routes(text)
     assert len(routes) == 20
     tendons = hl.Tendons(routes, KT, 0.5, pretension=3.0)
     tips = [f"finger_{k}_2" for k in range(5)]

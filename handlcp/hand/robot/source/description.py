@@ -185,7 +185,7 @@ def robot_of(
     kinds : formats that are welcome, by the tag of the first element. Raises URDFError for what is missing, unreadable,
     not XML, of another kind, or too large; UnknownName for the base; InputError; Unsupported without what reads it.
     """
-    text, path = _content(argument, source)
+    text, path = content(argument, source)
     if path is not None and path.suffix == ".xacro":
         from handlcp.hand.robot.source.xacro import expanded
 
@@ -205,7 +205,7 @@ def robot_of(
     return check_robot(argument, root, base, shown), path, doubts
 
 
-def _content(argument: str, source: Any) -> tuple[bytes, Path | None]:
+def content(argument: str, source: Any) -> tuple[bytes, Path | None]:
     """Bytes, and the path that they are from."""
     if isinstance(source, str) and source.lstrip("\ufeff \t\r\n").startswith("<"):
         text = source.lstrip("\ufeff \t\r\n").encode(errors="replace")

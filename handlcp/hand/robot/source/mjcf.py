@@ -37,8 +37,16 @@ _UNBOUNDED = 1e3  # [m] the range of a slide without one
 def urdf_of_mjcf(source: str, path: Path | None) -> tuple[ET.Element, tuple[Doubt, ...]]:
     """The <robot> that an MJCF text or file describes, and what of it a URDF cannot say.
 
+    Arguments and errors as of `compiled`; URDFError for ball joints, too.
+    """
+    return _Writer(compiled(source, path)).robot()
+
+
+def compiled(source: str, path: Path | None) -> Any:
+    """The mujoco.MjModel of an MJCF text or file.
+
     path : of the file; None: `source` is the text. Raises Unsupported without MuJoCo, URDFError for a file that MuJoCo
-    refuses, or with ball joints.
+    refuses.
     """
     try:
         import mujoco
@@ -46,13 +54,12 @@ def urdf_of_mjcf(source: str, path: Path | None) -> tuple[ET.Element, tuple[Doub
         raise Unsupported("no MJCF file is read without MuJoCo: pip install handlcp[mujoco]") from None
     try:
         read = mujoco.MjModel.from_xml_path if path is not None else mujoco.MjModel.from_xml_string
-        model = read(source if path is None else str(path))
+        return read(source if path is None else str(path))
     except (ValueError, TypeError, RuntimeError) as error:
         shown = "the XML string" if path is None else repr(str(path))
         raise URDFError(
             "source", "an MJCF file that MuJoCo compiles", f"{shown}: {' '.join(str(error).split())}"
         ) from None
-    return _Writer(model).robot()
 
 
 class _Writer:

@@ -97,9 +97,7 @@ def write_servos(root: ET.Element, model: Any, names: list[str]) -> Iterator[Dou
         name, arms = model.actuator(a).name or f"actuator {a}", _moved(model, a)
         if int(model.actuator_trntype[a]) == _TENDON and not arms:
             what = f"the servo {name!r} pulls a tendon along a path in space: its kp is not read"
-            yield Doubt(
-                "hand", what, "joint_stiffness, such as Tendons(...) with arms of a posture", "minor", "stiffness"
-            )
+            yield Doubt("hand", what, "joint_stiffness=Tendons(hl.tendon_routes(...), ...)", "minor", "stiffness")
         gear = float(model.actuator_gear[a, 0])
         servo = add(root, "servo", name=name, kp=kp * gear * gear) if arms else None
         for j, arm in arms.items():
