@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -14,6 +15,7 @@ from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.analysis.explanation import Description
 from handlcp.grasp.model.cables import Cables
 from handlcp.hand.elasticity.elasticity import TENSION, TRANSMISSION, Effort, Elasticity, Transmission, spanned
+from handlcp.hand.elasticity.motor import Drives
 from handlcp.hand.elasticity.stiffness import (
     JointStiffness,
     given_rows,
@@ -22,6 +24,7 @@ from handlcp.hand.elasticity.stiffness import (
     read_stiffness,
     springs,
 )
+from handlcp.hand.elasticity.tendon_motors import check_driven_once, read_tendon_motors
 from handlcp.tolerances import SEMIDEFINITE
 
 # ----------------------------------------------------------------
@@ -175,6 +178,9 @@ class Tendons(Transmission):
         balance with them: a number, (t,), or a mapping by tendon name (tendons left out: 0); numpy.inf: taut whatever
         comes, and pushing where it must, as a rod or a sheathed cable does.
     limits : [N] > 0 that tendons bear, in the same forms; numpy.inf, and tendons left out: no limit.
+    motors : a `Motor` for every tendon, or a mapping by tendon name (others: none), whose reduction is newtons of
+        tension per N·m of the motor, n / r for a spool of radius r behind a gear n. What it holds for good limits its
+        tendon beside `limits`; closing is judged by its peak less dry friction, as of joints.
 
     In a loading that is followed (`follow`, `check`, `load_limit`) a tendon never pushes: it goes slack, and is a
     spring less. Drives keep all tendons taut while the hand closes, with the least tensions that make its torques; then
@@ -188,6 +194,7 @@ class Tendons(Transmission):
     passive: Any = 0.0
     pretension: Any = 0.0
     limits: Any = np.inf
+    motors: Any = None
 
     def __post_init__(self) -> None:
         """Check what does not depend on the joints."""
@@ -196,7 +203,9 @@ class Tendons(Transmission):
         if not isinstance(self.stiffness, Mapping):
             numbers = [str(i) for i in range(len(arms))]
             read_springs("Tendons.stiffness", self.stiffness, "tendon", numbers, _tendon_spring)
-        self._forces(tuple(arms) if isinstance(arms, dict) else [f"tendon {i + 1}" for i in range(len(arms))])
+        names = tuple(arms) if isinstance(arms, dict) else [f"tendon {i + 1}" for i in range(len(arms))]
+        begun, _ = self._forces(names)
+        read_tendon_motors(self.motors, names, begun)
 
     def _forces(self, names: Sequence[str]) -> tuple[Array, Array]:
         """(t,) pretension and limits. Raises InputError, UnknownName."""
@@ -220,15 +229,37 @@ class Tendons(Transmission):
         _check_sprung(K, rigid, joints)
         through = read_only(np.where(rigid, 0.0, R))
         own = read_only(np.where(np.isinf(own), 0.0, own))
-        return TendonStiffness(K, R, Cables(names, through, k, own, np.zeros(len(K)), *self._forces(names)))
+        cables = Cables(names, through, k, own, np.zeros(len(K)), *self._forces(names))
+        drives = read_tendon_motors(self.motors, names, cables.pretension)
+        return TendonStiffness(K, R, cables).driven(drives, cables.limits)
 
 
 class TendonStiffness(JointStiffness):
-    """K = K_p + Rᵀ k R, and the tendons behind it; arms (t, nv) : R as it was given."""
+    """K = K_p + Rᵀ k R, and the tendons behind it; arms (t, nv) : R as it was given. drives : motors of tendons, None
+    without; bears (t,) : what tendons bear, whatever their motors hold [N]. `cables.limits` are the smaller of both.
+    """
+
+    drives: Drives | None = None
 
     def __init__(self, matrix: Array, arms: Array, cables: Cables) -> None:
         super().__init__(matrix)
-        self.arms, self.cables = arms, cables
+        self.arms, self.cables, self.bears = arms, cables, cables.limits
+
+    def driven(self, drives: Drives | None, bears: Array) -> TendonStiffness:
+        """The same with these motors, of tendons that bear so much, (t,) [N]."""
+        made = copy(self)
+        limits = bears if drives is None else read_only(np.minimum(bears, drives.holds(bears)))
+        made.drives, made.bears, made.cables = drives, bears, self.cables._replace(limits=limits)
+        return made
+
+    @property
+    def closes(self) -> Array:
+        """(t,) with which motors can draw tendons in [N]; inf where no motor says it."""
+        return np.full(len(self.bears), np.inf) if self.drives is None else self.drives.closes
+
+    def check_driven_once(self, drives: Drives | None, joints: Sequence[str]) -> None:
+        """No joint has a motor of its own that a tendon with a motor moves."""
+        check_driven_once(self.arms, self.drives, drives, joints)
 
     @property
     def commands(self) -> Array:
@@ -239,7 +270,8 @@ class TendonStiffness(JointStiffness):
         """The same with every spring so many times as stiff."""
         c = self.cables
         springs, passive = read_only(factor * c.springs), read_only(factor * c.passive)
-        return TendonStiffness(self.matrix * factor, self.arms, c._replace(springs=springs, passive=passive))
+        made = TendonStiffness(self.matrix * factor, self.arms, c._replace(springs=springs, passive=passive))
+        return made.driven(self.drives, self.bears)
 
     def effort(self, torque: Array, command: Array) -> Effort:
         """The tension t = k R K⁻¹ τ + t_c [N]: how much harder each tendon pulls; below 0 it pulls less. t_c is what it
