@@ -12,9 +12,9 @@ import pytest
 import handlcp as hl
 from handlcp import Motor
 from handlcp.errors import InputError, UnknownName
-from handlcp.hand import Hand, HandGrasp, example_hand
-from handlcp.hand.elasticity.tendons import TendonStiffness
+from handlcp.hand import HandGrasp, example_hand
 from handlcp.scene import read
+from tests.support.hand import tendons_of
 
 from .levers import L, lever_hand, lever_pinch
 from .test_slack_tendons import ARM, ARMS, ASIDE, BOTH, KT, ONE, OWN, PRESSED, PULL, SHUT, along, pinch
@@ -31,11 +31,6 @@ def motor(continuous: float, peak: float, **more: float) -> Motor:
     """Of so many newtons at its tendon, behind a gear and a spool."""
     N, share = GEAR / SPOOL, 0.8
     return Motor(continuous / (N * share), peak / (N * share), reduction=N, efficiency=share, **more)
-
-
-def tendons_of(hand: Hand) -> TendonStiffness:
-    assert isinstance(hand.stiffness, TendonStiffness)
-    return hand.stiffness
 
 
 # ---------------------------------------------------------------- what a tendon holds
