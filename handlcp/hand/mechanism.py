@@ -164,8 +164,8 @@ class HandMechanism(Varied, Mechanism):
 
     def reasons(self, solution: Any) -> Iterator[Reason]:
         """Of its torques, its limits and its posture."""
+        from handlcp.hand.effort_reasons import torque_reasons
         from handlcp.hand.robot.audit import doubt_reasons
-        from handlcp.hand.torque_check import torque_reasons
 
         if solution.held:
             yield from torque_reasons(solution.torque_check)
@@ -176,7 +176,7 @@ class HandMechanism(Varied, Mechanism):
 
     def open_reasons(self, solution: Any) -> Iterator[Reason]:
         """Between what and what torques are, where forces are open."""
-        from handlcp.hand.torque_check import open_torque_reasons
+        from handlcp.hand.effort_reasons import open_torque_reasons
 
         yield from open_torque_reasons(solution)
 
@@ -210,8 +210,8 @@ class HandMechanism(Varied, Mechanism):
 
     def end_reasons(self, torque: Array, yielded: Array, place: tuple[Any, Any]) -> Iterator[Reason]:
         """Of torques and posture at the end of a loading."""
+        from handlcp.hand.effort_reasons import torque_reasons
         from handlcp.hand.robot.audit import doubt_reasons
-        from handlcp.hand.torque_check import torque_reasons
 
         at_limit = np.where(yielded != 0.0, np.clip(torque, -self.limits, self.limits), torque)  # but for rounding
         yield from torque_reasons(self._check(at_limit, yielded))
@@ -233,16 +233,30 @@ class HandMechanism(Varied, Mechanism):
 
     @property
     def closes(self) -> Array | None:
-        """Of a hand with motors."""
-        limits = self.posture.hand.torques
-        return None if limits.drives is None else limits.drives.closes
+        """Of a hand with motors of joints or of tendons."""
+        limits, stiffness = self.posture.hand.torques, self.posture.hand.stiffness
+        if not isinstance(stiffness, TendonStiffness):
+            return None if limits.drives is None else limits.closes
+        if limits.drives is None and stiffness.drives is None:
+            return None
+        return read_only(np.append(limits.closes, stiffness.closes))
 
     def closing_reasons(self, beyond: Iterable[Cause]) -> Iterator[Reason]:
         """Of its motors."""
-        from handlcp.hand.torque_check import closing_reasons
+        from handlcp.hand.effort_reasons import JOINT, TENDON, closing_reasons
 
-        if (drives := self.posture.hand.torques.drives) is not None:
-            yield from closing_reasons(self.names, tuple(beyond), drives)
+        hand, all_of_them = self.posture.hand, tuple(beyond)
+        if (drives := hand.torques.drives) is not None:
+            yield from closing_reasons(JOINT, self.names, all_of_them, drives)
+        if isinstance(hand.stiffness, TendonStiffness) and (drives := hand.stiffness.drives) is not None:
+            yield from closing_reasons(TENDON, hand.stiffness.cables.names, all_of_them, drives)
+
+    def tension_reasons(self, tension: Array) -> Iterator[Reason]:
+        """Of its tendons."""
+        from handlcp.hand.effort_reasons import tension_reasons
+
+        if isinstance(stiffness := self.posture.hand.stiffness, TendonStiffness):
+            yield from tension_reasons(stiffness, tension)
 
     def pulling(self, spec: GraspSpec, torque: Array) -> tuple[Pulling, Array] | None:
         """What a closing torque asked of the joints, and the shares of it with which they pull, (nv,), where their

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from typing import Any
 
@@ -10,8 +10,9 @@ import pinocchio as pin
 
 from handlcp.check import Array
 from handlcp.hand.elasticity.elasticity import Elasticity
-from handlcp.hand.elasticity.motor import read_motors
+from handlcp.hand.elasticity.motor import Drives, read_motors
 from handlcp.hand.elasticity.stiffness import Pads, read_pads, stiff_as
+from handlcp.hand.elasticity.tendons import Tendons, TendonStiffness
 from handlcp.hand.robot.fingertips import TipFrames, find_tips
 from handlcp.hand.robot.joints import TorqueLimits, read_joint_friction, read_torque_limits
 from handlcp.hand.robot.kinematics import Kinematics
@@ -33,9 +34,12 @@ def parts_of(
     kinematics = Kinematics(model, described.facts)
     tips = find_tips(model, described, fingertips)
     joints = kinematics.joint_names
+    stiffness, motors = _shared(stiffness, motors)
     drives = read_motors(motors, joints)
+    elasticity = read_elasticity(stiffness, kinematics, described, drives)
+    _check_driven_once(elasticity, drives, joints)
     return (
-        kinematics, tips, read_elasticity(stiffness, kinematics, described, drives),
+        kinematics, tips, elasticity,
         read_pads(pads, tips.names, described.has(COLLISION)),
         read_torque_limits(limits, joints, {f.name: f for f in described.facts}, drives),
         TipGeometry(described, tips, read_radii(radius, tips.names)),
@@ -58,14 +62,39 @@ def replaced(hand: HandModel, by_tip: Mapping[str, Any], given: Mapping[str, Any
         parts["pads"] = read_pads(passed["pads"], tips.names, described.has(COLLISION))
     if "fingertips" in given or "tip_radius" in given:
         parts["_geometry"] = TipGeometry(described, tips, read_radii(passed["radius"], tips.names))
+    if "motors" in given:
+        stiffness, motors = _shared(given.get("joint_stiffness", hand.stiffness), given["motors"])
+        if stiffness is not hand.stiffness:
+            given = {**given, "joint_stiffness": stiffness}
+        given = {**given, "motors": motors}
     if "joint_stiffness" in given or "motors" in given:
         parts["stiffness"] = _stiffness(hand, given)
     if "torque_limits" in given or "motors" in given:
         torques = _torques(hand, given)
         parts |= {"torques": torques, "torque_limits": torques.limits}
+    _check_driven_once(
+        parts.get("stiffness", hand.stiffness), parts.get("torques", hand.torques).drives, hand.joint_names
+    )
     if "joint_friction" in given:
         parts["joint_friction"] = friction_of(hand, given["joint_friction"])
     return parts
+
+
+def _shared(stiffness: Any, motors: Any) -> tuple[Any, Any]:
+    """A stiffness with the motors of its tendons, and the motors of joints, from motors by joint and tendon."""
+    if not isinstance(stiffness, (Tendons, TendonStiffness)) or not isinstance(motors, Mapping):
+        return stiffness, motors
+    own = {name: motor for name, motor in motors.items() if name in stiffness.names}
+    if not own:
+        return stiffness, motors
+    rest = {name: motor for name, motor in motors.items() if name not in own}
+    return stiffness.motored(own), rest or None
+
+
+def _check_driven_once(elasticity: Elasticity, drives: Drives | None, joints: Sequence[str]) -> None:
+    """Raises InputError for joints with a motor of their own that tendons with motors move, too."""
+    if isinstance(elasticity, TendonStiffness):
+        elasticity.check_driven_once(drives, joints)
 
 
 def friction_of(hand: HandModel, value: Any) -> Array:

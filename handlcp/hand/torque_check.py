@@ -11,9 +11,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, read_only
 from handlcp.errors import UnknownName
-from handlcp.grasp.answer.force_bounds import apart, shares, span, torque_bounds
-from handlcp.grasp.answer.verdict import Reason
-from handlcp.grasp.cause.judge import Cause, exceeded, most_used
+from handlcp.grasp.cause.judge import exceeded, most_used
 from handlcp.grasp.cause.wording import needs_more
 from handlcp.hand.elasticity.motor import Drives, Motor
 from handlcp.record import Record
@@ -22,8 +20,9 @@ from handlcp.views import view
 
 
 class TorqueRow(NamedTuple):
-    """One joint. torque, limit [N·m] (N for a prismatic joint); utilisation [-]; known: whether the limit is. unit :
-    "N·m" or "N". motor : of the joint, whose limit is what it holds for good; None: a limit alone.
+    """One joint, or likewise one tendon with its tension. torque, limit [N·m] (N for a prismatic joint); utilisation
+    [-]; known: whether the limit is. unit : "N·m" or "N". motor : of the joint, whose limit is what it holds for good;
+    None: a limit alone.
     """
 
     joint: str
@@ -196,98 +195,6 @@ def torque_check(
     """
     used = read_only(abs(torque) / limit)
     return TorqueCheck(tuple(joints), torque, limit, used, tuple(known), yielding, sliding, drives)
-
-
-def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
-    """What a check says about holding: joints over their limit, or the nearest to it; those that yield; the unknown."""
-    if check.over:
-        yield _over(check.over)
-    elif check.binding is not None:
-        r = check[check.binding]
-        of = f"{words.effort(r.limit, r.unit)}{f' {r.held_by}' if r.held_by else ''}"
-        share = f"{words.percent(r.utilisation)} of {of}"
-        text = f"the joint closest to its limit is {r.joint} at {share}"
-        text = text if np.isfinite(r.limit) else "no joint has a torque limit"
-        yield Reason("torque", "note", text, _values(r))
-    if check.yielding:
-        text = f"{words.listed(check.yielding)} {'yield' if len(check.yielding) > 1 else 'yields'} at the limit"
-        yield Reason("torque", "note", text, {"yielding": check.yielding})
-    if check.unknown:
-        text = f"torque limits not known, torques not judged: {words.listed(check.unknown)}"
-        yield Reason("limit_unknown", "warning", text, {"joints": check.unknown})
-
-
-def _over(rows: tuple[TorqueRow, ...]) -> Reason:
-    """Of joints over their limits: for a while, where motors hold all of them at their peak, or not at all."""
-    values = {"joints": [_values(r) for r in rows]}
-    if any(r.lasts == 0.0 for r in rows):
-        needs = [f"{r.joint} needs {_needs(r)}" for r in rows]
-        text = f"the contacts could hold the object, the motors cannot: {words.listed(needs)}"
-        return Reason("torque_over_limit", "decides", text, values)
-    needs = [f"{r.joint} gives {words.percent(r.motor.share(r.torque))} of continuous" for r in rows if r.motor]
-    known = [r.lasts for r in rows if r.lasts is not None]
-    least = "not for longer than the motor's thermal time"
-    if len(known) == len(rows):
-        least = f"begun cold, the first motor overheats after {words.duration(min(known))}"
-    text = f"the hand holds the object, but not for good: {words.listed(needs)}; {least}"
-    return Reason("overheats", "decides", text, values | {"lasts_s": min(known) if len(known) == len(rows) else None})
-
-
-def closing_reasons(joints: Sequence[str], beyond: Sequence[Cause], drives: Drives) -> Iterator[Reason]:
-    """Of joints that closing took more of than their motors give."""
-    if beyond:
-        at = [joints.index(c.who) for c in beyond]
-        closes = drives.closes[at]
-        torque = closes * np.array([1.0 - c.margin for c in beyond])
-        both = list(zip([c.who for c in beyond], torque.tolist(), closes.tolist(), strict=True))
-        needs = [f"{joint} needs {' of '.join(words.torques(each))}" for joint, *each in both]
-        rubs = " less dry friction" if drives.friction[at].any() else ""
-        text = f"closing takes more than the motors give (peak{rubs}): {words.listed(needs)}"
-        values = [{"joint": joint, "torque_Nm": taken, "limit_Nm": most} for joint, taken, most in both]
-        yield Reason("closing_over_peak", "decides", text, {"joints": values})
-
-
-def open_torque_reasons(s: Any) -> Iterator[Reason]:
-    """Of a hand's solution that leaves forces open: whether joints are within their limits whatever these are."""
-    if s.uniqueness is None or s.uniqueness.forces_determined:
-        return
-    check, torques = s.torque_check, torque_bounds(s)
-    open_ = apart(torques, s.residuals.force_scale)
-    bounds = shares(torques, check.limit)
-    values = {"joints": [{"joint": name, "torque_Nm": both, "utilisation": share} for name, both, share, yes in
-                         zip(check.joints, torques.tolist(), bounds.tolist(), open_, strict=True) if yes]}  # fmt: skip
-    if not open_.any():
-        yield Reason("torques_open", "note", "the forces that are open change no joint's torque", values)
-        return
-    least, most = bounds.T
-    doubtful = np.flatnonzero(exceeded(most) & ~exceeded(least))
-    if len(doubtful):
-        k = doubtful[most_used(most[doubtful])]
-        text = f"{check.joints[k]} may carry {_of_limit(*bounds[k].tolist())}"
-        if more := len(doubtful) - 1:
-            others = "1 more joint may need more than its" if more == 1 else f"{more} more may need more than their"
-            text = f"{text}, and {others} limit{'s' if more > 1 else ''}"
-        yield Reason("torques_open", "warning", f"{text}: no statics can tell", values)
-    elif not exceeded(most).any():
-        k = most_used(most)
-        text = f"whatever the forces that are open are, no joint needs more than {words.percent(most[k])} of its limit"
-        yield Reason("torques_open", "note", f"{text} ({check.joints[k]})", values)
-
-
-def _of_limit(least: float, most: float) -> str:
-    if np.isfinite(most):
-        return f"{span(least, most)} of its limit"
-    return f"{words.percent(least)} of its limit, or any amount more"
-
-
-def _needs(r: TorqueRow) -> str:
-    """Such as "0.21 N·m of 0.2 N·m"."""
-    both = (abs(r.torque), r.limit)
-    return " of ".join(map(words.force, both) if r.unit == "N" else words.torques(both))
-
-
-def _values(r: TorqueRow) -> dict[str, Any]:
-    return {"joint": r.joint, "torque_Nm": r.torque, "limit_Nm": r.limit, "utilisation": r.utilisation}
 
 
 def _limit(row: TorqueRow) -> str:

@@ -163,8 +163,9 @@ class SceneTables(Table):
                 key = "hand.tendons" if hand.tendons is not None else "hand.synergies"
                 words = "one of joint_stiffness_Nm_per_rad, [hand.tendons] and [hand.synergies]"
                 raise InputError(key, words, "more than one")
-            if hand.motor is not None and hand.motors is not None:
-                raise InputError("hand.motors", "either hand.motor or hand.motors", "both")
+            for path, table in (("hand", hand), ("hand.tendons", hand.tendons)):
+                if table is not None and table.motor is not None and table.motors is not None:
+                    raise InputError(f"{path}.motors", f"either {path}.motor or {path}.motors", "both")
             motors = [*([] if hand.motor is None else [hand.motor]), *(hand.motors or {}).values()]
             stiff = any(m.stiffness_Nm_per_rad is not None for m in motors)
             if hand.urdf is not None and springs.count(None) == len(springs) and not stiff:

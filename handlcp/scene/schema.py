@@ -11,6 +11,43 @@ from handlcp.scene import kinds as k
 from handlcp.scene.kinds import Table
 
 
+class _Drive(Table):
+    """What motors of joints and of tendons have alike."""
+
+    continuous_Nm: k.Positive
+    """torque that the motor itself gives for good"""
+    peak_Nm: k.Positive | None = None
+    """for a moment; left out: no more"""
+    efficiency: k.Positive = 1.0
+    """of the gear, up to 1"""
+    thermal_time_s: k.Positive | None = None
+    """time constant of the winding's temperature, with which a verdict says for how long the motor lasts"""
+
+
+class MotorTable(_Drive):
+    """A motor with its gear."""
+
+    holding_Nm: k.PositiveOrInf | None = None
+    """torque at the joint that a gear which cannot be driven back carries; inf: any, as of a worm"""
+    friction_Nm: k.NotNegative = 0.0
+    """dry friction of the drive at the joint"""
+    reduction: k.Positive = 1.0
+    """turns of the motor per turn of the joint"""
+    stiffness_Nm_per_rad: k.PositiveOrInf | None = None
+    """of the joint; left out: what the hand's joint_stiffness_Nm_per_rad says"""
+
+
+class TendonMotorTable(_Drive):
+    """A motor that draws a tendon in, with its gear and spool."""
+
+    reduction_N_per_Nm: k.Positive
+    """tension per torque of the motor: n / r of a spool of radius r behind a gear n"""
+    holding_N: k.PositiveOrInf | None = None
+    """tension that a gear which cannot be driven back carries; inf: any, as of a worm"""
+    friction_N: k.NotNegative = 0.0
+    """dry friction of the drive at the tendon"""
+
+
 class TendonsTable(Table):
     """Tendons over the joints."""
 
@@ -26,6 +63,10 @@ class TendonsTable(Table):
     """that tendons bear; tendons left out of a table: no limit"""
     friction: k.Grips = 0.0
     """times the angle of the wrap, of posts at the joints of each tendon; what is left out of a table: 0"""
+    motors: dict[str, TendonMotorTable] | None = None
+    """by tendon name, such as [hand.tendons.motors.flexor], with the keys of [hand.tendons.motor]; others have none"""
+    motor: TendonMotorTable | None = None
+    """instead of motors: of every tendon"""
 
 
 class SynergiesTable(Table):
@@ -37,27 +78,6 @@ class SynergiesTable(Table):
     """of the actuators"""
     joint_stiffness_Nm_per_rad: k.Stiffness | None = None
     """of the joints' own springs behind the actuators; left out: rigid"""
-
-
-class MotorTable(Table):
-    """A motor with its gear."""
-
-    continuous_Nm: k.Positive
-    """torque that the motor itself gives for good"""
-    peak_Nm: k.Positive | None = None
-    """for a moment; left out: no more"""
-    holding_Nm: k.PositiveOrInf | None = None
-    """torque at the joint that a gear which cannot be driven back carries; inf: any, as of a worm"""
-    friction_Nm: k.NotNegative = 0.0
-    """dry friction of the drive at the joint"""
-    reduction: k.Positive = 1.0
-    """turns of the motor per turn of the joint"""
-    efficiency: k.Positive = 1.0
-    """of the gear, up to 1"""
-    stiffness_Nm_per_rad: k.PositiveOrInf | None = None
-    """of the joint; left out: what the hand's joint_stiffness_Nm_per_rad says"""
-    thermal_time_s: k.Positive | None = None
-    """time constant of the winding's temperature, with which a verdict says for how long the motor lasts"""
 
 
 class HandTable(Table):

@@ -9,6 +9,7 @@ import numpy as np
 
 import handlcp as hl
 from handlcp.hand import Hand, HandGrasp, HandState, Object, TorqueCheck
+from handlcp.hand.elasticity.tendons import TendonStiffness
 from handlcp.hand.find import find as find_module
 from handlcp.hand.library import SHIPPED, allegro, psyonic, urdf
 from handlcp.hand.objects.detect import distance, nearest
@@ -43,6 +44,7 @@ __all__ = [
     "points_needed",
     "psyonic",
     "shape_near",
+    "tendons_of",
     "torque_check_of",
     "under_load",
     "urdf",
@@ -124,6 +126,12 @@ def effort(hand: Hand, torque: np.ndarray) -> Any:
 def is_one_spring_a_joint(hand: Hand) -> bool:
     """Whether all joints have the same spring and nothing else."""
     return hand.stiffness.uniform
+
+
+def tendons_of(hand: Hand) -> TendonStiffness:
+    """The stiffness of a hand with tendons, with what these bear and their motors."""
+    assert isinstance(hand.stiffness, TendonStiffness)
+    return hand.stiffness
 
 
 def under_load(grasp: HandGrasp) -> Any:

@@ -12,7 +12,7 @@
 | `torque_over_limit`, `torque`, `limit_unknown`, `limit_doubtful` | what the joints bear, and what is known of it |
 | `tension_over_limit`, `tension`, `slack` | what tendons bear, and which of them hang slack |
 | `closing_torque` | fingers that pull with less than was asked for, once the hand has closed |
-| `overheats`, `closing_over_peak` | what motors hold for a while alone; what closing takes beyond their peak |
+| `overheats`, `closing_over_peak` | what motors of joints or tendons hold for a while; what closing takes beyond peak |
 | `hand_doubtful` | a serious doubt of the hand's audit that is not about torque limits |
 | `unplaced` | a sample of a study that is no grasp, such as one with a contact past an edge |
 | `rigid_tips` | fingertips without pads, where that may be why the object is lost |

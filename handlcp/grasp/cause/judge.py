@@ -168,15 +168,15 @@ def over(limits: Limits, efforts: Array, q: Array | None = None, moved: Array | 
     return _causes(limits, share, exceeded(share))
 
 
-def over_closing(mechanism: Mechanism | None, torque: Callable[[], Array]) -> tuple[Cause, ...]:
-    """Joints that closing took more of than their motors give. torque : makes (nv,) [N·m], and is asked only where
-    there are motors.
+def over_closing(mechanism: Mechanism | None, efforts: Callable[[], Array]) -> tuple[Cause, ...]:
+    """Joints and tendons that closing took more of than their motors give. efforts : makes (nv + t,) [N·m, N], and is
+    asked only where there are motors.
     """
     if mechanism is None or (closes := mechanism.closes) is None:
         return ()
-    share = torque() / closes
-    every = zip(mechanism.names, share.tolist(), exceeded(share).tolist(), strict=True)
-    return tuple([Cause(TORQUE, name, 1.0 - used) for name, used, beyond in every if beyond])
+    free, cables = np.full(len(mechanism.names), np.inf), mechanism.cables
+    tendons = () if cables is None else cables.names
+    return over(Limits((), mechanism.names, closes, -free, free, tendons=tendons), efforts())
 
 
 def binding(

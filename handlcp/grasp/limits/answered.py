@@ -248,8 +248,8 @@ def _solution(f: Followed, number: int, factor: float) -> GraspSolution:
 def nothing(
     spec: GraspSpec, wrench: Array, run: Run, geometry: str, loading: Loading, closing: tuple[Cause, ...] = ()
 ) -> LoadLimit:
-    """Where squeeze or weight alone are not held, or nothing is known of it. closing : joints whose motors cannot close
-    so hard.
+    """Where squeeze or weight alone are not held, or nothing is known of it. closing : joints and tendons whose motors
+    cannot close so hard.
     """
     reason = loading.why.partition(": ")[2]
     if closing:

@@ -17,7 +17,7 @@ from handlcp.grasp.path.advance import Leg, Open, advance
 from handlcp.grasp.path.follow import TOLERANCE, begun, geometry_of, loading_of
 from handlcp.grasp.path.state import STILL, Goal, Outcome, Run, Stage, State
 from handlcp.grasp.path.step import Stepper
-from handlcp.grasp.path.trajectory import closing_torque
+from handlcp.grasp.path.trajectory import closing_efforts
 from handlcp.grasp.path.watch import watch_of
 from handlcp.tolerances import OVER
 
@@ -50,7 +50,7 @@ class Before:
         first, self._goals, self._stepper = begun(spec, section, self._body, TOLERANCE, _ORDER, path)
         self._watch, count = watch_of(spec, self._body), max(int(np.ceil(finer * _STEPS)), 1)
         self._run = advance(self._stepper, self._watch, first, self._goals[:-1], count)
-        self._closing = over_closing(spec.mechanism, lambda: closing_torque(self._run.states))
+        self._closing = over_closing(spec.mechanism, lambda: closing_efforts(self._run.states))
 
     @property
     def held(self) -> bool:

@@ -207,11 +207,15 @@ class Mechanism:
 
     @property
     def closes(self) -> Array | None:
-        """(nv,) the torque with which each joint can close [N·m]; None where no motor says it."""
+        """(nv + t,) with which joints, then tendons, can close [N·m, N]; None where no motor says it."""
         return None
 
     def closing_reasons(self, beyond: Any) -> Iterable[Any]:
-        """The same of `Cause`s, joints that closing took more of than their motors give."""
+        """The same of `Cause`s, joints and tendons that closing took more of than their motors give."""
+        return ()
+
+    def tension_reasons(self, tension: Array) -> Iterable[Any]:
+        """The same of what tendons pull with at the end, (t,) [N], beside what they bear and their motors hold."""
         return ()
 
     def pulling_reasons(self, spec: Any, torque: Array) -> Iterable[Any]:

@@ -213,11 +213,19 @@ def used_on_path(scene: Scene, forces: Array, torsion: Array) -> Array:
     return read_only(used)
 
 
-def closing_torque(states: Sequence[State]) -> Array:
-    """(nv,) the largest torque with which each joint's spring pulls while it is commanded against it [N·m]."""
-    command, torque = _rows([s.controls.command for s in states]), _rows([s.pulled for s in states])[1:]
-    against = np.diff(command, axis=0) * torque > 0.0
-    return np.asarray((abs(torque) * against).max(axis=0, initial=0.0))
+def closing_efforts(states: Sequence[State]) -> Array:
+    """(nv + t,) the largest torque with which each joint's spring pulls while it is commanded against it, and the
+    largest tension of each tendon while it is drawn in [N·m, N].
+    """
+    joints = _while_drawn([s.controls.command for s in states], [s.pulled for s in states])
+    return np.append(joints, _while_drawn([s.pull.drawn for s in states], [s.pull.tension for s in states]))
+
+
+def _while_drawn(command: list[Array], effort: list[Array]) -> Array:
+    """(k,) the largest of each effort in m states, while its command grows against it."""
+    after = _rows(effort)[1:]
+    against = np.diff(_rows(command), axis=0) * after > 0.0
+    return np.asarray((abs(after) * against).max(axis=0, initial=0.0))
 
 
 def _done(force: Array, moved: Array) -> Array:

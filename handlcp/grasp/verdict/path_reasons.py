@@ -20,14 +20,14 @@ from handlcp.grasp.answer.reasons import (
 )  # fmt: skip
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Reason
-from handlcp.grasp.cause.judge import exceeded, most_used, over_closing
+from handlcp.grasp.cause.judge import over_closing
 from handlcp.grasp.model.cables import Cables
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.follow import Loading
 from handlcp.grasp.path.geometry import RIGID
 from handlcp.grasp.path.joints import Pull
-from handlcp.grasp.path.trajectory import closing_torque
+from handlcp.grasp.path.trajectory import closing_efforts
 
 _SLIDES = 1e-4  # of the grasp's size: a contact that slides less on the way and sticks at the end is not named
 _ELSEWHERE = 0.15  # of the grasp's size: an object that slides farther has left its place
@@ -86,8 +86,9 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
         found = mechanism.end_reasons(path.steps.torques[-1], last.yielded, place)
         yield from (r for r in found if _about(r) not in known)
         if mechanism.cables is not None:
-            yield from _tendon_reasons(mechanism.cables, last.pull)
-        yield from mechanism.closing_reasons(over_closing(mechanism, lambda: closing_torque(path.steps.states)))
+            yield from mechanism.tension_reasons(last.pull.tension)
+            yield from _slack_reasons(mechanism.cables, last.pull)
+        yield from mechanism.closing_reasons(over_closing(mechanism, lambda: closing_efforts(path.steps.states)))
         if "squeeze" in path.stages:
             closed = np.flatnonzero(path.steps.stage == path.stages.index("squeeze"))
             yield from mechanism.pulling_reasons(spec, path.steps.pulled[closed[-1]])
@@ -117,24 +118,8 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
         yield from large_motion(_motions(path, scene, slid))
 
 
-def _tendon_reasons(cables: Cables, pull: Pull) -> Iterator[Reason]:
-    """Of tendons at the end: those over their limit, or the nearest to it; those that hang slack."""
-    share = pull.tension / cables.limits
-    says = [
-        {"tendon": name, "tension_N": t, "limit_N": most, "utilisation": part}
-        for name, t, most, part in zip(
-            cables.names, pull.tension.tolist(), cables.limits.tolist(), share.tolist(), strict=True
-        )
-    ]
-    if len(beyond := np.flatnonzero(exceeded(share))):
-        over = [says[k] for k in beyond.tolist()]
-        pulls = [f"{r['tendon']} pulls with {words.force(r['tension_N'])} of {words.force(r['limit_N'])}" for r in over]
-        text = f"the contacts could hold the object, the tendons do not bear it: {words.listed(pulls)}"
-        yield Reason("tension_over_limit", "decides", text, {"tendons": over})
-    elif np.isfinite(cables.limits).any():
-        most = says[most_used(share)]
-        text = f"the tendon closest to its limit is {most['tendon']} at {words.percent(most['utilisation'])} of"
-        yield Reason("tension", "note", f"{text} {words.force(most['limit_N'])}", most)
+def _slack_reasons(cables: Cables, pull: Pull) -> Iterator[Reason]:
+    """Of tendons that hang slack at the end."""
     if hangs := [name for name, slack in zip(cables.names, pull.slack.tolist(), strict=True) if slack]:
         text = f"{words.listed(hangs)} {'hang' if len(hangs) > 1 else 'hangs'} slack at the end"
         yield Reason("slack", "note", text, {"tendons": hangs})

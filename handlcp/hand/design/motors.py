@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, Bools, array, number, per_name, read_only
+from handlcp.check import Array, Bools, array, number, per_name
 from handlcp.errors import InputError
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.cause.judge import exceeded
@@ -18,6 +18,7 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.torque_limits import with_limits
 from handlcp.hand.asked.change import hand_remade
 from handlcp.hand.asked.load import weight_of
+from handlcp.hand.design.sizes import RequiredTension, at_peak, for_good, reductions
 from handlcp.hand.elasticity.motor import Drives, Motor
 from handlcp.hand.mechanism import hand_of
 from handlcp.record import Record, columns, pick, plain, rows
@@ -26,7 +27,6 @@ from handlcp.text_table import TextTable, wrapped
 # ----------------------------------------------------------------
 # A brief: the loads that a grasp has to hold, each multiplied by a safety factor, and the grasp under each of them.
 
-_NO_TENSION = 1e-6  # of the largest tension: less is rounding
 _PARTS = ("load", "mass", "gravity")
 _ONE = "the load"
 
@@ -88,46 +88,6 @@ def _under(spec: GraspSpec, said: dict[str, Any], factor: float) -> GraspSpec:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class RequiredTension:
-    """What tendons pull with, under any load of a brief, from the first touch to the whole load; how much harder than
-    at first, of those that are taut whatever comes.
-
-    tendons : t names. tension, held : (t,) [N] the largest, and the largest under any whole load, 0 where a tendon only
-    lets go. least : (t,) [N] the smallest; below 0 the tendon goes slack, and as much more of pretension would keep it
-    taut.
-    """
-
-    tendons: tuple[str, ...]
-    tension: Array
-    held: Array
-    least: Array
-
-    @property
-    def slack(self) -> tuple[str, ...]:
-        """Those that go slack, by more than rounding."""
-        size = _NO_TENSION * float(self.tension.max(initial=0.0))
-        return tuple([name for name, least in zip(self.tendons, self.least.tolist(), strict=True) if least < -size])
-
-    @property
-    def table(self) -> TextTable:
-        """Tendon by tendon."""
-        numbers = words.column(self.tension.tolist()), words.column(self.held.tolist())
-        least = zip(self.tendons, self.least.tolist(), strict=True)
-        says = [
-            f"goes slack; {words.force(-low)} more of pretension keep it taut" if name in self.slack else ""
-            for name, low in least
-        ]
-        every = tuple(zip(self.tendons, *numbers, says, strict=True))
-        return TextTable(("tendon", "peak\nN", "continuous\nN", ""), every, "<>><")
-
-    def to_dict(self) -> list[dict[str, Any]]:
-        """A dictionary for each tendon."""
-        lines = "tendon = tendons", "tension_N = tension", "held_N = held", "least_N = least"
-        found: list[dict[str, Any]] = plain(rows(columns(self, *lines)))
-        return found
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class RequiredTorque(Record):
     """The torque that each joint needs so that every load of a brief, times the safety factor, holds.
 
@@ -172,30 +132,20 @@ class RequiredTorque(Record):
     @property
     def peak(self) -> Array:
         """(nv,) [N·m] that each motor gives at the joint for a moment: `torque`, and the drive's dry friction."""
-        return read_only(self.torque + self._friction)
+        return at_peak(self.torque, self.drives)
 
     @property
     def continuous(self) -> Array:
         """(nv,) [N·m] that each motor gives at the joint for good: `held`, less what dry friction holds of it, and
         nothing where a gear carries all of it.
         """
-        motors = (None,) * len(self.joints) if self.drives is None else self.drives.of
-        carried = np.array([0.0 if m is None else m.holding or 0.0 for m in motors])
-        left = np.maximum(self.held - self._friction, 0.0)
-        return read_only(np.where(self.held <= carried, 0.0, left))
+        return for_good(self.held, self.drives)
 
     def reductions(self, motor: Motor) -> Array:
         """(nv,) the least reduction with which this motor serves at each joint: N η is at least peak and continuous of
         the joint over those of the motor. Its own reduction and friction are left out. Raises InputError.
         """
-        if not isinstance(motor, Motor):
-            raise InputError("motor", "a Motor", repr(motor)[:80])
-        own = replace(motor, reduction=1.0, friction=0.0, holding=None)
-        return read_only(np.maximum(self.peak / own.at_peak, self.continuous / own.for_good))
-
-    @property
-    def _friction(self) -> Array:
-        return np.zeros(len(self.joints)) if self.drives is None else self.drives.friction
+        return reductions(motor, self.peak, self.continuous)
 
     @property
     def holds(self) -> bool:

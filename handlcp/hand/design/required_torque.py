@@ -19,7 +19,6 @@ from handlcp.grasp.answer.verdict import HELD, Verdict
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.design.least import ORDER, Changed, least_value, verdict_on
 from handlcp.grasp.friction import Section
-from handlcp.grasp.model.cables import Cables
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.torque_limits import with_limits
@@ -27,8 +26,11 @@ from handlcp.grasp.path.follow import Loading
 from handlcp.grasp.tangent.solutions import without_slip
 from handlcp.grasp.verdict.check import followed_to
 from handlcp.hand.command import commanded, gripped
-from handlcp.hand.design.motors import Case, RequiredTension, RequiredTorque, cases
+from handlcp.hand.design.motors import Case, RequiredTorque, cases
+from handlcp.hand.design.sizes import RequiredTension
 from handlcp.hand.design.trials import Trial, Trials, least
+from handlcp.hand.elasticity.elasticity import Elasticity
+from handlcp.hand.elasticity.tendons import TendonStiffness
 from handlcp.hand.mechanism import hand_of
 
 # ----------------------------------------------------------------
@@ -171,7 +173,7 @@ def required_torque(
         torque = np.max([best.largest, *seen], axis=0) * (1.0 + _ROUNDED_UP)
         torque = np.maximum(torque, _ROUNDED_UP * torque.max(initial=_ROUNDED_UP))
         held = np.minimum(torque, np.max([abs(path.steps.torques[-1]) for path in paths], axis=0) * (1.0 + _ROUNDED_UP))
-        tensions = _tensions(hand.cables, paths)
+        tensions = _tensions(hand.posture.hand.stiffness, paths)
         verdicts = {case.name: _judged(case, best, torque, section) for case in brief}
     names = tuple([case.name for case in brief])
     grip = dict(zip(hand.fingertips, best.force.tolist(), strict=True))
@@ -186,16 +188,16 @@ def required_torque(
     )  # fmt: skip
 
 
-def _tensions(cables: Cables | None, paths: Sequence[Loading]) -> RequiredTension | None:
+def _tensions(stiffness: Elasticity, paths: Sequence[Loading]) -> RequiredTension | None:
     """What tendons pull with along these paths; None without tendons."""
-    if cables is None or not paths:
+    if not isinstance(stiffness, TendonStiffness) or not paths:
         return None
     every = (1.0 + _ROUNDED_UP) * np.concatenate([path.steps.tensions for path in paths])
     least = (1.0 + _ROUNDED_UP) * np.array([state.pull.taut for path in paths for state in path.steps.states])
     ends = np.cumsum([len(path.steps.states) for path in paths]) - 1
     return RequiredTension(
-        cables.names, read_only(every.max(axis=0, initial=0.0)), read_only(every[ends].max(axis=0, initial=0.0)),
-        read_only(least.min(axis=0)),
+        stiffness.cables.names, read_only(every.max(axis=0, initial=0.0)),
+        read_only(every[ends].max(axis=0, initial=0.0)), read_only(least.min(axis=0)), stiffness.drives,
     )  # fmt: skip
 
 

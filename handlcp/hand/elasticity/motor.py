@@ -1,4 +1,4 @@
-"""Motors behind joints: what they give for a moment, what they give for good, and what a gear carries without them.
+"""Motors behind joints and tendons: what they give for a moment, what for good, and what a gear carries without them.
 
 At the joint, through reduction N and efficiency η, with dry friction τ_f of the drive:
 
@@ -8,7 +8,7 @@ At the joint, through reduction N and efficiency η, with dry friction τ_f of t
     lasts      t = T ln(u² / (u² - 1)),   u = (|τ| - τ_f) / τ_c
 
 u is what the motor itself gives, as a share of what it gives for good. Its winding heats with u², and T is its thermal
-time: from cold, it is as hot as it may be after t.
+time: from cold, it is as hot as it may be after t. At a tendon all of it is in newtons of tension.
 """
 
 from __future__ import annotations
@@ -28,15 +28,18 @@ CONTINUOUS, HOLDING = "continuous", "holding"  # which of the two a joint is hel
 
 @dataclass(frozen=True)
 class Motor:
-    """One motor with its gear, for `motors=` of a hand.
+    """One motor with its gear, for `motors=` of a hand, or of `Tendons`: what is said of the joint is then said of the
+    tendon, in newtons of tension.
 
     continuous, peak : torque of the motor itself [N·m] (N of a linear one), for good and for a moment; peak None: no
         more than continuous.
     holding : torque at the joint [N·m] that a gear which cannot be driven back carries, more than its motor gives for
         good; numpy.inf: any, as of a worm. None: the motor alone holds.
     friction : dry friction of the drive at the joint [N·m]: it hinders closing, and helps to hold.
-    reduction : turns of the motor per turn of the joint. efficiency : of the gear, 0 to 1.
-    stiffness : of the joint [N·m/rad], in place of what the hand's `joint_stiffness` says; None: that.
+    reduction : turns of the motor per turn of the joint; of a tendon, newtons of tension per N·m of the motor, n / r
+        [1/m] for a spool of radius r behind a gear n. efficiency : of the gear, 0 to 1.
+    stiffness : of the joint [N·m/rad], in place of what the hand's `joint_stiffness` says; None: that. Of a tendon
+        always None.
     thermal_time : [s] time constant of the winding's temperature; None: not known.
 
     Raises InputError for a peak below continuous, a negative friction, an efficiency that is not above 0 and at most 1,
@@ -127,12 +130,14 @@ class Motor:
 
 
 # ----------------------------------------------------------------
-# The motors of a hand, joint by joint.
+# The motors of a hand, joint by joint or tendon by tendon.
 
 
 @dataclass(frozen=True, eq=False)
 class Drives:
-    """of (nv,) : the motor of each joint; None: it has a torque limit alone, or none."""
+    """of (nv,) : the motor of each joint; None: it has a torque limit alone, or none. Likewise of (t,) tendons, in
+    newtons of tension.
+    """
 
     of: tuple[Motor | None, ...]
 
@@ -174,19 +179,19 @@ class Drives:
         return read_only(np.array([other if m is None else getattr(m, number) for m, other in every]))
 
 
-def read_motors(value: Any, joints: Sequence[str]) -> Drives | None:
-    """From a `Motor` for every joint, a mapping of joint names to motors (others: none), or None. Raises InputError,
-    UnknownName.
+def read_motors(value: Any, names: Sequence[str], argument: str = "motors", kind: str = "joint") -> Drives | None:
+    """From a `Motor` for every joint, a mapping of joint names to motors (others: none), or None; likewise of what else
+    has names. Raises InputError, UnknownName.
     """
-    argument = "motors"
     if value is None:
         return None
     if isinstance(value, Motor):
-        return Drives((value,) * len(joints))
+        return Drives((value,) * len(names))
     if not isinstance(value, Mapping):
-        raise InputError(argument, "a Motor for every joint, or a mapping of joint names to Motors", repr(value)[:80])
-    named = per_name(argument, value, joints, "a joint")
-    for joint, motor in named.items():
+        expected = f"a Motor for every {kind}, or a mapping of {kind} names to Motors"
+        raise InputError(argument, expected, repr(value)[:80])
+    named = per_name(argument, value, names, f"a {kind}")
+    for name, motor in named.items():
         if not isinstance(motor, Motor):
-            raise InputError(f"{argument}[{joint!r}]", "a Motor", repr(motor)[:80])
-    return Drives(tuple([named.get(joint) for joint in joints])) if named else None
+            raise InputError(f"{argument}[{name!r}]", "a Motor", repr(motor)[:80])
+    return Drives(tuple([named.get(name) for name in names])) if named else None

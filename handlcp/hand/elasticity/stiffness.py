@@ -117,6 +117,8 @@ def read_stiffness(
 
     None and inf are rigid. Raises InputError (not positive, not SPD, a joint left out), UnknownName.
     """
+    if isinstance(value, Elasticity):
+        return value
     if isinstance(value, Transmission):
         return value.for_joints(joints, kinematics)
     if isinstance(value, Mapping):

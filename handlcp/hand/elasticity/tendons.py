@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -15,6 +16,7 @@ from handlcp.grasp.analysis.explanation import Description
 from handlcp.grasp.model.cables import Cables
 from handlcp.hand.elasticity.elasticity import TENSION, TRANSMISSION, Effort, Transmission, spanned
 from handlcp.hand.elasticity.laid import Laid, Lays, lays_of
+from handlcp.hand.elasticity.motor import Drives
 from handlcp.hand.elasticity.route import BoundRoute, Route
 from handlcp.hand.elasticity.stiffness import (
     JointStiffness,
@@ -23,6 +25,7 @@ from handlcp.hand.elasticity.stiffness import (
     read_springs,
     springs,
 )
+from handlcp.hand.elasticity.tendon_motors import check_driven_once, read_tendon_motors
 from handlcp.tolerances import SEMIDEFINITE
 
 # ----------------------------------------------------------------
@@ -74,7 +77,9 @@ class Tendons(Transmission):
         balance with them: a number, (t,), or a mapping by tendon name (tendons left out: 0); numpy.inf: taut whatever
         comes, and pushing where it must, as a rod or a sheathed cable does.
     limits : [N] > 0 that tendons bear, in the same forms; numpy.inf, and tendons left out: no limit.
-
+    motors : a `Motor` for every tendon, or a mapping by tendon name (others: none), as in `motors=` of a hand, whose
+        reduction is newtons of tension per N·m of the motor, n / r for a spool of radius r behind a gear n. What it
+        holds for good limits its tendon beside `limits`; closing is judged by its peak less dry friction, as of joints.
     friction : μθ of the posts or pulleys that a tendon wraps around at its joints, in the order of its arms from the
         drive on: friction times the angle of the wrap [rad], such as 0.16 for 15 % of the tension. A number for every
         joint that a tendon moves, a mapping by tendon name to a number or to a mapping by joint name (those left out:
@@ -94,6 +99,7 @@ class Tendons(Transmission):
     pretension: Any = 0.0
     limits: Any = np.inf
     friction: Any = 0.0
+    motors: Any = None
 
     def __post_init__(self) -> None:
         """Check what does not depend on the joints."""
@@ -102,7 +108,18 @@ class Tendons(Transmission):
         if not isinstance(self.stiffness, Mapping):
             numbers = [str(i) for i in range(len(arms))]
             read_springs("Tendons.stiffness", self.stiffness, "tendon", numbers, _tendon_spring)
-        self._forces(tuple(arms) if isinstance(arms, dict) else [f"tendon {i + 1}" for i in range(len(arms))])
+        begun, _ = self._forces(self.names)
+        read_tendon_motors(self.motors, self.names, begun)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """(t,) of the tendons."""
+        arms = self.moment_arms
+        return tuple(arms) if isinstance(arms, dict) else tuple([f"tendon {i + 1}" for i in range(len(arms))])
+
+    def motored(self, motors: Mapping[str, Any]) -> Tendons:
+        """The same with motors by tendon."""
+        return replace(self, motors=motors)
 
     def _forces(self, names: Sequence[str]) -> tuple[Array, Array]:
         """(t,) pretension and limits. Raises InputError, UnknownName."""
@@ -127,7 +144,8 @@ class Tendons(Transmission):
         k = read_springs("Tendons.stiffness", self.stiffness, "tendon", names, _tendon_spring)
         own = _passive("Tendons.passive", self.passive, joints)
         lays = lays_of(names, R, arms if isinstance(arms, dict) else None, self.friction, joints)
-        made = _Made(names, joints, k, own, *self._forces(names), lays)
+        begun, most = self._forces(names)
+        made = _Made(names, joints, k, own, begun, most, lays, read_tendon_motors(self.motors, names, begun))
         if not routed:
             return made.at({}, np.zeros(len(joints)), None)
         if kinematics is None:
@@ -138,7 +156,7 @@ class Tendons(Transmission):
 @dataclass(frozen=True, eq=False)
 class _Made:
     """Tendons over joints: names (t,), joints (nv,), springs (t, t), passive (nv, nv) with inf of rigid joints,
-    pretension and limits (t,), and how they lie.
+    pretension and limits (t,), how they lie, and their motors.
     """
 
     names: tuple[str, ...]
@@ -148,6 +166,7 @@ class _Made:
     pretension: Array
     limits: Array
     lays: Lays
+    drives: Drives | None
 
     def at(self, bound: dict[int, BoundRoute], q: Array, way: Callable[[Array], Cables] | None) -> TendonStiffness:
         """In a posture q (nv,)."""
@@ -158,7 +177,7 @@ class _Made:
         through[rigid] = through[:, rigid] = 0.0  # no load reaches the tendons through a rigid joint
         K += (through + through.T) / 2
         _check_sprung(K, rigid, self.joints)
-        return TendonStiffness(K, laid.arms, self.cables(laid, way))
+        return TendonStiffness(K, laid.arms, self.cables(laid, way)).driven(self.drives, self.limits)
 
     def cables(self, laid: Laid, way: Callable[[Array], Cables] | None) -> Cables:
         """As a path needs them."""
@@ -166,17 +185,45 @@ class _Made:
         arms, posts = (read_only(np.where(rigid, 0.0, rows)) for rows in (laid.arms, laid.posts))
         own = read_only(np.where(np.isinf(self.passive), 0.0, self.passive))
         return Cables(
-            self.names, arms, self.springs, own, none, self.pretension, self.limits, laid.of, laid.grips, posts,
-            laid.shift, way,
+            self.names, arms, self.springs, own, none, self.pretension, held(self.drives, self.limits), laid.of,
+            laid.grips, posts, laid.shift, way,
         )  # fmt: skip
 
 
 class TendonStiffness(JointStiffness):
-    """K = K_p + Rᵀ k R, and the tendons behind it; arms (t, nv) : R as it was given."""
+    """K = K_p + Rᵀ k R, and the tendons behind it; arms (t, nv) : R as it was given. drives : motors of tendons, None
+    without; bears (t,) : what tendons bear, whatever their motors hold [N]. `cables.limits` are the smaller of both.
+    """
+
+    drives: Drives | None = None
 
     def __init__(self, matrix: Array, arms: Array, cables: Cables) -> None:
         super().__init__(matrix)
-        self.arms, self.cables = arms, cables
+        self.arms, self.cables, self.bears = arms, cables, cables.limits
+
+    def driven(self, drives: Drives | None, bears: Array) -> TendonStiffness:
+        """The same with these motors, of tendons that bear so much, (t,) [N]."""
+        made = copy(self)
+        made.drives, made.bears, made.cables = drives, bears, self.cables._replace(limits=held(drives, bears))
+        return made
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """(t,) of the tendons."""
+        return self.cables.names
+
+    def motored(self, motors: Mapping[str, Any]) -> TendonStiffness:
+        """The same with motors by tendon. Raises InputError, UnknownName."""
+        return self.driven(read_tendon_motors(motors, self.names, self.cables.pretension), self.bears)
+
+    @property
+    def closes(self) -> Array:
+        """(t,) with which motors can draw tendons in [N]; inf where no motor says it."""
+        return np.full(len(self.bears), np.inf) if self.drives is None else self.drives.closes
+
+    def check_driven_once(self, drives: Drives | None, joints: Sequence[str]) -> None:
+        """No joint has a motor of its own that a tendon with a motor moves."""
+        check_driven_once(self.arms, self.drives, drives, joints)
 
     @property
     def routes(self) -> dict[str, Route]:
@@ -192,7 +239,8 @@ class TendonStiffness(JointStiffness):
         """The same with every spring so many times as stiff."""
         c = self.cables
         springs, passive = read_only(factor * c.springs), read_only(factor * c.passive)
-        return TendonStiffness(self.matrix * factor, self.arms, c._replace(springs=springs, passive=passive))
+        made = TendonStiffness(self.matrix * factor, self.arms, c._replace(springs=springs, passive=passive))
+        return made.driven(self.drives, self.bears)
 
     def effort(self, torque: Array, command: Array) -> Effort:
         """The tension t = k R K⁻¹ τ + t_c [N]: how much harder each tendon pulls; below 0 it pulls less. t_c is what it
@@ -234,6 +282,7 @@ class RoutedStiffness(TendonStiffness):
     _made: _Made
     _bound: dict[int, BoundRoute]
     _on: Any
+    _q: Array
 
     @classmethod
     def of(cls, made: _Made, kinematics: Any, q: Array, bound: dict[int, BoundRoute] | None = None) -> RoutedStiffness:
@@ -245,7 +294,8 @@ class RoutedStiffness(TendonStiffness):
 
         plain = made.at(bound, q, way)
         found = cls(plain.matrix, plain.arms, plain.cables)
-        found._made, found._bound, found._on = made, bound, kinematics
+        found.drives, found.bears = plain.drives, plain.bears
+        found._made, found._bound, found._on, found._q = made, bound, kinematics, q
         return found
 
     @property
@@ -253,9 +303,19 @@ class RoutedStiffness(TendonStiffness):
         """Of the tendons that have one, by name."""
         return {self._made.names[i]: route for i, route in self._made.lays.routes.items()}
 
+    def motored(self, motors: Mapping[str, Any]) -> RoutedStiffness:
+        """The same with motors by tendon. Raises InputError, UnknownName."""
+        drives = read_tendon_motors(motors, self.names, self.cables.pretension)
+        return self.of(replace(self._made, drives=drives), self._on, self._q)
+
     def at(self, kinematics: Any, q: Array) -> RoutedStiffness:
         """In another posture, of a hand with these kinematics."""
         return self.of(self._made, kinematics, q, self._bound if kinematics is self._on else None)
+
+
+def held(drives: Drives | None, bears: Array) -> Array:
+    """(t,) what tendons that bear so much (t,) hold for good with these motors [N]."""
+    return bears if drives is None else read_only(np.minimum(bears, drives.holds(bears)))
 
 
 def _given_arms(value: Any) -> Any:

@@ -11,14 +11,17 @@ import pinocchio as pin
 
 from handlcp.check import Array
 from handlcp.errors import HandLCPError, InputError
+from handlcp.hand.elasticity.tendons import TendonStiffness
 from handlcp.hand.robot.audit import Audit, audit_of, file_doubts
 from handlcp.hand.robot.describe_text import (
     CouplingRow,
     JointRow,
     LinkRow,
+    TendonRow,
     TipRow,
     TouchRow,
     shape_words,
+    tendon_rows,
     text_of,
 )
 from handlcp.hand.robot.fingertips import Candidate, candidates, obvious
@@ -36,6 +39,7 @@ from handlcp.hand.robot.source.origins import (
     limit_origins,
     servo_word,
     stated_rows,
+    tension_origins,
 )
 from handlcp.hand.robot.source.servos import ServoStiffness, servo_stiffness
 from handlcp.record import Record, pick
@@ -74,6 +78,7 @@ _ROWS = {
     "joints": ("name", "kind", "lower", "upper", "torque_limit_Nm", "stiffness_Nm_per_rad", "fingertips"),
     "fingertips": ("name", "link", "point_m (3,)", "taken", "reason"),
     "touching": ("name", "shapes", "pad_m_per_N (3, 3) = pad"),
+    "tendons": ("name", "arms_m", "tension_limit_N", "closes_N"),
     "links": ("name", "mass_kg", "joint", "geometry"),
 }
 
@@ -85,14 +90,15 @@ class HandDescription(Record):
     name : the robot's. source : the file's. joints : the independent ones, in the order of every vector over joints.
     fingertips : those of the hand, and what else could be one (`taken` says which). touching : what may touch an object
     where a grasp asks for links; () for a file, and where meshes are missing. couplings : joints that follow,
-    chains : of them, those that do so through others, as names from the joint to the independent one.
-    links : all of them. mass [kg]. size (3,) : extents along x, y, z in the neutral posture [m]. origins : where each
-    number came from. stated : what the file states besides: friction, springs, gears. audit : its doubts.
+    chains : of them, those that do so through others, as names from the joint to the independent one. tendons : of a
+    hand with some. links : all of them. mass [kg]. size (3,) : extents along x, y, z in the neutral posture [m].
+    origins : where each number came from. stated : what the file states besides: friction, springs, gears. audit : its
+    doubts.
     """
 
     entries = (
-        "name", "source", "mass_kg", "size_m (3,)", "joints", "fingertips", "touching", "couplings", "chains", "links",
-        "origins", "stated", "doubts = audit.doubts",
+        "name", "source", "mass_kg", "size_m (3,)", "joints", "fingertips", "touching", "couplings", "chains",
+        "tendons", "links", "origins", "stated", "doubts = audit.doubts",
     )  # fmt: skip
 
     name: str
@@ -102,6 +108,7 @@ class HandDescription(Record):
     touching: tuple[TouchRow, ...]
     couplings: tuple[CouplingRow, ...]
     chains: tuple[tuple[str, ...], ...]
+    tendons: tuple[TendonRow, ...]
     links: tuple[LinkRow, ...]
     mass: float
     size: tuple[float, float, float]
@@ -160,8 +167,9 @@ def describe_hand(hand: Any, touching: Iterable[Any]) -> HandDescription:
     limits = hand.torques.limits, hand.torques.known
     rows = tuple(TouchRow(t.name, tuple(shape_words(shape) for shape in t.shapes), t.pad) for t in touching)
     return _made(
-        described, hand.kinematics, (*tips, *rest), rows, limits, springs, hand.audit(), [*_origins_of_hand(hand)]
-    )
+        described, hand.kinematics, (*tips, *rest), rows, limits, springs, hand.audit(), [*_origins_of_hand(hand)],
+        tendon_rows(hand.stiffness, hand.joint_names),
+    )  # fmt: skip
 
 
 def _made(
@@ -173,6 +181,7 @@ def _made(
     springs: Mapping[str, float],
     audit: Audit,
     origins: Sequence[OriginRow],
+    tendons: tuple[TendonRow, ...] = (),
 ) -> HandDescription:
     model = described.model
     shown = [t for t in tips if t.taken] or list(tips)
@@ -189,8 +198,8 @@ def _made(
     size = size_of(described, kinematics)
     return HandDescription(
         str(model.name), described.source, joints, tips, touching, _couplings(kinematics), _chains(kinematics),
-        _links(described), mass,
-        size, (*file_origins(described, kinematics.joint_names), *origins), tuple(stated_rows(described)), audit,
+        tendons, _links(described), mass, size,
+        (*file_origins(described, kinematics.joint_names), *origins), tuple(stated_rows(described)), audit,
     )  # fmt: skip
 
 
@@ -219,6 +228,8 @@ def _origins_of_hand(hand: Any) -> Iterator[OriginRow]:
     """Of what a hand was given, or took from its file."""
     facts, limits = {f.name: f for f in hand.description.facts}, hand.torques
     yield from limit_origins(facts, hand.joint_names, limits.given, limits.drives)
+    if isinstance(hand.stiffness, TendonStiffness):
+        yield from tension_origins(hand.stiffness)
     servos = isinstance(hand.stiffness, ServoStiffness)
     yield OriginRow("stiffness", hand.joint_names, servo_word(hand.description) if servos else GIVEN)
     soft = tuple(bool(pad.any()) for pad in hand.pad_flexibility)

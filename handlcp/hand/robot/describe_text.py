@@ -11,6 +11,8 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array
+from handlcp.hand.elasticity.elasticity import Elasticity
+from handlcp.hand.elasticity.tendons import TendonStiffness
 from handlcp.hand.robot.source.origins import origin_lines
 from handlcp.hand.robot.tip_geometry import TipShape
 from handlcp.text_table import WIDTH, wrapped
@@ -67,6 +69,17 @@ class CouplingRow(NamedTuple):
     offset: float
 
 
+class TendonRow(NamedTuple):
+    """One tendon. arms [m/rad, m/m] : by name of the joints that it moves. tension_limit [N] : that it bears and its
+    motor holds for good; None: no limit. closes [N] : with which its motor draws it in; None: it has none.
+    """
+
+    name: str
+    arms: dict[str, float]
+    tension_limit: float | None
+    closes: float | None
+
+
 class LinkRow(NamedTuple):
     """One link. mass [kg] : 0 where the file says none. joint : that carries it, "" for the base. geometry :
     "collision", "visual" or "" for none; collision where it has both.
@@ -76,6 +89,18 @@ class LinkRow(NamedTuple):
     mass: float
     joint: str
     geometry: str
+
+
+def tendon_rows(elasticity: Elasticity, joints: Sequence[str]) -> tuple[TendonRow, ...]:
+    """Of a hand's transmission; () where it has no tendons. joints (nv,) : names."""
+    if not isinstance(elasticity, TendonStiffness):
+        return ()
+    found = list[TendonRow]()
+    numbers = elasticity.arms.tolist(), elasticity.cables.limits.tolist(), elasticity.closes.tolist()
+    for name, arms, limit, closes in zip(elasticity.cables.names, *numbers, strict=True):
+        moved = {joint: arm for joint, arm in zip(joints, arms, strict=True) if arm}
+        found.append(TendonRow(name, moved, *(None if np.isinf(x) else x for x in (limit, closes))))
+    return tuple(found)
 
 
 # ----------------------------------------------------------------
@@ -96,7 +121,7 @@ def text_of(hand: Any) -> str:
     rest = [t for t in hand.fingertips if not t.taken]
     lines += _tips("Could be fingertips too" if taken else "Candidates: pass fingertips=[...] with those meant", rest)
     lines += _touching(hand.touching)
-    lines += ["", *_joints(hand.joints)]
+    lines += ["", *_joints(hand.joints), *_tendons(hand.tendons)]
     if hand.couplings:
         lines += ["", "Joints that follow others"]
         for c in hand.couplings:
@@ -189,6 +214,19 @@ def _joints(joints: Sequence[JointRow]) -> Iterator[str]:
             yield f"  {j.name}{unit}".ljust(width) + numbers
         else:
             yield from (f"  {j.name}{unit}", " " * width + numbers)
+
+
+def _tendons(rows: Sequence[TendonRow]) -> Iterator[str]:
+    """Which joints each moves, and with which tension."""
+    if rows:
+        yield from ("", "Tendons")
+    for t in rows:
+        says = [", ".join([f"{joint} by {words.length(arm)}" for joint, arm in t.arms.items()])]
+        if t.tension_limit is not None:
+            says.append(f"at most {words.force(t.tension_limit)} for good")
+        if t.closes is not None:
+            says.append(f"closes with {words.force(t.closes)}")
+        yield wrapped(f"{t.name}: {'; '.join(says)}", "      ", "  ")
 
 
 def _links(links: Sequence[Any]) -> str:

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from handlcp import words
-from handlcp.hand.elasticity.motor import Drives
+from handlcp.hand.elasticity.motor import Drives, Motor
+from handlcp.hand.elasticity.tendons import TendonStiffness
 from handlcp.hand.robot.joints import JointFacts
 from handlcp.hand.robot.source.description import Description
 from handlcp.text_table import wrapped
@@ -63,11 +64,25 @@ def limit_origins(
     for joint, motor in zip(joints, motors, strict=True):
         known = 0 < facts[joint].effort < np.inf
         source = GIVEN if joint in given else facts[joint].effort_said if known else NOWHERE
-        if motor is not None:
-            source = f"its motor, {motor.held_by} torque"
-        found.setdefault(source, []).append(joint)
+        found.setdefault(source if motor is None else _of_motor(motor), []).append(joint)
     for source, names in found.items():
         yield OriginRow("torque limit", tuple(names), source)
+
+
+def tension_origins(stiffness: TendonStiffness) -> Iterator[OriginRow]:
+    """Of limits of tendons, where they have any."""
+    found, cables = dict[str, list[str]](), stiffness.cables
+    motors = (None,) * len(cables.names) if stiffness.drives is None else stiffness.drives.of
+    each = zip(cables.names, cables.limits.tolist(), stiffness.bears.tolist(), motors, strict=True)
+    for name, limit, bears, motor in each:
+        if limit < np.inf:
+            found.setdefault(_of_motor(motor) if motor is not None and limit < bears else GIVEN, []).append(name)
+    for source, names in found.items():
+        yield OriginRow("tension limit", tuple(names), source)
+
+
+def _of_motor(motor: Motor) -> str:
+    return f"its motor, {motor.held_by} torque"
 
 
 def servo_word(described: Description) -> str:
