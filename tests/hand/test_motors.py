@@ -220,23 +220,30 @@ def test_a_brief_sizes_motors_by_what_is_held_and_by_the_peak_and_says_the_gear_
 
 
 # ---------------------------------------------------------------- tendons
-def test_a_brief_says_what_tendons_pull_with_and_which_would_go_slack(write: Writer) -> None:
-    """Fingers of one joint: a flexor's tension is torque over arm; an extensor beside it would have to push."""
+def test_a_brief_says_what_tendons_pull_with_and_which_go_slack(write: Writer) -> None:
+    """Fingers of one joint: a flexor's tension is torque over arm. An extensor beside it is slack once the load pushes
+    its joint open, and as much more of pretension as is said keeps it taut.
+    """
     arm, stiffness = 0.01, 1e5
     flexors = {f"{side} flexor": {f"{side}_joint": arm} for side in ("left", "right")}
     extensors = {f"{side} extensor": {f"{side}_joint": -arm} for side in ("left", "right")}
-    alone = lever_hand(write, joint_stiffness=hl.Tendons(flexors, 2.0 * stiffness))
-    both = lever_hand(write, joint_stiffness=hl.Tendons(flexors | extensors, stiffness))
-    found = [lever_pinch(hand, (0.0, 0.0, -1.0)).required_torque(safety=1.0) for hand in (alone, both)]
+    load = (2.0, 0.0, -1.0)
+
+    def required(arms: dict[str, dict[str, float]], k: float, pretension: float = 0.0) -> hl.RequiredTorque:
+        hand = lever_hand(write, joint_stiffness=hl.Tendons(arms, k, pretension=pretension))
+        return lever_pinch(hand, load).required_torque(safety=1.0)
+
+    found = [required(flexors, 2.0 * stiffness), required(flexors | extensors, stiffness)]
     tensions = [one.tensions for one in found]
     assert tensions[0] is not None
     assert tensions[1] is not None
-    np.testing.assert_allclose(found[1].torque, found[0].torque, rtol=1e-6)  # as stiff as before
     np.testing.assert_allclose(tensions[0].tension, found[0].torque / arm, rtol=1e-6)
     assert tensions[0].slack == ()
-    np.testing.assert_allclose(tensions[1].tension[:2], 0.5 * found[1].torque / arm, rtol=1e-6)
-    np.testing.assert_allclose(tensions[1].least[2:], -0.5 * found[1].torque / arm, rtol=1e-6)
-    assert tensions[1].slack == tuple(extensors)
-    assert "pre-tension it by" in str(found[1])
+    np.testing.assert_allclose(tensions[1].tension[:2], found[1].torque / arm, rtol=1e-6)
+    assert "right extensor" in tensions[1].slack
+    assert "more of pretension at most keep it taut" in str(found[1])
+    more = -float(tensions[1].least.min())
+    kept = [required(flexors | extensors, stiffness, times * more).tensions for times in (0.25, 1.0)]
+    assert [tension is not None and bool(tension.slack) for tension in kept] == [True, False]
     assert [row["tendon"] for row in found[1].to_dict()["tendons"]] == [*flexors, *extensors]
     assert "tendons" not in lever_pinch(lever_hand(write), (0.0, 0.0, -1.0)).required_torque(safety=1.0).to_dict()

@@ -53,8 +53,8 @@ class RequiredTension:
     at first, of those that are taut whatever comes.
 
     tendons : t names. tension, held : (t,) [N] the largest, and the largest under any whole load, 0 where a tendon only
-    lets go. least : (t,) [N] the smallest; below 0 the tendon goes slack, and as much more of pretension would keep it
-    taut. drives : motors of the tendons, whose dry friction counts in what they give; None: none are known.
+    lets go. least : (t,) [N] the smallest; below 0 the tendon goes slack, and as much more of pretension keeps it taut:
+    half of it does where an equal one works against it. drives : motors of the tendons, whose dry friction counts in what they give; None: none are known.
     """
 
     tendons: tuple[str, ...]
@@ -91,7 +91,7 @@ class RequiredTension:
         numbers = words.column(self.peak.tolist()), words.column(self.continuous.tolist())
         least = zip(self.tendons, self.least.tolist(), strict=True)
         says = [
-            f"goes slack; {words.force(-low)} more of pretension keep it taut" if name in self.slack else ""
+            f"goes slack; {words.force(-low)} more of pretension at most keep it taut" if name in self.slack else ""
             for name, low in least
         ]
         every = tuple(zip(self.tendons, *numbers, says, strict=True))
