@@ -54,7 +54,8 @@ class RequiredTension:
 
     tendons : t names. tension, held : (t,) [N] the largest, and the largest under any whole load, 0 where a tendon only
     lets go. least : (t,) [N] the smallest; below 0 the tendon goes slack, and as much more of pretension keeps it taut:
-    half of it does where an equal one works against it. drives : motors of the tendons, whose dry friction counts in what they give; None: none are known.
+    half of it does where an equal one works against it. drives : motors of the tendons, whose dry friction counts in
+    what they give; None: none are known.
     """
 
     tendons: tuple[str, ...]
