@@ -73,7 +73,7 @@ def _of_fingers(spec: GraspSpec, mechanism: Any) -> tuple[Array, Array]:
     """(3k, 3k) flexibility of the fingers with what effects add to it, as far as forces don't change that; and (3k,)
     how far they stand off, gaps and the sag under their weight together.
     """
-    c = 3 * spec.of_fingers
+    c = 3 * spec.of_hand
     E, d = spec.flexibility[:c, :c].copy(), mechanism.stand_off.reshape(-1).copy()
     for e in spec.effects:
         if not e.depends_on_forces and (more := e.added_flexibility(spec, ())) is not None:

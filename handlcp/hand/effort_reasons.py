@@ -13,7 +13,7 @@ from handlcp.grasp.answer.force_bounds import apart, shares, span, torque_bounds
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.cause.judge import TENSION, TORQUE, Cause, exceeded, most_used
 from handlcp.hand.elasticity.motor import Drives
-from handlcp.hand.elasticity.tendons import TendonStiffness
+from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.torque_check import TorqueCheck, TorqueRow
 
 # ----------------------------------------------------------------

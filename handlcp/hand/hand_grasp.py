@@ -170,7 +170,7 @@ class HandGrasp(HandQuestions):
         made = type(self)(hand_remade(self.spec, given))
         if isinstance(asked := made.spec.asked, HandAsked) and asked.flexibility is not None:
             bent = force_dependent(made.spec)
-            if bent or (made.scene.soft and made.spec.flexibility[: 3 * made.spec.of_fingers].any()):
+            if bent or (made.scene.soft and made.spec.flexibility[: 3 * made.spec.of_hand].any()):
                 _of_the_joints(made.spec, "GeometricStiffness" if bent else "soft fingers")
         return made
 

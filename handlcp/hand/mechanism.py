@@ -30,7 +30,7 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.asked.load import load_of, weight_left_out, weight_of
 from handlcp.hand.elasticity.elasticity import TRANSMISSION, Effort
 from handlcp.hand.elasticity.stiffness import JointStiffness, Pads, tip_flexibility
-from handlcp.hand.elasticity.tendons import TendonStiffness
+from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.objects.detect import touching
 from handlcp.hand.objects.object import Object
 from handlcp.hand.pulling import Pulling, pulling_reasons
@@ -279,7 +279,7 @@ class HandMechanism(Varied, Mechanism):
         """
         from handlcp.hand.objects.close import close_on
 
-        if self.commands(spec) or self.target is None or spec.plane is not None or spec.of_fingers < spec.n:
+        if self.commands(spec) or self.target is None or spec.plane is not None or spec.of_hand < spec.n:
             return None
         place, hand = self.target.placement, self.posture.hand
         obj = self.target.moved_to(pin.SE3(place.rotation, place.translation + shift))

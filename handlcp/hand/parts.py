@@ -12,7 +12,8 @@ from handlcp.check import Array
 from handlcp.hand.elasticity.elasticity import Elasticity
 from handlcp.hand.elasticity.motor import Drives, read_motors
 from handlcp.hand.elasticity.stiffness import Pads, read_pads, stiff_as
-from handlcp.hand.elasticity.tendons import Tendons, TendonStiffness
+from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
+from handlcp.hand.elasticity.tendons import Tendons
 from handlcp.hand.robot.fingertips import TipFrames, find_tips
 from handlcp.hand.robot.joints import TorqueLimits, read_joint_friction, read_torque_limits
 from handlcp.hand.robot.kinematics import Kinematics

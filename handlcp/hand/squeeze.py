@@ -32,7 +32,7 @@ def joint_by_joint(mechanism: Any, planar: bool) -> TipMotions:
 def out_of_reach(spec: GraspSpec) -> tuple[Reach, ...]:
     """What no command of the joints makes, of the overlap in the posture, of a preload, and of what is commanded."""
     mechanism: Any = spec.mechanism  # a hand's
-    k = spec.of_fingers
+    k = spec.of_hand
     tips, found = motions_of(mechanism, spec.planar), []
     if (inside := overlaps(mechanism.stand_off[:, 2])).any():
         found.append(joint_by_joint(mechanism, spec.planar).overlapping(inside))
@@ -58,13 +58,13 @@ def reach_reasons(spec: GraspSpec) -> Iterator[Reason]:
 def squeezed_further(spec: GraspSpec, depth: float) -> GraspSpec:
     """The grasp with joints commanded on, so that every tip whose force is not prescribed goes deeper by depth [m]."""
     free = set(spec.free_fingers)
-    more = np.array([depth if i in free else 0.0 for i in range(spec.of_fingers)])
+    more = np.array([depth if i in free else 0.0 for i in range(spec.of_hand)])
     return _with_command(spec, _command(spec) + motions_of(spec.mechanism, spec.planar).deeper(more))
 
 
 def eased(spec: GraspSpec, share: float) -> GraspSpec:
     """The grasp with this share of its squeeze, commands of the joints included."""
-    offset, k = spec.offset.copy(), spec.of_fingers
+    offset, k = spec.offset.copy(), spec.of_hand
     offset[:k] *= np.where(offset[:k, 2:] < 0.0, share, 1.0)
     return _with_command(spec.replace(offset=read_only(offset)), share * _command(spec))
 

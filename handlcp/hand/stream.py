@@ -119,7 +119,7 @@ class GraspStream:
         self._numbers = np.empty((1, self._kind.scene_width))
         write_row(scene, self._section, self._numbers[0])
         self._scene = read_only(self._numbers.view())
-        n, k = spec.n, spec.of_fingers
+        n, k = spec.n, spec.of_hand
         g, _ = views(self._numbers[0], n, 0, scene.dof)  # views: what is written there is what is solved
         self._positions, self._frames, self._flexibility, self._offset = g.positions, g.frames, g.flexibility, g.offset
         self._force, self._moment = g.force, g.moment

@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from handlcp.check import Array
 from handlcp.errors import Unsupported
-from handlcp.hand.elasticity.tendons import TendonStiffness
+from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.robot.kinematics import columns
 from handlcp.hand.robot.model import HandModel
 from handlcp.simulator.routes import add_route

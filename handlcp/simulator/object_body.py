@@ -83,7 +83,7 @@ def add_supports(
     """Planes in the world and feet at the object's body. Raises Unsupported for supports that share their flexibility,
     and for a cylinder that lies on something flexible.
     """
-    k, found = spec.of_fingers, []
+    k, found = spec.of_hand, []
     E = spec.flexibility[3 * k :, 3 * k :]
     for i in range(spec.n - k):
         block = E[3 * i : 3 * i + 3, 3 * i : 3 * i + 3]

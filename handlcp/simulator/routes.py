@@ -12,7 +12,7 @@ from handlcp.check import Array
 from handlcp.errors import Unsupported
 from handlcp.grasp.path.state import Stage
 from handlcp.hand.elasticity.route import Pulley, Route, Site
-from handlcp.hand.elasticity.tendons import TendonStiffness
+from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.elasticity.wrapping import CYLINDER
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.robot.model import HandModel

@@ -134,7 +134,7 @@ def check_writable(grasp: HandGrasp) -> None:
             raise Unsupported(f"MuJoCo has no exact counterpart of {effect.title}")
     for name, contact in zip(spec.names, spec.contacts, strict=True):
         friction_words(name, contact.friction)
-    k = spec.of_fingers
+    k = spec.of_hand
     if abs(spec.offset[:k] - grasp.mechanism.stand_off).max(initial=0.0) > _TOUCHING:
         raise Unsupported(
             "a preload or an offset of the tips, which no joint makes, cannot be written: command the joints (squeeze, "

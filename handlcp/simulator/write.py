@@ -209,7 +209,7 @@ def to_mujoco(grasp: Grasp, settings: SimulatorSettings | None = None) -> tuple[
     pairs = add(root, "contact")
     for i, ((ours, other), contact) in enumerate(zip(touching, spec.contacts, strict=True)):
         words = friction_words(spec.names[i], contact.friction)
-        words |= {} if i < spec.of_fingers else _stiffness(settings.support_impedance)
+        words |= {} if i < spec.of_hand else _stiffness(settings.support_impedance)
         for one in ours:
             add(pairs, "pair", name=one, geom1=one, geom2=other, **words)
     limited = any(isinstance(e, TorqueSaturation) for e in spec.effects)

@@ -9,7 +9,7 @@ import numpy as np
 
 import handlcp as hl
 from handlcp.hand import Hand, HandGrasp, HandState, Object, TorqueCheck
-from handlcp.hand.elasticity.tendons import TendonStiffness
+from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.find import find as find_module
 from handlcp.hand.library import SHIPPED, allegro, psyonic, urdf
 from handlcp.hand.objects.detect import distance, nearest

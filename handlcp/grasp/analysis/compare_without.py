@@ -49,7 +49,7 @@ def without(spec: GraspSpec, section: Section) -> Iterator[tuple[str, GraspSpec]
         if (changes := e.without(spec.contacts)) is not None:
             dropped = {"effects": tuple(x for x in spec.effects if x is not e)}
             yield e.title, spec.replace(**(changes or dropped))
-    if spec.n > spec.of_fingers and not any(e.by_name for e in spec.effects):  # those may count the contacts
+    if spec.n > spec.of_hand and not any(e.by_name for e in spec.effects):  # those may count the contacts
         yield ENVIRONMENT.title, spec.fingers_alone()
 
 

@@ -137,8 +137,8 @@ def explain(spec: GraspSpec, scene: Scene, section: Section) -> Explanation:
     """What is on comes first; the sizes are those of the assembled problem."""
     on, problem = effects_on(spec, scene, section), assemble(scene, section, stamped(spec.effects))
     counted = {g.name: g for g in problem.groups}
-    lines, k = [], 3 * spec.of_fingers
-    own, m = spec.flexibility[:k, :k], spec.n - spec.of_fingers
+    lines, k = [], 3 * spec.of_hand
+    own, m = spec.flexibility[:k, :k], spec.n - spec.of_hand
     for e in on:
         names = [name for u in e.unknowns(scene) for name in (u.name, MULTIPLIERS.get(u.name))]
         brought = tuple([(name, counted[name].count, counted[name].free) for name in names if name in counted])

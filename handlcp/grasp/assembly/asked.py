@@ -96,22 +96,22 @@ def under(spec: GraspSpec, wrench: Any, asked: Any) -> GraspSpec:
 
 def _asked_of(spec: GraspSpec) -> Asked:
     """Arguments that make a grasp of which a specification alone is known."""
-    k, around = spec.of_fingers, environment_of(spec)
+    k, around = spec.of_hand, environment_of(spec)
     plane = None if spec.contacts[0].planar else spec.plane
     effects = tuple([e for e in spec.effects if e.by_name])
     E = kept(spec) if k == spec.n else spec.flexibility[: 3 * k, : 3 * k]
-    d = of_fingers_alone(spec.offset, k)
+    d = of_hand_alone(spec.offset, k)
     return Asked(spec.contacts[:k], spec.wrench, E, 0.0, d, spec.reference, effects, plane, around)
 
 
-def of_fingers_alone(offset: Array, fingers: int) -> Array:
+def of_hand_alone(offset: Array, fingers: int) -> Array:
     """Rows of an offset (n, 3) [m]: the fingers', where the environment's are gaps, which it says itself."""
     return offset if offset[fingers:, :2].any() else offset[:fingers]
 
 
 def environment_of(spec: GraspSpec) -> Environment | None:
     """The environment of a grasp, without what offsets move it along its tangents."""
-    k = spec.of_fingers
+    k = spec.of_hand
     if k == spec.n:
         return None
     return Environment(spec.contacts[k:], spec.flexibility[3 * k :, 3 * k :], spec.offset[k:, 2])

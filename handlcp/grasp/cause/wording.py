@@ -188,7 +188,7 @@ def called(who: Sequence[str], spec: GraspSpec | None, kind: str = "") -> str:
     kind : of what they do, which tells joints from contacts.
     """
     if spec is not None and len(who) > 1:
-        names, k = spec.names, spec.of_fingers
+        names, k = spec.names, spec.of_hand
         groups = [(names[:k], "contacts" if spec.links else "fingers"), (names, "contacts")]
         if kind.removesuffix(BY_TURNS) in _JOINTS:
             groups = [(() if spec.mechanism is None else spec.mechanism.names, "joints")]

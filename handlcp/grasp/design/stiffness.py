@@ -145,7 +145,7 @@ def _pads(spec: GraspSpec) -> float:
     scene, mechanism = build(spec), spec.mechanism
     E = scene.flexibility.copy()
     if mechanism is None:
-        k = 3 * spec.of_fingers
+        k = 3 * spec.of_hand
         E[:k] = E[:, :k] = 0.0
     else:
         joints = mechanism.compliance(mechanism.rows(scene.soft))

@@ -65,7 +65,7 @@ class ContactCompliance(Effect):
 
     def check(self, argument: str, at: Placement, others: tuple[Effect, ...]) -> None:
         """As many blocks as fingers or contacts."""
-        if self.flexibility.ndim == 3 and len(self.flexibility) not in (at.of_fingers, at.n):
+        if self.flexibility.ndim == 3 and len(self.flexibility) not in (at.of_hand, at.n):
             raise InputError(f"{argument}.flexibility", f"{at.n} blocks, one for each contact", len(self.flexibility))
 
     def why(self, scene: Scene) -> str:

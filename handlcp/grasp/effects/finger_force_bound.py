@@ -66,10 +66,10 @@ class FingerForceBound(Effect):
 
     def check(self, argument: str, at: Placement, others: tuple[Effect, ...]) -> None:
         """One bound for every finger, or as many as there are fingers or contacts."""
-        if isinstance(self.bounds, tuple) and len(self.bounds) not in (at.of_fingers, at.n):
+        if isinstance(self.bounds, tuple) and len(self.bounds) not in (at.of_hand, at.n):
             expected = f"a number, or {at.n}, one for each contact"
-            if at.of_fingers < at.n:
-                expected = f"a number, {at.of_fingers}, one for each finger, or {at.n}, one for each contact"
+            if at.of_hand < at.n:
+                expected = f"a number, {at.of_hand}, one for each finger, or {at.n}, one for each contact"
             raise InputError(f"{argument}.limits", expected, f"{len(self.bounds)}")
 
     def why(self, scene: Scene) -> str:

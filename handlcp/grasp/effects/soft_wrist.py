@@ -123,6 +123,6 @@ class SoftWrist(Effect):
     def carried(self, at: Placement, soft: tuple[int, ...]) -> Array:
         """(6, c) W: the wrench of the forces about `at`; it does not carry the environment."""
         W = wrench_map(at.positions, self.at, at.frames, at.frames[list(soft)][:, :, 2].T.copy())
-        W[:, 3 * at.of_fingers : 3 * at.n] = 0.0
-        W[:, 3 * at.n :][:, np.array(soft, dtype=int) >= at.of_fingers] = 0.0
+        W[:, 3 * at.of_hand : 3 * at.n] = 0.0
+        W[:, 3 * at.n :][:, np.array(soft, dtype=int) >= at.of_hand] = 0.0
         return np.asarray(W)

@@ -74,7 +74,7 @@ def system_of(spec: GraspSpec, section: Section, wrench: Array | None) -> System
     effects = tuple([e for e in spec.effects if not isinstance(e, GeometricStiffness)])
     weight = np.zeros(6) if spec.mechanism is None else spec.mechanism.weight_of_object(spec.reference)
     E = spec.flexibility.copy()
-    E[3 * spec.of_fingers :, 3 * spec.of_fingers :] = supports(spec)
+    E[3 * spec.of_hand :, 3 * spec.of_hand :] = supports(spec)
     spec = spec.replace(flexibility=read_only(E), effects=effects, wrench=read_only(weight))
     scene = build(spec)
     if not weight.any() and not scene.offset.any():  # nothing else has a size

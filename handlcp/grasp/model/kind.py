@@ -68,14 +68,14 @@ class Placement:
         return len(self.contacts)
 
     @property
-    def of_fingers(self) -> int:
-        """How many contacts are the fingers'."""
+    def of_hand(self) -> int:
+        """How many contacts are the hand's, at its fingertips or on its links; those of the environment follow."""
         return self.n if self.fingers is None else self.fingers
 
     @property
     def who(self) -> str:
         """What each of them is called: "finger"; "contact" where a table or links of the hand touch, too."""
-        return "contact" if self.of_fingers < self.n or self.links else "finger"
+        return "contact" if self.of_hand < self.n or self.links else "finger"
 
     @property
     def links(self) -> dict[str, str]:

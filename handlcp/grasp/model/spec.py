@@ -68,11 +68,11 @@ class GraspSpec(Placement):
     def free_fingers(self) -> list[int]:
         """Numbers of the fingers whose force is not prescribed: those that a squeeze acts on."""
         known = {i for e in self.effects for i in e.prescribed()}
-        return [i for i in range(self.of_fingers) if i not in known]
+        return [i for i in range(self.of_hand) if i not in known]
 
     def fingers_alone(self) -> Self:
         """The same without the environment."""
-        k, mechanism = self.of_fingers, self.mechanism
+        k, mechanism = self.of_hand, self.mechanism
         if mechanism is not None:
             mechanism = dataclasses.replace(mechanism, jacobian=mechanism.jacobian[: 3 * k])
         return self.replace(

@@ -67,12 +67,12 @@ class Positions(_OfContacts):
         return _by(answer, turns=False) if answer.bent is None else super().change(answer)
 
     def shown(self, answer: Answer) -> Shown:
-        axes = answer.spec.frames[: answer.spec.of_fingers].swapaxes(1, 2)
+        axes = answer.spec.frames[: answer.spec.of_hand].swapaxes(1, 2)
         return self.one_finger(answer.spec, "1 mm aside", 1e-3 * axes[:, :2])
 
     def entries(self, spec: GraspSpec, argument: str, given: Any) -> Sequence[Entry]:
         """Along both tangents of each finger, or of those that a mapping names."""
-        names = spec.names[: spec.of_fingers]
+        names = spec.names[: spec.of_hand]
         named = (
             per_name(argument, given, names, "a finger") if isinstance(given, Mapping) else dict.fromkeys(names, given)
         )
@@ -83,7 +83,7 @@ class Positions(_OfContacts):
         ]  # fmt: skip
 
     def write(self, samples: Samples, at: tuple[int, ...], values: Array) -> None:
-        samples.array("slides", 0.0, samples.spec.of_fingers, 2)[:, at[0], at[1]] = values
+        samples.array("slides", 0.0, samples.spec.of_hand, 2)[:, at[0], at[1]] = values
 
 
 class Normals(_OfContacts):
@@ -106,7 +106,7 @@ class Normals(_OfContacts):
         return _by(answer, turns=True) if answer.bent is None else super().change(answer)
 
     def shown(self, answer: Answer) -> Shown:
-        tilts = np.tile(np.radians(1.0) * np.eye(3)[:2], (answer.spec.of_fingers, 1, 1))
+        tilts = np.tile(np.radians(1.0) * np.eye(3)[:2], (answer.spec.of_hand, 1, 1))
         return self.one_finger(answer.spec, "normal by 1°", tilts)
 
 
@@ -187,7 +187,7 @@ class _Body:
 def _wrist(answer: Answer, wrist: SoftWrist, forces: Array, moments: Array, turns: bool, change: Change) -> None:
     """Add Wᵀ C W r."""
     spec = answer.spec
-    fingers = (np.arange(spec.n) < spec.of_fingers).astype(float)
+    fingers = (np.arange(spec.n) < spec.of_hand).astype(float)
     W = wrist.carried(spec, answer.scene.soft)
     body = _Body.moving(answer, wrist.flexibility @ (W @ answer.components), wrist.at, fingers)
     change.motion[:] += body.seen(answer, turns)
@@ -223,7 +223,7 @@ def _pads(answer: Answer, forces: Array, change: Change) -> None:
     spec, J = answer.spec, answer.rows
     assert spec.mechanism is not None
     root = spec.mechanism.root
-    for i in range(spec.of_fingers):
+    for i in range(spec.of_hand):
         own = slice(3 * i, 3 * i + 3)
         through = J[own] @ root
         P = spec.flexibility[own, own] - through @ through.T

@@ -63,7 +63,7 @@ class Friction(OfContacts):
                       f"{argument}[{name!r}]")
                 for name, own in per_name(argument, given, spec.names, "a contact").items()
             ]  # fmt: skip
-        fingers = tuple(range(spec.of_fingers))
+        fingers = tuple(range(spec.of_hand))
         coefficients = {mu[i] for i in fingers}
         if len(coefficients) > 1:
             expected = "a mapping by contact name, of contacts with different friction"

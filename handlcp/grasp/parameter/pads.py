@@ -56,10 +56,10 @@ class Pads(OfContacts):
     def entries(self, spec: GraspSpec, argument: str, given: Any) -> Sequence[Entry]:
         """Factors on the pads of a hand's fingertips."""
         hand(spec, argument, given)
-        fingers = spec.names[: spec.of_fingers]
-        if not self.values(spec)[: spec.of_fingers].any():
+        fingers = spec.names[: spec.of_hand]
+        if not self.values(spec)[: spec.of_hand].any():
             raise InputError(argument, "nothing: the fingertips of this hand are rigid", repr(given)[:80])
         return factors("pads", argument, given, fingers, "a fingertip of this grasp")
 
     def write(self, samples: Samples, at: tuple[int, ...], values: Array) -> None:
-        samples.times("pads", samples.spec.of_fingers, at, values)
+        samples.times("pads", samples.spec.of_hand, at, values)

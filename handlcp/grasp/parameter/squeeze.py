@@ -53,12 +53,12 @@ class Squeeze(OfContacts):
 
     def scaled(self, spec: GraspSpec, factor: float) -> GraspSpec | None:
         """Preloads and commands of the joints; None: the grasp has neither."""
-        pressed = spec.offset[: spec.of_fingers, 2] < 0.0
+        pressed = spec.offset[: spec.of_hand, 2] < 0.0
         if spec.mechanism is None:
             if not pressed.any():
                 return None
             offset = spec.offset.copy()
-            offset[: spec.of_fingers][pressed] *= factor
+            offset[: spec.of_hand][pressed] *= factor
             return spec.replace(offset=read_only(offset))
         if not (pressed.any() or spec.mechanism.commands(spec)):
             return None

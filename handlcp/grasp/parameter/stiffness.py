@@ -58,7 +58,7 @@ class Stiffness(OfJoints):
         """All joints, or the fingers where none are known, so many times as stiff. A grip force stays the force that it
         is; a squeeze stays as deep, and a joint offset as large. None: the flexibility is not that of the joints.
         """
-        mechanism, k = spec.mechanism, 3 * spec.of_fingers
+        mechanism, k = spec.mechanism, 3 * spec.of_hand
         less, E, made = 1.0 - 1.0 / factor, spec.flexibility.copy(), mechanism
         if mechanism is None:
             E[:k, :k] *= 1.0 / factor
@@ -87,7 +87,7 @@ class Stiffness(OfJoints):
         return Shown("stiffness +10 %", [("all joints", TENTH / np.where(C > 0.0, C, np.inf))])
 
     def entries(self, spec: GraspSpec, argument: str, given: Any) -> Sequence[Entry]:
-        if not spec.flexibility[: 3 * spec.of_fingers].any():
+        if not spec.flexibility[: 3 * spec.of_hand].any():
             raise InputError(argument, "nothing: the fingers of this grasp are rigid", repr(given)[:80])
         if not isinstance(given, Mapping):
             return factors("stiffness", argument, given, (), "")

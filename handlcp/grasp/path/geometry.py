@@ -135,7 +135,7 @@ def length_of(positions: Array) -> float:
 
 def least_flexibility(spec: GraspSpec) -> float:
     """[m/N] that whatever is rigid has while a path is followed: a hundred thousandth of what the fingers have."""
-    m = 3 * spec.of_fingers
+    m = 3 * spec.of_hand
     return RIGID * float(spec.flexibility[:m, :m].diagonal().mean())
 
 
@@ -144,7 +144,7 @@ def supports(spec: GraspSpec) -> Array:
     hundred thousandth of what the fingers do: forces at several corners of something rigid are not determined, and
     would jump.
     """
-    m = 3 * spec.of_fingers
+    m = 3 * spec.of_hand
     around = spec.flexibility[m:, m:].copy()
     rows = np.arange(len(around))
     around[rows, rows] = np.maximum(around[rows, rows], least_flexibility(spec))
@@ -175,7 +175,7 @@ class FixedGeometry(Geometry):
             P = block_diagonal(E.factor.pads, n)
         else:
             P = spec.flexibility - joint_flexibility(J, root)
-        P[3 * spec.of_fingers :, 3 * spec.of_fingers :] = supports(spec)
+        P[3 * spec.of_hand :, 3 * spec.of_hand :] = supports(spec)
         J, turning, root = J.copy(), turning.copy(), np.array(root, dtype=float, order="C")
         self._elastic = Elastic(P, J, turning, root, np.zeros(nv) if weight is None else weight.copy())
         self._frames, still, normals = spec.frames.copy(), np.zeros((0, 3, 6)), spec.frames[:, :, 2].copy()

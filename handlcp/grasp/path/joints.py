@@ -26,71 +26,19 @@ and how far the tendons are drawn in, and nothing else.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.grasp.model.cables import Cables
+from handlcp.grasp.path.pull import NO_PULL, Pull, Task
+from handlcp.grasp.path.sprung import DEPENDS, Mixed, Sprung, sprung_of
 
 _SAME = 1e-9  # of the friction, of the motion that it makes, or of the largest tension: less is none
 _SETTLED = 1e-10  # of the largest tension: friction at posts that changes by no more
 _AT_ONCE = 6  # trials that change all that does otherwise
 _MOST = 80  # trials
-_LIMP = 1e-5  # of its stiffness: what a joint keeps that no taut tendon and no spring holds
-_DEPENDS = 1e-9  # of the longest: rows shorter than this across others say nothing that these do not
-
-
-class Sprung(NamedTuple):
-    """Joints of which some stand still, and some tendons are slack. K (nv, nv) : their stiffness. root (nv, m) : C =
-    root rootᵀ of those that move, free (nv, nv) : C itself. lost (nv, t) : Rᵀ (t - a), from a.
-    """
-
-    K: Array
-    root: Array
-    free: Array
-    lost: Array
-
-
-class Task(NamedTuple):
-    """Of a step, (nv,) each: where joints are commanded to, and stood before it. drawn (t,) : d of tendons [N]; None
-    while the hand is driven.
-    """
-
-    commanded: Array
-    begun: Array
-    drawn: Array | None
-
-
-class Pull(NamedTuple):
-    """What joints, posts and tendons do in a state. does : as `Joints` has it. posts (m,) : f [N]. drawn (t,) : d [N].
-    tension (t,) : with which tendons pull [N], how much harder than at first where it is not known how hard that was.
-    taut (t,) : the same as springs that could push, a.
-    """
-
-    does: Ints
-    posts: Array
-    drawn: Array
-    tension: Array
-    taut: Array
-
-    @property
-    def slack(self) -> Bools:
-        """(t,) which of them hang through."""
-        return np.asarray(self.tension > self.taut)
-
-    def not_stored(self, cables: Cables | None, deflection: Array) -> float:
-        """Energy that springs at joints and tendons have less for tendons that hang slack [J]. deflection (nv,) : of
-        the joints from where they are commanded.
-        """
-        if cables is None or not self.slack.any():
-            return 0.0
-        k, more = cables.springs, self.tension - self.taut
-        pushed = self.taut @ np.linalg.solve(k, self.taut) - self.tension @ np.linalg.solve(k, self.tension)
-        return 0.5 * float(pushed + (cables.arms.T @ more) @ deflection)
-
-
-NO_PULL = Pull(np.zeros(0, dtype=np.int64), *[read_only(np.zeros(0))] * 4)
 
 
 class Joints:
@@ -178,7 +126,7 @@ class Joints:
         and how far they are driven (nv,) to an answer, where joints come to (nv,), and the torques that contacts take
         (nv,). None where an assumption has no answer, or none is right.
         """
-        does, posts, mixed = begun.does, begun.posts, _Mixed()
+        does, posts, mixed = begun.does, begun.posts, Mixed()
         for count in range(_MOST):
             found = solve(self.sprung(does).root, self.command(does, posts, task, at))
             if found is None:
@@ -194,7 +142,7 @@ class Joints:
                 posts = mixed.next(posts, apart)
                 continue
             first = np.arange(len(so)) == np.argmax(so != does)
-            does, posts, mixed = so if count < _AT_ONCE else np.where(first, so, does), settled, _Mixed()
+            does, posts, mixed = so if count < _AT_ONCE else np.where(first, so, does), settled, Mixed()
         return None
 
     def ends(self, begun: Pull, task: Task) -> tuple[Array, Pull]:
@@ -220,30 +168,17 @@ class Joints:
         still, slack = self._still(does), does[len(self.rubs) :] == 1
         key = still.tobytes() + slack.tobytes()
         if (found := self._known.get(key)) is None:
-            found = self._known[key] = self._sprung(still, slack)
+            found = self._known[key] = self._sprung_of(still, slack)
         return found
 
     def _still(self, does: Ints) -> Bools:
         """(nv + m,) what friction holds."""
         return np.asarray(self.rubs & (does[: len(self.rubs)] == 0))
 
-    def _sprung(self, still: Bools, slack: Bools) -> Sprung:
-        K, lost, on = self.K, np.zeros((self.nv, len(slack))), self.gives
-        if not still.any() and not slack.any():
-            return Sprung(K, self._root, self.C, lost)
-        if slack.any():
-            k, R = self.cables.springs, self.cables.arms
-            # t = 0 of the slack ones, s = -k⁻¹ a of these alone; the others lose what springs between tendons take
-            lost[:, slack] = -R[slack].T - R[~slack].T @ np.linalg.solve(k[np.ix_(slack, slack)], k[slack][:, ~slack]).T
-            K = _held(K + lost @ self._pulls, self.K, on)
-        moves = np.zeros((self.nv, 0))
-        if on.any():
-            ways = np.eye(self.nv)[:, on] @ _across(self.rows[still][:, on])  # in which joints can move
-            L = np.linalg.cholesky(ways.T @ K @ ways)
-            moves = np.linalg.solve(L, ways.T).T  # C = moves movesᵀ
-        root = np.zeros((self.nv, self.nv))
-        root[:, : moves.shape[1]] = moves
-        return Sprung(K, root, moves @ moves.T, lost)
+    def _sprung_of(self, still: Bools, slack: Bools) -> Sprung:
+        if still.any() or slack.any():
+            return sprung_of(self.K, self.gives, self.rows[still], self.cables, slack)
+        return Sprung(self.K, self._root, self.C, np.zeros((self.nv, len(slack))))
 
     def command(self, does: Ints, posts: Array, task: Task, at: Array) -> Array:
         """(nv,) from where joints stand at an iterate, at (nv,), to where they are driven as if there were springs
@@ -283,7 +218,7 @@ class Joints:
         f, still = self._known_friction(pull.does, pull.posts), self._still(pull.does)
         if still.any():
             held = self.pulls(pull.does, task, q) - torque - self.rows.T @ f
-            f[still] = np.linalg.lstsq(self.rows[still].T, held, rcond=_DEPENDS)[0]
+            f[still] = np.linalg.lstsq(self.rows[still].T, held, rcond=DEPENDS)[0]
         return f
 
     def taken(self, f: Array) -> Array:
@@ -346,37 +281,3 @@ class Joints:
         torque = torque + self._preload - self.cables.arms.T @ self.cables.begun
         tension = read_only(self.cables.tensions(torque))
         return Pull(does, posts, read_only(tension + self._drawn(q)), tension, tension)
-
-
-class _Mixed:
-    """A fixed point from its iterates: Anderson's mixing of the last ones (Journal of the ACM 12, 1965)."""
-
-    def __init__(self) -> None:
-        self._at, self._apart = list[Array](), list[Array]()
-
-    def next(self, at: Array, apart: Array) -> Array:
-        """From where an iterate began (m,), and how far from there it ended (m,)."""
-        self._at, self._apart = [*self._at[-3:], at], [*self._apart[-3:], apart]
-        if len(self._at) == 1:
-            return np.asarray(at + apart)
-        steps, changes = np.diff(self._at, axis=0), np.diff(self._apart, axis=0)
-        share = np.linalg.lstsq(changes.T, apart)[0]
-        return np.asarray(at + apart - share @ (steps + changes))
-
-
-def _across(rows: Array) -> Array:
-    """(nv, r) orthonormal basis of what is across rows (m, nv)."""
-    if not len(rows):
-        return np.eye(rows.shape[1])
-    lengths = np.linalg.norm(rows, axis=1, keepdims=True)
-    _, s, Vt = np.linalg.svd(rows / np.where(lengths > 0.0, lengths, 1.0))
-    return np.asarray(Vt[int((s > _DEPENDS * s.max(initial=0.0)).sum()) :].T)
-
-
-def _held(K: Array, before: Array, on: Bools) -> Array:
-    """K (nv, nv) that leaves no joint without a spring; before (nv, nv) : with all tendons taut. on (nv,) : which."""
-    size = np.sqrt(before.diagonal())
-    size[size == 0.0] = 1.0
-    scaled = (K / np.outer(size, size))[np.ix_(on, on)]
-    limp = on.any() and np.linalg.eigvalsh(scaled)[0] < _LIMP
-    return K + _LIMP * np.diag(before.diagonal()) if limp else K

@@ -13,8 +13,8 @@ from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.path.events import Event
 from handlcp.grasp.path.geometry import Iterate, Where
-from handlcp.grasp.path.joints import Pull
 from handlcp.grasp.path.newton.numbers import Loads, Read
+from handlcp.grasp.path.pull import Pull
 
 # ----------------------------------------------------------------
 # What is done to a grasp, stage by stage: the hand closes, then the load comes; or any other order.

@@ -17,12 +17,13 @@ from handlcp.check import Array, read_only
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.geometry import Geometry, Iterate, Where, between, length_of
-from handlcp.grasp.path.joints import NO_PULL, Joints, Pull, Task
+from handlcp.grasp.path.joints import Joints
 from handlcp.grasp.path.newton.answer import Reached
 from handlcp.grasp.path.newton.by_contact import iteration_by_contact
 from handlcp.grasp.path.newton.iteration import one_iteration
 from handlcp.grasp.path.newton.linear_solve import Rules
 from handlcp.grasp.path.newton.numbers import Damping, Loads, Read, Situation, softness_of
+from handlcp.grasp.path.pull import NO_PULL, Pull, Task
 from handlcp.grasp.path.state import OPEN, Controls, Failure, Guess, State
 from handlcp.grasp.path.step_grasp import StepGrasp, StepLaws, Under
 from handlcp.grasp.solve.solve_spec import solve_spec

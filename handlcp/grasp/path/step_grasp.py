@@ -176,7 +176,7 @@ class StepGrasp:
         self.soft = np.array([i for i, c in enumerate(spec.contacts) if c.friction.lever > 0.0], dtype=np.int64)
         size = float(abs(spec.positions - spec.positions.mean(axis=0)).max(initial=0.0))
         # Gaps and overlaps that closing left fade in with the squeeze: else the first finger pushes the object away
-        fingers = np.arange(spec.n) < spec.of_fingers
+        fingers = np.arange(spec.n) < spec.of_hand
         self.touches = _TOUCHES * size
         self._touching = np.where(fingers & (abs(first.gap) <= self.touches), first.gap, 0.0)
         self._overlap = np.maximum(self._touching - first.gap, 0.0)

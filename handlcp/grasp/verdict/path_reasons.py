@@ -26,7 +26,7 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.follow import Loading
 from handlcp.grasp.path.geometry import RIGID
-from handlcp.grasp.path.joints import Pull
+from handlcp.grasp.path.pull import Pull
 from handlcp.grasp.path.trajectory import closing_efforts
 
 _SLIDES = 1e-4  # of the grasp's size: a contact that slides less on the way and sticks at the end is not named
@@ -65,7 +65,7 @@ def slides_reason(path: Loading) -> Reason:
 
 def rigid_reasons(spec: GraspSpec) -> Iterator[Reason]:
     """Of contacts that give way in no direction but those of their joints, where the object is lost."""
-    k = 3 * spec.of_fingers
+    k = 3 * spec.of_hand
     E = spec.flexibility[:k, :k]
     if spec.mechanism is None or not E.any() or np.linalg.eigvalsh(E)[0] > RIGID * float(E.diagonal().mean()):
         return

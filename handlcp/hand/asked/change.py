@@ -10,7 +10,7 @@ import numpy as np
 
 from handlcp.check import array, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.assembly.asked import again, environment_of, of_fingers_alone, rubbed, said, under
+from handlcp.grasp.assembly.asked import again, environment_of, of_hand_alone, rubbed, said, under
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.joint_offset import command_of
 from handlcp.grasp.friction import laws_by_name
@@ -124,10 +124,10 @@ def _friction(asked: HandAsked, spec: GraspSpec, mechanism: HandMechanism, chang
 
 def _asked_of(spec: GraspSpec, mechanism: HandMechanism) -> HandAsked:
     """Arguments that make a grasp of which a specification alone is known: its contacts stay where they are."""
-    k, tips = spec.of_fingers, mechanism.fingertips
+    k, tips = spec.of_hand, mechanism.fingertips
     weight = next((e for e in spec.effects if isinstance(e, FingerWeight)), None)
     command = command_of(spec.effects)
-    offset, E = of_fingers_alone(spec.offset, k).copy(), spec.flexibility[: 3 * k, : 3 * k]
+    offset, E = of_hand_alone(spec.offset, k).copy(), spec.flexibility[: 3 * k, : 3 * k]
     offset[:k] -= mechanism.stand_off
     own = replace(mechanism, jacobian=mechanism.jacobian[: 3 * k])
     contacts, target = spec.contacts[:k], mechanism.target

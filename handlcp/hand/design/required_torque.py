@@ -30,7 +30,7 @@ from handlcp.hand.design.motors import Case, RequiredTorque, cases
 from handlcp.hand.design.sizes import RequiredTension
 from handlcp.hand.design.trials import Trial, Trials, least
 from handlcp.hand.elasticity.elasticity import Elasticity
-from handlcp.hand.elasticity.tendons import TendonStiffness
+from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.mechanism import hand_of
 
 # ----------------------------------------------------------------
@@ -60,7 +60,7 @@ class Sticking:
 
 def sticking(spec: GraspSpec, gripped: Callable[[GraspSpec, Array], GraspSpec]) -> Sticking:
     """Of this grasp under its load. gripped : the grasp with grip forces (k,) [N]; 0 for none."""
-    k = spec.of_fingers
+    k = spec.of_hand
     bare = build(gripped(spec, np.zeros(k)))
     shifts = [build(gripped(spec, row)).offset - bare.offset for row in np.eye(k)]
     loads = np.zeros((6, 2 + k))
@@ -206,7 +206,7 @@ def starts(brief: tuple[Case, ...], section: Section, share: Array) -> list[Arra
     of the size of the loads.
     """
     states = [sticking(case.spec, gripped) for case in brief]
-    k = brief[0].spec.of_fingers
+    k = brief[0].spec.of_hand
     found = [least_grip(states, section, share, pattern) for pattern in (np.eye(k), np.ones((k, 1)))]
     some = [force for force in found if force is not None and force.any()]
     size = max([float(np.linalg.norm(case.spec.wrench[:3])) for case in brief])
@@ -232,7 +232,7 @@ _DEEPEST, _START = 0.05, 1e-3  # [m] of a squeeze
 
 def required_grip(spec: GraspSpec, section: Section, tolerance: Any) -> Required:
     """See `HandGrasp.required_grip`."""
-    k = spec.of_fingers
+    k = spec.of_hand
     start = float(starts((Case("", spec),), section, np.ones(len(hand_of(spec).names)))[-1].mean())
     changed = Changed(lambda force: gripped(spec, np.full(k, force)), section)
     return least_value(changed, start, _TIMES * start, tolerance_of(tolerance), "N")

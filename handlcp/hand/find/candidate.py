@@ -73,7 +73,7 @@ class Candidate(Record):
     @property
     def pressing(self) -> int:
         """How many of the fingers press on the object; the others only touch it, or let go under the load."""
-        return sum(state != "separated" for state in self.solution.contact_state[: self.grasp.spec.of_fingers])
+        return sum(state != "separated" for state in self.solution.contact_state[: self.grasp.spec.of_hand])
 
     @property
     def rank(self) -> float:
@@ -201,7 +201,7 @@ def checked(found: Sequence[Candidate], most: int, tried: Counter[str], refused:
 
 def reserves(grasp: HandGrasp, solution: GraspSolution) -> tuple[float, float]:
     """Of friction and of torque, as in `Candidate`; solution : an answer of the grasp."""
-    scene, k = grasp.scene, grasp.spec.of_fingers
+    scene, k = grasp.scene, grasp.spec.of_hand
     soft = list(scene.soft)
     moments = np.zeros(scene.n) if solution.torsion is None else solution.torsion
     forces, turning = np.split(scene.lawful(np.append(solution.forces, moments[soft])), [3 * scene.n])

@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from handlcp.check import Array
 from handlcp.errors import HandLCPError, InputError
-from handlcp.hand.elasticity.tendons import TendonStiffness
+from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.robot.audit import Audit, audit_of, file_doubts
 from handlcp.hand.robot.describe_text import (
     CouplingRow,

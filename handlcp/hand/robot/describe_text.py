@@ -12,7 +12,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.hand.elasticity.elasticity import Elasticity
-from handlcp.hand.elasticity.tendons import TendonStiffness
+from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.robot.source.origins import origin_lines
 from handlcp.hand.robot.tip_geometry import TipShape
 from handlcp.text_table import WIDTH, wrapped

@@ -96,7 +96,7 @@ class Varied:
 
 def _follow(before: Any, spec: GraspSpec, posture: Posture) -> GraspSpec:
     """The grasp with a `HandMechanism` in another posture, its flexibility and its fingers' weight."""
-    k, E = spec.of_fingers, spec.flexibility
+    k, E = spec.of_hand, spec.flexibility
     made = before.moved(posture, spec.positions[:k], spec.frames[:k])
     if before.gives(spec):
         E = E.copy()

@@ -53,7 +53,7 @@ def variants(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
 
 def _touching(grasp: Grasp) -> Grasp:
     """The grasp without squeezes and gaps of its fingers; a command of the joints is a squeeze, too."""
-    spec, k = grasp.spec, grasp.spec.of_fingers
+    spec, k = grasp.spec, grasp.spec.of_hand
     offset = np.concatenate([np.zeros((k, 3)), spec.offset[k:]])
     effects = tuple([e for e in spec.effects if not isinstance(e, JointOffset)])
     return type(grasp)(spec.replace(offset=read_only(offset), effects=effects))

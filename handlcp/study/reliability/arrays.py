@@ -38,7 +38,7 @@ def nominal_of(spec: GraspSpec) -> Nominal:
     hand = spec.mechanism
     if not isinstance(hand, HandMechanism):
         return Nominal(spec, None, False, np.zeros(6))
-    c = 3 * spec.of_fingers
+    c = 3 * spec.of_hand
     made = finger_flexibility(replace(hand, jacobian=hand.jacobian[:c]))
     own = bool(np.allclose(spec.flexibility[:c, :c], made, rtol=1e-12, atol=0.0))
     return Nominal(spec, hand, own, hand.weight_of_object(spec.reference))
@@ -84,7 +84,7 @@ class Joints:
 
 def arrays_of(nominal: Nominal, samples: Samples) -> Arrays:
     """All that the scenes of samples are made of."""
-    spec, m, n, k = nominal.spec, samples.count, nominal.spec.n, nominal.spec.of_fingers
+    spec, m, n, k = nominal.spec, samples.count, nominal.spec.n, nominal.spec.of_hand
     positions, frames, past = _places(nominal, samples.get("slides"), m)
     mass, load, squeeze = (_factor(samples, name) for name in ("mass", "load", "squeeze"))
     mu = samples.get("friction")
@@ -119,7 +119,7 @@ def _factor(samples: Samples, name: str) -> Array:
 
 def _places(nominal: Nominal, slides: Array | None, m: int) -> tuple[Array, Array, Bools]:
     """Positions and frames with the fingers' contacts slid, and which fingers (m, k) are past an edge."""
-    spec, k = nominal.spec, nominal.spec.of_fingers
+    spec, k = nominal.spec, nominal.spec.of_hand
     if slides is None:
         shapes = (m, *spec.positions.shape), (m, *spec.frames.shape)
         return (
@@ -134,7 +134,7 @@ def _places(nominal: Nominal, slides: Array | None, m: int) -> tuple[Array, Arra
 
 def _joints(nominal: Nominal, hand: HandMechanism, samples: Samples, positions: Array, frames: Array) -> Joints:
     """Postures with their Jacobians, springs, and what the fingers stand off by."""
-    spec, m, k, nv = nominal.spec, samples.count, nominal.spec.of_fingers, len(hand.names)
+    spec, m, k, nv = nominal.spec, samples.count, nominal.spec.of_hand, len(hand.names)
     away, springs = samples.get("joints"), samples.get("springs") if nominal.own else None
     points, axes = positions[:, :k], frames[:, :k].swapaxes(2, 3)
     postures: Sequence[Posture] = [hand.posture] * m

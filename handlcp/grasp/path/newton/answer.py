@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.path.joints import NO_PULL
 from handlcp.grasp.path.newton.numbers import Laws, Situation
+from handlcp.grasp.path.pull import NO_PULL
 from handlcp.lcp.kernels.dense import kernel
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from handlcp import words
 from handlcp.hand.elasticity.motor import Drives, Motor
-from handlcp.hand.elasticity.tendons import TendonStiffness
+from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.robot.joints import JointFacts
 from handlcp.hand.robot.source.description import Description
 from handlcp.text_table import wrapped
