@@ -81,10 +81,11 @@ class PowerSearch:
                 break
             self.tried["checked"] += 1
             tick(f"checking grasp {self.tried['checked']}")
-            one = _tight(one)
-            if not (one.sure or one.settles):  # this costs less than to follow it in all directions
-                self.refused.append(one)
+            tight = _tight(one)
+            if tight is None or not (tight.sure or tight.settles):  # costs less than to follow it in all directions
+                self.refused.append(one if tight is None else tight)
                 continue
+            one = tight
             self.tried["followed"] += 1
             tick(f"following grasp {self.tried['followed']}")
             best = _best(found)
@@ -145,10 +146,13 @@ class PowerSearch:
         return np.where(way != 0.0, np.where(closing, np.sign(way) * given, 0.0), given)
 
 
-def _tight(one: Candidate) -> Candidate:
-    """With motors that have turned on until they pull with their torque: this costs more than to solve one."""
+def _tight(one: Candidate) -> Candidate | None:
+    """With motors that have turned on until they pull with their torque: this costs more than to solve one. None where
+    one solve of that is not held.
+    """
     grasp = HandGrasp(one.grasp.spec.asked.spec())
-    return candidate_of("power", grasp, grasp.solve(proof=False))
+    solution = grasp.solve(throw=False, proof=False)
+    return candidate_of("power", grasp, solution) if solution.held else None
 
 
 def _load(one: Candidate) -> float:
