@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from handlcp.errors import Unsupported
 from handlcp.hand import Hand, HandGrasp, example_hand
 
 from .chains import A, chain_hand
@@ -45,6 +46,9 @@ def test_a_cable_on_pulleys_is_a_tendon_of_fixed_arms(write: Writer) -> None:
     np.testing.assert_allclose(routed.steps.forces, fixed.steps.forces, atol=1e-8)
     np.testing.assert_allclose(routed.steps.displacement, fixed.steps.displacement, atol=1e-11)
     assert routed.solution.held
+    for energy in ("stored", "work"):
+        with pytest.raises(Unsupported, match="energy of tendons along routes"):
+            getattr(routed.steps, energy)
 
 
 def test_posts_of_a_route_take_what_its_wraps_say(write: Writer) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, Ints, read_only
+from handlcp.errors import Unsupported
 from handlcp.grasp.answer.reasons import friction_used
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.model.kind import cross_rows
@@ -167,6 +168,13 @@ class Steps:
         return found
 
     # ---- energy
+    def _check_energy(self) -> None:
+        """Raises Unsupported for tendons along routes."""
+        mechanism = self.grasp.spec.mechanism
+        cables = None if mechanism is None else mechanism.cables
+        if cables is not None and cables.way is not None and self.geometry.follows:
+            raise Unsupported("the energy of tendons along routes is not worked out")
+
     @lazy
     def dissipated(self) -> Array:
         """(m,) energy that friction at contacts and joints has taken since the start [J]; it never falls."""
@@ -176,9 +184,10 @@ class Steps:
 
     @lazy
     def stored(self) -> Array:
-        """(m,) elastic energy of joints, pads and environment [J]."""
+        """(m,) elastic energy of joints, pads and environment [J]. Raises Unsupported for tendons along routes."""
         pads = -0.5 * (self.forces_world * _rows([s.where.give for s in self.states])).sum(axis=(1, 2))
         twists = -0.5 * (self.torsion * _rows([s.where.turn for s in self.states])).sum(axis=1)
+        self._check_energy()
         mechanism = self.grasp.spec.mechanism
         cables = None if mechanism is None else mechanism.cables
         joints = [
@@ -191,8 +200,10 @@ class Steps:
     def work(self) -> Array:
         """(m,) energy that load, weights and commands, and the preload as it comes, have put in [J]. It is what is
         stored and what friction took, but for the steps' error: forces are taken as their means over each step. What
-        joints that yield (`TorqueSaturation`) and bounds that give way take is counted nowhere.
+        joints that yield (`TorqueSaturation`) and bounds that give way take is counted nowhere. Raises Unsupported for
+        tendons along routes.
         """
+        self._check_energy()
         states = self.states
         force = _rows([s.loads.force for s in states])
         moment = _rows([s.loads.moment - cross_rows(s.iterate.reference, s.loads.force) for s in states])
