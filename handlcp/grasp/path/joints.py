@@ -99,15 +99,12 @@ class Joints:
         return drawn
 
     def _to(self, task: Task) -> Array:
-        """(nv,) where springs that are as stiff as here would drive joints to: where they are commanded to; and where
-        tendons are drawn in by d, K q_c = Rᵀ (d - k (l - R q)) + K_p q₀ - R₀ᵀ T₀.
+        """(nv,) where springs that are as stiff as here would drive joints to: where they are commanded to; where arms
+        change, K q_c = Rᵀ (d - k (l - R q)) + K_p q₀ - R₀ᵀ T₀.
         """
-        drawn = task.drawn
-        if drawn is None and self._routed:
-            drawn = self._whole._drawn_to(task.commanded)
-        if drawn is None or not len(drawn):
+        if not self._routed:
             return task.commanded
-        c = self.cables
+        drawn, c = self._whole._drawn_to(task.commanded) if task.drawn is None else task.drawn, self.cables
         torque = c.arms.T @ (drawn - c.springs @ c.shift) + c.passive @ self._rest - self._preload
         return np.where(self.gives, self.C @ torque, task.commanded)
 

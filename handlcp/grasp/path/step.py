@@ -346,7 +346,7 @@ class Stepper:
         rules = Rules(laws.laws, limits, extra, giving, laws.yields, laws.pattern)
         row = np.zeros(laws.answer.size)
         self.iteration(situation, rules, start, not cold, _SEED, asked.near, row)
-        return Reached(row, laws.answer.parts) if row[0] else None
+        return Reached(row, laws.answer.parts, NO_PULL) if row[0] else None
 
 
 def _joints(spec: GraspSpec, geometry: Geometry, root: Array) -> Joints | None:

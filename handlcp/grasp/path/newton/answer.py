@@ -9,7 +9,7 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.grasp.path.newton.numbers import Laws, Situation
-from handlcp.grasp.path.pull import NO_PULL
+from handlcp.grasp.path.pull import Pull
 from handlcp.lcp.kernels.dense import kernel
 
 
@@ -39,8 +39,8 @@ class Reached:
 
     __slots__ = ("_parts", "_row", "pull")
 
-    def __init__(self, row: Array, parts: dict[str, tuple[slice, tuple[int, ...]]]) -> None:
-        self._row, self._parts, self.pull = row, parts, NO_PULL
+    def __init__(self, row: Array, parts: dict[str, tuple[slice, tuple[int, ...]]], pull: Pull) -> None:
+        self._row, self._parts, self.pull = row, parts, pull
 
     def __getattr__(self, name: str) -> Array:
         at, shape = self._parts[name]
