@@ -181,19 +181,14 @@ class Joints:
         """(nv,) from where joints stand at an iterate, at (nv,), to where they are driven as if there were springs
         alone. posts (m,) : f of those that move.
         """
-        sprung = self.sprung(does)
-        pulled = sprung.K @ (self._to(task) - task.begun) + self._not_pulled(sprung, task)
-        driven = task.begun + sprung.free @ (pulled - self.rows.T @ self._known_friction(does, posts))
+        left = self.pulls(does, task, task.begun) - self.rows.T @ self._known_friction(does, posts)
+        driven = task.begun + self.sprung(does).free @ left
         return np.where(self.gives, driven, task.commanded) - at
 
     def _known_friction(self, does: Ints, posts: Array) -> Array:
         """(nv + m,) f of what moves; 0 of what stands still."""
         moves = does[: len(self.rubs)]
         return np.append(self.friction * moves[: self.nv], np.where(moves[self.nv :] != 0, posts, 0.0))
-
-    def _not_pulled(self, sprung: Sprung, task: Task) -> Array:
-        """(nv,) Rᵀ (t - a) where the joints stand as commanded."""
-        return sprung.lost @ self._taut(task, self._to(task))
 
     def _taut(self, task: Task, q: Array) -> Array:
         """(t,) a of joints at q (nv,); 0 while the hand is driven."""
@@ -205,8 +200,8 @@ class Joints:
 
     def pulls(self, does: Ints, task: Task, q: Array) -> Array:
         """(nv,) with which springs pull at the joints [N·m], tendons as springs and friction included."""
-        sprung = self.sprung(does)
-        return sprung.K @ (self._to(task) - q) + self._not_pulled(sprung, task)
+        sprung, to = self.sprung(does), self._to(task)
+        return sprung.K @ (to - q) + sprung.lost @ self._taut(task, to)
 
     def rubbing(self, pull: Pull, task: Task, q: Array, torque: Array) -> Array:
         """(nv + m,) f of joints [N·m] and posts [N] where joints have come to q (nv,), with torques (nv,) left for the

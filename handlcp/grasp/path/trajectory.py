@@ -13,6 +13,7 @@ from handlcp.check import Array, Ints, read_only
 from handlcp.errors import Unsupported
 from handlcp.grasp.answer.reasons import friction_used
 from handlcp.grasp.assembly.build import build
+from handlcp.grasp.model.cables import Cables
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.path.geometry import Geometry
@@ -168,12 +169,13 @@ class Steps:
         return found
 
     # ---- energy
-    def _check_energy(self) -> None:
-        """Raises Unsupported for tendons along routes."""
+    def _tendons(self) -> Cables | None:
+        """Whose springs count in energies. Raises Unsupported for tendons along routes."""
         mechanism = self.grasp.spec.mechanism
         cables = None if mechanism is None else mechanism.cables
         if cables is not None and cables.way is not None and self.geometry.follows:
             raise Unsupported("the energy of tendons along routes is not worked out")
+        return cables
 
     @lazy
     def dissipated(self) -> Array:
@@ -187,9 +189,7 @@ class Steps:
         """(m,) elastic energy of joints, pads and environment [J]. Raises Unsupported for tendons along routes."""
         pads = -0.5 * (self.forces_world * _rows([s.where.give for s in self.states])).sum(axis=(1, 2))
         twists = -0.5 * (self.torsion * _rows([s.where.turn for s in self.states])).sum(axis=1)
-        self._check_energy()
-        mechanism = self.grasp.spec.mechanism
-        cables = None if mechanism is None else mechanism.cables
+        cables = self._tendons()
         joints = [
             0.5 * float(s.pulled @ s.read.deflection) - s.pull.not_stored(cables, s.read.deflection)
             for s in self.states
@@ -203,7 +203,7 @@ class Steps:
         joints that yield (`TorqueSaturation`) and bounds that give way take is counted nowhere. Raises Unsupported for
         tendons along routes.
         """
-        self._check_energy()
+        self._tendons()
         states = self.states
         force = _rows([s.loads.force for s in states])
         moment = _rows([s.loads.moment - cross_rows(s.iterate.reference, s.loads.force) for s in states])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Self, TypeVar
 
 import numpy as np
 
@@ -21,6 +21,8 @@ from handlcp.hand.elasticity.tendon_motors import check_driven_once, read_tendon
 from handlcp.tolerances import SEMIDEFINITE
 
 EQUATION = "K = K_p + Rᵀ k R,  t = k R δq"
+Way = Callable[[Array], Cables]
+Stiff = TypeVar("Stiff", bound="TendonStiffness")
 _MADE = 1e-6  # of the largest torque of a command: less is rounding
 _SHARE = 0.1  # of the largest motion: joints that move less are not named as loose
 
@@ -40,8 +42,8 @@ class Made:
     lays: Lays
     drives: Drives | None
 
-    def at(self, bound: dict[int, BoundRoute], q: Array, way: Callable[[Array], Cables] | None) -> TendonStiffness:
-        """In a posture q (nv,)."""
+    def at(self, kind: type[Stiff], bound: dict[int, BoundRoute], q: Array, way: Way | None) -> Stiff:
+        """Of this kind, in a posture q (nv,)."""
         laid = self.lays.at(bound, q)
         K = self.passive.copy()
         rigid = np.isinf(np.diagonal(K))
@@ -49,9 +51,9 @@ class Made:
         through[rigid] = through[:, rigid] = 0.0  # no load reaches the tendons through a rigid joint
         K += (through + through.T) / 2
         check_sprung(K, rigid, self.joints)
-        return TendonStiffness(K, laid.arms, self.cables(laid, way)).driven(self.drives, self.limits)
+        return kind(K, laid.arms, self.cables(laid, way)).driven(self.drives, self.limits)
 
-    def cables(self, laid: Laid, way: Callable[[Array], Cables] | None) -> Cables:
+    def cables(self, laid: Laid, way: Way | None) -> Cables:
         """As a path needs them."""
         rigid, none = np.isinf(np.diagonal(self.passive)), np.zeros(len(self.joints))
         arms, posts = (read_only(np.where(rigid, 0.0, rows)) for rows in (laid.arms, laid.posts))
@@ -73,7 +75,7 @@ class TendonStiffness(JointStiffness):
         super().__init__(matrix)
         self.arms, self.cables, self.bears = arms, cables, cables.limits
 
-    def driven(self, drives: Drives | None, bears: Array) -> TendonStiffness:
+    def driven(self, drives: Drives | None, bears: Array) -> Self:
         """The same with these motors, of tendons that bear so much, (t,) [N]."""
         made = copy(self)
         made.drives, made.bears, made.cables = drives, bears, self.cables._replace(limits=held(drives, bears))
@@ -164,9 +166,7 @@ class RoutedStiffness(TendonStiffness):
         def way(q: Array) -> Cables:
             return made.cables(made.lays.at(bound, q), None)
 
-        plain = made.at(bound, q, way)
-        found = cls(plain.matrix, plain.arms, plain.cables)
-        found.drives, found.bears = plain.drives, plain.bears
+        found = made.at(cls, bound, q, way)
         found._made, found._bound, found._on, found._q = made, bound, kinematics, q
         return found
 
