@@ -65,9 +65,10 @@ def replaced(hand: HandModel, by_tip: Mapping[str, Any], given: Mapping[str, Any
         parts["_geometry"] = TipGeometry(described, tips, read_radii(passed["radius"], tips.names))
     if "motors" in given:
         stiffness, motors = _shared(given.get("joint_stiffness", hand.stiffness), given["motors"])
-        if stiffness is not hand.stiffness:
-            given = {**given, "joint_stiffness": stiffness}
-        given = {**given, "motors": motors}
+        if motors is not given["motors"]:
+            given = {**given, "joint_stiffness": stiffness, "motors": motors}
+            if motors is None:  # tendons alone are named: joints keep theirs
+                del given["motors"]
     if "joint_stiffness" in given or "motors" in given:
         parts["stiffness"] = _stiffness(hand, given)
     if "torque_limits" in given or "motors" in given:

@@ -253,3 +253,40 @@ def test_motors_of_a_hand_are_by_joint_and_by_tendon(write: Writer) -> None:
     np.testing.assert_array_equal(limits[1], limits[0])
     np.testing.assert_array_equal(limits[2], limits[0])
     assert np.isfinite(limits[0]).sum() == 1
+
+
+def test_motors_by_tendon_take_the_place_of_those_of_tendons_and_motors_by_joint_of_those_of_joints() -> None:
+    tendons = hl.Tendons({"pull": {"finger_1_distal": 0.01}, "lift": {"finger_2_distal": 0.01}}, 2e4, 4.0,
+                         motors={"lift": motor(5.0, 9.0)})  # fmt: skip
+    hand = example_hand("three_finger", joint_stiffness=tendons, motors={"finger_3_distal": Motor(0.2)})
+
+    def found(**motors: object) -> tuple[list[bool], list[bool]]:
+        made = hand.replace(**motors)
+        of_joints, of_tendons = made.torques.drives, tendons_of(made).drives
+        assert of_tendons is not None
+        joints = [] if of_joints is None else [m is not None for m in of_joints.of]
+        return joints[4:], [m is not None for m in of_tendons.of]
+
+    assert hand.joint_names[4:] == ("finger_3_proximal", "finger_3_distal")
+    first, other, both = {"pull": motor(50.0, 90.0)}, {"finger_3_proximal": Motor(0.3)}, [True, False]
+    assert found(motors=first) == ([False, True], both)
+    assert found(motors=other) == (both, [False, True])
+    assert found(motors=first | other) == (both, both)
+
+
+# ---------------------------------------------------------------- closing with a torque
+def test_dry_friction_of_a_tendons_motor_takes_its_part_of_a_closing_torque() -> None:
+    """As that of a joint's motor does: an arm r takes r τ_f of the torque; the tension is τ / r."""
+    arm, rubs, ball = 0.01, 10.0, hl.Sphere(0.03, (0.0, 0.0, 0.09))
+    joints = example_hand("three_finger").joint_names
+    tendons = hl.Tendons({f"to {joint}": {joint: arm} for joint in joints}, 2e4, 4.0)
+    hand = example_hand("three_finger", joint_stiffness=tendons)
+    q = hand.close_on(ball)
+    plain = hand.at(q).grasp(ball, closing_torque=0.3 - arm * rubs)
+    driven = hand.replace(motors={f"to {joint}": motor(20.0, 40.0, friction=rubs) for joint in joints})
+    np.testing.assert_allclose(
+        driven.at(q).grasp(ball, closing_torque=0.3).joint_offset, plain.joint_offset, rtol=1e-12
+    )
+    for torque, words in ((arm * rubs, "dry friction of its drive, 10, and at most"), (0.41, "peak.* 40 N in")):
+        with pytest.raises(InputError, match=f"closing_torque: .*{words}.*to finger_1_"):
+            driven.at(q).grasp(ball, closing_torque=torque)

@@ -18,6 +18,8 @@ from handlcp.errors import InputError, NotReached
 from handlcp.grasp.effects.joint_offset import JointOffset, command_of
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.command import read_joint_offset
+from handlcp.hand.elasticity.motor import Motor
+from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
@@ -27,6 +29,7 @@ from handlcp.hand.sites.wrap import bending, wrap
 from handlcp.tolerances import OVER
 
 _TOUCHES = 1e-5  # [m] from a link to the object it touches, where a hand has closed
+_ROUNDING = 1e-9  # of the largest tension: less is none
 _MOVED = 1e-9  # [rad, m] a hand that closes by less is closed already
 
 
@@ -72,11 +75,11 @@ def closed_by(state: Posture, obj: Object, joint_offset: Any, closing_torque: An
 def closing_torques(hand: HandModel, way: Array, value: Any) -> Array:
     """(nv,) [N·m] at the joints, with the sign in which each joint turns: a number or (nv,) of the joints that bend,
     positive towards the object; or a mapping by joint name (others: 0), where that of a joint that does not bend keeps
-    its sign. The dry friction of a motor's drive takes its part of it. Raises InputError, also where a motor has no
-    such peak, or does not overcome that friction; UnknownName. way (nv,) : how the joints bend towards the object, as
-    `bending` has it.
+    its sign. The dry friction of a motor's drive takes its part of it, and that of a tendon's motor its part of the
+    tension. Raises InputError, also where a motor has no such peak, or does not overcome that friction; UnknownName.
+    way (nv,) : how the joints bend towards the object, as `bending` has it.
     """
-    return _through_drives(hand, _pulls(hand, way, value))
+    return _through_tendons(hand, _through_drives(hand, _pulls(hand, way, value)))
 
 
 def _through_drives(hand: HandModel, torque: Array) -> Array:
@@ -86,10 +89,31 @@ def _through_drives(hand: HandModel, torque: Array) -> Array:
         return torque
     for joint, motor, pull in zip(hand.joint_names, drives.of, abs(torque).tolist(), strict=True):
         if motor is not None and pull > 0.0 and not motor.friction < pull <= motor.at_peak * (1.0 + OVER):
-            rubs = f"more than the dry friction of its drive, {motor.friction:g}, and " if motor.friction else ""
-            expected = f"{rubs}at most the peak of its motor, {motor.at_peak:g} N·m at the joint"
+            expected = f"{_overcomes(motor)}at most the peak of its motor, {motor.at_peak:g} N·m at the joint"
             raise InputError(f"closing_torque[{joint!r}]", expected, f"{pull:g}")
     return np.asarray(np.sign(torque) * np.maximum(abs(torque) - drives.friction, 0.0))
+
+
+def _through_tendons(hand: HandModel, torque: Array) -> Array:
+    """(nv,) what is left at the joints of torques (nv,) that tendons make: Rᵀ (t - T₀) with t less the dry friction of
+    the motor, for tendons that are drawn in.
+    """
+    if not isinstance(hand.stiffness, TendonStiffness) or hand.stiffness.drives is None:
+        return torque
+    cables, drives = hand.stiffness.cables, hand.stiffness.drives
+    tension = cables.tensions(torque)
+    more = np.where(np.isinf(cables.pretension), tension, np.maximum(tension - cables.begun, 0.0))
+    more[abs(more) <= _ROUNDING * abs(more).max()] = 0.0
+    every = zip(cables.names, drives.of, abs(more).tolist(), abs(tension).tolist(), strict=True)
+    for name, motor, drawn, pull in every:
+        if motor is not None and drawn > 0.0 and not (motor.friction < drawn and pull <= motor.at_peak * (1.0 + OVER)):
+            expected = f"{_overcomes(motor)}at most the peak of its motor, {motor.at_peak:g} N in the tendon {name!r}"
+            raise InputError("closing_torque", expected, f"{pull:g} N")
+    return np.asarray(torque - cables.arms.T @ (np.sign(more) * np.minimum(abs(more), drives.friction)))
+
+
+def _overcomes(motor: Motor) -> str:
+    return f"more than the dry friction of its drive, {motor.friction:g}, and " if motor.friction else ""
 
 
 def _pulls(hand: HandModel, way: Array, value: Any) -> Array:
