@@ -17,7 +17,7 @@ from .objects.table import Table as Table
 from .robot.audit import Audit as Audit, audit_urdf as audit_urdf
 from .robot.describe import HandDescription as HandDescription, describe_urdf as describe_urdf
 from .robot.joints import Doubt as Doubt
-from .robot.source.mjcf_routes import tendon_routes as tendon_routes
+from .robot.source.file_routes import tendon_routes as tendon_routes
 from .solution import HandGraspSolution as HandGraspSolution
 from .state import HandState as HandState
 from .stream import GraspStream as GraspStream

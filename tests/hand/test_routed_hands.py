@@ -140,12 +140,19 @@ def finger(k: int, angle: float) -> tuple[str, str]:
     return roots + body + tail, tendons
 
 
-def twenty() -> HandGrasp:
-    """A ball in five fingers of three joints and four tendons each, written in MJCF."""
+def twenty_text(more: str = "", joints: str = "") -> str:
+    """Five fingers of three joints and four tendons each, written in MJCF."""
     fingers = [finger(k, 2 * np.pi * k / 5) for k in range(5)]
-    text = f"""<mujoco model="twenty"><compiler angle="radian" autolimits="true"/><worldbody><body name="palm">
+    return f"""<mujoco model="twenty"><compiler angle="radian" autolimits="true"/><worldbody><body name="palm">
       <geom type="cylinder" size="0.06 0.005" pos="0 0 -0.03" mass="0.1"/>{"".join(b for b, _ in fingers)}</body>
-      </worldbody><tendon>{"".join(t for _, t in fingers)}</tendon></mujoco>"""
+      </worldbody><tendon>{"".join(t for _, t in fingers)}</tendon>{more}</mujoco>""".replace(
+        '<joint name="joint_', f'<joint{joints} name="joint_'
+    )
+
+
+def twenty() -> HandGrasp:
+    """A ball in five fingers."""
+    text = twenty_text()
     routes = hl.tendon_routes(text)
     assert len(routes) == 20
     tendons = hl.Tendons(routes, KT, 0.5, pretension=3.0)

@@ -144,11 +144,12 @@ def test_springs_friction_and_armature_of_an_mjcf_file_are_facts():
     found = facts(hand, "a").stated
     assert (found.stiffness, found.rest, found.friction, found.armature) == (0.2, 0.4, 0.03, 0.001)
     assert facts(hand, "b").stated.stiffness == 0.0
-    assert hand.joint_stiffness[0, 0] == 3.0  # kp alone
+    assert hand.joint_stiffness[0, 0] == pytest.approx(3.2)  # kp and the spring
     text = str(hand.describe())
     for words in ("rest of that spring: 0.4 rad", "0.03 N·m, 1 joint (frictionloss", "ignored: nothing"):
         assert words in text
-    assert "stiffness: kp of position actuators" in text
+    assert "stiffness of a: kp of position actuators, and springs of joints" in text
+    assert "stiffness of b, c: kp of position actuators" in text
 
 
 # ---------------------------------------------------------------- like joints

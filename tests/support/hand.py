@@ -16,6 +16,7 @@ from handlcp.hand.objects.detect import distance, nearest
 from handlcp.hand.objects.inside import links_inside
 from handlcp.hand.objects.table import RIM, _needed as _points_needed
 from handlcp.hand.robot.posture import contact_hessian
+from handlcp.hand.robot.source.servos import ServoStiffness
 from handlcp.hand.robot.tip_geometry import TipShape, sphere_tip
 from handlcp.hand.sites.sited import gaps_of
 from handlcp.hand.sites.touchers import touchers
@@ -131,6 +132,12 @@ def is_one_spring_a_joint(hand: Hand) -> bool:
 def tendons_of(hand: Hand) -> TendonStiffness:
     """The stiffness of a hand with tendons, with what these bear and their motors."""
     assert isinstance(hand.stiffness, TendonStiffness)
+    return hand.stiffness
+
+
+def servos_of(hand: Hand) -> ServoStiffness:
+    """The stiffness of a hand whose file says it, by servos and springs of joints."""
+    assert isinstance(hand.stiffness, ServoStiffness)
     return hand.stiffness
 
 

@@ -69,6 +69,11 @@ class Elasticity:
         """(nv, nv) K [N·m/rad]; inf on the diagonal of a rigid joint. Raises Unsupported where C has no inverse."""
         raise NotImplementedError
 
+    @property
+    def stated(self) -> bool:
+        """Whether it is what the hand's file says."""
+        return False
+
     def compliance(self, J: Array) -> Array:
         """(m, m) J C Jᵀ, symmetric to the last bit; J (m, nv)."""
         return joint_flexibility(J, self.root)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Self, TypeVar
 
 import numpy as np
@@ -30,7 +31,7 @@ _SHARE = 0.1  # of the largest motion: joints that move less are not named as lo
 @dataclass(frozen=True, eq=False)
 class Made:
     """Tendons over joints: names (t,), joints (nv,), springs (t, t), passive (nv, nv) with inf of rigid joints,
-    pretension and limits (t,), how they lie, and their motors.
+    pretension and limits (t,), how they lie, and their motors. stated : whether a file says all of it.
     """
 
     names: tuple[str, ...]
@@ -41,6 +42,7 @@ class Made:
     limits: Array
     lays: Lays
     drives: Drives | None
+    stated: bool = False
 
     def at(self, kind: type[Stiff], bound: dict[int, BoundRoute], q: Array, way: Way | None) -> Stiff:
         """Of this kind, in a posture q (nv,)."""
@@ -158,15 +160,20 @@ class RoutedStiffness(TendonStiffness):
     _on: Any
     _q: Array
 
+    @property
+    def stated(self) -> bool:
+        """As made."""
+        return self._made.stated
+
+    def as_stated(self) -> RoutedStiffness:
+        """The same, said by a file."""
+        return self.of(replace(self._made, stated=True), self._on, self._q, self._bound)
+
     @classmethod
     def of(cls, made: Made, kinematics: Any, q: Array, bound: dict[int, BoundRoute] | None = None) -> RoutedStiffness:
         """On the links of a hand, at q (nv,). Raises InputError, UnknownName."""
         bound = made.lays.bound(kinematics, made.names) if bound is None else bound
-
-        def way(q: Array) -> Cables:
-            return made.cables(made.lays.at(bound, q), None)
-
-        found = made.at(cls, bound, q, way)
+        found = made.at(cls, bound, q, partial(_cables_at, made, bound))
         found._made, found._bound, found._on, found._q = made, bound, kinematics, q
         return found
 
@@ -183,6 +190,10 @@ class RoutedStiffness(TendonStiffness):
     def at(self, kinematics: Any, q: Array) -> RoutedStiffness:
         """In another posture, of a hand with these kinematics."""
         return self.of(self._made, kinematics, q, self._bound if kinematics is self._on else None)
+
+
+def _cables_at(made: Made, bound: dict[int, BoundRoute], q: Array) -> Cables:
+    return made.cables(made.lays.at(bound, q), None)
 
 
 def held(drives: Drives | None, bears: Array) -> Array:

@@ -17,8 +17,8 @@ from handlcp.hand.robot.fingertips import candidates, obvious
 from handlcp.hand.robot.joints import SEVERITIES, Doubt, joint_facts
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, robot_of
-from handlcp.hand.robot.source.doubts import friction_doubts, stated_doubts, unlike_doubts, weak_doubts
-from handlcp.hand.robot.source.servos import ServoStiffness, servo_stiffness
+from handlcp.hand.robot.source.doubts import friction_doubts, preload_doubts, stated_doubts, unlike_doubts, weak_doubts
+from handlcp.hand.robot.source.servos import file_stiffness
 from handlcp.hand.robot.urdf import build_model, mesh_file, package_folders
 from handlcp.record import Record
 from handlcp.text_table import wrapped
@@ -111,7 +111,7 @@ def _of_stiffness(described: Description, kinematics: Kinematics | None) -> Iter
     """Whether a file says how stiff its joints are, and whether it can be."""
     advice = "joint_stiffness: N·m/rad, a number, a mapping by joint name or a matrix"
     try:
-        stiffness = servo_stiffness(described.servos, kinematics) if kinematics is not None else None
+        stiffness = file_stiffness(described, kinematics) if kinematics is not None else None
     except InputError:
         stiffness = None
     if stiffness is None or kinematics is None:
@@ -121,19 +121,22 @@ def _of_stiffness(described: Description, kinematics: Kinematics | None) -> Iter
     found = obvious(candidates(described))
     tips = [(c.name, kinematics.model.getFrameId(c.link), c.point) for c in found]
     yield from weak_doubts(kinematics, tips, stiffness.compliance(np.eye(kinematics.nv)))
+    efforts = {f.name: f.effort for f in described.facts}
+    yield from preload_doubts(kinematics, np.array([efforts[name] for name in kinematics.joint_names]))
 
 
 def stiffness_doubts(hand: Any) -> Iterator[Doubt]:
     """Of the stiffness that a hand has: one number for all joints, or that of the file."""
     if hand.stiffness.uniform:
-        where = "is not that of the file" if hand.description.servos else "is in no file"
+        where = "is not that of the file" if hand.description.servos or hand.description.cables else "is in no file"
         what = f"joint stiffness {where}: {hand.stiffness.matrix[0, 0]:g} N·m/rad was passed for every joint"
         advice = "joint_stiffness as measured, by joint name or as a matrix"
         yield Doubt("hand", what, advice, "minor", "stiffness")
-    if isinstance(hand.stiffness, ServoStiffness):
+    if hand.stiffness.stated:
         yield SERVO_DOUBT
         tips = [(name, frame, None) for name, frame in zip(hand.fingertips, hand.tips.frames, strict=True)]
         yield from weak_doubts(hand.kinematics, tips, hand.joint_compliance)
+        yield from preload_doubts(hand.kinematics, hand.torque_limits)
 
 
 def doubts_of(

@@ -11,6 +11,7 @@ import pinocchio as pin
 
 from handlcp.check import Array
 from handlcp.errors import HandLCPError, InputError
+from handlcp.hand.elasticity.elasticity import Elasticity
 from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.robot.audit import Audit, audit_of, file_doubts
 from handlcp.hand.robot.describe_text import (
@@ -37,11 +38,11 @@ from handlcp.hand.robot.source.origins import (
     StatedRow,
     file_origins,
     limit_origins,
-    servo_word,
     stated_rows,
+    stiffness_origins,
     tension_origins,
 )
-from handlcp.hand.robot.source.servos import ServoStiffness, servo_stiffness
+from handlcp.hand.robot.source.servos import file_stiffness
 from handlcp.record import Record, pick
 
 # ---------------------------------------------------------------- How large a hand is.
@@ -144,9 +145,17 @@ def describe_urdf(path: Any, base: str | None = None, package_dirs: Any = None) 
     limits = read_torque_limits(None, kinematics.joint_names, facts)
     tips = tuple(_candidate(c, c.name in taken) for c in found)
     audit = audit_of(described.source, file_doubts(described, kinematics))
-    springs, origins = _of_servos(described, kinematics), [*limit_origins(facts, kinematics.joint_names)]
-    origins += [OriginRow("stiffness", kinematics.joint_names, servo_word(described) if springs else NOWHERE)]
-    return _made(described, kinematics, tips, (), (limits.limits, limits.known), springs, audit, origins)
+    joints, origins = kinematics.joint_names, [*limit_origins(facts, kinematics.joint_names)]
+    try:
+        stiffness = file_stiffness(described, kinematics)
+    except InputError:
+        origins += [OriginRow("stiffness", joints, NOWHERE)]
+        return _made(described, kinematics, tips, (), (limits.limits, limits.known), {}, audit, origins)
+    origins += [*_drive_origins(stiffness, joints)]
+    return _made(
+        described, kinematics, tips, (), (limits.limits, limits.known), _springs(stiffness, joints), audit, origins,
+        tendon_rows(stiffness, joints),
+    )  # fmt: skip
 
 
 def describe_hand(hand: Any, touching: Iterable[Any]) -> HandDescription:
@@ -163,7 +172,7 @@ def describe_hand(hand: Any, touching: Iterable[Any]) -> HandDescription:
         same = known is not None and (known.point is None) == (point is None)
         tips.append(TipRow(name, frame.name, point, True, known.reason if known is not None and same else "named"))
     rest = tuple(_candidate(c, False) for c in reasons.values() if c.link not in {t.link for t in tips})
-    springs = _springs(hand)
+    springs = _springs(hand.stiffness, hand.joint_names)
     limits = hand.torques.limits, hand.torques.known
     rows = tuple(TouchRow(t.name, tuple(shape_words(shape) for shape in t.shapes), t.pad) for t in touching)
     return _made(
@@ -208,30 +217,25 @@ def _candidate(c: Candidate, taken: bool) -> TipRow:
     return TipRow(c.name, c.link, point, taken, c.reason)
 
 
-def _springs(hand: Any) -> dict[str, float]:
+def _springs(stiffness: Elasticity, joints: Sequence[str]) -> dict[str, float]:
     """The joints' own springs [N·m/rad]; none behind a transmission."""
-    if hand.stiffness.law[1]:
+    if stiffness.law[1]:
         return {}
-    return dict(zip(hand.joint_names, np.diagonal(hand.stiffness.matrix).tolist(), strict=True))
+    return dict(zip(joints, np.diagonal(stiffness.matrix).tolist(), strict=True))
 
 
-def _of_servos(described: Description, kinematics: Kinematics) -> dict[str, float]:
-    """The same from a file's position actuators; none where some joint has none."""
-    try:
-        matrix = servo_stiffness(described.servos, kinematics).matrix
-    except InputError:
-        return {}
-    return dict(zip(kinematics.joint_names, np.diagonal(matrix).tolist(), strict=True))
+def _drive_origins(stiffness: Elasticity, joints: Sequence[str]) -> Iterator[OriginRow]:
+    """Of stiffness, and of what tendons bear."""
+    if isinstance(stiffness, TendonStiffness):
+        yield from tension_origins(stiffness)
+    yield from stiffness_origins(stiffness, joints)
 
 
 def _origins_of_hand(hand: Any) -> Iterator[OriginRow]:
     """Of what a hand was given, or took from its file."""
     facts, limits = {f.name: f for f in hand.description.facts}, hand.torques
     yield from limit_origins(facts, hand.joint_names, limits.given, limits.drives)
-    if isinstance(hand.stiffness, TendonStiffness):
-        yield from tension_origins(hand.stiffness)
-    servos = isinstance(hand.stiffness, ServoStiffness)
-    yield OriginRow("stiffness", hand.joint_names, servo_word(hand.description) if servos else GIVEN)
+    yield from _drive_origins(hand.stiffness, hand.joint_names)
     soft = tuple(bool(pad.any()) for pad in hand.pad_flexibility)
     for some, source in ((True, GIVEN), (False, f"{DEFAULT}: rigid")):
         yield OriginRow("pad", tuple(t for t, s in zip(hand.fingertips, soft, strict=True) if s is some), source)

@@ -143,9 +143,10 @@ class HandModel:
         from handlcp.hand.robot.source.servos import ServoStiffness
 
         servos = self.stiffness if isinstance(self.stiffness, ServoStiffness) else None
-        shared = self.stiffness.law[1] or (servos is not None and not servos.widened)  # tendons pull as they do
+        pull = bool(self.stiffness.law[1])  # tendons, as they do
+        settled = {"route": pull, "tendon": pull or (servos is not None and not servos.widened)}
         every = (*doubts_of(self.description, self.torques.given, self.kinematics), *tip_doubts(self))
-        return tuple(d for d in every if not (shared and d.about == "tendon"))
+        return tuple(d for d in every if not settled.get(d.about))
 
     @lazy
     def link_surfaces(self) -> tuple[LinkSurface, ...]:

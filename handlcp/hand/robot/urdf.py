@@ -30,7 +30,7 @@ _NUMBERS = (
     ("sphere", "radius", 1, 0.0), ("cylinder", "radius", 1, 0.0), ("cylinder", "length", 1, 0.0),
     ("box", "size", 3, 0.0),
 )  # fmt: skip
-_BESIDE = ("material", "transmission", "ros2_control", "servo")  # what stands beside links and joints, of all of them
+_BESIDE = ("material", "transmission", "ros2_control", "servo", "cable")  # what stands beside links and joints
 _stderr = threading.Lock()
 
 

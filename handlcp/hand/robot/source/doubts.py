@@ -14,10 +14,12 @@ from handlcp import words
 from handlcp.check import Array
 from handlcp.hand.robot.joints import Doubt, JointFacts
 from handlcp.hand.robot.kinematics import Kinematics
+from handlcp.hand.robot.source.passive import preload
 from handlcp.hand.robot.source.stated import Servo
 
 _SHORT = 1e-2  # of a range: a soft limit or a servo that leaves out less is not worth a word
 _SAGS = 1e-3  # [m] by its own weight
+_PULLS = 0.1  # of the torque limit: springs that pull with less are not worth a word
 _RUBS = 0.25  # of the effort limit: no good drive has as much
 _GRAVITY = 9.81  # [m/s²]
 _UNLIKE = 0.05  # of the larger number: less is rounding
@@ -152,3 +154,18 @@ def weak_doubts(kinematics: Kinematics, tips: Sequence[tuple[str, int, Any]], co
         far = words.length(sags[worst])
         what = f"kp of the file is so small that a finger's own weight moves its tip by {far} ({worst})"
         yield Doubt(", ".join(sags), what, "joint_stiffness as measured: stiffness_from", "minor", "stiffness")
+
+
+# ---------------------------------------------------------------- Springs whose rest angle is far from the posture.
+
+
+def preload_doubts(kinematics: Kinematics, limits: Array) -> Iterator[Doubt]:
+    """Of springs that pull with much of what drives give in the middle of the range. limits (nv,) [N·m]."""
+    shares = abs(preload(kinematics)) / np.where(limits > 0.0, limits, np.inf)
+    much = [name for name, share in zip(kinematics.joint_names, shares, strict=True) if share > _PULLS]
+    if much:
+        what = (
+            f"springs of the file pull with up to {words.percent(float(shares.max()))} of the torque limit in the "
+            "middle of the range; torques here leave out what the drives give against them"
+        )
+        yield Doubt(", ".join(much), what, "torque_limits less by that", "minor", "spring")

@@ -9,6 +9,7 @@ is written link by link. A free joint at the root is left out: the hand stands w
 | hinge, slide | revolute or continuous, prismatic; several of one body in a row of links |
 | forcerange of an actuator, actuatorfrcrange of a joint | effort |
 | position actuator, of a joint or a tendon of joints | servo, a tag of our own: kp and arms |
+| position actuator of a tendon along a path in space | cable, a tag of our own: kp, force and path |
 | frictionloss | dynamics |
 | stiffness, springref, armature of a joint | passive, a tag of our own |
 | equality of two joints | mimic |
@@ -28,6 +29,7 @@ import pinocchio as pin
 from handlcp.check import Array
 from handlcp.errors import Unsupported, URDFError
 from handlcp.hand.robot.joints import Doubt
+from handlcp.hand.robot.source.mjcf_cables import write_cables
 from handlcp.hand.robot.source.mjcf_drives import couplings, efforts, reaches, write_passive, write_servos
 from handlcp.hand.robot.source.mjcf_parts import add, add_shapes, placed, rotation_of
 
@@ -82,7 +84,8 @@ class _Writer:
             self._body(b)
         for s in range(self.model.nsite):
             self._site(s)
-        self.doubts += write_servos(self.root, self.model, self.joints)
+        servos = write_servos(self.root, self.model, self.joints)
+        self.doubts += write_cables(self.root, self.model, servos)
         return self.root, tuple(self.doubts)
 
     def _body(self, b: int) -> None:

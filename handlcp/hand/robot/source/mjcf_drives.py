@@ -5,7 +5,6 @@ springs and friction of the joints themselves.
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -86,23 +85,21 @@ def _shared(pulled: dict[str, dict[int, float]], names: list[str]) -> list[Doubt
 # Position servos: force = g u + b₀ + b₁ l, so that kp = -b₁, whatever the gain g; l = gear × joint angle or tendon.
 
 
-def write_servos(root: ET.Element, model: Any, names: list[str]) -> Iterator[Doubt]:
-    """Write each as a <servo> with kp times the gear squared and the arm of each joint; a doubt for those that pull
-    along a path in space, whose arms change with the posture.
+def write_servos(root: ET.Element, model: Any, names: list[str]) -> dict[int, float]:
+    """Write each that moves joints by fixed arms as a <servo> with kp times the gear squared and the arm of each joint.
+    Returns number of the actuator → that kp, of all.
     """
+    found = dict[int, float]()
     for a in range(model.nu):
-        kp = -float(model.actuator_biasprm[a, 1])
+        kp, gear = -float(model.actuator_biasprm[a, 1]), float(model.actuator_gear[a, 0])
         if int(model.actuator_gaintype[a]) != _FIXED or int(model.actuator_biastype[a]) != _AFFINE or kp <= 0.0:
             continue
-        name, arms = model.actuator(a).name or f"actuator {a}", _moved(model, a)
-        if int(model.actuator_trntype[a]) == _TENDON and not arms:
-            what = f"the servo {name!r} pulls a tendon along a path in space: its kp is not read"
-            yield Doubt("hand", what, "joint_stiffness=Tendons(hl.tendon_routes(...), ...)", "minor", "stiffness")
-        gear = float(model.actuator_gear[a, 0])
-        servo = add(root, "servo", name=name, kp=kp * gear * gear) if arms else None
-        for j, arm in arms.items():
-            assert servo is not None
-            add(servo, "arm", joint=names[j], per_rad=arm)
+        found[a] = kp * gear * gear
+        if arms := _moved(model, a):
+            servo = add(root, "servo", name=model.actuator(a).name or f"actuator {a}", kp=found[a])
+            for j, arm in arms.items():
+                add(servo, "arm", joint=names[j], per_rad=arm)
+    return found
 
 
 def reaches(model: Any) -> dict[int, tuple[float, float]]:

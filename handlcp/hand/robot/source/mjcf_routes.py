@@ -14,25 +14,9 @@ import pinocchio as pin
 from handlcp.errors import InputError, Unsupported
 from handlcp.hand.elasticity.route import Pulley, Route, Site
 from handlcp.hand.elasticity.wrapping import CYLINDER, SPHERE, Around
-from handlcp.hand.robot.source.description import content
-from handlcp.hand.robot.source.mjcf import compiled
 from handlcp.hand.robot.source.mjcf_parts import rotation_of
 
 _JOINT, _PULLEY, _SITE, _SPHERE, _CYLINDER = 1, 2, 3, 4, 5  # mjtWrap: what a tendon passes
-
-
-def tendon_routes(source: Any) -> dict[str, Route]:
-    """The spatial tendons of an MJCF file as routes, by name, for `Tendons`; those that are sums of joint angles are
-    left out.
-
-    source : as of `Hand.from_mjcf`. Raises Unsupported for a tendon that runs through the inside of a body, naming it,
-    and without MuJoCo; URDFError as `Hand.from_mjcf`.
-    """
-    text, path = content("source", source)
-    read, refused = routes(compiled(text.decode() if path is None else "", path))
-    if refused:
-        raise Unsupported("; ".join([f"tendon {name!r}: {why}" for name, why in refused.items()]))
-    return read
 
 
 def routes(model: Any) -> tuple[dict[str, Route], dict[str, str]]:

@@ -8,10 +8,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from handlcp import words
+from handlcp.hand.elasticity.elasticity import Elasticity
 from handlcp.hand.elasticity.motor import Drives, Motor
 from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.robot.joints import JointFacts
 from handlcp.hand.robot.source.description import Description
+from handlcp.hand.robot.source.servos import ServoStiffness
 from handlcp.text_table import wrapped
 
 GIVEN, DEFAULT, NOWHERE = "given", "default", "nowhere"
@@ -76,7 +78,8 @@ def tension_origins(stiffness: TendonStiffness) -> Iterator[OriginRow]:
     each = zip(cables.names, cables.limits.tolist(), stiffness.bears.tolist(), motors, strict=True)
     for name, limit, bears, motor in each:
         if limit < np.inf:
-            found.setdefault(_of_motor(motor) if motor is not None and limit < bears else GIVEN, []).append(name)
+            said = "forcerange of its actuators" if stiffness.stated else GIVEN
+            found.setdefault(_of_motor(motor) if motor is not None and limit < bears else said, []).append(name)
     for source, names in found.items():
         yield OriginRow("tension limit", tuple(names), source)
 
@@ -85,19 +88,38 @@ def _of_motor(motor: Motor) -> str:
     return f"its motor, {motor.held_by} torque"
 
 
-def servo_word(described: Description) -> str:
-    """Where the stiffness of a file is from."""
-    return "kp of position actuators" if described.servos else NOWHERE
+def stiffness_origins(stiffness: Elasticity, joints: Sequence[str]) -> Iterator[OriginRow]:
+    """Of the stiffness of joints (nv,)."""
+    if isinstance(stiffness, ServoStiffness):
+        found = dict[str, list[str]]()
+        for j, joint in enumerate(joints):
+            by = bool(stiffness.rows[:, j].any()), bool(stiffness.passive[j].any())
+            found.setdefault(_SAID[by], []).append(joint)
+        for source, names in found.items():
+            yield OriginRow("stiffness", tuple(names), source)
+        return
+    own = isinstance(stiffness, TendonStiffness) and stiffness.cables.passive.any()
+    tendons = f"kp of position actuators, along their tendons{', and springs of joints' if own else ''}"
+    yield OriginRow("stiffness", tuple(joints), tendons if stiffness.stated else GIVEN)
+
+
+_SAID = {  # by whether servos and springs take part in the stiffness of a joint
+    (True, True): "kp of position actuators, and springs of joints",
+    (True, False): "kp of position actuators",
+    (False, True): "springs of joints",
+}
 
 
 # ---------------------------------------------------------------- What else is stated.
 
 _Value = Callable[[JointFacts], Any]
 _RUBS = 'read; used with joint_friction="file"'
+_SPRINGS = 'used with joint_stiffness="file"'
+_RESTS = "read; springs are at rest in a grasp's posture"
 _STATED: tuple[tuple[str, str, str, str, _Value, str], ...] = (
     ("dry friction", "dynamics friction", "frictionloss", "N·m", lambda f: f.stated.friction or None, _RUBS),
-    ("spring at the joint", "", "stiffness", "N·m/rad", lambda f: f.stated.stiffness or None, "read"),
-    ("rest of that spring", "", "springref", "rad", lambda f: f.stated.rest if f.stated.stiffness else None, "read"),
+    ("spring at the joint", "", "stiffness", "N·m/rad", lambda f: f.stated.stiffness or None, _SPRINGS),
+    ("rest of that spring", "", "springref", "rad", lambda f: f.stated.rest if f.stated.stiffness else None, _RESTS),
     ("armature", "", "armature", "kg·m²", lambda f: f.stated.armature or None, "ignored: nothing accelerates"),
     ("soft limits", "safety_controller", "", "rad", lambda f: f.stated.soft, "read; the range is the limit's"),
     ("reduction", "transmission", "", "", lambda f: f.stated.reduction, "read; limits are the joint's"),

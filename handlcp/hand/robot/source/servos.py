@@ -1,11 +1,16 @@
-"""Joint stiffness from the position servos that an MJCF file states.
+"""Joint stiffness from the position servos and the springs at joints that an MJCF file states.
 
-    K = Cᵀ (Σ kp a aᵀ) C
+    K = K_s + K_p,    K_s = Cᵀ (Σ kp a aᵀ) C,    K_p = Cᵀ diag(k) C
 
-with kp of a servo, its arms a over all joints, and the coupling C of joints that follow others. A servo on one joint is
-a spring there. One that pulls several joints by a tendon resists their common motion alone, a matrix of rank one; where
-no other servo resists the rest, the file leaves that motion free. No hand can be computed with it, so it is taken to be
-as stiff as the motion that the tendon resists: kp |a|² for each of its joints, which along a is what the file says.
+with kp of a servo, its arms a over all joints, k of the joints' own springs, and the coupling C of joints that follow
+others. A servo on one joint is a spring there. One that pulls several joints by a tendon resists their common motion
+alone, a matrix of rank one; where nothing else resists the rest, the file leaves that motion free. No hand can be
+computed with it, so it is taken to be as stiff as the motion that the tendon resists: kp |a|² for each of its joints,
+which along a is what the file says.
+
+Servos alone are commanded; springs keep their rest angle. In the grasp's posture they are taken to be at rest, as
+springs beside tendons are. A spring whose rest angle θ is elsewhere pulls with k (q - θ) besides, which its servo has
+to balance: K does not change with it, and a doubt says where that is much of a torque limit.
 """
 
 from __future__ import annotations
@@ -15,25 +20,58 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, read_only
 from handlcp.errors import InputError
-from handlcp.hand.elasticity.elasticity import Elasticity
+from handlcp.hand.elasticity.elasticity import Elasticity, spanned
 from handlcp.hand.elasticity.motor import Drives
 from handlcp.hand.elasticity.stiffness import HOW_STIFF, JointStiffness, read_stiffness, stiff_as
 from handlcp.hand.robot.kinematics import Kinematics
+from handlcp.hand.robot.source.cables import cable_stiffness
 from handlcp.hand.robot.source.description import Description
+from handlcp.hand.robot.source.passive import passive_springs
 from handlcp.hand.robot.source.stated import Servo
 from handlcp.tolerances import SEMIDEFINITE
 
 FILE = "file"  # what users pass for the stiffness that the file states
+_MADE = 1e-6  # of the largest torque of a command: less is rounding
 
 
 class ServoStiffness(JointStiffness):
-    """Stiffness from servos. widened : those whose tendon leaves a motion free, of which the file says nothing."""
+    """Stiffness from servos and springs of joints. rows (m, nv) : arms of the servos. passive (nv, nv) : K_p [N·m/rad].
+    widened : servos whose tendon leaves a motion free, of which the file says nothing.
+    """
 
-    def __init__(self, matrix: Array, widened: tuple[str, ...]) -> None:
+    def __init__(self, matrix: Array, rows: Array, passive: Array, widened: tuple[str, ...] = ()) -> None:
         super().__init__(matrix)
-        self.widened = widened
+        self.rows, self.passive, self.widened = read_only(rows), read_only(passive), widened
+
+    @property
+    def stated(self) -> bool:
+        """It is the file's."""
+        return True
+
+    @property
+    def commands(self) -> Array:
+        """Where servos can turn the joints: not those that springs alone hold."""
+        if self.widened or np.linalg.matrix_rank(self.rows) == len(self.root):
+            return super().commands
+        return spanned(self.root @ (self.rows @ self.root).T)
+
+    def pulled(self, torque: Array, command: Array) -> Array:
+        """τ - K_p (C τ - δq): springs turn with the joints from where they are at rest."""
+        return np.asarray(torque - self.passive @ (self.deflection(torque) - command))
+
+    def beyond(self, command: Array) -> Array:
+        """What of K δq no servos make."""
+        asked = self.matrix @ command
+        if self.widened or not asked.any():
+            return np.zeros(len(command))
+        left = asked - self.rows.T @ np.linalg.lstsq(self.rows.T, asked)[0]
+        return np.where(abs(left) > _MADE * abs(asked).max(), left, 0.0)
+
+    def stiffer(self, factor: float) -> ServoStiffness:
+        """The same with every spring so many times as stiff."""
+        return ServoStiffness(self.matrix * factor, self.rows, self.passive * factor, self.widened)
 
 
 def read_elasticity(
@@ -47,12 +85,21 @@ def read_elasticity(
     if value is ... or (isinstance(value, Mapping) and own):
         return read_stiffness(({} if value is ... else dict(value)) | own, joints)
     if isinstance(value, str) and value == FILE:
-        return stiff_as(servo_stiffness(described.servos, kinematics), own, joints)
+        return stiff_as(file_stiffness(described, kinematics), own, joints)
     return stiff_as(read_stiffness(value, joints, kinematics=kinematics), own, joints)
 
 
+def file_stiffness(described: Description, kinematics: Kinematics) -> JointStiffness:
+    """As the servos and springs of a file say. Raises InputError where they do not, naming joints."""
+    if cables := described.cables:
+        return cable_stiffness(cables, kinematics)
+    return servo_stiffness(described.servos, kinematics)
+
+
 def servo_stiffness(servos: Sequence[Servo], kinematics: Kinematics) -> ServoStiffness:
-    """K (nv, nv) [N·m/rad] of the independent joints. Raises InputError where a joint has no servo, naming it."""
+    """K (nv, nv) [N·m/rad] of the independent joints. Raises InputError where a joint has neither a servo nor, beside
+    other joints' servos, a spring, naming it.
+    """
     movable, coupling = kinematics.movable, kinematics.all_joints
     index = {name: i for i, name in enumerate(movable)}
     rows = np.zeros((len(servos), len(movable)))
@@ -60,7 +107,8 @@ def servo_stiffness(servos: Sequence[Servo], kinematics: Kinematics) -> ServoSti
         for joint, arm in servo.arms.items():
             row[index[joint]] = arm
     rows, kp = rows @ coupling.C, np.array([servo.kp for servo in servos])
-    K = rows.T @ (kp[:, None] * rows)
+    own = passive_springs(kinematics)
+    K = rows.T @ (kp[:, None] * rows) + (own if len(servos) else 0.0)
     if bare := [name for name, k in zip(coupling.names, np.diagonal(K), strict=True) if k <= 0.0]:
         what = "none" if len(bare) == coupling.C.shape[1] else f"none for {', '.join(bare)}"
         expected = f"{HOW_STIFF}, where the file has no position actuators that say it"
@@ -70,7 +118,7 @@ def servo_stiffness(servos: Sequence[Servo], kinematics: Kinematics) -> ServoSti
     for i in widened:
         row = rows[i]
         K += kp[i] * (np.diag(np.where(row != 0.0, row @ row, 0.0)) - np.outer(row, row))
-    return ServoStiffness((K + K.T) / 2, tuple(servos[i].name for i in widened))
+    return ServoStiffness((K + K.T) / 2, rows, own, tuple(servos[i].name for i in widened))
 
 
 def _loose(K: Array) -> Array:
