@@ -111,11 +111,14 @@ class Hand(HandModel):
 
         Bodies and named sites are links. The world body is the base, and a free joint at the root is left out. Efforts
         are those of the file's actuators; joints that an equality couples follow each other.
-        joint_stiffness : "file": kp of the position actuators with their gear; of one that pulls joints by a fixed
-            tendon with coefficients a, kp a aᵀ, and what nothing else resists there as stiff as a, which is doubted.
+        joint_stiffness : "file": kp of the position actuators with their gear, and the joints' own springs; of one
+            that pulls joints by a fixed tendon with coefficients a, kp a aᵀ, and what nothing else resists there as
+            stiff as a, which is doubted. Where all of them pull tendons along paths in space: `Tendons` with the
+            file's `tendon_routes`, kp, springs and forceranges. A spring is at rest in the posture of a grasp, and no
+            actuator commands it.
 
         Raises Unsupported without MuJoCo (pip install handlcp[mujoco]); InputError for joints to which the file gives
-        no position actuator, where none is passed; and what `from_urdf` raises.
+        neither a position actuator nor a spring, where none is passed; and what `from_urdf` raises.
         """
         from handlcp.hand.robot.source.description import MJCF, describe_xml
 

@@ -72,6 +72,8 @@ def test_a_joint_with_a_spring_alone_gives_way_and_is_commanded_by_nothing() -> 
     np.testing.assert_allclose(hand.stiffness.beyond(np.array([0.1, 0.1, 0.2])), [0.0, 0.0, 0.06], atol=1e-12)
     assert not hand.stiffness.beyond(np.array([0.1, 0.1, 0.0])).any()
     assert "stiffness of c: springs of joints" in str(hand.describe())
+    (doubt,) = doubts(hand)
+    assert (doubt.joint, doubt.what[:17]) == ("c", "no actuator turns")
     with pytest.raises(hl.InputError, match=r"joint_stiffness.*none"):
         finger(c=' stiffness="0.3"', more="")
 
@@ -98,5 +100,7 @@ def test_a_rest_angle_that_takes_a_tenth_of_the_torque_limit_is_doubted(limit: f
     assert bool(doubts(hand)) is said
     if said:
         assert doubts(hand)[0].joint == "a"
-        assert "16 % of the torque limit" in doubts(hand)[0].what
+        assert "16 % of what drives give" in doubts(hand)[0].what
         assert not doubts(finger(joint_stiffness=1.0, torque_limits=limit))
+        limited = text(more=ALL.replace('name="sa"', f'name="sa" forcerange="-{limit} {limit}"'))
+        assert [d.what for d in hl.audit_urdf(limited) if d.about == "spring"] == [doubts(hand)[0].what]

@@ -129,3 +129,11 @@ def test_a_spring_of_a_tendon_is_left_out_and_said() -> None:
     sprung = text.replace('<spatial name="long flexor 0"', '<spatial stiffness="200" name="long flexor 0"')
     (doubt,) = about(hl.Hand.from_mjcf(sprung, TIPS), "a spring of its own of 200")
     assert doubt.severity == "minor"
+
+
+def test_springs_that_take_much_of_what_tendons_bear_are_doubted() -> None:
+    """Return springs that are at rest with the fingers open pull with 0.5 N·m/rad times 1 rad in the middle."""
+    joints, words = f' stiffness="{OWN}" springref="-0.6"', 'forcerange="0 {}"'
+    found = [hl.Hand.from_mjcf(twenty_text(winches(words=words.format(most)), joints), TIPS) for most in (30.0, 3e3)]
+    assert [len(about(hand, "springs of the file pull with up to")) for hand in found] == [1, 0]
+    assert not about(hl.Hand.from_mjcf(twenty_text(winches(), joints), TIPS), "springs of the file")

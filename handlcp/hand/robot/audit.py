@@ -17,7 +17,7 @@ from handlcp.hand.robot.fingertips import candidates, obvious
 from handlcp.hand.robot.joints import SEVERITIES, Doubt, joint_facts
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, robot_of
-from handlcp.hand.robot.source.doubts import friction_doubts, preload_doubts, stated_doubts, unlike_doubts, weak_doubts
+from handlcp.hand.robot.source.doubts import friction_doubts, spring_doubts, stated_doubts, unlike_doubts, weak_doubts
 from handlcp.hand.robot.source.servos import file_stiffness
 from handlcp.hand.robot.urdf import build_model, mesh_file, package_folders
 from handlcp.record import Record
@@ -122,7 +122,7 @@ def _of_stiffness(described: Description, kinematics: Kinematics | None) -> Iter
     tips = [(c.name, kinematics.model.getFrameId(c.link), c.point) for c in found]
     yield from weak_doubts(kinematics, tips, stiffness.compliance(np.eye(kinematics.nv)))
     efforts = {f.name: f.effort for f in described.facts}
-    yield from preload_doubts(kinematics, np.array([efforts[name] for name in kinematics.joint_names]))
+    yield from spring_doubts(kinematics, stiffness, np.array([efforts[name] for name in kinematics.joint_names]))
 
 
 def stiffness_doubts(hand: Any) -> Iterator[Doubt]:
@@ -136,7 +136,7 @@ def stiffness_doubts(hand: Any) -> Iterator[Doubt]:
         yield SERVO_DOUBT
         tips = [(name, frame, None) for name, frame in zip(hand.fingertips, hand.tips.frames, strict=True)]
         yield from weak_doubts(hand.kinematics, tips, hand.joint_compliance)
-        yield from preload_doubts(hand.kinematics, hand.torque_limits)
+        yield from spring_doubts(hand.kinematics, hand.stiffness, hand.torque_limits)
 
 
 def doubts_of(

@@ -12,6 +12,8 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array
+from handlcp.hand.elasticity.elasticity import Elasticity
+from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.robot.joints import Doubt, JointFacts
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.passive import preload
@@ -19,6 +21,8 @@ from handlcp.hand.robot.source.stated import Servo
 
 _SHORT = 1e-2  # of a range: a soft limit or a servo that leaves out less is not worth a word
 _SAGS = 1e-3  # [m] by its own weight
+_NONE = 1e30  # [N] a tendon that bears as much has no limit
+_TURNS = 1e-9  # of a motion of length 1: less is rounding
 _PULLS = 0.1  # of the torque limit: springs that pull with less are not worth a word
 _RUBS = 0.25  # of the effort limit: no good drive has as much
 _GRAVITY = 9.81  # [m/s²]
@@ -159,13 +163,22 @@ def weak_doubts(kinematics: Kinematics, tips: Sequence[tuple[str, int, Any]], co
 # ---------------------------------------------------------------- Springs whose rest angle is far from the posture.
 
 
-def preload_doubts(kinematics: Kinematics, limits: Array) -> Iterator[Doubt]:
-    """Of springs that pull with much of what drives give in the middle of the range. limits (nv,) [N·m]."""
+def spring_doubts(kinematics: Kinematics, stiffness: Elasticity, limits: Array) -> Iterator[Doubt]:
+    """Of springs of the file that pull with much of what drives give in the middle of the range, and of joints that
+    nothing but a spring holds. limits (nv,) torque limits [N·m].
+    """
+    joints = kinematics.joint_names
+    if isinstance(stiffness, TendonStiffness):
+        most = abs(stiffness.arms) * np.minimum(stiffness.cables.limits, _NONE)[:, None]
+        limits = np.minimum(limits, most.sum(axis=0))
     shares = abs(preload(kinematics)) / np.where(limits > 0.0, limits, np.inf)
-    much = [name for name, share in zip(kinematics.joint_names, shares, strict=True) if share > _PULLS]
-    if much:
+    if much := [name for name, share in zip(joints, shares, strict=True) if share > _PULLS]:
         what = (
-            f"springs of the file pull with up to {words.percent(float(shares.max()))} of the torque limit in the "
-            "middle of the range; torques here leave out what the drives give against them"
+            f"springs of the file pull with up to {words.percent(float(shares.max()))} of what drives give in the "
+            "middle of the range; torques and tensions here leave out what drives give against them"
         )
-        yield Doubt(", ".join(much), what, "torque_limits less by that", "minor", "spring")
+        yield Doubt(", ".join(much), what, "limits that are lower by that", "minor", "spring")
+    turned = np.asarray((abs(stiffness.commands) > _TURNS).any(axis=1))
+    if idle := [name for name, turns in zip(joints, turned, strict=True) if not turns]:
+        what = "no actuator turns it, and its spring is taken to be at rest in the posture of a grasp"
+        yield Doubt(", ".join(idle), what, "postures with it where its spring is at rest", "minor", "spring")
