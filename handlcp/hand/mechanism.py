@@ -29,7 +29,7 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.asked.load import load_of, weight_left_out, weight_of
 from handlcp.hand.elasticity.elasticity import TRANSMISSION, Effort
-from handlcp.hand.elasticity.stiffness import JointStiffness, Pads, tip_flexibility
+from handlcp.hand.elasticity.stiffness import Pads, tip_flexibility
 from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.objects.detect import touching
 from handlcp.hand.objects.object import Object
@@ -316,7 +316,7 @@ class HandMechanism(Varied, Mechanism):
     @property
     def springs_by_joint(self) -> bool:
         """Not of a transmission."""
-        return type(self.posture.hand.stiffness) is JointStiffness
+        return not self.posture.hand.stiffness.law[1]
 
     def limited(self, spec: GraspSpec, limits: Array) -> GraspSpec:
         """Of the same hand in the same posture; all limits count as known."""

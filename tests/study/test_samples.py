@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from handlcp.hand.robot.source.servos import ServoStiffness
 from tests.support.reliability import grasp_with
 
 HAND = hl.example_hand("three_finger", joint_stiffness=6.0)
@@ -62,6 +63,15 @@ def test_one_spring_is_that_of_another_hand(nominal):
     joint = HAND.joint_names[1]
     stiffness = dict.fromkeys(HAND.joint_names, 6.0) | {joint: 7.5}
     same(grasp_with(nominal, stiffness={joint: 1.25}), commanded(grasp(HAND.replace(joint_stiffness=stiffness))))
+
+
+def test_springs_of_a_file_s_servos_change_joint_by_joint():
+    joint, own = HAND.joint_names[1], 0.5 * np.eye(HAND.nv)
+    hand = HAND.with_parts(stiffness=ServoStiffness(6.0 * np.eye(HAND.nv), np.eye(HAND.nv), own))
+    stiffness = dict.fromkeys(HAND.joint_names, 6.0) | {joint: 7.5}
+    made = grasp_with(grasp(hand), stiffness={joint: 1.25})
+    same(made, commanded(grasp(HAND.replace(joint_stiffness=stiffness))))
+    np.testing.assert_allclose(np.diag(made.state.hand.stiffness.passive), [0.5, 0.625, *[0.5] * 4])
 
 
 def test_joints_that_stand_off_carry_the_fingertips_along():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -103,7 +103,7 @@ class JointStiffness(Elasticity):
         """The same with every spring so many times as stiff."""
         return JointStiffness(self._matrix * factor, self.uniform)
 
-    def by_joint(self, factors: Array) -> JointStiffness:
+    def by_joint(self, factors: Array) -> Self:
         """The same with the spring of each joint so many times as stiff, f (nv,) > 0; K_ij grows by √(f_i f_j)."""
         made, by = copy(self), np.sqrt(factors)
         made._matrix, made.root = read_only(self._matrix * by * by[:, None]), read_only(self.root / by[:, None])

@@ -172,7 +172,9 @@ def _hand_of(hand: HandMechanism, arrays: Arrays, joints: Joints, k: int) -> Han
 
 def _stiffer(springs: Elasticity, factors: Array) -> Elasticity:
     """By factors (nv,), which are all alike for tendons and synergies."""
-    return springs.by_joint(factors) if type(springs) is JointStiffness else springs.stiffer(float(factors[0]))
+    if isinstance(springs, JointStiffness) and not springs.law[1]:
+        return springs.by_joint(factors)
+    return springs.stiffer(float(factors[0]))
 
 
 def _with_parts(old: Posture, hand: Any) -> Posture:

@@ -16,7 +16,7 @@ to balance: K does not change with it, and a doubt says where that is much of a 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -72,6 +72,12 @@ class ServoStiffness(JointStiffness):
     def stiffer(self, factor: float) -> ServoStiffness:
         """The same with every spring so many times as stiff."""
         return ServoStiffness(self.matrix * factor, self.rows, self.passive * factor, self.widened)
+
+    def by_joint(self, factors: Array) -> Self:
+        """Servos and springs of a joint alike."""
+        made, by = super().by_joint(factors), np.sqrt(factors)
+        made.passive = read_only(self.passive * by * by[:, None])
+        return made
 
 
 def read_elasticity(
