@@ -18,7 +18,7 @@ from handlcp.hand.robot.joints import SEVERITIES, Doubt, joint_facts
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, robot_of
 from handlcp.hand.robot.source.doubts import friction_doubts, spring_doubts, stated_doubts, unlike_doubts, weak_doubts
-from handlcp.hand.robot.source.servos import file_stiffness
+from handlcp.hand.robot.source.servos import file_stiffness, has_servos
 from handlcp.hand.robot.urdf import build_model, mesh_file, package_folders
 from handlcp.record import Record
 from handlcp.text_table import wrapped
@@ -128,7 +128,7 @@ def _of_stiffness(described: Description, kinematics: Kinematics | None) -> Iter
 def stiffness_doubts(hand: Any) -> Iterator[Doubt]:
     """Of the stiffness that a hand has: one number for all joints, or that of the file."""
     if hand.stiffness.uniform:
-        where = "is not that of the file" if hand.description.servos or hand.description.cables else "is in no file"
+        where = "is not that of the file" if has_servos(hand.description) else "is in no file"
         what = f"joint stiffness {where}: {hand.stiffness.matrix[0, 0]:g} N·m/rad was passed for every joint"
         advice = "joint_stiffness as measured, by joint name or as a matrix"
         yield Doubt("hand", what, advice, "minor", "stiffness")

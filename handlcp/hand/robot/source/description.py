@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Set
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -25,9 +25,6 @@ from handlcp.hand.robot.urdf import (
     package_folders,
     resolve_meshes,
 )
-
-if TYPE_CHECKING:
-    from handlcp.hand.robot.source.cables import Cable
 
 COLLISION, VISUAL = "collision", "visual"
 _KINDS = {COLLISION: pin.GeometryType.COLLISION, VISUAL: pin.GeometryType.VISUAL}
@@ -86,13 +83,6 @@ class Description:
     def servos(self) -> tuple[Servo, ...]:
         """The position actuators of an MJCF file; () for others."""
         return () if self.root is None else servos_of(self.root)
-
-    @property
-    def cables(self) -> tuple[Cable, ...]:
-        """The tendons along routes that servos of an MJCF file draw in; () for others."""
-        from handlcp.hand.robot.source.cables import cables_of
-
-        return () if self.root is None else cables_of(self.root)
 
     @property
     def masses(self) -> dict[str, float]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from handlcp import words
 from handlcp.hand.robot.joints import Doubt
-from handlcp.hand.robot.source.cables import Cable, write_cable
+from handlcp.hand.robot.source.file_cables import Cable, write_cable
 from handlcp.hand.robot.source.mjcf_routes import routes
 
 _TENDON = 3  # what an actuator moves

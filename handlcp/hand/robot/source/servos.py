@@ -26,8 +26,8 @@ from handlcp.hand.elasticity.elasticity import Elasticity, spanned
 from handlcp.hand.elasticity.motor import Drives
 from handlcp.hand.elasticity.stiffness import HOW_STIFF, JointStiffness, read_stiffness, stiff_as
 from handlcp.hand.robot.kinematics import Kinematics
-from handlcp.hand.robot.source.cables import cable_stiffness
 from handlcp.hand.robot.source.description import Description
+from handlcp.hand.robot.source.file_cables import Cable, cable_stiffness, cables_of
 from handlcp.hand.robot.source.passive import passive_springs
 from handlcp.hand.robot.source.stated import Servo
 from handlcp.tolerances import SEMIDEFINITE
@@ -97,9 +97,18 @@ def read_elasticity(
 
 def file_stiffness(described: Description, kinematics: Kinematics) -> JointStiffness:
     """As the servos and springs of a file say. Raises InputError where they do not, naming joints."""
-    if cables := described.cables:
+    if cables := _cables(described):
         return cable_stiffness(cables, kinematics)
     return servo_stiffness(described.servos, kinematics)
+
+
+def has_servos(described: Description) -> bool:
+    """Whether a file has position actuators that are read."""
+    return bool(described.servos or _cables(described))
+
+
+def _cables(described: Description) -> tuple[Cable, ...]:
+    return () if described.root is None else cables_of(described.root)
 
 
 def servo_stiffness(servos: Sequence[Servo], kinematics: Kinematics) -> ServoStiffness:
