@@ -1,5 +1,8 @@
 import typing
 
+from .design.brief import Brief as Brief
+from .design.evaluate import evaluate as evaluate
+from .design.evaluation import Evaluation as Evaluation
 from .errors import (
     HandLCPError as HandLCPError,
     InputError as InputError,

@@ -35,6 +35,7 @@ ORDER = [
     "simulator",
     "scene",
     "study",
+    "design",
     "show",
     "method",
     "cli",

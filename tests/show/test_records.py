@@ -94,6 +94,7 @@ EXAMPLES = {
     "Envelope": lambda: hl.envelope(held(), directions=6, geometry="fixed", faces=8),
     "Payload Orientation": lambda: held().payload(geometry="fixed", faces=8),
     "SplitCylinder Grip": lambda: hl.split_cylinder(hand(), 0.05, grasps=["pinch"]),
+    "Evaluation ObjectCase": lambda: hl.evaluate(hand(), hl.Brief({"ball": hl.Sphere(0.03, mass=0.1)}, tries=16)),
     "Envelope, of wrenches": lambda: hl.envelope(pinch(), np.eye(6)),
     "AccuracyCost": lambda: accuracy_cost(
         pinch(), methods=["NSNGRK polished"], faces=[8], tolerances=[1e-9], left_out=False, repeats=1

@@ -25,6 +25,7 @@ from handlcp.hand.torque_check import torque_check
 __all__ = [
     "RIM",
     "SHIPPED",
+    "ServoStiffness",
     "allegro",
     "ball_near",
     "configuration",

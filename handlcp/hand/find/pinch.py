@@ -140,6 +140,10 @@ class Search:
             found = sorted([*better, *found], key=lambda one: one.rank)
         return found
 
+    def from_place(self, place: Place) -> list[Candidate]:
+        """The grasp that begins at this place, brought together and checked; none where it does not hold."""
+        return checked(self._settled([place]), 1, self.tried, self.refused)
+
     def _settled(self, places: Iterable[Place]) -> list[Candidate]:
         """The grasps that begin at these places and are held, the best first."""
         ready: list[tuple[float, Touch, Array]] = []

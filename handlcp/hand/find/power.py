@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from functools import wraps
 from itertools import islice
-from typing import Any
+from typing import Any, ParamSpec
 
 import numpy as np
 
@@ -33,6 +34,24 @@ _CHECKED = 6  # grasps that are checked, before those that only lie there
 _WORTH = 0.5  # of the best: what holds no more is not followed any further
 _REACH = 4e-3  # [m] links no farther away may come to touch while the hand closes on what gives way
 _DEEP = 1e-3  # [m] deeper in the object no link may be
+P = ParamSpec("P")
+
+
+def _none_where_refused(grasps: Callable[P, list[HandGrasp]]) -> Callable[P, list[HandGrasp]]:
+    """No grasps where one cannot be made there."""
+
+    @wraps(grasps)
+    def made(*args: P.args, **kwargs: P.kwargs) -> list[HandGrasp]:
+        try:
+            return grasps(*args, **kwargs)
+        except (NotReached, Unsupported):
+            return []
+        except InputError as error:
+            if error.argument not in ("target", "links"):  # a link deep in the object, or too many that touch
+                raise
+            return []
+
+    return made
 
 
 class PowerSearch:
@@ -102,6 +121,10 @@ class PowerSearch:
             self.tried["tried"] += 1
             tick(f"{self.tried['tried']} placements tried")
             grasps += self._grasp(one)
+        return self._solved(grasps)
+
+    def _solved(self, grasps: list[HandGrasp]) -> list[Candidate]:
+        """Those that one solve holds."""
         found = list[Candidate]()
         for grasp, solution in zip(grasps, solve_many(grasps, "cone", workers=1, proof=False), strict=True):
             if solution.held:
@@ -109,23 +132,26 @@ class PowerSearch:
         self.tried["held"] += len(found)
         return found
 
+    def from_open(self, state: HandState, obj: Object, torque: Array) -> list[Candidate]:
+        """The grasp of an open hand that closes on the object where it is, with this torque (nv,) [N·m], checked and
+        followed; none where it does not hold.
+        """
+        return self._followed(self._solved(self._closed(state, obj, torque)), 1)
+
+    @_none_where_refused
     def _grasp(self, one: Laid) -> list[HandGrasp]:
         """The grasp of an open hand, or none where it does not enclose the object, or links are in each other."""
-        try:
-            place = settled(self._hand, self._among, self._obj, one)
-            if place is None:
-                return []
-            self.tried["settled"] += 1
-            state, obj = HandState(self._hand, place.q), place.of(self._obj)
-            asked = self._asked | {"closing_torque": self._torque(state, obj, one.closing)}
-            asked |= {"links": ALL, "hold_object": True, "max_gap": _REACH}
-            grasp = HandGrasp(HandAsked(state, obj, **asked).begun())
-        except (NotReached, Unsupported):
+        place = settled(self._hand, self._among, self._obj, one)
+        if place is None:
             return []
-        except InputError as error:
-            if error.argument not in ("target", "links"):  # a link deep in the object, or too many that touch
-                raise
-            return []
+        self.tried["settled"] += 1
+        state, obj = HandState(self._hand, place.q), place.of(self._obj)
+        return self._closed(state, obj, self._torque(state, obj, one.closing))
+
+    @_none_where_refused
+    def _closed(self, state: HandState, obj: Object, torque: Array) -> list[HandGrasp]:
+        asked = self._asked | {"closing_torque": torque, "links": ALL, "hold_object": True, "max_gap": _REACH}
+        grasp = HandGrasp(HandAsked(state, obj, **asked).begun())
         if not encloses(self._hand, grasp):
             return []
         self.tried["enclosing"] += 1

@@ -1,0 +1,1 @@
+"""The design of a hand itself: what it must do, and how well it does it."""

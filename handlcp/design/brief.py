@@ -1,0 +1,130 @@
+"""What a hand must do: objects to hold, loads on them, and how far is far enough."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, array, integer, number, read_only
+from handlcp.errors import InputError
+from handlcp.grasp.friction import FrictionLaw, as_law
+from handlcp.hand.find.find import ANY, KINDS, PINCH, POWER
+from handlcp.hand.objects.object import Object
+from handlcp.study.payload.ask import ANY as ANY_WAY, SIX
+
+_WRENCH = "force [N] and torque [N·m] beside the weight"
+_CLOSING = ("squeeze", "grip_force", "closing_torque")  # arguments of `find_grasp` that say how hard the hand closes
+
+
+@dataclass(frozen=True, eq=False)
+class Brief:
+    """What a hand must do, for `evaluate`. Immutable.
+
+    objects : shapes and masses to hold: one, a sequence, or a mapping of names to them. Their placements do not count:
+        the hand finds its grasps.
+    loads : on each object beside its weight, about the grasp's reference: (6,) force [N] and torque [N·m], axes of the
+        hand's base, gravity along its -z; a sequence of them, or a mapping of names to them. None: the weight alone.
+    friction : of all contacts: a coefficient or a law.
+    orientations, acceleration : in which directions gravity pulls on the object, 6 or "any", and how fast the hand
+        speeds up [m/s²], as in `Grasp.payload`.
+    motion : how far an object may move [m] under its weight or a load, after the hand has closed; None: any distance.
+    most_force : the largest normal force that an object bears at a contact [N], such as 3 N for an egg; None: any.
+    safety : > 0: how many times the weight, and each load, must be held.
+    kind : of grasp: "pinch", "power" or "any". squeeze, grip_force, closing_torque : how hard the hand closes; these,
+        tries and seed as in `find_grasp`.
+    Raises InputError.
+    """
+
+    objects: Any
+    loads: Any = None
+    friction: Any = 0.6
+    orientations: Any = SIX
+    acceleration: float = 0.0
+    motion: float | None = None
+    most_force: float | None = None
+    safety: float = 1.0
+    kind: str = PINCH
+    squeeze: Any = None
+    grip_force: Any = None
+    closing_torque: Any = None
+    tries: int = 256
+    seed: int = 0
+    law: FrictionLaw = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        above = partial(number, above=0.0)
+        put = partial(object.__setattr__, self)
+        put("objects", _objects(self.objects))
+        put("loads", _loads(self.loads))
+        put("law", as_law(self.friction))
+        if not isinstance(self.orientations, (int, str)) or self.orientations not in (SIX, ANY_WAY):
+            raise InputError("orientations", '6 or "any"', repr(self.orientations)[:80])
+        put("acceleration", number("acceleration", self.acceleration, minimum=0.0))
+        for name in ("motion", "most_force"):
+            value = getattr(self, name)
+            put(name, None if value is None else above(name, value))
+        put("safety", above("safety", self.safety))
+        if not isinstance(self.kind, str) or self.kind not in KINDS:
+            raise InputError("kind", '"pinch", "power" or "any"', repr(self.kind)[:80])
+        given = [name for name in _CLOSING if getattr(self, name) is not None]
+        fit = {PINCH: _CLOSING[:2], POWER: _CLOSING[2:], ANY: _CLOSING}[self.kind]
+        for name in given:
+            if name not in fit or (name == "grip_force" and "squeeze" in given):
+                expected = f"None beside another way to close; {' or '.join(fit)} closes a grasp of kind {self.kind!r}"
+                raise InputError(name, expected, repr(getattr(self, name))[:80])
+        put("tries", integer("tries", self.tries, 1))
+        put("seed", integer("seed", self.seed, 0))
+
+    @property
+    def closing(self) -> dict[str, Any]:
+        """How hard the hand closes, as arguments of `find_grasp`."""
+        return {name: value for name in _CLOSING if (value := getattr(self, name)) is not None}
+
+    @property
+    def most_motion(self) -> float:
+        """How far an object may move [m]; inf: any distance."""
+        return np.inf if self.motion is None else self.motion
+
+
+def _objects(given: Any) -> dict[str, Object]:
+    """By name. Raises InputError."""
+    expected = "an object such as Sphere(0.03), a sequence of them, or a mapping of names to them; at least one"
+    if isinstance(given, Object):
+        return {"object": given}
+    if isinstance(given, Mapping):
+        named = {str(name): obj for name, obj in given.items()}
+    elif isinstance(given, Sequence) and not isinstance(given, str):
+        named = {f"object {k + 1}": obj for k, obj in enumerate(given)}
+    else:
+        raise InputError("objects", expected, repr(given)[:80])
+    for name, obj in named.items():
+        if not isinstance(obj, Object):
+            raise InputError(f"objects[{name!r}]", "an object such as Sphere(0.03)", repr(obj)[:80])
+    if not named:
+        raise InputError("objects", expected, repr(given)[:80])
+    return named
+
+
+def _loads(given: Any) -> dict[str, Array]:
+    """By name. Raises InputError."""
+    if given is None:
+        return {}
+    if isinstance(given, Mapping):
+        named = {str(name): load for name, load in given.items()}
+    else:
+        rows = np.ndim(given) == 1
+        named = {f"load {k + 1}": load for k, load in enumerate([given] if rows else given)}
+    found = {name: array(f"loads[{name!r}]", load, (6,), what=_WRENCH) for name, load in named.items()}
+    for name, load in found.items():
+        if not load.any():
+            raise InputError(f"loads[{name!r}]", "a load that is not zero: the weight is there anyway", load.tolist())
+        if name == WEIGHT:
+            raise InputError("loads", f"another name than {WEIGHT!r}, which the object's own weight has", repr(name))
+    return {name: read_only(load) for name, load in found.items()}
+
+
+WEIGHT = "weight"

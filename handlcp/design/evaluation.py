@@ -1,0 +1,151 @@
+"""How well a hand does what a brief asks: plain numbers, for each object and in all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from handlcp import words
+from handlcp.grasp.answer.verdict import HELD
+from handlcp.hand.find.candidate import Candidate
+from handlcp.record import Record
+from handlcp.study.payload.result import Payload
+from handlcp.text_table import TextTable, wrapped
+
+NOT_FOUND = "NOT FOUND"  # beside the words of a verdict
+
+
+@dataclass(frozen=True, eq=False)
+class ObjectCase(Record):
+    """One object.
+
+    word : the worst of `verdicts`, or "NOT FOUND" where no grasp was. verdicts : "HELD", "OVER LIMIT", "NOT HELD" or
+    "UNDECIDED" for the weight and each load, with the safety that was asked for. factors : how many times the weight in
+    the worst orientation, and each load, is held; infinite for what nothing ends. payload : [kg] held in every
+    orientation, 0 without a grasp. factor : the smallest of the factors. gives_out : what gives out there, in words;
+    why no grasp was found.
+    kind : of the grasp, "pinch" or "power". continued : whether it is the grasp of another design, brought along.
+    force : the largest normal force at a contact while the hand closes and the loads come [N]. torque : the largest
+    of a joint at the end of that [N·m, N], and torque_used : the largest share of a torque limit [-]. motion : how far
+    the object moves under its weight [m]. candidate, payloads : the grasp, and its `Payload`; None without one.
+    """
+
+    entries = (
+        "word", "verdicts", "factors", "payload_kg", "factor", "gives_out", "kind", "continued", "force_N", "torque_Nm",
+        "torque_used", "motion_m",
+    )  # fmt: skip
+
+    word: str
+    verdicts: Mapping[str, str]
+    factors: Mapping[str, float]
+    payload: float
+    gives_out: str
+    kind: str = ""
+    continued: bool = False
+    force: float = np.nan
+    torque: float = np.nan
+    torque_used: float = np.nan
+    motion: float = np.nan
+    candidate: Candidate | None = field(default=None, repr=False)
+    payloads: Payload | None = field(default=None, repr=False)
+
+    @property
+    def factor(self) -> float:
+        """The smallest of the factors."""
+        return min(self.factors.values())
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation(Record):
+    """How well a hand does what a brief asks; made by `evaluate`. `to_dict` and `to_row` are plain numbers and words.
+
+    cases : object → what is so of it. Numbers in all are those of the worst object: the least payload [kg] and factor,
+    the largest force [N], torque [N·m], share of a torque limit and motion [m]; a number that is not known of some
+    object, since no grasp of it was found, is that of the others, NaN where there are none.
+    """
+
+    entries = (
+        "holds", "payload_kg", "factor", "gives_out", "worst_object", "force_N", "torque_Nm", "torque_used", "motion_m",
+        "objects = cases",
+    )  # fmt: skip
+
+    cases: Mapping[str, ObjectCase]
+
+    @property
+    def holds(self) -> bool:
+        """Whether every object is held under its weight and every load."""
+        return all(case.word == HELD for case in self.cases.values())
+
+    @property
+    def verdicts(self) -> dict[str, dict[str, str]]:
+        """Object → load → word."""
+        return {name: dict(case.verdicts) for name, case in self.cases.items()}
+
+    @property
+    def worst_object(self) -> str:
+        """The one with the smallest factor; of several the first."""
+        return min(self.cases, key=lambda name: self.cases[name].factor)
+
+    @property
+    def payload(self) -> float:
+        """[kg] of the object of which the least mass is held."""
+        return min(case.payload for case in self.cases.values())
+
+    @property
+    def factor(self) -> float:
+        """How many times all weights and loads are held."""
+        return self.cases[self.worst_object].factor
+
+    @property
+    def gives_out(self) -> str:
+        """What gives out first, in words."""
+        return self.cases[self.worst_object].gives_out
+
+    @property
+    def force(self) -> float:
+        """The largest normal force at a contact [N]."""
+        return self._most("force")
+
+    @property
+    def torque(self) -> float:
+        """The largest torque of a joint [N·m, N]."""
+        return self._most("torque")
+
+    @property
+    def torque_used(self) -> float:
+        """The largest share of a torque limit [-]."""
+        return self._most("torque_used")
+
+    @property
+    def motion(self) -> float:
+        """The farthest that an object moves under its weight [m]."""
+        return self._most("motion")
+
+    def _most(self, name: str) -> float:
+        known = [value for case in self.cases.values() if not np.isnan(value := getattr(case, name))]
+        return max(known, default=np.nan)
+
+    def __str__(self) -> str:
+        word = "every object is held" if self.holds else f"not every object is held: {self.worst_object} is the worst"
+        head = wrapped(f"{word}. First gives out: {self.gives_out}.")
+        rows = [
+            (name, case.word, f"{case.factor:.3g}", f"{case.payload:.3g}", _of(case.force), _percent(case.torque_used),
+             _of(1e3 * case.motion))
+            for name, case in self.cases.items()
+        ]  # fmt: skip
+        heads = "object", "verdict", "times\nits loads", "payload\nkg", "force\nN", "torque\nused", "moves\nmm"
+        return f"{head}\n\n{TextTable(heads, tuple(rows), '<<>>>>>')}"
+
+    def __repr__(self) -> str:
+        said = words.listed([f"{name}: {case.word}" for name, case in self.cases.items()])
+        return f"Evaluation(payload={self.payload:.6g}, {said})"
+
+
+def _of(value: float) -> str:
+    return "" if np.isnan(value) else f"{value:.3g}"
+
+
+def _percent(value: float) -> str:
+    return "" if np.isnan(value) else f"{100 * value:.0f} %"

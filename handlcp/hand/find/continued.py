@@ -1,0 +1,49 @@
+"""A grasp brought along from one hand to another that is much the same: a neighbour in a space of designs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from handlcp.hand.asked.asked import HandAsked
+from handlcp.hand.find.candidate import Candidate
+from handlcp.hand.find.clear import Place
+from handlcp.hand.find.find import PINCH
+from handlcp.hand.find.pinch import Search
+from handlcp.hand.find.power import PowerSearch
+from handlcp.hand.objects.object import Object
+from handlcp.hand.robot.model import HandModel
+from handlcp.hand.state import HandState
+
+
+def continued(
+    hand: HandModel, obj: Object, near: Candidate, asked: Mapping[str, Any], seed: int
+) -> Candidate | None:  # fmt: skip
+    """The grasp of another hand, made by this one; None: it is lost on the way, or the joints are others.
+
+    Fingertips: joints and object move together from where they are there until all tips touch. The whole hand: it
+    closes anew, from the same open posture on the object where it is there. Either is then checked as a grasp that
+    `find_grasp` finds. asked : friction, gravity, and how hard the hand closes, as of `find_grasp`.
+    """
+    before = near.state.hand
+    if hand.joint_names != before.joint_names:
+        return None
+    R, o = near.object.frame
+    place = Place(np.clip(near.q, hand.lower, hand.upper), np.array(R), np.array(o))
+    if near.kind == PINCH:
+        fingers = list(near.grasp.fingertips)
+        if any(name not in hand.fingertips for name in fingers):
+            return None
+        words = {"wrench": None, "squeeze": None, "grip_force": None, **asked, "fingers": fingers}
+        words.pop("closing_torque", None)
+        found = Search(hand, hand.tip_numbers("fingers", fingers), obj, words, seed).from_place(place)
+    else:
+        own = near.grasp.spec.asked
+        assert isinstance(own, HandAsked)  # a search made it
+        words = {"wrench": None, **{k: v for k, v in asked.items() if k not in ("squeeze", "grip_force")}}
+        search = PowerSearch(hand, obj, {"closing_torque": None, **words}, seed)
+        state = HandState(hand, np.clip(own.state.q, hand.lower, hand.upper))
+        found = search.from_open(state, place.of(obj), own.closing_torque)
+    return found[0] if found else None

@@ -1,0 +1,130 @@
+"""A hand judged by a brief: the numbers are those of single calls, and neighbours' grasps are brought along."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+
+PULL, TWIST = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.02)
+BOX = hl.Box((0.04, 0.05, 0.08), mass=0.2)
+
+
+def hand(stiffness=1.0):
+    return hl.example_hand("three_finger", joint_stiffness=stiffness)
+
+
+def brief(**changed):
+    words = {"objects": {"box": BOX}, "loads": {"pull": PULL, "twist": TWIST}, "safety": 1.5, "tries": 64}
+    return hl.Brief(**{**words, **changed})
+
+
+@pytest.fixture(scope="module")
+def found():
+    return hl.evaluate(hand(), brief())
+
+
+def test_payload_and_factors_are_those_of_single_calls(found):
+    case = found.cases["box"]
+    grasp = case.candidate.grasp
+    assert case.payload == grasp.payload().mass
+    assert case.factors["weight"] == case.payload / BOX.mass
+    for name, load in (("pull", PULL), ("twist", TWIST)):
+        assert case.factors[name] == pytest.approx(grasp.load_limit(load).factor, rel=1e-12)
+    assert found.factor == min(case.factors.values())
+    assert case.word == ("HELD" if found.factor >= 1.5 else "NOT HELD")
+    assert found.verdicts == {"box": case.verdicts}
+
+
+def test_forces_torques_and_motion_are_those_of_paths_up_to_the_load(found):
+    case = found.cases["box"]
+    grasp = case.candidate.grasp
+    paths = [grasp.follow(1.5 * np.array(load)) for load in (PULL, TWIST)]
+    for d in np.vstack([np.eye(3), -np.eye(3)]):
+        weighs = grasp.replace(mass=1.5 * BOX.mass, gravity=9.81 * d)
+        paths.append(weighs.follow())
+    assert all(path.reached for path in paths)
+    force = max(path.steps.forces[:, :, 2].max() for path in paths)
+    torque = max(abs(path.steps.torques).max() for path in paths)
+    used = max((abs(path.steps.torques) / hand().torque_limits).max() for path in paths)
+    assert case.force == pytest.approx(force, rel=5e-3)
+    assert case.torque == pytest.approx(torque, rel=5e-3)
+    assert case.torque_used == pytest.approx(used, rel=5e-3)
+
+
+def test_a_safety_beyond_what_is_held_is_not_held(found):
+    case = found.cases["box"]
+    more = hl.evaluate(hand(), brief(safety=1.01 * case.factors["pull"]), near=found).cases["box"]
+    assert more.verdicts["pull"] in ("NOT HELD", "OVER LIMIT")
+    assert more.word != "HELD"
+
+
+def test_an_object_that_bears_less_than_it_is_pressed_with_is_not_held(found):
+    force = found.cases["box"].force
+    near = {share: hl.evaluate(hand(), brief(most_force=share * force), near=found) for share in (0.9, 1.1)}
+    assert near[1.1].verdicts == hl.evaluate(hand(), brief(), near=found).verdicts
+    assert near[0.9].cases["box"].word == "NOT HELD"
+    assert "the object bears" in near[0.9].gives_out
+
+
+def test_the_grasp_of_a_neighbour_is_brought_along(found):
+    same = hl.evaluate(hand(), brief(), near=found).cases["box"]
+    assert same.continued
+    assert same.candidate.q == pytest.approx(found.cases["box"].candidate.q, abs=1e-5)
+    assert same.payload == pytest.approx(found.payload, rel=0.05)
+    softer = hl.evaluate(hand(0.9), brief(), near=found).cases["box"]
+    assert softer.continued
+    assert softer.payload != same.payload
+    assert softer.payload == softer.candidate.grasp.payload().mass
+
+
+def test_another_hand_does_not_take_grasps_of_other_joints(found):
+    other = hl.evaluate(hl.example_hand("two_finger"), brief(loads=None, tries=1), near=found)
+    assert not other.cases["box"].continued
+
+
+def test_what_is_not_found_is_a_word_and_a_row():
+    lost = hl.evaluate(hand(), brief(objects={"pea": hl.Sphere(0.0005, mass=0.001)}, tries=1))
+    case = lost.cases["pea"]
+    assert (case.word, case.payload, lost.factor, lost.holds) == ("NOT FOUND", 0.0, 0.0, False)
+    assert lost.gives_out.startswith("no grasp of")
+    assert lost.to_row()["objects.pea.verdicts.pull"] == "NOT FOUND"
+    assert lost.to_row()["force_N"] is None
+
+
+def test_a_row_is_plain_numbers_and_the_same_twice_and_pickled(found):
+    row = found.to_row()
+    assert {type(value) for value in row.values()} <= {float, str, bool, type(None)}
+    assert hl.evaluate(hand(), brief()).to_row() == row
+    assert pickle.loads(pickle.dumps(found)).to_row() == row
+    assert str(found).count("box") >= 1
+    assert max(map(len, str(found).splitlines())) <= 80
+
+
+@pytest.mark.parametrize(
+    ("changed", "argument"),
+    [
+        ({"objects": {}}, "objects"), ({"objects": "ball"}, "objects"), ({"objects": [BOX, 3]}, "objects.'object 2'"),
+        ({"loads": {"pull": (0.0,) * 6}}, r"loads\['pull'\]"), ({"loads": {"pull": (1.0, 2.0)}}, r"loads\['pull'\]"),
+        ({"loads": {"weight": PULL}}, "loads"), ({"friction": -1.0}, "friction"), ({"orientations": 7}, "orientations"),
+        ({"acceleration": -1.0}, "acceleration"), ({"motion": 0.0}, "motion"), ({"most_force": -3.0}, "most_force"),
+        ({"safety": 0.0}, "safety"), ({"kind": "hook"}, "kind"), ({"closing_torque": 0.1}, "closing_torque"),
+        ({"kind": "power", "grip_force": 1.0}, "grip_force"), ({"squeeze": 0.001, "grip_force": 1.0}, "grip_force"),
+        ({"tries": 0}, "tries"), ({"seed": -1}, "seed"),
+    ],
+)  # fmt: skip
+def test_a_brief_that_cannot_be_is_refused_where_it_is_made(changed, argument):
+    with pytest.raises(hl.InputError, match=argument):
+        brief(**changed)
+
+
+def test_arguments_of_evaluate_are_checked(found):
+    with pytest.raises(hl.InputError, match="hand"):
+        hl.evaluate("three_finger", brief())
+    with pytest.raises(hl.InputError, match="brief"):
+        hl.evaluate(hand(), {"objects": BOX})
+    with pytest.raises(hl.InputError, match="near"):
+        hl.evaluate(hand(), brief(), near=hand())
