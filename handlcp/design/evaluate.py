@@ -9,7 +9,7 @@ Each factor is held if it is at least the safety that was asked for.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -111,6 +111,9 @@ class _End(NamedTuple):
 def _up_to(limit: LoadLimit, asked: float) -> _End:
     """On the path of a load up to this factor, or to its limit."""
     path, end = limit.path, min(asked, limit.factor)
+    if not len(path.factors):  # the hand does not come to hold anything
+        there: Any = limit.at_limit
+        return _End(float(there.normal_force.max(initial=0.0)), abs(there.torques), 0.0)
 
     def seen(values: Array) -> Array:
         flat = values.reshape(len(values), -1)

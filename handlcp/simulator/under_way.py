@@ -12,6 +12,7 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.grasp import Grasp
+from handlcp.grasp.path.state import LET_GO
 from handlcp.simulator.object_body import OBJECT
 from handlcp.simulator.probe import Probe, Reading
 from handlcp.simulator.settings import SimulatorSettings, need_mujoco, of_a_hand
@@ -86,7 +87,6 @@ def swiftness(vector: Any, reach: float) -> float:
 SAG = "own weight"  # the stage before all others where the hand's links bend its joints
 LONGEST = 60.0  # [s] that a load waits: an object that still moves has left
 PUSH = "load alone"  # the stage in which the load grows beside a weight that is there already
-LET_GO = "let go"  # the stage in which an object is let go that was kept in place while the hand closed
 _KEPT = 1e6  # times its own inertia and damping keep an object in place; it is let go as slowly as they fade
 _LEADS = {
     "squeeze": ("squeeze",), "load": ("weight", "load"), "together": ("squeeze", "weight", "load"),

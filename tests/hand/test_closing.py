@@ -140,3 +140,12 @@ def test_fingers_that_are_not_asked_to_pull_stay_where_they_are():
     last = np.flatnonzero(end.stage == 0)[-1]
     np.testing.assert_allclose(np.abs(end.torques[last]).reshape(3, 2)[:2].max(axis=1), 0.2, rtol=2e-3)
     assert not grasp.joint_offset[4:].any()
+
+
+def test_an_object_that_is_lost_when_it_is_let_go_is_lost_in_that_stage():
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+    ball = hl.Sphere(0.035, (0.0, 0.0, 0.04), mass=0.3)
+    one = {"finger_1_proximal": 0.3, "finger_1_distal": 0.3}  # it alone presses, and nothing presses back
+    path = hand.at(hand.neutral).grasp(ball, links="all", closing_torque=one, hold_object=True).follow()
+    assert (path.lost_stage, path.lost_at) == ("let go", 0.0)
+    assert "kept in place" not in path.why

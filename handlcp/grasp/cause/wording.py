@@ -132,6 +132,7 @@ _HAPPENS = {  # of one, of several
 BY_TURNS = " by turns"
 _JOINTS = ("over limit", "within limit", "yields", "holds", "range end", "range", TORQUE)
 _TENDONS = ("over tension", "within tension", "slackens", "tightens", TENSION)
+_THICK = 5e-3  # [m] pads are not pressed in by more than this without being doubted
 _FEW = 4  # contacts that are named one by one
 _STRAIGHT = 1e-9  # of a load: less of it across an axis is none
 
@@ -170,6 +171,16 @@ def why(
     if kind in (TORQUE, TENSION, RANGE):
         return f"before there is any load, {text}"
     return f"it holds nothing of this load: {text.replace('more load', 'it')}"
+
+
+def pressed_in(give: Array, names: Sequence[str]) -> str:
+    """Of a pad that gives way farther than real ones do; give (n, 3) of pads [m], contact axes. "" where none does."""
+    deep = np.maximum(-give[:, 2], 0.0)
+    k = int(deep.argmax())
+    if not deep[k] > _THICK:
+        return ""
+    springs = "pads are springs here however far they give way, and real ones are a few millimetres thick"
+    return f"the pad at {names[k]} is pressed in by {words.length(float(deep[k]))}: {springs}"
 
 
 def happens(kind: str, who: Sequence[str], spec: GraspSpec | None = None) -> str:

@@ -20,13 +20,13 @@ from handlcp.grasp.cause.judge import (
     over,
     slipping,
 )
-from handlcp.grasp.cause.wording import moves, why, why_given_up
+from handlcp.grasp.cause.wording import moves, pressed_in, why, why_given_up
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.result import Later, LimitEvent, LimitPath, LoadLimit, Reached, Rest
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.advance import Leg
 from handlcp.grasp.path.follow import Loading, solution_of
-from handlcp.grasp.path.state import Outcome, Run, State
+from handlcp.grasp.path.state import LET_GO, Outcome, Run, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import margins
 from handlcp.tolerances import OVER
@@ -159,7 +159,7 @@ def answer(f: Followed) -> LoadLimit:
 
     later = Later(
         sentence, lambda: _path(f, number), lambda: _solution(f, number, factor), lambda _: _through(f).shares[-1],
-        lambda: _rest(f, ends),
+        lambda: _rest(f, ends, number),
     )  # fmt: skip
     return LoadLimit(factor, f.wrench, binds, f.geometry, later, first, slides)
 
@@ -200,8 +200,9 @@ def _through(f: Followed) -> Run:
     return f.run
 
 
-def _rest(f: Followed, ends: _Ends | None) -> Rest:
-    """What follows. ends : of what is known up to where the object slides through."""
+def _rest(f: Followed, ends: _Ends | None, number: int) -> Rest:
+    """What follows. ends : of what is known up to where the object slides through. number : of the limit's state."""
+    give = f.run.states[number].where.give[: f.spec.of_hand]
     run = f.run if ends is not None else _through(f)
     ends = ends or _known(f)
     known = np.inf if ends is None else ends.factor
@@ -222,7 +223,8 @@ def _rest(f: Followed, ends: _Ends | None) -> Rest:
     if ends is None and run.outcome is Outcome.GAVE_UP:
         assert run.failure is not None
         said = why_given_up(run.failure.kind)
-    return Rest(lost, marks, tuple(sorted([e for e in events if e.factor <= known], key=lambda e: e.factor)), said)
+    told = tuple(sorted([e for e in events if e.factor <= known], key=lambda e: e.factor))
+    return Rest(lost, marks, told, said, pressed_in(give, f.spec.names))
 
 
 def _read(f: Followed, state: State) -> tuple[Array, Array, Array]:
@@ -259,7 +261,8 @@ def nothing(
         binds, text = _UNKNOWN, f"undecided: the {loading.lost_stage} alone was not followed to its end: {reason}"
     else:
         binds = slipping(spec.names, run.states[-1].kinds) if run.states[-1].loaded else (Cause(EQUILIBRIUM, OBJECT),)
-        text = f"the {loading.lost_stage} alone is not held: {reason}"
+        alone = "the closed hand, let go," if loading.lost_stage == LET_GO else f"the {loading.lost_stage}"
+        text = f"{alone} alone is not held: {reason}"
     none = np.zeros((0, spec.n, 3))
     nv = loading.steps.torques.shape[1]
     path = LimitPath(np.zeros(0), none, np.zeros((0, nv)), np.zeros((0, 6)))

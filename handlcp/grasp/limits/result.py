@@ -65,13 +65,15 @@ class Reached(Record):
 @dataclass(frozen=True, slots=True)
 class Rest:
     """What is known of the whole path: the factor at which the object is lost, how far it has moved where it matters,
-    what happens, and why no more is known; "" where the path was followed to its end.
+    what happens, and why no more is known; "" where the path was followed to its end. doubt : about the state at the
+    limit, in words; "" for none.
     """
 
     lost: float | None
     marks: dict[str, Reached]
     events: tuple[LimitEvent, ...]
     undecided: str = ""
+    doubt: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +110,7 @@ class LoadLimit(Record):
 
     entries = (
         "factor", "load_asked_N_Nm (6,) = wrench", "load_held_N_Nm (6,) = load", "geometry", "why", "binds",
-        "first_slip", "slides", "lost", "accuracy", "motion = marks", "events",
+        "first_slip", "slides", "lost", "accuracy", "motion = marks", "events", "doubt",
     )  # fmt: skip
 
     factor: float
@@ -143,6 +145,11 @@ class LoadLimit(Record):
         path was followed to its end.
         """
         return self._rest.undecided
+
+    @property
+    def doubt(self) -> str:
+        """What to doubt about the limit: a pad that is pressed in farther than pads are thick; "" for nothing."""
+        return self._rest.doubt
 
     @property
     def events(self) -> tuple[LimitEvent, ...]:
@@ -218,6 +225,8 @@ class LoadLimit(Record):
                 f"an equilibrium was found up to {most:.4g} times the load; a load that grows slowly never reaches it"
             )
             lines.append(wrapped(said, "    ", "  "))
+        if self.doubt:
+            lines.append(wrapped(f"Warning: {self.doubt}", "    ", "  "))
         return "\n".join(lines)
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -79,6 +79,7 @@ class Leg:
     ) -> None:
         self.stepper, self.watch, self.run, self.number, self.goal, self.base = stepper, watch, run, number, goal, base
         self.beyond, self.last = beyond, 1.0 if beyond is None else beyond.most
+        run.under_way = number
         if beyond is not None:
             self.base = beyond.first
         self.begin = run.states[-1].controls

@@ -315,7 +315,8 @@ def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) 
     """What became of a grasp, from a run of these stages."""
     spec = stepper.grasp.spec
     events, lost = list(run.events), run.outcome is not Outcome.END
-    number, share = run.stages[-1], run.shares[-1]
+    number = run.under_way
+    share = run.shares[-1] if number == run.stages[-1] else 0.0  # no state of this stage was found
     stage = goals[number].name if goals else None
     steps = Steps(np.array(run.stages), read_only(np.array(run.shares)), spec.names, tuple(run.states), stepper.grasp)
     for snap in run.snaps:
@@ -334,7 +335,7 @@ def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) 
         going = stepper.between(run.states[-2].where.pose, last.where.pose) if len(run.states) > 1 else None
         if run.failure.kind == UNSTABLE:
             going = np.array(run.snaps[-1].pushed)
-        why = why_lost(run.failure.kind, spec, last.kinds, going, last.controls.kept)
+        why = why_lost(run.failure.kind, spec, last.kinds, going, goals[number].end.kept)
         events.append(Event("lost", why, str(stage), share, number))
         weight, end = np.append(stepper.grasp.weight, np.zeros(3)), goals[number].end
         now = last.controls

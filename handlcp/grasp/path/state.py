@@ -22,6 +22,7 @@ from handlcp.grasp.path.pull import Pull
 # A stage leads every control from where the stage before left it to where it says, in equal steps: the load beside the
 # weight, the weight, how far the joints are commanded beyond the posture, and how much of the preload is there.
 
+LET_GO = "let go"  # the stage in which an object is let go that was kept in place while the hand closed
 _KNOWN = ("squeeze", "load", "together")
 
 
@@ -111,7 +112,7 @@ def read_stages(
             now = goal.end
             if now.kept:
                 now = now._replace(kept=False)
-                goals.append(Goal("let go", now))
+                goals.append(Goal(LET_GO, now))
     if not goals:
         expected = "a stage that loads the grasp" + ("" if squeezes else ", which has nothing to squeeze with")
         raise InputError("order", expected, repr(order)[:80])
@@ -283,8 +284,8 @@ class Slides(NamedTuple):
 @dataclass(slots=True)
 class Run:
     """states, stages (number of the stage) and shares of all steps, the state before anything included; events; snaps;
-    slides : where the object begins to slide through, None: nowhere; how it ends: outcome, and failure : why there is
-    no next state.
+    slides : where the object begins to slide through, None: nowhere; under_way : the number of the stage that was begun
+    last; how it ends: outcome, and failure : why there is no next state.
     """
 
     states: list[State]
@@ -293,6 +294,7 @@ class Run:
     events: list[Event] = field(default_factory=list)
     snaps: list[Snap] = field(default_factory=list)
     slides: Slides | None = None
+    under_way: int = 0
     outcome: Outcome = Outcome.END
     failure: Failure | None = None
 

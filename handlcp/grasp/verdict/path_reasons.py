@@ -21,6 +21,7 @@ from handlcp.grasp.answer.reasons import (
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.cause.judge import over_closing
+from handlcp.grasp.cause.wording import pressed_in
 from handlcp.grasp.model.cables import Cables
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
@@ -110,6 +111,8 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     if (snap := next((e for e in path.events if e.kind == "snaps"), None)) is not None:
         text = f"{snap}: where it comes to rest depends on how fast and how evenly the hand closes"
         yield Reason("snaps", "warning", text, {"stage": snap.stage, "share": snap.share})
+    if text := pressed_in(last.where.give[: spec.of_hand], spec.names):
+        yield Reason("pressed_in", "warning", text)
     yield from no_load(spec)
     if end.held:
         yield from () if mechanism is None else mechanism.open_reasons(end)
