@@ -318,8 +318,8 @@ class Stepper:
         if self.joints is None:
             return self._solved_once(asked, start, friction, cold)
 
-        def once(root: Array, command: Array) -> tuple[Reached, Array, Array] | None:
-            sprung = iterate._replace(elastic=iterate.elastic._replace(root=root))
+        def once(root: Array, command: Array, tensed: Array) -> tuple[Reached, Array, Array] | None:
+            sprung = iterate._replace(elastic=iterate.elastic._replace(root=root, tensed=tensed))
             made = asked._replace(iterate=sprung, loads=loads._replace(command=command))
             found = self._solved_once(made, start, friction, cold)
             return None if found is None else (found, iterate.at.q + found.change, self._left(found, iterate))
@@ -356,7 +356,7 @@ def _joints(spec: GraspSpec, geometry: Geometry, root: Array) -> Joints | None:
         return None
     cables = mechanism.cables
     if cables is not None and not geometry.follows:  # joints are measured from the posture, and arms are those there
-        cables = cables._replace(shift=np.zeros(len(cables.names)), way=None)
+        cables = cables._replace(shift=np.zeros(len(cables.names)), way=None, turning=None)
     return Joints(root, mechanism.dry_friction, cables, geometry.posture)
 
 

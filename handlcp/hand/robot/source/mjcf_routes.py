@@ -12,8 +12,8 @@ from typing import Any
 import pinocchio as pin
 
 from handlcp.errors import InputError, Unsupported
-from handlcp.hand.elasticity.route import Pulley, Route, Site
-from handlcp.hand.elasticity.wrapping import CYLINDER, SPHERE, Around
+from handlcp.hand.elasticity.places import CYLINDER, SPHERE, Around, Pulley, Site
+from handlcp.hand.elasticity.route import Route
 from handlcp.hand.robot.source.description import content
 from handlcp.hand.robot.source.mjcf import compiled
 from handlcp.hand.robot.source.mjcf_parts import rotation_of
