@@ -26,7 +26,6 @@ and how far the tendons are drawn in, and nothing else.
 from __future__ import annotations
 
 from collections.abc import Callable
-from copy import copy
 from typing import Any
 
 import numpy as np
@@ -65,7 +64,7 @@ class Joints:
         self.nv, self.posts = len(friction), len(cables.posts)
         self.friction = np.where(self.gives, friction, 0.0)  # rigid joints stand still anyhow
         self._rest = posture + cables.rest
-        self.slackens = np.isfinite(cables.pretension)
+        self.slackens, self._alone = np.isfinite(cables.pretension), np.eye(self.nv)
         self._lie(K, root, C, cables)
         self._whole, self._near = self, (b"", self)
         self._lately = b"", root
@@ -75,9 +74,12 @@ class Joints:
     def _lie(self, K: Array, root: Array, C: Array, cables: Cables) -> None:
         """What depends on how tendons lie."""
         self.K, self._root, self.C, self.cables = K, root, C, cables
-        self.rows = np.concatenate([np.eye(self.nv), cables.posts])  # along which friction acts
-        self.rubs = np.append(self.friction > 0.0, (cables.grips > 0.0) & cables.posts.any(axis=1))
-        self._gives_by = ((self.rows @ C) * self.rows).sum(axis=1)  # by a unit of friction
+        # Rows along which friction acts, where there is any, and by how much they give way to a unit of it
+        self.rows, self.rubs, self._gives_by = self._alone, self.friction > 0.0, C.diagonal()
+        if self.posts:
+            self.rows = np.concatenate([self._alone, cables.posts])
+            self.rubs = np.append(self.rubs, (cables.grips > 0.0) & cables.posts.any(axis=1))
+            self._gives_by = ((self.rows @ C) * self.rows).sum(axis=1)
         self._pulls = cables.springs @ cables.arms  # k R
         self._known = dict[bytes, Sprung]()
 
@@ -86,7 +88,8 @@ class Joints:
         if self.cables.way is None:
             return self
         if self._near[0] != q.tobytes():
-            (cables, root), made = self.cables.way(q), copy(self)
+            (cables, root), made = self.cables.way(q), object.__new__(Joints)
+            made.__dict__.update(self.__dict__)
             made._lie(cables.passive + cables.arms.T @ cables.springs @ cables.arms, root, root @ root.T, cables)
             self._near = q.tobytes(), made
         return self._near[1]

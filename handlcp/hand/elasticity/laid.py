@@ -93,11 +93,14 @@ class Lays:
         strung, posed = bound.at(q)
         R, shift = self.arms.copy(), np.zeros(len(self.arms))
         R[routed], shift[routed] = strung.arms, -strung.lengths - strung.arms @ q
-        grips, rows, on = posts.grips.copy(), posts.rows.copy(), posts.legs >= 0
-        grips[on] *= strung.turned[posts.legs[on]]
-        rows[on] = strung.beyond[posts.legs[on]]
-        turning = partial(bound.turning, posed, routed)
-        return Laid(read_only(R), read_only(shift), posts.of, read_only(grips), read_only(rows), turning)
+        grips, rows = posts.grips, posts.rows
+        if len(grips):
+            on, legs = posts.legs >= 0, posts.legs
+            grips = read_only(np.where(on, grips * strung.turned[legs], grips))
+            rows = read_only(np.where(on[:, None], strung.beyond[legs], rows))
+        return Laid(
+            read_only(R), read_only(shift), posts.of, grips, rows, partial(bound.turning, posed, routed)
+        )
 
     @cached_property
     def _routed(self) -> Ints:

@@ -99,7 +99,8 @@ def strung(s: Strands, posed: Posed, out: Strung) -> tuple[int, float]:
         a, b, own, ends = at.points[first], at.points[last], out.pieces[n], out.ends[n]
         out.lengths[t] += length / s.divisors[n]
         out.turned[n] = angle
-        ends[0], ends[1], ends[2], ends[3] = a, run[0], run[1], b
+        for k in range(3):
+            ends[0, k], ends[1, k], ends[2, k], ends[3, k] = a[k], run[0, k], run[1, k], b[k]
         middle = body if angle > 0.0 else last
         for j in range(len(posed.columns)):
             leaves, comes = s.support[first, j] - s.support[middle, j], s.support[middle, j] - s.support[last, j]
@@ -107,9 +108,9 @@ def strung(s: Strands, posed: Posed, out: Strung) -> tuple[int, float]:
                 own[0, j] = leaves * _along(posed.columns[j], run[2], a) / s.divisors[n]
             if comes != 0.0:
                 own[1, j] = comes * _along(posed.columns[j], run[3], b) / s.divisors[n]
-        out.arms[t] += own[1]
-        out.beyond[n] = out.arms[t]
-        out.arms[t] += own[0]
+        for j in range(len(posed.columns)):
+            out.beyond[n, j] = out.arms[t, j] + own[1, j]
+            out.arms[t, j] = out.beyond[n, j] + own[0, j]
     return -1, 0.0
 
 
@@ -222,23 +223,29 @@ def _pulls(s: Strands, n: int, column: Array, at: _Placed, run: Array, j: int, t
 def _move(out: _Placed, at: _Placed, place: int, column: Array, by: float) -> None:
     """Write a place where a joint has moved it by so much along its screw (v, ω)."""
     size = math.sqrt(column[3] ** 2 + column[4] ** 2 + column[5] ** 2)
-    for k in range(3):
-        was = at.points[place] if k == 0 else at.sides[place] if k == 1 else at.axes[place]
-        moved = out.points[place] if k == 0 else out.sides[place] if k == 1 else out.axes[place]
-        # Velocity, and its own: of a hinge ω × (v + ω × p), of a slide none
-        v, w = np.empty(3), column[3:]
-        for a in range(3):
-            b, c = (a + 1) % 3, (a + 2) % 3
-            v[a] = w[b] * was[c] - w[c] * was[b] + (column[a] if k < 2 else 0.0)
-        once, twice = by, 0.0
-        if size > 0.0:
-            once, twice = math.sin(size * by) / size, 2.0 * (math.sin(size * by / 2.0) / size) ** 2
-        for a in range(3):
-            b, c = (a + 1) % 3, (a + 2) % 3
-            moved[a] = was[a] + once * v[a] + twice * (w[b] * v[c] - w[c] * v[b])
+    once, twice = by, 0.0
+    if size > 0.0:
+        once, twice = math.sin(size * by) / size, 2.0 * (math.sin(size * by / 2.0) / size) ** 2
+    _turned(out.points[place], at.points[place], column, 1.0, once, twice)
+    _turned(out.sides[place], at.sides[place], column, 1.0, once, twice)
+    _turned(out.axes[place], at.axes[place], column, 0.0, once, twice)
+
+
+@kernel
+def _turned(out: Array, p: Array, column: Array, point: float, once: float, twice: float) -> None:
+    """Write p + once g + twice ω × g with its velocity g = v + ω × p, of a direction ω × p; point : 1, or 0 of that."""
+    w0, w1, w2 = column[3], column[4], column[5]
+    g0 = point * column[0] + w1 * p[2] - w2 * p[1]
+    g1 = point * column[1] + w2 * p[0] - w0 * p[2]
+    g2 = point * column[2] + w0 * p[1] - w1 * p[0]
+    out[0] = p[0] + once * g0 + twice * (w1 * g2 - w2 * g1)
+    out[1] = p[1] + once * g1 + twice * (w2 * g0 - w0 * g2)
+    out[2] = p[2] + once * g2 + twice * (w0 * g1 - w1 * g0)
 
 
 @kernel
 def _put_back(out: _Placed, at: _Placed, place: int) -> None:
     if place >= 0:
-        out.points[place], out.axes[place], out.sides[place] = at.points[place], at.axes[place], at.sides[place]
+        for k in range(3):
+            out.points[place, k], out.axes[place, k] = at.points[place, k], at.axes[place, k]
+            out.sides[place, k] = at.sides[place, k]

@@ -50,7 +50,7 @@ class Made:
         cables = self._there(laid, way)
         through = cables.arms.T @ self.springs @ cables.arms  # no load reaches the tendons through a rigid joint
         K = self.passive + (through + through.T) / 2
-        if self._least <= SEMIDEFINITE * len(K) * float(np.diagonal(K)[self._gives].max(initial=0.0)):
+        if not self._least > SEMIDEFINITE * float(through.trace() + self._own):  # no less than its largest eigenvalue
             check_sprung(K, ~self._gives, self.joints)
         made = kind(K, laid.arms, cables)
         return made if self.drives is None else made.driven(self.drives, self.limits)
@@ -61,10 +61,19 @@ class Made:
         return np.asarray(np.isfinite(np.diagonal(self.passive)))
 
     @cached_property
+    def _all_give(self) -> bool:
+        return bool(self._gives.all())
+
+    @cached_property
     def _least(self) -> float:
         """The least stiffness that joints' own springs give any motion [N·m/rad]: where it counts, no arm matters."""
         own = self.passive[np.ix_(self._gives, self._gives)]
         return float(np.linalg.eigvalsh(own)[0]) if len(own) else np.inf
+
+    @cached_property
+    def _own(self) -> float:
+        """Trace of these springs."""
+        return float(np.diagonal(self.passive)[self._gives].sum())
 
     @cached_property
     def _cables(self) -> Cables:
@@ -78,10 +87,12 @@ class Made:
 
     def _there(self, laid: Laid, way: Way | None) -> Cables:
         """As a path needs them."""
-        arms, posts, gives = laid.arms, laid.posts, self._gives
-        if not gives.all():
-            arms, posts = (read_only(np.where(gives, rows, 0.0)) for rows in (arms, posts))
-        turning = None if laid.turning is None else partial(self._turning, laid.turning)
+        arms, posts = laid.arms, laid.posts
+        if not self._all_give:
+            arms, posts = (read_only(np.where(self._gives, rows, 0.0)) for rows in (arms, posts))
+        turning = laid.turning
+        if turning is not None and not self._all_give:
+            turning = partial(self._turning, turning)
         return self._cables._replace(
             arms=arms, grips=laid.grips, posts=posts, shift=laid.shift, way=way, turning=turning
         )

@@ -47,9 +47,12 @@ class RoundBody(NamedTuple):
 @kernel
 def outside(body: RoundBody, point: Array) -> float:
     """How far a point (3,) is from the surface [m]; below 0 it is inside."""
-    away = point - body.centre
-    away -= _dot(away, body.axis) * body.axis
-    return math.sqrt(_dot(away, away)) - body.radius
+    along, square = 0.0, 0.0
+    for k in range(3):
+        along += (point[k] - body.centre[k]) * body.axis[k]
+    for k in range(3):
+        square += (point[k] - body.centre[k] - along * body.axis[k]) ** 2
+    return math.sqrt(square) - body.radius
 
 
 @kernel
@@ -57,11 +60,10 @@ def straight(a: Array, b: Array, out: Array) -> float:
     """Length [m] of a cable from a (3,) to b (3,) that touches nothing. out (4, 3) : as in `bend`, with b for both
     points, and the direction from a for the first.
     """
-    along = b - a
-    length = math.sqrt(_dot(along, along))
-    out[0], out[1], out[2], out[3] = b, b, 0.0, 0.0
-    if length > 0.0:
-        out[2] = along / length
+    length = math.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 + (b[2] - a[2]) ** 2)
+    for k in range(3):
+        out[0, k] = out[1, k] = b[k]
+        out[2, k], out[3, k] = (b[k] - a[k]) / length if length > 0.0 else 0.0, 0.0
     return length
 
 
@@ -71,27 +73,34 @@ def bend(body: RoundBody, a: Array, b: Array, out: Array) -> tuple[float, float]
     body [rad], that of the capstan equation, ∫ curvature ds; 0: it is straight and touches nothing.
 
     Written into out (4, 3): where it meets the body and where it leaves it [m], and unit vectors along which it runs at
-    these points.
+    these points. Small arrays cost more here than what is computed with them: there is one of work.
     """
-    p, q, side = a - body.centre, b - body.centre, body.side - body.centre
-    x, y, z = _about(body.axis) if _dot(body.axis, body.axis) > 0.0 else _plane(p, q, side)
-    r, pa, pb = body.radius, complex(_dot(p, x), _dot(p, y)), complex(_dot(q, x), _dot(q, y))
+    work, centre, r = np.empty((6, 3)), body.centre, body.radius
+    p, q, side, x, y, z = work[0], work[1], work[2], work[3], work[4], work[5]
+    for k in range(3):
+        p[k], q[k], side[k] = a[k] - centre[k], b[k] - centre[k], body.side[k] - centre[k]
+    if _dot(body.axis, body.axis) > 0.0:
+        _about(body.axis, x, y, z)
+    else:
+        _plane(p, q, side, x, y, z)
+    pa, pb = complex(_dot(p, x), _dot(p, y)), complex(_dot(q, x), _dot(q, y))
     way, turn = _way(pa, pb, r, complex(_dot(side, x), _dot(side, y)))
     if not turn > 0.0:
         return straight(a, b, out), 0.0
     # Unrolled, the cable is the hypotenuse over its length in the plane of the circle and its rise along the axis
-    before, after, rise = _free(pa, r), _free(pb, r), _dot(q - p, z)
+    before, after, rise = _free(pa, r), _free(pb, r), _dot(q, z) - _dot(p, z)
     flat = before + r * turn + after
     length = math.hypot(flat, rise)
     cosine, sine = flat / length, rise / length
     touch = pa / abs(pa) * cmath.rect(1.0, way * _beta(pa, r))
     leave = pb / abs(pb) * cmath.rect(1.0, -way * _beta(pb, r))
     low, high = _dot(p, z) + before * rise / flat, _dot(q, z) - after * rise / flat
-    out[0] = body.centre + r * (touch.real * x + touch.imag * y) + low * z
-    out[1] = body.centre + r * (leave.real * x + leave.imag * y) + high * z
-    # A turn by a quarter ahead of the radius
-    out[2] = cosine * way * (touch.real * y - touch.imag * x) + sine * z
-    out[3] = cosine * way * (leave.real * y - leave.imag * x) + sine * z
+    for k in range(3):
+        out[0, k] = centre[k] + r * (touch.real * x[k] + touch.imag * y[k]) + low * z[k]
+        out[1, k] = centre[k] + r * (leave.real * x[k] + leave.imag * y[k]) + high * z[k]
+        # A quarter of a turn ahead of the radius, and up the slope
+        out[2, k] = cosine * way * (touch.real * y[k] - touch.imag * x[k]) + sine * z[k]
+        out[3, k] = cosine * way * (leave.real * y[k] - leave.imag * x[k]) + sine * z[k]
     return length, turn * cosine  # a helix of this slope has the curvature cos²/r over the length r θ/cos
 
 
@@ -133,31 +142,35 @@ def _free(a: complex, r: float) -> float:
 
 
 @kernel
-def _about(axis: Array) -> tuple[Array, Array, Array]:
-    """Axes x, y, z with z along `axis`, a unit vector."""
-    other = np.zeros(3)
-    other[np.argmin(np.abs(axis))] = 1.0
-    x = _cross(other, axis)
-    x /= math.sqrt(_dot(x, x))
-    return x, _cross(axis, x), axis.copy()
+def _about(axis: Array, x: Array, y: Array, z: Array) -> None:
+    """Write axes x, y, z with z along `axis`, a unit vector."""
+    least = 0
+    for k in range(1, 3):
+        if abs(axis[k]) < abs(axis[least]):
+            least = k
+    for k in range(3):
+        z[k], y[k] = axis[k], 1.0 if k == least else 0.0
+    _scale(x, _cross(y, z, x))
+    _cross(z, x, y)
 
 
 @kernel
-def _plane(p: Array, q: Array, side: Array) -> tuple[Array, Array, Array]:
-    """Axes x, y, z of the plane through the centre of a ball, p and q, with x along p.
+def _plane(p: Array, q: Array, side: Array, x: Array, y: Array, z: Array) -> None:
+    """Write axes x, y, z of the plane through the centre of a ball, p and q, with x along p.
 
     Points in line with the centre span none: then the plane goes through the side, or else anywhere.
     """
-    x = p / math.sqrt(_dot(p, p))
-    for k in range(2):
-        other = q if k == 0 else side
-        z = _cross(x, other)
-        size = math.sqrt(_dot(z, z))
+    size = math.sqrt(_dot(p, p))
+    for k in range(3):
+        x[k] = p[k] / size
+    for n in range(2):
+        other = q if n == 0 else side
+        size = _cross(x, other, z)
         if size > _IN_LINE * math.sqrt(_dot(other, other)):
-            z /= size
-            return x, _cross(z, x), z
-    y, z, _ = _about(x)
-    return x, y, z
+            _scale(z, size)
+            _cross(z, x, y)
+            return
+    _about(x, y, z, x)
 
 
 @kernel
@@ -166,9 +179,15 @@ def _dot(a: Array, b: Array) -> float:
 
 
 @kernel
-def _cross(a: Array, b: Array) -> Array:
-    out = np.empty(3)
+def _cross(a: Array, b: Array, out: Array) -> float:
+    """Write a × b; its length."""
     out[0] = a[1] * b[2] - a[2] * b[1]
     out[1] = a[2] * b[0] - a[0] * b[2]
     out[2] = a[0] * b[1] - a[1] * b[0]
-    return out
+    return math.sqrt(_dot(out, out))
+
+
+@kernel
+def _scale(a: Array, size: float) -> None:
+    for k in range(3):
+        a[k] /= size
