@@ -1,13 +1,13 @@
 """What joints and tendons store on a path, and what their drives put in.
 
-Springs at joints store ½ τ · δq of the deflection δq from where they are commanded, and a command q_c puts in ∫ τ · dq_c.
+Springs at joints store ½ τ · δq of the deflection δq from where they are commanded, and commands q_c put in ∫ τ · dq_c.
 Tendons are drawn in by x = k⁻¹ d, and store what their tension t says; springs at the joints keep their rest angle q₀,
 where they balance the pretension T₀:
 
     E = ½ tᵀ k⁻¹ t + ½ (q - q₀)ᵀ K_p (q - q₀) + T₀ᵀ R₀ (q - q₀),    W = ∫ tᵀ dx + ∫ n · dq
 
-n is what the joints' torques have beside those of tendons and of these springs: the holding of rigid joints, of fingers'
-weight that deflects no spring, and of what no tendon could make.
+n is what the joints' torques have beside those of tendons and of these springs: what holds rigid joints, fingers'
+weight that deflects no spring, and what no tendon could make.
 """
 
 from __future__ import annotations

@@ -82,6 +82,7 @@ class Joints:
             self._gives_by = ((self.rows @ C) * self.rows).sum(axis=1)
         self._pulls = cables.springs @ cables.arms  # k R
         self._known = dict[bytes, Sprung]()
+        self._asked: tuple[Task | None, Array] = None, root  # where springs drive to in a task
 
     def at(self, q: Array) -> Joints:
         """With the arms of tendons where joints are at q (nv,)."""
@@ -127,9 +128,12 @@ class Joints:
         """
         if not self._routed:
             return task.commanded
+        if self._asked[0] is task:
+            return self._asked[1]
         drawn, c = self._drawn_in(task), self.cables
         torque = c.arms.T @ (drawn - c.springs @ c.shift) + c.passive @ self._rest - self._preload
-        return np.where(self.gives, self.C @ torque, task.commanded)
+        self._asked = task, np.where(self.gives, self.C @ torque, task.commanded)
+        return self._asked[1]
 
     @property
     def still(self) -> Pull:
@@ -138,9 +142,7 @@ class Joints:
             does=np.zeros(len(self.rubs) + len(self.slackens), dtype=np.int64), posts=np.zeros(self.posts)
         )
 
-    def solved(
-        self, begun: Pull, task: Task, at: Array, solve: Solve
-    ) -> tuple[Any, Pull] | None:
+    def solved(self, begun: Pull, task: Task, at: Array, solve: Solve) -> tuple[Any, Pull] | None:
         """The answer in which joints, posts and tendons do what was assumed of them, at first what they did in `begun`,
         and what they do. at (nv,) : where joints stand at the iterate. None where an assumption has no answer, or none
         is right.
@@ -171,7 +173,7 @@ class Joints:
 
         def solve(root: Array, command: Array, tensed: Array) -> tuple[Array, Array, Array]:
             if len(tensed):
-                command = np.linalg.solve(np.eye(self.nv) - root @ root.T @ tensed, command)
+                command = np.asarray(np.linalg.solve(np.eye(self.nv) - root @ root.T @ tensed, command))
             return q + command, q + command, none
 
         for _ in range(_MOST):

@@ -98,9 +98,7 @@ class Lays:
             on, legs = posts.legs >= 0, posts.legs
             grips = read_only(np.where(on, grips * strung.turned[legs], grips))
             rows = read_only(np.where(on[:, None], strung.beyond[legs], rows))
-        return Laid(
-            read_only(R), read_only(shift), posts.of, grips, rows, partial(bound.turning, posed, routed)
-        )
+        return Laid(read_only(R), read_only(shift), posts.of, grips, rows, partial(bound.turning, posed, routed))
 
     @cached_property
     def _routed(self) -> Ints:

@@ -105,8 +105,8 @@ class TendonPath:
 
 @dataclass(frozen=True, eq=False)
 class BoundRoutes:
-    """t routes on the links of one hand. arguments : what errors call them. frames : numbers of the frames that Pinocchio
-    has for their links. Raises UnknownName.
+    """The routes of t tendons on the links of one hand. arguments : what errors call them. frames : numbers of
+    Pinocchio's frames of their links. Raises UnknownName.
     """
 
     routes: tuple[Route, ...]
@@ -198,7 +198,8 @@ class BoundRoute:
         It is -∂²L/∂q², with which the tension T of a tendon adds -T slope to the joints' stiffness. At a posture where
         a wrap comes or goes it is the mean over both sides.
         """
-        return read_only(self.routes.turning(self.routes.posed(self._posture(q)), np.zeros(1, dtype=np.int64), np.ones(1)))
+        posed, first = self.routes.posed(self._posture(q)), np.zeros(1, dtype=np.int64)
+        return read_only(self.routes.turning(posed, first, np.ones(1)))
 
     def _posture(self, q: Any) -> Array:
         return self.routes.kinematics.posture("q", q)

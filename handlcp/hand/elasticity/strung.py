@@ -195,7 +195,7 @@ def _leg(s: Strands, n: int, at: _Placed, run: Array) -> tuple[float, float]:
 
 @kernel
 def _along(column: Array, u: Array, p: Array) -> float:
-    """u · (v + ω × p) of a joint's column (v, ω)."""
+    """Velocity along u of a point p that a joint moves, u · (v + ω × p), of its column (v, ω)."""
     found = 0.0
     for a in range(3):
         b, c = (a + 1) % 3, (a + 2) % 3
@@ -207,7 +207,7 @@ def _along(column: Array, u: Array, p: Array) -> float:
 def _parts(s: Strands, n: int, j: int) -> bool:
     """Whether a joint moves some places of a leg and not others."""
     first, last, body = s.support[s.legs[n, 1], j], s.support[s.legs[n, 2], j], s.legs[n, 3]
-    return first != last or (body >= 0 and s.support[body, j] != first)
+    return bool(first != last or (body >= 0 and s.support[body, j] != first))
 
 
 @kernel
@@ -215,8 +215,8 @@ def _pulls(s: Strands, n: int, column: Array, at: _Placed, run: Array, j: int, t
     """A leg's arm of a joint, divisor left out, where the leg lies as `run` says."""
     first, last = s.legs[n, 1], s.legs[n, 2]
     middle = s.legs[n, 3] if touches else last
-    found = (s.support[first, j] - s.support[middle, j]) * _along(column, run[2], at.points[first])
-    return found + (s.support[middle, j] - s.support[last, j]) * _along(column, run[3], at.points[last])
+    leaves, comes = s.support[first, j] - s.support[middle, j], s.support[middle, j] - s.support[last, j]
+    return float(leaves * _along(column, run[2], at.points[first]) + comes * _along(column, run[3], at.points[last]))
 
 
 @kernel

@@ -17,7 +17,7 @@ from handlcp.hand.elasticity.elasticity import TENSION, Effort, spanned
 from handlcp.hand.elasticity.laid import Laid, Lays
 from handlcp.hand.elasticity.motor import Drives
 from handlcp.hand.elasticity.route import BoundRoutes, Route
-from handlcp.hand.elasticity.stiffness import JointStiffness
+from handlcp.hand.elasticity.stiffness import JointStiffness, inverse_root
 from handlcp.hand.elasticity.tendon_motors import check_driven_once, read_tendon_motors
 from handlcp.tolerances import SEMIDEFINITE
 
@@ -52,8 +52,15 @@ class Made:
         K = self.passive + (through + through.T) / 2
         if not self._least > SEMIDEFINITE * float(through.trace() + self._own):  # no less than its largest eigenvalue
             check_sprung(K, ~self._gives, self.joints)
-        made = kind(K, laid.arms, cables)
+        made = kind(K, laid.arms, cables, self._root(K))
         return made if self.drives is None else made.driven(self.drives, self.limits)
+
+    def _root(self, K: Array) -> Array | None:
+        """(nv, nv) as of `JointStiffness`; None: not known."""
+        if not self.lays.routes or not self._all_give:
+            return None
+        A = np.zeros_like(K)
+        return A if inverse_root(K, A) else None
 
     @cached_property
     def _gives(self) -> Bools:
@@ -109,8 +116,8 @@ class TendonStiffness(JointStiffness):
 
     drives: Drives | None = None
 
-    def __init__(self, matrix: Array, arms: Array, cables: Cables) -> None:
-        super().__init__(matrix)
+    def __init__(self, matrix: Array, arms: Array, cables: Cables, root: Array | None = None) -> None:
+        super().__init__(matrix, root=root)
         self.arms, self.cables, self.bears = arms, cables, cables.limits
 
     def driven(self, drives: Drives | None, bears: Array) -> Self:

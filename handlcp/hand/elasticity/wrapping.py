@@ -175,7 +175,7 @@ def _plane(p: Array, q: Array, side: Array, x: Array, y: Array, z: Array) -> Non
 
 @kernel
 def _dot(a: Array, b: Array) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return float(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
 
 
 @kernel

@@ -11,7 +11,6 @@ from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.mechanism import joint_flexibility
 from handlcp.grasp.path.newton.tangent import Moving, Touch
 
-
 NO_TENSION = np.zeros((0, 0))
 
 
