@@ -9,8 +9,8 @@ the pads δs. To first order in them, with forces r that keep their components a
     contacts  v = Gᵀ u - J δq - δs + d
 
 A are the changes of the forces' wrench, T those of the joints' torques (geometric stiffness of the finger included), F
-those of the forces, all through turning and moving contacts; ε = 1/h is a damper on the joints, η on the pads. Tendons along
-routes, whose arms R change, pull harder at the joints by H = Σ T ∂R/∂q.
+those of the forces, all through turning and moving contacts; ε = 1/h is a damper on the joints, η on the pads. Tendons
+along routes, whose arms R change, pull harder at the joints by H δq, H = Σ T ∂R/∂q.
 Leaving A, T and F out gives the step in frozen geometry, whose iteration does not converge where every finger slides.
 Limits that give way drive the joints back by Y g besides, when the torques Yᵀ τ reach them. δq and δs are eliminated;
 what is left is a problem in r, u and g, as every grasp is one:
