@@ -1,10 +1,10 @@
 from .design.motors import RequiredTorque as RequiredTorque
 from .elasticity.measured import MeasuredStiffness as MeasuredStiffness, stiffness_from as stiffness_from
 from .elasticity.motor import Motor as Motor
-from .elasticity.route import Pulley as Pulley, Route as Route, Site as Site
+from .elasticity.places import Around as Around, Pulley as Pulley, Site as Site
+from .elasticity.route import Route as Route
 from .elasticity.synergies import Synergies as Synergies
 from .elasticity.tendons import Tendons as Tendons
-from .elasticity.wrapping import Around as Around
 from .find.candidate import Candidate as Candidate, Found as Found
 from .find.find import find_grasp as find_grasp
 from .find.postures import GivenPosture as GivenPosture, read_postures as read_postures

@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 
 from handlcp.grasp import Contact, Coulomb, Grasp, SoftFinger, solve_many
-from handlcp.hand import GraspStream, HandGrasp
+from handlcp.hand import GraspStream, HandGrasp, Route, Site, Tendons, example_hand
 from handlcp.lcp import LCP, NSNGRK, Auto, Lemke, SemismoothNewton, solve_lcp
 from handlcp.lcp.compiler.when import MANY
 from handlcp.method.catalogue import entries, trials
@@ -89,6 +89,12 @@ def _loading() -> None:
     state.grasp(ball, friction=SoftFinger(0.6, 0.003), squeeze=1e-3).follow(steps=2)
 
 
+def _routes() -> None:
+    cable = Route([Site("palm", (0.0, 0.0, -0.02)), Site("finger_1_distal_link", (0.0, 0.0, 0.01))])
+    hand = example_hand("three_finger", joint_stiffness=Tendons({"cable": cable}, 1e4, 6.0, pretension=1.0))
+    cable.bound(hand.kinematics).slope(hand.neutral)
+
+
 def _limits() -> None:
     down, law = (0, 0, -1, 0, 0, 0), SoftFinger(0.6, 0.003)
     tips = [Contact((-0.02 * x, 0, 0), (x, 0, 0), law) for x in (-1, 1)]
@@ -126,6 +132,7 @@ JOBS: tuple[tuple[str, Callable[[], None]], ...] = (
     ("searches", _searches),
     ("streams", _streams),
     ("loading", _loading),
+    ("tendons along routes", _routes),
     ("load limits", _limits),
     ("derivatives", _derivatives),
     ("batches", _batches),

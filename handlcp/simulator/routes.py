@@ -11,9 +11,9 @@ import pinocchio as pin
 from handlcp.check import Array
 from handlcp.errors import Unsupported
 from handlcp.grasp.path.state import Stage
-from handlcp.hand.elasticity.route import Pulley, Route, Site
+from handlcp.hand.elasticity.places import CYLINDER, Pulley, Site
+from handlcp.hand.elasticity.route import Route
 from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
-from handlcp.hand.elasticity.wrapping import CYLINDER
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.robot.model import HandModel
 from handlcp.simulator.settings import add, add_shape, axes_along, placed
@@ -76,7 +76,7 @@ def commands(grasp: HandGrasp, names: tuple[str, ...], arms: Array) -> tuple[Arr
     assert cables is not None
     assert isinstance(stiffness, TendonStiffness)
     rest = mechanism.relaxed
-    preload = (cables if cables.way is None else cables.way(rest)).arms.T @ cables.begun
+    preload = (cables if cables.way is None else cables.way(rest)[0]).arms.T @ cables.begun
     bent = np.linalg.lstsq(cables.passive, preload)[0]
     if abs(cables.passive @ bent - preload).max(initial=0.0) > _BALANCED * abs(preload).max(initial=0.0):
         raise Unsupported("a pretension that no springs at the joints balance cannot be written")

@@ -1,7 +1,7 @@
-"""What dry friction at the joints, and tendons that go slack, cost a step of a loading.
+"""What dry friction at the joints, tendons that go slack, and tendons along routes cost a step of a loading.
 
 `python -m tests.benchmarks.joints_on_path`: each grasp with and without in turns, one process, compiled code warm; a
-step may take twice as long.
+step may take twice as long. Of hands with routes "without" is the same hand with fixed arms.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import numpy as np
 
 import handlcp as hl
 from tests.benchmarks.clock import Run, best_times
+from tests.support.routed import threes
 
 FRICTION, MOST = 0.02, 2.0  # N·m; times a step without
 LOAD = [2.0, 1.0, 0.0, 0.0, 0.02, 0.0]
@@ -37,6 +38,10 @@ def grasps() -> dict[str, tuple[Any, Any]]:
         slack, taut = (made(joint_stiffness=hl.Tendons(arms, 3e4, 1.0, pretension=T)) for T in (0.0, np.inf))
         found[f"{name}, {len(arms)} tendons"] = slack, taut
         found[f"{name}, tendons that stay taut"] = taut, made(joint_stiffness=taut.state.hand.joint_stiffness)
+    for tendons, extensors in ((3, False), (6, True)):
+        for words, friction in (("", 0.0), (" that rub", 0.1)):
+            both = tuple([threes(extensors, 2.0, along, friction) for along in (True, False)])
+            found[f"three_finger, {tendons} routes{words}"] = both[0], both[1]
     return found
 
 

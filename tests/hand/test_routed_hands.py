@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.errors import Unsupported
-from handlcp.hand import Hand, HandGrasp, example_hand
+from handlcp.hand import Hand, HandGrasp
+from tests.support.routed import KT, threes
 
 from .chains import A, chain_hand
 
 Writer = Callable[[str], Path]
-FIRST, SECOND, KT, Y = 0.009, 0.006, 3e4, (0.0, 1.0, 0.0)  # m, m, N/m
+FIRST, SECOND, Y = 0.009, 0.006, (0.0, 1.0, 0.0)  # m, m
 
 
 def on_pulleys(name: str, x: float, s: float) -> hl.Route:
@@ -45,10 +45,9 @@ def test_a_cable_on_pulleys_is_a_tendon_of_fixed_arms(write: Writer) -> None:
     np.testing.assert_allclose(routed.steps.tensions, fixed.steps.tensions, rtol=1e-8)
     np.testing.assert_allclose(routed.steps.forces, fixed.steps.forces, atol=1e-8)
     np.testing.assert_allclose(routed.steps.displacement, fixed.steps.displacement, atol=1e-11)
+    np.testing.assert_allclose(routed.steps.stored, fixed.steps.stored, atol=1e-8 * fixed.steps.stored[-1])
+    np.testing.assert_allclose(routed.steps.work, fixed.steps.work, atol=1e-8 * fixed.steps.work[-1])
     assert routed.solution.held
-    for energy in ("stored", "work"):
-        with pytest.raises(Unsupported, match="energy of tendons along routes"):
-            getattr(routed.steps, energy)
 
 
 def test_posts_of_a_route_take_what_its_wraps_say(write: Writer) -> None:
@@ -74,25 +73,6 @@ def test_arms_are_those_of_the_posture_in_which_the_hand_stands(write: Writer) -
         np.testing.assert_allclose(state.hand.joint_stiffness[0, 0], 1.0 + KT * arm**2, rtol=1e-12)
 
 
-def threes(extensors: bool, pretension: float) -> HandGrasp:
-    """A box in three fingers with a flexor each, and an extensor."""
-    ways, routes = {"flexor": -1.0} | ({"extensor": 1.0} if extensors else {}), dict[str, hl.Route]()
-    for k, a in ((1, 0.0), (2, 2 * np.pi / 3), (3, -2 * np.pi / 3)):
-        near, far = f"finger_{k}_proximal_link", f"finger_{k}_distal_link"
-        for way, s in ways.items():
-            r = 0.045 + s * 0.012
-            routes[f"{way} {k}"] = hl.Route([
-                hl.Site("palm", (r * np.cos(a), r * np.sin(a), -0.005)), hl.Site(near, (s * 0.009, 0, 0.02)),
-                hl.Around(near, ((0, 0, 0.05), Y), 0.006, side=(s * 0.02, 0, 0.05)),
-                hl.Site(far, (s * 0.004, 0, 0.015)),
-            ])  # fmt: skip
-    tendons = hl.Tendons(routes, KT, 1.0, pretension=pretension)
-    hand = example_hand("three_finger", joint_stiffness=tendons, pad_flexibility=1e-4)
-    box = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
-    load = [2.0, 1.0, 0.0, 0.0, 0.02, 0.0]
-    return hand.at(hand.close_on(box)).grasp(box, friction=0.8, squeeze=0.004, wrench=load)
-
-
 def compared(grasp: HandGrasp, near: float) -> None:
     """Forces, joint torques and tensions at the end of the loading, beside MuJoCo."""
     from handlcp.simulator import simulate
@@ -103,6 +83,30 @@ def compared(grasp: HandGrasp, near: float) -> None:
     size, torque = np.abs(truth.forces_world).max(), np.abs(truth.torques).max()
     np.testing.assert_allclose(path.solution.forces_world, truth.forces_world, atol=near * size)
     np.testing.assert_allclose(path.steps.torques[-1], truth.torques, atol=near * torque)
+
+
+def test_energy_is_in_balance_where_arms_change_and_tendons_go_slack() -> None:
+    """Drives draw in ∫ T dx; tendons, joints and pads store it, and the load takes and gives its own."""
+    steps = threes(True, 1.0).follow().steps
+    assert (steps.tensions[-1] == 0.0).any()
+    np.testing.assert_allclose(steps.work[-1], steps.stored[-1] + steps.dissipated[-1], rtol=1e-5)
+
+
+def test_what_posts_of_routes_take_is_dissipated(write: Writer) -> None:
+    """Work is what is stored and what the pulleys take, the nearer the shorter the steps."""
+    off = list[float]()
+    for count in (50, 200):
+        found = chains(write, True, friction=0.1).follow(order="squeeze", steps=count).steps
+        assert found.dissipated[-1] > 0.01 * found.work[-1]
+        off.append(abs(found.work[-1] - found.stored[-1] - found.dissipated[-1]) / found.work[-1])
+    assert off[1] < 5e-4
+    assert off[1] < 0.3 * off[0]
+
+
+def test_iterates_are_about_as_many_as_where_arms_stay() -> None:
+    """With Σ T ∂R/∂q in the tangent; without it there were twice as many."""
+    routed, fixed = (threes(True, 2.0, along).follow().steps.states for along in (True, False))
+    assert np.mean([s.iterates for s in routed]) < 1.3 * np.mean([s.iterates for s in fixed])
 
 
 @pytest.mark.parametrize(("extensors", "pretension"), [(False, 0.0), (True, 2.0)])

@@ -298,7 +298,7 @@ def test_lengths_and_arms_are_those_of_mujoco(write_hand: Callable[[], str], tip
     assert np.count_nonzero((shares > 0.02) & (shares < 0.98)) >= n
 
 
-def test_a_side_chooses_the_way_that_mujoco_chooses() -> None:
+def test_a_side_chooses_the_way_that_mujoco_chooses(chains: Hand) -> None:
     """Points, side and shape at random about one circle: arcs up to more than half a turn, and straight cables."""
     mujoco = pytest.importorskip("mujoco")
     rng, more_than_half = np.random.default_rng(3), 0
@@ -313,11 +313,11 @@ def test_a_side_chooses_the_way_that_mujoco_chooses() -> None:
             points = np.array([away * np.cos(angles), away * np.sin(angles), rng.uniform(-0.01, 0.01, 3)]).T
             model.site_pos[:] = points
             mujoco.mj_fwdPosition(model, data)
-            around = Around("world", (np.zeros(3), (0.0, 0.0, 1.0)), 0.01, shape, points[2])
-            bend = around.in_frame(np.eye(4)).bend(points[0], points[1])
-            length = np.linalg.norm(points[1] - points[0]) if bend is None else bend.length
-            assert length == pytest.approx(data.ten_length[0], abs=1e-9)
-            more_than_half += bend is not None and bend.angle > np.pi
+            around = Around("palm", (np.zeros(3), (0.0, 0.0, 1.0)), 0.01, shape, points[2])
+            route = Route([Site("palm", points[0]), around, Site("palm", points[1])])
+            path = route.bound(chains.kinematics).at(left(chains))
+            assert path.length == pytest.approx(data.ten_length[0], abs=1e-9)
+            more_than_half += path.angles[0] > np.pi
     assert more_than_half > 10
 
 

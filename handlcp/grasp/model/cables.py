@@ -22,7 +22,9 @@ class Cables(NamedTuple):
     tendon. grips (m,) : μθ, friction times the angle of the wrap [rad]. posts (m, nv) : arms of the tendon at this post
     and beyond.
     Of tendons whose arms change with the posture these are those of one: shift (t,) : l - R q there, with l what joints
-    have drawn in [m]; 0 of others. way : from joints at q (nv,) to the tendons there; None: arms stay.
+    have drawn in [m]; 0 of others. way : from joints at q (nv,) to the tendons there and the
+    root of the joints' compliance with them, as in `Elasticity`; None: arms stay. turning : from
+    tensions T (t,) to Σ T ∂R/∂q (nv, nv) there [N·m/rad], by which the tendons pull harder as joints move; None: 0.
     """
 
     names: tuple[str, ...]
@@ -36,7 +38,8 @@ class Cables(NamedTuple):
     grips: Array
     posts: Array
     shift: Array
-    way: Callable[[Array], Cables] | None = None
+    way: Callable[[Array], tuple[Cables, Array]] | None = None
+    turning: Callable[[Array], Array] | None = None
 
     @classmethod
     def none(cls, nv: int) -> Cables:

@@ -32,6 +32,7 @@ import numpy as np
 
 from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.grasp.model.cables import Cables
+from handlcp.grasp.path.newton.numbers import NO_TENSION
 from handlcp.grasp.path.pull import NO_PULL, Pull, Task
 from handlcp.grasp.path.sprung import DEPENDS, Mixed, Sprung, sprung_of
 
@@ -39,6 +40,11 @@ _SAME = 1e-9  # of the friction, of the motion that it makes, or of the largest 
 _SETTLED = 1e-10  # of the largest tension: friction at posts that changes by no more
 _AT_ONCE = 6  # trials that change all that does otherwise
 _MOST = 80  # trials
+
+
+# From the root of the joints' compliance, how far they are driven (nv,), and what tendons pull more as arms change
+# (nv, nv), to an answer, where joints come to (nv,), and the torques that contacts take (nv,); None: no answer
+Solve = Callable[[Array, Array, Array], tuple[Any, Array, Array] | None]
 
 
 class Joints:
@@ -51,34 +57,41 @@ class Joints:
 
     def __init__(self, root: Array, friction: Array, cables: Cables | None, posture: Array) -> None:
         C = root @ root.T
-        self.cables = cables = Cables.none(len(friction)) if cables is None else cables
+        cables = Cables.none(len(friction)) if cables is None else cables
         self.gives = C.diagonal() > 0.0
-        self.K = np.zeros_like(C)
-        on = np.ix_(self.gives, self.gives)
-        self.K[on] = np.linalg.solve(C[on], np.eye(int(self.gives.sum())))
-        self.C, self._root, self.nv, self.posts = C, root, len(friction), len(cables.posts)
+        on, K = np.ix_(self.gives, self.gives), np.zeros_like(C)
+        K[on] = np.linalg.solve(C[on], np.eye(int(self.gives.sum())))
+        self.nv, self.posts = len(friction), len(cables.posts)
         self.friction = np.where(self.gives, friction, 0.0)  # rigid joints stand still anyhow
-        self.rows = np.concatenate([np.eye(self.nv), cables.posts])  # along which friction acts
-        self.rubs = np.append(self.friction > 0.0, (cables.grips > 0.0) & cables.posts.any(axis=1))
-        self._gives_by = np.einsum("ij,jk,ik->i", self.rows, C, self.rows)  # by a unit of friction
-        self._pulls = cables.springs @ cables.arms  # k R
         self._rest = posture + cables.rest
-        self.slackens = np.isfinite(cables.pretension)
-        self._known, self._whole, self._near = dict[bytes, Sprung](), self, (b"", self)
+        self.slackens, self._alone = np.isfinite(cables.pretension), np.eye(self.nv)
+        self._lie(K, root, C, cables)
+        self._whole, self._near = self, (b"", self)
         self._lately = b"", root
-        at_rest = cables if cables.way is None else cables.way(self._rest)
+        at_rest = cables if cables.way is None else cables.way(self._rest)[0]
         self._preload = at_rest.arms.T @ cables.begun  # which springs at the joints take up at rest
+
+    def _lie(self, K: Array, root: Array, C: Array, cables: Cables) -> None:
+        """What depends on how tendons lie."""
+        self.K, self._root, self.C, self.cables = K, root, C, cables
+        # Rows along which friction acts, where there is any, and by how much they give way to a unit of it
+        self.rows, self.rubs, self._gives_by = self._alone, self.friction > 0.0, C.diagonal()
+        if self.posts:
+            self.rows = np.concatenate([self._alone, cables.posts])
+            self.rubs = np.append(self.rubs, (cables.grips > 0.0) & cables.posts.any(axis=1))
+            self._gives_by = ((self.rows @ C) * self.rows).sum(axis=1)
+        self._pulls = cables.springs @ cables.arms  # k R
+        self._known = dict[bytes, Sprung]()
+        self._asked: tuple[Task | None, Array] = None, root  # where springs drive to in a task
 
     def at(self, q: Array) -> Joints:
         """With the arms of tendons where joints are at q (nv,)."""
         if self.cables.way is None:
             return self
         if self._near[0] != q.tobytes():
-            cables, on, half = self.cables.way(q), np.ix_(self.gives, self.gives), np.zeros((self.nv, self.nv))
-            K = (cables.passive + cables.arms.T @ cables.springs @ cables.arms)[on]
-            half[on] = np.linalg.solve(np.linalg.cholesky((K + K.T) / 2), np.eye(len(K))).T
-            made = Joints(half, self.friction, cables._replace(rest=self.cables.rest), self._rest - self.cables.rest)
-            made._preload, made._whole = self._preload, self
+            (cables, root), made = self.cables.way(q), object.__new__(Joints)
+            made.__dict__.update(self.__dict__)
+            made._lie(cables.passive + cables.arms.T @ cables.springs @ cables.arms, root, root @ root.T, cables)
             self._near = q.tobytes(), made
         return self._near[1]
 
@@ -92,11 +105,22 @@ class Joints:
         assert self.cables.way is not None
         if self._lately[0] == commanded.tobytes():
             return self._lately[1]
-        there = self.cables.way(commanded)
+        there, _ = self.cables.way(commanded)
         torque = self.cables.passive @ (commanded - self._rest) + self._preload - there.arms.T @ there.begun
         drawn = np.asarray(there.tensions(torque) + there.springs @ (there.shift + there.arms @ commanded))
         self._lately = commanded.tobytes(), drawn
         return drawn
+
+    def _drawn_in(self, task: Task) -> Array:
+        """(t,) d in a step, of tendons along routes."""
+        return self._whole._drawn_to(task.commanded) if task.drawn is None else task.drawn
+
+    def _tensed(self, does: Ints, task: Task, at: Array) -> Array:
+        """(nv, nv) H = Σ T ∂R/∂q of the tensions with joints at (nv,); empty where arms stay."""
+        if self.cables.turning is None:
+            return NO_TENSION
+        a = self._drawn_in(task) - self._drawn(at)
+        return self.cables.turning(self._tensions(a, does[len(self.rubs) :] == 1))
 
     def _to(self, task: Task) -> Array:
         """(nv,) where springs that are as stiff as here would drive joints to: where they are commanded to; where arms
@@ -104,9 +128,12 @@ class Joints:
         """
         if not self._routed:
             return task.commanded
-        drawn, c = self._whole._drawn_to(task.commanded) if task.drawn is None else task.drawn, self.cables
+        if self._asked[0] is task:
+            return self._asked[1]
+        drawn, c = self._drawn_in(task), self.cables
         torque = c.arms.T @ (drawn - c.springs @ c.shift) + c.passive @ self._rest - self._preload
-        return np.where(self.gives, self.C @ torque, task.commanded)
+        self._asked = task, np.where(self.gives, self.C @ torque, task.commanded)
+        return self._asked[1]
 
     @property
     def still(self) -> Pull:
@@ -115,22 +142,20 @@ class Joints:
             does=np.zeros(len(self.rubs) + len(self.slackens), dtype=np.int64), posts=np.zeros(self.posts)
         )
 
-    def solved(
-        self, begun: Pull, task: Task, at: Array, solve: Callable[[Array, Array], tuple[Any, Array, Array] | None]
-    ) -> tuple[Any, Pull] | None:
+    def solved(self, begun: Pull, task: Task, at: Array, solve: Solve) -> tuple[Any, Pull] | None:
         """The answer in which joints, posts and tendons do what was assumed of them, at first what they did in `begun`,
-        and what they do. at (nv,) : where joints stand at the iterate. solve : from the root of the joints' compliance
-        and how far they are driven (nv,) to an answer, where joints come to (nv,), and the torques that contacts take
-        (nv,). None where an assumption has no answer, or none is right.
+        and what they do. at (nv,) : where joints stand at the iterate. None where an assumption has no answer, or none
+        is right.
         """
         does, posts, mixed = begun.does, begun.posts, Mixed()
         for count in range(_MOST):
-            found = solve(self.sprung(does).root, self.command(does, posts, task, at))
+            tensed = self._tensed(does, task, at)
+            found = solve(self.sprung(does).root, self.command(does, posts, task, at), tensed)
             if found is None:
                 return None
             answer, q, torque = found
             pull = self.pull(does, posts, task, q)
-            f = self.rubbing(pull, task, q, torque)
+            f = self.rubbing(pull, task, q, torque - tensed @ (q - at) if len(tensed) else torque)
             so, settled = self._does(pull, f, task, q)
             apart = settled - posts
             if (so == does).all():
@@ -146,7 +171,9 @@ class Joints:
         """Where joints come to that meet nothing, and what they do."""
         none, q = np.zeros(self.nv), task.begun
 
-        def solve(_: Array, command: Array) -> tuple[Array, Array, Array]:
+        def solve(root: Array, command: Array, tensed: Array) -> tuple[Array, Array, Array]:
+            if len(tensed):
+                command = np.asarray(np.linalg.solve(np.eye(self.nv) - root @ root.T @ tensed, command))
             return q + command, q + command, none
 
         for _ in range(_MOST):

@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints, read_only
-from handlcp.grasp.model.cables import Cables
 
 
 class Task(NamedTuple):
@@ -36,16 +35,6 @@ class Pull(NamedTuple):
     def slack(self) -> Bools:
         """(t,) which of them hang through."""
         return np.asarray(self.tension > self.taut)
-
-    def not_stored(self, cables: Cables | None, deflection: Array) -> float:
-        """Energy that springs at joints and tendons have less for tendons that hang slack [J]. deflection (nv,) : of
-        the joints from where they are commanded.
-        """
-        if cables is None or not self.slack.any():
-            return 0.0
-        k, more = cables.springs, self.tension - self.taut
-        pushed = self.taut @ np.linalg.solve(k, self.taut) - self.tension @ np.linalg.solve(k, self.tension)
-        return 0.5 * float(pushed + (cables.arms.T @ more) @ deflection)
 
 
 NO_PULL = Pull(np.zeros(0, dtype=np.int64), *[read_only(np.zeros(0))] * 4)

@@ -39,7 +39,6 @@ _HELD_BACK = 1e-6  # of the forces: where the damper takes more, it holds the ob
 _NOTHING = 3e-9  # of a force that moves a finger by the contacts' distance: a smaller one may come from the damper
 _MOST = 9  # iterates of one step, after which it counts as one that does not settle
 _CONTRACTS, _PARTS = 0.6, 1.5  # times the last miss: more ends the iterates from the fourth on, and any iterate
-_BEHIND = 100.0  # the latter where arms of tendons change
 _LARGEST = 0.1  # motion in one step, as a share of the contacts' radii
 _CLOSE = 1e-3  # of the forces: an answer this near to what was expected is the one that continues it
 _LEAST = 0.2  # of the way from an iterate to its end
@@ -84,8 +83,6 @@ class Stepper:
         self.friction, self._still = self.laws.limits, read_only(np.zeros(len(self.first.at.q)))
         self.iteration = iteration_by_contact if self.laws.by_contact else one_iteration
         self.joints = _joints(spec, geometry, self.first.elastic.root)
-        # Arms of tendons follow joints one iterate behind: what the first one misses does not tell of the next
-        self.parts = _PARTS if self.joints is None or self.joints.cables.way is None else _BEHIND
         self.lever = np.array([1.0 / law.lever if law.lever > 0.0 else 0.0 for law in laws])
 
     def beginning(self, controls: Controls) -> State:
@@ -193,7 +190,7 @@ class Stepper:
                     rubs,
                     pull,
                 )
-            if (count > 3 and miss > _CONTRACTS * last) or miss > self.parts * last:
+            if (count > 3 and miss > _CONTRACTS * last) or miss > _PARTS * last:
                 return Failure("runs away")
             if self.far(state.where.pose, end.pose) > 2.0 * _LARGEST:
                 return Failure("too far")
@@ -318,8 +315,8 @@ class Stepper:
         if self.joints is None:
             return self._solved_once(asked, start, friction, cold)
 
-        def once(root: Array, command: Array) -> tuple[Reached, Array, Array] | None:
-            sprung = iterate._replace(elastic=iterate.elastic._replace(root=root))
+        def once(root: Array, command: Array, tensed: Array) -> tuple[Reached, Array, Array] | None:
+            sprung = iterate._replace(elastic=iterate.elastic._replace(root=root, tensed=tensed))
             made = asked._replace(iterate=sprung, loads=loads._replace(command=command))
             found = self._solved_once(made, start, friction, cold)
             return None if found is None else (found, iterate.at.q + found.change, self._left(found, iterate))
@@ -356,7 +353,7 @@ def _joints(spec: GraspSpec, geometry: Geometry, root: Array) -> Joints | None:
         return None
     cables = mechanism.cables
     if cables is not None and not geometry.follows:  # joints are measured from the posture, and arms are those there
-        cables = cables._replace(shift=np.zeros(len(cables.names)), way=None)
+        cables = cables._replace(shift=np.zeros(len(cables.names)), way=None, turning=None)
     return Joints(root, mechanism.dry_friction, cables, geometry.posture)
 
 

@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, Ints, read_only
-from handlcp.errors import Unsupported
 from handlcp.grasp.answer.reasons import friction_used
 from handlcp.grasp.assembly.build import build
-from handlcp.grasp.model.cables import Cables
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.path.energy import done, driven, stored
 from handlcp.grasp.path.geometry import Geometry
 from handlcp.grasp.path.state import SLIDES, State
 from handlcp.grasp.path.step_grasp import StepGrasp
@@ -169,14 +168,6 @@ class Steps:
         return found
 
     # ---- energy
-    def _tendons(self) -> Cables | None:
-        """Whose springs count in energies. Raises Unsupported for tendons along routes."""
-        mechanism = self.grasp.spec.mechanism
-        cables = None if mechanism is None else mechanism.cables
-        if cables is not None and cables.way is not None and self.geometry.follows:
-            raise Unsupported("the energy of tendons along routes is not worked out")
-        return cables
-
     @lazy
     def dissipated(self) -> Array:
         """(m,) energy that friction at contacts and joints has taken since the start [J]; it never falls."""
@@ -186,32 +177,25 @@ class Steps:
 
     @lazy
     def stored(self) -> Array:
-        """(m,) elastic energy of joints, pads and environment [J]. Raises Unsupported for tendons along routes."""
+        """(m,) elastic energy of joints, tendons, pads and environment [J]."""
         pads = -0.5 * (self.forces_world * _rows([s.where.give for s in self.states])).sum(axis=(1, 2))
         twists = -0.5 * (self.torsion * _rows([s.where.turn for s in self.states])).sum(axis=1)
-        cables = self._tendons()
-        joints = [
-            0.5 * float(s.pulled @ s.read.deflection) - s.pull.not_stored(cables, s.read.deflection)
-            for s in self.states
-        ]
-        return read_only(pads + twists + np.array(joints))
+        return read_only(pads + twists + stored(self.grasp, self.states))
 
     @lazy
     def work(self) -> Array:
         """(m,) energy that load, weights and commands, and the preload as it comes, have put in [J]. It is what is
         stored and what friction took, but for the steps' error: forces are taken as their means over each step. What
-        joints that yield (`TorqueSaturation`) and bounds that give way take is counted nowhere. Raises Unsupported for
-        tendons along routes.
+        joints that yield (`TorqueSaturation`) and bounds that give way take is counted nowhere.
         """
-        self._tendons()
         states = self.states
         force = _rows([s.loads.force for s in states])
         moment = _rows([s.loads.moment - cross_rows(s.iterate.reference, s.loads.force) for s in states])
         preload = _rows([self.grasp.preload(s.controls) for s in states])
         gravity = _rows([s.iterate.elastic.gravity for s in states])
-        done = _done(np.column_stack([force, moment]), self.displacement) + _done(self.pulled, self.command)
-        done -= _done(self.forces.reshape(len(self), -1), preload.reshape(len(self), -1)) + _done(gravity, self.q)
-        return read_only(np.cumsum([0.0, *done]))
+        put = done(np.column_stack([force, moment]), self.displacement) + driven(self.grasp, states)
+        put -= done(self.forces.reshape(len(self), -1), preload.reshape(len(self), -1)) + done(gravity, self.q)
+        return read_only(np.cumsum([0.0, *put]))
 
 
 def used_on_path(scene: Scene, forces: Array, torsion: Array) -> Array:
@@ -237,11 +221,6 @@ def _while_drawn(command: list[Array], effort: list[Array]) -> Array:
     after = _rows(effort)[1:]
     against = np.diff(_rows(command), axis=0) * after > 0.0
     return np.asarray((abs(after) * against).max(axis=0, initial=0.0))
-
-
-def _done(force: Array, moved: Array) -> Array:
-    """(m-1,) work of forces (m, k) along (m, k), of their means over each step."""
-    return np.asarray(((force[1:] + force[:-1]) / 2 * np.diff(moved, axis=0)).sum(axis=1))
 
 
 def _friction_work(s: State) -> float:

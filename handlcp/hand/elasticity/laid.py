@@ -6,26 +6,26 @@ whose wrap changes with the posture.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import partial
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from handlcp.check import Array, Ints, array, dimensions, number, per_name, read_only
 from handlcp.errors import InputError
-from handlcp.hand.elasticity.route import BoundRoute, Route, TendonPath
+from handlcp.hand.elasticity.places import Pulley
+from handlcp.hand.elasticity.route import BoundRoutes, Route
 
 Arms = dict[str, dict[str, float]]
 _FRICTION = "Tendons.friction"
-_KEPT = 8  # postures, which steps ask for again
 _grip = partial(number, minimum=0.0)
 
 
 class Laid(NamedTuple):
     """arms (t, nv) : R [m/rad, m/m]. shift (t,) : l - R q, with l drawn in by the joints since their posture zero [m].
-    of (m,), grips (m,), posts (m, nv) : as `Cables` has them.
+    of (m,), grips (m,), posts (m, nv), turning : as `Cables` has them.
     """
 
     arms: Array
@@ -33,12 +33,18 @@ class Laid(NamedTuple):
     of: Ints
     grips: Array
     posts: Array
+    turning: Callable[[Array], Array] | None
 
 
-class _Post(NamedTuple):
-    tendon: int
-    grip: float
-    row: Array
+class _Posts(NamedTuple):
+    """m posts, those of a tendon in their order. of (m,), grips (m,), rows (m, nv) : as `Cables` has them, of routes μ
+    and 0. legs (m,) : number of the leg that goes round it, among those of all routes; -1: of a tendon without.
+    """
+
+    of: Ints
+    grips: Array
+    rows: Array
+    legs: Ints
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,58 +58,62 @@ class Lays:
     order: list[list[int]]
     grips: list[Array | float]
     routes: dict[int, Route]
-    _lately: dict[bytes, Laid] = field(default_factory=dict, init=False, repr=False)
 
-    def bound(self, kinematics: Any, names: Sequence[str]) -> dict[int, BoundRoute]:
-        """The routes on the links of a hand. Raises UnknownName."""
-        return {i: route.bound(kinematics, f"Tendons.moment_arms[{names[i]!r}]") for i, route in self.routes.items()}
-
-    def at(self, bound: Mapping[int, BoundRoute], q: Array) -> Laid:
-        """With joints at q (nv,). Raises InputError as `BoundRoute.at`."""
-        if not bound:
-            return self._at(bound, q)
-        key = q.tobytes()
-        if (found := self._lately.get(key)) is None:
-            if len(self._lately) >= _KEPT:
-                self._lately.clear()
-            found = self._lately[key] = self._at(bound, q)
-        return found
-
-    def _at(self, bound: Mapping[int, BoundRoute], q: Array) -> Laid:
-        R, shift, posts = self.arms.copy(), np.zeros(len(self.arms)), list[_Post]()
+    @cached_property
+    def posts(self) -> _Posts:
+        """One for each joint where a tendon has friction, and each round body of a route that has: all of them, so that
+        there are as many in every posture.
+        """
+        nv, none, leg = self.arms.shape[1], np.zeros(self.arms.shape[1]), 0
+        posts = list[tuple[int, float, Array, int]]()
         for i, (order, grips) in enumerate(zip(self.order, self.grips, strict=True)):
-            if i in bound:
-                path = bound[i].at(q)
-                R[i], shift[i] = path.arms, -path.length - path.arms @ q
-                posts += _along(i, path, float(np.max(grips)))
+            if i in self.routes:
+                legs, most = self.routes[i].legs, float(np.max(grips))
+                around = [leg + k for k, one in enumerate(legs) if one.body is not None and most > 0.0]
+                posts += [(i, most, none, k) for k in around]
+                leg += len(legs)
             else:
                 posts += _at_joints(i, self.arms[i], order, np.asarray(grips))
-        return Laid(
-            read_only(R), read_only(shift), np.array([p.tendon for p in posts], dtype=np.int64),
-            read_only(np.array([p.grip for p in posts])),
-            read_only(np.array([p.row for p in posts]).reshape(-1, R.shape[1])),
+        return _Posts(
+            np.array([p[0] for p in posts], dtype=np.int64), read_only(np.array([p[1] for p in posts])),
+            read_only(np.array([p[2] for p in posts]).reshape(-1, nv)), np.array([p[3] for p in posts], dtype=np.int64),
         )  # fmt: skip
 
+    def bound(self, kinematics: Any, names: Sequence[str]) -> BoundRoutes | None:
+        """The routes on the links of a hand. Raises UnknownName."""
+        named = tuple([f"Tendons.moment_arms[{names[i]!r}]" for i in self.routes])
+        return BoundRoutes(tuple(self.routes.values()), kinematics, named) if named else None
 
-def _at_joints(tendon: int, arms: Array, order: list[int], grips: Array) -> list[_Post]:
+    def at(self, bound: BoundRoutes | None, q: Array) -> Laid:
+        """With joints at q (nv,). Raises InputError as `BoundRoutes.at`."""
+        posts = self.posts
+        if bound is None:
+            return Laid(self.arms, read_only(np.zeros(len(self.arms))), posts.of, posts.grips, posts.rows, None)
+        routed = self._routed
+        strung, posed = bound.at(q)
+        R, shift = self.arms.copy(), np.zeros(len(self.arms))
+        R[routed], shift[routed] = strung.arms, -strung.lengths - strung.arms @ q
+        grips, rows = posts.grips, posts.rows
+        if len(grips):
+            on, legs = posts.legs >= 0, posts.legs
+            grips = read_only(np.where(on, grips * strung.turned[legs], grips))
+            rows = read_only(np.where(on[:, None], strung.beyond[legs], rows))
+        return Laid(read_only(R), read_only(shift), posts.of, grips, rows, partial(bound.turning, posed, routed))
+
+    @cached_property
+    def _routed(self) -> Ints:
+        """Numbers of tendons with routes."""
+        return np.array([*self.routes], dtype=np.int64)
+
+
+def _at_joints(tendon: int, arms: Array, order: list[int], grips: Array) -> list[tuple[int, float, Array, int]]:
     """One post for each joint that has friction; beyond it the tendon moves the joints that it passes from there on."""
     every = np.arange(len(arms))
     return [
-        _Post(tendon, float(grips[j]), np.where(np.isin(every, order[k:]), arms, 0.0))
+        (tendon, float(grips[j]), np.where(np.isin(every, order[k:]), arms, 0.0), -1)
         for k, j in enumerate(order)
         if grips[j] > 0.0
     ]
-
-
-def _along(tendon: int, path: TendonPath, friction: float) -> list[_Post]:
-    """One post for each round body of a route: all of them, so that there are as many in every posture."""
-    if not friction:
-        return []
-    rows = np.cumsum([piece.arms for piece in path.pieces][::-1], axis=0)[::-1]  # of each piece and those after it
-    lies = [k for k, piece in enumerate(path.pieces) if piece.turned > 0.0]
-    posts = [_Post(tendon, friction * path.pieces[k].turned, rows[k]) for k in lies]
-    free = len(path.angles) - len(posts)
-    return [*posts, *[_Post(tendon, 0.0, np.zeros_like(path.arms))] * free]
 
 
 def lays_of(
@@ -131,7 +141,7 @@ def lays_of(
         for i, (name, row) in enumerate(zip(names, rows, strict=True))
     ]
     for i, route in routes.items():
-        if np.max(grips[i]) > 0.0 and len({leg.divisor for leg in route.legs}) > 1:
+        if np.max(grips[i]) > 0.0 and any(isinstance(place, Pulley) for place in route.places[1:]):
             raise InputError(_FRICTION, f"0 for {names[i]!r}, which a pulley divides", f"{np.max(grips[i]):g}")
     return Lays(R, order, grips, routes)
 

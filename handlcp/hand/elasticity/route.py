@@ -1,19 +1,6 @@
 """Cables in space: through sites of the links and around cylinders and balls on them.
 
-The moment arms of such a tendon change with the posture; `Tendons` takes those of one.
-
-L(q) = Σ_branches (1/d) Σ (straight pieces + arcs),    arms = -∂L/∂q
-
-A taut path is the shortest of its kind, so where it meets and leaves a round body changes its length in second order
-only: for ∂L/∂q these points move with the body's link. Then arcs keep their length, and each straight piece from a to b
-along the unit vector u lengthens by u · (ṗ_b - ṗ_a). A joint with the world velocity field v + ω × p that moves b and
-not a brings
-
-∂|b - a|/∂q = u · v + (p × u) · ω,    p any point of the line
-
-with the other sign where it moves a and not b, and nothing where it moves both or none.
-Source: Murray, Li & Sastry, A Mathematical Introduction to Robotic Manipulation (1994), section 6.4, for arms as
-derivatives of the length; MuJoCo's XML reference, tendon/spatial, for sites, side sites and pulleys.
+The moment arms of such a tendon change with the posture; `Tendons` takes those of one. `strung` has the formulas.
 """
 
 from __future__ import annotations
@@ -24,40 +11,12 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from handlcp.check import Array, array, number, read_only
+from handlcp.check import Array, Ints, read_only
 from handlcp.errors import InputError, UnknownName
-from handlcp.hand.elasticity.wrapping import ROUNDING, Around, RoundBody, cross, link_name
+from handlcp.hand.elasticity.places import CYLINDER, Around, Pulley, Site
+from handlcp.hand.elasticity.strung import Posed, Strands, Strung, strung, turning
 
 _PLACES = "a sequence of Site, Around and Pulley, at least two of them"
-
-# ---------------------------------------------------------------- What a tendon passes.
-
-
-@dataclass(frozen=True, eq=False)
-class Site:
-    """A hole that the cable runs through, or an end that is knotted. link : that carries it. point : (3,) in the link's
-    frame [m]. Raises InputError.
-    """
-
-    link: str
-    point: Any
-
-    def __post_init__(self) -> None:
-        link_name("Site.link", self.link)
-        object.__setattr__(self, "point", array("Site.point", self.point, (3,), what="metres in the link's frame"))
-
-
-@dataclass(frozen=True, eq=False)
-class Pulley:
-    """A loose pulley, from which a branch of its own begins. divisor : > 0, of the branch's length and tension: 2 for
-    each of two branches that one cable pulls, a differential. Raises InputError.
-    """
-
-    divisor: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "divisor", number("Pulley.divisor", self.divisor, above=0.0))
-
 
 # ---------------------------------------------------------------- The way of a tendon.
 
@@ -105,21 +64,9 @@ class Route:
         object.__setattr__(self, "places", tuple(places))
         object.__setattr__(self, "legs", tuple(_legs(places)))
 
-    @property
-    def arounds(self) -> tuple[int, ...]:
-        """The numbers of the round bodies among the places."""
-        return tuple(i for i, place in enumerate(self.places) if isinstance(place, Around))
-
     def bound(self, kinematics: Moving, argument: str = "route") -> BoundRoute:
         """The route on the links of a hand. argument : what errors call it. Raises UnknownName."""
-        numbers = {f.name: i for i, f in enumerate(kinematics.model.frames) if f.name != "universe"}
-        frames = list[int]()
-        for i, place in enumerate(self.places):
-            link = "" if isinstance(place, Pulley) else place.link
-            if link and link not in numbers:
-                raise UnknownName(f"{argument}.places[{i}].link", "a link", [link], numbers)
-            frames.append(numbers.get(link, 0))
-        return BoundRoute(self, kinematics, tuple(frames), argument)
+        return BoundRoute(self, BoundRoutes((self,), kinematics, (argument,)))
 
 
 # ---------------------------------------------------------------- In a posture.
@@ -157,93 +104,128 @@ class TendonPath:
 
 
 @dataclass(frozen=True, eq=False)
-class BoundRoute:
-    """A route on the links of one hand.
-
-    frames : a number of Pinocchio's frames for each place; 0 for a pulley, which is on no link. argument : what errors
-    call the route. support : (places, joints) 1 where a joint moves a place.
+class BoundRoutes:
+    """The routes of t tendons on the links of one hand. arguments : what errors call them. frames : numbers of
+    Pinocchio's frames of their links. Raises UnknownName.
     """
 
-    route: Route
+    routes: tuple[Route, ...]
     kinematics: Moving
-    frames: tuple[int, ...]
-    argument: str
-    support: Array = field(init=False, repr=False)
+    arguments: tuple[str, ...]
+    frames: tuple[int, ...] = field(init=False, repr=False)
+    strands: Strands = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        model = self.kinematics.model
-        support = np.zeros((len(self.frames), model.nv))
-        for row, frame in zip(support, self.frames, strict=True):
+        model, links = self.kinematics.model, list[str]()
+        numbers = {f.name: i for i, f in enumerate(model.frames) if f.name != "universe"}
+        for route, argument in zip(self.routes, self.arguments, strict=True):
+            for i, place in enumerate(route.places):
+                links.append("" if isinstance(place, Pulley) else place.link)
+                if links[-1] and links[-1] not in numbers:
+                    raise UnknownName(f"{argument}.places[{i}].link", "a link", [links[-1]], numbers)
+        on = [numbers.get(link, 0) for link in links]  # 0: a pulley, which is on no link
+        frames = sorted(set(on))
+        support = np.zeros((len(on), model.nv))
+        for row, frame in zip(support, on, strict=True):
             row[[model.joints[j].idx_v for j in model.supports[model.frames[frame].parentJoint] if j]] = 1.0
-        object.__setattr__(self, "support", read_only(support))
+        object.__setattr__(self, "frames", tuple(frames))
+        object.__setattr__(self, "strands", _strands(self.routes, [frames.index(frame) for frame in on], support))
+
+    def posed(self, q: Array) -> Posed:
+        """With joints at q (nv,)."""
+        placements, J = self.kinematics.frames_at(q, self.frames)
+        return Posed(placements, J.T.copy())
+
+    def at(self, q: Array) -> tuple[Strung, Posed]:
+        """Lengths, arms and wraps with joints at q (nv,), over the independent joints, and that posture. Raises
+        InputError where a site is inside a body that the cable goes round.
+        """
+        posed = self.posed(q)
+        t, legs, joints = len(self.routes), len(self.strands.divisors), len(posed.columns)
+        out = Strung(
+            np.zeros(t), np.zeros((t, joints)), np.zeros(legs), np.zeros((legs, 2, joints)), np.zeros((legs, joints)),
+            np.zeros((legs, 4, 3)),
+        )  # fmt: skip
+        wrong, depth = strung(self.strands, posed, out)
+        if wrong >= 0:
+            raise self._inside(int(wrong), float(depth), q)
+        C = self.kinematics.coupling
+        if C is not None:
+            out = out._replace(arms=out.arms @ C, pieces=out.pieces @ C, beyond=out.beyond @ C)
+        return out, posed
+
+    def turning(self, posed: Posed, which: Ints, tension: Array) -> Array:
+        """(nv, nv) Σ T ∂arms/∂q [N·m/rad], symmetric; which (t,) : numbers of the tendons among their tensions T."""
+        H, C = np.zeros((len(posed.columns),) * 2), self.kinematics.coupling
+        turning(self.strands, posed, tension[which], H)
+        return H if C is None else np.asarray(C.T @ H @ C)
+
+    def _inside(self, wrong: int, depth: float, q: Array) -> InputError:
+        tendon, first, last, body = self.strands.legs[wrong // 2].tolist()
+        begins = sum([len(route.places) for route in self.routes[:tendon]])
+        around = self.routes[tendon].places[body - begins]
+        assert isinstance(around, Around)
+        site = (last if wrong % 2 else first) - begins
+        expected = f"a site outside the {around.shape} that it leads to, places[{body - begins}] on {around.link!r}"
+        came = f"one {1e3 * depth:.3g} mm inside it at q = {np.round(q, 4).tolist()}"
+        return InputError(f"{self.arguments[tendon]}.places[{site}]", expected, came)
+
+
+@dataclass(frozen=True, eq=False)
+class BoundRoute:
+    """A route on the links of one hand, alone. routes : it."""
+
+    route: Route
+    routes: BoundRoutes
 
     def at(self, q: Any) -> TendonPath:
         """Length, arms and wraps at q (nv,) [rad, m], or a mapping of joint names. Raises InputError: also where a site
         is inside a body that the cable goes round.
         """
-        q = self.kinematics.posture("q", q)
-        placements, J = self.kinematics.frames_at(q, self.frames)
-        length, angles, pieces = 0.0, dict.fromkeys(self.route.arounds, 0.0), list[Piece]()
-        for n, leg in enumerate(self.route.legs):
-            whole, turned, more = self._leg(n, q, placements, J)
-            length += whole / leg.divisor
-            pieces += more
-            if leg.body is not None:
-                angles[leg.body] = turned
-        arms = np.sum([piece.arms for piece in pieces], axis=0)
-        return TendonPath(length, read_only(arms), read_only(np.array([*angles.values()])), tuple(pieces))
+        (found, _), pieces = self.routes.at(self._posture(q)), list[Piece]()
+        for n, (turned, ends, arms) in enumerate(zip(found.turned.tolist(), found.ends, found.pieces, strict=True)):
+            pieces.append(Piece(ends[0], ends[1], read_only(arms[0]), 0.0, n))
+            if turned > 0.0:
+                pieces.append(Piece(ends[2], ends[3], read_only(arms[1]), turned, n))
+        wraps = [leg.body is not None for leg in self.route.legs]
+        return TendonPath(
+            float(found.lengths[0]), read_only(found.arms[0]), read_only(found.turned[wraps]), tuple(pieces)
+        )
 
-    def slope(self, q: Any, step: float = 1e-6) -> Array:
-        """(nv, nv) ∂arms/∂q [m/rad²], symmetric, by central differences of the arms over ±`step` [rad, m].
+    def slope(self, q: Any) -> Array:
+        """(nv, nv) ∂arms/∂q [m/rad²], symmetric.
 
         It is -∂²L/∂q², with which the tension T of a tendon adds -T slope to the joints' stiffness. At a posture where
         a wrap comes or goes it is the mean over both sides.
         """
-        q = self.kinematics.posture("q", q)
-        rows = [(self.at(q + d).arms - self.at(q - d).arms) / (2 * step) for d in step * np.eye(len(q))]
-        H = np.array(rows).reshape(len(q), len(q))
-        return read_only((H + H.T) / 2)
+        posed, first = self.routes.posed(self._posture(q)), np.zeros(1, dtype=np.int64)
+        return read_only(self.routes.turning(posed, first, np.ones(1)))
 
-    def _leg(self, n: int, q: Array, placements: Array, J: Array) -> tuple[float, float, list[Piece]]:
-        """Length [m] of a leg from site to site, the angle on the body between [rad], and the straight pieces."""
-        leg = self.route.legs[n]
-        a, b = self._point(leg.first, placements), self._point(leg.last, placements)
-        bend = None if leg.body is None else self._body(leg, q, placements, a, b).bend(a, b)
-        if leg.body is None or bend is None:
-            length = float(np.linalg.norm(b - a))
-            along = (b - a) / length if length > 0.0 else np.zeros(3)
-            return length, 0.0, [Piece(a, b, self._arms(leg.first, leg.last, a, along / leg.divisor, J), 0.0, n)]
-        before = self._arms(leg.first, leg.body, a, bend.before / leg.divisor, J)
-        after = self._arms(leg.body, leg.last, b, bend.after / leg.divisor, J)
-        pieces = [Piece(a, bend.start, before, 0.0, n), Piece(bend.end, b, after, bend.angle, n)]
-        return bend.length, bend.angle, pieces
+    def _posture(self, q: Any) -> Array:
+        return self.routes.kinematics.posture("q", q)
 
-    def _point(self, i: int, placements: Array) -> Array:
-        """(3,) of a site, world axes."""
-        site = self.route.places[i]
-        assert isinstance(site, Site)
-        return np.asarray(placements[i, :3, :3] @ site.point + placements[i, :3, 3])
 
-    def _body(self, leg: _Leg, q: Array, placements: Array, a: Array, b: Array) -> RoundBody:
-        """What the cable goes round between a and b (3,), world axes. Raises InputError for a site inside."""
-        assert leg.body is not None
-        around = self.route.places[leg.body]
-        assert isinstance(around, Around)
-        body = around.in_frame(placements[leg.body])
-        for site, point in ((leg.first, a), (leg.last, b)):
-            depth = -body.outside(point)
-            if depth > ROUNDING * around.radius:
-                expected = f"a site outside the {around.shape} that it leads to, places[{leg.body}] on {around.link!r}"
-                came = f"one {1e3 * depth:.3g} mm inside it at q = {np.round(q, 4).tolist()}"
-                raise InputError(f"{self.argument}.places[{site}]", expected, came)
-        return body
-
-    def _arms(self, first: int, last: int, point: Array, along: Array, J: Array) -> Array:
-        """(nv,) of a straight piece from one place to another, through a point (3,), along (3,) unit / divisor."""
-        wrench = np.concatenate([along, cross(point, along)])
-        arms = (self.support[first] - self.support[last]) * (wrench @ J)
-        C = self.kinematics.coupling
-        return read_only(arms if C is None else arms @ C)
+def _strands(routes: Sequence[Route], at: list[int], support: Array) -> Strands:
+    """As compiled code reads them. at (p,), support (p, joints) : of all places."""
+    n, legs = len(at), list[tuple[int, ...]]()
+    s = Strands(
+        np.array(at, dtype=np.int64), np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n), support,
+        np.zeros((0, 4), dtype=np.int64), np.array([leg.divisor for route in routes for leg in route.legs]),
+    )  # fmt: skip
+    begins = 0
+    for t, route in enumerate(routes):
+        for i, place in enumerate(route.places, begins):
+            if isinstance(place, Site):
+                s.points[i] = place.point
+            elif isinstance(place, Around):
+                s.points[i], axis = place.placement
+                s.axes[i], s.radii[i] = axis if place.shape == CYLINDER else 0.0, place.radius
+                s.sides[i] = s.points[i] if place.side is None else place.side
+        for leg in route.legs:
+            body = -1 if leg.body is None else leg.body + begins
+            legs.append((t, leg.first + begins, leg.last + begins, body))
+        begins += len(route.places)
+    return s._replace(legs=np.array(legs, dtype=np.int64))
 
 
 # ---------------------------------------------------------------- Checks.

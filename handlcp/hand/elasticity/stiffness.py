@@ -86,12 +86,14 @@ HOW_STIFF = (  # what is expected where nobody says it
 class JointStiffness(Elasticity):
     """Stiffness K of the joints [N·m/rad], positive definite; inf on the diagonal: rigid. A = L⁻ᵀ for K = L Lᵀ."""
 
-    def __init__(self, matrix: Array, uniform: bool = False) -> None:
-        rigid = np.isinf(np.diagonal(matrix))
-        L = np.linalg.cholesky(np.where(np.isinf(matrix), 1.0, matrix))
-        A = np.asarray(np.linalg.inv(L).T, dtype=float)
-        A[rigid] = 0.0
-        super().__init__(A)
+    def __init__(self, matrix: Array, uniform: bool = False, root: Array | None = None) -> None:
+        """Of a matrix (nv, nv); root : A, where it is known."""
+        if root is None:
+            rigid = np.isinf(np.diagonal(matrix))
+            L = np.linalg.cholesky(np.where(np.isinf(matrix), 1.0, matrix))
+            root = np.asarray(np.linalg.inv(L).T, dtype=float)
+            root[rigid] = 0.0
+        super().__init__(root)
         self._matrix, self.uniform = read_only(matrix), uniform
 
     @property
@@ -201,6 +203,31 @@ class Pads:
         R = rotations()
         turned = R @ pads @ R.transpose(0, 2, 1)
         return read_only((turned + turned.transpose(0, 2, 1)) / 2)
+
+
+@kernel
+def inverse_root(K: Array, A: Array) -> bool:
+    """Write L⁻ᵀ of K = L Lᵀ (n, n) into A (n, n), of zeros; False where K is not positive definite."""
+    n = len(K)
+    L = np.zeros((n, n))
+    for i in range(n):
+        for j in range(i + 1):
+            left = K[i, j]
+            for k in range(j):
+                left -= L[i, k] * L[j, k]
+            if i > j:
+                L[i, j] = left / L[j, j]
+            elif left > 0.0:
+                L[i, i] = np.sqrt(left)
+            else:
+                return False
+    for j in range(n):
+        A[j, j] = 1.0 / L[j, j]
+        for i in range(j + 1, n):
+            for k in range(j, i):
+                A[j, i] -= L[i, k] * A[j, k]
+            A[j, i] /= L[i, i]
+    return True
 
 
 @kernel

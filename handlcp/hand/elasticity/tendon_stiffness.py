@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, Self, TypeVar
 
 import numpy as np
@@ -16,15 +16,16 @@ from handlcp.grasp.model.cables import Cables
 from handlcp.hand.elasticity.elasticity import TENSION, Effort, spanned
 from handlcp.hand.elasticity.laid import Laid, Lays
 from handlcp.hand.elasticity.motor import Drives
-from handlcp.hand.elasticity.route import BoundRoute, Route
-from handlcp.hand.elasticity.stiffness import JointStiffness
+from handlcp.hand.elasticity.route import BoundRoutes, Route
+from handlcp.hand.elasticity.stiffness import JointStiffness, inverse_root
 from handlcp.hand.elasticity.tendon_motors import check_driven_once, read_tendon_motors
 from handlcp.tolerances import SEMIDEFINITE
 
 EQUATION = "K = K_p + Rᵀ k R,  t = k R δq"
-Way = Callable[[Array], Cables]
+Way = Callable[[Array], tuple[Cables, Array]]
 Stiff = TypeVar("Stiff", bound="TendonStiffness")
 _MADE = 1e-6  # of the largest torque of a command: less is rounding
+_KEPT = 8  # postures, which steps ask for again
 _SHARE = 0.1  # of the largest motion: joints that move less are not named as loose
 
 
@@ -44,26 +45,69 @@ class Made:
     drives: Drives | None
     stated: bool = False
 
-    def at(self, kind: type[Stiff], bound: dict[int, BoundRoute], q: Array, way: Way | None) -> Stiff:
+    def at(self, kind: type[Stiff], bound: BoundRoutes | None, q: Array, way: Way | None) -> Stiff:
         """Of this kind, in a posture q (nv,)."""
         laid = self.lays.at(bound, q)
-        K = self.passive.copy()
-        rigid = np.isinf(np.diagonal(K))
-        through = laid.arms.T @ self.springs @ laid.arms
-        through[rigid] = through[:, rigid] = 0.0  # no load reaches the tendons through a rigid joint
-        K += (through + through.T) / 2
-        check_sprung(K, rigid, self.joints)
-        return kind(K, laid.arms, self.cables(laid, way)).driven(self.drives, self.limits)
+        cables = self._there(laid, way)
+        through = cables.arms.T @ self.springs @ cables.arms  # no load reaches the tendons through a rigid joint
+        K = self.passive + (through + through.T) / 2
+        if not self._least > SEMIDEFINITE * float(through.trace() + self._own):  # no less than its largest eigenvalue
+            check_sprung(K, ~self._gives, self.joints)
+        made = kind(K, laid.arms, cables, self._root(K))
+        return made if self.drives is None else made.driven(self.drives, self.limits)
 
-    def cables(self, laid: Laid, way: Way | None) -> Cables:
-        """As a path needs them."""
-        rigid, none = np.isinf(np.diagonal(self.passive)), np.zeros(len(self.joints))
-        arms, posts = (read_only(np.where(rigid, 0.0, rows)) for rows in (laid.arms, laid.posts))
+    def _root(self, K: Array) -> Array | None:
+        """(nv, nv) as of `JointStiffness`; None: not known."""
+        if not self.lays.routes or not self._all_give:
+            return None
+        A = np.zeros_like(K)
+        return A if inverse_root(K, A) else None
+
+    @cached_property
+    def _gives(self) -> Bools:
+        """(nv,) joints that are not rigid."""
+        return np.asarray(np.isfinite(np.diagonal(self.passive)))
+
+    @cached_property
+    def _all_give(self) -> bool:
+        return bool(self._gives.all())
+
+    @cached_property
+    def _least(self) -> float:
+        """The least stiffness that joints' own springs give any motion [N·m/rad]: where it counts, no arm matters."""
+        own = self.passive[np.ix_(self._gives, self._gives)]
+        return float(np.linalg.eigvalsh(own)[0]) if len(own) else np.inf
+
+    @cached_property
+    def _own(self) -> float:
+        """Trace of these springs."""
+        return float(np.diagonal(self.passive)[self._gives].sum())
+
+    @cached_property
+    def _cables(self) -> Cables:
+        """What of them is the same in every posture."""
+        none, posts = np.zeros(len(self.joints)), self.lays.posts
         own = read_only(np.where(np.isinf(self.passive), 0.0, self.passive))
+        most, arms = held(self.drives, self.limits), self.lays.arms
         return Cables(
-            self.names, arms, self.springs, own, none, self.pretension, held(self.drives, self.limits), laid.of,
-            laid.grips, posts, laid.shift, way,
+            self.names, arms, self.springs, own, none, self.pretension, most, posts.of, posts.grips, posts.rows, none,
         )  # fmt: skip
+
+    def _there(self, laid: Laid, way: Way | None) -> Cables:
+        """As a path needs them."""
+        arms, posts = laid.arms, laid.posts
+        if not self._all_give:
+            arms, posts = (read_only(np.where(self._gives, rows, 0.0)) for rows in (arms, posts))
+        turning = laid.turning
+        if turning is not None and not self._all_give:
+            turning = partial(self._turning, turning)
+        return self._cables._replace(
+            arms=arms, grips=laid.grips, posts=posts, shift=laid.shift, way=way, turning=turning
+        )
+
+    def _turning(self, turning: Callable[[Array], Array], tension: Array) -> Array:
+        """As `Cables` has it, 0 of rigid joints."""
+        return np.asarray(turning(tension) * np.outer(self._gives, self._gives))
 
 
 class TendonStiffness(JointStiffness):
@@ -73,8 +117,8 @@ class TendonStiffness(JointStiffness):
 
     drives: Drives | None = None
 
-    def __init__(self, matrix: Array, arms: Array, cables: Cables) -> None:
-        super().__init__(matrix)
+    def __init__(self, matrix: Array, arms: Array, cables: Cables, root: Array | None = None) -> None:
+        super().__init__(matrix, root=root)
         self.arms, self.cables, self.bears = arms, cables, cables.limits
 
     def driven(self, drives: Drives | None, bears: Array) -> Self:
@@ -156,8 +200,7 @@ class RoutedStiffness(TendonStiffness):
     """Of tendons that run along routes, in one posture."""
 
     _made: Made
-    _bound: dict[int, BoundRoute]
-    _on: Any
+    _on: Postures
     _q: Array
 
     @property
@@ -167,15 +210,12 @@ class RoutedStiffness(TendonStiffness):
 
     def as_stated(self) -> RoutedStiffness:
         """The same, said by a file."""
-        return self.of(replace(self._made, stated=True), self._on, self._q, self._bound)
+        return self.of(replace(self._made, stated=True), self._on.kinematics, self._q)
 
     @classmethod
-    def of(cls, made: Made, kinematics: Any, q: Array, bound: dict[int, BoundRoute] | None = None) -> RoutedStiffness:
+    def of(cls, made: Made, kinematics: Any, q: Array) -> RoutedStiffness:
         """On the links of a hand, at q (nv,). Raises InputError, UnknownName."""
-        bound = made.lays.bound(kinematics, made.names) if bound is None else bound
-        found = made.at(cls, bound, q, partial(_cables_at, made, bound))
-        found._made, found._bound, found._on, found._q = made, bound, kinematics, q
-        return found
+        return Postures(made, kinematics).at(q)
 
     @property
     def routes(self) -> dict[str, Route]:
@@ -185,15 +225,39 @@ class RoutedStiffness(TendonStiffness):
     def motored(self, motors: Mapping[str, Any]) -> RoutedStiffness:
         """The same with motors by tendon. Raises InputError, UnknownName."""
         drives = read_tendon_motors(motors, self.names, self.cables.pretension)
-        return self.of(replace(self._made, drives=drives), self._on, self._q)
+        return self.of(replace(self._made, drives=drives), self._on.kinematics, self._q)
 
     def at(self, kinematics: Any, q: Array) -> RoutedStiffness:
         """In another posture, of a hand with these kinematics."""
-        return self.of(self._made, kinematics, q, self._bound if kinematics is self._on else None)
+        return self._on.at(q) if kinematics is self._on.kinematics else self.of(self._made, kinematics, q)
 
 
-def _cables_at(made: Made, bound: dict[int, BoundRoute], q: Array) -> Cables:
-    return made.cables(made.lays.at(bound, q), None)
+class Postures:
+    """Tendons along routes on the links of a hand, in one posture after the other. Raises UnknownName."""
+
+    def __init__(self, made: Made, kinematics: Any) -> None:
+        self.made, self.kinematics = made, kinematics
+        self._bound = made.lays.bound(kinematics, made.names)
+        self._lately = dict[bytes, RoutedStiffness]()
+
+    def at(self, q: Array) -> RoutedStiffness:
+        """With joints at q (nv,). Raises InputError."""
+        key = q.tobytes()
+        if (found := self._lately.get(key)) is None:
+            if len(self._lately) >= _KEPT:
+                self._lately.clear()
+            found = self._lately[key] = self.made.at(RoutedStiffness, self._bound, q, self.way)
+            found._made, found._on, found._q = self.made, self, q
+        return found
+
+    def way(self, q: Array) -> tuple[Cables, Array]:
+        """As `Cables` asks for it."""
+        there = self.at(q)
+        return there.cables, there.root
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without what it has worked out lately."""
+        return {**self.__dict__, "_lately": {}}
 
 
 def held(drives: Drives | None, bears: Array) -> Array:

@@ -141,7 +141,7 @@ class Tendons(Transmission):
         begun, most = self._forces(names)
         made = Made(names, joints, k, own, begun, most, lays, read_tendon_motors(self.motors, names, begun))
         if not routed:
-            return made.at(TendonStiffness, {}, np.zeros(len(joints)), None)
+            return made.at(TendonStiffness, None, np.zeros(len(joints)), None)
         if kinematics is None:
             raise Unsupported("tendons with routes need a hand, whose links they pass")
         return RoutedStiffness.of(made, kinematics, kinematics.neutral)

@@ -162,6 +162,8 @@ def _shared(s: Situation, turned: Turned, pads: _Pads, command: Array) -> _Share
     rows, constant = np.zeros((nv + 6, first)), np.zeros(nv + 6)
     if len(turned.force) > 0:
         rows[:nv], rows[nv:] = turned.torque[:, :first], turned.wrench[:, :first]
+        if len(el.tensed) > 0:
+            rows[:nv, 6:] -= el.tensed
         rows -= product(pads.back, pads.follow)
         constant -= np.dot(pads.back, pads.give)
     a = (command + slow * lag) / (1.0 + slow)

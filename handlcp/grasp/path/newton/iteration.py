@@ -40,7 +40,7 @@ def one_iteration(s: Situation, rules: Rules, start: Array, begun: bool, seed: i
     if not still:
         turned = turned_forces(t, s.frames, s.moving, centre, forces, torsion)
     driven = Driven(told(el, loads, laws), damping.lag, damping.slow, damping.pads)
-    lin = condensed(turned, still, Yielding(J, P, el.root, behind, d, rules.yields), driven)
+    lin = condensed(turned, still, Yielding(J, P, el.root, behind, d, rules.yields, el.tensed), driven)
     if not lin.found:
         return
     for a in range(6):

@@ -11,6 +11,8 @@ from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.mechanism import joint_flexibility
 from handlcp.grasp.path.newton.tangent import Moving, Touch
 
+NO_TENSION = np.zeros((0, 0))
+
 
 class Laws(NamedTuple):
     """What stays the same in all steps. soft (k,) : contacts that bear a moment. scale (c,) : as in `Scene`, or ones.
@@ -29,7 +31,8 @@ class Laws(NamedTuple):
 class Elastic(NamedTuple):
     """What gives way at the contacts of an iterate, contact axes: P (3n, 3n) all but the joints, J (3n, nv), turning
     (n, nv) of the fingertips about the normals, root (nv, m) of the joints' compliance, gravity (nv,) torque that holds
-    the fingers' weight.
+    the fingers' weight. tensed (nv, nv) : by how much harder tendons pull as their arms change, Σ T ∂R/∂q [N·m/rad];
+    empty where arms stay.
     """
 
     P: Array
@@ -37,6 +40,7 @@ class Elastic(NamedTuple):
     turning: Array
     root: Array
     gravity: Array
+    tensed: Array = NO_TENSION
 
 
 class Loads(NamedTuple):

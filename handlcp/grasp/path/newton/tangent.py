@@ -4,12 +4,13 @@ About an iterate the end of a step differs by the object's small motion u, by ch
 the pads δs. To first order in them, with forces r that keep their components along axes that turn with the contacts,
 
     balance   w + G r + A_u u + A_q δq + A_s δs = 0
-    joints    (1 + ε) δq = (q_c - q̂) + ε (q⁻ - q̂) - C (Jᵀ r + T_u u + T_q δq + T_s δs)        C = K⁻¹
+    joints    (1 + ε) δq = (q_c - q̂) + ε (q⁻ - q̂) - C (Jᵀ r + T_u u + (T_q - H) δq + T_s δs)  C = K⁻¹
     pads      (1 + η) δs = -ŝ + η (s⁻ - ŝ) - P (r + F_u u + F_q δq + F_s δs)
     contacts  v = Gᵀ u - J δq - δs + d
 
 A are the changes of the forces' wrench, T those of the joints' torques (geometric stiffness of the finger included), F
-those of the forces, all through turning and moving contacts; ε = 1/h is a damper on the joints, η on the pads.
+those of the forces, all through turning and moving contacts; ε = 1/h is a damper on the joints, η on the pads. Tendons
+along routes, whose arms R change, pull harder at the joints by H δq, H = Σ T ∂R/∂q.
 Leaving A, T and F out gives the step in frozen geometry, whose iteration does not converge where every finger slides.
 Limits that give way drive the joints back by Y g besides, when the torques Yᵀ τ reach them. δq and δs are eliminated;
 what is left is a problem in r, u and g, as every grasp is one:
@@ -75,6 +76,7 @@ class Borne(NamedTuple):
 class Yielding(NamedTuple):
     """What gives way under the forces. J (c, nv), P (c, c) : of the joints, and flexibility of all else, in contact
     axes, turns of soft contacts last. root (nv, m) : C = root rootᵀ. give (c,) : ŝ - η (s⁻ - ŝ). d (c,). Y (nv, k).
+    tensed (nv, nv) : H; empty: none.
     """
 
     J: Array
@@ -83,6 +85,7 @@ class Yielding(NamedTuple):
     give: Array
     d: Array
     Y: Array
+    tensed: Array
 
 
 class Driven(NamedTuple):
@@ -265,8 +268,10 @@ def condensed(turned: Turned, still: bool, elastic: Yielding, driven: Driven) ->
             A[nv + i, size:] /= 1.0 + driven.pads
         Z = A[:, size:].copy()
     else:
-        changes = np.zeros((size, 6 + nv + n3))
-        changes[:nv] = np.dot(C, turned.torque)
+        changes, torque = np.zeros((size, 6 + nv + n3)), turned.torque.copy()
+        if len(elastic.tensed) > 0:
+            torque[:, 6 : 6 + nv] -= elastic.tensed
+        changes[:nv] = np.dot(C, torque)
         changes[nv:] = np.dot(P[:, :n3].copy(), turned.force)
         A[:, : nv + n3] += changes[:, 6:]
         A[:, size + 1 + c : size + by] = -changes[:, :6]

@@ -18,11 +18,11 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.errors import InputError
-from handlcp.hand.elasticity.route import Pulley, Route, Site
+from handlcp.hand.elasticity.places import Around, Pulley, Site
+from handlcp.hand.elasticity.route import Route
 from handlcp.hand.elasticity.stiffness import HOW_STIFF
 from handlcp.hand.elasticity.tendon_stiffness import RoutedStiffness, TendonStiffness
 from handlcp.hand.elasticity.tendons import Tendons
-from handlcp.hand.elasticity.wrapping import Around
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.mjcf_parts import add
 from handlcp.hand.robot.source.passive import passive_springs

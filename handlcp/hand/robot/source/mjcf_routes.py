@@ -12,8 +12,8 @@ from typing import Any
 import pinocchio as pin
 
 from handlcp.errors import InputError, Unsupported
-from handlcp.hand.elasticity.route import Pulley, Route, Site
-from handlcp.hand.elasticity.wrapping import CYLINDER, SPHERE, Around
+from handlcp.hand.elasticity.places import CYLINDER, SPHERE, Around, Pulley, Site
+from handlcp.hand.elasticity.route import Route
 from handlcp.hand.robot.source.mjcf_parts import rotation_of
 
 _JOINT, _PULLEY, _SITE, _SPHERE, _CYLINDER = 1, 2, 3, 4, 5  # mjtWrap: what a tendon passes

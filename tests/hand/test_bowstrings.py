@@ -1,0 +1,72 @@
+"""A string from the palm to a lever, whose tension turns the lever aside: it is stable up to a load that is known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.hand import Hand, HandGrasp
+
+Writer = Callable[[str], Path]
+L, R = 0.08, 0.005  # m: the lever, and the radius of the tips of its fork, which hold a box of 20 mm
+A, B, LEAN = 0.03, 0.05, 0.4  # m, m, rad: from the hinge to the ends of the string, and to where that is straight
+T, KT = 60.0, 200.0  # N, N/m
+
+FORK = f"""<robot name="fork"><link name="palm"/><link name="lever"/><link name="left"/><link name="right"/>
+  <joint name="hinge" type="revolute"><parent link="palm"/><child link="lever"/><axis xyz="0 1 0"/>
+    <limit lower="-2" upper="2" effort="50" velocity="1"/></joint>
+  <joint name="l" type="fixed"><parent link="lever"/><child link="left"/><origin xyz="{-0.01 - R} 0 {L}"/></joint>
+  <joint name="r" type="fixed"><parent link="lever"/><child link="right"/><origin xyz="{0.01 + R} 0 {L}"/></joint>
+  </robot>"""
+
+
+def fork(write: Writer, own: float) -> HandGrasp:
+    """A box between two tips of one lever, whose spring `own` [N·m/rad] balances the string in the posture zero."""
+    string = hl.Route([hl.Site("palm", (-A * np.sin(LEAN), 0, -A * np.cos(LEAN))), hl.Site("lever", (0, 0, B))])
+    tendons = hl.Tendons({"string": string}, KT, own, pretension=T)
+    hand = Hand.from_urdf(write(FORK), ["left", "right"], joint_stiffness=tendons, pad_flexibility=1e-6, tip_radius=R)
+    box = hl.Box(0.02, placement=(0, 0, L))
+    return hand.at([0.0]).grasp(box, friction=hl.SoftFinger(0.8, 0.01), preload=2e-5, wrench=np.zeros(6))
+
+
+def arm(q: np.ndarray) -> np.ndarray:
+    return A * B * np.sin(q - LEAN) / length(q)
+
+
+def length(q: np.ndarray) -> np.ndarray:
+    return np.sqrt(A * A + B * B + 2 * A * B * np.cos(q - LEAN))
+
+
+def force(q: np.ndarray, own: float) -> np.ndarray:
+    """(n,) [N] along x at the box that holds the lever at q, with own q of its spring and the string's torque."""
+    zero = np.zeros(1)
+    return (own * q + arm(zero) * T - arm(q) * (T + KT * (length(q) - length(zero)))) / (L * np.cos(q))
+
+
+def test_a_path_goes_as_the_string_says_where_the_spring_is_stiff_enough(write: Writer) -> None:
+    """T a b / (a + b) = 1.125 N·m/rad is what the string takes of the spring where it is straight."""
+    steps = fork(write, 1.2).follow((1.0, 0, 0, 0, 0, 0), steps=20).steps
+    np.testing.assert_allclose(force(steps.q[:, 0], 1.2), steps.load[:, 0], atol=1e-7)
+    assert steps.q[-1, 0] > LEAN
+    np.testing.assert_allclose(steps.work[-1], steps.stored[-1], rtol=1e-3)
+
+
+@pytest.mark.parametrize("own", [1.105, 1.11])
+def test_the_lever_gives_way_at_the_load_where_the_string_wins(write: Writer, own: float) -> None:
+    """Stable in the posture zero, and unstable where the string is straight: the largest force on the way."""
+    q = np.linspace(0.0, LEAN, 100_001)
+    most = force(q, own).max()
+    assert 0.0 < q[force(q, own).argmax()] < LEAN
+    path = fork(write, own).follow((2.0 * most, 0, 0, 0, 0, 0), steps=20)
+    assert [e.kind for e in path.events] == ["slides through", "lost"]
+    np.testing.assert_allclose(path.steps.load[-1, 0], most, rtol=1e-5)
+
+
+def test_a_lever_that_the_string_turns_over_holds_nothing(write: Writer) -> None:
+    """Its spring is weaker than what the string takes of it, T ∂R/∂q, in the posture itself."""
+    for own, holds in ((1.05, False), (1.12, True)):
+        assert fork(write, own).follow(steps=5).reached == holds
