@@ -1,5 +1,6 @@
 import typing
 
+from .design.finger_hand import finger_hand as finger_hand
 from .errors import (
     HandLCPError as HandLCPError,
     InputError as InputError,

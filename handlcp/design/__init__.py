@@ -1,0 +1,1 @@
+"""Hands as functions of their parameters. Imports study."""
