@@ -15,8 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.design.blocks import Vector, along, link, mount, palm, pose, revolute, robot, tip
-from handlcp.design.blocks import text as text_of
+from handlcp.design.blocks import Vector, along, link, mount, palm, pose, revolute, robot, text as text_of, tip
 
 PROXIMAL, DISTAL = 0.050, 0.040  # link lengths [m]
 LINK_RADIUS, TIP_RADIUS = 0.007, 0.008  # [m]

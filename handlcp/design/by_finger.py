@@ -13,6 +13,7 @@ from handlcp.errors import InputError
 T = TypeVar("T")
 Read = Callable[[str, Any], T]
 Row = tuple[float, ...]
+Pairs = tuple[tuple[float, float], ...]
 
 
 def by_finger(
@@ -51,7 +52,7 @@ def lengths(argument: str, value: Any) -> Row:
     return tuple([positive(f"{argument}[{i}]", x) for i, x in enumerate(row.tolist())])
 
 
-def ends(argument: str, value: Any) -> tuple[tuple[float, float], ...]:
+def ends(argument: str, value: Any) -> Pairs:
     """Lower and upper end [rad] of each joint of a finger, one pair of all of them. Raises InputError."""
     rows = array(argument, value, (2,), (-1, 2), what="lower and upper ends of the joints' ranges [rad]").reshape(-1, 2)
     if not len(rows) or not (rows[:, 0] < rows[:, 1]).all():

@@ -15,18 +15,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from handlcp.check import integer, number
-from handlcp.design.by_finger import Row, by_finger, ends, followed, for_joints, lengths, positive
+from handlcp.design.by_finger import Pairs, Row, by_finger, ends, followed, for_joints, lengths, positive
 from handlcp.errors import InputError, writing
 from handlcp.hand.hand import Hand
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-LENGTHS = (0.05, 0.04)  # [m]
+LENGTHS: Row = (0.05, 0.04)  # [m]
 RANGES = (-0.5, 1.6), (0.0, 1.9)  # [rad] of the first joint of a finger, and of those beyond it
 EFFORTS = 0.8, 0.4  # [N·m] likewise
 SPEED = 6.0  # [rad/s]
-PALM_HEIGHT = 0.020  # [m]
+PALM_RADIUS, PALM_HEIGHT, RADIUS = 0.04, 0.020, 0.008  # [m]
 DENSITY = {"palm": 1300.0, "link": 3000.0, "tip": 1400.0}  # [kg/m³] about those of the example hands, motors included
 MOST = 30  # fingers
 
@@ -44,12 +44,12 @@ class _Finger:
     out: float
     angle: float
     tilt: float
-    ranges: tuple[tuple[float, float], ...]
+    ranges: Pairs
     follow: Row | None
 
     @property
     def place(self) -> tuple[float, float]:
-        """x and y on the palm [m]."""
+        """X and y on the palm [m]."""
         return self.out * cos(self.angle), self.out * sin(self.angle)
 
     @property
@@ -64,8 +64,8 @@ class _Finger:
 def finger_hand(
     fingers: int = 3,
     link_lengths: Any = LENGTHS,
-    palm_radius: Any = 0.04,
-    link_radius: Any = 0.008,
+    palm_radius: Any = PALM_RADIUS,
+    link_radius: Any = RADIUS,
     *,
     tip_radius: Any = None,
     angles: Any = None,
@@ -82,8 +82,8 @@ def finger_hand(
 ) -> Hand:
     """A hand of straight fingers on a round palm, as `Hand.from_urdf` reads it from the URDF that is made here.
 
-    Each number is one of all fingers, a sequence with one for each of them, or a mapping by name, "finger_1": 0.05, whose
-    others have the default. Joints are called finger_1_proximal, finger_1_middle (of four links and more
+    Each number is one of all fingers, a sequence with one for each of them, or a mapping by name, {"finger_1": 0.05},
+    whose others have the default. Joints are called finger_1_proximal, finger_1_middle (of four links and more
     finger_1_middle_1, …) and finger_1_distal, their links finger_1_proximal_link, …, fingertips finger_1_tip.
 
     fingers : how many. link_lengths : [m] (k,), from one joint to the next, the last to the fingertip's centre; or such
@@ -105,16 +105,18 @@ def finger_hand(
 
     if not isinstance(name, str) or not name.strip():
         raise InputError("name", "a name", repr(name))
-    names = [f"finger_{i + 1}" for i in range(integer("fingers", fingers, 1, MOST))]
-    rows = by_finger("link_lengths", link_lengths, names, [LENGTHS] * len(names), lengths, 1)
-    radii = by_finger("link_radius", link_radius, names, [0.008] * len(names), positive, 0)
+    n = integer("fingers", fingers, 1, MOST)
+    names = [f"finger_{i + 1}" for i in range(n)]
+    rows = by_finger("link_lengths", link_lengths, names, [LENGTHS] * n, lengths, 1)
+    radii = by_finger("link_radius", link_radius, names, [RADIUS] * n, positive, 0)
     tips = by_finger("tip_radius", tip_radius, names, radii, positive, 0)
-    out = by_finger("palm_radius", palm_radius, names, [0.04] * len(names), positive, 0)
-    even = [2 * pi * i / len(names) for i in range(len(names))]
+    out = by_finger("palm_radius", palm_radius, names, [PALM_RADIUS] * n, positive, 0)
+    even = [2 * pi * i / n for i in range(n)]
     about = by_finger("angles", angles, names, even, number, 0)
-    lean = by_finger("tilt", tilt, names, [0.0] * len(names), number, 0)
-    between = by_finger("ranges", ranges, names, [None] * len(names), ends, 1)
-    follow = by_finger("coupling", coupling, names, [None] * len(names), followed, 0)
+    lean = by_finger("tilt", tilt, names, [0.0] * n, number, 0)
+    no_pairs: list[Pairs | None] = [None] * n
+    between = by_finger("ranges", ranges, names, no_pairs, ends, 1)
+    follow = by_finger("coupling", coupling, names, [None] * n, followed, 0)
     made = []
     for i, (finger, row) in enumerate(zip(names, rows, strict=True)):
         k, own, led = len(row), between[i], follow[i]
@@ -144,7 +146,7 @@ def _check_apart(fingers: Sequence[_Finger], argument: str) -> None:
 
 
 def _robot(name: str, fingers: Sequence[_Finger]) -> Any:
-    """yourdfpy's robot."""
+    """Yourdfpy's robot."""
     from handlcp.design.blocks import palm, robot
 
     reach = max(finger.out + finger.radius for finger in fingers)

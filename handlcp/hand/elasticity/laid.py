@@ -6,8 +6,8 @@ whose wrap changes with the posture.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -53,6 +53,10 @@ class Lays:
     grips: list[Array | float]
     routes: dict[int, Route]
     _lately: dict[bytes, Laid] = field(default_factory=dict, init=False, repr=False)
+
+    def moved(self, point: Callable[[str, Array], Array]) -> Lays:
+        """Along routes whose places are elsewhere on their links; point : as of `Site.moved`."""
+        return replace(self, routes={i: route.moved(point) for i, route in self.routes.items()})
 
     def bound(self, kinematics: Any, names: Sequence[str]) -> dict[int, BoundRoute]:
         """The routes on the links of a hand. Raises UnknownName."""

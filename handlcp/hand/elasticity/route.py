@@ -18,8 +18,8 @@ derivatives of the length; MuJoCo's XML reference, tendon/spatial, for sites, si
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -45,6 +45,10 @@ class Site:
     def __post_init__(self) -> None:
         link_name("Site.link", self.link)
         object.__setattr__(self, "point", array("Site.point", self.point, (3,), what="metres in the link's frame"))
+
+    def moved(self, point: Callable[[str, Array], Array]) -> Site:
+        """Where the link's lengths are others; point : of the name of a link and a point of it (3,), where that is."""
+        return replace(self, point=point(self.link, self.point))
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +108,10 @@ class Route:
             raise InputError("Route.places", _PLACES, repr(places)[:80])
         object.__setattr__(self, "places", tuple(places))
         object.__setattr__(self, "legs", tuple(_legs(places)))
+
+    def moved(self, point: Callable[[str, Array], Array]) -> Route:
+        """Through the same places of links whose lengths are others; point : as of `Site.moved`."""
+        return Route([place if isinstance(place, Pulley) else place.moved(point) for place in self.places])
 
     @property
     def arounds(self) -> tuple[int, ...]:

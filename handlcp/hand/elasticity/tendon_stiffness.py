@@ -184,6 +184,10 @@ class RoutedStiffness(TendonStiffness):
         """In another posture, of a hand with these kinematics."""
         return self.of(self._made, kinematics, q, self._bound if kinematics is self._on else None)
 
+    def laid_on(self, kinematics: Any, point: Callable[[str, Array], Array]) -> RoutedStiffness:
+        """On links of other lengths, of a hand with these kinematics; point : where a point (3,) of a link is then."""
+        return self.of(replace(self._made, lays=self._made.lays.moved(point)), kinematics, self._q)
+
 
 def held(drives: Drives | None, bears: Array) -> Array:
     """(t,) what tendons that bear so much (t,) hold for good with these motors [N]."""

@@ -19,7 +19,8 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -138,6 +139,13 @@ class Around:
         centre, axis = self.placement
         side = None if self.side is None else R @ self.side + p
         return RoundBody(R @ centre + p, R @ axis if self.shape == CYLINDER else None, self.radius, side)
+
+    def moved(self, point: Callable[[str, Array], Array]) -> Around:
+        """The same body where the link's lengths are others; point : as of `Site.moved`."""
+        centre, axis = self.placement
+        there = point(self.link, centre)
+        side = None if self.side is None else self.side + (there - centre)
+        return replace(self, placement=(there, axis), side=side)
 
     def _check_side(self) -> None:
         centre, axis = self.placement
