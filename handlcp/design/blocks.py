@@ -115,7 +115,7 @@ def revolute(
     """A joint that carries the link of its own name. ends : of its range [rad]. follows : another joint, and how far
     this one turns for each radian of that.
     """
-    mimic = None if follows is None else u.Mimic(joint=follows[0], multiplier=follows[1], offset=0.0)
+    mimic = None if follows is None else u.Mimic(joint=follows[0], multiplier=follows[1])
     limit = u.Limit(effort=effort, velocity=speed, lower=ends[0], upper=ends[1])
     return u.Joint(
         name=name, type="revolute", parent=parent, child=f"{name}_link", origin=origin, axis=np.array(axis),
@@ -148,6 +148,9 @@ def text(made: Any, written_by: str) -> bytes:
     model = u.URDF(robot=made, build_scene_graph=False, load_meshes=False)
     model.validate()
     root = ET.fromstring(model.write_xml_string())
+    for element, joint in zip(root.findall("joint"), made.joints, strict=True):
+        if joint.mimic is not None:  # which yourdfpy 0.0.60 reads and does not write
+            ET.SubElement(element, "mimic", joint=joint.mimic.joint, multiplier=str(joint.mimic.multiplier))
     for element in root.iter():
         for key, value in element.attrib.items():
             if key not in ("name", "type", "link", "joint"):

@@ -119,9 +119,12 @@ def finger_hand(
     follow = by_finger("coupling", coupling, names, [None] * n, followed, 0)
     made = []
     for i, (finger, row) in enumerate(zip(names, rows, strict=True)):
-        k, own, led = len(row), between[i], follow[i]
-        turns = (RANGES[0], *[RANGES[1]] * (k - 1)) if own is None else for_joints("ranges", own, k, "pairs")
-        led = None if led is None else for_joints("coupling", led, k - 1, "numbers of the joints beyond the first")
+        k, turns, led = len(row), between[i], follow[i]
+        if turns is None:
+            turns = (RANGES[0], *[RANGES[1]] * (k - 1))
+        turns = for_joints(f"ranges[{finger!r}]", turns, k, "pairs of ends")
+        if led is not None:
+            led = for_joints(f"coupling[{finger!r}]", led, k - 1, "numbers of joints beyond the first")
         made.append(_Finger(finger, row, radii[i], tips[i], out[i], about[i], lean[i], turns, led))
     _check_apart(made, "palm_radius" if angles is None else "angles")
     urdf = text(_robot(name, made), "Made by handlcp.finger_hand")

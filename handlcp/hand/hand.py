@@ -202,8 +202,8 @@ class Hand(HandModel):
             on the way stretch, what is beyond moves along, masses stay.
         "<joint>.position" : (3,) [m] in its parent's frame. "<joint>.axis" : (3,) a direction in its own frame.
         "<tip>.radius" : [m]. "<tip or link>.pad" : [m/N] a number, (3,) or (3, 3). "<joint>.stiffness" : [N·m/rad].
-        "<joint>.torque_limit" : [N·m]. "<joint or tendon>.motor" : a `Motor`; None: none. And arguments of `replace`, but
-        fingertips: they come before what is said by joint, fingertip or link.
+        "<joint>.torque_limit" : [N·m]. "<joint or tendon>.motor" : a `Motor`, or None. And arguments of `replace` but
+        fingertips, which come before what is said by joint, fingertip or link.
         Meshes that keep their shape are among the `doubts`. Raises UnknownName, with names that are near; InputError,
         such as for the length of a joint that carries several; Unsupported for axes of a pinocchio.Model.
         """
