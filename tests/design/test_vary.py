@@ -58,11 +58,12 @@ def elements(hand, link):
 
 def shapes(hand, link):
     """What collides of a link: tags, and their numbers."""
-    found = [(e.tag, e.items()) for e in elements(hand, link).iterfind("collision//*")]
-    return [
-        (tag, [(name, [round(float(x), 12) + 0.0 for x in text.split()]) for name, text in items])
-        for tag, items in found
-    ]
+
+    def numbers(text):
+        return [round(float(x), 12) + 0.0 for x in text.split()]
+
+    found = elements(hand, link).iterfind("collision//*")
+    return [(e.tag, {name: numbers(text) for name, text in e.items()}) for e in found]
 
 
 # ---------------------------------------------------------------- lengths
