@@ -1,1 +1,1 @@
-"""Hands as functions of their parameters. Imports study."""
+"""Hands as functions of their parameters. Imports hand."""

@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from handlcp.check import integer, number
-from handlcp.design.by_finger import Pairs, Row, by_finger, ends, followed, for_joints, lengths, positive
+from handlcp.design.by_finger import Pairs, Read, Row, T, by_finger, ends, followed, for_joints, lengths, positive
 from handlcp.errors import InputError, writing
 from handlcp.hand.hand import Hand
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
 LENGTHS: Row = (0.05, 0.04)  # [m]
 RANGES = (-0.5, 1.6), (0.0, 1.9)  # [rad] of the first joint of a finger, and of those beyond it
@@ -101,22 +101,35 @@ def finger_hand(
     Masses follow from 3000 kg/m³ for links with their motors, 1300 kg/m³ for the palm, 20 mm high, and 1400 kg/m³ for
     fingertips. Raises InputError, also for fingers that overlap on the palm; UnknownName.
     """
-    from handlcp.design.blocks import text
-
     if not isinstance(name, str) or not name.strip():
         raise InputError("name", "a name", repr(name))
-    n = integer("fingers", fingers, 1, MOST)
+    given = {
+        "link_lengths": link_lengths, "palm_radius": palm_radius, "link_radius": link_radius, "tip_radius": tip_radius,
+        "angles": angles, "tilt": tilt, "ranges": ranges, "coupling": coupling,
+    }  # fmt: skip
+    made = _read(integer("fingers", fingers, 1, MOST), given)
+    _check_apart(made, "palm_radius" if angles is None else "angles")
+    urdf = _urdf(name, made)
+    if file is not None:
+        _write(file, urdf)
+    return Hand.from_urdf(
+        urdf.decode(), joint_stiffness=joint_stiffness, pad_flexibility=pad_flexibility, torque_limits=torque_limits,
+        motors=motors, joint_friction=joint_friction,
+    )  # fmt: skip
+
+
+def _read(n: int, given: Mapping[str, Any]) -> list[_Finger]:
+    """N fingers, from arguments of `finger_hand`. Raises InputError, UnknownName."""
     names = [f"finger_{i + 1}" for i in range(n)]
-    rows = by_finger("link_lengths", link_lengths, names, [LENGTHS] * n, lengths, 1)
-    radii = by_finger("link_radius", link_radius, names, [RADIUS] * n, positive, 0)
-    tips = by_finger("tip_radius", tip_radius, names, radii, positive, 0)
-    out = by_finger("palm_radius", palm_radius, names, [PALM_RADIUS] * n, positive, 0)
-    even = [2 * pi * i / n for i in range(n)]
-    about = by_finger("angles", angles, names, even, number, 0)
-    lean = by_finger("tilt", tilt, names, [0.0] * n, number, 0)
+
+    def each(argument: str, default: Sequence[T], read: Read[T], deep: int = 0) -> list[T]:
+        return by_finger(argument, given[argument], names, default, read, deep)
+
+    rows, radii = each("link_lengths", [LENGTHS] * n, lengths, 1), each("link_radius", [RADIUS] * n, positive)
+    tips, out = each("tip_radius", radii, positive), each("palm_radius", [PALM_RADIUS] * n, positive)
+    about, lean = each("angles", [2 * pi * i / n for i in range(n)], number), each("tilt", [0.0] * n, number)
     no_pairs: list[Pairs | None] = [None] * n
-    between = by_finger("ranges", ranges, names, no_pairs, ends, 1)
-    follow = by_finger("coupling", coupling, names, [None] * n, followed, 0)
+    between, follow = each("ranges", no_pairs, ends, 1), each("coupling", [None] * n, followed)
     made = []
     for i, (finger, row) in enumerate(zip(names, rows, strict=True)):
         k, turns, led = len(row), between[i], follow[i]
@@ -126,14 +139,7 @@ def finger_hand(
         if led is not None:
             led = for_joints(f"coupling[{finger!r}]", led, k - 1, "numbers of joints beyond the first")
         made.append(_Finger(finger, row, radii[i], tips[i], out[i], about[i], lean[i], turns, led))
-    _check_apart(made, "palm_radius" if angles is None else "angles")
-    urdf = text(_robot(name, made), "Made by handlcp.finger_hand")
-    if file is not None:
-        _write(file, urdf)
-    return Hand.from_urdf(
-        urdf.decode(), joint_stiffness=joint_stiffness, pad_flexibility=pad_flexibility, torque_limits=torque_limits,
-        motors=motors, joint_friction=joint_friction,
-    )  # fmt: skip
+    return made
 
 
 def _check_apart(fingers: Sequence[_Finger], argument: str) -> None:
@@ -148,13 +154,13 @@ def _check_apart(fingers: Sequence[_Finger], argument: str) -> None:
                 raise InputError(argument, expected, came)
 
 
-def _robot(name: str, fingers: Sequence[_Finger]) -> Any:
-    """Yourdfpy's robot."""
-    from handlcp.design.blocks import palm, robot
+def _urdf(name: str, fingers: Sequence[_Finger]) -> bytes:
+    """The text of the hand's file."""
+    from handlcp.design.blocks import palm, robot, text
 
     reach = max(finger.out + finger.radius for finger in fingers)
-    mass = DENSITY["palm"] * pi * reach**2 * PALM_HEIGHT
-    return robot(name, palm(mass, reach, PALM_HEIGHT, PALM_HEIGHT / 2), [_parts(finger) for finger in fingers])
+    base = palm(DENSITY["palm"] * pi * reach**2 * PALM_HEIGHT, reach, PALM_HEIGHT, PALM_HEIGHT / 2)
+    return text(robot(name, base, [_parts(finger) for finger in fingers]), "Made by handlcp.finger_hand")
 
 
 def _parts(finger: _Finger) -> tuple[list[Any], list[Any]]:

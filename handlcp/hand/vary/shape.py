@@ -53,8 +53,7 @@ def _placed(described: Description, changes: Changes) -> Description:
         return described
     if described.root is None:
         if axes:
-            expected = "no axes of a hand made of a pinocchio.Model, whose joints have theirs built in"
-            raise Unsupported(f"changes: {expected}: {', '.join(axes)}")
+            raise Unsupported(f"changes: joints of a pinocchio.Model have their axes built in: {', '.join(axes)}")
         model = pin.Model(described.model)
         for joint, x in places.items():
             in_model.put_joint(model, joint, x)
