@@ -3,6 +3,7 @@ import typing
 from .design.brief import Brief as Brief
 from .design.evaluate import evaluate as evaluate
 from .design.evaluation import Evaluation as Evaluation
+from .design.finger_hand import finger_hand as finger_hand
 from .errors import (
     HandLCPError as HandLCPError,
     InputError as InputError,

@@ -1,4 +1,4 @@
-"""Imports run one way: cli → method → show → study → scene → simulator → hand → grasp → lcp → check → record,
+"""Imports run one way: cli → method → show → design → study → scene → simulator → hand → grasp → lcp → check → record,
 text_table, words, views, doubled, lazy, keywords, progress, errors, tolerances, version. Answers reach their pictures
 and pages through `views`, by name, when they are asked for.
 

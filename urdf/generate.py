@@ -9,13 +9,13 @@ frame: the palm's.
 from __future__ import annotations
 
 import sys
-import xml.etree.ElementTree as ET
-from collections.abc import Sequence
 from math import cos, pi, sin
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from yourdfpy import urdf as u
+
+from handlcp.design.blocks import Vector, along, link, mount, palm, pose, revolute, robot, text as text_of, tip
 
 PROXIMAL, DISTAL = 0.050, 0.040  # link lengths [m]
 LINK_RADIUS, TIP_RADIUS = 0.007, 0.008  # [m]
@@ -26,135 +26,35 @@ PALM_RADIUS, PALM_HEIGHT = 0.055, 0.020  # [m]
 CIRCLE = 0.045  # where the fingers stand on the palm [m]
 RING = 0.120  # where the fingers stand on the ring [m]
 
-GREY = u.Material(name="grey", color=u.Color(rgba=np.array([0.45, 0.47, 0.50, 1.0])))
-STEEL = u.Material(name="steel", color=u.Color(rgba=np.array([0.72, 0.74, 0.77, 1.0])))
-RUBBER = u.Material(name="rubber", color=u.Color(rgba=np.array([0.15, 0.16, 0.18, 1.0])))
-
-Vector = tuple[float, float, float]
-
-
-def pose(xyz: Vector = (0.0, 0.0, 0.0), rpy: Vector = (0.0, 0.0, 0.0)) -> np.ndarray:
-    """A 4×4 placement; URDF's roll, pitch and yaw about fixed axes."""
-    (r, p, y), T = rpy, np.eye(4)
-    Rx = np.array([[1, 0, 0], [0, cos(r), -sin(r)], [0, sin(r), cos(r)]])
-    Ry = np.array([[cos(p), 0, sin(p)], [0, 1, 0], [-sin(p), 0, cos(p)]])
-    Rz = np.array([[cos(y), -sin(y), 0], [sin(y), cos(y), 0], [0, 0, 1]])
-    T[:3, :3], T[:3, 3] = Rz @ Ry @ Rx, xyz
-    return T
-
-
-def inertial(mass: float, principal: Vector, at: np.ndarray) -> u.Inertial:
-    """A body with principal moments [kg·m²] along the axes of `at`."""
-    return u.Inertial(origin=at, mass=mass, inertia=np.diag([float(f"{i:.6g}") for i in principal]))
-
-
-def cylinder_inertia(mass: float, radius: float, length: float) -> Vector:
-    """Principal moments of a solid cylinder about its centre, axis z."""
-    across = mass * (3 * radius**2 + length**2) / 12
-    return (across, across, mass * radius**2 / 2)
-
-
-def cylinder(radius: float, length: float) -> u.Geometry:
-    """Along z, about its centre."""
-    return u.Geometry(cylinder=u.Cylinder(radius=radius, length=length))
-
-
-def ball(radius: float) -> u.Geometry:
-    """About the origin."""
-    return u.Geometry(sphere=u.Sphere(radius=radius))
-
-
-def along(direction: str, distance: float) -> Vector:
-    """A point on the finger's own axis."""
-    return (distance, 0.0, 0.0) if direction == "x" else (0.0, 0.0, distance)
-
-
-def link(name: str, kind: str, length: float, direction: str) -> u.Link:
-    """A finger link along its x or z axis: a cylinder with a ball at its joint."""
-    middle = pose(along(direction, length / 2), (0.0, pi / 2 if direction == "x" else 0.0, 0.0))
-    shaft = cylinder(LINK_RADIUS, length)
-    return u.Link(
-        name=name,
-        inertial=inertial(MASS[kind], cylinder_inertia(MASS[kind], LINK_RADIUS, length), middle),
-        visuals=[
-            u.Visual(name=None, origin=middle, geometry=shaft, material=STEEL),
-            u.Visual(name=None, origin=pose(), geometry=ball(LINK_RADIUS * 1.2), material=GREY),
-        ],
-        collisions=[u.Collision(name=None, origin=middle, geometry=shaft)],
-    )
-
-
-def tip(name: str) -> u.Link:
-    """The fingertip: a rubber ball about its frame."""
-    moment = 0.4 * MASS["tip"] * TIP_RADIUS**2
-    return u.Link(
-        name=name,
-        inertial=inertial(MASS["tip"], (moment, moment, moment), pose()),
-        visuals=[u.Visual(name=None, origin=pose(), geometry=ball(TIP_RADIUS), material=RUBBER)],
-        collisions=[u.Collision(name=None, origin=pose(), geometry=ball(TIP_RADIUS))],
-    )
-
 
 def finger(
     name: str, root: np.ndarray, direction: str, axis: Vector, ranges: dict[str, tuple[float, float]]
-) -> tuple[list[u.Link], list[u.Joint]]:
+) -> tuple[list[Any], list[Any]]:
     """Links and joints of one finger that stands at `root` on the palm, pointing along root's x or z axis."""
 
-    def revolute(kind: str, parent: str, origin: np.ndarray) -> u.Joint:
-        lower, upper = ranges[kind]
-        return u.Joint(
-            name=f"{name}_{kind}",
-            type="revolute",
-            parent=parent,
-            child=f"{name}_{kind}_link",
-            origin=origin,
-            axis=np.array(axis),
-            limit=u.Limit(effort=EFFORT[kind], velocity=SPEED, lower=lower, upper=upper),
-        )
+    def joint(kind: str, parent: str, origin: np.ndarray) -> Any:
+        return revolute(f"{name}_{kind}", parent, origin, axis, EFFORT[kind], SPEED, ranges[kind])
 
     links = [
-        link(f"{name}_proximal_link", "proximal", PROXIMAL, direction),
-        link(f"{name}_distal_link", "distal", DISTAL, direction),
-        tip(f"{name}_tip"),
+        link(f"{name}_proximal_link", MASS["proximal"], LINK_RADIUS, PROXIMAL, direction),
+        link(f"{name}_distal_link", MASS["distal"], LINK_RADIUS, DISTAL, direction),
+        tip(f"{name}_tip", MASS["tip"], TIP_RADIUS),
     ]
     joints = [
-        revolute("proximal", "palm", root),
-        revolute("distal", f"{name}_proximal_link", pose(along(direction, PROXIMAL))),
-        u.Joint(
-            name=f"{name}_tip_mount",
-            type="fixed",
-            parent=f"{name}_distal_link",
-            child=f"{name}_tip",
-            origin=pose(along(direction, DISTAL)),
-        ),
+        joint("proximal", "palm", root),
+        joint("distal", f"{name}_proximal_link", pose(along(direction, PROXIMAL))),
+        mount(name, f"{name}_distal_link", pose(along(direction, DISTAL))),
     ]
     return links, joints
 
 
-def robot(name: str, palm: u.Link, fingers: Sequence[tuple[list[u.Link], list[u.Joint]]]) -> u.Robot:
-    """Palm and fingers."""
-    links, joints = [palm], []
-    for more_links, more_joints in fingers:
-        links += more_links
-        joints += more_joints
-    return u.Robot(name=name, links=links, joints=joints, materials=[])
-
-
-def upright(name: str, n: int) -> u.Robot:
+def upright(name: str, n: int) -> Any:
     """N fingers around a circle on a round palm, pointing along +z; positive angles turn them inward."""
-    below = pose((0.0, 0.0, -PALM_HEIGHT / 2))
-    disc = cylinder(PALM_RADIUS, PALM_HEIGHT)
-    palm = u.Link(
-        name="palm",
-        inertial=inertial(MASS["palm"], cylinder_inertia(MASS["palm"], PALM_RADIUS, PALM_HEIGHT), below),
-        visuals=[u.Visual(name=None, origin=below, geometry=disc, material=GREY)],
-        collisions=[u.Collision(name=None, origin=below, geometry=disc)],
-    )
     ranges = {"proximal": (-0.5, 1.6), "distal": (0.0, 1.9)}
     angles = [2 * pi * i / n for i in range(n)]
     return robot(
         name,
-        palm,
+        palm(MASS["palm"], PALM_RADIUS, PALM_HEIGHT, PALM_HEIGHT / 2),
         [
             finger(
                 f"finger_{i + 1}",
@@ -168,22 +68,14 @@ def upright(name: str, n: int) -> u.Robot:
     )
 
 
-def ring(name: str, n: int) -> u.Robot:
+def ring(name: str, n: int) -> Any:
     """N fingers in the xy plane, pointing at the centre; their joints turn about the world's z axis."""
     height = 0.010
-    below = pose((0.0, 0.0, -2 * height))
-    disc = cylinder(RING, height)
-    palm = u.Link(
-        name="palm",
-        inertial=inertial(0.4, cylinder_inertia(0.4, RING, height), below),
-        visuals=[u.Visual(name=None, origin=below, geometry=disc, material=GREY)],
-        collisions=[u.Collision(name=None, origin=below, geometry=disc)],
-    )
     ranges = {"proximal": (-1.2, 1.2), "distal": (-1.9, 1.9)}
     angles = [2 * pi * i / n for i in range(n)]
     return robot(
         name,
-        palm,
+        palm(0.4, RING, height, 2 * height),
         [
             finger(
                 f"finger_{i + 1}",
@@ -205,23 +97,9 @@ HANDS = {
 }
 
 
-def tidy(number: str) -> str:
-    """Twelve decimals: the same text from every libm, and no -0.0."""
-    return f"{round(float(number), 12) + 0.0:.12g}"
-
-
 def text(name: str) -> bytes:
-    """The URDF of one hand as the bytes of its file: what yourdfpy writes, indented, with tidy numbers."""
-    model = u.URDF(robot=HANDS[name](), build_scene_graph=False, load_meshes=False)
-    model.validate()
-    root = ET.fromstring(model.write_xml_string())
-    for element in root.iter():
-        for key, value in element.attrib.items():
-            if key not in ("name", "type", "link"):
-                element.set(key, " ".join(tidy(number) for number in value.split()))
-    ET.indent(root, "  ")
-    header = b'<?xml version="1.0" encoding="UTF-8"?>\n<!-- Written by urdf/generate.py: change that, not this. -->\n'
-    return header + ET.tostring(root) + b"\n"
+    """The URDF of one hand as the bytes of its file."""
+    return text_of(HANDS[name](), "Written by urdf/generate.py: change that, not this.")
 
 
 def main(folder: Path) -> None:

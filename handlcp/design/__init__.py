@@ -1,1 +1,1 @@
-"""The design of a hand itself: what it must do, and how well it does it."""
+"""The design of a hand itself: hands made of numbers, what they must do, and how well they do it."""

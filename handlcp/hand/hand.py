@@ -17,7 +17,7 @@ from handlcp.hand.state import HandState
 from handlcp.keywords import helped, needed
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from handlcp.hand.objects.object import Object
     from handlcp.hand.robot.audit import Audit
@@ -164,6 +164,13 @@ class Hand(HandModel):
         hand.__dict__["_by_tip"] = deepcopy({"pads": pads, "radius": radius})
         return hand.with_parts(joint_friction=friction_of(hand, friction))
 
+    def _remade(self, parts: dict[str, Any]) -> Self:
+        """With other parts, and without what was found out about the earlier ones."""
+        made = self.with_parts(**parts)
+        for found in ("doubts", "link_surfaces") if "_geometry" in parts else ("doubts",):
+            made.__dict__.pop(found, None)
+        return made
+
     @helped()
     def replace(
         self,
@@ -191,11 +198,23 @@ class Hand(HandModel):
             "tip_radius": tip_radius, "fingertips": fingertips, "motors": motors,
             "joint_friction": joint_friction,
         }  # fmt: skip
-        made = object.__new__(type(self))
-        made.__dict__.update(self.__dict__)
-        made.__dict__.pop("doubts", None)
-        made.__dict__.update(replaced(self, self._by_tip, {k: v for k, v in given.items() if v is not ...}))
-        return made
+        return self._remade(replaced(self, self._by_tip, {k: v for k, v in given.items() if v is not ...}))
+
+    def vary(self, changes: Mapping[str, Any]) -> Self:
+        """The same hand with other numbers, by name; the rest stays, and no file is written.
+
+        "<joint>.length" : [m] from this joint to the one joint or fingertip that it carries. Shapes and tendons' routes
+            on the way stretch, what is beyond moves along, masses stay.
+        "<joint>.position" : (3,) [m] in its parent's frame. "<joint>.axis" : (3,) a direction in its own frame.
+        "<tip>.radius" : [m]. "<tip or link>.pad" : [m/N] a number, (3,) or (3, 3). "<joint>.stiffness" : [N·m/rad].
+        "<joint>.torque_limit" : [N·m]. "<joint or tendon>.motor" : a `Motor`, or None. And arguments of `replace` but
+        fingertips, which come before what is said by joint, fingertip or link.
+        Meshes that keep their shape are among the `doubts`. Raises UnknownName, with names that are near; InputError,
+        such as for the length of a joint that carries several; Unsupported for axes of a pinocchio.Model.
+        """
+        from handlcp.hand.vary.vary import varied
+
+        return self._remade(varied(self, self._by_tip, changes))
 
     def in_parts(self, *links: str) -> Self:
         """The same hand with the meshes of these links in convex parts, for contacts of links; else a mesh that is not

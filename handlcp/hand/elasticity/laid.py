@@ -7,7 +7,7 @@ whose wrap changes with the posture.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any, NamedTuple
 
@@ -78,6 +78,10 @@ class Lays:
             np.array([p[0] for p in posts], dtype=np.int64), read_only(np.array([p[1] for p in posts])),
             read_only(np.array([p[2] for p in posts]).reshape(-1, nv)), np.array([p[3] for p in posts], dtype=np.int64),
         )  # fmt: skip
+
+    def moved(self, point: Callable[[str, Array], Array]) -> Lays:
+        """Along routes whose places are elsewhere on their links; point : as of `Site.moved`."""
+        return replace(self, routes={i: route.moved(point) for i, route in self.routes.items()})
 
     def bound(self, kinematics: Any, names: Sequence[str]) -> BoundRoutes | None:
         """The routes on the links of a hand. Raises UnknownName."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,10 @@ class Site:
     def __post_init__(self) -> None:
         link_name("Site.link", self.link)
         object.__setattr__(self, "point", array("Site.point", self.point, (3,), what="metres in the link's frame"))
+
+    def moved(self, point: Callable[[str, Array], Array]) -> Site:
+        """Where the link's lengths are others; point : of the name of a link and a point of it (3,), where that is."""
+        return replace(self, point=point(self.link, self.point))
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +79,13 @@ class Around:
         if self.side is not None:
             object.__setattr__(self, "side", array("Around.side", self.side, (3,), what="metres in the link's frame"))
             self._check_side()
+
+    def moved(self, point: Callable[[str, Array], Array]) -> Around:
+        """The same body where the link's lengths are others; point : as of `Site.moved`."""
+        centre, axis = self.placement
+        there = point(self.link, centre)
+        side = None if self.side is None else self.side + (there - centre)
+        return replace(self, placement=(there, axis), side=side)
 
     def _check_side(self) -> None:
         centre, axis = self.placement

@@ -5,7 +5,7 @@ The moment arms of such a tendon change with the posture; `Tendons` takes those 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
 
@@ -63,6 +63,10 @@ class Route:
             raise InputError("Route.places", _PLACES, repr(places)[:80])
         object.__setattr__(self, "places", tuple(places))
         object.__setattr__(self, "legs", tuple(_legs(places)))
+
+    def moved(self, point: Callable[[str, Array], Array]) -> Route:
+        """Through the same places of links whose lengths are others; point : as of `Site.moved`."""
+        return Route([place if isinstance(place, Pulley) else place.moved(point) for place in self.places])
 
     def bound(self, kinematics: Moving, argument: str = "route") -> BoundRoute:
         """The route on the links of a hand. argument : what errors call it. Raises UnknownName."""

@@ -128,8 +128,8 @@ def read_stiffness(
         if missing := [name for name in joints if name not in values]:
             expected = f"a stiffness for every joint (numpy.inf: rigid), {', '.join(missing)} included"
             raise InputError(argument, expected, f"only {sorted(values)}")
-        return JointStiffness(np.diag([_stiffness(f"{argument}[{name!r}]", values[name]) for name in joints]))
-    diagonal = springs(argument, value, joints, _stiffness)
+        return JointStiffness(np.diag([read_spring(f"{argument}[{name!r}]", values[name]) for name in joints]))
+    diagonal = springs(argument, value, joints, read_spring)
     if diagonal is not None:
         return JointStiffness(diagonal, uniform=dimensions(value) == 0)
     square = (len(joints), len(joints))
@@ -169,7 +169,8 @@ def springs(argument: str, value: Any, names: Sequence[str], read: Callable[[str
     return np.diag([read(f"{argument}[{i}]", k) for i, k in enumerate(value)])
 
 
-def _stiffness(argument: str, value: Any) -> float:
+def read_spring(argument: str, value: Any) -> float:
+    """[N·m/rad] of one joint; None and inf are rigid. Raises InputError."""
     return np.inf if value is None else number(argument, value, above=0.0, finite=False)
 
 

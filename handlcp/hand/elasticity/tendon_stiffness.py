@@ -231,6 +231,10 @@ class RoutedStiffness(TendonStiffness):
         """In another posture, of a hand with these kinematics."""
         return self._on.at(q) if kinematics is self._on.kinematics else self.of(self._made, kinematics, q)
 
+    def laid_on(self, kinematics: Any, point: Callable[[str, Array], Array]) -> RoutedStiffness:
+        """On links of other lengths, of a hand with these kinematics; point : where a point (3,) of a link is then."""
+        return self.of(replace(self._made, lays=self._made.lays.moved(point)), kinematics, self._q)
+
 
 class Postures:
     """Tendons along routes on the links of a hand, in one posture after the other. Raises UnknownName."""

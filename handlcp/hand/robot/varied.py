@@ -2,6 +2,7 @@
 
 A link's length is where its end is: the placement of the next joint in the frame of the one before, or of a fingertip
 in the frame of the last joint. Its three coordinates are varied in Pinocchio's model; what it carries moves along.
+That is all that derivatives take; a whole hand of other lengths, shapes and routes along, is made by `hand/vary`.
 """
 
 from __future__ import annotations

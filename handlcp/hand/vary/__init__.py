@@ -1,0 +1,1 @@
+"""The same hand with other numbers, by name. Imports robot and parts."""
