@@ -233,3 +233,15 @@ def test_every_kind_of_grasp_can_be_checked(more):
     (torque,) = (r for r in v.about("torque") if "torque_Nm" in r.values)
     k = hand.joint_names.index(torque.values["joint"])
     assert torque.values["torque_Nm"] == pytest.approx(path.steps.torques[-1, k], rel=1e-6)
+
+
+def test_pads_that_are_pressed_in_farther_than_pads_are_thick_are_doubted():
+    for pad, deep in ((1e-4, False), (3e-3, True)):
+        hand = hl.example_hand("three_finger", joint_stiffness=6.0, pad_flexibility=pad)
+        grasp = hand.at(hand.close_on(CUBE)).grasp(CUBE, friction=0.8, grip_force=4.0)
+        limit = grasp.load_limit((1.0, 0, 0, 0, 0, 0))
+        said = [reason.sentence for reason in grasp.check().about("pressed_in")]
+        assert bool(said) == bool(limit.doubt) == deep
+        assert limit.doubt in " ".join(str(limit).split())
+        pressed = 1e3 * pad * grasp.check().loading.solution.normal_force.max()  # [mm]
+        assert not deep or f"{pressed:.2g} mm" in said[0] or f"{pressed:.0f} mm" in said[0]

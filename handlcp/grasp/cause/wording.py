@@ -173,12 +173,14 @@ def why(
     return f"it holds nothing of this load: {text.replace('more load', 'it')}"
 
 
-def pressed_in(give: Array, names: Sequence[str]) -> str:
-    """Of a pad that gives way farther than real ones do; give (n, 3) of pads [m], contact axes. "" where none does."""
-    deep = np.maximum(-give[:, 2], 0.0)
-    k = int(deep.argmax())
-    if not deep[k] > _THICK:
+def pressed_in(give: Array, normals: Array, names: Sequence[str]) -> str:
+    """Of a pad that gives way farther than real ones do: give (n, 3) [m], against normals (n, 3) into the object, world
+    axes. "" where none does.
+    """
+    deep = -np.einsum("ix,ix->i", give, normals)
+    if not deep.max(initial=0.0) > _THICK:
         return ""
+    k = int(deep.argmax())
     springs = "pads are springs here however far they give way, and real ones are a few millimetres thick"
     return f"the pad at {names[k]} is pressed in by {words.length(float(deep[k]))}: {springs}"
 

@@ -111,7 +111,8 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     if (snap := next((e for e in path.events if e.kind == "snaps"), None)) is not None:
         text = f"{snap}: where it comes to rest depends on how fast and how evenly the hand closes"
         yield Reason("snaps", "warning", text, {"stage": snap.stage, "share": snap.share})
-    if text := pressed_in(last.where.give[: spec.of_hand], spec.names):
+    k = spec.of_hand
+    if text := pressed_in(last.where.give[:k], last.iterate.frames[:k, :, 2], spec.names):
         yield Reason("pressed_in", "warning", text)
     yield from no_load(spec)
     if end.held:
