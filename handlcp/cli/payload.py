@@ -37,7 +37,7 @@ def payload(
     motion: Annotated[
         float | None, typer.Option(help="How far the mass may move the object, in mm; without: any distance.")
     ] = None,
-    followed: Annotated[bool | None, follow_option("followed, and with --any where that takes seconds")] = None,
+    followed: Annotated[bool | None, follow_option("followed; --any looks in this posture where that is long")] = None,
     accuracy: Annotated[
         float | None, typer.Option(help="Relative error of the masses: steps are chosen by it.")
     ] = None,

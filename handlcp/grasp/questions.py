@@ -180,9 +180,10 @@ class Questions(ABC):
             mass counts with the hand speeding up along any of the same six directions: against gravity (which makes
             it g + a), with it, or sideways. With "any", the worst direction is that of gravity and inertia together,
             most of which, g + a, comes with a hand that speeds up against gravity.
-        geometry : as in `load_limit`; None: with "any", contacts are followed where that takes seconds, as in
-            `envelope`. faces : as in `problem`. motion, turn : how far the object may move [m] and turn [rad] under
-            the mass; None: any distance. accuracy : relative, of the masses, as in `load_limit`.
+        geometry : as in `load_limit`. With "any" and None, the worst direction is looked for with contacts that stay
+            where they are, unless following takes seconds alone; every row is followed, as with 6. faces : as in
+            `problem`. motion, turn : how far the object may move [m] and turn [rad] under the mass; None: any distance.
+            accuracy : relative, of the masses, as in `load_limit`.
 
         The hand closes as it does in this grasp, without the object's own mass or another load. Then the mass grows
         slowly, weight and inertia together, at the object's centre of mass, or at the reference for contacts without

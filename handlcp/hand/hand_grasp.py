@@ -122,7 +122,8 @@ class HandGrasp(HandQuestions):
     @property
     def out_of_reach(self) -> tuple[Reach, ...]:
         """What was asked of the fingers and no command of their joints makes, one `Reach` for each kind: an overlap in
-        the posture, a preload or an offset along it, a squeeze or a grip force. () where all is within reach.
+        the posture, a preload or an offset along it, a squeeze or a grip force. () where all is within reach. Links
+        that the object begins inside are warned of by verdicts (`link_inside`), and not listed here.
         """
         from handlcp.hand.squeeze import out_of_reach
 
@@ -188,8 +189,10 @@ class HandGrasp(HandQuestions):
         the object's balance its weight, where the load leaves that out.
         """
         found, own = super().explain(faces, measure), weight_of(self.target, self.given_gravity, self.reference)
+        begins = [reason.sentence for reason in self.mechanism.begins_reasons(self.spec)]
+        carried = [*begins, *(str(reach) for reach in self.out_of_reach if reach.carried)]
         more = {
-            UnilateralContact.title: "".join([f"; {reach}" for reach in self.out_of_reach if reach.carried]),
+            UnilateralContact.title: "".join([f"; {text}" for text in carried]),
             ObjectBalance.title: f"; {text}" if (text := weight_left_out(self.spec, own)) else "",
         }
         lines = [replace(line, why=line.why + more.get(line.title, "")) for line in found.effects]

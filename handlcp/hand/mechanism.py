@@ -185,6 +185,7 @@ class HandMechanism(Varied, Mechanism):
         from handlcp.grasp.answer.verdict import Reason
         from handlcp.hand.squeeze import reach_reasons
 
+        yield from self.begins_reasons(spec)
         yield from reach_reasons(spec)
         if (command := command_of(spec.effects)) is not None and command.keeps:
             yield Reason("object_kept", "note", "the object is kept in place until the hand has closed")
@@ -195,6 +196,12 @@ class HandMechanism(Varied, Mechanism):
             yield Reason("out_of_reach", "warning", text, {"joints": [name for name, _ in needs]})
         if text := weight_left_out(spec, weight_of(self.target, self.gravity, spec.reference)):
             yield Reason("weight_left_out", "note", text)
+
+    def begins_reasons(self, spec: GraspSpec) -> Iterator[Reason]:
+        """Of links of the hand."""
+        from handlcp.hand.squeeze import begins_reasons
+
+        yield from begins_reasons(spec)
 
     def squeezed(self, spec: GraspSpec, depth: float) -> GraspSpec:
         """By commands of the joints."""
@@ -271,7 +278,7 @@ class HandMechanism(Varied, Mechanism):
     def pulling_reasons(self, spec: GraspSpec, torque: Array) -> Iterator[Reason]:
         """Of a closing torque."""
         if (found := self.pulling(spec, torque)) is not None:
-            yield from pulling_reasons(self.names, *found)
+            yield from pulling_reasons(self.names, *found, spec.asked.closed.stuck)
 
     def elsewhere(self, spec: GraspSpec, shift: Array) -> GraspSpec | None:
         """The hand closes anew on its object, moved by shift (3,) [m]. None beside a command of the joints, which would
@@ -297,6 +304,12 @@ class HandMechanism(Varied, Mechanism):
             flexibility=finger_flexibility(made), reference=read_only(spec.reference + shift),
             offset=read_only(spec.offset + np.outer(gaps, (0.0, 0.0, 1.0))),
         )  # fmt: skip
+
+    def moved_out(self, spec: GraspSpec) -> tuple[str, float, GraspSpec] | None:
+        """Of links of the hand, which closes anew."""
+        from handlcp.hand.squeeze import moved_out
+
+        return moved_out(spec)
 
     def padded(self, contact: int, more: float) -> Self:
         """Of the fingertip that touches there; a loading that is followed asks its pad."""

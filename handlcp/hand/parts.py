@@ -8,7 +8,9 @@ from typing import Any
 
 import pinocchio as pin
 
+from handlcp import words
 from handlcp.check import Array
+from handlcp.errors import InputError
 from handlcp.hand.elasticity.elasticity import Elasticity
 from handlcp.hand.elasticity.motor import Drives, read_motors
 from handlcp.hand.elasticity.stiffness import Pads, read_pads, stiff_as
@@ -41,7 +43,7 @@ def parts_of(
     _check_driven_once(elasticity, drives, joints)
     return (
         kinematics, tips, elasticity,
-        read_pads(pads, tips.names, described.has(COLLISION)),
+        _pads(pads, tips.names, described),
         read_torque_limits(limits, joints, {f.name: f for f in described.facts}, drives),
         TipGeometry(described, tips, read_radii(radius, tips.names)),
     )  # fmt: skip
@@ -60,7 +62,7 @@ def replaced(hand: HandModel, by_tip: Mapping[str, Any], given: Mapping[str, Any
         tips = find_tips(model, described, given["fingertips"])
         parts |= {"tips": tips, "fingertips": tips.names, "kinematics": Kinematics(model, described.facts)}
     if "fingertips" in given or "pad_flexibility" in given:
-        parts["pads"] = read_pads(passed["pads"], tips.names, described.has(COLLISION))
+        parts["pads"] = _pads(passed["pads"], tips.names, described)
     if "fingertips" in given or "tip_radius" in given:
         parts["_geometry"] = TipGeometry(described, tips, read_radii(passed["radius"], tips.names))
     if "motors" in given:
@@ -80,6 +82,18 @@ def replaced(hand: HandModel, by_tip: Mapping[str, Any], given: Mapping[str, Any
     if "joint_friction" in given:
         parts["joint_friction"] = friction_of(hand, given["joint_friction"])
     return parts
+
+
+def _pads(value: Any, tips: Sequence[str], described: Description) -> Pads:
+    """See `read_pads`. Raises InputError for links without collision geometry, too."""
+    touch = described.has(COLLISION)
+    if isinstance(value, Mapping):
+        links = {f.name for f in described.model.frames if f.type == pin.FrameType.BODY} - {*tips, *touch}
+        if bare := [name for name in value if name in links]:
+            expected = f"fingertips, or links with collision geometry ({words.listed(list(touch)) or 'there is none'})"
+            has = "has" if len(bare) == 1 else "have"
+            raise InputError("pad_flexibility", expected, f"{words.listed(bare)}, which {has} none")
+    return read_pads(value, tips, touch)
 
 
 def _shared(stiffness: Any, motors: Any) -> tuple[Any, Any]:

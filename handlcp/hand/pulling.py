@@ -14,6 +14,7 @@ from handlcp.grasp.answer.verdict import Reason
 from handlcp.hand.elasticity.elasticity import Elasticity
 
 KEEPS = 0.8  # of the closing torque: a finger none of whose joints pulls with as much is named
+DRIVEN = 1.05  # of its torque: a joint that pulls with more is driven by other fingers
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,15 +57,20 @@ class Pulling:
         return [j for j in most if shares[j] < KEEPS]
 
 
-def pulling_reasons(joints: Sequence[str], pulling: Pulling, shares: Array) -> Iterator[Reason]:
+def pulling_reasons(joints: Sequence[str], pulling: Pulling, shares: Array, stuck: bool) -> Iterator[Reason]:
     """Of fingers that pull with less than asked for, (nv,) shares, once the hand has closed: they meet nothing, or
-    another finger would have to pull harder.
+    another finger would have to pull harder. stuck : steps of closing found no state in which they do.
     """
     if short := pulling.short(shares):
         asked = abs(pulling.asked)
         both = [(joints[k], words.torques((float(shares[k] * asked[k]), float(asked[k])))) for k in short]
         needs = [f"{joint} {' of '.join(each)}" for joint, each in both]
         text = f"where the hand has closed, fingers pull with less than the closing torque: {words.listed(needs)}"
+        if beyond := [joints[k] for k in np.flatnonzero(shares > DRIVEN).tolist()]:
+            whose = "its" if len(beyond) == 1 else "their"
+            text += f"; turning on, they would drive {words.listed(beyond)} farther beyond {whose} closing torque"
+        elif stuck:
+            text += "; no state was found in which they press harder, and what stops them is not known"
         values = [
             {"joint": joints[k], "torque_Nm": float(shares[k] * asked[k]), "asked_Nm": float(asked[k])} for k in short
         ]

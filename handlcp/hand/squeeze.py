@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from handlcp.check import Array, array, dimensions, number, per_name, read_only
-from handlcp.errors import InputError
+from handlcp.errors import InputError, URDFError
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.effects.joint_offset import Reach, command_of, joints_commanded, recommanded
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.hand.objects.inside import links_inside
+from handlcp.words import all_of, length
 
 # ----------------------------------------------------------------
 # What is asked of fingertips and no command of the joints makes, and a squeeze that goes on from an earlier one.
@@ -30,11 +33,14 @@ def joint_by_joint(mechanism: Any, planar: bool) -> TipMotions:
 
 
 def out_of_reach(spec: GraspSpec) -> tuple[Reach, ...]:
-    """What no command of the joints makes, of the overlap in the posture, of a preload, and of what is commanded."""
+    """What no command of the joints makes, of the overlap in the posture, of a preload, and of what is commanded; links
+    that the object begins inside are not asked to make it.
+    """
     mechanism: Any = spec.mechanism  # a hand's
     k = spec.of_hand
     tips, found = motions_of(mechanism, spec.planar), []
-    if (inside := overlaps(mechanism.stand_off[:, 2])).any():
+    inside = overlaps(mechanism.stand_off[:, 2])
+    if (inside := np.where(begun_inside(spec) > 0.0, 0.0, inside)).any():
         found.append(joint_by_joint(mechanism, spec.planar).overlapping(inside))
     given = mechanism.stand_off - spec.offset[:k]
     given[given[:, 2] < 0.0] = 0.0  # a gap, which nothing has to make
@@ -53,6 +59,66 @@ def reach_reasons(spec: GraspSpec) -> Iterator[Reason]:
             "missing": reach.missing.tolist(), "share": reach.share.tolist(),
         }  # fmt: skip
         yield Reason("out_of_reach", "warning", str(reach), values)
+
+
+def begun_inside(spec: GraspSpec) -> Array:
+    """(k,) how far the object begins inside the hand's links, before these close [m], at each contact; 0 where it does
+    not. Fingertips that touch alone, and links that joints could have closed so far in this posture, are squeezed.
+    """
+    mechanism: Any = spec.mechanism  # a hand's
+    inside = overlaps(mechanism.stand_off[:, 2])
+    if not mechanism.links or not inside.any():
+        return np.zeros(len(inside))
+    command = command_of(spec.effects)
+    opened = command is not None and command.opened is not None  # from where links close until they touch
+    still = joint_by_joint(mechanism, spec.planar).overlapping(inside).share > _STILL
+    return np.where(still | (opened & (inside > _CLOSED)), inside, 0.0)
+
+
+def links_begun(spec: GraspSpec) -> dict[str, float]:
+    """The links that the object begins inside, the deepest first, and how deep [m]: the whole link, where its contacts
+    are less deep.
+    """
+    mechanism: Any = spec.mechanism
+    depths = dict[str, float]()
+    for tip, depth in zip(mechanism.fingertips, begun_inside(spec).tolist(), strict=True):
+        if depth > 0.0:
+            link = mechanism.links[tip]
+            depths[link] = max(depth, depths.get(link, 0.0))
+    if depths:
+        with suppress(URDFError):
+            for one in links_inside(mechanism.posture, mechanism.target, ()):
+                if one.link in depths:
+                    depths[one.link] = max(one.depth, depths[one.link])
+    return dict(sorted(depths.items(), key=lambda one: -one[1]))
+
+
+def begins_reasons(spec: GraspSpec) -> Iterator[Reason]:
+    """A warning where the object begins inside links: how deep in which."""
+    if depths := links_begun(spec):
+        where = all_of([f"{length(depth)} inside {link}" for link, depth in depths.items()])
+        links = [{"link": link, "depth_m": depth} for link, depth in depths.items()]
+        yield Reason("link_inside", "warning", f"the object begins {where}: move it out by as much", {"links": links})
+
+
+def moved_out(spec: GraspSpec) -> tuple[str, float, GraspSpec] | None:
+    """The words for the object moved out of the link that it begins deepest inside, along the normals there, by how
+    much [m], and the grasp that the hand then closes to. None where it begins in none, lies on something, or the
+    normals of that link face each other.
+    """
+    mechanism: Any = spec.mechanism
+    begun, moved = links_begun(spec), getattr(spec.asked, "moved", None)
+    if not begun or moved is None or spec.of_hand < spec.n:
+        return None
+    link, depth = next(iter(begun.items()))
+    its = [mechanism.links[tip] == link for tip in mechanism.fingertips]
+    way = mechanism.frames[its, :, 2].sum(axis=0)
+    if (size := float(np.linalg.norm(way))) < _OPPOSED * sum(its):
+        return None
+    try:
+        return f"the object {length(depth)} farther out of {link}", depth, moved((depth + TOUCHING) / size * way)
+    except InputError:
+        return None
 
 
 def squeezed_further(spec: GraspSpec, depth: float) -> GraspSpec:
@@ -92,6 +158,9 @@ def _with_command(spec: GraspSpec, command: Array) -> GraspSpec:
 
 RANK = 1e-2  # directions in which the joints move the tips less than this share of their best are out of reach
 _DEEP = 0.1  # [m] no hand squeezes deeper: what is more was not given in metres
+_OPPOSED = 0.5  # of their number: normals whose sum is shorter say no way out
+_STILL = 0.5  # of an overlap: where joints miss more of it than that, they are not what made it
+_CLOSED = 2e-4  # [m] links that close until they touch overlap by less
 TOUCHING = 1e-6  # [m] overlaps up to this are what is left of touching
 
 

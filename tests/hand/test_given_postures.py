@@ -54,6 +54,8 @@ def test_graspgen_says_the_gripper_in_the_object(tmp_path):
     np.testing.assert_allclose(one.placement.translation, [0.0, 0.0, 0.1], atol=1e-12)
     with pytest.raises(hl.InputError, match="pregrasp_cspace_position"):
         hl.read_postures(str(file), which="pregrasp")
+    with pytest.raises(hl.InputError, match="grasps: expected at least one"):
+        hl.read_postures({"grasps": {}})
 
 
 def test_what_was_read_is_grasped():

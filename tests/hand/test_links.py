@@ -11,6 +11,7 @@ from handlcp.grasp import Contact
 from handlcp.hand import Box, Cylinder, Hand, Sphere, example_hand
 from tests.support.grasp import said_of_contacts
 from tests.support.show import hand_bodies, tip_shapes
+from tests.support.texts import same
 
 # A flat palm, its upper face at z = 0, and a bar beside it that a hinge tilts over it
 FLAT = """
@@ -249,6 +250,17 @@ def test_pads_of_no_link():
         flat(pad_flexibility={"plam": 1e-4})
 
 
+def test_pads_of_a_link_without_collision_geometry():
+    hand = flat(fingertips=["bar"])
+    with pytest.raises(InputError, match=r"or links with collision geometry .*, got bare, which has none"):
+        hand.replace(pad_flexibility={"bare": 1e-4, "palm": 1e-4})
+
+
+def test_an_object_is_kept_only_where_something_closes_the_hand():
+    with pytest.raises(InputError, match="closing_torque that is not 0, got True, with 0"):
+        on_palm(BALL, closing_torque=0.0, hold_object=True)
+
+
 def test_an_open_hand_that_never_touches_says_how_near_it_came():
     far = Sphere(0.02, (0, 0, 0.3))
     with pytest.raises(NotReached) as e:
@@ -264,6 +276,27 @@ def test_an_open_hand_that_never_touches_says_how_near_it_came():
 def test_an_object_that_begins_inside_the_palm_is_refused(obj, closing):
     with pytest.raises(InputError, match=r"target: expected an object beside the hand, .*, got palm, \d+ mm inside it"):
         on_palm(obj, **closing)
+
+
+def test_where_an_object_begins_inside_links_the_verdict_says_how_deep_and_it_can_be_moved_out():
+    grasp = on_palm(Box(0.04, (0, 0, 0.018), mass=0.2), flat(pad_flexibility=1e-4))
+    (begins,) = grasp.solve(throw=False).verdict.about("link_inside")
+    assert begins.severity == "warning"
+    assert [(link["link"], link["depth_m"]) for link in begins.values["links"]] == [("palm", pytest.approx(2e-3))]
+    same("hand/test_links: an object begins inside", begins.sentence, "2 mm inside palm")
+    assert "the object begins 2 mm inside palm" in str(grasp.payload(geometry="fixed"))
+    assert not grasp.out_of_reach
+    text, depth, made = grasp.mechanism.moved_out(grasp.spec)
+    assert depth == pytest.approx(2e-3)
+    np.testing.assert_allclose(made.mechanism.target.placement.translation, (0, 0, 0.02), atol=1e-5)
+    assert not [*made.mechanism.begins_reasons(made)]
+    same("hand/test_links: an object moved out", text, "palm")
+
+
+def test_a_link_that_links_leaves_out_is_said_to_be_left_out():
+    grasp = on_palm(Box(0.04, (0.03, 0, 0.017), mass=0.2), links=["bar"])
+    (inside,) = grasp.solve(throw=False).verdict.about("link_inside")
+    same("hand/test_links: a link that is left out", inside.sentence, "palm", "links=")
 
 
 def test_hundreds_of_contacts_are_refused():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from importlib.util import find_spec
 from types import SimpleNamespace
 
@@ -73,6 +74,20 @@ def test_it_is_held_in_the_worst_direction_and_sorted_by_that(found):
 
 
 @pytest.mark.long
+def test_a_row_names_the_links_that_press_and_less_than_the_load_is_warned_of(found):
+    by_link = {}
+    for name, force in found[0].normal_force.items():
+        link = found[0].grasp.mechanism.links[name]
+        by_link[link] = by_link.get(link, 0.0) + force
+    hardest = max(by_link, key=by_link.get)
+    assert f"pressing: {hardest} {by_link[hardest]:.2g} N, " in str(found[0])
+    assert "less than its load" not in str(found)
+    weak = replace(found[0], held_force=0.5)
+    weak.__dict__["verdict"] = found[0].verdict  # known already, and long to find
+    text = " ".join(str(type(found)([weak], found.tried, found.why)).split())
+    assert "Warning: the best power grasp holds 0.5 N in the worst direction, less than its load of 1.96 N" in text
+
+
 def test_the_same_seed_finds_the_same_grasps(hand, found):
     again = hl.find_grasp(hand, hl.Sphere(BALL, mass=0.2, placement=(1, 2, 3)), kind="power", tries=12)
     assert [one.q.tolist() for one in again] == [one.q.tolist() for one in found]

@@ -12,6 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 import handlcp as hl
 from tests.design.hands import pinch as levers
 from tests.hand.levers import L
+from tests.support.patches import contacts_take_long
 from tests.support.paths import give_up_beyond
 from tests.support.squeezed import MU, G, K, N, R, cube, pinch
 from tests.support.texts import same
@@ -138,6 +139,19 @@ def test_no_direction_of_an_envelope_is_worse_than_the_worst():
     assert p.mass <= env.weakest.factor * (1 + 1e-9)
     assert p.mass == pytest.approx(env.weakest.factor, rel=0.01)
     assert p.mass == p.by_orientation[-1].mass <= min(masses(p)[:6])
+
+
+def test_where_paths_take_long_the_worst_direction_is_found_in_this_posture_and_rows_are_followed_all_the_same(
+    monkeypatch,
+):
+    contacts_take_long(monkeypatch)
+    p, fixed = cube().payload("any"), of_cube("any", geometry="fixed")
+    assert masses(p)[:6] == masses(of_cube())
+    assert (p.geometry, p.searched, p.tried) == ("followed", "fixed", fixed.tried)
+    np.testing.assert_array_equal(p.by_orientation[-1].direction, fixed.by_orientation[-1].direction)
+    worst = cube().replace(mass=0.0).load_limit((*(G * fixed.by_orientation[-1].direction), 0, 0, 0))
+    assert p.by_orientation[-1].mass == pytest.approx(worst.factor, rel=1e-6)
+    same("study/test_payload: where the direction was looked for", p.asked, str(p.tried))
 
 
 # ---------------------------------------------------------------- what is asked

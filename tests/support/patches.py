@@ -12,6 +12,7 @@ import pytest
 
 from handlcp.grasp.analysis.required import required_preload
 from handlcp.grasp.model import effect as _effect
+from handlcp.grasp.path.follow import geometry_of
 from handlcp.grasp.solve import compiled_answer as _first
 from tests.support.clocks import Ticking, a_quarter_less
 from tests.support.steps import told
@@ -23,6 +24,7 @@ __all__ = [
     "another_effect",
     "chunks_of",
     "coarse_pictures",
+    "contacts_take_long",
     "costs_of_effects",
     "everything_to_processes",
     "meshes_of_at_most",
@@ -69,6 +71,17 @@ def everything_to_processes(patch: Patch) -> None:
 def meshes_of_at_most(patch: Patch, count: int) -> None:
     """Larger meshes than of so many triangles are refused."""
     patch.setattr("handlcp.hand.objects.meshes.MOST", count)
+
+
+def contacts_take_long(patch: Patch) -> None:
+    """To a payload no contacts count as known in closed form."""
+
+    def slow(spec: Any, geometry: Any) -> Any:
+        found = geometry_of(spec, geometry)
+        found.quick = False
+        return found
+
+    patch.setattr("handlcp.study.payload.ask.geometry_of", slow)
 
 
 # ---------------------------------------------------------------- stages of a solve

@@ -185,6 +185,10 @@ class Mechanism:
         """The same of what is asked of the fingers of a grasp."""
         return ()
 
+    def begins_reasons(self, spec: Any) -> Iterable[Any]:
+        """The same of links that the object begins inside, before the hand closes."""
+        return ()
+
     def squeezed(self, spec: Any, depth: float) -> Any:
         """The grasp with every finger whose force is not prescribed squeezed by depth [m] more."""
         return spec.squeezed(depth)
@@ -235,6 +239,12 @@ class Mechanism:
     def elsewhere(self, spec: Any, shift: Array) -> Any:
         """The same grasp of the object moved by shift (3,) [m], closed anew; None where that is not known, or does not
         reach the object.
+        """
+        return None
+
+    def moved_out(self, spec: Any) -> tuple[str, float, Any] | None:
+        """Where the object begins inside links: the words for moving it out of them, by how much [m], and the grasp
+        then; None where it does not, or that is not known.
         """
         return None
 

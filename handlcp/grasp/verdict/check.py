@@ -61,6 +61,7 @@ def _suggestion(r: Reason) -> Suggestion:
         "friction": f"friction={value:g}",
         "stiffness": f"joint_stiffness × {value:g}",
         "grip": "another placement of the object",
+        "out": f"the object moved {value:g} m out of the hand",
     }
     return Suggestion(change, np.inf, r.sentence, ask.get(change, f"{change} × {value:g}"))
 
@@ -82,11 +83,11 @@ def check(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution:
         return verdict
     over, holdable = verdict.word == OVER_LIMIT, solution.status is not Status.NOT_HOLDABLE
 
-    def held(changed: GraspSpec) -> bool:
+    def of(changed: GraspSpec) -> Verdict:
         built = build(changed)
-        return judged(changed, built, section, order, solve_spec(changed, section, _CHAIN, proof=False)).word == HELD
+        return judged(changed, built, section, order, solve_spec(changed, section, _CHAIN, proof=False))
 
-    return verdict_of([*verdict.reasons, *advice(spec, section, order, over, holdable, held)], verdict.loading)
+    return verdict_of([*verdict.reasons, *advice(spec, section, order, over, holdable, of)], verdict.loading)
 
 
 def judged(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution) -> Verdict:

@@ -13,7 +13,7 @@ import numpy as np
 
 from handlcp import words
 from handlcp.errors import Unsupported
-from handlcp.grasp.answer.verdict import Reason
+from handlcp.grasp.answer.verdict import Reason, Verdict
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.cause.judge import limits_of, over
 from handlcp.grasp.friction import Section
@@ -30,10 +30,10 @@ _FOLLOWED = 3  # loadings followed for one kind of change, at most
 
 
 def advice(
-    spec: GraspSpec, section: Section, order: Any, over: bool, holdable: bool, held: Callable[[GraspSpec], bool]
+    spec: GraspSpec, section: Section, order: Any, over: bool, holdable: bool, judged: Callable[[GraspSpec], Verdict]
 ) -> Iterator[Reason]:
-    """What would hold, one sentence for each kind of change; or that nothing tried does. held : whether the verdict on
-    a grasp is HELD.
+    """What would hold, one sentence for each kind of change; or that nothing tried does. judged : the verdict on a
+    grasp, without advice.
 
     over : whether the grasp holds but for its torque limits. holdable : whether any force within friction balances the
     load; if not, friction alone can help.
@@ -41,16 +41,24 @@ def advice(
     why = TORQUE if over else FORCES if holdable else BALANCE
     limited = spec.mechanism is not None and bool(np.isfinite(spec.mechanism.limits).any())
     within, found, tried = " within the torque limits" if limited else "", False, list[str]()
-    for trials in (*(list(p.trials(spec, why)) for p in by_effort()), list(_moved(spec))):
+    for trials in (list(_moved_out(spec)), *(list(p.trials(spec, why)) for p in by_effort()), list(_moved(spec))):
         if trials:
             tried.append(trials[-1].text)
-        if (trial := next((t for t in _followed(trials, section, order) if held(t.spec)), None)) is not None:
+        judgements = ((t, judged(t.spec)) for t in _followed(trials, section, order))
+        if (helps := next(((t, verdict) for t, verdict in judgements if verdict.ok), None)) is not None:
+            trial, verdict = helps
             values = {"change": trial.change, "value": trial.value}
-            yield Reason("advice", "advice", f"{trial.text} would hold it{within}", values)
+            yield Reason("advice", "advice", f"{trial.text} would hold it{within}{_snaps(verdict)}", values)
             found = True
     if tried and not found:
         text = f"nothing that was tried would hold it{within}, not even {words.either(tried)}"
         yield Reason("advice", "advice", text, {"tried": tried})
+
+
+def _snaps(verdict: Verdict) -> str:
+    """Where an object that is held has snapped to another place on the way, by how far."""
+    events = () if verdict.loading is None else verdict.loading.events
+    return next((f", where {event.sentence}" for event in events if event.kind == "snaps"), "")
 
 
 def _followed(trials: list[Trial], section: Section, order: Any) -> Iterator[Trial]:
@@ -84,6 +92,13 @@ def _holds(spec: GraspSpec, section: Section, order: Any) -> bool:
     if not path.held or spec.mechanism is None:
         return path.held
     return not over(limits_of(spec), path.last.efforts)
+
+
+def _moved_out(spec: GraspSpec) -> Iterator[Trial]:
+    """The object out of the links that it begins inside."""
+    if spec.mechanism is not None and (found := spec.mechanism.moved_out(spec)) is not None:
+        text, far, other = found
+        yield Trial("out", far, text, other)
 
 
 def _moved(spec: GraspSpec) -> Iterator[Trial]:

@@ -150,11 +150,11 @@ class HandAsked:
         closed = made.asked.closed
         if closed is None or closed.wound:
             return made
-        tight = wound(made, closed.torque)
+        tight, stuck = wound(made, closed.torque)
         command = command_of(tight.effects)
         if command is not None:
             closed = replace(closed, command=command.command, against=command.against)
-        return tight.replace(asked=replace(made.asked, closed=replace(closed, wound=True)))
+        return tight.replace(asked=replace(made.asked, closed=replace(closed, wound=True, stuck=stuck)))
 
     def begun(self) -> GraspSpec:
         """The same, with motors that have only begun to turn on where links touch."""
@@ -213,9 +213,17 @@ class HandAsked:
         else:
             value = factor * np.asarray(value, dtype=float)
             text = f"a {what} of {float(value):.3g} {unit}" if value.ndim == 0 else text
+        return what, text, self._anew({name: value})
+
+    def moved(self, shift: Array) -> GraspSpec:
+        """The grasp of the object moved by shift (3,) [m]; the hand closes anew. Raises InputError, NotReached."""
+        place = self.target.placement
+        return self._anew({"target": self.target.moved_to(type(place)(place.rotation, place.translation + shift))})
+
+    def _anew(self, changes: dict[str, Any]) -> GraspSpec:
+        """With other arguments, for which the hand closes anew."""
         anew = {} if self.bare is None else {"state": self.bare, "bare": None, "found": None}
-        made: HandAsked = again(self, {name: value, "closed": None, **anew})
-        return what, text, made.spec()
+        return cast(HandAsked, again(self, {"closed": None, **changes, **anew})).spec()
 
     def _closed(self, obj: Object | None) -> Closed | None:
         """How the hand has closed, where that was asked for."""

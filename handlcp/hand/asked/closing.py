@@ -37,7 +37,8 @@ _MOVED = 1e-9  # [rad, m] a hand that closes by less is closed already
 class Closed:
     """q (nv,) where links touch. opened (nv,) : where the hand began; None: there. command, against (nv,) : on from q,
     as of a `JointOffset`. torque (nv,) : with which motors pull [N·m]; None: joints were commanded. wound : whether the
-    command is as far as motors turn on; or else it is K⁻¹ τ, as if nothing gave way.
+    command is as far as motors turn on; or else it is K⁻¹ τ, as if nothing gave way. stuck : whether steps of turning
+    on ended without an answer, so that more may be possible.
     """
 
     q: Array
@@ -46,6 +47,7 @@ class Closed:
     against: Array | None = None
     torque: Array | None = None
     wound: bool = True
+    stuck: bool = False
 
     @classmethod
     def by(cls, q: Array, command: JointOffset) -> Closed:
@@ -162,7 +164,7 @@ def begun_open(spec: GraspSpec, closed: Closed | None, keeps: bool) -> GraspSpec
     old = command_of(spec.effects)
     if old is None and keeps:
         expected = "False where nothing closes the hand: beside squeeze, grip_force, joint_offset or closing_torque"
-        raise InputError("hold_object", expected, "True")
+        raise InputError("hold_object", f"{expected} that is not 0", "True" if closed is None else "True, with 0")
     command = JointOffset(read_only(np.zeros_like(opened if against is None else against))) if old is None else old
     new = replace(command, opened=opened, keeps=keeps, against=against)
     others = tuple([e for e in spec.effects if not isinstance(e, JointOffset)])

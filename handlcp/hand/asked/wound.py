@@ -32,27 +32,27 @@ _OTHERS = 1.1  # times its torque: no finger turns on that drives a joint of ano
 
 
 @told("closing the hand")
-def wound(spec: GraspSpec, torque: Array) -> GraspSpec:
+def wound(spec: GraspSpec, torque: Array) -> tuple[GraspSpec, bool]:
     """The grasp, commanded by K⁻¹ τ beyond where the hand touches, with motors that have turned on until they pull with
-    torque (nv,) [N·m]. A finger that pulls no harder for turning on stays at K⁻¹ τ; so do all where no loading can be
-    followed.
+    torque (nv,) [N·m]; and whether steps of it ended without an answer before. A finger that pulls no harder for
+    turning on stays at K⁻¹ τ; so do all where no loading can be followed.
     """
     mechanism = spec.mechanism
     if not torque.any():
-        return spec
+        return spec, False
     assert isinstance(mechanism, HandMechanism)  # which pulls
     hand = mechanism.posture.hand
     pulling = Pulling.of(torque, hand.moves[list(mechanism.tips)], hand.stiffness)
     try:
         closing = _Closing(spec, as_section("cone", planar=spec.plane is not None), pulling)
     except Unsupported:
-        return spec
+        return spec, False
     driven, rubs = closing.ends()
     against = hand.stiffness.deflection(rubs)
     command = command_of(spec.effects)
     assert command is not None  # `spec` begins with it
     new = replace(command, command=read_only(driven - against), against=read_only(against))
-    return spec.replace(effects=tuple([new if e is command else e for e in spec.effects]))
+    return spec.replace(effects=tuple([new if e is command else e for e in spec.effects])), closing.stuck
 
 
 class _Closing:
@@ -64,6 +64,7 @@ class _Closing:
         self.watch, self.pulling = watch_of(spec, body), pulling
         self.end = goals[0].end
         self.run = Run([self.stepper.beginning(first)], [0], [0.0])
+        self.stuck = False
 
     def ends(self) -> tuple[Array, Array]:
         """How far motors turn beyond the posture (nv,) [rad, m], and friction at the joints then (nv,) [N·m]."""
@@ -77,6 +78,7 @@ class _Closing:
             on, before = np.isin(fingers, list(turning)), run.states[-1]
             self._turn_on(on)
             last, shares = run.states[-1], self._shares(run.states[-1])
+            self.stuck |= run.outcome is Outcome.GAVE_UP
             there = set(fingers[on & (shares > 1.0 - _THERE)].tolist())
             done = there or turning  # a finger whose turning on drives another one too far; or nothing more to be had
             for finger in done:

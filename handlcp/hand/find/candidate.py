@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, overload
 
@@ -28,6 +28,7 @@ from handlcp.record import Record, columns_of, data_frame, pick
 from handlcp.text_table import wrapped
 
 _STAGES = "squeeze", "load"
+_NO_FORCE = 0.005  # [N] a link that presses with less is not named
 _ALIKE = 0.05  # of the way an object goes: as far apart may two ends be that are called the same
 
 # ----------------------------------------------------------------
@@ -152,7 +153,6 @@ class Candidate(Record):
         return float(self.solution.normal_force.max())
 
     def __str__(self) -> str:
-        forces = ", ".join(f"{f:.2g}" for f in self.solution.normal_force)
         then = f", where {self.gives_out}" if self.gives_out else ""
         if self.gives_out == UNDECIDED:
             then = ", and nothing is known beyond"
@@ -160,8 +160,19 @@ class Candidate(Record):
         return (
             f"{self.kind}: {words.force(self.held_force)} in the worst direction{then}{only}; margin "
             f"{100 * self.margin:.0f} % (friction {100 * self.friction_reserve:.0f} %, "
-            f"torque {100 * self.torque_reserve:.0f} %), forces {forces} N"
+            f"torque {100 * self.torque_reserve:.0f} %), {self._forces}"
         )
+
+    @property
+    def _forces(self) -> str:
+        """In words: of a pinch finger by finger, of a power grasp the links that press hardest."""
+        if self.kind != "power":
+            return f"forces {', '.join(f'{f:.2g}' for f in self.solution.normal_force)} N"
+        by_link, links = Counter[str](), self.grasp.mechanism.links
+        for name, force in self.normal_force.items():
+            by_link[links.get(name, name)] += force  # type: ignore[assignment]  # counters add floats, too
+        pressing = [f"{link} {force:.2g} N" for link, force in by_link.most_common() if force > _NO_FORCE]
+        return f"pressing: {words.listed(pressing) or 'nothing'}"
 
     def __repr__(self) -> str:
         return f"Candidate(margin={self.margin:.3f}, q={np.round(self.q, 4).tolist()}, object={self.object!r})"
@@ -249,9 +260,18 @@ class Found(Record, Sequence[Candidate]):
         return self._candidates[at]
 
     def __str__(self) -> str:
-        warnings = [f"Warning: {reason.sentence}." for reason in self[0].verdict.warnings] if self else []
+        told = [reason.sentence for reason in self[0].verdict.warnings] if self else []
+        warnings = [f"Warning: {sentence}." for sentence in (*self._weak(), *told)]
         grasps = [wrapped(f"{k}: {one}", "   ") for k, one in enumerate(self)]
         return "\n".join([wrapped(f"{self.why}."), *map(wrapped, warnings), *grasps])
+
+    def _weak(self) -> Iterator[str]:
+        """A warning of power grasps the best of which does not hold as much as its load in every direction."""
+        best = next((one for one in self if one.kind == "power"), None)
+        load = 0.0 if best is None else float(np.linalg.norm(best.grasp.spec.wrench[:3]))
+        if best is not None and best.held_force < load:
+            held = f"the best power grasp holds {words.force(best.held_force)} in the worst direction, less than its"
+            yield f"{held} load of {words.force(load)}: the hand may lose the object when it is turned"
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data, SI units in the keys: what became of the search, and each grasp as its own `to_dict` says it, the

@@ -91,6 +91,8 @@ def _of_graspgen(grasps: Any, which: str) -> Iterator[GivenPosture]:
     key = "cspace_position" if which == "grasp" else f"{which}_cspace_position"
     if not isinstance(grasps, Mapping):
         raise InputError("grasps", "a mapping by name", repr(grasps)[:80])
+    if not grasps:
+        raise InputError("grasps", "at least one grasp", "none")
     for name, one in grasps.items():
         where = f"grasps[{name!r}]"
         _has(one, ("position", "orientation", key), where)

@@ -30,12 +30,13 @@ _DEEP_BESIDE_TIP = 4e-3  # [m] the same of a link with a fingertip on the object
 @dataclass(frozen=True, slots=True)
 class Inside:
     """A link that is inside the object. depth : of its deepest point below the object's surface [m], beyond that of its
-    fingertip where it carries one. tip : that fingertip, or None.
+    fingertip where it carries one. tip : that fingertip, or None. left_out : of the links that may touch.
     """
 
     link: str
     depth: float
     tip: str | None
+    left_out: bool
 
     @property
     def far(self) -> bool:
@@ -71,7 +72,8 @@ def links_inside(posture: Posture, obj: Object, tips: tuple[int, ...]) -> tuple[
         if depth > 0.0 and own:
             depth -= max(0.0, *(-_tip_gap(posture, tip, obj) for tip in own))
         if depth > 0.0:
-            found.append(Inside(link.name, depth, hand.fingertips[own[0]] if own else None))
+            left_out = hand.may_touch is not None and link.name not in hand.may_touch
+            found.append(Inside(link.name, depth, hand.fingertips[own[0]] if own else None, left_out))
     return tuple(sorted(found, key=lambda one: -one.depth))
 
 
@@ -192,11 +194,16 @@ def posture_reasons(posture: Posture, obj: Object | None, tips: tuple[int, ...],
         yield Reason("link_inside", "warning", text)
     seen = [one for one in inside if one.depth > _TOUCHES]
     tips_alone = posture.hand.links_of_sites is None
-    for beside_tip in (False, True):
-        for far in (True, False):
-            these = [one for one in seen if (one.tip is not None) is beside_tip and one.far is far]
-            if these:
-                yield _inside(these, beside_tip, far, when, tips_alone)
+    for these in _alike(seen):
+        yield _inside(these, when, tips_alone)
+
+
+def _alike(found: list[Inside]) -> list[list[Inside]]:
+    """Those that one sentence is about, together."""
+    groups = dict[tuple[bool, bool, bool], list[Inside]]()
+    for one in found:
+        groups.setdefault((one.tip is not None, not one.far, one.left_out and one.tip is None), []).append(one)
+    return [groups[key] for key in sorted(groups)]
 
 
 def deep_inside(posture: Posture, obj: Object, tips: tuple[int, ...]) -> tuple[set[str], str]:
@@ -204,15 +211,15 @@ def deep_inside(posture: Posture, obj: Object, tips: tuple[int, ...]) -> tuple[s
     sentence about them.
     """
     deep = [one for one in links_inside(posture, obj, tips) if one.far]
-    alone, beside = ([one for one in deep if (one.tip is not None) is beside_tip] for beside_tip in (False, True))
-    said = [_inside(these, these is beside, True, "soon after", False) for these in (alone, beside) if these]
+    said = [_inside(these, "soon after", False) for these in _alike(deep)]
     return {one.link for one in deep}, "; ".join([reason.sentence for reason in said])
 
 
-def _inside(links: list[Inside], beside_tip: bool, far: bool, when: str, tips_alone: bool) -> Reason:
-    """Links of one kind, the deepest first. tips_alone : whether fingertips are all that may touch."""
+def _inside(links: list[Inside], when: str, tips_alone: bool) -> Reason:
+    """Of links that are alike, the deepest first. tips_alone : whether fingertips are all that may touch."""
     values = {"links": [{"link": one.link, "depth_m": one.depth, "fingertip": one.tip} for one in links]}
     first, more = links[0], len(links) - 1
+    beside_tip, far = first.tip is not None, first.far
     who = f"{first.link} and {more} more link{'s' if more > 1 else ''} are up to" if more else f"{first.link} is"
     if beside_tip:
         kind = "fingertip" if tips_alone else "contact"
@@ -221,12 +228,14 @@ def _inside(links: list[Inside], beside_tip: bool, far: bool, when: str, tips_al
     else:
         text = f"{when}, {who} {words.length(first.depth)} inside the object"
     if not tips_alone and not beside_tip:
-        text += f", and {'they are' if more else 'it is'} not among the contacts: a larger max_gap lets"
-        text += f" {'them' if more else 'it'} touch"
+        them = "them" if more else "it"
+        lets = f"links= leaves {them} out" if first.left_out else f"a larger max_gap lets {them} touch"
+        text += f", and {'they are' if more else 'it is'} not among the contacts: {lets}"
         return Reason("link_inside", "decides" if far else "warning", text, values)
     if far:
         return Reason("link_inside", "decides", f"{text}: the hand cannot take this posture", values)
-    return Reason("link_inside", "warning", f"{text}: only fingertips are taken to touch it", values)
+    only = ": only fingertips are taken to touch it" if tips_alone else ""
+    return Reason("link_inside", "warning", f"{text}{only}", values)
 
 
 def _ranges(posture: Posture, when: str) -> Iterator[Reason]:

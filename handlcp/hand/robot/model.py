@@ -39,7 +39,8 @@ class HandModel:
     joint_friction : (nv,) dry friction at the joints, beside their springs [N·m] (N for prismatic joints).
     in_parts_of : links whose meshes touch in convex parts, not as their hulls.
     links_of_sites : (n,) of a hand whose fingertips are contacts on its links, the link of each; else None. own_tips :
-    names of the fingertips that such a hand has otherwise; else ().
+    names of the fingertips that such a hand has otherwise; else (). may_touch : the links that may be among those
+    contacts; None: all.
     """
 
     kinematics: Kinematics
@@ -59,6 +60,7 @@ class HandModel:
     joint_friction: Array
     in_parts_of: frozenset[str]
     links_of_sites: tuple[str, ...] | None
+    may_touch: frozenset[str] | None
     own_tips: tuple[str, ...]
     _geometry: TipGeometry
 
@@ -75,7 +77,7 @@ class HandModel:
             kinematics=kinematics, tips=tips, stiffness=stiffness, pads=pads, torques=torques, _geometry=geometry,
             name=str(kinematics.model.name), source=geometry.description.source, joint_names=kinematics.joint_names,
             nv=kinematics.nv, fingertips=tips.names, lower=kinematics.lower, upper=kinematics.upper,
-            neutral=kinematics.neutral, torque_limits=torques.limits, links_of_sites=None,
+            neutral=kinematics.neutral, torque_limits=torques.limits, links_of_sites=None, may_touch=None,
             in_parts_of=frozenset(), own_tips=(), joint_friction=read_only(np.zeros(kinematics.nv)),
         )  # fmt: skip
 

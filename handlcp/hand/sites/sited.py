@@ -23,7 +23,7 @@ from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.tip_geometry import TipGeometry, TipShape
 from handlcp.hand.sites.patch import patch
-from handlcp.hand.sites.touchers import Toucher, link_names, touchers
+from handlcp.hand.sites.touchers import ALL, Toucher, link_names, touchers
 
 MOST = 100  # sites of one grasp
 _SAME, _ALIKE = 1.5e-3, 0.98  # [m], cosine of normals: nearer and more alike, two contacts of what moves as one are one
@@ -50,14 +50,25 @@ def sited(state: T, obj: Object, links: Any, max_gap: float) -> T:
 
     Raises NotReached for none, InputError for a link deep inside the object, and what `touchers` raises.
     """
-    near = sites(state, touchers(state.hand, links), obj, max_gap)
+    among = touchers(state.hand, links)
+    near = sites(state, among, obj, max_gap)
     if not near:
-        least = nearest_links(gaps_of(state, touchers(state.hand, links), obj))
+        least = nearest_links(gaps_of(state, among, obj))
         expected = (
             f"a link within max_gap = {max_gap * 1e3:g} mm of the object: hand.close_on(obj, wrap=True) closes the "
         )
         raise NotReached("links", expected + "hand first, or closing_torque= here does", least)
-    return type(state)(touching_there(state.hand, near), state.q)
+    made = touching_there(state.hand, near)
+    if not (isinstance(links, str) and links == ALL):
+        made = made.with_parts(may_touch=_links_of(state.hand, among))
+    return type(state)(made, state.q)
+
+
+def _links_of(hand: HandModel, among: Iterable[Toucher]) -> frozenset[str]:
+    """The names of the links that these stand for."""
+    names = {toucher.name for toucher in among}
+    tips = [i for i in hand.tips.every if hand.fingertips[i] in names]
+    return frozenset(names.union(*(hand.tip_links(i) for i in tips)))
 
 
 def sites(state: Posture, among: Iterable[Toucher], obj: Object, reach: float) -> list[Site]:

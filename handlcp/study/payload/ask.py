@@ -56,14 +56,14 @@ def payload(
     wide = None if turn is None else number("turn", turn, above=0.0)
     near = None if accuracy is None else number("accuracy", accuracy, above=0.0)
     section, moves = as_section(faces, planar=grasp.scene.kind.planar), geometry_of(grasp.spec, geometry)
-    follows = moves.follows and (orientations == SIX or geometry == FOLLOWED or moves.quick)
-    how = FOLLOWED if follows else FIXED
+    how = FOLLOWED if moves.follows else FIXED
+    searched = FOLLOWED if moves.follows and (geometry == FOLLOWED or moves.quick) else FIXED
     question = _Pull(Question(load_of(_about_the_mass(grasp), GRAVITY, None), section, how, far, wide, near), more)
     axes = _axes_of(grasp.spec.plane)
     ways, tried = axes, len(axes)
     if orientations == ANY:
         with told("directions"):
-            worst, tried = _lowest(question.along_gravity(), grasp.spec.plane)
+            worst, tried = _lowest(question.along_gravity(searched), grasp.spec.plane)
         ways = np.vstack([axes, worst])
     with told("orientations", len(ways)) as done:
         rows = []
@@ -71,7 +71,7 @@ def payload(
             pulls = axes if k < len(axes) else -d[None]
             rows.append(question.held(d, pulls if more else np.zeros((1, 3))))
             done(1)
-    return Payload(tuple(rows), orientations, more, how, question.asked.load, tried)
+    return Payload(tuple(rows), orientations, more, how, question.asked.load, tried, searched)
 
 
 def _about_the_mass(grasp: Grasp) -> Grasp:
@@ -108,10 +108,10 @@ class _Pull:
     asked: Question
     acceleration: float
 
-    def along_gravity(self) -> Question:
-        """The question with the hand accelerating against gravity, which the factors are masses of."""
+    def along_gravity(self, geometry: str) -> Question:
+        """The question in this geometry, the hand accelerating against gravity, which the factors are masses of."""
         load = self.asked.load
-        return replace(self.asked, load=replace(load, g=load.g + self.acceleration))
+        return replace(self.asked, geometry=geometry, load=replace(load, g=load.g + self.acceleration))
 
     def held(self, d: Array, ways: Array) -> Orientation:
         """With gravity along d (3,), the row of the least mass; the hand accelerates along any of `ways` (k, 3)."""

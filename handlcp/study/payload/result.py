@@ -19,6 +19,7 @@ from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
 
 _IN_TABLE = 40  # letters of a cause
+_AT_ONCE = 1e-3  # of the mass that is held, or of 1 kg: with less a finger slides at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,12 +78,13 @@ class Payload(Record):
 
     by_orientation : a row for each direction of gravity, along the axes of the hand's base first; where "any" was
     asked for, the worst direction that was found comes last. orientations : as asked, 6 or "any". acceleration : as
-    asked [m/s²]. geometry : "fixed" or "followed". load : of a mass of 1 kg. tried : how many directions were tried.
+    asked [m/s²]. geometry : "fixed" or "followed", of the rows. load : of a mass of 1 kg. tried : how many directions
+    were tried. searched : the geometry in which the worst direction was looked for.
     """
 
     entries = (
         "mass_kg", "binds", "says", "direction (3,)", "orientations", "acceleration_m_per_s2", "geometry",
-        "object_mass_kg", "at_m (3,)", "tried", "by_orientation",
+        "object_mass_kg", "at_m (3,)", "tried", "searched", "warnings", "by_orientation",
     )  # fmt: skip
 
     by_orientation: tuple[Orientation, ...]
@@ -91,6 +93,7 @@ class Payload(Record):
     geometry: str
     load: Load
     tried: int
+    searched: str
 
     @property
     def worst(self) -> Orientation:
@@ -150,9 +153,20 @@ class Payload(Record):
         """In words, what was asked."""
         rest = f"the hand accelerating by {self.acceleration:g} m/s²" if self.acceleration else "the hand at rest"
         axes = len(self.by_orientation) - (self.orientations == "any")
-        if self.orientations == "any":
+        if self.orientations == "any" and self.searched == self.geometry:
             return f"gravity in any direction, {rest}: the least of {self.tried} directions that were tried, no proof"
+        if self.orientations == "any":
+            return (
+                f"gravity in any direction, {rest}: the axes, and the worst of {self.tried} directions that were tried "
+                "with contacts that stay where they are in this posture, which is quicker; no proof"
+            )
         return f"gravity both ways along the axes of the hand's base ({axes} directions), {rest}"
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """In words, the links that the object begins inside, before the hand closes."""
+        spec = self.load.grasp.spec
+        return () if spec.mechanism is None else tuple([r.sentence for r in spec.mechanism.begins_reasons(spec)])
 
     def moving(self, row: Orientation) -> str:
         """In words, how the hand accelerates in a row; "" at rest."""
@@ -172,8 +186,10 @@ class Payload(Record):
         return view("payload_plot")(self, path, title)
 
     def __str__(self) -> str:
-        """The mass, what was asked, a table of the directions, and why some are undecided."""
-        lines = [wrapped(text, "  ") for text in (f"payload: {self.headline}", self.asked, geometry(self))]
+        """The mass, what was asked, warnings, a table of the directions, and why some are undecided."""
+        warnings = [f"Warning: {text}." for text in self.warnings]
+        told = (f"payload: {self.headline}", self.asked, geometry(self), *warnings)
+        lines = [wrapped(text, "  ") for text in told]
         doubts = [
             wrapped(f"{direction(row.direction)} is undecided beyond: {row.limit.undecided}", "  ")
             for row in self.by_orientation if row.undecided and row.limit.undecided
@@ -189,12 +205,20 @@ class Payload(Record):
         heads = ["gravity: what gives out first", "first slip\nkg", "mass\nkg"]
         rows = []
         for row in self.by_orientation:
-            slip = "" if row.first_slip is None or not row.mass > 0.0 else f"{row.first_slip:.3g}"
             ways = (_along(row),) if moves else ()
-            rows.append((f"{direction(row.direction)}: {self.cause(row, _IN_TABLE)}", *ways, slip, row.most))
+            rows.append((f"{direction(row.direction)}: {self.cause(row, _IN_TABLE)}", *ways, _slip(row), row.most))
         if moves:
             heads.insert(1, "hand speeds\nup along")
         return TextTable(tuple(heads), tuple(rows), "<<>>" if moves else "<>>")
+
+
+def _slip(row: Orientation) -> str:
+    """The mass with which a finger begins to slide, in words; "at once" where one slides as soon as there is any."""
+    if row.first_slip is None or not row.mass > 0.0:
+        return ""
+    return (
+        "at once" if row.first_slip < _AT_ONCE * (row.mass if row.mass < np.inf else 1.0) else f"{row.first_slip:.3g}"
+    )
 
 
 def _along(row: Orientation) -> str:
