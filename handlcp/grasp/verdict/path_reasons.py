@@ -9,8 +9,6 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp.answer.reasons import (
-    NOTICED,
-    Motions,
     contacts_reason,
     friction_reasons,
     large_motion,
@@ -18,6 +16,7 @@ from handlcp.grasp.answer.reasons import (
     no_load,
     open_reasons,
 )  # fmt: skip
+from handlcp.grasp.answer.small_motions import NOTICED, Motions
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.cause.judge import over_closing
