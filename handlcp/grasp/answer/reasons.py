@@ -193,10 +193,12 @@ def open_reasons(free: Uniqueness | None) -> Iterator[Reason]:
     if free is None:
         return
     if not free.forces_determined:
-        text = "other forces satisfy the same conditions; the smallest are given"
+        given = "the smallest" if free.smallest else "those that the loading led to"
+        text = f"other forces satisfy the same conditions; {given} are given"
         yield Reason("forces_open", "warning", text)
     if k := free.loose_motions:
-        text = f"the object can move freely in {k} direction{'s' if k > 1 else ''}; the smallest motion is given"
+        given = "the smallest motion is given" if free.smallest else "what the loading led to is given"
+        text = f"the object can move freely in {k} direction{'s' if k > 1 else ''}; {given}"
         yield Reason("loose", "warning", text, {"directions": k})
     if free.others:
         text = "friction can hold the object in other ways, too; grasp.equilibria() lists them"

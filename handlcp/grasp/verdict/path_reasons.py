@@ -133,7 +133,11 @@ def place_reasons(spec: GraspSpec, path: Loading) -> Iterator[Reason]:
 
 
 def compared(solution: GraspSolution, path: Loading) -> Iterator[Reason]:
-    """How far the forces of one solve are from those at the end of the path, where that is worth a word."""
+    """How far the forces of one solve are from those at the end of the path, where that is worth a word, and the path
+    leaves no choice of them.
+    """
+    if path.solution.uniqueness is not None and not path.solution.uniqueness.forces_determined:
+        return
     there, here = path.steps.forces[-1], solution.forces
     size = float(np.linalg.norm(there, axis=1).max(initial=0.0))
     off = np.linalg.norm(there - here, axis=1)
