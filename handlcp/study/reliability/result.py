@@ -235,8 +235,10 @@ class Reliability(Record):
         if not looked.any() or not left.any():
             return said
         held = int((looked & (self.codes < NOT_HELD)).sum())
-        full = int(looked.sum())
-        return f"{said}; of the undecided ones {full} were solved in full, {held} of them hold: the rest counts alike"
+        full, open_ = int(looked.sum()), int((looked & (self.codes == UNDECIDED)).sum())
+        stay = f", {open_} stay undecided" if open_ else ""
+        told = f"of the undecided ones {full} were solved in full, {held} of them hold{stay}"
+        return f"{said}; {told}: the rest counts alike"
 
     @property
     def _follow(self) -> str:
