@@ -63,7 +63,9 @@ class Questions(ABC):
 
     def required_friction(self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3) -> Required:
         """The smallest friction coefficient, common to all contacts that have friction, with which the grasp holds: as
-        `solve` says, or `check` where hand and object are known. Its `verdict` is the word of `check`.
+        `solve` says, or `check` where hand and object are known, which has to hold the object where it was gripped:
+        with less it may snap to another place and rest there. Its `verdict` is the word of `check`, and its `hint` says
+        where more friction does not hold better.
         """
         from handlcp.grasp.design.least import confirmed_friction
 

@@ -9,6 +9,7 @@ import handlcp as hl
 from handlcp.errors import InputError
 from tests.design.hands import PAD, STIFF, cube_grasp, pinch
 from tests.hand.levers import MU, L
+from tests.support.least import believes_less, lost_above
 from tests.support.texts import same
 
 LOAD = 1.0
@@ -53,6 +54,16 @@ def test_where_no_grip_holds_the_loading_says_why():
     assert r.hint
 
 
+def test_a_grip_that_only_few_steps_call_enough_is_not_given(tmp_path, monkeypatch):
+    believes_less(monkeypatch, 0.9)
+    r = pinch(tmp_path).required_grip(tolerance=1e-2)
+    assert r.value == pytest.approx(EXACT, rel=1.1e-2)
+    assert r.value * (1 - 1.001e-2) <= r.fails < EXACT
+    assert r.verdict == "HELD"
+    assert dict(r.checked)[r.value]
+    assert "check()" not in str(r)
+
+
 # ---------------------------------------------------------------- friction
 def test_the_least_friction_of_a_followed_grasp_is_what_check_says():
     grasp = cube_grasp().replace(grip_force=8.0)
@@ -77,6 +88,26 @@ def test_a_joint_over_its_limit_is_said_beside_the_least_friction(tmp_path):
     assert r.value == pytest.approx(LOAD / (2 * 2.0), rel=2e-3)
     assert r.verdict == "OVER LIMIT"
     same("design/test_least: friction, over limit", str(r), "OVER LIMIT")
+
+
+def test_an_object_that_falls_on_the_palm_without_friction_is_not_called_held_where_it_was_gripped():
+    """The ball is lost with its own friction of 0.6; without any it comes to rest on the palm, 5 mm below."""
+    hand, ball = hl.example_hand("three_finger", joint_stiffness=6.0), hl.Sphere(0.035, (0, 0, 0.04), mass=0.3)
+    links = ["palm", *(f"finger_{k}_distal_link" for k in (1, 2, 3))]
+    grasp = hand.at(hand.neutral).grasp(ball, links=links, closing_torque=0.4, hold_object=True)
+    assert any(e.kind == "snaps" for e in grasp.replace(friction=0.0).check().loading.events)
+    r = grasp.required_friction(tolerance=0.1)
+    assert 0.6 < r.fails < r.value < 1.0
+    assert r.verdict == "HELD"
+    assert not any(e.kind == "snaps" for e in grasp.replace(friction=r.value).follow(steps=8).events)
+    assert "with 0 it snaps to another place, and is held there" in " ".join(str(r).split())
+
+
+def test_friction_that_holds_where_more_does_not_is_said(monkeypatch):
+    lost_above(monkeypatch, 0.7)
+    r = cube_grasp().replace(grip_force=8.0).required_friction()
+    assert r.value < 0.7
+    assert "with its own 0.8 the grasp does not hold: more is not always better" in " ".join(str(r).split())
 
 
 # ---------------------------------------------------------------- stiffness

@@ -97,3 +97,19 @@ def test_a_pole_between_two_springs_is_lost_at_its_buckling_load(tmp_path):
     assert 2 * most * h.slides.share == pytest.approx(most, rel=1e-3)
     assert g.replace(wrench=(0, 0, -1.9 * most, 0, 0, 0)).solve().held  # one posture knows nothing of it
     assert g.follow((0, 0, -0.95 * most, 0, 0, 0)).reached
+
+
+def test_a_loading_whose_forces_are_open_tells_the_same_forces_everywhere_and_does_not_call_them_the_smallest():
+    """A bar on three rigid supports: whatever these share of the load, statics is content."""
+    supports = [hl.Contact((x, 0, 0), (0, 0, 1), 0.0) for x in (-0.1, 0.0, 0.1)]
+    bar = hl.Grasp(supports, flexibility=0.0, wrench=(0, 0, -10.0, 0, 0, 0))
+    loading, verdict = bar.follow(), bar.check()
+    np.testing.assert_allclose(loading.solution.forces, loading.steps.forces[-1], atol=1e-9)
+    assert f"{loading.solution.normal_force.max():.3g} N" in " ".join(str(loading).split())
+    for said in (verdict, loading.solution.verdict):
+        (open_,) = said.about("forces_open")
+        assert open_.sentence == "other forces satisfy the same conditions; those that the loading led to are given"
+    assert "those of the loading are given" in loading.solution.diagnosis
+    assert not verdict.about("followed_forces"), "forces that are open are not off"
+    np.testing.assert_allclose(bar.solve().normal_force, 10.0 / 3, rtol=1e-9)
+    assert bar.solve().verdict.about("forces_open")[0].sentence.endswith("the smallest are given")

@@ -19,7 +19,7 @@ from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp.answer.make_solution import Judged, make_solution
 from handlcp.grasp.answer.printed import contact_data
-from handlcp.grasp.answer.reasons import motions
+from handlcp.grasp.answer.small_motions import motions
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.candidate import Candidate, candidate_of

@@ -46,7 +46,8 @@ class Required(Record):
     unit : "m" of squeeze, "N" of grip or "" for a friction coefficient. limit : largest value that would be tried.
     tolerance : relative.
     checked : ((value, whether it holds), …) in the order tried.
-    hint : what to change instead where value is None, "" if nothing is known.
+    hint : what to change instead where value is None; what less or more does where more does not always hold better;
+    "" if nothing is known.
     verdict : the word of `check()` at `value`, where the loading is followed; "" where it was not asked.
     """
 
@@ -70,15 +71,16 @@ class Required(Record):
                 return "no value found that holds: no force within friction and limits balances the load"
             none = f"no value up to {self._said(self.limit)} found that holds"
             return wrapped(f"{none}: {self.hint}" if self.hint else none, "  ")
-        if self.value == 0.0:
-            return ("holds with nothing added" if self.unit else "holds without friction") + self._called
-        less = "" if self.fails is None else f", {self._said(self.fails)} does not"
-        return f"{self._said(self.value)} holds{less}{self._called}"
+        text = "holds with nothing added" if self.unit else "holds without friction"
+        if self.value > 0.0:
+            less = "" if self.fails is None else f", {self._said(self.fails)} does not"
+            text = f"{self._said(self.value)} holds{less}"
+        return wrapped("; ".join([part for part in (text, self._called, self.hint) if part]), "  ")
 
     @property
     def _called(self) -> str:
         """What `check()` says, unless it says that it holds."""
-        return "" if self.verdict in ("", HELD) else f"; check() says {self.verdict}"
+        return "" if self.verdict in ("", HELD) else f"check() of that grasp says {self.verdict}"
 
     def _said(self, value: float) -> str:
         """A coefficient, newtons, or a squeeze in millimetres, with digits enough to tell the two values apart."""

@@ -57,7 +57,8 @@ class Sentences:
         if free is not None:
             parts += self._loose(free.directions)
             if not free.forces_determined:
-                parts.append("other forces satisfy the same conditions (the smallest are given)")
+                given = "the smallest" if free.smallest else "those of the loading"
+                parts.append(f"other forces satisfy the same conditions ({given} are given)")
             if free.others:
                 parts.append("it can also be held in other ways (grasp.equilibria() lists them)")
         # What rounding leaves of a force that is nothing beside the scene's counts for nothing

@@ -32,19 +32,23 @@ class Judged(NamedTuple):
 
 
 def make_solution(
-    spec: GraspSpec, scene: Scene, section: Section, effects: tuple[Effect, ...], judged: Judged, trace: tuple[str, ...]
-) -> GraspSolution:
-    """The solution from a candidate that the certifier passes; effects : all that were stamped."""
+    spec: GraspSpec, scene: Scene, section: Section, effects: tuple[Effect, ...], judged: Judged,
+    trace: tuple[str, ...], smallest: bool = True,
+) -> GraspSolution:  # fmt: skip
+    """The solution from a candidate that the certifier passes; effects : all that were stamped. smallest : where it
+    leaves something free, the least forces and motion in place of the candidate's.
+    """
     candidate, verdict, arm = judged.candidate, judged.verdict, spec.reference - scene.units.centre
     states = classify(scene, section, candidate, verdict)
     if not all(e.only_limits for e in effects):
         return solution_of(spec, scene, section, judged, names_of(states.kind), None, trace, arm)
-    if free := free_branches(scene, effects, section, states, candidate):
-        smallest = minimum_norm(scene, effects, section, states, candidate, verdict, free)
-        if (checked := judge(scene, effects, section, smallest)).residuals.passes:
-            judged = Judged(smallest, checked, judged.iterations)
-            states = classify(scene, section, smallest, checked)
-    free_to = describe(scene, free, arm)
+    free = free_branches(scene, effects, section, states, candidate)
+    if free and smallest:
+        least = minimum_norm(scene, effects, section, states, candidate, verdict, free)
+        if (checked := judge(scene, effects, section, least)).residuals.passes:
+            judged = Judged(least, checked, judged.iterations)
+            states = classify(scene, section, least, checked)
+    free_to = replace(describe(scene, free, arm), smallest=smallest)
     return solution_of(spec, scene, section, judged, names_of(states.kind), free_to, trace, arm)
 
 

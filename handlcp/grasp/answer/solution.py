@@ -21,7 +21,7 @@ from handlcp.tolerances import CERTIFY
 
 if TYPE_CHECKING:
     from handlcp.grasp.answer.force_bounds import ForceBounds
-    from handlcp.grasp.answer.reasons import Motions
+    from handlcp.grasp.answer.small_motions import Motions
     from handlcp.grasp.answer.uniqueness import Uniqueness
     from handlcp.grasp.answer.verdict import Verdict
     from handlcp.grasp.sensitivity.sensitivity import Sensitivity
@@ -207,7 +207,7 @@ class GraspSolution(Shown, Deferred):
     @property
     def _motions(self) -> Motions | None:
         """How far an answer goes beyond small motions; None where it is not known what was solved."""
-        from handlcp.grasp.answer.reasons import motions
+        from handlcp.grasp.answer.small_motions import motions
 
         return None if self.spec is None else motions(self)
 

@@ -29,6 +29,8 @@ class Uniqueness:
         found. False: proven, there are none. None: not looked for (`grasp.equilibria()` does), or looked for without
         finding any or a proof.
 
+    smallest : whether the smallest of these forces and motions are given; False: those that a loading in steps led to.
+
     Without friction there are no others: the laws are a monotone LCP then, whose solutions form one convex set
     (Cottle, Pang & Stone, The Linear Complementarity Problem, 1992, theorem 3.1.7). With friction there may be.
     """
@@ -37,11 +39,13 @@ class Uniqueness:
     directions: Array
     forces_determined: bool
     others: bool | None = None
+    smallest: bool = True
 
     def __str__(self) -> str:
         forces, motion = f"forces {'' if self.forces_determined else 'NOT '}determined", "object motion determined"
         if k := self.loose_motions:
-            motion = f"object motion free in {k} direction{'s' if k > 1 else ''} (the smallest motion is given)"
+            given = "the smallest motion" if self.smallest else "that of the loading"
+            motion = f"object motion free in {k} direction{'s' if k > 1 else ''} ({given} is given)"
         return f"{forces}, {motion}, {_OTHERS[self.others]}"
 
 

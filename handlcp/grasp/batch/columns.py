@@ -93,7 +93,7 @@ def _put_answers(group: Group, row: Ints, grasps: Sequence[Grasp], found: Answer
     components, twist, centre = found.moves(some)
     group.forces[places] = components[:, : 3 * n].reshape(-1, n, 3)
     arm = np.concatenate([g.spec.reference for g in members]).reshape(-1, 3) - centre
-    group.displacement[places] = _shifted(twist, arm)
+    group.displacement[places] = shifted_rows(twist, arm)
     for i, place, g in zip(some.tolist(), places.tolist(), members, strict=True):
         if g.spec.mechanism is not None or g.scene.scale is not None:
             group.put_answer(place, g, CompiledAnswer(kind, found.rows[i]))
@@ -114,7 +114,7 @@ def _grouped(grasps: Sequence[Grasp]) -> tuple[Ints, Ints, list[Group]]:
     return number, row, groups
 
 
-def _shifted(twist: Array, arm: Array) -> Array:
+def shifted_rows(twist: Array, arm: Array) -> Array:
     """(k, 6) `vectors.shifted` row by row."""
     u, v, w, p, q, r = twist.T
     x, y, z = arm.T

@@ -178,6 +178,13 @@ class Answers(NamedTuple):
         c, rows = self.kind.kind.components, self.rows[some]
         return rows[:, HEAD : HEAD + c], rows[:, HEAD + c : HEAD + c + 6], rows[:, HEAD + c + 6 : HEAD + c + 9]
 
+    @property
+    def ends(self) -> tuple[Array, Ints]:
+        """(object minus fingertip (k, c) [m], contact states (k, n) by their numbers)."""
+        c, n = self.kind.kind.components, self.kind.kind.n
+        at = HEAD + c + 9
+        return self.rows[:, at : at + c], self.rows[:, at + c : at + c + n].astype(np.int64)
+
 
 def kinds_of(batch: Batch) -> tuple[list[Members], list[int]]:
     """The grasps kind by kind; and those that have no compiled first stage, of effects with rows of their own or with

@@ -8,14 +8,14 @@ from dataclasses import dataclass, field, replace
 from handlcp.errors import Unsupported
 from handlcp.grasp.analysis.least import least
 from handlcp.grasp.analysis.required import Required, required_friction, required_preload
-from handlcp.grasp.answer.verdict import Verdict
+from handlcp.grasp.answer.verdict import NOT_HELD, UNDECIDED, Verdict
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.friction import with_friction
 from handlcp.grasp.path.follow import Loading, follow
 from handlcp.grasp.solve.solve_spec import solve_spec
-from handlcp.grasp.verdict.check import STEPS, judged
+from handlcp.grasp.verdict.check import STEPS, followed_to, judged
 from handlcp.lcp import Auto
 from handlcp.progress import told
 
@@ -29,11 +29,12 @@ _CHAIN = Auto(search_seconds=0.0)
 @dataclass(eq=False)
 class Changed:
     """A grasp whose one number is changed, and what became of it under loading. make : the grasp with that number.
-    paths : by number, in the order tried.
+    stays : whether an object that snaps to another place does not count as held. paths : by number, in the order tried.
     """
 
     make: Callable[[float], GraspSpec]
     section: Section
+    stays: bool = False
     paths: dict[float, Loading] = field(default_factory=dict)
 
     def path(self, x: float) -> Loading:
@@ -43,8 +44,16 @@ class Changed:
         return self.paths[x]
 
     def holds(self, x: float) -> bool:
-        """Whether the end is reached."""
-        return self.path(x).held
+        """Whether the end is reached, in STEPS steps a stage."""
+        return self._kept(self.path(x))
+
+    def surely(self, x: float) -> bool:
+        """The same with as many steps as `check` takes, where fewer end differently."""
+        path, agree = followed_to(self.make(x), self.section, ORDER)
+        return agree and self._kept(path)
+
+    def _kept(self, path: Loading) -> bool:
+        return path.held and not (self.stays and snaps(path))
 
     def too_much(self, x: float) -> bool:
         """Whether the object is lost before the load comes."""
@@ -55,14 +64,26 @@ class Changed:
 @told("looking for the least value")
 def least_value(changed: Changed, start: float, most: float, tolerance: float, unit: str) -> Required:
     """The least number with which the grasp holds to the end of its loading, to a relative tolerance, and what `check`
-    says of it. start : near it, > 0.
+    says of it. Where that is that it does not hold, since more steps end differently, `check` is asked from there on.
+    start : near it, > 0.
     """
     one = least(changed.holds, start, most, tolerance, too_much=changed.too_much)
-    checked = tuple([(x, path.held) for x, path in changed.paths.items()])
-    found = Required(one.value, one.fails, False, unit, most, tolerance, checked)
+    found = Required(one.value, one.fails, False, unit, most, tolerance, one.tried)
     if one.value is None:
         return replace(found, hint="" if one.fails is None else changed.path(one.fails).why)
-    return replace(found, verdict=word(changed.make(one.value), changed.section))
+    found = replace(found, verdict=word(changed.make(one.value), changed.section))
+    if found.verdict not in (NOT_HELD, UNDECIDED) or changed.surely(one.value):
+        return found
+    more = least(changed.surely, one.value, most, tolerance, too_much=changed.too_much)
+    if more.value is None:
+        return replace(found, checked=(*one.tried, *more.tried))
+    verdict = word(changed.make(more.value), changed.section)
+    return replace(found, value=more.value, fails=more.fails, checked=(*one.tried, *more.tried), verdict=verdict)
+
+
+def snaps(path: Loading) -> bool:
+    """Whether the object leaves its place on the way, and comes to rest elsewhere."""
+    return any(e.kind == "snaps" for e in path.events)
 
 
 def verdict_on(spec: GraspSpec, section: Section) -> Verdict:
@@ -83,31 +104,49 @@ _LITTLE = 1e-3  # of the largest value tried: where the search starts that singl
 
 def confirmed_friction(spec: GraspSpec, section: Section, tolerance: float) -> Required:
     """See `Grasp.required_friction`."""
-    found = required_friction(spec, section, tolerance)
-    return _confirmed(found, lambda mu: with_friction(spec, mu), section)
+    found, own = required_friction(spec, section, tolerance), {c.mu for c in spec.contacts if c.mu > 0.0}
+    return _confirmed(found, lambda mu: with_friction(spec, mu), section, own.pop() if len(own) == 1 else None)
 
 
 def confirmed_preload(spec: GraspSpec, section: Section, tolerance: float) -> Required:
     """See `Grasp.required_preload`."""
     found = required_preload(spec, section, tolerance)
-    return _confirmed(found, spec.squeezed, section)
+    return _confirmed(found, spec.squeezed, section, None)
 
 
 @told("looking for the least value")
-def _confirmed(found: Required, make: Callable[[float], GraspSpec], section: Section) -> Required:
+def _confirmed(
+    found: Required, make: Callable[[float], GraspSpec], section: Section, own: float | None
+) -> Required:  # fmt: skip
     """The same with what `check` says of it. Where contacts move as the hand does, what `check` says counts: unless
     the grasp holds at the value, and not below, it is searched for anew from there, by following.
+
+    own : the value that the grasp has. Where the one found is less, and the object is held after it has gone to another
+    place, which it does not with its own, the least is searched for that keeps it where it is: from its own value.
     """
     if found.value is None:
         return found
-    changed = Changed(make, section)
+    changed, start = Changed(make, section), found.value or _LITTLE * found.limit
     try:
         there = changed.path(found.value)
     except Unsupported:  # such as known forces
         return found
-    agrees = there.held and (found.fails is None or not changed.holds(found.fails))
+    now = changed.path(own) if own is not None and own > found.value else there
+    if own is not None and snaps(there) and not (now.held and snaps(now)):
+        changed.stays, start = True, max(own, found.value)
+    agrees = changed.holds(found.value) and (found.fails is None or not changed.holds(found.fails))
     if agrees or not there.steps.geometry.follows:
-        return replace(found, verdict=word(make(found.value), section))
-    start = found.value or _LITTLE * found.limit
+        return replace(found, verdict=word(make(found.value), section), hint=_more_loses(own, there, now))
     again = least_value(changed, start, found.limit, found.tolerance, found.unit)
-    return replace(again, checked=(*found.checked, *again.checked))
+    again = replace(again, checked=(*found.checked, *again.checked))
+    if not (changed.stays and there.held):
+        return again if again.value is None else replace(again, hint=_more_loses(own, changed.path(again.value), now))
+    elsewhere = f"with {found.value:.4g} it snaps to another place, and is held there"
+    return replace(again, hint="; ".join([text for text in (again.hint, elsewhere) if text]))
+
+
+def _more_loses(own: float | None, there: Loading, now: Loading) -> str:
+    """Of a grasp that holds with less than its own value, and not with that; "" of others."""
+    if now is there or now.held or not there.held:
+        return ""
+    return f"with its own {own:.4g} the grasp does not hold: more is not always better"

@@ -191,11 +191,13 @@ def _larger(scene: Scene) -> float:
 
 
 def certified(spec: GraspSpec, scene: Scene, section: Section, candidate: Candidate, name: str) -> GraspSolution:
-    """The solution that a known answer is, if the certifier agrees; name : of where it is from, for the trace."""
+    """The solution that a known answer is, if the certifier agrees, with its own forces and motion where others satisfy
+    the same conditions, too. name : of where it is from, for the trace.
+    """
     problem = GraspContactProblem(scene, section, stamped(spec.effects))
     run = _Run(spec, problem)
     run.solved([(name, Proposal(problem.natural(candidate), 0, "known"))])
-    return run.solution()
+    return run.solution(smallest=False)
 
 
 class _Run:
@@ -242,12 +244,12 @@ class _Run:
         verdict = judge(self.scene, self.problem.effects, self.problem.section, candidate)
         return Judged(candidate, verdict, iterations)
 
-    def solution(self) -> GraspSolution:
-        """What all this comes to."""
+    def solution(self, smallest: bool = True) -> GraspSolution:
+        """What all this comes to. smallest : as in `make_solution`."""
         assert self.best is not None  # every solver proposes something
         spec, scene, trace, residuals = self.spec, self.scene, tuple(self.trace), self.best.verdict.residuals
         if residuals.passes:
-            return make_solution(spec, scene, self.problem.section, self.problem.effects, self.best, trace)
+            return make_solution(spec, scene, self.problem.section, self.problem.effects, self.best, trace, smallest)
         made = without_numbers(spec, scene, self.problem.section, residuals, self.best.iterations, trace)
         if self.escape is not None:
             return not_holdable(made, spec, scene, self.escape)

@@ -12,7 +12,7 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import read_only
-from handlcp.grasp.answer.reasons import motions
+from handlcp.grasp.answer.small_motions import motions
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.friction import Section

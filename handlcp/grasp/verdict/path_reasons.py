@@ -9,8 +9,6 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp.answer.reasons import (
-    NOTICED,
-    Motions,
     contacts_reason,
     friction_reasons,
     large_motion,
@@ -18,6 +16,7 @@ from handlcp.grasp.answer.reasons import (
     no_load,
     open_reasons,
 )  # fmt: skip
+from handlcp.grasp.answer.small_motions import NOTICED, Motions
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.cause.judge import over_closing
@@ -138,7 +137,11 @@ def place_reasons(spec: GraspSpec, path: Loading) -> Iterator[Reason]:
 
 
 def compared(solution: GraspSolution, path: Loading) -> Iterator[Reason]:
-    """How far the forces of one solve are from those at the end of the path, where that is worth a word."""
+    """How far the forces of one solve are from those at the end of the path, where that is worth a word, and the path
+    leaves no choice of them.
+    """
+    if path.solution.uniqueness is not None and not path.solution.uniqueness.forces_determined:
+        return
     there, here = path.steps.forces[-1], solution.forces
     size = float(np.linalg.norm(there, axis=1).max(initial=0.0))
     off = np.linalg.norm(there - here, axis=1)

@@ -107,12 +107,16 @@ _OF_SUBSET = 0.2  # part of α that goes to what was not solved in full
 
 @dataclass(frozen=True, slots=True)
 class Chance:
-    """value : the estimate. low, high : ends of the interval that covers the truth with this confidence."""
+    """value : the estimate, of samples that surely hold. low, high : ends of the interval that covers the truth with
+    this confidence. undecided : the share of samples of which nobody knows; `low` counts them as not held, `high` as
+    held.
+    """
 
     value: float
     low: float
     high: float
     confidence: float
+    undecided: float = 0.0
 
     def __float__(self) -> float:
         return self.value
@@ -122,6 +126,7 @@ class Chance:
         width = 100 * (self.high - self.low)
         digits = min(max(1 - math.floor(math.log10(width)), 1), 6) if width > 0.0 else 1
         value, low, high = (percent(x, digits) for x in (self.value, self.low, self.high))
+        value += f" %, undecided {percent(self.undecided, digits)}" if self.undecided else ""
         return f"{value} % ({100 * self.confidence:.4g} % interval {low} to {high} %)"
 
 
@@ -129,20 +134,21 @@ def chance_of(good: Bools, left: Bools, open_: Bools, again: tuple[Bools, Bools]
     """The chance of a good sample, from N samples in blocks of `size`, (N,) each.
 
     good : surely. left : nobody looked any further. open_ : neither good nor bad after a full look.
-    again : (looked at in full, good among them); they tell how many of those left are good.
+    again : (looked at in full, good among them); they tell how many of those left are good, or open.
     """
-    looked, found = int(again[0].sum()), int(again[1].sum())
-    alpha, share, low, high = 1.0 - level, 0.0, 0.0, 1.0
+    looked, found, doubtful = (int(some.sum()) for some in (*again, again[0] & open_))
+    alpha, share, unknown, low, high = 1.0 - level, 0.0, 1.0, 0.0, 1.0
     if left.any():
         inner, alpha = _OF_SUBSET * alpha, (1.0 - _OF_SUBSET) * alpha
-        share = found / looked if looked else 0.0
-        low, high = clopper_pearson(found, looked, inner)
+        if looked:
+            share, unknown = found / looked, doubtful / looked
+        low, high = clopper_pearson(found, looked, inner)[0], clopper_pearson(found + doubtful, looked, inner)[1]
     else:
         low = high = 0.0
     value = float(np.mean(good + share * left))
     down = student(_by_block(good + low * left, size), size, alpha)[0]
     up = student(_by_block(good + high * left + open_, size), size, alpha)[1]
-    return Chance(value, min(down, value), max(up, value), level)
+    return Chance(value, min(down, value), max(up, value), level, float(np.mean(open_ + unknown * left)))
 
 
 def student(shares: Array, size: int, alpha: float) -> tuple[float, float]:

@@ -11,13 +11,16 @@ import numpy as np
 from handlcp.check import Array, Bools, Ints
 from handlcp.grasp import GraspSolution, Solutions, solve_many
 from handlcp.grasp.answer.reasons import friction_margin
+from handlcp.grasp.answer.small_motions import is_adrift, motions, say_nothing, share_of
 from handlcp.grasp.answer.verdict import HELD, NOT_HELD, OVER_LIMIT, UNDECIDED
+from handlcp.grasp.batch.columns import shifted_rows
 from handlcp.grasp.batch.first_stage import STATUSES, Answers, solved_rows
 from handlcp.grasp.cause.judge import exceeded
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.solve.compiled_answer import compiled_kind
 from handlcp.grasp.verdict.check import judged
+from handlcp.grasp.verify.contact_states import GLIDING, SLIDING, STICKING
 from handlcp.lcp import Status
 from handlcp.study.reliability.arrays import Arrays
 from handlcp.study.reliability.place import Placer
@@ -37,13 +40,15 @@ WORDS = (HELD, OVER_LIMIT, NOT_HELD, UNDECIDED)  # by their codes
 @dataclass(frozen=True, slots=True)
 class Outcomes:
     """codes (m,) : of `WORDS`. margin (m,). again (m,) : which samples were left by the solver's first stage, and were
-    solved in full. unplaced (m,) : which ones are no grasp that could be judged; they are UNDECIDED.
+    solved in full. UNDECIDED are unplaced (m,) : which ones are no grasp that could be judged, and far (m,) : which
+    ones move so far that one solve says nothing (`say_nothing`).
     """
 
     codes: Ints
     margin: Array
     again: Bools
     unplaced: Bools
+    far: Bools
 
 
 def joined(parts: Sequence[Outcomes]) -> Outcomes:
@@ -57,9 +62,9 @@ def among(found: Outcomes, placed: Bools) -> Outcomes:
     if placed.all():
         return found
     m = len(placed)
-    codes, margin, again = np.full(m, WORDS.index(UNDECIDED)), np.full(m, np.nan), np.zeros(m, bool)
-    codes[placed], margin[placed], again[placed] = found.codes, found.margin, found.again
-    return Outcomes(codes, margin, again, ~placed)
+    codes, margin, again, far = np.full(m, WORDS.index(UNDECIDED)), np.full(m, np.nan), *np.zeros((2, m), bool)
+    codes[placed], margin[placed], again[placed], far[placed] = found.codes, found.margin, found.again, found.far
+    return Outcomes(codes, margin, again, ~placed, far)
 
 
 def solved(placer: Placer, values: Array, faces: int | str | Pyramid, workers: int, decide: int) -> Outcomes:
@@ -69,23 +74,27 @@ def solved(placer: Placer, values: Array, faces: int | str | Pyramid, workers: i
     arrays = placer.arrays(values)
     placed: Bools = np.asarray(~arrays.past.any(axis=1))
     same_kind = bool(((arrays.mu > 0.0) == (placer.grasp.scene.mu > 0.0)).all())
+    again, far = np.zeros((2, len(values)), bool)
+    codes, margin, look = np.zeros(len(values), np.int64), np.full(len(values), np.nan), np.ones(len(values), bool)
     if placer.in_rows and same_kind and not arrays.samples.remade:
-        codes, margin, look = _first_stage(placer, arrays, faces, workers)
-    else:
-        codes, margin, look = np.zeros(len(values), np.int64), np.full(len(values), np.nan), np.ones(len(values), bool)
-    codes[~placed], margin[~placed], again = WORDS.index(UNDECIDED), np.nan, np.zeros(len(values), bool)
+        codes, margin, far, look = _first_stage(placer, arrays, faces, workers)
     if (some := np.flatnonzero(look & placed)).size:
-        codes[some], margin[some] = _grasp_by_grasp(placer, arrays, some, faces, workers, proof=False)
-    chosen = np.flatnonzero((codes == WORDS.index(UNDECIDED)) & placed)[:decide]
+        codes[some], margin[some], far[some] = _grasp_by_grasp(placer, arrays, some, faces, workers, proof=False)
+    far &= placed
+    codes[~placed | far], margin[~placed | far] = WORDS.index(UNDECIDED), np.nan
+    chosen = np.flatnonzero((codes == WORDS.index(UNDECIDED)) & placed & ~far)[:decide]
     if chosen.size:
-        codes[chosen], margin[chosen] = _grasp_by_grasp(placer, arrays, chosen, faces, workers, proof=True)
+        codes[chosen], margin[chosen], far[chosen] = _grasp_by_grasp(placer, arrays, chosen, faces, workers, proof=True)
+        codes[far], margin[far] = WORDS.index(UNDECIDED), np.nan
         again[chosen] = True
-    return Outcomes(codes, margin, again, ~placed)
+    return Outcomes(codes, margin, again, ~placed, far)
 
 
-def _first_stage(placer: Placer, arrays: Arrays, faces: int | str | Pyramid, workers: int) -> tuple[Ints, Array, Bools]:
-    """Codes (m,) and margins (m,) by the solver's first stage, of scenes as rows; and which samples have to be looked
-    at as grasps, since an answer leaves something free.
+def _first_stage(
+    placer: Placer, arrays: Arrays, faces: int | str | Pyramid, workers: int
+) -> tuple[Ints, Array, Bools, Bools]:
+    """Codes (m,) and margins (m,) by the solver's first stage, of scenes as rows; of which answers the motions are too
+    large; and which samples have to be looked at as grasps, since an answer leaves something free.
     """
     scene = placer.grasp.scene
     section = as_section(faces, planar=scene.kind.planar)
@@ -101,16 +110,31 @@ def _first_stage(placer: Placer, arrays: Arrays, faces: int | str | Pyramid, wor
         most = np.nan_to_num(abs(torque) / mechanism.limits).max(axis=1, initial=0.0)
     codes[held] = np.where(exceeded(most[held]), WORDS.index(OVER_LIMIT), WORDS.index(HELD))
     margin = np.where(held, 1.0 - np.maximum(_used(arrays.mu, forces.reshape(m, n, 3)), most), np.nan)
-    return codes, margin, held & ~found.unique
+    return codes, margin, held & _too_far(placer, arrays, found), held & ~found.unique
+
+
+def _too_far(placer: Placer, arrays: Arrays, found: Answers) -> Bools:
+    """(m,) whether motions are too large for one solve, as `motions` says it of a solution."""
+    spec, n, k = placer.spec, arrays.mu.shape[1], placer.spec.n - placer.grasp.scene.environment
+    twist, centre = found.moves(found.at)[1:]
+    motion, states = found.ends
+    offset = placer.offsets(arrays)[:, 2::3]
+    size = np.sqrt(((arrays.positions - centre[:, None]) ** 2).sum(axis=2).mean(axis=1))
+    turn, shift = np.linalg.norm(twist[:, 3:], axis=1), shifted_rows(twist, spec.reference - centre)[:, :3]
+    move = np.maximum(np.linalg.norm(shift, axis=1), turn * size)
+    slip = np.linalg.norm(motion.reshape(-1, n, 3)[:, :, :2], axis=2).max(axis=1)
+    share = share_of(turn, move, slip, -offset.min(axis=1, initial=0.0), size)
+    sticks, slides = states == STICKING, (states == SLIDING) | (states == GLIDING)
+    return np.asarray(say_nothing(share, is_adrift(offset[:, :k], sticks[:, :k], slides[:, :k], arrays.mu[:, :k])))
 
 
 def _grasp_by_grasp(
     placer: Placer, arrays: Arrays, some: Ints, faces: int | str | Pyramid, workers: int, proof: bool
-) -> tuple[Ints, Array]:
-    """Codes and margins of some samples, which are made one by one."""
+) -> tuple[Ints, Array, Bools]:
+    """Codes and margins of some samples, which are made one by one, and which motions are too large."""
     grasps = [placer.grasp_of(arrays, int(k)) for k in some]
     found = solve_many(grasps, faces, workers=workers, proof=proof)
-    return _codes(found), _margins(grasps, found)
+    return _codes(found), _margins(grasps, found), np.array([s.held and motions(s).too_large for s in found])
 
 
 def checked(grasps: Sequence[Grasp], faces: int | str | Pyramid) -> Outcomes:
@@ -125,7 +149,7 @@ def checked(grasps: Sequence[Grasp], faces: int | str | Pyramid) -> Outcomes:
         end = one if path is None else path.solution if path.held else None
         if end is not None and end.held:
             margin[k] = margin_of(end)
-    return Outcomes(codes, margin, np.zeros(len(grasps), bool), np.zeros(len(grasps), bool))
+    return Outcomes(codes, margin, *np.zeros((3, len(grasps)), bool))
 
 
 def margin_of(solution: GraspSolution) -> float:

@@ -59,15 +59,20 @@ class Placer:
     def rows(self, arrays: Arrays, kind: CompiledKind, share: float) -> Array:
         """(m, width) the scenes of samples whose kind is that of the grasp; share : of `Section`."""
         spec, scene, m = self.spec, self.grasp.scene, len(arrays.mu)
-        force, offset = arrays.wrench[:, :3], arrays.offset.reshape(m, -1)
-        if arrays.joints is not None and spec.effects:
-            offset = offset + self._added(arrays, arrays.joints)
+        force = arrays.wrench[:, :3]
         return write_rows(
             m, kind.scene_width, positions=arrays.positions, frames=arrays.frames, flexibility=arrays.flexibility,
-            offset=offset, prescribed=[scene.given.prescribed] * m, spin=np.zeros((m, 0)), force=force,
+            offset=self.offsets(arrays), prescribed=[scene.given.prescribed] * m, spin=np.zeros((m, 0)), force=force,
             moment=arrays.wrench[:, 3:] + np.cross(spec.reference, force), freedom=[scene.freedom] * m,
             limits=arrays.mu * share,
         )  # fmt: skip
+
+    def offsets(self, arrays: Arrays) -> Array:
+        """(m, 3n) with what effects add [m]."""
+        offset = arrays.offset.reshape(len(arrays.mu), -1)
+        if arrays.joints is None or not self.spec.effects:
+            return offset
+        return np.asarray(offset + self._added(arrays, arrays.joints))
 
     def _added(self, arrays: Arrays, joints: Joints) -> Array:
         """(m, 3n) what commands and the fingers' weight add to the offsets: -J δq and J K⁻¹ g."""

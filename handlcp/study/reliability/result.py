@@ -13,6 +13,7 @@ from handlcp import words
 from handlcp.check import Array, Ints
 from handlcp.errors import InputError
 from handlcp.grasp import GraspSolution, Verdict
+from handlcp.grasp.answer.small_motions import motions
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.grasp import Grasp
 from handlcp.record import Record, data_frame
@@ -214,6 +215,8 @@ class Reliability(Record):
         lines = [wrapped(line, "  ") for line in self.chances]
         counted = ", ".join([f"{k:,} {word}" for word, k in self.counts.items() if k])
         lines.append(wrapped(f"{self.samples:,} samples: {counted}{self._estimated}", "  "))
+        if self.outcomes.far.any():
+            lines.append(wrapped(f"Advice: {self._follow}", "  "))
         for what, sample in (("worst", self.worst), ("nearest failure", self.nearest_failure)):
             if sample is not None:
                 lines.append(wrapped(f"{what}: {self._told(sample)}", "  "))
@@ -226,11 +229,23 @@ class Reliability(Record):
         """What is known of samples that nobody looked at in full."""
         looked, past = self.outcomes.again, int(self.outcomes.unplaced.sum())
         said = f"; {past:,} are no grasp, with a contact past an edge" if past else ""
-        if not looked.any() or not (~looked & ~self.outcomes.unplaced & (self.codes == UNDECIDED)).any():
+        if count := int(self.outcomes.far.sum()):
+            said += f"; {count:,} move farther than one solve can tell anything of"
+        left = ~looked & ~self.outcomes.unplaced & ~self.outcomes.far & (self.codes == UNDECIDED)
+        if not looked.any() or not left.any():
             return said
         held = int((looked & (self.codes < NOT_HELD)).sum())
-        full = int(looked.sum())
-        return f"{said}; of the undecided ones {full} were solved in full, {held} of them hold: the rest counts alike"
+        full, open_ = int(looked.sum()), int((looked & (self.codes == UNDECIDED)).sum())
+        stay = f", {open_} stay undecided" if open_ else ""
+        told = f"of the undecided ones {full} were solved in full, {held} of them hold{stay}"
+        return f"{said}; {told}: the rest counts alike"
+
+    @property
+    def _follow(self) -> str:
+        """What to ask instead, where samples move too far for one solve."""
+        nominal = self.placer.grasp.solve(self.method.faces, throw=False)
+        also = "; the grasp itself is one of these" if nominal.held and motions(nominal).too_large else ""
+        return f'by="check" follows each sample while it is squeezed and loaded; it is slower, so ask for fewer{also}'
 
     def _told(self, sample: Sample) -> str:
         """With the values that matter most."""

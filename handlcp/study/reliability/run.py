@@ -31,7 +31,7 @@ from handlcp.version import VERSION
 # ----------------------------------------------------------------
 # A file that keeps what is done, so that an interrupted run goes on where it was.
 
-_FIELDS = ("codes", "margin", "again", "unplaced")
+_FIELDS = ("codes", "margin", "again", "unplaced", "far")
 
 
 def question_of(spec: GraspSpec, dimensions: Sequence[Dimension], **more: Any) -> dict[str, Any]:

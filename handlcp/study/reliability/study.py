@@ -48,8 +48,9 @@ def reliability(
         possible value, up to a millionth is cut off; with more it is refused.
     samples : at least so many, ≥ 64; rounded up to 16 to 32 blocks of a power of two.
     by : "solve": one certified solve for small motions, squeeze and load together: 10 to 50 microseconds a sample once
-        kernels are compiled. "check": `grasp.check()`, squeezed, then loaded, contacts followed: 10 milliseconds a
-        sample, and 0.1 to 0.4 s where positions and posture vary. Postures that a hand cannot take are UNDECIDED there.
+        kernels are compiled. A sample that moves too far for that is UNDECIDED, as `solution.verdict` calls it.
+        "check": `grasp.check()`, squeezed, then loaded, contacts followed: 10 milliseconds a sample, and 0.1 to 0.4 s
+        where positions and posture vary. Postures that a hand cannot take are UNDECIDED there.
     confidence : of the intervals. decide : of the samples that the first stage of the solver leaves open, so many are
         solved in full, with proofs; they tell how many of the others hold, and the interval grows by that.
     workers, progress : as in `solve_many`. seed : of the points; the same seed gives the same bits.
@@ -91,5 +92,6 @@ def reliability(
 def _chance(found: Outcomes, worse: int, size: int, level: float) -> Chance:
     """Of a code below `worse`."""
     good, unknown = found.codes < worse, found.codes == len(WORDS) - 1
-    left = unknown & ~found.again & ~found.unplaced if found.again.any() else np.zeros(len(good), bool)
+    looked = ~found.again & ~found.unplaced & ~found.far
+    left = unknown & looked if found.again.any() else np.zeros(len(good), bool)
     return chance_of(good, left, unknown & ~left, (found.again, found.again & good), size, level)

@@ -1,0 +1,19 @@
+"""Doors into the search for a least value: loadings that end differently with few steps, or with a larger value."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from handlcp.grasp.design.least import Changed
+
+
+def believes_less(monkeypatch: Any, share: float) -> None:
+    """Loadings in few steps hold with this share of what it takes, as those do that miss what happens in between."""
+    holds = Changed.holds
+    monkeypatch.setattr(Changed, "holds", lambda self, x: holds(self, x / share))
+
+
+def lost_above(monkeypatch: Any, most: float) -> None:
+    """Loadings with a larger value end as those with none do."""
+    path = Changed.path
+    monkeypatch.setattr(Changed, "path", lambda self, x: path(self, 0.0 if x > most else x))
