@@ -58,7 +58,8 @@ class Around:
     side, and goes round the body also where a straight line would miss it on the other. Its direction counts, seen
     along a cylinder's axis or in the plane of the cable and a sphere's centre. In a posture in which a site passes
     behind the body, seen from the side, the cable changes its way and its length jumps. None: it goes round where that
-    is shorter.
+    is shorter, and so changes sides in postures beyond which the other way is, as no real cable does: pass the side of
+    a body that the cable lies on in all postures that matter.
 
     Raises InputError; Unsupported for a side closer to the centre than the radius, with which an MJCF file asks for a
     cable through the inside.
