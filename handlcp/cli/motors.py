@@ -30,6 +30,7 @@ from handlcp.errors import InputError, brief
 from handlcp.grasp.parameter import parameters
 from handlcp.hand import HandGrasp
 from handlcp.hand.design.motors import RequiredTorque
+from handlcp.hand.design.sizes import RequiredTension
 from handlcp.hand.elasticity.motor import Motor
 from handlcp.record import plain
 from handlcp.show import tables
@@ -54,17 +55,17 @@ def motors(
         bool, typer.Option("--turned", help="The file's load with gravity along each axis of the hand's base, too.")
     ] = False,
     motor: Annotated[
-        str | None, typer.Option(help="A motor to buy, as CONTINUOUS,PEAK [N·m]: which gear it needs at each joint.")
+        str | None, typer.Option(help="A motor to buy, as CONTINUOUS,PEAK [N·m]: its gear at each joint or tendon.")
     ] = None,
     efficiency: Annotated[float, typer.Option(help="Of that gear, 0 to 1.")] = 1.0,
     faces: Faces = None,
 ) -> None:
     """Which motors? The torque of each joint and the grip of each finger with which every load times safety holds.
 
-    Torques are those at the joint: peak for a moment, continuous for good, and with --motor the gear that brings them
-    there. Without --load and --turned: for the file's own load. The hand closes by a grip force at each fingertip, in
-    place of what the file says. Exit status 0 such a grip was found and check() says HELD of every load, 1 otherwise, 2
-    bad input.
+    Torques are those at the joint, pulls those of tendons: peak for a moment, continuous for good, and with --motor the
+    gear that brings them there. Without --load and --turned: for the file's own load. The hand closes by a grip force
+    at each fingertip, in place of what the file says. Exit status 0 such a grip was found and check() says HELD of
+    every load, 1 otherwise, 2 bad input.
     """
     from handlcp import scene as scenes
 
@@ -78,6 +79,8 @@ def motors(
     found = grasp.required_torque(brief_, safety, sides)
     if json:
         gears = {} if bought is None else {"reductions": plain(found.reductions(bought))}
+        if bought is not None and found.tensions is not None:
+            gears["tendon_reductions"] = plain(found.tensions.reductions(bought))
         print_json({"title": read.title, **found.to_dict(), **gears})
     else:
         _print(found, read.title, bought)
@@ -123,7 +126,8 @@ def _print(found: RequiredTorque, title: str, motor: Motor | None) -> None:
     say(out, word, f"bold {style}", " ".join(found.sentence.split()).removesuffix("."))
     out.print()
     if found.holds:
-        print_tables(out, [_joints(found), *([] if motor is None else [_gears(found, motor)]), _grips(found)])
+        tendons = [] if found.tensions is None else [_tendons(found.tensions)]
+        print_tables(out, [_joints(found), *tendons, *([] if motor is None else _gears(found, motor)), _grips(found)])
 
 
 def _joints(found: RequiredTorque) -> Table:
@@ -136,10 +140,25 @@ def _joints(found: RequiredTorque) -> Table:
     return table
 
 
-def _gears(found: RequiredTorque, motor: Motor) -> Table:
-    rows = zip(found.joints, words.column(found.reductions(motor)), strict=True)
+def _tendons(found: RequiredTension) -> Table:
+    note = "N at the tendon: peak from first touch to full load, continuous under full load"
+    heads = "tendon", "peak", "continuous", ""
+    return tables.table("Pull of the tendons", heads, "|>><", found.table.rows, note=note)
+
+
+def _gears(found: RequiredTorque, motor: Motor) -> list[Table]:
+    """Of the joints that no tendon with a motor moves, and of the tendons."""
+    made = list[Table]()
     note = "the least with which the motor gives peak and continuous torque"
-    return tables.table("Reduction that the motor needs", ("joint", "reduction"), "<>", rows, note=note)
+    least = found.reductions(motor)
+    if (own := ~np.isnan(least)).any():
+        rows = zip([j for j, its in zip(found.joints, own, strict=True) if its], words.column(least[own]), strict=True)
+        made.append(tables.table("Reduction that the motor needs", ("joint", "reduction"), "<>", rows, note=note))
+    if found.tensions is not None:
+        rows = zip(found.tensions.tendons, words.column(found.tensions.reductions(motor)), strict=True)
+        note = "N of tension per N·m of the motor: gear over radius of the spool in m"
+        made.append(tables.table("Reduction at each tendon", ("tendon", "reduction"), "<>", rows, note=note))
+    return made
 
 
 def _grips(found: RequiredTorque) -> Table:

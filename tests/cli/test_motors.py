@@ -95,7 +95,35 @@ def test_a_motor_to_buy_gets_the_reduction_that_it_needs_at_each_joint():
     table = run(CUBE, "--motor", "0.01,0.03", "--efficiency", "0.7").stdout
     assert max(map(len, table.splitlines())) <= 80
     assert "Reduction that the motor needs" in table
+    assert "tendon" not in table
     for wrong in ("much", "1,2,3", "0.03,0.01", "0"):
         refused = run(CUBE, "--motor", wrong)
         assert refused.exit_code == 2
         assert "otor" in refused.stderr
+
+
+@pytest.mark.long
+def test_tendons_with_motors_get_the_reductions_and_the_joints_that_they_move_none(tmp_path):
+    arms = ", ".join([f"pull_{k} = {{ finger_{k}_proximal = 0.012, finger_{k}_distal = 0.008 }}" for k in (1, 2, 3)])
+    tendons = f"stiffness_N_per_m = 2e4\npassive_Nm_per_rad = 4.0\nmoment_arms_m = {{ {arms} }}\n"
+    motors = "".join([f"[hand.tendons.motors.pull_{k}]\ncontinuous_Nm = 1\nreduction_N_per_Nm = 200\n" for k in (1, 2)])
+    text = pathlib.Path(CUBE).read_text(encoding="utf-8")
+    own = "joint_stiffness_Nm_per_rad = 6.0\n"
+    file = tmp_path / "pulled.toml"
+    file.write_text(text.replace(own, f"[hand.tendons]\n{tendons}{motors}", 1), encoding="utf-8")
+    done = run(str(file), "--motor", "0.01,0.03", "--efficiency", "0.7", "--json")
+    assert done.exit_code == 0, done.output
+    found = json.loads(done.stdout)
+    assert found["reductions"][:4] == [None] * 4
+    assert min(found["reductions"][4:]) > 0.0  # no motor pulls at the third tendon: its joints may have their own
+    for row, reduction in zip(found["tendons"], found["tendon_reductions"], strict=True):
+        needs = max(row["peak_N"] / (0.7 * 0.03), row["continuous_N"] / (0.7 * 0.01))
+        assert reduction == pytest.approx(needs, rel=1e-12)
+    said = run(str(file), "--motor", "0.01,0.03", "--efficiency", "0.7").stdout
+    assert max(map(len, said.splitlines())) <= 80
+    pull, _, gears = " ".join(said.split()).partition("Pull of the tendons")[2].partition("Reduction that the motor")
+    at_joints, _, at_tendons = gears.partition("Reduction at each tendon")
+    assert "pull_1" in pull
+    assert "finger_3_distal" in at_joints
+    assert "finger_1_distal" not in at_joints
+    assert "pull_1" in at_tendons

@@ -14,16 +14,16 @@ G = 9.81
 STIFF, PAD = 2e4, 1e-7  # N·m/rad, m/N: motions are so small that levers stay what they are
 
 
-def pinch(folder: Any, force: Any = (0.0, 0.0, -1.0), limits: Any = None, **more: Any) -> hl.HandGrasp:
-    """The pinch of `tests.hand.levers`, its URDF in this folder. limits : of the joints' torques."""
+def pinch(folder: Any, force: Any = (0.0, 0.0, -1.0), limits: Any = None, hand: Any = (), **more: Any) -> hl.HandGrasp:
+    """The pinch of `tests.hand.levers`, its URDF in this folder. limits : of the joints' torques. hand : more of it."""
 
     def write(text: str) -> Any:
         path = folder / "levers.urdf"
         path.write_text(text, encoding="utf-8")
         return path
 
-    hand = lever_hand(write, torque_limits=limits, joint_stiffness=STIFF, pad_flexibility=PAD)
-    return lever_pinch(hand, force, **more)
+    settings = {"torque_limits": limits, "joint_stiffness": STIFF, "pad_flexibility": PAD} | dict(hand)
+    return lever_pinch(lever_hand(write, **settings), force, **more)
 
 
 @cache

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.errors import InputError, UnknownName
+from handlcp.hand.elasticity.motor import Drives
 from tests.design.hands import G, cube_grasp, pinch
 from tests.hand.levers import MU, L
 from tests.support.texts import same
@@ -152,6 +154,50 @@ def test_the_fingers_weight_counts_and_is_not_multiplied():
     held = abs(heavy.gravity_torque)
     assert (abs(more.torque - light.torque) <= 1.05 * held.max() + 0.02 * light.torque).all()
     assert abs(more.torque - light.torque).max() > 0.2 * held.max()
+
+
+# ---------------------------------------------------------------- dry friction
+RUBS = 0.05  # N·m at each joint
+
+
+def test_the_peak_is_what_drives_pull_with_against_dry_friction_at_the_joints(tmp_path):
+    """The tips press as without friction, the springs pull with that and what friction takes of it."""
+    plain = pinch(tmp_path).required_torque(safety=1.0, tolerance=0.05)
+    rubbing = pinch(tmp_path, hand={"joint_friction": RUBS}).required_torque(safety=1.0, tolerance=0.05)
+    np.testing.assert_allclose(rubbing.torque, plain.torque, rtol=0.06)
+    np.testing.assert_allclose(rubbing.peak, rubbing.torque + RUBS, rtol=1e-5)
+    np.testing.assert_allclose(rubbing.to_dict()["joints"][0]["closing_Nm"], rubbing.peak[0])
+    np.testing.assert_allclose(plain.peak, plain.torque)
+    assert rubbing.sized_by == ("squeeze", "squeeze")
+    assert rubbing.enough
+    short = dataclasses.replace(rubbing, limits=rubbing.torque + RUBS / 2)  # above what is held, below what closes
+    assert short.weak == ("left_joint", "right_joint")
+    assert not short.enough
+    motor = hl.Motor(rubbing.torque[0] + RUBS / 2, holding=1.0)
+    carried = dataclasses.replace(rubbing, limits=np.ones(2), drives=Drives((motor, motor)))
+    assert carried.weak == ("left_joint", "right_joint")
+
+
+@pytest.mark.parametrize(
+    ("at_joints", "of_drive", "peak"), [(0.0, 0.03, 0.012), (0.0, 0.03, 0.04), (RUBS, 0.0, 0.04), (RUBS, 0.03, 0.012)]
+)
+def test_a_motor_with_the_reduction_that_is_said_closes_and_holds_and_with_less_does_not(
+    tmp_path, at_joints, of_drive, peak
+):
+    """Whatever motors the hand has had: those that are bought take their place, with their own dry friction."""
+    others = hl.Motor(1.0, friction=0.04)
+    r = pinch(tmp_path, hand={"joint_friction": at_joints, "motors": others}).required_torque(
+        safety=1.0, tolerance=0.05
+    )
+
+    def built(times):
+        some = hl.Motor(0.012, peak, friction=of_drive, reduction=10.0, efficiency=0.7)
+        each = dict(zip(r.joints, (times * r.reductions(some)).tolist(), strict=True))
+        motors = {name: dataclasses.replace(some, reduction=N) for name, N in each.items()}
+        hand = {"joint_friction": at_joints, "motors": motors}
+        return pinch(tmp_path, hand=hand, grip_force=r.grip).check().word
+
+    assert [built(1.01), built(0.99)] == ["HELD", "OVER LIMIT"]
 
 
 # ---------------------------------------------------------------- what does not hold, and what is refused

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -208,9 +209,9 @@ def test_a_brief_sizes_motors_by_what_is_held_and_by_the_peak_and_says_the_gear_
     np.testing.assert_allclose(found.peak, plain.torque + rubs, rtol=1e-6)
     np.testing.assert_allclose(found.continuous, np.maximum(plain.held - rubs, 0.0), rtol=1e-6, atol=1e-9)
     assert found.enough
-    small = Motor(0.004, 0.005, efficiency=0.5)
+    small = Motor(0.004, 0.005, friction=rubs, reduction=100.0, efficiency=0.5)
     gears = found.reductions(small)
-    geared = [Motor(0.004, 0.005, friction=rubs, reduction=N * (1 + 1e-9), efficiency=0.5) for N in gears.tolist()]
+    geared = [replace(small, reduction=N * (1 + 1e-9)) for N in gears.tolist()]
     bought = driven.replace(motors=dict(zip(driven.joint_names, geared, strict=True)))
     again = bought.at(bought.close_on(cube)).grasp(cube, friction=0.8, grip_force=found.grip)
     assert again.replace(mass=1.5 * 0.2).check().word == "HELD"

@@ -149,8 +149,10 @@ def test_a_brief_says_which_spool_a_motor_needs(write: Writer) -> None:
     assert found is not None
     np.testing.assert_allclose(found.peak, found.tension + 2.0)
     np.testing.assert_allclose(found.continuous, np.maximum(found.held - 2.0, 0.0))
-    N = found.reductions(Motor(0.05, 0.15, efficiency=0.5))
-    np.testing.assert_allclose(0.5 * N, np.maximum(found.peak / 0.15, found.continuous / 0.05))
+    for rubs in (0.0, 3.0):  # of the motor that takes the place of the hand's own
+        N = found.reductions(Motor(0.05, 0.15, efficiency=0.5, friction=rubs, reduction=100.0))
+        continuous = np.maximum(found.held - rubs, 0.0)
+        np.testing.assert_allclose(0.5 * N, np.maximum((found.tension + rubs) / 0.15, continuous / 0.05))
 
 
 # ---------------------------------------------------------------- scene files

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, Bools, array, number, per_name
+from handlcp.check import Array, Bools, array, number, per_name, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.cause.judge import exceeded
@@ -92,8 +92,9 @@ class RequiredTorque(Record):
     """The torque that each joint needs so that every load of a brief, times the safety factor, holds.
 
     joints : nv names. torque : (nv,) [N·m] (N for a prismatic joint), the largest of each joint under any load, from
-        the first touch to the whole load: what its motor gives for a moment. held : (nv,) the largest under any whole
-        load: what it gives for good. NaN where no grip was found that holds.
+        the first touch to the whole load. closing : (nv,) the largest that pulls at it while the hand closes, dry
+        friction of the joint included. held : (nv,) the largest under any whole load. NaN where no grip was found that
+        holds.
     grip : normal force [N] to command at each fingertip, by name, `grip_force=` of `state.grasp`; where nothing holds,
         the grip that got furthest.
     sized_by : for each joint the load that needs most of it, or "squeeze": closing the hand does.
@@ -114,6 +115,7 @@ class RequiredTorque(Record):
 
     joints: tuple[str, ...]
     torque: Array
+    closing: Array
     held: Array
     grip: dict[str, float]
     sized_by: tuple[str, ...]
@@ -131,8 +133,14 @@ class RequiredTorque(Record):
 
     @property
     def peak(self) -> Array:
-        """(nv,) [N·m] that each motor gives at the joint for a moment: `torque`, and the drive's dry friction."""
-        return at_peak(self.torque, self.drives)
+        """(nv,) [N·m] that each motor gives at the joint for a moment: the larger of `torque` and `closing`, and the
+        drive's dry friction.
+        """
+        return at_peak(self._largest, self.drives)
+
+    @property
+    def _largest(self) -> Array:
+        return np.maximum(self.torque, self.closing)
 
     @property
     def continuous(self) -> Array:
@@ -142,10 +150,13 @@ class RequiredTorque(Record):
         return for_good(self.held, self.drives)
 
     def reductions(self, motor: Motor) -> Array:
-        """(nv,) the least reduction with which this motor serves at each joint: N η is at least peak and continuous of
-        the joint over those of the motor. Its own reduction and friction are left out. Raises InputError.
+        """(nv,) the least reduction N with which this motor serves at each joint, in place of the hand's own: N η is at
+        least peak and continuous of the joint, with the motor's dry friction and `holding`, over those of the motor.
+        Its own reduction is left out. NaN of joints that tendons with motors move. Raises InputError.
         """
-        return reductions(motor, self.peak, self.continuous)
+        moved = () if self.tensions is None else self.tensions.moved
+        own = np.array([joint not in moved for joint in self.joints])
+        return read_only(np.where(own, reductions(motor, self._largest, self.held), np.nan))
 
     @property
     def holds(self) -> bool:
@@ -164,15 +175,16 @@ class RequiredTorque(Record):
 
     @property
     def weak(self) -> tuple[str, ...]:
-        """The joints whose own limit is below the torque."""
+        """The joints whose own limit is below the torque, or below what closes them."""
         return tuple([name for name, short in zip(self.joints, self._short, strict=True) if short])
 
     @property
     def _short(self) -> Bools:
         if self.drives is None:
-            return np.asarray(exceeded(self.torque / self.limits))
-        most = np.maximum(self.limits, np.where(np.isfinite(self.drives.closes), self.drives.closes, 0.0))
-        return np.asarray(exceeded(self.torque / most) | exceeded(self.held / self.limits))
+            return np.asarray(exceeded(self._largest / self.limits))
+        closes = np.where(np.isfinite(self.drives.closes), self.drives.closes, self.limits)
+        for_a_moment = exceeded(self.torque / np.maximum(self.limits, closes)) | exceeded(self.closing / closes)
+        return np.asarray(for_a_moment | exceeded(self.held / self.limits))
 
     @property
     def rows(self) -> tuple[tuple[str, ...], ...]:
@@ -180,7 +192,7 @@ class RequiredTorque(Record):
         remark.
         """
         peak, held, rows = words.column(self.peak), words.column(self.continuous), []
-        used = self.torque if self.drives is None else self.held
+        used = self._largest if self.drives is None else self.held
         for k, (joint, load, limit) in enumerate(zip(self.joints, self.sized_by, self.limits.tolist(), strict=True)):
             finite = np.isfinite(limit)
             most = f"{limit:.4g}" if finite else "none" if self.known[k] else "unknown"
@@ -244,8 +256,8 @@ class RequiredTorque(Record):
     def to_dict(self) -> dict[str, Any]:
         """As plain data, SI units in the key names, None for what is not a finite number."""
         lines = (
-            "joint = joints", "torque_Nm", "held_Nm", "peak_Nm", "continuous_Nm", "sized_by", "limit_Nm = limits",
-            "limit_known = known",
+            "joint = joints", "torque_Nm", "closing_Nm", "held_Nm", "peak_Nm", "continuous_Nm", "sized_by",
+            "limit_Nm = limits", "limit_known = known",
         )  # fmt: skip
         by_load = [dict(zip(self.loads, column, strict=True)) for column in self.torques.T]
         lost = None if self.lost is None else dict(zip(("load", "why"), self.lost, strict=True))

@@ -23,6 +23,7 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.torque_limits import with_limits
 from handlcp.grasp.path.follow import Loading
+from handlcp.grasp.path.trajectory import closing_efforts
 from handlcp.grasp.tangent.solutions import without_slip
 from handlcp.grasp.verdict.check import followed_to
 from handlcp.hand.command import commanded, gripped
@@ -164,7 +165,8 @@ def required_torque(
     share = hand.limits if known else np.ones(len(hand.names))
     trials = Trials(brief, section, share, progress)
     best, fails = least(trials, starts(brief, section, share), near)
-    torque, held = np.full(len(hand.names), np.nan), np.full(len(hand.names), np.nan)
+    nv = len(hand.names)
+    torque, closing, held = np.full((3, nv), np.nan)
     verdicts, tensions = dict[str, Verdict](), None
     if best.holds:
         # What `check` follows has more steps where fewer would end elsewhere, and may see a little more
@@ -172,8 +174,10 @@ def required_torque(
         seen = [abs(path.steps.torques).max(axis=0) for path in paths]
         torque = np.max([best.largest, *seen], axis=0) * (1.0 + _ROUNDED_UP)
         torque = np.maximum(torque, _ROUNDED_UP * torque.max(initial=_ROUNDED_UP))
+        pulled = [closing_efforts(path.steps.states)[:nv] for path in paths]
+        closing = np.max([best.squeeze, *pulled], axis=0) * (1.0 + _ROUNDED_UP)
         held = np.minimum(torque, np.max([abs(path.steps.torques[-1]) for path in paths], axis=0) * (1.0 + _ROUNDED_UP))
-        tensions = _tensions(hand.posture.hand.stiffness, paths)
+        tensions = _tensions(hand.posture.hand.stiffness, hand.names, paths)
         verdicts = {case.name: _judged(case, best, torque, section) for case in brief}
     names = tuple([case.name for case in brief])
     grip = dict(zip(hand.fingertips, best.force.tolist(), strict=True))
@@ -182,22 +186,26 @@ def required_torque(
     lost = best.lost or (None if fails is None else fails.lost)
     sized = tuple(["squeeze" if k < 0 else names[k] for k in best.worst.tolist()])
     return RequiredTorque(
-        hand.names, read_only(torque), read_only(held), grip, sized, names, read_only(best.torque), float(safety),
-        limits.limits, limits.known, {name: v.word for name, v in verdicts.items()}, less, lost,
+        hand.names, read_only(torque), read_only(closing), read_only(held), grip, sized, names,
+        read_only(best.torque), float(safety), limits.limits, limits.known,
+        {name: v.word for name, v in verdicts.items()}, less, lost,
         {name: _why(v) for name, v in verdicts.items() if v.word != HELD}, limits.drives, tensions,
     )  # fmt: skip
 
 
-def _tensions(stiffness: Elasticity, paths: Sequence[Loading]) -> RequiredTension | None:
+def _tensions(stiffness: Elasticity, joints: Sequence[str], paths: Sequence[Loading]) -> RequiredTension | None:
     """What tendons pull with along these paths; None without tendons."""
     if not isinstance(stiffness, TendonStiffness) or not paths:
         return None
     every = (1.0 + _ROUNDED_UP) * np.concatenate([path.steps.tensions for path in paths])
     least = (1.0 + _ROUNDED_UP) * np.array([state.pull.taut for path in paths for state in path.steps.states])
     ends = np.cumsum([len(path.steps.states) for path in paths]) - 1
+    drives = stiffness.drives
+    own = np.array([False if drives is None else drives.of[i] is not None for i in range(len(stiffness.names))])
+    moved = tuple([joints[j] for j in np.flatnonzero(stiffness.arms[own].any(axis=0)).tolist()])
     return RequiredTension(
         stiffness.cables.names, read_only(every.max(axis=0, initial=0.0)),
-        read_only(every[ends].max(axis=0, initial=0.0)), read_only(least.min(axis=0)), stiffness.drives,
+        read_only(every[ends].max(axis=0, initial=0.0)), read_only(least.min(axis=0)), moved, drives,
     )  # fmt: skip
 
 

@@ -2,7 +2,8 @@
 
     peak = largest + τ_f,    continuous = held - τ_f,    N η ≥ max(peak / τ_peak, continuous / τ_continuous)
 
-τ_f is the dry friction of a drive, in newtons at a tendon. `held` is nothing where a gear carries all of it.
+τ_f is the dry friction of a drive, in newtons at a tendon: of the hand's own, or of the motor that takes its place.
+`held` is nothing where a gear carries all of it.
 """
 
 from __future__ import annotations
@@ -35,12 +36,12 @@ def for_good(held: Array, drives: Drives | None) -> Array:
     return read_only(np.where(held <= carried, 0.0, np.maximum(held - _friction(drives), 0.0)))
 
 
-def reductions(motor: Motor, peak: Array, continuous: Array) -> Array:
-    """(k,) the least reduction with which a motor gives this, (k,) each [N·m, N]. Raises InputError."""
+def reductions(motor: Motor, largest: Array, held: Array) -> Array:
+    """(k,) the least reduction with which a motor does for these efforts, (k,) each [N·m, N]. Raises InputError."""
     if not isinstance(motor, Motor):
         raise InputError("motor", "a Motor", repr(motor)[:80])
-    own = replace(motor, reduction=1.0, friction=0.0, holding=None)
-    return read_only(np.maximum(peak / own.at_peak, continuous / own.for_good))
+    bought, own = Drives((motor,) * len(held)), replace(motor, reduction=1.0, friction=0.0, holding=None)
+    return read_only(np.maximum(at_peak(largest, bought) / own.at_peak, for_good(held, bought) / own.for_good))
 
 
 def _friction(drives: Drives | None) -> Array | float:
@@ -54,14 +55,15 @@ class RequiredTension:
 
     tendons : t names. tension, held : (t,) [N] the largest, and the largest under any whole load, 0 where a tendon only
     lets go. least : (t,) [N] the smallest; below 0 the tendon goes slack, and as much more of pretension keeps it taut:
-    half of it does where an equal one works against it. drives : motors of the tendons, whose dry friction counts in
-    what they give; None: none are known.
+    half of it does where an equal one works against it. moved : joints that tendons with motors move. drives : motors
+    of the tendons, whose dry friction counts in what they give; None: none are known.
     """
 
     tendons: tuple[str, ...]
     tension: Array
     held: Array
     least: Array
+    moved: tuple[str, ...] = ()
     drives: Drives | None = None
 
     @property
@@ -78,7 +80,7 @@ class RequiredTension:
         """(t,) the least reduction [N/(N·m)] with which this motor serves at each tendon, as of joints. Raises
         InputError.
         """
-        return reductions(motor, self.peak, self.continuous)
+        return reductions(motor, self.tension, self.held)
 
     @property
     def slack(self) -> tuple[str, ...]:

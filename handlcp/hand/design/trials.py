@@ -12,6 +12,7 @@ from handlcp.grasp.analysis.least import least as searched
 from handlcp.grasp.design.least import ORDER
 from handlcp.grasp.friction import Section
 from handlcp.grasp.path.follow import Loading, follow
+from handlcp.grasp.path.trajectory import closing_efforts
 from handlcp.grasp.verdict.check import STEPS
 from handlcp.hand.command import gripped
 from handlcp.hand.design.motors import Case
@@ -81,9 +82,10 @@ _ALIKE = 1e-6  # torques that differ by less are the same
 class Trial:
     """One grip. force (k,) : normal forces commanded at the fingertips [N]. torque (m, nv) : the largest of each joint
     under each of m loads, from the first touch to the whole load [N·m]. squeeze (nv,) : the largest while the hand
-    closes. need : the largest torque as a share of what is compared; inf where a load is lost. lost : that load, and
-    why. reached : share of that load at which it is lost; below 0 where less grip may hold it: the object is lost as
-    the hand closes, or the hand cannot take the posture of the end.
+    closes, or what the drive pulls with against dry friction at the joint, where that is more. need : the largest of
+    both as a share of what is compared; inf where a load is lost. lost : that load, and why. reached : share of that
+    load at which it is lost; below 0 where less grip may hold it: the object is lost as the hand closes, or the hand
+    cannot take the posture of the end.
     """
 
     force: Array
@@ -164,10 +166,10 @@ class Trials:
             sizes = abs(path.steps.torques)
             torque[k] = sizes.max(axis=0)
             closing = sizes[path.steps.stage == 0] if path.stages[0] == ORDER[0] else sizes[:1]
-            squeeze = np.maximum(squeeze, closing.max(axis=0))
-            if (torque[k] / self.share).max() >= most:
+            squeeze = np.max([squeeze, closing.max(axis=0), closing_efforts(path.steps.states)[:nv]], axis=0)
+            if (np.maximum(torque[k], squeeze) / self.share).max() >= most:
                 return None
-        return Trial(force, torque, squeeze, float((torque.max(axis=0) / self.share).max()))
+        return Trial(force, torque, squeeze, float((np.vstack([torque, squeeze]) / self.share).max()))
 
     def path(self, number: int, force: Array) -> Loading:
         """The loading under one load, as `check` follows it."""
