@@ -72,8 +72,8 @@ class Hand(HandModel):
             geometry of the link that is the tip frame or, if it has none, of the links fixed to it; if nothing there
             collides, what is drawn of them. Used when contacts are detected, and only then.
         package_dirs : folders for package:// addresses of meshes, and for what a xacro file includes.
-        motors : a `Motor` for every joint, or a mapping by name of a joint or a tendon (others: none). A motor gives
-            the torque limit of its joint, what it holds for good, and its stiffness where it says one.
+        motors : a mapping of joints and tendons to `Motor`s (others: none); without tendons also one for all joints. It
+            gives the torque limit of its joint, what it holds for good, and its stiffness where it says one.
         joint_friction : [N·m] dry friction at the joints, beside their springs: None: none; "file": what the file
             states; a number, a mapping by joint name (others: none), or (nv,). A loading that is followed has it, and
             MuJoCo; one solve in one posture has not.
@@ -186,8 +186,8 @@ class Hand(HandModel):
         """The same hand with other numbers, or other fingertips; arguments as of `from_urdf`, the rest stays.
 
         What is passed last counts: of joints that are given a torque limit the motors go, and a joint_stiffness counts
-        before what motors say. motors None : without those of joints. Motors by joint take the place of those of all
-        joints, and motors by tendon of those of all tendons; where joints alone or tendons alone are named, the others
+        before what motors say. motors None : without those of joints and of tendons. Motors by joint take the place of
+        those of all joints, motors by tendon of those of all tendons; where joints or tendons alone are named, others
         keep theirs. Beside new fingertips, what was passed by name of the old ones is passed again. Raises InputError,
         UnknownName.
         """

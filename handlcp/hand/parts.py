@@ -12,7 +12,7 @@ from handlcp import words
 from handlcp.check import Array
 from handlcp.errors import InputError
 from handlcp.hand.elasticity.elasticity import Elasticity
-from handlcp.hand.elasticity.motor import Drives, read_motors
+from handlcp.hand.elasticity.motor import Drives, Motor, read_motors
 from handlcp.hand.elasticity.stiffness import Pads, read_pads, stiff_as
 from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.elasticity.tendons import Tendons
@@ -21,7 +21,7 @@ from handlcp.hand.robot.joints import TorqueLimits, read_joint_friction, read_to
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.source.description import COLLISION, Description
-from handlcp.hand.robot.source.servos import read_elasticity
+from handlcp.hand.robot.source.servos import FILE, file_stiffness, read_elasticity
 from handlcp.hand.robot.tip_geometry import TipGeometry, read_radii
 
 Parts = tuple[Kinematics, TipFrames, Elasticity, Pads, TorqueLimits, TipGeometry]
@@ -37,7 +37,7 @@ def parts_of(
     kinematics = Kinematics(model, described.facts)
     tips = find_tips(model, described, fingertips)
     joints = kinematics.joint_names
-    stiffness, motors = _shared(stiffness, motors)
+    stiffness, motors = _shared(stiffness, motors, kinematics, described)
     drives = read_motors(motors, joints)
     elasticity = read_elasticity(stiffness, kinematics, described, drives)
     _check_driven_once(elasticity, drives, joints)
@@ -66,11 +66,7 @@ def replaced(hand: HandModel, by_tip: Mapping[str, Any], given: Mapping[str, Any
     if "fingertips" in given or "tip_radius" in given:
         parts["_geometry"] = TipGeometry(described, tips, read_radii(passed["radius"], tips.names))
     if "motors" in given:
-        stiffness, motors = _shared(given.get("joint_stiffness", hand.stiffness), given["motors"])
-        if motors is not given["motors"]:
-            given = {**given, "joint_stiffness": stiffness, "motors": motors}
-            if motors is None:  # tendons alone are named: joints keep theirs
-                del given["motors"]
+        given = _driven(hand, given)
     if "joint_stiffness" in given or "motors" in given:
         parts["stiffness"] = _stiffness(hand, given)
     if "torque_limits" in given or "motors" in given:
@@ -96,9 +92,33 @@ def _pads(value: Any, tips: Sequence[str], described: Description) -> Pads:
     return read_pads(value, tips, touch)
 
 
-def _shared(stiffness: Any, motors: Any) -> tuple[Any, Any]:
-    """A stiffness with the motors of its tendons, and the motors of joints, from motors by joint and tendon."""
-    if not isinstance(stiffness, (Tendons, TendonStiffness)) or not isinstance(motors, Mapping):
+def _driven(hand: HandModel, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Arguments of `Hand.replace`, `motors` among them, those of tendons with the stiffness."""
+    stiffness, motors = given.get("joint_stiffness", hand.stiffness), given["motors"]
+    if motors is None:
+        own = stiffness is hand.stiffness and isinstance(stiffness, TendonStiffness) and stiffness.drives is not None
+        return {**given, "joint_stiffness": stiffness.motored(None)} if own else dict(given)
+    stiffness, of_joints = _shared(stiffness, motors, hand.kinematics, hand.description)
+    if of_joints is motors:
+        return dict(given)
+    driven = {**given, "joint_stiffness": stiffness, "motors": of_joints}
+    if of_joints is None:  # tendons alone are named: joints keep theirs
+        del driven["motors"]
+    return driven
+
+
+def _shared(stiffness: Any, motors: Any, kinematics: Kinematics, described: Description) -> tuple[Any, Any]:
+    """A stiffness with the motors of its tendons, and the motors of joints, from motors by joint and tendon. Raises
+    InputError for one motor of all where there are tendons: it could be of every joint, or of every tendon.
+    """
+    if motors is not None and isinstance(stiffness, str) and stiffness == FILE:
+        stiffness = file_stiffness(described, kinematics)
+    tendons = isinstance(stiffness, (Tendons, TendonStiffness))
+    if tendons and isinstance(motors, Motor):
+        name = next(iter(stiffness.names))
+        expected = f"motors by name on a hand with tendons: motors={{{name!r}: Motor(...)}}, or Tendons(motors=...)"
+        raise InputError("motors", expected, "one Motor, which could be of every joint or of every tendon")
+    if not tendons or not isinstance(motors, Mapping):
         return stiffness, motors
     own = {name: motor for name, motor in motors.items() if name in stiffness.names}
     if not own:

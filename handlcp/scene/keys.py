@@ -21,6 +21,8 @@ from handlcp.errors import InputError, SceneFileError
 from handlcp.scene.kinds import SHAPES, Expected, MadeWhenRead, Table
 from handlcp.scene.scene_tables import SceneTables
 
+_BY_NAME = "a table by name of tables"  # whose keys are those of the table that is called as one of them
+
 
 @dataclass(frozen=True, slots=True)
 class Key:
@@ -64,7 +66,7 @@ def _walk(table: str, model: type[BaseModel], shape: str = "", many: bool = Fals
         if not inner:
             default = "" if field.is_required() else _toml(field.get_default(call_default_factory=True))
             words = next((m.words for m in field.metadata if isinstance(m, Expected)), None)
-            words = words or ("a table by name of tables" if named else _words(field.annotation))
+            words = words or (_BY_NAME if named else _words(field.annotation))
             meaning = (field.description or _docstrings(model).get(field_name, "")).strip()
             yield Key(table, name, words, meaning, field.is_required(), default, shape, many)
         for m in inner:
@@ -184,7 +186,8 @@ def _one(e: dict[str, Any]) -> SceneFileError:
 
 def _unknown(loc: tuple[Any, ...], shape: str) -> SceneFileError:
     """An unknown key: the valid ones, the nearest of them, or the table where it belongs."""
-    table, key, every = _table(loc[:-1]), str(loc[-1]), keys()
+    every, key = keys(), str(loc[-1])
+    table = _spelled(_table(loc[:-1]), every)
     valid = list(dict.fromkeys(_names(every, table, shape)))
     hint = ""
     if near := difflib.get_close_matches(key.lower(), [v.lower() for v in valid], 1, 0.6):
@@ -205,9 +208,16 @@ def _names(every: tuple[Key, ...], table: str, shape: str) -> list[str]:
 
 def _wanted(loc: tuple[Any, ...], shape: str) -> str:
     """What the schema expects at a path."""
-    table, key = _table(loc[:-1]), loc[-1]
-    found = [k for k in keys() if k.table == table and k.key == key and k.shape in ("", shape)]
+    every, key = keys(), loc[-1]
+    table = _spelled(_table(loc[:-1]), every)
+    found = [k for k in every if k.table == table and k.key == key and k.shape in ("", shape)]
     return f"{found[0].expected} ({found[0].meaning})" if found else f"a table [{_table(loc)}]"
+
+
+def _spelled(table: str, every: tuple[Key, ...]) -> str:
+    """The table whose keys are those of a table by a name of the user's: [hand.motor] for [hand.motors.NAME]."""
+    above = table.rpartition(".")[0]
+    return above.removesuffix("s") if any(k.path == above and k.expected == _BY_NAME for k in every) else table
 
 
 def _table(loc: tuple[Any, ...]) -> str:

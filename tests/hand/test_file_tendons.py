@@ -89,6 +89,17 @@ def test_where_its_numbers_come_from_is_said() -> None:
     assert not tendons_of(hand_of(winches(), joint_stiffness=other)).stated
 
 
+def test_motors_by_name_of_the_file_s_tendons_are_theirs() -> None:
+    named = {"long flexor 0": hl.Motor(0.02, 0.06, reduction=500.0), "joint_4_0": hl.Motor(0.3)}
+    later = hand_of(winches()).replace(motors=named)
+    for hand in (hand_of(winches(), motors=named), later.replace(motors=named, joint_stiffness="file"), later):
+        assert tendons_of(hand).stated
+        np.testing.assert_array_equal(tendons_of(hand).cables.limits, [10.0] + [np.inf] * 19)
+        assert hand.torque_limits[hand.joint_names.index("joint_4_0")] == 0.3
+    with pytest.raises(hl.InputError, match=r"motors: .*long flexor 0"):
+        hand_of(winches(), motors=hl.Motor(0.3))
+
+
 def test_tendons_that_leave_joints_loose_are_no_hand() -> None:
     left = [name for name in NAMES if not name.endswith("4")]
     with pytest.raises(
@@ -110,7 +121,7 @@ def test_a_hand_that_is_cut_out_keeps_the_tendons_on_its_links() -> None:
     ("more", "words"),
     [
         ('<position joint="joint_0_0" kp="1"/>', "beside servos of joints"),
-        ('<position tendon="long flexor 0" kp="9" forcerange="1 5"/>', "only push:"),
+        ('<position tendon="long flexor 0" kp="9" forcerange="1 5"/>', "only push, which no cable does:"),
     ],
 )
 def test_what_of_a_file_cannot_be_had_is_said(more: str, words: str) -> None:
@@ -122,6 +133,21 @@ def test_what_of_a_file_cannot_be_had_is_said(more: str, words: str) -> None:
     else:
         assert tendons_of(hand_of(text)).names == tuple(names)
     assert about(hand_of(text, joint_stiffness=1.0), words)
+
+
+def test_tendons_that_are_only_pushed_are_said_with_the_sign_that_pulls() -> None:
+    with pytest.raises(hl.InputError, match=r"got none: servos .* only push.*forcerange below 0 for a gear above 0"):
+        hand_of(winches(words='forcerange="-5 0"'), stiffness=0.0)
+
+
+def test_friction_and_ranges_of_tendons_are_left_out_and_said() -> None:
+    text = twenty_text(winches(), f' stiffness="{OWN}"')
+    more = text.replace(
+        '<spatial name="long flexor 0"', '<spatial frictionloss="2" range="0.1 0.2" name="long flexor 0"'
+    )
+    found = hl.Hand.from_mjcf(more, TIPS).audit()
+    assert [d.about for d in found if "of tendons (long flexor 0)" in d.what] == ["friction", "range"]
+    assert not [d for d in hl.Hand.from_mjcf(text, TIPS).audit() if "of tendons (" in d.what]
 
 
 def test_a_spring_of_a_tendon_is_left_out_and_said() -> None:

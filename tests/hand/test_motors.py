@@ -190,7 +190,7 @@ def test_motors_of_unknown_joints_and_what_is_no_motor_are_refused() -> None:
         Hand.from_urdf(URDF, motors={"finger_1_proximal": Motor(0.3, stiffness=5.0)})
     tendons = hl.Tendons({"pull": {"finger_1_distal": 0.01}}, 2e4, 4.0)
     with pytest.raises(InputError, match=r"Motor.stiffness.*shares springs"):
-        example_hand("three_finger", joint_stiffness=tendons, motors=Motor(0.3, stiffness=5.0))
+        example_hand("three_finger", joint_stiffness=tendons, motors={"finger_1_distal": Motor(0.3, stiffness=5.0)})
 
 
 # ---------------------------------------------------------------- which to buy

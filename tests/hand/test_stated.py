@@ -105,6 +105,19 @@ def test_what_cannot_be_is_doubted(inside, beside, about):
     assert doubt.joint == "finger_1_proximal"
 
 
+def test_a_reduction_that_is_no_number_is_doubted_and_not_described():
+    hand = hand_of("", GEARS.replace(">50<", ">fifty<"))
+    assert stated(hand)["reduction"].values == {"finger_2_proximal": 35.5}
+    (doubt,) = (d for d in hand.audit() if d.about == "gear")
+    assert doubt.what.endswith("is no number")
+
+
+@pytest.mark.parametrize("friction", ["-0.1", "much", "nan"])
+def test_friction_that_no_joint_has_is_refused_with_the_name_of_the_joint(friction):
+    with pytest.raises(hl.URDFError, match=f"≥ 0 in <dynamics friction=…> of .*finger_1_proximal', got '{friction}"):
+        hand_of(f'<dynamics friction="{friction}"/>')
+
+
 def test_every_number_says_where_it_came_from():
     mapping = {"finger_1_distal": 0.3}
     hand = hand_of(torque_limits=mapping, pad_flexibility={"finger_1_tip": 1e-4})

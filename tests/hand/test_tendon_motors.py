@@ -205,6 +205,18 @@ def test_what_is_wrong_in_a_scene_file_is_named_by_its_key(table: str, key: str)
     assert refused.value.argument == key
 
 
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        (f"{MOTOR}friction_Nm = 3\n", r"the keys \[continuous_Nm, .*, friction_N\].*did you mean 'friction_N'"),
+        ("reduction_N_per_Nm = 4\n", "continuous_Nm: expected a number > 0"),
+    ],
+)
+def test_a_table_of_one_tendon_s_motor_has_the_keys_of_that_of_all(more: str, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        read(scene(f"[hand.tendons.motors.lift]\n{more}"))
+
+
 # ---------------------------------------------------------------- bad input
 @pytest.mark.parametrize(
     ("more", "error", "words"),
@@ -230,7 +242,7 @@ def test_a_joint_has_one_drive() -> None:
                          motors={"pull": motor(50.0, 90.0)})  # fmt: skip
     words = "motors: expected no motor of a joint that a tendon with a motor moves, got finger_1_distal"
     with pytest.raises(InputError, match=words):
-        example_hand("three_finger", joint_stiffness=tendons, motors=Motor(0.3))
+        example_hand("three_finger", joint_stiffness=tendons, motors={"finger_1_distal": Motor(0.3)})
     others = {"finger_1_proximal": Motor(0.3), "finger_2_distal": Motor(0.2)}
     hand = example_hand("three_finger", joint_stiffness=tendons, motors=others)
     assert hand.torques.drives is not None
@@ -238,7 +250,17 @@ def test_a_joint_has_one_drive() -> None:
         hand.replace(motors={"finger_1_distal": Motor(0.3)})
     with pytest.raises(InputError, match=words):
         example_hand("three_finger", motors=Motor(0.3)).replace(joint_stiffness=tendons)
-    assert tendons_of(hand.replace(motors=None)).drives is not None
+
+
+def test_one_motor_for_all_of_a_hand_with_tendons_is_asked_for_by_name() -> None:
+    tendons = hl.Tendons({"pull": {"finger_1_distal": 0.01}}, 2e4, 4.0)
+    words = r"motors: .*motors=\{'pull': Motor\(...\)\}, or Tendons\(motors=...\)"
+    with pytest.raises(InputError, match=words):
+        example_hand("three_finger", joint_stiffness=tendons, motors=Motor(0.3))
+    hand = example_hand("three_finger", joint_stiffness=tendons)
+    with pytest.raises(InputError, match=words):
+        hand.replace(motors=Motor(0.3))
+    assert hand.replace(motors=Motor(0.3), joint_stiffness=6.0).torque_limits.tolist() == [0.3] * 6
 
 
 def test_motors_of_a_hand_are_by_joint_and_by_tendon(write: Writer) -> None:
@@ -274,6 +296,23 @@ def test_motors_by_tendon_take_the_place_of_those_of_tendons_and_motors_by_joint
     assert found(motors=first) == ([False, True], both)
     assert found(motors=other) == (both, [False, True])
     assert found(motors=first | other) == (both, both)
+
+
+@pytest.mark.parametrize("routed", [False, True])
+def test_without_motors_is_without_those_of_joints_and_of_tendons(routed: bool) -> None:
+    links = ("finger_1_proximal_link", "finger_1_distal_link")
+    route = hl.Route([hl.Site(link, (0.01, 0.0, 0.01)) for link in links])
+    arms = {"pull": route if routed else {"finger_1_distal": 0.01}, "lift": {"finger_2_distal": 0.01}}
+    bare = example_hand("three_finger", joint_stiffness=hl.Tendons(arms, 2e4, 4.0, limits=70.0))
+    driven = bare.replace(motors={"pull": motor(5.0, 9.0), "finger_3_distal": Motor(0.2)})
+    assert tendons_of(driven).cables.limits.min() < 70.0
+    made = driven.replace(motors=None)
+    assert (made.torques.drives, tendons_of(made).drives) == (None, None)
+    np.testing.assert_array_equal(made.torque_limits, bare.torque_limits)
+    np.testing.assert_array_equal(tendons_of(made).cables.limits, [70.0, 70.0])
+    kept = driven.vary({"finger_3_distal.motor": None})
+    assert kept.torques.drives is None
+    assert tendons_of(kept).drives is not None
 
 
 # ---------------------------------------------------------------- closing with a torque

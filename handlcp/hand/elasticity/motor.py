@@ -35,7 +35,9 @@ class Motor:
         more than continuous.
     holding : torque at the joint [N·m] that a gear which cannot be driven back carries, more than its motor gives for
         good; numpy.inf: any, as of a worm. None: the motor alone holds.
-    friction : dry friction of the drive at the joint [N·m]: it hinders closing, and helps to hold.
+    friction : dry friction of the drive at the joint [N·m]: it hinders closing, and helps to hold. It stays in the
+        drive, before the joint's spring, so that no posture or force changes with it. A hand's `joint_friction` is that
+        of the joint itself, behind the spring, which a loading that is followed has to overcome.
     reduction : turns of the motor per turn of the joint; of a tendon, newtons of tension per N·m of the motor, n / r
         [1/m] for a spool of radius r behind a gear n. efficiency : of the gear, 0 to 1.
     stiffness : of the joint [N·m/rad], in place of what the hand's `joint_stiffness` says; None: that. Of a tendon

@@ -132,8 +132,8 @@ class TendonStiffness(JointStiffness):
         """(t,) of the tendons."""
         return self.cables.names
 
-    def motored(self, motors: Mapping[str, Any]) -> TendonStiffness:
-        """The same with motors by tendon. Raises InputError, UnknownName."""
+    def motored(self, motors: Mapping[str, Any] | None) -> TendonStiffness:
+        """The same with motors by tendon, None: without. Raises InputError, UnknownName."""
         return self.driven(read_tendon_motors(motors, self.names, self.cables.pretension), self.bears)
 
     @property
@@ -222,8 +222,8 @@ class RoutedStiffness(TendonStiffness):
         """Of the tendons that have one, by name."""
         return {self._made.names[i]: route for i, route in self._made.lays.routes.items()}
 
-    def motored(self, motors: Mapping[str, Any]) -> RoutedStiffness:
-        """The same with motors by tendon. Raises InputError, UnknownName."""
+    def motored(self, motors: Mapping[str, Any] | None) -> RoutedStiffness:
+        """The same with motors by tendon, None: without. Raises InputError, UnknownName."""
         drives = read_tendon_motors(motors, self.names, self.cables.pretension)
         return self.of(replace(self._made, drives=drives), self._on.kinematics, self._q)
 

@@ -111,8 +111,8 @@ class Tendons(Transmission):
         arms = self.moment_arms
         return tuple(arms) if isinstance(arms, dict) else tuple([f"tendon {i + 1}" for i in range(len(arms))])
 
-    def motored(self, motors: Mapping[str, Any]) -> Tendons:
-        """The same with motors by tendon."""
+    def motored(self, motors: Mapping[str, Any] | None) -> Tendons:
+        """The same with motors by tendon, None: without."""
         return replace(self, motors=motors)
 
     def _forces(self, names: Sequence[str]) -> tuple[Array, Array]:

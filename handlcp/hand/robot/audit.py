@@ -17,7 +17,14 @@ from handlcp.hand.robot.fingertips import candidates, obvious
 from handlcp.hand.robot.joints import SEVERITIES, Doubt, joint_facts
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, robot_of
-from handlcp.hand.robot.source.doubts import friction_doubts, spring_doubts, stated_doubts, unlike_doubts, weak_doubts
+from handlcp.hand.robot.source.doubts import (
+    friction_doubts,
+    side_doubts,
+    spring_doubts,
+    stated_doubts,
+    unlike_doubts,
+    weak_doubts,
+)
 from handlcp.hand.robot.source.servos import file_stiffness, has_servos
 from handlcp.hand.robot.urdf import build_model, mesh_file, package_folders
 from handlcp.record import Record
@@ -150,7 +157,7 @@ def doubts_of(
     joints = joint_doubts(described.facts, limits_given)
     ranges = range_doubts(described.facts, kinematics)
     stated, own = stated_doubts(described.facts), [f for f in described.facts if f.name not in set(limits_given)]
-    unlike = (*friction_doubts(own), *unlike_doubts(own, described.servos, kinematics))
+    unlike = (*friction_doubts(own), *side_doubts(own), *unlike_doubts(own, described.servos, kinematics))
     return (*joints, *ranges, *stated, *unlike, *described.doubts, *geometry_doubts(described))
 
 

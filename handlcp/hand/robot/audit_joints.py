@@ -1,10 +1,16 @@
-"""Doubts about joints: masses, limits that are placeholders, ranges that fingers cannot use."""
+"""Doubts about joints: masses, limits that are placeholders, ranges that fingers cannot use; and about tendons."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
 
+import numpy as np
+
+from handlcp.hand.elasticity.places import Pulley, Site
+from handlcp.hand.elasticity.route import Route
+from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.robot.joints import Doubt, JointFacts
 from handlcp.hand.robot.kinematics import Kinematics
 
@@ -164,3 +170,39 @@ def _who(facts: Sequence[JointFacts], master: str) -> str:
         more = {f.name for f in facts if f.mimic is not None and f.mimic.master in found} - found
         found, grown = found | more, bool(more)
     return ", ".join(f.name for f in facts if f.name in found - {master})
+
+
+# ----------------------------------------------------------------
+# Doubts about tendons: arms and places that are hardly in metres, and tendons that move nothing.
+
+_LONGEST, _FARTHEST = 0.2, 2.0  # [m] an arm at a joint that turns; a place from the frame of its link
+
+
+def tendon_doubts(hand: Any) -> Iterator[Doubt]:
+    """Of a hand that tendons move, as it is in its neutral posture."""
+    kinematics = hand.kinematics
+    stiffness = hand.stiffness.at(kinematics, kinematics.neutral)
+    if not isinstance(stiffness, TendonStiffness):
+        return
+    turns = np.array([name not in hand.sliding for name in hand.joint_names])
+    arms = dict(zip(stiffness.names, abs(stiffness.arms), strict=True))
+    longest = {name: float(row[turns].max(initial=0.0)) for name, row in arms.items()}
+    away = {name: _away(route) for name, route in stiffness.routes.items()}
+    advice = "Tendons in metres"
+    for what, most, lengths in (
+        ("a moment arm of {:.3g} m", _LONGEST, longest),
+        ("a place {:.3g} m from the frame of its link", _FARTHEST, away),
+    ):
+        if long := [name for name, length in lengths.items() if length > most]:
+            said = f"{what.format(max(lengths[name] for name in long))}, as if millimetres were taken for metres"
+            yield Doubt(", ".join(long), said, advice, "serious", "tendon arms")
+    if still := [name for name, row in arms.items() if not row.any()]:
+        what = "moves no joint: all its moment arms are 0 in the neutral posture"
+        yield Doubt(", ".join(still), what, "Tendons whose arms or routes reach over a joint", "minor", "tendon arms")
+
+
+def _away(route: Route) -> float:
+    """[m] The largest distance of a place from the frame of its link."""
+    places = [p for p in route.places if not isinstance(p, Pulley)]
+    points = [p.point if isinstance(p, Site) else p.placement[0] for p in places]
+    return float(np.linalg.norm(points, axis=1).max())

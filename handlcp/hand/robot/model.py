@@ -142,12 +142,14 @@ class HandModel:
     def doubts(self) -> tuple[Doubt, ...]:
         """About the robot as it was read and its fingertips; those about torque limits that were passed left out."""
         from handlcp.hand.robot.audit import doubts_of, tip_doubts
+        from handlcp.hand.robot.audit_joints import tendon_doubts
         from handlcp.hand.robot.source.servos import ServoStiffness
 
         servos = self.stiffness if isinstance(self.stiffness, ServoStiffness) else None
         pull = bool(self.stiffness.law[1])  # tendons, as they do
         settled = {"route": pull, "tendon": pull or (servos is not None and not servos.widened)}
-        every = (*doubts_of(self.description, self.torques.given, self.kinematics), *tip_doubts(self))
+        own = *tip_doubts(self), *tendon_doubts(self)
+        every = (*doubts_of(self.description, self.torques.given, self.kinematics), *own)
         return tuple(d for d in every if not settled.get(d.about))
 
     @lazy

@@ -100,7 +100,7 @@ class _Step:
         """Motors of joints and tendons, beside those of the others."""
         joints, stiffness = self.hand.joint_names, self.hand.stiffness
         if own := {name: motor for name, motor in motors.items() if name in joints}:
-            self.replace(motors=_beside(joints, self.hand.torques.drives, own) or None)
+            self.replace(motors=_beside(joints, self.hand.torques.drives, own))
             said = {joint: m.stiffness for joint, m in own.items() if m is not None and m.stiffness is not None}
             self.take({"stiffness": stiff_as(stiffness, said, joints)})  # of other joints, joint_stiffness may be newer
         of_tendons = {name: motor for name, motor in motors.items() if name not in joints}

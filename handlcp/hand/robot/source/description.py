@@ -15,7 +15,7 @@ import pinocchio as pin
 from handlcp.check import Array
 from handlcp.errors import InputError, URDFError
 from handlcp.hand.robot.joints import Doubt, JointFacts, joint_facts, model_facts
-from handlcp.hand.robot.source.stated import Servo, servos_of
+from handlcp.hand.robot.source.stated import Servo, check_friction, servos_of
 from handlcp.hand.robot.urdf import (
     MOST_JOINTS,
     build_model,
@@ -271,8 +271,8 @@ def describe_xml(
     """
     root, path, doubts = robot_of(argument, source, base, kinds, package_dirs)
     folders = package_folders(package_dirs, path)
-    name = str(path) if path is not None else "the XML string"
-    model = build_model(argument, root, name)
+    check_friction(argument, root)
+    model = build_model(argument, root, str(path) if path is not None else _STRING)
     check_units(argument, model)
     short = path.name if path is not None else str(model.name)
     return Description(short, model, joint_facts(root), root, folders, (), doubts)

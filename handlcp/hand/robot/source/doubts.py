@@ -24,6 +24,7 @@ _SAGS = 1e-3  # [m] by its own weight
 _NONE = 1e30  # [N] a tendon that bears as much has no limit
 _TURNS = 1e-9  # of a motion of length 1: less is rounding
 _PULLS = 0.1  # of the torque limit: springs that pull with less are not worth a word
+_LOPSIDED = 0.5  # of the effort to the other side: with less, the direction matters
 _RUBS = 0.25  # of the effort limit: no good drive has as much
 _GRAVITY = 9.81  # [m/s²]
 _UNLIKE = 0.05  # of the larger number: less is rounding
@@ -47,7 +48,8 @@ def stated_doubts(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
             what = f"its dry friction is {stated.friction:g}, which is no number ≥ 0"
             yield Doubt(f.name, what, "a file with the friction of the drive [N·m]", "minor", "friction")
         if stated.reduction is not None and not 0.0 < abs(stated.reduction) < math.inf:
-            what = f"the reduction of its transmission is {stated.reduction:g}"
+            said = "no number" if math.isnan(stated.reduction) else f"{stated.reduction:g}"
+            what = f"the reduction of its transmission is {said}"
             yield Doubt(f.name, what, "a file with turns of the motor for one of the joint", "minor", "gear")
 
 
@@ -69,6 +71,22 @@ def friction_doubts(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
         worst = max(f.stated.friction / f.effort for f in high)
         what = f"dry friction of the file takes up to {words.percent(worst)} of the effort limit"
         yield Doubt(", ".join(f.name for f in high), what, "a file with measured friction", "minor", "friction")
+
+
+def side_doubts(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
+    """Of joints that are driven to one side alone, or much harder than to the other."""
+    alike = defaultdict[tuple[float, float], list[str]](list)
+    for f in facts:
+        if f.mimic is None and f.stated.weaker is not None and f.stated.weaker < _LOPSIDED * f.effort < math.inf:
+            alike[f.stated.weaker, f.effort].append(f.name)
+    for (weaker, effort), names in alike.items():
+        other = f"with {weaker:g} alone" if weaker else "not at all"
+        what = (
+            f"actuators of the file drive the joint with {effort:g} to one side and {other} to the other; the larger "
+            "side is the limit for both, also where the joint closes to the other"
+        )
+        advice = "torque_limits with what closes the hand [N·m]"
+        yield Doubt(", ".join(names), what, advice, "serious", "torque limit")
 
 
 # ----------------------------------------------------------------

@@ -73,7 +73,8 @@ class _Writer:
         self.bodies = [model.body(i).name or f"body_{i}" for i in range(model.nbody)]
         owners = model.jnt_bodyid
         self.joints = [model.joint(j).name or f"{self.bodies[owners[j]]}_joint_{j}" for j in range(model.njnt)]
-        self.effort, self.effort_said, found = efforts(model, self.joints)
+        sides, self.effort_said, found = efforts(model, self.joints)
+        self.weaker, self.effort = sides.T
         self.reaches = reaches(model)
         self.follows, more = couplings(model, self.joints)
         self.doubts += [*found, *more]
@@ -140,7 +141,7 @@ class _Writer:
         if bounded or slides:
             low, high = model.jnt_range[j] if bounded else (-_UNBOUNDED, _UNBOUNDED)
             limit |= {"lower": float(low), "upper": float(high)}
-        words = {"said": self.effort_said[j]} if known else {}
+        words = {"said": self.effort_said[j], "weaker": float(self.weaker[j])} if known else {}
         add(joint, "limit", **limit, **words)
         write_passive(joint, model, j)
         if j in self.reaches:

@@ -15,6 +15,9 @@ from handlcp.hand.robot.source.mjcf_routes import routes
 
 _TENDON = 3  # what an actuator moves
 ROUTE = "route"  # what a doubt is about that a hand with tendons is free of
+LEFT_OUT = "servo"  # what one is about that says why a servo is not read
+_ADVICE = "joint_stiffness=Tendons(hl.tendon_routes(...), ...)"
+_SIGN = "; a pull shortens: forcerange below 0 for a gear above 0, above 0 for a gear below 0"
 
 
 def write_cables(root: ET.Element, model: Any, servos: dict[int, float]) -> Iterator[Doubt]:
@@ -31,7 +34,7 @@ def write_cables(root: ET.Element, model: Any, servos: dict[int, float]) -> Iter
     names = {t: model.tendon(t).name or f"tendon {t}" for t in range(model.ntendon)}
     spatial = {t: actuators for t, actuators in drawn.items() if names[t] in read or names[t] in refused}
     alone = sum(len(actuators) for actuators in spatial.values()) == len(servos)
-    found = dict[tuple[str, str], list[str]]()
+    found = dict[tuple[str, str, str], list[str]]()
     for t, actuators in spatial.items():
         who, limit, about = [model.actuator(a).name or f"actuator {a}" for a in actuators], _pull(model, actuators), ""
         if not alone:
@@ -39,15 +42,29 @@ def write_cables(root: ET.Element, model: Any, servos: dict[int, float]) -> Iter
         elif names[t] in refused:
             why = f", which is not read: {refused[names[t]]}"
         elif limit <= 0.0:
-            why = ", and only push: they are left out"
+            why = " and only push, which no cable does: they are left out"
         else:
             why, about = "; here each joint has a spring of its own", ROUTE
             write_cable(root, Cable(names[t], sum(servos[a] for a in actuators), limit, read[names[t]]))
-        found.setdefault((why, about or "stiffness"), []).extend(who)
-    for (why, about), who in found.items():
-        what = f"servos ({words.listed(who)}) pull tendons along a path in space{why}"
-        yield Doubt("hand", what, "joint_stiffness=Tendons(hl.tendon_routes(...), ...)", "minor", about)
-    for t in range(model.ntendon):
+        found.setdefault((why, about or LEFT_OUT, _ADVICE + (_SIGN if limit <= 0.0 else "")), []).extend(who)
+    for (why, about, advice), who in found.items():
+        what = f"servos ({words.listed(who)}) act on tendons along a path in space{why}"
+        yield Doubt("hand", what, advice, "minor", about)
+    yield from _own(model, names)
+
+
+def _own(model: Any, names: dict[int, str]) -> Iterator[Doubt]:
+    """Of what tendons have of their own, which is left out: springs, dry friction, ranges of their length."""
+    rubbing = [names[t] for t in names if float(model.tendon_frictionloss[t]) > 0.0]
+    ranged = [names[t] for t in names if model.tendon_limited[t]]
+    for those, what, advice, about in (
+        (rubbing, "dry friction of their own (frictionloss)", "Tendons(friction=...), or joint_friction", "friction"),
+        (ranged, "a range of their own, at whose ends they would stop", "ranges of joints that keep it", "range"),
+    ):
+        if those:
+            said = f"of tendons ({words.listed(those)}) {what} is left out"
+            yield Doubt("hand", said, advice, "minor", about)
+    for t in names:
         if (k := float(np.ravel(model.tendon_stiffness[t])[0])) > 0.0:
             what = f"the tendon {names[t]!r} has a spring of its own of {k:g}, which is left out"
             yield Doubt("hand", what, "joint_stiffness with what that spring adds", "minor", "stiffness")

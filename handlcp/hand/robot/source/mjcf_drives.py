@@ -23,26 +23,28 @@ Follows = dict[int, tuple[int, float, float]]  # joint → the joint it follows,
 
 
 def efforts(model: Any, names: list[str]) -> tuple[Array, list[str], list[Doubt]]:
-    """(joints,) largest torque or force of each joint's actuators [N·m, N], inf where the file says none; the word of
-    the file that says it; and a doubt for each tendon that moves several joints.
+    """(joints, 2) torque or force of each joint's actuators to its smaller and to its larger side [N·m, N], inf where
+    the file says none; the word of the file that says it; and a doubt for each tendon that moves several joints.
     """
-    force, said = np.full(model.njnt, np.inf), [""] * model.njnt
+    ends, said = np.zeros((model.njnt, 2)), [""] * model.njnt  # against and with the joint's axis
+    free = np.ones(model.njnt, dtype=bool)
     pulled = dict[str, dict[int, float]]()
     for a in range(model.nu):
-        most, word = _most(model, a)
+        own, word = _ends(model, a)
         arms = _moved(model, a)
         if int(model.actuator_trntype[a]) == _TENDON and len(arms) > 1:
             target = int(model.actuator_trnid[a, 0])
             pulled[model.tendon(target).name or f"tendon {target}"] = arms
         for j, arm in arms.items():
-            torque = abs(arm) * most
-            force[j] = torque if np.isinf(force[j]) else force[j] + torque
-            said[j] = word
-    bounded = model.jnt_actfrclimited.astype(bool)
-    own = abs(model.jnt_actfrcrange).max(axis=1)
-    for j in np.flatnonzero(bounded & (own < force)).tolist():
-        force[j], said[j] = own[j], "actuatorfrcrange"
-    return force, said, _shared(pulled, names) if pulled else []
+            ends[j] += np.sort(arm * own) if arm else 0.0
+            said[j], free[j] = word, False
+    ends[free] = -np.inf, np.inf
+    for j in np.flatnonzero(model.jnt_actfrclimited).tolist():
+        cut = np.clip(ends[j], *model.jnt_actfrcrange[j])
+        if (cut != ends[j]).any():
+            ends[j], said[j] = cut, "actuatorfrcrange"
+    sides = np.sort(np.maximum(ends * (-1.0, 1.0), 0.0), axis=1)
+    return sides, said, _shared(pulled, names) if pulled else []
 
 
 def _moved(model: Any, a: int) -> dict[int, float]:
@@ -59,16 +61,17 @@ def _moved(model: Any, a: int) -> dict[int, float]:
     return {int(model.wrap_objid[w]): float(model.wrap_prm[w]) for w in wraps if model.wrap_type[w] == _WRAPS_JOINT}
 
 
-def _most(model: Any, a: int) -> tuple[float, str]:
-    """The largest force of an actuator times its gear, and the word that says it; inf where none is said."""
-    gear = abs(float(model.actuator_gear[a, 0]))
+def _ends(model: Any, a: int) -> tuple[Array, str]:
+    """(2,) the least and the largest force of an actuator times its gear, and the word that says them; ±inf where none
+    is said.
+    """
+    gear = float(model.actuator_gear[a, 0])
     if model.actuator_forcelimited[a]:
-        return gear * float(abs(model.actuator_forcerange[a]).max()), "forcerange"
+        return gear * model.actuator_forcerange[a], "forcerange"
     plain = int(model.actuator_gaintype[a]) == _FIXED and int(model.actuator_biastype[a]) == 0  # a motor
     if plain and model.actuator_ctrllimited[a]:
-        most = abs(model.actuator_gainprm[a, 0]) * abs(model.actuator_ctrlrange[a]).max()
-        return gear * float(most), "ctrlrange of a motor"
-    return float("inf"), ""
+        return gear * model.actuator_gainprm[a, 0] * model.actuator_ctrlrange[a], "ctrlrange of a motor"
+    return np.array([-np.inf, np.inf]), ""
 
 
 def _shared(pulled: dict[str, dict[int, float]], names: list[str]) -> list[Doubt]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -127,9 +128,10 @@ _STATED: tuple[tuple[str, str, str, str, _Value, str], ...] = (
 
 
 def stated_rows(described: Description) -> Iterator[StatedRow]:
-    """Of every joint, those that follow others among them; nothing for what the file leaves out."""
+    """Of every joint, those that follow others among them; without what the file leaves out or is no number."""
     for what, urdf, xml, unit, value, used in _STATED:
-        values = {f.name: v for f in described.facts if (v := value(f)) is not None}
+        found = {f.name: v for f in described.facts if (v := value(f)) is not None}
+        values = {name: v for name, v in found.items() if not isinstance(v, float) or not math.isnan(v)}
         if values:
             yield StatedRow(what, xml if described.mjcf else urdf, unit, values, used)
 

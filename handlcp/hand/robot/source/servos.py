@@ -28,6 +28,7 @@ from handlcp.hand.elasticity.stiffness import HOW_STIFF, JointStiffness, read_st
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.description import Description
 from handlcp.hand.robot.source.file_cables import Cable, cable_stiffness, cables_of
+from handlcp.hand.robot.source.mjcf_cables import LEFT_OUT
 from handlcp.hand.robot.source.passive import passive_springs
 from handlcp.hand.robot.source.stated import Servo
 from handlcp.tolerances import SEMIDEFINITE
@@ -99,7 +100,13 @@ def file_stiffness(described: Description, kinematics: Kinematics) -> JointStiff
     """As the servos and springs of a file say. Raises InputError where they do not, naming joints."""
     if cables := _cables(described):
         return cable_stiffness(cables, kinematics)
-    return servo_stiffness(described.servos, kinematics)
+    try:
+        return servo_stiffness(described.servos, kinematics)
+    except InputError as error:
+        if why := [f"{d.what} → {d.advice}" for d in described.doubts if d.about == LEFT_OUT]:
+            expected = f"{HOW_STIFF}, as not all position actuators of the file are read"
+            raise InputError(error.argument, expected, f"{error.got}: {'; '.join(why)}") from None
+        raise
 
 
 def has_servos(described: Description) -> bool:

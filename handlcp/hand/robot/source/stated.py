@@ -8,6 +8,7 @@ its own page says so.
 | soft limits | safety_controller | |
 | reduction | transmission, that of ros2_control too: mechanicalReduction | |
 | reach: where a servo can be told to go | | ctrlrange of a position actuator |
+| weaker: effort to the side where it is smaller | | the smaller end of forcerange |
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ import math
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from typing import NamedTuple
+
+from handlcp.errors import URDFError
 
 _REDUCTION = ("mechanicalReduction", "mechanical_reduction")  # of ROS 1, and of ros2_control
 
@@ -26,7 +29,8 @@ class Stated:
 
     friction [N·m, N] : dry. stiffness [N·m/rad, N/m], rest [rad, m] : of a spring at the joint. armature [kg·m², kg].
     soft (2,) [rad, m] : soft limits. reduction : turns of the motor for one of the joint. reach (2,) [rad, m] : where
-    its servo can be told to go. NaN : a number that cannot be read.
+    its servo can be told to go. weaker : effort to the side where it is smaller [N·m, N]. NaN : a number that cannot be
+    read.
     """
 
     friction: float = 0.0
@@ -36,6 +40,7 @@ class Stated:
     soft: tuple[float, float] | None = None
     reduction: float | None = None
     reach: tuple[float, float] | None = None
+    weaker: float | None = None
 
 
 NOTHING_STATED = Stated()
@@ -51,7 +56,7 @@ class Servo(NamedTuple):
 
 def stated_of(joint: ET.Element, reductions: dict[str, float]) -> Stated:
     """Of a <joint>. reductions : of all joints, by name."""
-    spring, reach = joint.find("passive"), joint.find("reach")
+    spring, reach, limit = (joint.find(tag) for tag in ("passive", "reach", "limit"))
     return Stated(
         number_of(joint.find("dynamics"), "friction", 0.0, 0.0),
         number_of(spring, "stiffness", 0.0, 0.0),
@@ -60,7 +65,16 @@ def stated_of(joint: ET.Element, reductions: dict[str, float]) -> Stated:
         _pair(joint.find("safety_controller"), "soft_lower_limit", "soft_upper_limit"),
         reductions.get(joint.get("name", "")),
         _pair(reach, "lower", "upper"),
+        None if limit is None or limit.get("weaker") is None else number_of(limit, "weaker"),
     )
+
+
+def check_friction(argument: str, root: ET.Element) -> None:
+    """Raises URDFError for dry friction that is no finite number ≥ 0, naming the joint."""
+    for joint in root.findall("joint"):
+        if (tag := joint.find("dynamics")) is not None and not 0.0 <= number_of(tag, "friction", 0.0) < math.inf:
+            expected = f"a finite number ≥ 0 in <dynamics friction=…> of joint {joint.get('name')!r}"
+            raise URDFError(argument, expected, repr(tag.get("friction")))
 
 
 def reductions_of(root: ET.Element) -> dict[str, float]:
