@@ -12,9 +12,12 @@ from handlcp.check import Array
 from handlcp.grasp.answer.force_bounds import apart, shares, span, torque_bounds
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.cause.judge import TENSION, TORQUE, Cause, exceeded, most_used
+from handlcp.hand.elasticity.elasticity import Elasticity
 from handlcp.hand.elasticity.motor import Drives
 from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.torque_check import TorqueCheck, TorqueRow
+
+_LEFT = 0.01  # of a command's largest torque: more than this that nothing makes decides
 
 # ----------------------------------------------------------------
 # Of joints and of tendons the same: which is over its limit, and for how long it holds; which is nearest to it; and
@@ -46,7 +49,8 @@ def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
     if check.over:
         yield _over(JOINT, check.over)
     elif check.binding is not None:
-        yield _nearest(JOINT, check[check.binding])
+        nearest = check[check.binding]
+        yield _nearest(JOINT, nearest, "" if np.isfinite(nearest.limit) else check.unlimited)
     if check.yielding:
         text = f"{words.listed(check.yielding)} {'yield' if len(check.yielding) > 1 else 'yields'} at the limit"
         yield Reason("torque", "note", text, {"yielding": check.yielding})
@@ -92,11 +96,31 @@ def _over(kind: Kind, rows: Sequence[TorqueRow]) -> Reason:
     return Reason("overheats", "decides", text, values | {"lasts_s": min(known) if len(known) == len(rows) else None})
 
 
-def _nearest(kind: Kind, r: TorqueRow) -> Reason:
+def _nearest(kind: Kind, r: TorqueRow, unlimited: str = "") -> Reason:
     of = f"{words.effort(r.limit, r.unit)}{f' {r.held_by}' if r.held_by else ''}"
     text = f"the {kind.who} closest to its limit is {r.joint} at {words.percent(r.utilisation)} of {of}"
-    text = text if np.isfinite(r.limit) else f"no {kind.who} has a {kind.code} limit"
-    return Reason(kind.code, "note", text, _values(kind, r))
+    return Reason(kind.code, "note", unlimited or text, _values(kind, r))
+
+
+def unmade_reasons(names: Sequence[str], stiffness: Elasticity, command: Array) -> Iterator[Reason]:
+    """Of a command (nv,) of the joints [rad] that tendons, or servos, make only in part: what nothing makes of it
+    decides, where it is more than a hundredth.
+    """
+    left = stiffness.beyond(command)
+    if not left.any():
+        return
+    needs = [(name, t) for name, t in zip(names, left.tolist(), strict=True) if t]
+    asked = stiffness.asked(command)
+    share = float(abs(left).max() / abs(asked).max())
+    text = "no actuators make this command: it takes others"
+    if isinstance(stiffness, TendonStiffness):
+        arms = stiffness.arms.T
+        missing = abs(arms @ np.linalg.lstsq(arms, asked)[0] - asked).max()  # if tendons could push, too
+        which = "more tendons" if missing > _LEFT * abs(asked).max() else "tendons that pull the other way"
+        text = f"no tendons make this command by pulling: it takes {which}"
+    listed = words.listed([f"{name} with {words.torque(t)}" for name, t in needs])
+    values = {"joints": [name for name, _ in needs], "torques_Nm": [t for _, t in needs], "share": share}
+    yield Reason("command_not_made", "decides" if share > _LEFT else "warning", f"{text} to turn {listed}", values)
 
 
 def closing_reasons(kind: Kind, names: Sequence[str], beyond: Sequence[Cause], drives: Drives) -> Iterator[Reason]:

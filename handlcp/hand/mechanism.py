@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 import pinocchio as pin
 
-from handlcp import words
 from handlcp.check import Array, Bools, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.assembly.asked import again, under
@@ -183,17 +182,15 @@ class HandMechanism(Varied, Mechanism):
     def command_reasons(self, spec: GraspSpec) -> Iterator[Reason]:
         """What of a squeeze no command of the joints makes; the weight, where the load leaves it out."""
         from handlcp.grasp.answer.verdict import Reason
+        from handlcp.hand.effort_reasons import unmade_reasons
         from handlcp.hand.squeeze import reach_reasons
 
         yield from self.begins_reasons(spec)
         yield from reach_reasons(spec)
         if (command := command_of(spec.effects)) is not None and command.keeps:
             yield Reason("object_kept", "note", "the object is kept in place until the hand has closed")
-        if command is not None and (beyond := self.posture.hand.stiffness.beyond(command.command)).any():
-            needs = [(name, float(t)) for name, t in zip(self.names, beyond, strict=True) if t]
-            listed = words.listed([f"{name} with {words.torque(t)}" for name, t in needs])
-            text = f"no tendons make this command by pulling: something else would have to turn {listed}"
-            yield Reason("out_of_reach", "warning", text, {"joints": [name for name, _ in needs]})
+        if command is not None:
+            yield from unmade_reasons(self.names, self.posture.hand.stiffness, command.command)
         if text := weight_left_out(spec, weight_of(self.target, self.gravity, spec.reference)):
             yield Reason("weight_left_out", "note", text)
 

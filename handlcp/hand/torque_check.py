@@ -13,7 +13,7 @@ from handlcp.check import Array, read_only
 from handlcp.errors import UnknownName
 from handlcp.grasp.cause.judge import exceeded, most_used
 from handlcp.grasp.cause.wording import needs_more
-from handlcp.hand.elasticity.motor import Drives, Motor
+from handlcp.hand.elasticity.motor import HOLDING, Drives, Motor
 from handlcp.record import Record
 from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
@@ -103,6 +103,16 @@ class TorqueCheck(Record):
         return self.joints[i] if shares[i] >= 0 else None
 
     @property
+    def unlimited(self) -> str:
+        """What is said where no joint's limit is finite: gears hold, or no joint has a limit."""
+        held = [row.joint for row in self if row.held_by == HOLDING and np.isinf(row.limit)]
+        if not held:
+            return "no joint has a torque limit"
+        if len(held) == len(self):
+            return "gears hold all joints, whatever their torques"
+        return f"gears hold {words.listed(held)}, whatever the torque; no other joint has a torque limit"
+
+    @property
     def over(self) -> tuple[TorqueRow, ...]:
         """The rows of joints asked for more than their limit."""
         return tuple(row for row in self if row.over)
@@ -179,7 +189,7 @@ class TorqueCheck(Record):
             gives = "gives way at its limit" if one else "give way at their limits"
             return f"All joints hold; {words.listed(self.yielding)} {gives}."
         if self.binding is None or not np.isfinite(self[self.binding].limit):
-            return "No joint has a torque limit."
+            return f"{self.unlimited[0].upper()}{self.unlimited[1:]}."
         return f"All joints hold; {self.binding} is closest to its limit."
 
     def __rich__(self) -> Any:

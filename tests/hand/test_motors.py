@@ -111,6 +111,16 @@ def test_closing_is_judged_by_the_peak_less_dry_friction_and_nothing_is_held_bef
     assert hl.envelope(grasp, [PUSH], geometry="followed").factors.tolist() == [0.0]
 
 
+def test_gears_that_hold_any_torque_are_said_to_hold(write: Writer) -> None:
+    gear = Motor(1.0, holding=np.inf)
+    check = pinch(write, gear).solve().torque_check
+    assert check.verdict == "Gears hold all joints, whatever their torques."
+    assert "gears hold all joints, whatever their torques" in pinch(write, gear).check().text
+    hand = lever_hand(write, motors={"left_joint": gear}, torque_limits=np.inf)
+    text = lever_pinch(hand, (0.0, 0.0, 0.0), squeeze=DEPTH).check().text
+    assert "gears hold left_joint, whatever the torque; no other joint has a torque limit" in text
+
+
 def test_a_table_says_which_torque_is_the_limit(write: Writer) -> None:
     hand = lever_hand(write, motors={"left_joint": Motor(1.0), "right_joint": Motor(0.1, 9.0, thermal_time=5.0)})
     check = lever_pinch(hand, (0.0, 0.0, 0.0), squeeze=DEPTH).solve().torque_check

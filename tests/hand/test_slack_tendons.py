@@ -171,3 +171,39 @@ def test_what_a_slack_tendon_falls_short_of_is_the_pretension_that_keeps_it_taut
 def test_tendons_that_cannot_be_are_refused(more: dict[str, object], error: type[Exception], words: str) -> None:
     with pytest.raises(error, match=words):
         hl.Tendons(ARMS, KT, OWN, **more)
+
+
+def test_a_command_against_the_way_of_every_tendon_is_not_called_held(write: Writer) -> None:
+    arms = {f"{side}_extensor": {f"{side}_joint": -ARM} for side in ("left", "right")}
+    grasp = lever_pinch(lever_hand(write, joint_stiffness=hl.Tendons(arms, KT, OWN)), joint_offset=[SHUT] * 2)
+    assert grasp.solve().verdict.word == "UNDECIDED"
+    verdict = grasp.check()
+    (reason,) = verdict.about("command_not_made")
+    assert verdict.word == "UNDECIDED"
+    assert "it takes tendons that pull the other way to turn left_joint with 0." in reason.sentence
+    assert reason.values["share"] == pytest.approx(1.0)
+    assert grasp.load_limit(ASIDE).doubt == reason.sentence
+
+
+@pytest.mark.long
+def test_motors_sized_for_tendons_that_pull_the_other_way_are_not_confirmed() -> None:
+    cube = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.3)
+    arms = {f"cable_{k}": {f"finger_{k}_proximal": -0.012, f"finger_{k}_distal": -0.008} for k in (1, 2, 3)}
+    hand = example_hand("three_finger", joint_stiffness=hl.Tendons(arms, 2e4, 4.0))
+    grasp = hand.at(hand.close_on(cube)).grasp(cube, friction=0.8, grip_force=5.0)
+    sized = grasp.required_torque(tolerance=0.5)
+    assert not sized.confirmed
+    assert not sized.enough
+
+
+@pytest.mark.parametrize(("share", "word"), [(0.005, "HELD"), (0.02, "UNDECIDED")])
+def test_a_hundredth_of_a_command_that_no_tendon_makes_is_a_doubt_and_more_decides(
+    write: Writer, share: float, word: str
+) -> None:
+    arms = {"both": {"left_joint": ARM, "right_joint": ARM}}
+    hand = lever_hand(write, joint_stiffness=hl.Tendons(arms, KT, OWN))
+    told = np.linalg.solve(hand.joint_stiffness, [1.0 + share, 1.0 - share])  # N·m, of which the tendon makes 1 and 1
+    verdict = lever_pinch(hand, (0.0, 0.0, 0.0), joint_offset=told).check()
+    (reason,) = verdict.about("command_not_made")
+    assert verdict.word == word
+    assert reason.values["share"] == pytest.approx(share, rel=0.05)

@@ -168,7 +168,7 @@ def test_a_commanded_tendon_also_pulls_against_the_springs_at_the_joints() -> No
     assert s.tendon_tension is not None
     turned = grasp.joint_offset - s.joint_deflection
     np.testing.assert_allclose(R.T @ s.tendon_tension - springs * turned, s.torques, atol=1e-12)
-    assert not grasp.check().about("out_of_reach")
+    assert not grasp.check().about("command_not_made")
     for geometry in ("fixed", "followed"):
         path = grasp.follow(geometry=geometry)
         moved = path.steps.q[-1] - path.steps.q[0]
@@ -182,8 +182,10 @@ def test_a_command_that_no_tendon_makes_is_said() -> None:
     hand = example_hand("two_finger", joint_stiffness=Tendons(R, 2e4, 0.2))
     box = Box(0.04, (0.0, 0.0, 0.07))
     grasp = hand.at(hand.close_on(box)).grasp(box, gravity=(0, 0, 0), joint_offset=[0.05, -0.02, 0.05, -0.02])
-    (reason,) = grasp.solve().verdict.about("out_of_reach")
-    assert "no tendons make this command" in reason.sentence
+    verdict = grasp.solve().verdict
+    (reason,) = verdict.about("command_not_made")
+    assert verdict.word == "UNDECIDED"
+    assert "no tendons make this command by pulling: it takes more tendons to turn" in reason.sentence
     assert reason.values["joints"] == list(hand.joint_names)
 
 

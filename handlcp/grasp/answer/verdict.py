@@ -17,6 +17,7 @@
 | `unplaced` | a sample of a study that is no grasp, such as one with a contact past an edge |
 | `rigid_tips` | fingertips without pads, where that may be why the object is lost |
 | `torques_open` | between what and what torques are, where statics leaves forces open |
+| `command_not_made` | a command that tendons, which only pull, or servos make in part alone |
 | `out_of_reach` | a part of the squeeze that no command of the joints makes |
 | `effect`, `contacts`, `motion` | bounds reached; what slides or lets go; how the object moves |
 | `no_load` | neither a weight nor a wrench loads the object |
@@ -45,7 +46,7 @@ _DECIDES = {
     "steps_differ": UNDECIDED, "solver_stopped": UNDECIDED,
     "follow_stopped": UNDECIDED, "link_inside": UNDECIDED, "joint_range": UNDECIDED, "large_motion": UNDECIDED,
     "torque_over_limit": OVER_LIMIT, "tension_over_limit": OVER_LIMIT, "overheats": OVER_LIMIT,
-    "closing_over_peak": OVER_LIMIT, "unplaced": UNDECIDED,
+    "closing_over_peak": OVER_LIMIT, "unplaced": UNDECIDED, "command_not_made": UNDECIDED,
 }  # fmt: skip
 _HEADS = {"warning": "Warning", "advice": "Advice"}
 

@@ -203,7 +203,10 @@ def _through(f: Followed) -> Run:
 def _rest(f: Followed, ends: _Ends | None, number: int) -> Rest:
     """What follows. ends : of what is known up to where the object slides through. number : of the limit's state."""
     at, k = f.run.states[number], f.spec.of_hand
-    doubt = pressed_in(at.where.give[:k], at.iterate.frames[:k, :, 2], f.spec.names)
+    asked = () if f.spec.mechanism is None else f.spec.mechanism.command_reasons(f.spec)
+    doubts = [r.sentence for r in asked if r.code == "command_not_made"]
+    if pressed := pressed_in(at.where.give[:k], at.iterate.frames[:k, :, 2], f.spec.names):
+        doubts.append(pressed)
     run = f.run if ends is not None else _through(f)
     ends = ends or _known(f)
     known = np.inf if ends is None else ends.factor
@@ -225,7 +228,7 @@ def _rest(f: Followed, ends: _Ends | None, number: int) -> Rest:
         assert run.failure is not None
         said = why_given_up(run.failure.kind)
     told = tuple(sorted([e for e in events if e.factor <= known], key=lambda e: e.factor))
-    return Rest(lost, marks, told, said, doubt)
+    return Rest(lost, marks, told, said, "; ".join(doubts))
 
 
 def _read(f: Followed, state: State) -> tuple[Array, Array, Array]:

@@ -66,7 +66,7 @@ class Reached(Record):
 class Rest:
     """What is known of the whole path: the factor at which the object is lost, how far it has moved where it matters,
     what happens, and why no more is known; "" where the path was followed to its end. doubt : about the state at the
-    limit, in words; "" for none.
+    limit or about what is commanded, in words; "" for none.
     """
 
     lost: float | None
@@ -148,7 +148,9 @@ class LoadLimit(Record):
 
     @property
     def doubt(self) -> str:
-        """What to doubt about the limit: a pad that is pressed in farther than pads are thick; "" for nothing."""
+        """What to doubt about the limit: a pad pressed in farther than pads are thick, a command that tendons
+        make in part alone; "" for nothing.
+        """
         return self._rest.doubt
 
     @property

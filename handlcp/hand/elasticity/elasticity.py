@@ -103,6 +103,11 @@ class Elasticity:
         """(nv,) the part of the torques K δq of a command (nv,) [rad] that no actuator makes [N·m]."""
         return np.zeros(len(command))
 
+    def asked(self, command: Array) -> Array:
+        """(nv,) K δq of a command (nv,) [rad], of joints that springs hold [N·m]."""
+        free = np.asarray(self.root.any(axis=1))
+        return np.where(free, np.where(np.isinf(self.matrix), 0.0, self.matrix) @ command, 0.0)
+
     def at(self, kinematics: Any, q: Array) -> Elasticity:
         """In a posture q (nv,) of a hand with these kinematics: the same, unless tendons run along routes."""
         return self

@@ -184,8 +184,7 @@ class TendonStiffness(JointStiffness):
         """Tendons that pull make torques Rᵀ (t - T₀), none of them below 0; what else K δq_c asks for, springs at the
         joints would have to be commanded to, or tendons would have to push.
         """
-        free = np.asarray(self.root.any(axis=1))
-        asked = np.where(free, np.where(np.isinf(self.matrix), 0.0, self.matrix) @ command, 0.0)
+        asked = self.asked(command)
         left = self.cables.not_made(asked)
         return np.where(abs(left) > _MADE * abs(asked).max(initial=0.0), left, 0.0)
 
