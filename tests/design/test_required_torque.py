@@ -102,6 +102,7 @@ def test_finer_steps_need_no_more_than_a_thousandth_more(cube):
         assert (abs(fine).max(axis=0) <= 1.001 * r.torque).all()
 
 
+@pytest.mark.long
 def test_a_grip_for_each_finger_needs_no_more_than_a_common_one(cube):
     grasp, r = cube
     most = 0.0

@@ -84,6 +84,7 @@ def test_closing_takes_the_tension_of_the_closed_hand_and_no_more_than_the_peak_
     assert hl.envelope(grasps[1], [ASIDE], geometry="followed").factors.tolist() == [0.0]
 
 
+@pytest.mark.long
 def test_a_tendon_that_is_let_out_or_holds_takes_no_peak(write: Writer) -> None:
     """An extensor stays at its pretension while the hand closes, and a load pulls a flexor beyond what closes."""
     drives = {"left_extensor": motor(3.5, 3.5), "right_flexor": motor(CLOSED, CLOSED + 4.0, holding=3.0 * CLOSED)}

@@ -141,6 +141,7 @@ def test_no_direction_of_an_envelope_is_worse_than_the_worst():
     assert p.mass == p.by_orientation[-1].mass <= min(masses(p)[:6])
 
 
+@pytest.mark.long
 def test_where_paths_take_long_the_worst_direction_is_found_in_this_posture_and_rows_are_followed_all_the_same(
     monkeypatch,
 ):
