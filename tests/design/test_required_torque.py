@@ -10,9 +10,9 @@ import pytest
 
 import handlcp as hl
 from handlcp.errors import InputError, UnknownName
-from handlcp.hand.elasticity.motor import Drives
 from tests.design.hands import G, cube_grasp, pinch
 from tests.hand.levers import MU, L
+from tests.support.hand import Drives
 from tests.support.texts import same
 
 BRIEF = {"lift": {}, "push": (0, 3, 0, 0, 0, 0), "upside down": {"gravity": (0, 0, G)}, "heavy": {"mass": 0.8}}

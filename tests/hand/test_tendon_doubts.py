@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 import handlcp as hl
-from handlcp.hand.robot.audit import doubt_reasons
+from tests.support.hand import doubt_reasons
 
 JOINT, LINKS = "finger_1_distal", ("finger_1_proximal_link", "finger_1_distal_link")
 

@@ -9,12 +9,14 @@ import numpy as np
 
 import handlcp as hl
 from handlcp.hand import Hand, HandGrasp, HandState, Object, TorqueCheck
+from handlcp.hand.elasticity.motor import Drives
 from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.find import find as find_module
 from handlcp.hand.library import SHIPPED, allegro, psyonic, urdf
 from handlcp.hand.objects.detect import distance, nearest
 from handlcp.hand.objects.inside import links_inside
 from handlcp.hand.objects.table import RIM, _needed as _points_needed
+from handlcp.hand.robot.audit import doubt_reasons
 from handlcp.hand.robot.posture import contact_hessian
 from handlcp.hand.robot.source.servos import ServoStiffness
 from handlcp.hand.robot.tip_geometry import TipShape, sphere_tip
@@ -25,6 +27,7 @@ from handlcp.hand.torque_check import torque_check
 __all__ = [
     "RIM",
     "SHIPPED",
+    "Drives",
     "ServoStiffness",
     "allegro",
     "ball_near",
@@ -32,6 +35,7 @@ __all__ = [
     "curvature",
     "deflection",
     "distance",
+    "doubt_reasons",
     "effort",
     "elastic_flexibility",
     "find_module",
