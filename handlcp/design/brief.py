@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -11,11 +11,12 @@ import numpy as np
 
 from handlcp.check import Array, array, integer, number, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.friction import FrictionLaw, as_law
-from handlcp.hand.find.find import ANY, KINDS, PINCH, POWER
+from handlcp.grasp.friction import as_law
+from handlcp.hand.find.find import PINCH, check_closing
 from handlcp.hand.objects.object import Object
-from handlcp.study.payload.ask import ANY as ANY_WAY, SIX
+from handlcp.study.payload.ask import SIX, check_orientations
 
+WEIGHT = "weight"  # what the object's own weight is called among its loads
 _WRENCH = "force [N] and torque [N·m] beside the weight"
 _CLOSING = ("squeeze", "grip_force", "closing_torque")  # arguments of `find_grasp` that say how hard the hand closes
 
@@ -53,29 +54,20 @@ class Brief:
     closing_torque: Any = None
     tries: int = 256
     seed: int = 0
-    law: FrictionLaw = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         above = partial(number, above=0.0)
         put = partial(object.__setattr__, self)
         put("objects", _objects(self.objects))
         put("loads", _loads(self.loads))
-        put("law", as_law(self.friction))
-        if not isinstance(self.orientations, (int, str)) or self.orientations not in (SIX, ANY_WAY):
-            raise InputError("orientations", '6 or "any"', repr(self.orientations)[:80])
+        as_law(self.friction)
+        check_orientations(self.orientations)
         put("acceleration", number("acceleration", self.acceleration, minimum=0.0))
         for name in ("motion", "most_force"):
             value = getattr(self, name)
             put(name, None if value is None else above(name, value))
         put("safety", above("safety", self.safety))
-        if not isinstance(self.kind, str) or self.kind not in KINDS:
-            raise InputError("kind", '"pinch", "power" or "any"', repr(self.kind)[:80])
-        given = [name for name in _CLOSING if getattr(self, name) is not None]
-        fit = {PINCH: _CLOSING[:2], POWER: _CLOSING[2:], ANY: _CLOSING}[self.kind]
-        for name in given:
-            if name not in fit or (name == "grip_force" and "squeeze" in given):
-                expected = f"None beside another way to close; {' or '.join(fit)} closes a grasp of kind {self.kind!r}"
-                raise InputError(name, expected, repr(getattr(self, name))[:80])
+        check_closing(self.kind, self.squeeze, self.grip_force, self.closing_torque)
         put("tries", integer("tries", self.tries, 1))
         put("seed", integer("seed", self.seed, 0))
 
@@ -125,6 +117,3 @@ def _loads(given: Any) -> dict[str, Array]:
         if name == WEIGHT:
             raise InputError("loads", f"another name than {WEIGHT!r}, which the object's own weight has", repr(name))
     return {name: read_only(load) for name, load in found.items()}
-
-
-WEIGHT = "weight"

@@ -168,10 +168,12 @@ class Candidate(Record):
         """In words: of a pinch finger by finger, of a power grasp the links that press hardest."""
         if self.kind != "power":
             return f"forces {', '.join(f'{f:.2g}' for f in self.solution.normal_force)} N"
-        by_link, links = Counter[str](), self.grasp.mechanism.links
+        by_link, links = dict[str, float](), self.grasp.mechanism.links
         for name, force in self.normal_force.items():
-            by_link[links.get(name, name)] += force  # type: ignore[assignment]  # counters add floats, too
-        pressing = [f"{link} {force:.2g} N" for link, force in by_link.most_common() if force > _NO_FORCE]
+            link = links.get(name, name)
+            by_link[link] = by_link.get(link, 0.0) + force
+        hardest = sorted(by_link.items(), key=lambda one: -one[1])
+        pressing = [f"{link} {force:.2g} N" for link, force in hardest if force > _NO_FORCE]
         return f"pressing: {words.listed(pressing) or 'nothing'}"
 
     def __repr__(self) -> str:

@@ -75,19 +75,10 @@ def find_grasp(
         raise InputError("hand", "a Hand", repr(hand))
     if not isinstance(obj, Object):
         raise InputError("obj", what_to_pass(obj), repr(obj)[:80])
-    if not isinstance(kind, str) or kind not in KINDS:
-        raise InputError("kind", '"pinch", "power" or "any"', repr(kind)[:80])
     ask_for_metres("obj", obj, Posture(hand, hand.neutral).tip_positions)
     tips, tries, seed = hand.tip_numbers("fingers", fingers), integer("tries", tries, 1), integer("seed", seed, 0)
     yes_or_no("throw", throw)
-    if squeeze is not None and grip_force is not None:
-        raise InputError("grip_force", "None beside a squeeze", repr(grip_force))
-    if kind == PINCH and closing_torque is not None:
-        raise InputError("closing_torque", 'None for fingertips: it closes a grasp of kind "power"', closing_torque)
-    if kind == POWER:
-        for name, value in (("squeeze", squeeze), ("grip_force", grip_force), ("fingers", fingers)):
-            if value is not None:
-                raise InputError(name, "None for a power grasp, which closing_torque closes", repr(value)[:80])
+    check_closing(kind, squeeze, grip_force, closing_torque, fingers)
     if kind != PINCH and isinstance(obj, Mesh) and not obj.convex and not available():
         expected = "a convex object for a power grasp, or coacd for its convex parts (pip install handlcp[convex])"
         came = f"{obj!r}, which is not convex; its convex hull would be (trimesh: mesh.convex_hull)"
@@ -115,3 +106,17 @@ def find_grasp(
     if throw:
         raise NoGraspFound(why, dict(tried), tuple(refused))
     return Found((), tried, why)
+
+
+def check_closing(kind: Any, squeeze: Any, grip_force: Any, closing_torque: Any, fingers: Any = None) -> None:
+    """Raises InputError for no kind of grasp, and for what a grasp of this kind is not closed by."""
+    if not isinstance(kind, str) or kind not in KINDS:
+        raise InputError("kind", '"pinch", "power" or "any"', repr(kind)[:80])
+    if squeeze is not None and grip_force is not None:
+        raise InputError("grip_force", "None beside a squeeze", repr(grip_force))
+    if kind == PINCH and closing_torque is not None:
+        raise InputError("closing_torque", 'None for fingertips: it closes a grasp of kind "power"', closing_torque)
+    if kind == POWER:
+        for name, value in (("squeeze", squeeze), ("grip_force", grip_force), ("fingers", fingers)):
+            if value is not None:
+                raise InputError(name, "None for a power grasp, which closing_torque closes", repr(value)[:80])

@@ -47,8 +47,7 @@ def payload(
     accuracy: float | None = None,
 ) -> Payload:  # fmt: skip
     """See `Grasp.payload`."""
-    if not isinstance(orientations, (int, str)) or orientations not in (SIX, ANY):
-        raise InputError("orientations", '6 or "any"', repr(orientations)[:80])
+    check_orientations(orientations)
     if geometry not in (None, FIXED, FOLLOWED):
         raise InputError("geometry", '"fixed", "followed" or None', repr(geometry)[:80])
     more = number("acceleration", acceleration, minimum=0.0)
@@ -72,6 +71,12 @@ def payload(
             rows.append(question.held(d, pulls if more else np.zeros((1, 3))))
             done(1)
     return Payload(tuple(rows), orientations, more, how, question.asked.load, tried, searched)
+
+
+def check_orientations(value: Any) -> None:
+    """Raises InputError for anything but 6 and "any"."""
+    if not isinstance(value, (int, str)) or value not in (SIX, ANY):
+        raise InputError("orientations", '6 or "any"', repr(value)[:80])
 
 
 def _about_the_mass(grasp: Grasp) -> Grasp:

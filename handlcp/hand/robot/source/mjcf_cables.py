@@ -11,9 +11,9 @@ import numpy as np
 from handlcp import words
 from handlcp.hand.robot.joints import Doubt
 from handlcp.hand.robot.source.file_cables import Cable, write_cable
+from handlcp.hand.robot.source.mjcf_parts import MOVES_TENDON
 from handlcp.hand.robot.source.mjcf_routes import routes
 
-_TENDON = 3  # what an actuator moves
 ROUTE = "route"  # what a doubt is about that a hand with tendons is free of
 LEFT_OUT = "servo"  # what one is about that says why a servo is not read
 _ADVICE = "joint_stiffness=Tendons(hl.tendon_routes(...), ...)"
@@ -28,7 +28,7 @@ def write_cables(root: ET.Element, model: Any, servos: dict[int, float]) -> Iter
     """
     drawn = dict[int, list[int]]()
     read, refused = routes(model)
-    of_tendons = [a for a in servos if int(model.actuator_trntype[a]) == _TENDON]
+    of_tendons = [a for a in servos if int(model.actuator_trntype[a]) == MOVES_TENDON]
     for a in of_tendons:
         drawn.setdefault(int(model.actuator_trnid[a, 0]), []).append(a)
     names = {t: model.tendon(t).name or f"tendon {t}" for t in range(model.ntendon)}

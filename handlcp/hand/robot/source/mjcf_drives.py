@@ -11,9 +11,9 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.hand.robot.joints import Doubt
-from handlcp.hand.robot.source.mjcf_parts import add
+from handlcp.hand.robot.source.mjcf_parts import MOVES_TENDON, add
 
-_JOINT, _IN_PARENT, _TENDON = 0, 1, 3  # what an actuator moves
+_JOINT, _IN_PARENT = 0, 1  # what an actuator moves
 _OF_JOINTS, _WRAPS_JOINT = 2, 1  # an equality of joints; a tendon that is a sum of joint angles
 _FIXED, _AFFINE = 0, 1  # gains and biases of actuators
 
@@ -32,7 +32,7 @@ def efforts(model: Any, names: list[str]) -> tuple[Array, list[str], list[Doubt]
     for a in range(model.nu):
         own, word = _ends(model, a)
         arms = _moved(model, a)
-        if int(model.actuator_trntype[a]) == _TENDON and len(arms) > 1:
+        if int(model.actuator_trntype[a]) == MOVES_TENDON and len(arms) > 1:
             target = int(model.actuator_trnid[a, 0])
             pulled[model.tendon(target).name or f"tendon {target}"] = arms
         for j, arm in arms.items():
@@ -54,7 +54,7 @@ def _moved(model: Any, a: int) -> dict[int, float]:
     what, target = int(model.actuator_trntype[a]), int(model.actuator_trnid[a, 0])
     if what in (_JOINT, _IN_PARENT):
         return {target: 1.0}
-    if what != _TENDON:
+    if what != MOVES_TENDON:
         return {}
     first = int(model.tendon_adr[target])
     wraps = range(first, first + int(model.tendon_num[target]))

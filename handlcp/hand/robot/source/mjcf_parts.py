@@ -12,6 +12,7 @@ from handlcp.check import Array
 from handlcp.hand.robot.joints import Doubt
 
 _PLANE, _HFIELD, _SPHERE, _CAPSULE, _ELLIPSOID, _CYLINDER, _BOX, _MESH = range(8)
+MOVES_TENDON = 3  # what an actuator moves
 _SEEN = 3  # groups of geoms that MuJoCo draws: 0, 1, 2
 
 
