@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, integer, number, per_name, read_only
+from handlcp.check import Array, array, integer, number, per_name, read_only, yes_or_no
 from handlcp.errors import InputError, UnknownName
 
 LOG = "log"
@@ -101,7 +101,7 @@ class Space:
         return f"Space({self.to_dict()})"
 
     def to_dict(self) -> dict[str, Any]:
-        """Name → entry, as it may be given."""
+        """Name → entry, as it may be given: ranges as {"low": 1.0, "high": 2.0, "log": True}, as files have them."""
         return {name: _given(self.free.get(name, self.fixed.get(name))) for name in self.names}
 
     @property
@@ -175,6 +175,9 @@ class Space:
 
 def _read(argument: str, entry: Any) -> Range | Choices | Value:
     """One entry. Raises InputError."""
+    if isinstance(entry, Mapping) and {"low", "high"} <= set(entry) <= {"low", "high", LOG}:  # as files have it
+        log = yes_or_no(f"{argument}.{LOG}", entry.get(LOG, False))
+        entry = (entry["low"], entry["high"], *([LOG] if log else []))
     if isinstance(entry, tuple):
         return _range(argument, entry)
     if isinstance(entry, np.ndarray) and entry.ndim == 1:
@@ -215,7 +218,7 @@ def _plain(argument: str, value: Any, expected: str) -> Value:
 
 
 def _given(entry: Any) -> Any:
-    """An entry as it may be given."""
+    """An entry as it may be given, of what JSON and TOML have."""
     if isinstance(entry, Range):
-        return (entry.low, entry.high, LOG) if entry.log else (entry.low, entry.high)
+        return {"low": entry.low, "high": entry.high} | ({LOG: True} if entry.log else {})
     return list(entry.values) if isinstance(entry, Choices) else entry
