@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, BinaryIO
@@ -43,7 +43,7 @@ def read(file: Path) -> tuple[Row | None, list[Row], int]:
 
 
 class Journal:
-    """Appends rows. `rows` : those that it begins with."""
+    """Appends rows. `rows` : all that it has. `sweep` : what the sweep is that it was begun with."""
 
     def __init__(self, file: Path, sweep: Mapping[str, Any]) -> None:
         """With what the sweep is. Raises InputError for a file that cannot be written, or is no journal; whether it is
@@ -60,7 +60,7 @@ class Journal:
             self._out.truncate(end)
             self._out.seek(end)
         if not end:
-            self.append([self.sweep])
+            self._write([self.sweep])
 
     def __enter__(self) -> Journal:
         return self
@@ -68,10 +68,14 @@ class Journal:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self._out.close()
 
-    def append(self, rows: Iterable[Mapping[str, Any]]) -> None:
+    def append(self, rows: Sequence[Row]) -> None:
         """To the disk, before this returns. Raises InputError where that fails."""
-        lines = [json.dumps(row, allow_nan=False) for row in rows]
+        self._write(rows)
+        self.rows += rows
+
+    def _write(self, lines: Sequence[Mapping[str, Any]]) -> None:
+        text = "".join(f"{json.dumps(line, allow_nan=False)}\n" for line in lines)
         with writing("out", self.file):
-            self._out.write("".join(f"{line}\n" for line in lines).encode())
+            self._out.write(text.encode())
             self._out.flush()
             os.fsync(self._out.fileno())

@@ -57,15 +57,14 @@ def sweep(
         check_same(str(file), before, same)
         beside(file).unlink(missing_ok=True)  # of a run that was stopped between its last two steps
         return Study(same, rows, maker)
-    every = numbered(room, cube)
+    every, cells, found = numbered(room, cube), cells_of(room, cube), list[Row]()
     if file is None:
-        found = list[Row]()
-        _run(maker, every, cells_of(room, cube), executor, progress, found, found.extend)
+        _run(maker, every, cells, executor, progress, found, found.extend)
     else:
         with Journal(beside(file), same) as journal:
             check_same(str(journal.file), journal.sweep, same)
             found = journal.rows
-            _run(maker, every, cells_of(room, cube), executor, progress, found, journal.append)
+            _run(maker, every, cells, executor, progress, found, journal.append)
         write_table(file, same, in_order(found))
         journal.file.unlink()
     return Study(same, in_order(found), maker)
