@@ -59,6 +59,7 @@ from .grasp import (
     wrench_from_fingertip_forces as wrench_from_fingertip_forces,
 )
 from .hand import (
+    YCB as YCB,
     Around as Around,
     Audit as Audit,
     Box as Box,

@@ -70,7 +70,7 @@ class URDFError(InputError):
 
 
 class SceneFileError(InputError):
-    """A scene file that cannot be read or does not describe a scene."""
+    """A scene file, or the file of a brief, that cannot be read or does not describe one."""
 
 
 class NotReached(InputError):

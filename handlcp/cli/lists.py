@@ -148,12 +148,16 @@ def effects(
 
 
 @app.command()
-def keys(json: Json = False) -> None:
-    """List every key of a scene file, what it holds and what it means."""
+def keys(
+    json: Json = False,
+    of_brief: Annotated[bool, typer.Option("--brief", help="Of the file of a brief, for `handlcp evaluate`.")] = False,
+) -> None:
+    """List every key of a scene file, or of a brief, what it holds and what it means."""
     from handlcp import scene
+    from handlcp.design.brief_file import BriefTables
 
-    found = scene.keys()
+    found = scene.keys(BriefTables) if of_brief else scene.keys()
     if json:
         print_json({"keys": found})
     else:
-        Console().print(tables.key_table(found))
+        Console().print(tables.key_table(found, "a brief" if of_brief else "a scene file"))
