@@ -10,6 +10,7 @@ from .errors import (
     NoGraspFound as NoGraspFound,
     NoSolutionFound as NoSolutionFound,
     NotReached as NotReached,
+    RequirementNotMet as RequirementNotMet,
     SceneFileError as SceneFileError,
     UnknownName as UnknownName,
     Unsupported as Unsupported,

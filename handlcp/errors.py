@@ -98,6 +98,18 @@ class NoGraspFound(HandLCPError):
         return str(self.args[0])
 
 
+class RequirementNotMet(HandLCPError):
+    """A hand that does less than was required of it. unmet : what, by how much, and what gives out, in sentences."""
+
+    def __init__(self, unmet: Iterable[str]) -> None:
+        self.unmet = tuple(unmet)
+        super().__init__(self.unmet)
+
+    def __str__(self) -> str:
+        """All of them."""
+        return "\n".join(self.unmet)
+
+
 def _where(gap: float) -> str:
     """Of a gap [mm]; below 0 it is an overlap."""
     return f"overlaps by {-gap:.3g} mm" if gap < 0.0 else f"{gap:.3g} mm away"
