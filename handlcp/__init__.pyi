@@ -12,6 +12,7 @@ from .errors import (
     NoGraspFound as NoGraspFound,
     NoSolutionFound as NoSolutionFound,
     NotReached as NotReached,
+    RequirementNotMet as RequirementNotMet,
     SceneFileError as SceneFileError,
     UnknownName as UnknownName,
     Unsupported as Unsupported,
@@ -61,6 +62,7 @@ from .grasp import (
     wrench_from_fingertip_forces as wrench_from_fingertip_forces,
 )
 from .hand import (
+    YCB as YCB,
     Around as Around,
     Audit as Audit,
     Box as Box,
