@@ -4,12 +4,15 @@ from .design.brief import Brief as Brief
 from .design.evaluate import evaluate as evaluate
 from .design.evaluation import Evaluation as Evaluation
 from .design.finger_hand import finger_hand as finger_hand
+from .design.study import Study as Study
+from .design.sweep.sweep import sweep as sweep
 from .errors import (
     HandLCPError as HandLCPError,
     InputError as InputError,
     NoGraspFound as NoGraspFound,
     NoSolutionFound as NoSolutionFound,
     NotReached as NotReached,
+    RequirementNotMet as RequirementNotMet,
     SceneFileError as SceneFileError,
     UnknownName as UnknownName,
     Unsupported as Unsupported,
@@ -59,6 +62,7 @@ from .grasp import (
     wrench_from_fingertip_forces as wrench_from_fingertip_forces,
 )
 from .hand import (
+    YCB as YCB,
     Around as Around,
     Audit as Audit,
     Box as Box,

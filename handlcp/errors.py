@@ -70,7 +70,7 @@ class URDFError(InputError):
 
 
 class SceneFileError(InputError):
-    """A scene file that cannot be read or does not describe a scene."""
+    """A scene file, or the file of a brief, that cannot be read or does not describe one."""
 
 
 class NotReached(InputError):
@@ -96,6 +96,18 @@ class NoGraspFound(HandLCPError):
     def __str__(self) -> str:
         """The message."""
         return str(self.args[0])
+
+
+class RequirementNotMet(HandLCPError):
+    """A hand that does less than was required of it. unmet : what, by how much, and what gives out, in sentences."""
+
+    def __init__(self, unmet: Iterable[str]) -> None:
+        self.unmet = tuple(unmet)
+        super().__init__(self.unmet)
+
+    def __str__(self) -> str:
+        """All of them."""
+        return "\n".join(self.unmet)
 
 
 def _where(gap: float) -> str:

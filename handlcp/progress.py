@@ -15,6 +15,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from datetime import timedelta
 from typing import Any
 
 from handlcp.errors import InputError
@@ -29,26 +30,30 @@ clock = time.monotonic
 
 
 @contextmanager
-def told(what: str, total: int | None = None, asked: Any = None) -> Iterator[Callable[[int], None]]:
+def told(
+    what: str, total: int | None = None, asked: Any = None, begun: int | None = None
+) -> Iterator[Callable[[int], None]]:  # fmt: skip
     """Around a long call, or a decorator of one: a function to call with how many more are done.
 
     what : is counted, or done, such as "directions". total : how many there are; None: not known.
     asked : the `progress` that a user gave: None: a line as this file has it; False: nothing; True: a line on stderr
         from the beginning on, be it a terminal or not, that stays; a function: called with (done, total), in place of a
         line. Raises InputError for anything else.
+    begun : how many were done before, in a call that goes on with another's work and may take hours: the line then says
+        how long each takes, and how long the rest will. None: neither.
     """
     if not (asked is None or isinstance(asked, bool) or callable(asked)):
         raise InputError("progress", "True, False, None, or a function of (done, total)", repr(asked)[:80])
     outer = getattr(_here, "line", None)
     if outer is not None and not callable(asked):
-        inner = _Count(what, total)
+        inner = _Count(what, total, begun)
         yield lambda more: outer.tick(str(inner.plus(more)))
         return
-    line = _Line(_Count(what, total), _NEVER if callable(asked) else _after(asked), asked is True)
+    line = _Line(_Count(what, total, begun), _NEVER if callable(asked) else _after(asked), asked is True)
     _here.line = line
     try:
         if callable(asked):
-            yield _calling(asked, total or 0)
+            yield _calling(asked, total or 0, begun)
         else:
             yield line.say
     finally:
@@ -88,8 +93,8 @@ def _after(asked: bool | None, patience: float = PATIENCE) -> float:
     return patience if said == "auto" and alone and terminal else _NEVER
 
 
-def _calling(function: Callable[[int, int], None], total: int) -> Callable[[int], None]:
-    count = _Count("", total)
+def _calling(function: Callable[[int, int], None], total: int, begun: int | None) -> Callable[[int], None]:
+    count = _Count("", total, begun)
 
     def say(more: int) -> None:
         function(count.plus(more).done, total)
@@ -100,10 +105,11 @@ def _calling(function: Callable[[int, int], None], total: int) -> Callable[[int]
 
 
 class _Count:
-    """So many of something are done."""
+    """So many of something are done. begun : as of `told`."""
 
-    def __init__(self, what: str, total: int | None) -> None:
-        self.what, self.total, self.done = what, total, 0
+    def __init__(self, what: str, total: int | None, begun: int | None = None) -> None:
+        self.what, self.total, self.done = what, total, begun or 0
+        self.begun, self.since = begun, clock()
 
     def plus(self, more: int) -> _Count:
         """So many more are done."""
@@ -112,8 +118,16 @@ class _Count:
 
     def __str__(self) -> str:
         if self.total is not None:
-            return f"{self.what} {self.done}/{self.total}"
+            return f"{self.what} {self.done}/{self.total}{self._pace()}"
         return f"{self.what} {self.done}" if self.done else self.what
+
+    def _pace(self) -> str:
+        """Such as ", 0.42 s each, 0:12:30 left"; "" where it is not known or not asked for."""
+        if self.begun is None or self.total is None or self.done <= self.begun:
+            return ""
+        each = (clock() - self.since) / (self.done - self.begun)
+        left = timedelta(seconds=round(each * (self.total - self.done)))
+        return f", {each:.2g} s each, {left} left"
 
 
 class _Line:

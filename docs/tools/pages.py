@@ -19,7 +19,7 @@ TEXTS = {  # page: the file that it shows
     "changelog": "CHANGELOG.md",
 }
 GALLERY = "gallery/index"  # written by `handlcp gallery --out docs/gallery`; left out where it is not
-KEYS = "<!-- keys of a scene file -->"
+KEYS = {"<!-- keys of a scene file -->": "scene", "<!-- keys of a brief -->": "brief"}
 _LINK = re.compile(r"(?<!!)\[([^\]]+)\]\((?!https?:|#|mailto:)([^)#\s]+)(#[^)\s]+)?\)")
 
 
@@ -39,11 +39,12 @@ def relinked(text: str, file: str, page: str) -> str:
     return _LINK.sub(new, text)
 
 
-def keys_table() -> str:
-    """Every key of a scene file, as `handlcp keys` lists them, a table for each part of the file."""
+def keys_table(file: str) -> str:
+    """Every key of a "scene" or a "brief", as `handlcp keys` lists them, a table for each part of the file."""
+    from handlcp.design.brief_file import BriefTables
     from handlcp.scene import keys
 
-    return "\n".join(_tables(keys()))
+    return "\n".join(_tables(keys() if file == "scene" else keys(BriefTables)))
 
 
 def _tables(keys: Any) -> Iterator[str]:
@@ -61,8 +62,9 @@ def _read(app: Any, page: str, source: list[str]) -> None:
     if page in TEXTS:
         app.env.note_dependency(ROOT / TEXTS[page])
         source[0] = relinked((ROOT / TEXTS[page]).read_text(encoding="utf-8"), TEXTS[page], page)
-    elif KEYS in source[0]:
-        source[0] = source[0].replace(KEYS, keys_table())
+    elif any(mark in source[0] for mark in KEYS):
+        for mark, file in KEYS.items():
+            source[0] = source[0].replace(mark, keys_table(file))
     elif page == "index" and GALLERY not in app.env.found_docs:
         source[0] = source[0].replace(f"\n{GALLERY}\n", "\n")
 

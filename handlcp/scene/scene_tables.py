@@ -16,6 +16,7 @@ from handlcp.grasp.friction import FrictionLaw, Frictionless, as_law, friction_l
 from handlcp.grasp.model.limit import FileKey
 from handlcp.scene import kinds as k, schema as s
 from handlcp.scene.kinds import Expected, MadeWhenRead, Table
+from handlcp.scene.objects import ObjectTable
 
 # ----------------------------------------------------------------
 # Names in a scene file: its keys in errors, its fingers in tables.
@@ -132,7 +133,7 @@ class SceneTables(Table):
     """for readers of the file"""
     hand: s.HandTable | None = None
     posture: s.PostureTable = Field(default_factory=s.PostureTable)
-    object: s.ObjectTable | None = None
+    object: ObjectTable | None = None
     contact: list[s.ContactTable] = Field(default_factory=list)
     environment: list[s.EnvironmentTable] = Field(default_factory=list)
     grasp: s.GraspTable = Field(default_factory=s.GraspTable)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -17,8 +17,8 @@ from handlcp.show.tables import torque_table
 
 __all__ = [
     "envelope_page", "envelope_plot", "envelope_polar", "html", "limit_plot", "loading_page", "loading_plot", "page",
-    "payload", "payload_plot", "plot", "reliability_plot", "split_plot", "table_html", "text_html", "to_dict",
-    "torque_table",
+    "payload", "payload_plot", "plot", "reliability_plot", "split_plot", "study_page", "study_plot", "table_html",
+    "text_html", "to_dict", "torque_table",
 ]  # fmt: skip
 
 
@@ -64,6 +64,12 @@ payload = _at("payload", "payload", "study")
 payload_plot, split_plot = map(_plotted, ("payload", "split_cylinder"))
 envelope_plot, envelope_polar = _plotted("envelope.draw"), _plotted("envelope.polar", "polar_figure")
 loading_page, envelope_page = _at("page.document", "save_loading"), _at("envelope.page", "save")
+study_page = _at("study.page", "save")
+
+
+def study_plot(study: Any, path: Any, title: str, by: Sequence[str]) -> Any:
+    """See `Study.plot`."""
+    return drawn(path, _at("study.draw", "figure"), study, title, by)
 
 
 def to_dict(solution: GraspSolution) -> dict[str, Any]:

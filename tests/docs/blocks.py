@@ -3,6 +3,7 @@
     ```python     run; a ```text block after it is what it prints
     ```console    `$ handlcp …` is run, after && too, and what stands below is what it prints
     ```sh         commands without what they print; those of other programs have to name what exists
+    ```yaml       steps of a workflow, whose `- run: …` are as of sh
     ```toml       written to the file that its first line names: `# my_scene.toml`
 
 What is shown may leave out anything with "…": a line of its own stands for any lines. Blank lines and blanks at the end
@@ -77,8 +78,8 @@ class Page:
             pathlib.Path(first[1]).write_text(block.text, encoding="utf-8")
         elif block.language == "console":
             self._console(block, where)
-        elif block.language == "sh":
-            for line in block.text.splitlines():
+        elif block.language in ("sh", "yaml"):
+            for line in commands(block):
                 for command in line.partition("  #")[0].split("&&"):
                     shell(command.strip(), where)
         else:
@@ -113,6 +114,13 @@ class Page:
 def lines(text: str) -> list[str]:
     """Those that are not blank, without blanks at their ends."""
     return [line.rstrip() for line in text.splitlines() if line.strip()]
+
+
+def commands(block: Block) -> list[str]:
+    """Those of a block of sh, or of the steps of a workflow."""
+    if block.language == "sh":
+        return block.text.splitlines()
+    return re.findall(r"^ *- run: (.*)$", block.text, re.M)
 
 
 def shell(command: str, where: str) -> str:

@@ -18,3 +18,6 @@ class Frictionless(FrictionLaw):
 
     def with_mu(self, mu: float) -> Coulomb:
         return Coulomb(mu)
+
+    def to_file(self) -> str:
+        return "frictionless"

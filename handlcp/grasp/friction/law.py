@@ -75,6 +75,12 @@ class FrictionLaw:
         names = cls.file_keys[0] | cls.file_keys[1]
         return cls(**{names[key]: value for key, value in table.items()})
 
+    def to_file(self) -> Any:
+        """What a scene file says of the law: its table, or for one without keys of its own its coefficient."""
+        names = self.file_keys[0] | self.file_keys[1]
+        table = {key: value for key, argument in names.items() if (value := getattr(self, argument)) is not None}
+        return table or self.mu
+
     mu: float
 
 

@@ -1,0 +1,190 @@
+"""A brief as TOML: its keys, read with the tables of objects, loads and friction that scene files have, and written."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from handlcp.errors import InputError
+from handlcp.grasp.friction import as_law
+from handlcp.hand import YCB, Box, Cylinder, Ellipsoid, Mesh, Object, Sphere
+from handlcp.scene import kinds as k
+from handlcp.scene.build import object_of
+from handlcp.scene.kinds import Table
+from handlcp.scene.objects import ObjectTable
+from handlcp.scene.reading import checked, text_of
+from handlcp.scene.scene_tables import keyed, law_of
+from handlcp.scene.schema import LoadTable
+
+Made = TypeVar("Made")
+
+# ----------------------------------------------------------------
+
+
+class BriefTables(Table):
+    """What a hand must do."""
+
+    friction: k.Friction = 0.6
+    """of all contacts"""
+    orientations: k.Orientations = 6
+    """in which directions gravity pulls"""
+    acceleration_m_per_s2: k.NotNegative = 0.0
+    """of the hand, the worst of six ways beside gravity"""
+    motion_m: k.Positive | None = None
+    """how far an object may move under its weight or a load; left out: any distance"""
+    most_force_N: k.Positive | None = None
+    """normal force that an object bears at a contact; left out: any"""
+    safety: k.Positive = 1.0
+    """how many times the weight, and each load, must be held"""
+    kind: k.Kind = "pinch"
+    """of grasp"""
+    squeeze_m: k.ByTip | None = None
+    """how much deeper than touching the joints are commanded to take the tips"""
+    grip_force_N: k.ByTip | None = None
+    """instead of squeeze_m: normal forces that the commanded joints make on an object that stays where it is"""
+    closing_torque_Nm: k.ClosingTorque | None = None
+    """with which each joint that bends closes a power grasp"""
+    tries: k.Count = 256
+    """placements of each object that are tried"""
+    seed: k.Seed = 0
+    """of the search"""
+    objects: dict[str, ObjectTable] = Field(default_factory=dict)
+    """by name, such as [objects.ball], with the keys of [object]; where they are does not count"""
+    loads: dict[str, LoadTable] = Field(default_factory=dict)
+    """by name, such as [loads.pull], with the keys of [load]: beside the weight, in the axes of the hand's base"""
+    object: ObjectTable | None = None
+    """instead of objects: the only one"""
+    load: LoadTable | None = None
+    """instead of loads: the only one"""
+
+    @model_validator(mode="after")
+    def _said_once(self) -> BriefTables:
+        """An object, or several by name; and at most one way of saying loads."""
+        if (self.object is None) == (not self.objects):
+            came = "neither" if self.object is None else "both"
+            raise InputError("objects", "tables [objects.NAME], or one [object]", came)
+        if self.load is not None and self.loads:
+            raise InputError("loads", "tables [loads.NAME], or one [load]", "both")
+        return self
+
+
+# Arguments of a brief, and the keys that they come from
+_KEYS = {
+    "friction": "friction", "orientations": "orientations", "acceleration": "acceleration_m_per_s2",
+    "motion": "motion_m", "most_force": "most_force_N", "safety": "safety", "kind": "kind", "squeeze": "squeeze_m",
+    "grip_force": "grip_force_N", "closing_torque": "closing_torque_Nm", "tries": "tries", "seed": "seed",
+}  # fmt: skip
+
+
+def loaded(path: Any, make: Callable[..., Made]) -> Made:
+    """The brief of a file. make : it from its arguments. See `Brief.from_toml`."""
+    text, file = text_of(path, "a brief (TOML)")
+    table = checked(BriefTables, text, file.name)
+    try:
+        objects: Any = {name: object_of(one, file.parent, f"objects.{name}") for name, one in table.objects.items()}
+        loads: Any = {name: [*one.force_N, *one.torque_Nm] for name, one in table.loads.items()}
+        if table.object is not None:
+            objects = object_of(table.object, file.parent)
+        if table.load is not None:
+            loads = [*table.load.force_N, *table.load.torque_Nm]
+        given = {argument: getattr(table, key) for argument, key in _KEYS.items()}
+        with keyed(_KEYS):
+            return make(objects, loads, **{**given, "friction": law_of(table.friction, "friction")})
+    except InputError as error:
+        error.args = (f"{file.name}: {error}",)
+        raise
+
+
+# ----------------------------------------------------------------
+# Writing: numbers as Python prints them, which reads back to the same bits.
+
+
+def toml_text(brief: Any, folder: Path) -> str:
+    """A brief as TOML, with files of meshes relative to the folder. Raises InputError for what has no key."""
+    plain = BriefTables.model_fields
+    said: dict[str, Any] = {
+        key: value
+        for argument, key in _KEYS.items()
+        if (value := _plain(getattr(brief, argument))) is not None and value != plain[key].default
+    }
+    said["friction"] = _friction(brief.friction)
+    tables = {("objects", name): _object(name, obj, folder) for name, obj in brief.objects.items()}
+    for name, load in brief.loads.items():
+        tables["loads", name] = {"force_N": load[:3].tolist(), "torque_Nm": load[3:].tolist()}
+    return "\n".join([*_lines(said), *[line for path, table in tables.items() for line in _section(path, table)], ""])
+
+
+def _friction(given: Any) -> Any:
+    law = as_law(given)
+    written = law.to_file()
+    if law_of(written) != law:
+        raise InputError("friction", "a law that files have keys for", repr(given)[:80])
+    return written
+
+
+def _object(name: str, obj: Object, folder: Path) -> dict[str, Any]:
+    """The table of an object."""
+    match obj:
+        case Box():
+            table: dict[str, Any] = {"shape": "box", "size_m": obj.size.tolist()}
+        case Sphere():
+            table = {"shape": "sphere", "radius_m": obj.radius}
+        case Cylinder():
+            table = {"shape": "cylinder", "radius_m": obj.radius, "length_m": obj.length}
+        case Ellipsoid():
+            table = {"shape": "ellipsoid", "radii_m": obj.radii.tolist()}
+        case YCB():
+            table = {"shape": "ycb", "name": obj.name}
+        case Mesh(path=Path() as file):
+            table = {"shape": "mesh", "file": _relative(file, folder), "scale": obj.scale.tolist()}
+        case _:
+            raise InputError(f"objects[{name!r}]", "a shape that files have, a mesh from a file", repr(obj)[:80])
+    return table | {"mass_kg": obj.mass}
+
+
+def _relative(file: Path, folder: Path) -> str:
+    """A path from the folder to the file; the whole of it where they have no root in common."""
+    try:
+        return Path(os.path.relpath(file.resolve(), folder.resolve())).as_posix()
+    except ValueError:
+        return file.resolve().as_posix()
+
+
+def _section(path: tuple[str, ...], table: Mapping[str, Any]) -> list[str]:
+    return ["", f"[{'.'.join(_key(part) for part in path)}]", *_lines(table)]
+
+
+def _lines(table: Mapping[str, Any]) -> Iterator[str]:
+    return (f"{_key(key)} = {_value(value)}" for key, value in table.items())
+
+
+def _value(value: Any) -> str:
+    """A value as TOML."""
+    match value:
+        case str():
+            return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+        case dict():
+            return f"{{ {', '.join(_lines(value))} }}"
+        case list() | tuple():
+            return f"[{', '.join(map(_value, value))}]"
+        case _:
+            return repr(value)
+
+
+def _key(name: str) -> str:
+    return name if name.isascii() and name.replace("-", "_").isidentifier() else _value(name)
+
+
+def _plain(value: Any) -> Any:
+    """Arrays and their numbers as lists and Python's numbers."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(inner) for key, inner in value.items()}
+    if isinstance(value, (list, tuple, np.ndarray, np.generic)):
+        return [_plain(one) for one in value] if isinstance(value, (list, tuple)) else value.tolist()
+    return value

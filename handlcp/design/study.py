@@ -1,0 +1,194 @@
+"""The table of a sweep, and what one asks of it: the best designs, those that none beats in everything, pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array, Bools, integer
+from handlcp.design.evaluation import Evaluation
+from handlcp.design.space import Space
+from handlcp.design.sweep.again import evaluations
+from handlcp.design.sweep.journal import beside, read
+from handlcp.design.sweep.table import checked_table, columns_of, read_table
+from handlcp.design.sweep.work import DESIGN, ERROR, Maker, Row, in_order
+from handlcp.errors import InputError, UnknownName
+from handlcp.record import data_frame, entry
+from handlcp.text_table import TextTable, wrapped
+from handlcp.views import view
+
+PAYLOAD, TORQUE = "payload_kg", "-torque_Nm"
+_SHOWN = 10  # rows that are printed, and of each, besides the parameters:
+_HEADS = {
+    "payload_kg": "payload\nkg",
+    "torque_Nm": "torque\nN·m",
+    "torque_used": "torque\nused",
+    "motion_m": "moves\nmm",
+}
+_ALIASES = {"motor_torque": "torque_Nm"}
+
+
+class Study:
+    """Designs of a sweep with their outcomes, in rows. Prints as a short table; iterates over rows, as dictionaries.
+
+    names : the parameters. columns : name → values of all designs, None where there is none: "design", its number; the
+    parameters; "error", why a design failed; then what `Evaluation.to_row` has. sweep : what the sweep was.
+    """
+
+    def __init__(self, sweep: Row, rows: Sequence[Row], maker: Maker | None = None) -> None:
+        self.sweep, self.columns, self._maker = sweep, columns_of(rows), maker
+        self.names = tuple(sweep["space"])
+
+    @classmethod
+    def load(cls, path: Any, make: Any = None, brief: Any = None) -> Self:
+        """From the table that a sweep wrote, or, as long as that is under way, from what it has so far.
+
+        make, brief : as of `sweep`, for `page`, which makes hands again. Raises InputError; Unsupported for Parquet
+        without pyarrow.
+        """
+        file = checked_table(path)
+        maker = None if make is None or brief is None else Maker(make, brief)
+        if file.exists() or not beside(file).exists():
+            return cls(*read_table(file), maker)
+        sweep, rows, _ = read(beside(file))
+        if sweep is None:
+            raise InputError("path", "the table of a sweep", f"{str(path)!r}, which has only just begun")
+        return cls(sweep, in_order(rows), maker)
+
+    def __len__(self) -> int:
+        return len(self.columns.get(DESIGN, ()))
+
+    def __iter__(self) -> Iterator[Row]:
+        for k in range(len(self)):
+            yield {name: column[k] for name, column in self.columns.items()}
+
+    @property
+    def failed(self) -> Self:
+        """Those that could not be evaluated, with the reason in "error"."""
+        return self._of(np.flatnonzero([error is not None for error in self.columns.get(ERROR, ())]))
+
+    def to_frame(self) -> Any:
+        """A pandas table with a row for each design. Raises Unsupported without pandas."""
+        return data_frame(self.columns)
+
+    # ---------------------------------------------------------------- The best.
+
+    def best(self, n: int = 10, by: str = PAYLOAD, held: bool = False) -> Self:
+        """The first n by a column, the largest first; with a minus before its name, the smallest.
+
+        by : a column, or what an `Evaluation` calls it, such as "payload" or "-torque". held : only designs that hold
+        all that the brief asks. Designs of which the number is not known are left out. Raises InputError, UnknownName.
+        """
+        most = integer("n", n, 1)
+        wanted = self.wanted(by)[:, 0]
+        order = np.argsort(-wanted, kind="stable")
+        return self._of(order[np.isfinite(wanted[order]) & (self._held()[order] if held else True)][:most])
+
+    def pareto(self, *by: str, held: bool = False) -> Self:
+        """Those that no other design beats: is at least as good in all these columns, and better in one. Sorted by the
+        first column. by : as in `best`; none: "payload", "-torque". Raises InputError, UnknownName.
+        """
+        wanted = self.wanted(*(by or (PAYLOAD, TORQUE)))
+        known = np.isfinite(wanted).all(axis=1) & (self._held() if held else True)
+        at = np.flatnonzero(known)
+        front = at[not_beaten(wanted[at])]
+        return self._of(front[np.argsort(-wanted[front, 0], kind="stable")])
+
+    def wanted(self, *by: str) -> Array:
+        """(n, k) of these columns, of which more is better; NaN where nothing is known. Raises InputError."""
+        return np.array([self._wanted(name) for name in by]).T.reshape(len(self), len(by))
+
+    def column_of(self, name: Any) -> str:
+        """The column of a name, without its minus. Raises UnknownName."""
+        bare = str(name).removeprefix("-")
+        named = {entry(line).path: entry(line).key for line in Evaluation.entries} | _ALIASES
+        for known in (bare, named.get(bare)):
+            if known in self.columns:
+                return str(known)
+        raise UnknownName("by", "a column", [str(name)], self.columns)
+
+    def _wanted(self, name: Any) -> Array:
+        column = self.column_of(name)
+        values = self.columns[column]
+        if not all(value is None or isinstance(value, int | float) for value in values):
+            raise InputError("by", "a column of numbers", f"{column!r}, which has words")
+        found = np.array([np.nan if value is None else float(value) for value in values])
+        return -found if str(name).startswith("-") else found
+
+    def _held(self) -> Bools:
+        return np.array([value is True for value in self.columns.get("holds", [False] * len(self))], dtype=bool)
+
+    def _of(self, at: Any) -> Self:
+        """Some of the designs."""
+        made = type(self)(self.sweep, (), self._maker)
+        made.columns = {name: [column[k] for k in at] for name, column in self.columns.items()}
+        return made
+
+    # ---------------------------------------------------------------- To look at.
+
+    def evaluations(self) -> list[Evaluation]:
+        """Of each design of this table, found again with its grasps, by the hands that `make` makes: the same numbers.
+
+        Raises InputError where the study does not know `make` and `brief`, and for a design that failed.
+        """
+        if self._maker is None:
+            raise InputError("make", "Study.load(path, make, brief), to make hands again", "a study without them")
+        return evaluations(self.sweep, self._maker, self.columns[DESIGN])
+
+    def plot(self, path: Any = None, title: str = "", by: Sequence[str] = (PAYLOAD, TORQUE)) -> Any:
+        """The figure: designs and their front, by two columns as in `pareto`; the designs as lines across all
+        parameters; and the mean of the first column along each parameter, with the share of its variance that this
+        explains. path : a file to write, .png, .svg, .pdf or .jpg. Raises InputError; Unsupported without matplotlib.
+        """
+        return view("study_plot")(self, path, title, by)
+
+    def page(self, path: Any, title: str = "", by: Sequence[str] = (PAYLOAD, TORQUE), most: int = 50) -> Path:
+        """A page that needs no network: a design on the front is clicked, and its hand turns beside its numbers. Hands
+        are made and evaluated again. by : two columns as in `pareto`. most : designs with a hand, evenly along the
+        front. Raises InputError; Unsupported without trimesh.
+        """
+        return Path(view("study_page")(self, path, title, by, most))
+
+    @property
+    def space(self) -> Space:
+        """That of the sweep."""
+        return Space(self.sweep["space"])
+
+    def __str__(self) -> str:
+        held, failed = int(self._held().sum()), len(self.failed)
+        said = [f"{len(self)} designs", f"{held} hold what the brief asks", *([f"{failed} failed"] if failed else [])]
+        free = list(self.space.free)
+        outcome = {name: head for name, head in _HEADS.items() if name in self.columns}
+        heads = (DESIGN, *[name.replace(".", ".\n", 1) for name in free], *outcome.values())
+        shown = [DESIGN, *free, *outcome]
+        cells = [tuple([_cell(name, self.columns[name][k]) for name in shown]) for k in range(min(len(self), _SHOWN))]
+        table = str(TextTable(heads, tuple(cells), "<" + ">" * (len(shown) - 1)))
+        more = f"\n… {len(self) - _SHOWN} more" if len(self) > _SHOWN else ""
+        return wrapped(f"{words.listed(said)}.") + (f"\n\n{table}{more}" if cells else "")
+
+    def __repr__(self) -> str:
+        return f"Study({len(self)} designs of {list(self.names)})"
+
+
+def not_beaten(wanted: Array) -> Bools:
+    """(n,) whether no other row of (n, k) is at least as large in all columns and larger in one."""
+    order = np.lexsort(-wanted.T[::-1])  # whoever beats a row comes before it
+    front = np.zeros((0, wanted.shape[1]))
+    found = np.zeros(len(wanted), dtype=bool)
+    for i in order:
+        row = wanted[i]
+        if not ((front >= row).all(axis=1) & (front > row).any(axis=1)).any():
+            found[i] = True
+            front = np.vstack([front, row])
+    return found
+
+
+def _cell(name: str, value: Any) -> str:
+    if value is None:
+        return "–"
+    value = 1e3 * value if name == "motion_m" else value
+    return words.percent(value) if name == "torque_used" else f"{value:.3g}" if isinstance(value, float) else str(value)

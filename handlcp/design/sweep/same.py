@@ -1,0 +1,92 @@
+"""Whether a sweep is the one that a file was begun with: what its numbers hang on, in a few words and digests."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from types import CodeType, FunctionType
+from typing import Any
+
+import numpy as np
+
+from handlcp.errors import InputError
+from handlcp.hand.hand import Hand
+from handlcp.record import plain
+from handlcp.version import VERSION
+
+_SAID = {
+    "handlcp": "the version of handlcp", "space": "the space", "sampling": "the sampling", "samples": "the samples",
+    "seed": "the seed", "make": "how hands are made", "brief": "the brief",
+}  # fmt: skip
+
+
+def description(space: Mapping[str, Any], sampling: str, samples: Any, seed: int, make: Any, brief: Any) -> Any:
+    """Plain data. Of hands and briefs, and of functions that make them, a digest: of a function that of its own code,
+    not of what it calls.
+    """
+    kept = {"handlcp": VERSION, "space": space, "sampling": sampling, "samples": samples, "seed": seed}
+    return plain(kept | {"make": _digest(make), "brief": _digest(brief)})
+
+
+def check_same(file: str, before: Mapping[str, Any], now: Mapping[str, Any]) -> None:
+    """Raises InputError for another sweep than that of the file, with what differs."""
+    if unlike := [key for key in _SAID if before.get(key) != now[key]]:
+        plainly = [key for key in unlike if key not in ("make", "brief")]
+        told = [f"{_SAID[key]} ({_short(before.get(key))}, now {_short(now[key])})" for key in plainly]
+        told += [_SAID[key] for key in unlike if key not in plainly]
+        raise InputError(
+            "out", "a new file, or that of the same sweep", f"{file!r}, which differs in {', '.join(told)}"
+        )
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 120 else f"{text[:117]}..."
+
+
+def _digest(value: Any) -> str:
+    """The same for what is the same, in every process."""
+    made = hashlib.sha256()
+    _feed(made, value)
+    return made.hexdigest()[:16]
+
+
+def _feed(into: Any, value: Any) -> None:
+    """Everything that a value is made of."""
+    into.update(f"<{type(value).__qualname__}>".encode())
+    if isinstance(value, Hand):
+        value = _numbers(value)
+    if value is None or isinstance(value, str | bool | int | float | bytes | np.generic):
+        into.update(repr(value).encode())
+    elif isinstance(value, np.ndarray):
+        into.update(f"{value.dtype}{value.shape}".encode() + np.ascontiguousarray(value).tobytes())
+    elif isinstance(value, Mapping):
+        for key, one in value.items():
+            _feed(into, key)
+            _feed(into, one)
+    elif isinstance(value, list | tuple | set | frozenset):
+        for one in sorted(value, key=repr) if isinstance(value, set | frozenset) else value:
+            _feed(into, one)
+    elif isinstance(value, FunctionType):
+        _feed(into, [value.__code__, value.__defaults__, value.__kwdefaults__])
+        for cell in value.__closure__ or ():
+            _feed(into, cell.cell_contents)
+    elif isinstance(value, CodeType):  # without its lines and file: a comment more is no other sweep
+        _feed(into, [value.co_code, value.co_names, value.co_consts])
+    elif hasattr(value, "homogeneous"):  # a pin.SE3
+        _feed(into, np.array(value.homogeneous))
+    elif is_dataclass(value) and not isinstance(value, type):
+        _feed(into, [getattr(value, field.name) for field in fields(value)])
+    else:
+        own = "__reduce__" in {name for kind in type(value).__mro__[:-1] for name in vars(kind)}
+        _feed(into, list(value.__reduce__()[1:2]) if own else [])  # what it is made of, where it says so
+
+
+def _numbers(hand: Hand) -> list[Any]:
+    """Of a hand: what it can do, in the middle of its joints' ranges."""
+    state = hand.at(hand.neutral)
+    return [
+        list(hand.joint_names), list(hand.fingertips), hand.lower, hand.upper, hand.torque_limits, hand.joint_friction,
+        state.tip_positions, state.jacobian, state.flexibility,
+    ]  # fmt: skip

@@ -1,0 +1,200 @@
+"""What a worker does of a sweep: some designs of one cell, made, evaluated and told as rows.
+
+A cell is worked on in two steps, and the numbers hang on these alone, not on who does them when:
+
+    its heads       those in its middle, one after the other: each searches for its grasps
+    the others      each from the best grasps of the heads, in any order
+"""
+
+from __future__ import annotations
+
+import inspect
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+from handlcp.design.brief import Brief
+from handlcp.design.evaluate import evaluate
+from handlcp.design.evaluation import Evaluation, ObjectCase
+from handlcp.design.space import Value
+from handlcp.errors import InputError
+from handlcp.hand.hand import Hand
+
+HEADS = 3  # designs of a cell that search for their grasps: a search may find a poor one
+MOST_HEADS = 8  # where none of so many grasps an object, the others of the cell search for themselves
+DESIGN, ERROR = "design", "error"  # columns beside the parameters and what `Evaluation.to_row` has
+
+Values = Mapping[str, Value]
+Numbered = tuple[int, Values]  # a design: its number, its parameters
+Outcome = Evaluation | str  # of a design, or why there is none
+Row = dict[str, Any]
+
+# ----------------------------------------------------------------
+# How a hand and its brief are made.
+
+
+@dataclass(frozen=True, slots=True)
+class Maker:
+    """make : a function of parameters, by name, to a `Hand`, or a Hand that is varied. brief : a Brief, or a function
+    to one. Each function gets those of the parameters that it names, all where it takes any; a Hand gets those that the
+    brief's function does not name.
+    """
+
+    make: Any
+    brief: Any
+
+    def hand(self, values: Values) -> Hand:
+        """Raises what `make` raises, and InputError for what is no Hand."""
+        if isinstance(self.make, Hand):
+            briefly = () if isinstance(self.brief, Brief) else _named(self.brief)
+            return self.make.vary({name: value for name, value in values.items() if name not in briefly})
+        made = self.make(**_taken(self.make, values))
+        if not isinstance(made, Hand):
+            raise InputError("make", "a function that gives a Hand", repr(made)[:80])
+        return made
+
+    def asked(self, values: Values) -> Brief:
+        """Raises what `brief` raises, and InputError for what is no Brief."""
+        made = self.brief if isinstance(self.brief, Brief) else self.brief(**_taken(self.brief, values))
+        if not isinstance(made, Brief):
+            raise InputError("brief", "a Brief, or a function that gives one", repr(made)[:80])
+        return made
+
+    def check(self, values: Values) -> None:
+        """Raises InputError where a parameter goes nowhere or one is missing; UnknownName for a Hand without it."""
+        functions = {"make": self.make, "brief": self.brief}
+        taken = set[str]()
+        for argument, function in functions.items():
+            if isinstance(function, Hand):
+                self.hand(values)
+                return
+            if isinstance(function, Brief):
+                continue
+            if not callable(function):
+                what = "a Hand, or a function to one" if argument == "make" else "a Brief, or a function to one"
+                raise InputError(argument, what, repr(function)[:80])
+            own = _taken(function, values)
+            try:
+                inspect.signature(function).bind(**own)
+            except TypeError as error:
+                raise InputError(argument, f"a function of {', '.join(values)}", str(error)) from None
+            taken |= set(own)
+        if lost := [name for name in values if name not in taken]:
+            raise InputError("space", "parameters that make or brief takes", ", ".join(lost))
+
+
+def _named(function: Callable[..., Any]) -> tuple[str, ...]:
+    """The parameters that a function names."""
+    kinds = inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY
+    return tuple([p.name for p in inspect.signature(function).parameters.values() if p.kind in kinds])
+
+
+def _taken(function: Callable[..., Any], values: Values) -> dict[str, Value]:
+    """Those of the values that a function takes."""
+    every = inspect.signature(function).parameters.values()
+    if any(p.kind is inspect.Parameter.VAR_KEYWORD for p in every):
+        return dict(values)
+    names = _named(function)
+    return {name: value for name, value in values.items() if name in names}
+
+
+# ----------------------------------------------------------------
+# How it travels: as bytes, in which functions of a script or a notebook go along.
+
+
+def packed(value: Any) -> bytes:
+    """For `unpacked`, in another process, also of functions that it cannot import."""
+    from cloudpickle import dumps
+
+    return bytes(dumps(value))
+
+
+@lru_cache(maxsize=4)
+def unpacked(value: bytes) -> Any:
+    """Once in a process for all tasks of a sweep or a cell."""
+    import pickle
+
+    return pickle.loads(value)
+
+
+class Task(NamedTuple):
+    """maker : a `Maker`, packed. designs : those to do. near : the `Evaluation` of the cell's heads, packed, or None
+    for the heads themselves. heads : whether these are the heads.
+    """
+
+    maker: bytes
+    designs: Sequence[Numbered]
+    near: bytes | None
+    heads: bool
+
+
+class Done(NamedTuple):
+    """rows : of designs. near : of heads: what the others of the cell start from. seconds : that it took."""
+
+    rows: list[Row]
+    near: bytes | None
+    seconds: float
+
+
+# ----------------------------------------------------------------
+
+
+def work(task: Task) -> Done:
+    """In any process. Nothing that a design raises comes out: it is the row's reason."""
+    began, maker = time.perf_counter(), unpacked(task.maker)
+    if task.heads:
+        found, near = heads(maker, task.designs)
+        kept = None if near is None else packed(near)
+    else:
+        start: Evaluation | None = None if task.near is None else unpacked(task.near)
+        found, kept = [evaluated(maker, one, start) for one in task.designs], None
+    rows = [row_of(one, each) for one, each in zip(task.designs, found, strict=False)]
+    return Done(rows, kept, time.perf_counter() - began)
+
+
+def heads(maker: Maker, designs: Sequence[Numbered]) -> tuple[list[Outcome], Evaluation | None]:
+    """Of the first designs, and the grasps that the others start from: of each object that with which a head holds
+    most. `HEADS` search anew; more follow, each from what there is, as long as an object has no grasp.
+    """
+    found, known = list[Outcome](), dict[str, ObjectCase]()
+    for k, one in enumerate(designs):
+        near = Evaluation(known) if known and k >= HEADS else None
+        found.append(evaluated(maker, one, near))
+        if isinstance(here := found[-1], Evaluation):
+            for name, case in bare(here).items():
+                if name not in known or case.factor > known[name].factor:
+                    known[name] = case
+            if k + 1 >= HEADS and all(name in known for name in here.cases):
+                break
+    return found, Evaluation(known) if known else None
+
+
+def bare(found: Evaluation) -> dict[str, ObjectCase]:
+    """Its cases with a grasp, without the paths that led to the numbers, which are ten times as large."""
+    return {
+        name: replace(case, candidate=replace(case.candidate), payloads=None)
+        for name, case in found.cases.items()
+        if case.candidate is not None
+    }
+
+
+def evaluated(maker: Maker, design: Numbered, near: Evaluation | None) -> Outcome:
+    """The evaluation of a design, or why there is none."""
+    try:
+        return evaluate(maker.hand(design[1]), maker.asked(design[1]), near)
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"
+
+
+def row_of(design: Numbered, found: Outcome) -> Row:
+    """Number, parameters, what went wrong and the outcome; None where there is nothing to say."""
+    number, values = design
+    outcome = {ERROR: found} if isinstance(found, str) else {ERROR: None} | found.to_row()
+    return {DESIGN: number, **values} | {key: None if value == "" else value for key, value in outcome.items()}
+
+
+def in_order(rows: Sequence[Row]) -> list[Row]:
+    """By the numbers of the designs."""
+    return sorted(rows, key=lambda row: int(row[DESIGN]))

@@ -1,0 +1,69 @@
+"""`handlcp evaluate` from the outside: hands by name, by file and from a scene, requirements, exit status."""
+
+from __future__ import annotations
+
+import json
+import pathlib
+
+import pytest
+from typer.testing import CliRunner
+
+import handlcp as hl
+from handlcp.cli import app
+
+ROOT = pathlib.Path(__file__).parents[2]
+URDF = ROOT / "urdf" / "three_finger.urdf"
+GIVEN = ("--joint-stiffness", 1.0, "--pad-flexibility", 1e-4, "--tip-radius", 0.008)
+BRIEF = 'tries = 16\n[objects.box]\nshape = "box"\nsize_m = [0.04, 0.05, 0.08]\nmass_kg = 0.2\n'
+SCENE = '[hand]\nname = "three_finger"\njoint_stiffness_Nm_per_rad = 1.0\n[object]\nshape = "sphere"\nradius_m = 0.03\n'
+
+
+@pytest.fixture
+def brief(tmp_path):
+    file = tmp_path / "brief.toml"
+    file.write_text(BRIEF)
+    return file
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, ["evaluate", *map(str, arguments)], env={"COLUMNS": "80", "NO_COLOR": "1"})
+
+
+def test_a_hand_by_name_by_file_and_from_a_scene_is_the_same_evaluation(brief, tmp_path):
+    scene = tmp_path / "scene.toml"
+    scene.write_text(SCENE)
+    found = hl.evaluate(hl.example_hand("three_finger"), hl.Brief.from_toml(brief))
+    assert found.holds
+    for hand, options in (("three_finger", ()), (URDF, GIVEN), (scene, ())):
+        done = run(hand, brief, *options)
+        assert (done.exit_code, done.stdout.rstrip()) == (0, str(found).rstrip()), done.output
+    told = json.loads(run("three_finger", brief, "--json", "--require", "payload>0.1").stdout)
+    assert told["payload_kg"] == found.payload
+    assert told["unmet"] == []
+
+
+def test_a_requirement_that_is_not_met_is_said_and_the_exit_status_is_1(brief):
+    done = run("three_finger", brief, "--require", "payload>=50", "--require", "motion<1")
+    assert done.exit_code == 1
+    assert "payload >= 50 kg is not met" in done.stdout
+    assert "motion" not in done.stdout
+    assert max(map(len, done.stdout.splitlines())) <= 80
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("three_finger", "BRIEF", "--require", "paylaod>=1"), "--require: expected a number among"),
+        (("three_finger", "BRIEF", "--require", "payload=1"), "--require"),
+        (("three_finger", "nowhere.toml"), "a brief (TOML), got 'nowhere.toml'"),
+        (("three_fingers", "BRIEF"), "did you mean 'three_finger'"),
+        ((URDF, "BRIEF"), "--joint-stiffness"),
+        (("three_finger", "BRIEF", "--tip-radius", "-1"), "--tip-radius: expected"),
+        (("BRIEF", "BRIEF"), "brief.toml"),
+        ((ROOT / "examples" / "cube_three_fingers.toml", "BRIEF", "--joint-stiffness", "2"), "beside a scene file"),
+    ],
+)
+def test_bad_input_is_one_message_and_exit_status_2(arguments, says, brief):
+    done = run(*[brief if a == "BRIEF" else a for a in arguments])
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert says in done.stderr

@@ -1,0 +1,84 @@
+"""What is required of an evaluation: limits of its numbers, and what is said of one that is not met."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.design.evaluation import NOT_FOUND, ObjectCase
+from handlcp.design.require import UNITS, read
+from tests.support.texts import same
+
+FACTORS = {"weight": 4.0, "pull": 9.0}
+BOX = ObjectCase("HELD", dict.fromkeys(FACTORS, "HELD"), FACTORS, 0.8, "the thumb slips", "pinch", False,
+                 8.5, 0.31, 0.78, 0.0017)  # fmt: skip
+BALL = ObjectCase("HELD", dict.fromkeys(FACTORS, "HELD"), {"weight": 3.0, "pull": 2.0}, 0.5, "the index slips", "pinch",
+                  False, 3.3, 0.1, 0.25, 0.0021)  # fmt: skip
+NONE = "no grasp of it found"
+LOST = ObjectCase(NOT_FOUND, dict.fromkeys(FACTORS, NOT_FOUND), dict.fromkeys(FACTORS, 0.0), 0.0, NONE)
+    NOT_FOUND, dict.fromkeys(FACTORS, NOT_FOUND), dict.fromkeys(FACTORS, 0.0), 0.0, "no grasp of it found"
+)
+DONE = hl.Evaluation({"box": BOX, "ball": BALL})
+
+
+def unmet(done, *texts):
+    with pytest.raises(hl.RequirementNotMet) as caught:
+        done.require(*texts)
+    assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
+    return str(caught.value)
+
+
+def test_what_is_met_gives_the_evaluation_back():
+    met = ("payload>=0.5", " factor > 1.9", "force<=8.5", "torque<0.32", "torque_used <= 0.78", "motion<2.2e-3")
+    assert DONE.require(*met) is DONE
+    assert DONE.require() is DONE, "every object is held"
+
+
+@pytest.mark.parametrize(
+    ("text", "worst"),
+    [
+        ("payload>0.5", "ball"),
+        ("payload>=1.5", "ball"),
+        ("factor>=2.5", "ball"),
+        ("force<=3", "box"),
+        ("torque<0.3", "box"),
+        ("torque_used<=0.5", "box"),
+        ("motion<=0.002", "ball"),
+    ],
+)
+def test_what_is_not_met_is_said_of_the_worst_object_with_how_much_and_what_gives_out(text, worst):
+    said, one = unmet(DONE, text), read(text)
+    apart = abs(getattr(DONE.cases[worst], one.name) - one.limit)
+    same(f"design/test_require: {text}", said, worst, f"{apart:.4g}", UNITS[one.name], DONE.cases[worst].gives_out)
+
+
+def test_an_object_without_a_grasp_meets_no_limit_from_above():
+    done = hl.Evaluation({"box": BOX, "ball": LOST})
+    assert done.motion == BOX.motion, "which is all that is known"
+    same("design/test_require: no grasp", unmet(done, "motion<=0.002", "payload>0.1"), "ball", LOST.gives_out)
+    assert "the worst" in unmet(done)
+
+
+def test_every_number_of_an_evaluation_may_be_asked_for():
+    row = hl.Evaluation({"box": BOX}).to_row()
+    numbers = [key for key, value in row.items() if "." not in key and type(value) in (float, int)]
+    assert [name for name in UNITS if not any(key.startswith(name) for key in numbers)] == []
+    assert len(numbers) == len(UNITS)
+    assert all(read(f"{name}>=1").against({"box": BOX}) or np.isfinite(getattr(BOX, name)) for name in UNITS)
+
+
+@pytest.mark.parametrize("text", ["payload", "payload=1", "payload=>1", "payload>=", "payload>=1 kg", "1<payload", 3])
+def test_what_is_no_requirement_is_told_with_the_numbers_that_there_are(text):
+    with pytest.raises(hl.InputError, match="payload, factor, force, torque, torque_used, motion"):
+        DONE.require(text)
+
+
+def test_an_unknown_number_and_a_limit_that_is_none_are_told():
+    with pytest.raises(hl.UnknownName, match="did you mean 'payload'"):
+        DONE.require("paylaod>=1")
+    for limit in ("nan", "one", "inf"):
+        with pytest.raises(hl.InputError, match="a finite number after >="):
+            DONE.require(f"payload>={limit}")
