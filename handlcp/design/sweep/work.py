@@ -16,7 +16,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 from handlcp.design.brief import Brief
-from handlcp.design.evaluate import evaluate
+from handlcp.design.evaluate import evaluate_worst
 from handlcp.design.evaluation import Evaluation, ObjectCase
 from handlcp.design.space import Value
 from handlcp.errors import InputError
@@ -174,7 +174,7 @@ def heads(maker: Maker, designs: Sequence[Numbered]) -> tuple[list[Outcome], Eva
 def bare(found: Evaluation) -> dict[str, ObjectCase]:
     """Its cases with a grasp, without the paths that led to the numbers, which are ten times as large."""
     return {
-        name: replace(case, candidate=replace(case.candidate), payloads=None)
+        name: replace(case, candidate=replace(case.candidate))
         for name, case in found.cases.items()
         if case.candidate is not None
     }
@@ -183,7 +183,7 @@ def bare(found: Evaluation) -> dict[str, ObjectCase]:
 def evaluated(maker: Maker, design: Numbered, near: Evaluation | None) -> Outcome:
     """The evaluation of a design, or why there is none."""
     try:
-        return evaluate(maker.hand(design[1]), maker.asked(design[1]), near)
+        return evaluate_worst(maker.hand(design[1]), maker.asked(design[1]), near)
     except Exception as error:
         return f"{type(error).__name__}: {error}"
 
