@@ -170,11 +170,16 @@ class TendonStiffness(JointStiffness):
         tension = c.springs @ (self.arms @ self.deflection(torque))
         if command.any():
             tension = tension + np.linalg.lstsq(self.arms.T, c.passive @ command)[0]
-        return self.tensions(tension)
+        return self._effort(tension, tension + c.begun)
 
     def tensions(self, values: Array) -> Effort:
         """With which tendons pull, (t,) [N]."""
-        return Effort(TENSION, "N", self.cables.names, read_only(values))
+        return self._effort(values, values)
+
+    def _effort(self, values: Array, whole: Array) -> Effort:
+        """whole (t,) : tensions with what tendons pulled with before [N]."""
+        limits = self.cables.limits
+        return Effort(TENSION, "N", self.names, read_only(values), limits, read_only(np.maximum(whole, 0.0) / limits))
 
     def pulled(self, torque: Array, command: Array) -> Array:
         """Rᵀ t."""
