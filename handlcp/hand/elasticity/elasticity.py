@@ -53,7 +53,8 @@ class Effort(Record):
     @property
     def table(self) -> TextTable:
         """One by one, with limits and the shares of them where there are any."""
-        heads, columns, align = (self.kind, self.unit), [words.column(self.values.tolist())], "<>"
+        heads: tuple[str, ...] = (self.kind, self.unit)
+        columns, align = [words.column(self.values.tolist())], "<>"
         if (limited := np.isfinite(self.limits)).any():
             most = zip(words.column(self.limits.tolist()), limited.tolist(), strict=True)
             shares = zip(self.used.tolist(), limited.tolist(), strict=True)

@@ -177,7 +177,7 @@ class TendonStiffness(JointStiffness):
         return self._effort(values, values)
 
     def _effort(self, values: Array, whole: Array) -> Effort:
-        """whole (t,) : tensions with what tendons pulled with before [N]."""
+        """Of tendons; whole (t,) : tensions with what they pulled with before [N]."""
         limits = self.cables.limits
         return Effort(TENSION, "N", self.names, read_only(values), limits, read_only(np.maximum(whole, 0.0) / limits))
 
