@@ -9,6 +9,7 @@ gives loose and undetermined motions an answer; with h ≤ 1e8 it changes no oth
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -44,6 +45,7 @@ _CLOSE = 1e-3  # of the forces: an answer this near to what was expected is the 
 _LEAST = 0.2  # of the way from an iterate to its end
 _SEED = Auto().seed
 _ALL = Auto(search_seconds=0.0)
+_CLOSE_BY = 1e-3  # [rad, m] from where a path ends to where a tendon crosses: it ends for that reason
 _NOWHERE = np.zeros(0)
 _PRESSED = (16.0, 8.0, 4.0, 3.0, 2.0, 1.7, 1.4, 1.2, 1.1, 1.0)  # times friction as it is
 
@@ -253,6 +255,17 @@ class Stepper:
         own = forces if found.torsion is None else np.append(forces, found.torsion[soft])
         start = np.concatenate([own / self.laws.laws.scale, found.object_displacement, found.reference])
         return self.step(state, controls, Guess(state.where, start, state.gives))
+
+    def crosses(self, states: Sequence[State], number: int, ends: bool) -> str:
+        """What a tendon crosses from this one of the states on, as of `Cables`, or, where these end, crosses close by;
+        "": nothing.
+        """
+        if self.joints is None or not self.joints.cables.around:
+            return ""
+        q = [s.iterate.at.q for s in states[number - 1 if number else 0 :]]
+        if ends and (size := float(abs(going := q[-1] - q[0]).max())) > 0.0:
+            q += [q[-1] - _CLOSE_BY / size * going, q[-1] + _CLOSE_BY / size * going]
+        return next((who for who in map(self.joints.cables.crosses, q, q[1:]) if who), "")
 
     def between(self, a: object, b: object) -> Array:
         """(6,) of the object from pose a to pose b: of its reference point [m], and turned [rad]."""

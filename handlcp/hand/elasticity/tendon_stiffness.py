@@ -91,6 +91,7 @@ class Made:
         most, arms = held(self.drives, self.limits), self.lays.arms
         return Cables(
             self.names, arms, self.springs, own, none, self.pretension, most, posts.of, posts.grips, posts.rows, none,
+            around=self.lays.around(self.names),
         )  # fmt: skip
 
     def _there(self, laid: Laid, way: Way | None) -> Cables:
@@ -102,7 +103,7 @@ class Made:
         if turning is not None and not self._all_give:
             turning = partial(self._turning, turning)
         return self._cables._replace(
-            arms=arms, grips=laid.grips, posts=posts, shift=laid.shift, way=way, turning=turning
+            arms=arms, grips=laid.grips, posts=posts, shift=laid.shift, way=way, turning=turning, sides=laid.sides
         )
 
     def _turning(self, turning: Callable[[Array], Array], tension: Array) -> Array:
