@@ -201,8 +201,13 @@ class State(NamedTuple):
 
     @property
     def pulled(self) -> Array:
-        """(nv,) torques with which the springs pull, friction included [N·m]."""
+        """(nv,) torques with which the drives pull, friction included [N·m]."""
         return self.read.torque + self.rubs
+
+    @property
+    def stretched(self) -> Array:
+        """(nv,) the same without what holds springs beside the drives [N·m]: that of K alone."""
+        return self.pulled - self.read.springs
 
     @property
     def slides(self) -> bool:

@@ -96,7 +96,8 @@ class Stepper:
             none_yet = self.joints.still
             task = Task(under.commanded, first.at.q, None)
             pull = self.joints.at(first.at.q).pull(none_yet.does, none_yet.posts, task, first.at.q)
-        read = Read(none, none, none[:, 0], none[:, 0], still, still)
+        springs = self._springs(first.at.q)
+        read = Read(none, none, none[:, 0], none[:, 0], springs, still, springs)
         return self._unloaded(first, loads, read, controls, still, pull)
 
     def _unloaded(
@@ -161,9 +162,9 @@ class Stepper:
                 slid = motion.copy()
                 slid[:, 2] = spin
                 yielded = self.laws.yields @ gives if len(gives) else np.zeros(len(end.q))
-                read = Read(
-                    reached.forces, motion, reached.torsion, spin, reached.torque, under.commanded - end.q - yielded
-                )
+                springs, deflection = self._springs(end.q), under.commanded - end.q - yielded
+                torque = reached.torque if springs is self._still else reached.torque + springs
+                read = Read(reached.forces, motion, reached.torsion, spin, torque, deflection, springs)
                 rubs, pull = self._still, reached.pull
                 if self.joints is not None:
                     joints = self.joints.at(iterate.at.q)
@@ -223,8 +224,9 @@ class Stepper:
         loads = self.grasp.loads(iterate, slipped, under)
         if loads.base[:, 2].min(initial=0.0) < -self.grasp.touches:
             return Failure("no answer")
-        none = np.zeros(n)
-        read = Read(np.zeros((n, 3)), loads.base, none, loads.spin, iterate.elastic.gravity, under.commanded - end.q)
+        none, springs = np.zeros(n), self._springs(q)
+        torque = iterate.elastic.gravity + springs
+        read = Read(np.zeros((n, 3)), loads.base, none, loads.spin, torque, under.commanded - q, springs)
         return self._unloaded(iterate, loads, read, controls, rubs, pull)
 
     def pushed(self, state: State, controls: Controls, guess: Guess | None = None) -> State | Failure:
@@ -340,6 +342,12 @@ class Stepper:
         found: Reached = tried[0]
         found.pull = tried[1]
         return found
+
+    def _springs(self, q: Array) -> Array:
+        """(nv,) with which drives pull against springs beside them, with joints at q (nv,)."""
+        mechanism = self.grasp.spec.mechanism
+        held = None if mechanism is None else mechanism.against_springs(q if self.geometry.follows else None)
+        return self._still if held is None else held
 
     def _left(self, reached: Reached, iterate: Iterate) -> Array:
         """(nv,) what springs pull with for the contacts alone."""

@@ -115,6 +115,17 @@ class Elasticity:
         """
         return torque
 
+    @property
+    def beside(self) -> Array:
+        """(nv,) k of springs at joints beside their drives, that have a rest angle of their own [N·m/rad]; 0: none."""
+        return np.zeros(len(self.root))
+
+    def against_springs(self, q: Array) -> Array | None:
+        """(nv,) with which drives pull against springs beside them with joints at q (nv,) [N·m]; None: there are none
+        that this counts.
+        """
+        return None
+
     def beyond(self, command: Array) -> Array:
         """(nv,) the part of the torques K δq of a command (nv,) [rad] that no actuator makes [N·m]."""
         return np.zeros(len(command))
