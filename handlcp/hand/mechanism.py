@@ -233,8 +233,8 @@ class HandMechanism(Varied, Mechanism):
 
     @property
     def dry_friction(self) -> Array:
-        """Of the hand."""
-        return self.posture.hand.joint_friction
+        """Of the hand and its drives."""
+        return self.posture.hand.dry_friction
 
     @lazy
     def cables(self) -> Cables | None:

@@ -31,7 +31,7 @@ def add_hand(world: ET.Element, hand: HandModel, weighs: bool, settings: Simulat
 
     weighs : whether gravity acts on them.
     """
-    model, friction = hand.kinematics.model, dict(zip(hand.joint_names, hand.joint_friction.tolist(), strict=True))
+    model, friction = hand.kinematics.model, dict(zip(hand.joint_names, hand.dry_friction.tolist(), strict=True))
     bodies, springs = {0: world}, _beside_drives(hand)
     for i in range(1, model.njoints):
         at = model.jointPlacements[i]
@@ -130,7 +130,7 @@ def add_springs(
     """
     springs = _springs(hand)
     coupled = len(springs.names) and not _single(springs.arms)
-    limits = hand.torque_limits
+    limits = hand.torque_limits - (hand.dry_friction - hand.joint_friction)  # drives give what their friction leaves
     if limited and coupled and np.isfinite(limits).any():
         raise Unsupported(
             "torque limits of joints that share springs cannot be written: MuJoCo limits a spring's force"

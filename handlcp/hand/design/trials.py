@@ -16,6 +16,7 @@ from handlcp.grasp.path.trajectory import closing_efforts
 from handlcp.grasp.verdict.check import STEPS
 from handlcp.hand.command import gripped
 from handlcp.hand.design.motors import Case
+from handlcp.hand.mechanism import hand_of
 
 # ----------------------------------------------------------------
 # The grip with which all loads hold and the motors need least, found by following every grip that is tried.
@@ -166,7 +167,7 @@ class Trials:
             sizes = abs(path.steps.torques)
             torque[k] = sizes.max(axis=0)
             closing = sizes[path.steps.stage == 0] if path.stages[0] == ORDER[0] else sizes[:1]
-            squeeze = np.max([squeeze, closing.max(axis=0), closing_efforts(path.steps.states)[:nv]], axis=0)
+            squeeze = np.max([squeeze, closing.max(axis=0), closing_beside_drives(path)], axis=0)
             if (np.maximum(torque[k], squeeze) / self.share).max() >= most:
                 return None
         return Trial(force, torque, squeeze, float((np.vstack([torque, squeeze]) / self.share).max()))
@@ -175,6 +176,13 @@ class Trials:
         """The loading under one load, as `check` follows it."""
         spec = gripped(self.cases[number].spec, force)
         return follow(spec, self.section, None, ORDER, None, STEPS, None)
+
+
+def closing_beside_drives(path: Loading) -> Array:
+    """(nv,) the largest torque that closing takes of each drive, but for the dry friction of these [N·m]."""
+    hand = hand_of(path.steps.grasp.spec).posture.hand
+    taken = closing_efforts(path.steps.states)[: hand.nv] - (hand.dry_friction - hand.joint_friction)
+    return np.asarray(np.maximum(taken, 0.0))
 
 
 def _beyond(path: Loading) -> str | None:
