@@ -219,7 +219,7 @@ def test_a_brief_sizes_motors_by_what_is_held_and_by_the_peak_and_says_the_gear_
     np.testing.assert_allclose(plain.continuous, plain.held)
     driven = hand.replace(motors=Motor(0.3, 0.6, friction=rubs))
     found = driven.at(driven.close_on(cube)).grasp(cube, friction=0.8).required_torque()
-    np.testing.assert_allclose(found.peak, np.maximum(found.torque, found.closing) + rubs, rtol=1e-12)
+    np.testing.assert_allclose(found.peak, np.maximum(found.closing + rubs, found.torque - rubs), rtol=1e-12)
     np.testing.assert_allclose(found.continuous, np.maximum(found.held - rubs, 0.0), rtol=1e-12)
     rubbing = hand.replace(joint_friction=rubs)
     same = rubbing.at(rubbing.close_on(cube)).grasp(cube, friction=0.8).required_torque()
