@@ -114,14 +114,17 @@ def test_a_motor_overcomes_the_friction_of_its_joint_and_pulls_with_the_closing_
     np.testing.assert_allclose(grasp.solve().torques, path.steps.torques[end], rtol=0.1)
 
 
-@pytest.mark.parametrize("friction", [0.02, 0.06])
-def test_mujoco_has_the_same_forces(friction: float) -> None:
+@pytest.mark.parametrize(("friction", "of_drive"), [(0.02, 0.0), (0.02, 0.04)])
+def test_mujoco_has_the_same_forces(friction: float, of_drive: float) -> None:
     """Its friction at joints is regularised: a joint that stands still creeps."""
     pytest.importorskip("mujoco")
     from handlcp.simulator import simulate
 
     box = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
-    hand = example_hand("three_finger", joint_stiffness=6.0, pad_flexibility=1e-4, joint_friction=friction)
+    motors = hl.Motor(1.0, friction=of_drive) if of_drive else None
+    hand = example_hand(
+        "three_finger", joint_stiffness=6.0, pad_flexibility=1e-4, joint_friction=friction, motors=motors
+    )
     grasp = hand.at(hand.close_on(box)).grasp(box, friction=0.8, squeeze=0.004)
     path = grasp.follow()
     truth = simulate(grasp)
