@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,7 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from handlcp import words
-from handlcp.check import array
+from handlcp.check import array, number
 from handlcp.cli.app import (
     Faces,
     Json,
@@ -55,7 +56,11 @@ def motors(
         bool, typer.Option("--turned", help="The file's load with gravity along each axis of the hand's base, too.")
     ] = False,
     motor: Annotated[
-        str | None, typer.Option(help="A motor to buy, as CONTINUOUS,PEAK [N·m]: its gear at each joint or tendon.")
+        str | None,
+        typer.Option(
+            help="A motor to buy, as CONTINUOUS,PEAK or CONTINUOUS,PEAK,FRICTION: its gear at each joint or tendon. "
+            "Torques of the motor itself [N·m]; dry friction is that at the joint [N·m] or tendon [N]."
+        ),
     ] = None,
     efficiency: Annotated[float, typer.Option(help="Of that gear, 0 to 1.")] = 1.0,
     faces: Faces = None,
@@ -111,11 +116,14 @@ def _numbers(text: str) -> list[float] | None:
 
 
 def _motor(text: str, efficiency: float) -> Motor:
-    """From CONTINUOUS or CONTINUOUS,PEAK. Raises InputError."""
+    """From CONTINUOUS, CONTINUOUS,PEAK or CONTINUOUS,PEAK,FRICTION. Raises InputError."""
     values = _numbers(text)
-    if values is None or len(values) not in (1, 2):
-        raise InputError("--motor", "CONTINUOUS,PEAK in N·m, such as 0.02,0.06", brief(repr(text)))
-    return Motor(values[0], values[-1], efficiency=efficiency)
+    if values is None or len(values) not in (1, 2, 3):
+        expected = "CONTINUOUS,PEAK or CONTINUOUS,PEAK,FRICTION in N·m, such as 0.02,0.06"
+        raise InputError("--motor", expected, brief(repr(text)))
+    motor = Motor(values[0], values[:2][-1], efficiency=efficiency)
+    friction = number("--motor: friction", values[2] if len(values) == 3 else 0.0, minimum=0.0)
+    return replace(motor, friction=friction, reduction=1.0 + friction / motor.at_peak)  # a gear that overcomes it
 
 
 def _print(found: RequiredTorque, title: str, motor: Motor | None) -> None:

@@ -127,11 +127,11 @@ def closing_reasons(kind: Kind, names: Sequence[str], beyond: Sequence[Cause], d
     """Of joints or tendons that closing took more of than their motors give; beyond : of other kinds, too."""
     if its := [c for c in beyond if c.kind == kind.code]:
         at = [names.index(c.who) for c in its]
-        closes = drives.closes[at]
+        closes = (drives.closes if kind is TENDON else drives.pulls(np.full(len(names), np.inf)))[at]
         taken = closes * np.array([1.0 - c.margin for c in its])
         both = list(zip([c.who for c in its], taken.tolist(), closes.tolist(), strict=True))
         needs = [f"{name} needs {_of(kind, '', *each)}" for name, *each in both]
-        rubs = " less dry friction" if drives.friction[at].any() else ""
+        rubs = " less dry friction" if kind is TENDON and drives.friction[at].any() else ""
         text = f"closing takes more than the motors give (peak{rubs}): {words.listed(needs)}"
         values = {f"{kind.who}s": [kind.values(*each) for each in both]}
         yield Reason("closing_over_peak", "decides", text, values)

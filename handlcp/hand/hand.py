@@ -114,8 +114,8 @@ class Hand(HandModel):
         joint_stiffness : "file": kp of the position actuators with their gear, and the joints' own springs; of one
             that pulls joints by a fixed tendon with coefficients a, kp a aᵀ, and what nothing else resists there as
             stiff as a, which is doubted. Where all of them pull tendons along paths in space: `Tendons` with the
-            file's `tendon_routes`, kp, springs and forceranges. A spring is at rest in the posture of a grasp, and no
-            actuator commands it.
+            file's `tendon_routes`, kp, springs and forceranges. Springs are commanded by nothing; actuators of their
+            joints hold them, k (q - springref) in the torques, and others are at rest in the posture of a grasp.
 
         Raises Unsupported without MuJoCo (pip install handlcp[mujoco]); InputError for joints to which the file gives
         neither a position actuator nor a spring, where none is passed; and what `from_urdf` raises.

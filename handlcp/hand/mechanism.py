@@ -1,9 +1,9 @@
 """What a hand tells a grasp: how its joints move the contacts, how they give way, and what they do at an answer.
 
-    E = J K⁻¹ Jᵀ + pads,    τ = Jᵀ f + Tᵀ m + g
+    E = J K⁻¹ Jᵀ + pads,    τ = Jᵀ f + Tᵀ m + g + p
 
-m are the moments about the normals of soft contacts, T how fast the joints turn their fingertips about them. Source:
-the package's README, "The model and its symbols".
+p holds springs beside the drives (`hand/robot/source/servos.py`). m are the moments about the normals of soft contacts,
+T how fast the joints turn their fingertips about them. Source: the package's README, "The model and its symbols".
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 import pinocchio as pin
 
+from handlcp import words
 from handlcp.check import Array, Bools, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.assembly.asked import again, under
@@ -127,6 +128,10 @@ class HandMechanism(Varied, Mechanism):
         """g(q), where gravity is not zero."""
         return read_only(self.posture.gravity_torque(self.gravity)) if self.gravity.any() else None
 
+    def against_springs(self, q: Array | None = None) -> Array | None:
+        """Of a hand whose file has springs beside servos."""
+        return self.posture.hand.stiffness.against_springs(self.posture.q if q is None else q)
+
     def followed(self, spec: GraspSpec) -> FollowedHand:
         """Of this grasp."""
         from handlcp.hand.followed.geometry import FollowedHand
@@ -157,9 +162,13 @@ class HandMechanism(Varied, Mechanism):
         return read_only(weight_of(self.target, self.gravity, point))
 
     def lines(self) -> tuple[tuple[str, str, bool, str], ...]:
-        """The transmission."""
-        equation, words = self.posture.hand.stiffness.law
-        return ((TRANSMISSION, equation, bool(words), words or "none: the springs are those of the joints"),)
+        """The transmission, and springs beside actuators."""
+        equation, said = self.posture.hand.stiffness.law
+        found = (TRANSMISSION, equation, bool(said), said or "none: the springs are those of the joints")
+        if (springs := self.against_springs()) is None:
+            return (found,)
+        most = f"of the file, against which actuators give up to {words.torque(abs(springs).max())}"
+        return found, ("springs beside actuators", "τ += k (q - θ)", True, most)
 
     def reasons(self, solution: Any) -> Iterator[Reason]:
         """Of its torques, its limits and its posture."""
@@ -224,8 +233,8 @@ class HandMechanism(Varied, Mechanism):
 
     @property
     def dry_friction(self) -> Array:
-        """Of the hand."""
-        return self.posture.hand.joint_friction
+        """Of the hand and its drives."""
+        return self.posture.hand.dry_friction
 
     @lazy
     def cables(self) -> Cables | None:

@@ -19,8 +19,9 @@ from handlcp.record import columns
 class HandGraspSolution(GraspSolution):
     """A `GraspSolution` with what the joints have to do; NaN where there is no answer.
 
-    torques : (nv,) τ = Jᵀ f that the actuators hold [N·m], plus g(q) when the fingers' weight was asked for. With
-        `GeometricStiffness` those of the deflected posture, to first order: K_g (δq - joint_deflection) more.
+    torques : (nv,) τ = Jᵀ f that the actuators hold [N·m], plus g(q) when the fingers' weight was asked for, and what
+        holds springs of the file beside its actuators, k (q - springref). With `GeometricStiffness` those of the
+        deflected posture, to first order: K_g (δq - joint_deflection) more.
     joint_deflection : (nv,) K⁻¹ Jᵀ f [rad], how far the joints give way to the grasp forces, and to the fingers' own
         weight where that is part of the elastic balance, from where they are commanded to be. With
         `GeometricStiffness` (K + K_g)⁻¹ (Jᵀ f + g + K_g δq), δq as commanded.

@@ -78,8 +78,9 @@ class HandState(Posture):
             closing_torque : [N·m] with which the joints that bend fingers pull, less the dry friction of motors of
             joints and of tendons, and then hold where they stand. The closing is followed: the motors of each finger
             turn on together, in proportion to K⁻¹ τ, until the first of them pulls with its torque; its others pull
-            with what that leaves them. No finger goes on where that drives another one more than a tenth beyond its
-            torque. A number or (nv,); or a mapping by joint name (others: 0), also of joints that bend no finger.
+            with what that leaves them. What holds springs of the file in this posture comes beside it. No finger goes
+            on where that drives another one more than a tenth beyond its torque. A number or (nv,); or a mapping by
+            joint name (others: 0), also of joints that bend no finger.
             Beside links, this posture and the one of a joint_offset may be open: the hand closes until links touch,
             from the palm outwards (as `hand.close_on(obj, wrap=True)`); the grasp is that of the posture where they do,
             and a loading that is followed begins in this one.

@@ -219,6 +219,8 @@ class GraspStream:
             for e in self._effects:
                 if (held := e.added_torque()) is not None:
                     torques = torques + held
+            if (springs := self._hand.hand.stiffness.against_springs(self._hand.q)) is not None:
+                torques = torques + springs
         return GraspUpdate(self._first, found, passes, self._frames.copy(), torques)
 
     @property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from handlcp import words
 from handlcp.grasp import Explanation, GraspSolution
 from handlcp.grasp.analysis.explanation import Description, EffectLine
 from handlcp.grasp.answer.printed import contact_columns
+from handlcp.grasp.cause.judge import exceeded
 from handlcp.grasp.friction import Pyramid, limit_set
 from handlcp.hand import Hand
 from handlcp.text_table import TextTable
@@ -77,9 +79,12 @@ def _filled(columns: TextTable, title: str, note: str = "") -> Table:
 
 def effort_table(effort: Any) -> Table:
     """Tendon by tendon, or actuator by actuator, from an `Effort`."""
-    who, what = effort.kind.split()[:2]
-    rows = zip(effort.names, words.column(effort.values.tolist()), strict=True)
-    return table("Tendons" if effort.unit == "N" else "Actuators", (who, f"{what}\n{effort.unit}"), "<>", rows)
+    columns, (who, what) = effort.table, effort.kind.split()[:2]
+    heads = (who, f"{what}\n{effort.unit}", *columns.heads[2:])
+    made = _filled(replace(columns, heads=heads), "Tendons" if effort.unit == "N" else "Actuators")
+    for row, used in zip(columns.rows, effort.used.tolist(), strict=True):
+        made.add_row(Text(row[0]), *row[1:], style="bold red" if exceeded(used) else None)
+    return made
 
 
 def hand_table(hands: Mapping[str, Hand]) -> Table:

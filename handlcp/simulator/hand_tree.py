@@ -31,8 +31,8 @@ def add_hand(world: ET.Element, hand: HandModel, weighs: bool, settings: Simulat
 
     weighs : whether gravity acts on them.
     """
-    model, friction = hand.kinematics.model, dict(zip(hand.joint_names, hand.joint_friction.tolist(), strict=True))
-    bodies = {0: world}
+    model, friction = hand.kinematics.model, dict(zip(hand.joint_names, hand.dry_friction.tolist(), strict=True))
+    bodies, springs = {0: world}, _beside_drives(hand)
     for i in range(1, model.njoints):
         at = model.jointPlacements[i]
         weight = {} if weighs else {"gravcomp": 1.0}
@@ -46,8 +46,27 @@ def add_hand(world: ET.Element, hand: HandModel, weighs: bool, settings: Simulat
         stands = {"solreffriction": (settings.contact_time, 1.0), "solimpfriction": _STANDS}
         rubbing: dict[str, Any] = {"frictionloss": rubs} | stands if rubs else {}
         if kind:
-            add(body, "joint", name=model.names[i], type=kind, axis=axis, armature=_ARMATURE, **rubbing)
+            add(body, "joint", name=model.names[i], type=kind, axis=axis, armature=_ARMATURE, **rubbing,
+                **springs.get(model.names[i], {}))  # fmt: skip
     return bodies
+
+
+def _beside_drives(hand: HandModel) -> dict[str, dict[str, Any]]:
+    """By joint, what MuJoCo is told of springs beside their actuators."""
+    at_zero = hand.stiffness.against_springs(np.zeros(hand.nv))
+    if at_zero is None:
+        return {}
+    each = zip(hand.joint_names, hand.stiffness.beside.tolist(), at_zero.tolist(), strict=True)
+    return {joint: {"stiffness": k, "springref": -torque / k} for joint, k, torque in each if k}
+
+
+def told_beyond(hand: HandModel, q: Array) -> Array:
+    """(nv,) how much farther than to q (nv,) actuators are told to go, to hold such springs there [rad, m]."""
+    held = hand.stiffness.against_springs(q)
+    if held is None:
+        return np.zeros(hand.nv)
+    K = hand.stiffness.matrix - np.diag(hand.stiffness.beside)
+    return np.asarray(np.linalg.lstsq(K, held)[0])
 
 
 def full_names(hand: HandModel) -> tuple[str, ...]:
@@ -79,7 +98,7 @@ def _add_inertia(body: ET.Element, inertia: Any) -> None:
 
 # ----------------------------------------------------------------
 # Joint springs as position actuators: force = stiffness · (command - position), the command is data of the
-# simulation.
+# simulation. Springs of a file beside its servos are springs of MuJoCo's joints.
 #
 # A diagonal stiffness is an actuator at each joint. Any other symmetric matrix is a sum of springs K = Σ k_i a_i
 # a_iᵀ, each along a fixed tendon with the moment arms a_i: those of the hand's tendons, or else K's eigenvectors.
@@ -111,7 +130,7 @@ def add_springs(
     """
     springs = _springs(hand)
     coupled = len(springs.names) and not _single(springs.arms)
-    limits = hand.torque_limits
+    limits = hand.torque_limits - (hand.dry_friction - hand.joint_friction)  # drives give what their friction leaves
     if limited and coupled and np.isfinite(limits).any():
         raise Unsupported(
             "torque limits of joints that share springs cannot be written: MuJoCo limits a spring's force"
@@ -145,7 +164,7 @@ def add_springs(
 
 
 def _springs(hand: HandModel) -> Springs:
-    K, names = hand.stiffness.matrix, hand.joint_names
+    K, names = hand.stiffness.matrix - np.diag(hand.stiffness.beside), hand.joint_names
     rigid = np.isinf(np.diagonal(K))
     free = np.flatnonzero(~rigid)
     K = np.where(np.outer(rigid, rigid) | np.isinf(K), 0.0, K)

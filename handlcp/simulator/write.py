@@ -18,7 +18,7 @@ from handlcp.hand import HandGrasp
 from handlcp.hand.objects.detect import nearest
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.squeeze import joint_by_joint
-from handlcp.simulator.hand_tree import Springs, add_hand, add_springs, full_names
+from handlcp.simulator.hand_tree import Springs, add_hand, add_springs, full_names, told_beyond
 from handlcp.simulator.object_body import LOADED, OBJECT, add_object, add_supports
 from handlcp.simulator.routes import commands, has_routes
 from handlcp.simulator.settings import SimulatorSettings, add, check_writable, friction_words, need_mujoco, of_a_hand
@@ -130,7 +130,8 @@ def starting_state(
     elif grasp.finger_weight:
         weighing = tuple(kinematics.model.names)[1:]
     full = start if kinematics.coupling is None else kinematics.coupling @ start + kinematics.offset
-    before, after = springs.arms @ (start + held), springs.arms @ (q + held + offset)
+    before = springs.arms @ (start + held + told_beyond(hand, start))
+    after = springs.arms @ (q + held + offset + told_beyond(hand, q + offset))
     if has_routes(hand):
         before, after = commands(grasp, springs.names, springs.arms)
     obj, spec = grasp.target, grasp.spec

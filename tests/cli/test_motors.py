@@ -96,7 +96,14 @@ def test_a_motor_to_buy_gets_the_reduction_that_it_needs_at_each_joint():
     assert max(map(len, table.splitlines())) <= 80
     assert "Reduction that the motor needs" in table
     assert "tendon" not in table
-    for wrong in ("much", "1,2,3", "0.03,0.01", "0"):
+    rubs = json.loads(run(CUBE, "--motor", "0.01,0.03,0.05", "--efficiency", "0.7", "--json").stdout)
+    for row, reduction in zip(rubs["joints"], rubs["reductions"], strict=True):
+        closes, holds = max(row["closing_Nm"] + 0.05, row["torque_Nm"] - 0.05), max(row["continuous_Nm"] - 0.05, 0.0)
+        assert reduction == pytest.approx(max(closes / (0.7 * 0.03), holds / (0.7 * 0.01)), rel=1e-12)
+
+
+def test_a_motor_that_cannot_be_read_or_be_is_refused():
+    for wrong in ("much", "1,2,3,4", "0.03,0.01", "0", "0.01,0.03,-1"):
         refused = run(CUBE, "--motor", wrong)
         assert refused.exit_code == 2
         assert "otor" in refused.stderr

@@ -185,8 +185,8 @@ def test_the_peak_is_what_drives_pull_with_against_dry_friction_at_the_joints(tm
 def test_a_motor_with_the_reduction_that_is_said_closes_and_holds_and_with_less_does_not(
     tmp_path, at_joints, of_drive, peak
 ):
-    """Whatever motors the hand has had: those that are bought take their place, with their own dry friction."""
-    others = hl.Motor(1.0, friction=0.04)
+    """They take the place of the hand's own, with as much dry friction, on which the grip depends."""
+    others = hl.Motor(1.0, friction=of_drive)
     r = pinch(tmp_path, hand={"joint_friction": at_joints, "motors": others}).required_torque(
         safety=1.0, tolerance=0.05
     )

@@ -70,3 +70,49 @@ def test_a_lever_that_the_string_turns_over_holds_nothing(write: Writer) -> None
     """Its spring is weaker than what the string takes of it, T ∂R/∂q, in the posture itself."""
     for own, holds in ((1.05, False), (1.12, True)):
         assert fork(write, own).follow(steps=5).reached == holds
+
+
+# ---------------------------------------------------------------- a pulley about the hinge
+ROUND = 0.006  # m
+
+
+def on_pulley(write: Writer, side: object, shape: str = "cylinder") -> HandGrasp:
+    """The fork with its string past a round body about the hinge, to the left of its centre up to q = LEAN."""
+    around = hl.Around("palm", ((0, 0, 0), (0.0, 1.0, 0.0)), ROUND, shape, side)
+    ends = hl.Site("palm", (-A * np.sin(LEAN), 0, -A * np.cos(LEAN))), hl.Site("lever", (0, 0, B))
+    tendons = hl.Tendons({"string": hl.Route([ends[0], around, ends[1]])}, KT, 1.4, pretension=6.0)
+    hand = Hand.from_urdf(write(FORK), ["left", "right"], joint_stiffness=tendons, pad_flexibility=1e-6, tip_radius=R)
+    box = hl.Box(0.02, placement=(0, 0, L))
+    return hand.at([0.0]).grasp(box, friction=hl.SoftFinger(0.8, 0.01), preload=2e-5, wrench=(14.0, 0, 0, 0, 0, 0))
+
+
+@pytest.mark.parametrize("shape", ["cylinder", "sphere"])
+def test_without_a_side_a_string_crosses_the_pulley_where_both_ways_are_as_long(write: Writer, shape: str) -> None:
+    grasp = on_pulley(write, None, shape)
+    cables = grasp.state.hand.stiffness.cables
+    assert "'string'" in cables.crosses(np.array([LEAN - 0.01]), np.array([LEAN + 0.01]))
+    for a in (-1.2, 0.0, LEAN - 0.03, LEAN + 0.01, 1.2):  # it leaves the pulley, and comes back to it
+        assert not cables.crosses(np.array([a]), np.array([a + 0.02]))
+    sided = on_pulley(write, (-0.02, 0, 0), shape).state.hand.stiffness.cables
+    assert not sided.crosses(np.array([LEAN - 0.01]), np.array([LEAN + 0.01]))
+
+
+def test_a_path_on_which_a_string_would_cross_a_pulley_is_given_up_there(write: Writer) -> None:
+    grasp = on_pulley(write, None)
+    path = grasp.follow(steps=20)
+    assert not path.reached
+    np.testing.assert_allclose(path.steps.q[-1, 0], LEAN, atol=1e-5)
+    assert "goes over to the other side of the cylinder at places[1], on palm" in path.why
+    verdict = grasp.check()
+    assert verdict.word == "UNDECIDED"
+    assert "pass the side (Around.side)" in str(verdict).replace("\n", " ")
+
+
+def test_with_a_side_it_goes_on_with_the_radius_as_its_arm(write: Writer) -> None:
+    path = on_pulley(write, (-0.02, 0, 0)).follow(steps=20)
+    assert path.reached
+    q, load = path.steps.q[:, 0], path.steps.load[:, 0]
+    late = q > LEAN
+    assert late.any()
+    slope = np.diff(load[late] * L * np.cos(q[late])) / np.diff(q[late])
+    np.testing.assert_allclose(slope, 1.4 + KT * ROUND**2, rtol=1e-5)  # own spring and the string, K_p + r² k

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from handlcp.hand import HandGrasp
 from tests.hand.test_servos import FINGER
 from tests.support.hand import servos_of
 
@@ -94,13 +95,100 @@ def test_springs_of_joints_hold_what_a_servo_s_tendon_leaves_free() -> None:
 
 
 @pytest.mark.parametrize(("limit", "said"), [(2.0, True), (5.0, False), (None, False)])
-def test_a_rest_angle_that_takes_a_tenth_of_the_torque_limit_is_doubted(limit: float | None, said: bool) -> None:
-    """In the middle of the range, 0 rad, the spring pulls with K times its rest angle, 0.32 N·m."""
-    hand = finger(torque_limits=None if limit is None else {"a": limit})
+def test_a_spring_in_no_torque_that_takes_a_tenth_of_the_limit_is_doubted(limit: float | None, said: bool) -> None:
+    """One servo pulls b and c, and turns neither on its own. In the middle of the range, 0 rad, the spring of c pulls
+    with K times its rest angle, 0.32 N·m.
+    """
+    one = '<actuator><position joint="a" kp="3"/><position tendon="both" kp="4"/></actuator>'
+    sprung = text("", SPRUNG, one).replace('name="b"', 'name="b" stiffness="0.1"')
+    hand = hl.Hand.from_mjcf(sprung, torque_limits=None if limit is None else {"c": limit})
     assert bool(doubts(hand)) is said
+    assert hand.stiffness.against_springs(hand.neutral) is None
     if said:
-        assert doubts(hand)[0].joint == "a"
+        assert doubts(hand)[0].joint == "c"
         assert "16 % of what drives give" in doubts(hand)[0].what
         assert not doubts(finger(joint_stiffness=1.0, torque_limits=limit))
-        limited = text(more=ALL.replace('name="sa"', f'name="sa" forcerange="-{limit} {limit}"'))
-        assert [d.what for d in hl.audit_urdf(limited) if d.about == "spring"] == [doubts(hand)[0].what]
+        assert not doubts(finger(torque_limits={"a": limit}))  # in the torques
+
+
+# ---------------------------------------------------------------- a servo pulls against the spring of its joint
+KP, OWN, AWAY, LONG = 5.0, 1.5, 0.4, 0.08  # N·m/rad, N·m/rad; rad: springs open the fingers; m
+BOTH = OWN * AWAY  # N·m that servos hold against springs where the fingers touch
+ASIDE = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def levers(rest: float | None = AWAY, squeeze: float = 4e-3, **arguments: Any) -> HandGrasp:
+    """A box between two fingers of one joint. rest : where springs are at rest; None: servos alone, as stiff in all."""
+    bodies, spring = "", "" if rest is None else f'stiffness="{OWN}" springref="{{}}"'
+    for name, s in (("left", -1.0), ("right", 1.0)):
+        own = spring.format(s * (rest or 0.0))
+        bodies += f"""<body name="{name}" pos="{0.015 * s} 0 0"><joint name="{name}" axis="0 1 0" range="-1 1" {own}/>
+          <geom type="capsule" size=".004" fromto="0 0 0 0 0 .06"/><site name="{name}_tip" pos="0 0 {LONG}"/></body>"""
+    kp = KP + OWN if rest is None else KP
+    servos = "".join([f'<position name="s_{n}" joint="{n}" kp="{kp}" forcerange="-9 9"/>' for n in ("left", "right")])
+    text = f"""<mujoco><compiler angle="radian" autolimits="true"/><worldbody>{bodies}</worldbody>
+      <actuator>{servos}</actuator></mujoco>"""
+    hand = hl.Hand.from_mjcf(text, ["left_tip", "right_tip"], tip_radius=0.005, pad_flexibility=1e-4, **arguments)
+    box = hl.Box(0.02, placement=(0, 0, LONG), mass=0.02)
+    return hand.at([0.0, 0.0]).grasp(box, friction=0.8, squeeze=squeeze)
+
+
+def test_a_servo_holds_the_contacts_and_its_joints_spring() -> None:
+    """τ = Jᵀ f + k (q - θ), in one solve and on a path; forces, motion and energy stay as they are without."""
+    sprung, plain = levers(), levers(None)
+    one, without = sprung.solve(), plain.solve()
+    np.testing.assert_allclose(one.torques - without.torques, [BOTH, -BOTH], rtol=1e-12)
+    np.testing.assert_allclose(one.forces, without.forces, atol=1e-12)
+    path, bare = sprung.follow(), plain.follow()
+    held = OWN * (path.steps.q - np.array([-AWAY, AWAY]))
+    np.testing.assert_allclose(path.steps.torques, bare.steps.torques + held, atol=1e-12)
+    np.testing.assert_allclose(path.steps.pulled, path.steps.torques, atol=1e-12)
+    np.testing.assert_allclose(path.solution.torques, path.steps.torques[-1], rtol=1e-9)
+    for name in ("forces", "work", "stored", "displacement"):
+        np.testing.assert_allclose(getattr(path.steps, name), getattr(bare.steps, name), atol=1e-12)
+    fixed = sprung.follow(geometry="fixed")
+    np.testing.assert_allclose(fixed.steps.torques[0], [BOTH, -BOTH], rtol=1e-12)
+    assert levers(0.0).solve().torques == pytest.approx(without.torques)  # at rest where the fingers touch
+
+
+@pytest.mark.parametrize("geometry", ["fixed", "followed"])
+def test_limits_are_for_what_the_servo_gives(geometry: str) -> None:
+    """As with limits that are lower by what springs take; on the way where the joints stand then."""
+    found = levers(torque_limits=BOTH + 0.5).load_limit(ASIDE, geometry=geometry)
+    lower = levers(None, torque_limits=0.5).load_limit(ASIDE, geometry=geometry)
+    assert found.factor > 1.0
+    assert [c.kind for c in found.binds] == [c.kind for c in lower.binds] == ["torque"]
+    if geometry == "fixed":
+        assert found.factor == pytest.approx(lower.factor, rel=1e-9)
+    else:
+        there = levers(None).follow(found.load).steps
+        gives = there.torques[-1] + OWN * (there.q[-1] - np.array([-AWAY, AWAY]))
+        assert abs(gives).max() == pytest.approx(BOTH + 0.5, rel=1e-6)
+    assert levers(torque_limits=BOTH + 0.2).check().word == "OVER LIMIT"
+    assert levers(None, torque_limits=BOTH + 0.2).check().word == "HELD"
+
+
+@pytest.mark.long
+def test_motors_are_sized_with_what_springs_take() -> None:
+    needs, bare = levers().required_torque(), levers(None).required_torque()
+    np.testing.assert_allclose(needs.torque - bare.torque, BOTH, rtol=0.01)
+
+
+def test_a_hand_in_motion_holds_its_springs_where_it_is() -> None:
+    stream = hl.GraspStream(levers())
+    moved = stream.update(q=np.array([0.01, -0.01]))
+    np.testing.assert_allclose(moved.torques, stream.grasp.solve().torques, atol=1e-6)
+    assert abs(moved.torques[0]) > BOTH
+
+
+def test_mujoco_has_the_same_torque_of_the_servos() -> None:
+    from handlcp.simulator import simulate, to_mujoco
+
+    grasp = levers()
+    truth, path = simulate(grasp), grasp.follow()
+    np.testing.assert_allclose(path.steps.torques[-1], truth.torques, rtol=2e-3)
+    np.testing.assert_allclose(path.solution.forces_world, truth.forces_world, atol=0.01)
+    model = mujoco.MjModel.from_xml_string(to_mujoco(grasp)[0])
+    at = [model.joint(name).id for name in grasp.state.hand.joint_names]
+    np.testing.assert_allclose(model.jnt_stiffness[at], OWN)
+    np.testing.assert_allclose(model.qpos_spring[model.jnt_qposadr[at]], [-AWAY, AWAY])

@@ -19,15 +19,21 @@ RUBS = 0.05  # N·m
 SHUT, BACK = 0.06, 0.03  # rad, commanded
 
 
-def pinch(write: Writer, **more: object) -> HandGrasp:
-    hand = lever_hand(write, joint_friction=RUBS)
-    return lever_pinch(hand, (0.0, 0.0, 0.0), **more)
+RUBBING = {
+    "of the joint": {"joint_friction": RUBS}, "of the drive": {"motors": hl.Motor(20.0, friction=RUBS)},
+    "of both": {"joint_friction": 0.4 * RUBS, "motors": hl.Motor(20.0, friction=0.6 * RUBS)},
+}  # fmt: skip
 
 
-def test_a_joint_that_closes_presses_less_by_its_friction_and_one_that_opens_more(write: Writer) -> None:
+def pinch(write: Writer, whose: str = "of the joint", **more: object) -> HandGrasp:
+    return lever_pinch(lever_hand(write, **RUBBING[whose]), (0.0, 0.0, 0.0), **more)
+
+
+@pytest.mark.parametrize("whose", RUBBING)
+def test_a_joint_that_closes_presses_less_by_its_friction_and_one_that_opens_more(write: Writer, whose: str) -> None:
     """N = (θ ∓ τ_f / K) L / C on both sides of a hysteresis loop, and between them as it was."""
     stages = [hl.Stage("close", joint_offset=[SHUT] * 2), hl.Stage("open", joint_offset=[BACK] * 2)]
-    path = pinch(write).follow(order=stages, steps=7, geometry="fixed")
+    path = pinch(write, whose).follow(order=stages, steps=7, geometry="fixed")
     for k, stage in enumerate(stages):
         here = np.flatnonzero(path.steps.stage == k)[1:]
         angle, force = path.steps.command[here, 0], path.steps.forces[here, 0, 2]
@@ -37,12 +43,12 @@ def test_a_joint_that_closes_presses_less_by_its_friction_and_one_that_opens_mor
         np.testing.assert_allclose(force, expected, rtol=1e-7, atol=1e-7 * most)
 
 
-@pytest.mark.parametrize("steps", [3, 40])
-def test_the_area_of_a_hysteresis_loop_is_the_work_that_friction_takes(write: Writer, steps: int) -> None:
+@pytest.mark.parametrize(("steps", "whose"), [(3, "of the joint"), (40, "of the joint"), (40, "of the drive")])
+def test_the_area_of_a_hysteresis_loop_is_the_work_that_friction_takes(write: Writer, steps: int, whose: str) -> None:
     """Around it each joint goes PAD / C (Δθ - 2 τ_f / K) there and back, against τ_f; however long steps are."""
     angles = [SHUT, BACK, SHUT]
     stages = [hl.Stage(f"turn {k}", joint_offset=[angle] * 2) for k, angle in enumerate(angles)]
-    path = pinch(write).follow(order=stages, steps=steps, geometry="fixed")
+    path = pinch(write, whose).follow(order=stages, steps=steps, geometry="fixed")
     ends = [int(np.flatnonzero(path.steps.stage == k)[-1]) for k in range(3)]
     around = slice(ends[0], ends[2] + 1)
     taken = path.steps.dissipated[ends[2]] - path.steps.dissipated[ends[0]]
@@ -67,6 +73,17 @@ def test_a_joint_pushed_back_stands_still_until_twice_its_friction_is_overcome(w
     assert 1.0 < first < 4.0
     expected = np.where(load < first, stiff * load, stiff * first + (load - first) * C / 2)
     np.testing.assert_allclose(moved, expected, atol=1e-7 * expected.max())
+
+
+def test_a_finger_pushed_back_is_held_by_its_motor_and_the_friction_of_its_drive_together(write: Writer) -> None:
+    """Once the joint has turned back: τ = τ_m + τ_f. It gives out where that is what both hold, and not before."""
+    motor = hl.Motor(1.1 * SHUT * L / C * L, friction=RUBS)
+    grasp = lever_pinch(lever_hand(write, motors=motor), (0.0, 0.0, 0.0), joint_offset=[SHUT] * 2)
+    found = grasp.load_limit([1.0, 0.0, 0.0, 0.0, 0.0, 0.0], geometry="fixed")
+    assert [(c.kind, c.who) for c in found.binds] == [("torque", "right_joint")]
+    steps = grasp.follow(found.load, steps=40, geometry="fixed").steps
+    np.testing.assert_allclose(steps.torques[-1, 1], motor.for_good + RUBS, rtol=1e-6)
+    np.testing.assert_allclose(steps.pulled[-1, 1], motor.for_good, rtol=1e-6)
 
 
 def test_friction_leaves_a_certified_state_and_the_energy_in_balance() -> None:
@@ -97,14 +114,17 @@ def test_a_motor_overcomes_the_friction_of_its_joint_and_pulls_with_the_closing_
     np.testing.assert_allclose(grasp.solve().torques, path.steps.torques[end], rtol=0.1)
 
 
-@pytest.mark.parametrize("friction", [0.02, 0.06])
-def test_mujoco_has_the_same_forces(friction: float) -> None:
+@pytest.mark.parametrize(("friction", "of_drive"), [(0.02, 0.0), (0.02, 0.04)])
+def test_mujoco_has_the_same_forces(friction: float, of_drive: float) -> None:
     """Its friction at joints is regularised: a joint that stands still creeps."""
     pytest.importorskip("mujoco")
     from handlcp.simulator import simulate
 
     box = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
-    hand = example_hand("three_finger", joint_stiffness=6.0, pad_flexibility=1e-4, joint_friction=friction)
+    motors = hl.Motor(1.0, friction=of_drive) if of_drive else None
+    hand = example_hand(
+        "three_finger", joint_stiffness=6.0, pad_flexibility=1e-4, joint_friction=friction, motors=motors
+    )
     grasp = hand.at(hand.close_on(box)).grasp(box, friction=0.8, squeeze=0.004)
     path = grasp.follow()
     truth = simulate(grasp)

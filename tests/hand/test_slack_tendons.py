@@ -207,3 +207,21 @@ def test_a_hundredth_of_a_command_that_no_tendon_makes_is_a_doubt_and_more_decid
     (reason,) = verdict.about("command_not_made")
     assert verdict.word == word
     assert reason.values["share"] == pytest.approx(share, rel=0.05)
+
+
+def test_what_a_tendon_uses_of_its_limit_stands_beside_its_tension(write: Writer) -> None:
+    """Its whole tension, pretension included, whether that is of one solve or of the end of a path."""
+    grasp = pinch(write, pretension=3.0, limits={"left_flexor": 80.0, "right_flexor": 80.0})
+    one, end = grasp.solve(throw=False), grasp.follow(ASIDE, geometry="fixed").solution
+    for solution, begun in ((one, 3.0), (end, 0.0)):
+        effort = solution.effort
+        assert effort is not None
+        np.testing.assert_allclose(effort.limits, [80.0, np.inf] * 2)
+        np.testing.assert_allclose(effort.used[::2], (effort.values[::2] + begun) / 80.0, rtol=1e-12)
+        assert not effort.used[1::2].any()
+        first, second, *_ = effort.table.rows
+        assert (first[2], second[2:]) == ("80.00", ("none", "–"))
+        assert first[3] == f"{100 * effort.used[0]:.0f} %"
+    plain = pinch(write).solve(throw=False).effort
+    assert plain is not None
+    assert plain.table.heads == ("tendon tension", "N")

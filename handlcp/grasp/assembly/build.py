@@ -51,6 +51,8 @@ def build(spec: GraspSpec) -> Scene:
         E, d = _softened(spec, soft, E), shifted_by(spec.effects, spec, soft, d)
         torques = [torque for e in spec.effects if (torque := e.added_torque()) is not None]
         held = sum(torques[1:], torques[0]) if torques else None
+    if spec.mechanism is not None and (springs := spec.mechanism.against_springs()) is not None:
+        held = springs if held is None else held + springs
     frames = spec.frames
     if not planar and not plain and (scale := _scales(contacts, soft)) is not None:
         rows = scale[: 3 * len(contacts)].reshape(-1, 3)

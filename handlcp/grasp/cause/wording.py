@@ -25,8 +25,8 @@ from handlcp.grasp.model.spec import GraspSpec
 # ---------------------------------------------------------------- Why an object is lost, in one sentence.
 
 # How a loading fails
-RUNS_AWAY, UNSTABLE, PUSHED_OUT, LOOSE, NO_FORCES, TOO_FAR, LEAPS, STUCK = (
-    "runs away", "unstable", "pushed out", "loose", "no answer", "too far", "leaps", "stuck"
+RUNS_AWAY, UNSTABLE, PUSHED_OUT, LOOSE, NO_FORCES, TOO_FAR, LEAPS, STUCK, CROSSES = (
+    "runs away", "unstable", "pushed out", "loose", "no answer", "too far", "leaps", "stuck", "crosses"
 )  # fmt: skip
 _SENTENCES = {
     RUNS_AWAY: "the object runs away{}: the fingers give way faster than their forces grow",
@@ -59,8 +59,11 @@ def why_lost(how: str, spec: GraspSpec, kinds: Sequence[str], motion: Array | No
     return f"{text} ({' and '.join(state)})" if state else text
 
 
-def why_given_up(how: str) -> str:
-    """Why a path was given up, though nothing says that the object is lost."""
+def why_given_up(how: str, who: str = "") -> str:
+    """Why a path was given up, though nothing says that the object is lost. who : a tendon and a body, in words."""
+    if how == CROSSES:
+        way = "pass the side (Around.side) on which it lies in all these postures, or route it between"
+        return f"there tendon {who.replace(' the ', ' goes over to the other side of the ', 1)}: {way}"
     if how == STUCK:
         return "forces balance the load up to there, and no next state is found"
     return "contacts touch, slip and let go so often there that thousands of short steps do not lead on"

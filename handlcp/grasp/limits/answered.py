@@ -154,7 +154,7 @@ def answer(f: Followed) -> LoadLimit:
             return f"held up to {factor:.4g} times the load, and undecided beyond: {early.why}"
         if gave_up:
             assert run.failure is not None
-            return f"held up to {end:.4g} times the load, and undecided beyond: {why_given_up(run.failure.kind)}"
+            return f"held up to {end:.4g} times the load, and undecided beyond: {why_given_up(*run.failure)}"
         return why(binds, factor, f.wrench, f.spec, _then(_through(f)))
 
     later = Later(
@@ -226,7 +226,7 @@ def _rest(f: Followed, ends: _Ends | None, number: int) -> Rest:
     said = "" if ends is None else ends.why
     if ends is None and run.outcome is Outcome.GAVE_UP:
         assert run.failure is not None
-        said = why_given_up(run.failure.kind)
+        said = why_given_up(*run.failure)
     told = tuple(sorted([e for e in events if e.factor <= known], key=lambda e: e.factor))
     return Rest(lost, marks, told, said, "; ".join(doubts))
 

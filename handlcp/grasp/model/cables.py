@@ -7,10 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, Ints
+from handlcp.check import Array, Ints, read_only
 
 _CONVERGED = 1e-14  # of the cost
 _EXACT, _MADE = 1e6, 1e-6  # times as heavy as small tensions: that these make the torques; to this share of them
+
+
+NO_SIDES = read_only(np.zeros((0, 3)))
 
 
 class Cables(NamedTuple):
@@ -25,6 +28,8 @@ class Cables(NamedTuple):
     have drawn in [m]; 0 of others. way : from joints at q (nv,) to the tendons there and the
     root of the joints' compliance with them, as in `Elasticity`; None: arms stay. turning : from
     tensions T (t,) to Σ T ∂R/∂q (nv, nv) there [N·m/rad], by which the tendons pull harder as joints move; None: 0.
+    around (b,) : round bodies that they pass, in words; sides (b, 3) : on which side of each, a unit vector in the axes
+    of its link.
     """
 
     names: tuple[str, ...]
@@ -40,6 +45,8 @@ class Cables(NamedTuple):
     shift: Array
     way: Callable[[Array], tuple[Cables, Array]] | None = None
     turning: Callable[[Array], Array] | None = None
+    around: tuple[str, ...] = ()
+    sides: Array = NO_SIDES
 
     @classmethod
     def none(cls, nv: int) -> Cables:
@@ -72,6 +79,16 @@ class Cables(NamedTuple):
             if abs(self.arms.T @ more - torque).max() <= _MADE * abs(torque).max():
                 break
         return np.where(known, np.maximum(begun + more, 0.0), more)
+
+    def crosses(self, a: Array, b: Array) -> str:
+        """The first round body, in words, that a tendon passes on one side with joints at a (nv,) and on the other at b
+        (nv,), postures that lie close together; "": none.
+        """
+        if self.way is None or not self.around:
+            return ""
+        (before, _), (now, _) = self.way(a), self.way(b)
+        turned = np.flatnonzero((before.sides * now.sides).sum(axis=1) < 0.0)
+        return self.around[turned[0]] if len(turned) else ""
 
     @property
     def begun(self) -> Array:

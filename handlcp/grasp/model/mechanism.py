@@ -132,6 +132,12 @@ class Mechanism:
         """(nv,) torque that would hold the fingers' own weight [N·m]; None where no gravity was given."""
         return None
 
+    def against_springs(self, q: Array | None = None) -> Array | None:
+        """(nv,) with which drives pull against springs beside them, with joints at q (nv,), in the grasp's posture
+        without [N·m]; None: there are no such springs.
+        """
+        return None
+
     def followed(self, spec: Any) -> Any:
         """The `Geometry` of this grasp as it moves; None where only its first posture is known."""
         return None

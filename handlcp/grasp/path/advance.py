@@ -101,7 +101,13 @@ class Leg:
             self.count += 1
             if self.count > _MOST:
                 return run.ends(Outcome.GAVE_UP, Failure("too many steps"))
-            if not self._advanced():
+            known = len(run.states)
+            goes_on = self._advanced()
+            ends = not goes_on and run.outcome in (Outcome.LOST, Outcome.GAVE_UP)
+            if who := self.stepper.crosses(run.states, known - 1, ends):
+                run.back_to(known)
+                return run.ends(Outcome.GAVE_UP, Failure("crosses", who))
+            if not goes_on:
                 return False
             if pause and run.slides is not None:
                 return True

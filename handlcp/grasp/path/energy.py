@@ -1,6 +1,7 @@
 """What joints and tendons store on a path, and what their drives put in.
 
 Springs at joints store ½ τ · δq of the deflection δq from where they are commanded, and commands q_c put in ∫ τ · dq_c.
+What holds springs beside the drives is in neither: they are a part of K, and count as driven with the joints.
 Tendons are drawn in by x = k⁻¹ d, and store what their tension t says; springs at the joints keep their rest angle q₀,
 where they balance the pretension T₀:
 
@@ -26,7 +27,7 @@ def stored(grasp: StepGrasp, states: Sequence[State]) -> Array:
     """(m,) in springs of joints and tendons since the first state [J]."""
     cables = _cables(grasp)
     if cables is None:
-        return np.array([0.5 * float(s.pulled @ s.read.deflection) for s in states])
+        return np.array([0.5 * float(s.stretched @ s.read.deflection) for s in states])
     rest, preload = _rest(grasp, cables)
     t, away = np.array([s.pull.tension for s in states]), np.array([s.where.q for s in states]) - rest
     found = 0.5 * (t * np.linalg.solve(cables.springs, t.T).T).sum(axis=1)
@@ -37,7 +38,7 @@ def stored(grasp: StepGrasp, states: Sequence[State]) -> Array:
 def driven(grasp: StepGrasp, states: Sequence[State]) -> Array:
     """(m-1,) what commands of joints put in at each step [J]."""
     cables = _cables(grasp)
-    torque = np.array([s.pulled for s in states])
+    torque = np.array([s.stretched for s in states])
     if cables is None:
         return done(torque, np.array([s.controls.command for s in states]))
     rest, preload = _rest(grasp, cables)

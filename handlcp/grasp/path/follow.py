@@ -329,7 +329,7 @@ def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) 
     last = run.states[-1]
     if run.outcome is Outcome.GAVE_UP:
         assert run.failure is not None
-        sentence = f"given up in stage {stage!r} at {words.percent(share)}: {why_given_up(run.failure.kind)}"
+        sentence = f"given up in stage {stage!r} at {words.percent(share)}: {why_given_up(*run.failure)}"
     elif lost:
         assert run.failure is not None
         going = stepper.between(run.states[-2].where.pose, last.where.pose) if len(run.states) > 1 else None

@@ -201,8 +201,13 @@ class State(NamedTuple):
 
     @property
     def pulled(self) -> Array:
-        """(nv,) torques with which the springs pull, friction included [N·m]."""
+        """(nv,) torques with which the drives pull, friction included [N·m]."""
         return self.read.torque + self.rubs
+
+    @property
+    def stretched(self) -> Array:
+        """(nv,) the same without what holds springs beside the drives [N·m]: that of K alone."""
+        return self.pulled - self.read.springs
 
     @property
     def slides(self) -> bool:
@@ -235,10 +240,12 @@ class Failure(NamedTuple):
     "runs away" (each iterate ends farther on than the one before), "too far" (the object moves farther than a step
     may), "leaps" (the step jumps over a snap); of a state, "unstable" (a small push grows), "loose" (no finger holds
     the object); of a stage, "pushed out" (by the squeeze); of a path, "too many steps", "stuck" (forces balance the
-    load, and no next state is found).
+    load, and no next state is found), "crosses" (a tendon goes over to the other side of a round body). who : what
+    does, in words.
     """
 
     kind: str
+    who: str = ""
 
 
 class Outcome(Enum):
@@ -297,6 +304,15 @@ class Run:
     under_way: int = 0
     outcome: Outcome = Outcome.END
     failure: Failure | None = None
+
+    def back_to(self, count: int) -> None:
+        """Without the states after so many, and what happens on the way to them."""
+        end, last = (self.stages[count - 1], self.shares[count - 1]), len(self.states) - count
+        if not last:
+            return
+        del self.states[-last:], self.stages[-last:], self.shares[-last:]
+        self.events = [e for e in self.events if (e.number, e.share) <= end]
+        self.snaps = [s for s in self.snaps if (s.stage, s.share) < end]
 
     def add(self, state: State, stage: int, share: float) -> None:
         """One more step."""

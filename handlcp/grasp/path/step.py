@@ -9,6 +9,7 @@ gives loose and undetermined motions an answer; with h ≤ 1e8 it changes no oth
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -44,6 +45,7 @@ _CLOSE = 1e-3  # of the forces: an answer this near to what was expected is the 
 _LEAST = 0.2  # of the way from an iterate to its end
 _SEED = Auto().seed
 _ALL = Auto(search_seconds=0.0)
+_CLOSE_BY = 1e-3  # [rad, m] from where a path ends to where a tendon crosses: it ends for that reason
 _NOWHERE = np.zeros(0)
 _PRESSED = (16.0, 8.0, 4.0, 3.0, 2.0, 1.7, 1.4, 1.2, 1.1, 1.0)  # times friction as it is
 
@@ -94,7 +96,8 @@ class Stepper:
             none_yet = self.joints.still
             task = Task(under.commanded, first.at.q, None)
             pull = self.joints.at(first.at.q).pull(none_yet.does, none_yet.posts, task, first.at.q)
-        read = Read(none, none, none[:, 0], none[:, 0], still, still)
+        springs = self._springs(first.at.q)
+        read = Read(none, none, none[:, 0], none[:, 0], springs, still, springs)
         return self._unloaded(first, loads, read, controls, still, pull)
 
     def _unloaded(
@@ -159,9 +162,9 @@ class Stepper:
                 slid = motion.copy()
                 slid[:, 2] = spin
                 yielded = self.laws.yields @ gives if len(gives) else np.zeros(len(end.q))
-                read = Read(
-                    reached.forces, motion, reached.torsion, spin, reached.torque, under.commanded - end.q - yielded
-                )
+                springs, deflection = self._springs(end.q), under.commanded - end.q - yielded
+                torque = reached.torque if springs is self._still else reached.torque + springs
+                read = Read(reached.forces, motion, reached.torsion, spin, torque, deflection, springs)
                 rubs, pull = self._still, reached.pull
                 if self.joints is not None:
                     joints = self.joints.at(iterate.at.q)
@@ -221,8 +224,9 @@ class Stepper:
         loads = self.grasp.loads(iterate, slipped, under)
         if loads.base[:, 2].min(initial=0.0) < -self.grasp.touches:
             return Failure("no answer")
-        none = np.zeros(n)
-        read = Read(np.zeros((n, 3)), loads.base, none, loads.spin, iterate.elastic.gravity, under.commanded - end.q)
+        none, springs = np.zeros(n), self._springs(q)
+        torque = iterate.elastic.gravity + springs
+        read = Read(np.zeros((n, 3)), loads.base, none, loads.spin, torque, under.commanded - q, springs)
         return self._unloaded(iterate, loads, read, controls, rubs, pull)
 
     def pushed(self, state: State, controls: Controls, guess: Guess | None = None) -> State | Failure:
@@ -253,6 +257,17 @@ class Stepper:
         own = forces if found.torsion is None else np.append(forces, found.torsion[soft])
         start = np.concatenate([own / self.laws.laws.scale, found.object_displacement, found.reference])
         return self.step(state, controls, Guess(state.where, start, state.gives))
+
+    def crosses(self, states: Sequence[State], number: int, ends: bool) -> str:
+        """What a tendon crosses from this one of the states on, as of `Cables`, or, where these end, crosses close by;
+        "": nothing.
+        """
+        if self.joints is None or not self.joints.cables.around:
+            return ""
+        q = [s.iterate.at.q for s in states[number - 1 if number else 0 :]]
+        if ends and (size := float(abs(going := q[-1] - q[0]).max())) > 0.0:
+            q += [q[-1] - _CLOSE_BY / size * going, q[-1] + _CLOSE_BY / size * going]
+        return next((who for who in map(self.joints.cables.crosses, q, q[1:]) if who), "")
 
     def between(self, a: object, b: object) -> Array:
         """(6,) of the object from pose a to pose b: of its reference point [m], and turned [rad]."""
@@ -327,6 +342,12 @@ class Stepper:
         found: Reached = tried[0]
         found.pull = tried[1]
         return found
+
+    def _springs(self, q: Array) -> Array:
+        """(nv,) with which drives pull against springs beside them, with joints at q (nv,)."""
+        mechanism = self.grasp.spec.mechanism
+        held = None if mechanism is None else mechanism.against_springs(q if self.geometry.follows else None)
+        return self._still if held is None else held
 
     def _left(self, reached: Reached, iterate: Iterate) -> Array:
         """(nv,) what springs pull with for the contacts alone."""

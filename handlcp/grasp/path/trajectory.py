@@ -142,7 +142,7 @@ class Steps:
 
     @lazy
     def pulled(self) -> Array:
-        """(m, nv) with which the joints' springs pull: that, and what dry friction takes of it [N·m]."""
+        """(m, nv) with which the drives pull: that, and what dry friction takes of it [N·m]."""
         return _rows([s.pulled for s in self.states])
 
     @lazy

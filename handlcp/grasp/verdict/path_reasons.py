@@ -91,7 +91,7 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
         yield from mechanism.closing_reasons(over_closing(mechanism, lambda: closing_efforts(path.steps.states)))
         if "squeeze" in path.stages:
             closed = np.flatnonzero(path.steps.stage == path.stages.index("squeeze"))
-            yield from mechanism.pulling_reasons(spec, path.steps.pulled[closed[-1]])
+            yield from mechanism.pulling_reasons(spec, path.steps.states[closed[-1]].stretched)
         yield from before
     end = path.solution
     if end.held and end.scene is not None:

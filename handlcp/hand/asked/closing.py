@@ -77,23 +77,24 @@ def closed_by(state: Posture, obj: Object, joint_offset: Any, closing_torque: An
 def closing_torques(hand: HandModel, way: Array, value: Any) -> Array:
     """(nv,) [N·m] at the joints, with the sign in which each joint turns: a number or (nv,) of the joints that bend,
     positive towards the object; or a mapping by joint name (others: 0), where that of a joint that does not bend keeps
-    its sign. The dry friction of a motor's drive takes its part of it, and that of a tendon's motor its part of the
-    tension. Raises InputError, also where a motor has no such peak, or does not overcome that friction; UnknownName.
-    way (nv,) : how the joints bend towards the object, as `bending` has it.
+    its sign. The dry friction of a tendon's motor takes its part of the tension. Raises InputError, also where a motor
+    has no such peak, or does not overcome that friction; UnknownName. way (nv,) : how the joints bend towards the
+    object, as `bending` has it.
     """
-    return _through_tendons(hand, _through_drives(hand, _pulls(hand, way, value)))
+    torque = _pulls(hand, way, value)
+    _check_drives(hand, torque)
+    return _through_tendons(hand, torque)
 
 
-def _through_drives(hand: HandModel, torque: Array) -> Array:
-    """(nv,) what is left at the joints of what their motors pull with, (nv,)."""
+def _check_drives(hand: HandModel, torque: Array) -> None:
+    """That motors pull with torques (nv,) at their joints, and overcome their dry friction. Raises InputError."""
     drives = hand.torques.drives
     if drives is None:
-        return torque
+        return
     for joint, motor, pull in zip(hand.joint_names, drives.of, abs(torque).tolist(), strict=True):
         if motor is not None and pull > 0.0 and not motor.friction < pull <= motor.at_peak * (1.0 + OVER):
             expected = f"{_overcomes(motor)}at most the peak of its motor, {motor.at_peak:g} N·m at the joint"
             raise InputError(f"closing_torque[{joint!r}]", expected, f"{pull:g}")
-    return np.asarray(np.sign(torque) * np.maximum(abs(torque) - drives.friction, 0.0))
 
 
 def _through_tendons(hand: HandModel, torque: Array) -> Array:
@@ -143,7 +144,7 @@ def carries(state: Posture, q: Array, obj: Object) -> Bools:
 
 def pulling(hand: HandModel, q: Array, opened: Array | None, torque: Array) -> Closed:
     """Commanded by K⁻¹ τ, as far as motors turn where neither links nor the object give way. Raises InputError."""
-    command, against = (hand.stiffness.deflection(t) for t in _shared(torque, hand.joint_friction))
+    command, against = (hand.stiffness.deflection(t) for t in _shared(torque, hand.dry_friction))
     if (rigid := (torque != 0.0) & (command + against == 0.0)).any():
         stuck = ", ".join(name for name, is_rigid in zip(hand.joint_names, rigid, strict=True) if is_rigid)
         raise InputError("closing_torque", "joints that give way, which a torque turns", f"{stuck}: rigid")

@@ -101,4 +101,4 @@ class _Closing:
 
     def _shares(self, state: State) -> Array:
         """(nv,) of its torque that each joint pulls with."""
-        return self.pulling.shares(state.pulled, state.controls.command)
+        return self.pulling.shares(state.stretched, state.controls.command)

@@ -93,8 +93,8 @@ class RequiredTorque(Record):
 
     joints : nv names. torque : (nv,) [N·m] (N for a prismatic joint), the largest of each joint under any load, from
         the first touch to the whole load. closing : (nv,) the largest that pulls at it while the hand closes, dry
-        friction of the joint included. held : (nv,) the largest under any whole load. NaN where no grip was found that
-        holds.
+        friction of the joint included and that of its drive not. held : (nv,) the largest under any whole load. NaN
+        where no grip was found that holds.
     grip : normal force [N] to command at each fingertip, by name, `grip_force=` of `state.grasp`; where nothing holds,
         the grip that got furthest.
     sized_by : for each joint the load that needs most of it, or "squeeze": closing the hand does.
@@ -133,10 +133,10 @@ class RequiredTorque(Record):
 
     @property
     def peak(self) -> Array:
-        """(nv,) [N·m] that each motor gives at the joint for a moment: the larger of `torque` and `closing`, and the
-        drive's dry friction.
+        """(nv,) [N·m] that each motor gives at the joint for a moment: `closing` and the drive's dry friction, or
+        `torque` less that, whichever is larger.
         """
-        return at_peak(self._largest, self.drives)
+        return at_peak(self.closing, self.torque, self.drives)
 
     @property
     def _largest(self) -> Array:
@@ -152,11 +152,13 @@ class RequiredTorque(Record):
     def reductions(self, motor: Motor) -> Array:
         """(nv,) the least reduction N with which this motor serves at each joint, in place of the hand's own: N η is at
         least peak and continuous of the joint, with the motor's dry friction and `holding`, over those of the motor.
-        Its own reduction is left out. NaN of joints that tendons with motors move. Raises InputError.
+        Torques and grip are those of the hand with its own friction, on which they depend: pass the hand motors with
+        that of the one to buy. Its own reduction is left out. NaN of joints that tendons with motors move. Raises
+        InputError.
         """
         moved = () if self.tensions is None else self.tensions.moved
         own = np.array([joint not in moved for joint in self.joints])
-        return read_only(np.where(own, reductions(motor, self._largest, self.held), np.nan))
+        return read_only(np.where(own, reductions(motor, self.closing, self.torque, self.held), np.nan))
 
     @property
     def holds(self) -> bool:
@@ -183,7 +185,8 @@ class RequiredTorque(Record):
         if self.drives is None:
             return np.asarray(exceeded(self._largest / self.limits))
         closes = np.where(np.isfinite(self.drives.closes), self.drives.closes, self.limits)
-        for_a_moment = exceeded(self.torque / np.maximum(self.limits, closes)) | exceeded(self.closing / closes)
+        gives = np.maximum(self.limits, closes + 2.0 * self.drives.friction)  # peak, and friction that helps
+        for_a_moment = exceeded(self.torque / gives) | exceeded(self.closing / closes)
         return np.asarray(for_a_moment | exceeded(self.held / self.limits))
 
     @property

@@ -23,13 +23,12 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.torque_limits import with_limits
 from handlcp.grasp.path.follow import Loading
-from handlcp.grasp.path.trajectory import closing_efforts
 from handlcp.grasp.tangent.solutions import without_slip
 from handlcp.grasp.verdict.check import followed_to
 from handlcp.hand.command import commanded, gripped
 from handlcp.hand.design.motors import Case, RequiredTorque, cases
 from handlcp.hand.design.sizes import RequiredTension
-from handlcp.hand.design.trials import Trial, Trials, least
+from handlcp.hand.design.trials import Trial, Trials, closing_beside, least
 from handlcp.hand.elasticity.elasticity import Elasticity
 from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.mechanism import hand_of
@@ -163,7 +162,8 @@ def required_torque(
     brief, hand = cases(spec, loads, safety), hand_of(spec)
     known = bool(np.isfinite(hand.limits).all())
     share = hand.limits if known else np.ones(len(hand.names))
-    trials = Trials(brief, section, share, progress)
+    of_drives = hand.posture.hand.dry_friction - hand.posture.hand.joint_friction
+    trials = Trials(brief, section, share, of_drives, progress)
     best, fails = least(trials, starts(brief, section, share), near)
     nv = len(hand.names)
     torque, closing, held = np.full((3, nv), np.nan)
@@ -174,7 +174,7 @@ def required_torque(
         seen = [abs(path.steps.torques).max(axis=0) for path in paths]
         torque = np.max([best.largest, *seen], axis=0) * (1.0 + _ROUNDED_UP)
         torque = np.maximum(torque, _ROUNDED_UP * torque.max(initial=_ROUNDED_UP))
-        pulled = [closing_efforts(path.steps.states)[:nv] for path in paths]
+        pulled = [closing_beside(of_drives, path) for path in paths]
         closing = np.max([best.squeeze, *pulled], axis=0) * (1.0 + _ROUNDED_UP)
         held = np.minimum(torque, np.max([abs(path.steps.torques[-1]) for path in paths], axis=0) * (1.0 + _ROUNDED_UP))
         tensions = _tensions(hand.posture.hand.stiffness, hand.names, paths)

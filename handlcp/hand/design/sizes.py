@@ -1,9 +1,10 @@
 """What motors have to give for torques of joints and tensions of tendons, and with which gear they do.
 
-    peak = largest + τ_f,    continuous = held - τ_f,    N η ≥ max(peak / τ_peak, continuous / τ_continuous)
+    peak = max(closing + τ_f, largest - τ_f),    continuous = held - τ_f
+    N η ≥ max(peak / τ_peak, continuous / τ_continuous)
 
-τ_f is the dry friction of a drive, in newtons at a tendon: of the hand's own, or of the motor that takes its place.
-`held` is nothing where a gear carries all of it.
+τ_f is the dry friction of a drive, in newtons at a tendon: of the hand's own, or of the motor that takes its place. It
+is against closing, and carries its part of what is held. `held` is nothing where a gear carries all of it.
 """
 
 from __future__ import annotations
@@ -23,9 +24,10 @@ from handlcp.text_table import TextTable
 _NO_TENSION = 1e-6  # of the largest tension: less is rounding
 
 
-def at_peak(largest: Array, drives: Drives | None) -> Array:
-    """(k,) that each motor gives for a moment, where the largest effort is (k,) [N·m, N]."""
-    return read_only(largest + _friction(drives))
+def at_peak(closing: Array, largest: Array, drives: Drives | None) -> Array:
+    """(k,) that each motor gives for a moment, where the largest effort is (k,) while it closes and (k,) at all."""
+    rubs = _friction(drives)
+    return read_only(np.maximum(closing + rubs, largest - rubs))
 
 
 def for_good(held: Array, drives: Drives | None) -> Array:
@@ -36,12 +38,12 @@ def for_good(held: Array, drives: Drives | None) -> Array:
     return read_only(np.where(held <= carried, 0.0, np.maximum(held - _friction(drives), 0.0)))
 
 
-def reductions(motor: Motor, largest: Array, held: Array) -> Array:
+def reductions(motor: Motor, closing: Array, largest: Array, held: Array) -> Array:
     """(k,) the least reduction with which a motor does for these efforts, (k,) each [N·m, N]. Raises InputError."""
     if not isinstance(motor, Motor):
         raise InputError("motor", "a Motor", repr(motor)[:80])
     bought, own = Drives((motor,) * len(held)), replace(motor, reduction=1.0, friction=0.0, holding=None)
-    return read_only(np.maximum(at_peak(largest, bought) / own.at_peak, for_good(held, bought) / own.for_good))
+    return read_only(np.maximum(at_peak(closing, largest, bought) / own.at_peak, for_good(held, bought) / own.for_good))
 
 
 def _friction(drives: Drives | None) -> Array | float:
@@ -69,7 +71,7 @@ class RequiredTension:
     @property
     def peak(self) -> Array:
         """(t,) [N] that each motor gives at the tendon for a moment: `tension`, and the drive's dry friction."""
-        return at_peak(self.tension, self.drives)
+        return at_peak(self.tension, self.tension, self.drives)
 
     @property
     def continuous(self) -> Array:
@@ -80,7 +82,7 @@ class RequiredTension:
         """(t,) the least reduction [N/(N·m)] with which this motor serves at each tendon, as of joints. Raises
         InputError.
         """
-        return reductions(motor, self.tension, self.held)
+        return reductions(motor, self.tension, self.tension, self.held)
 
     @property
     def slack(self) -> tuple[str, ...]:

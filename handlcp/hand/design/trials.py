@@ -114,11 +114,14 @@ class Trial:
 
 @dataclass(eq=False)
 class Trials:
-    """All that were tried. share (nv,) : torques that count as much as each other [N·m]. told : how many so far."""
+    """All that were tried. share (nv,) : torques that count as much as each other, rubs (nv,) : dry friction of drives
+    [N·m]. told : how many so far.
+    """
 
     cases: tuple[Case, ...]
     section: Section
     share: Array
+    rubs: Array
     told: Callable[[int], object] | None = None
     tried: dict[bytes, Trial] = field(default_factory=dict)
     first: int = 0  # the load that was lost last is the first to be tried
@@ -166,7 +169,7 @@ class Trials:
             sizes = abs(path.steps.torques)
             torque[k] = sizes.max(axis=0)
             closing = sizes[path.steps.stage == 0] if path.stages[0] == ORDER[0] else sizes[:1]
-            squeeze = np.max([squeeze, closing.max(axis=0), closing_efforts(path.steps.states)[:nv]], axis=0)
+            squeeze = np.max([squeeze, closing.max(axis=0), closing_beside(self.rubs, path)], axis=0)
             if (np.maximum(torque[k], squeeze) / self.share).max() >= most:
                 return None
         return Trial(force, torque, squeeze, float((np.vstack([torque, squeeze]) / self.share).max()))
@@ -175,6 +178,11 @@ class Trials:
         """The loading under one load, as `check` follows it."""
         spec = gripped(self.cases[number].spec, force)
         return follow(spec, self.section, None, ORDER, None, STEPS, None)
+
+
+def closing_beside(rubs: Array, path: Loading) -> Array:
+    """(nv,) the largest torque that closing takes of each drive, but for their dry friction (nv,) [N·m]."""
+    return np.asarray(np.maximum(closing_efforts(path.steps.states)[: len(rubs)] - rubs, 0.0))
 
 
 def _beyond(path: Loading) -> str | None:

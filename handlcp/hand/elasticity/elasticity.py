@@ -32,23 +32,39 @@ class Effort(Record):
     """What the actuators behind a transmission do, one by one.
 
     kind : "tendon tension" or "actuator force". names : of the tendons or synergies. values : as many, in `unit`.
+    limits : what tendons bear, or their motors hold for good where that is less [N]; inf where there is no limit.
+    used : the share of it that the whole tension is, pretension included; 0 of a slack tendon and without a limit.
     """
 
-    entries = ("kind", "unit", "each")
+    entries = ("kind", "unit", "each", "limits (t,)", "used (t,)")
 
     kind: str
     unit: str
     names: tuple[str, ...]
     values: Array
+    limits: Array
+    used: Array
 
     @property
     def each(self) -> dict[str, float]:
         """The values by name."""
         return dict(zip(self.names, self.values.tolist(), strict=True))
 
+    @property
+    def table(self) -> TextTable:
+        """One by one, with limits and the shares of them where there are any."""
+        heads: tuple[str, ...] = (self.kind, self.unit)
+        columns, align = [words.column(self.values.tolist())], "<>"
+        if (limited := np.isfinite(self.limits)).any():
+            most = zip(words.column(self.limits.tolist()), limited.tolist(), strict=True)
+            shares = zip(self.used.tolist(), limited.tolist(), strict=True)
+            heads, align = (*heads, f"limit\n{self.unit}", "of limit"), "<>>>"
+            columns.append([text if its else "none" for text, its in most])
+            columns.append([words.percent(share) if its else "–" for share, its in shares])
+        return TextTable(heads, tuple(zip(self.names, *columns, strict=True)), align)
+
     def __str__(self) -> str:
-        rows = tuple(zip(self.names, words.column(self.values.tolist()), strict=True))
-        return str(TextTable((f"{self.kind}", self.unit), rows, "<>"))
+        return str(self.table)
 
 
 class Elasticity:
@@ -98,6 +114,17 @@ class Elasticity:
         arguments as of `effort`.
         """
         return torque
+
+    @property
+    def beside(self) -> Array:
+        """(nv,) k of springs at joints beside their drives, that have a rest angle of their own [N·m/rad]; 0: none."""
+        return np.zeros(len(self.root))
+
+    def against_springs(self, q: Array) -> Array | None:
+        """(nv,) with which drives pull against springs beside them with joints at q (nv,) [N·m]; None: there are none
+        that this counts.
+        """
+        return None
 
     def beyond(self, command: Array) -> Array:
         """(nv,) the part of the torques K δq of a command (nv,) [rad] that no actuator makes [N·m]."""

@@ -15,7 +15,8 @@ import numpy as np
 
 from handlcp.check import Array, Ints, array, dimensions, number, per_name, read_only
 from handlcp.errors import InputError
-from handlcp.hand.elasticity.places import Pulley
+from handlcp.grasp.model.cables import NO_SIDES
+from handlcp.hand.elasticity.places import Around, Pulley
 from handlcp.hand.elasticity.route import BoundRoutes, Route
 
 Arms = dict[str, dict[str, float]]
@@ -25,7 +26,7 @@ _grip = partial(number, minimum=0.0)
 
 class Laid(NamedTuple):
     """arms (t, nv) : R [m/rad, m/m]. shift (t,) : l - R q, with l drawn in by the joints since their posture zero [m].
-    of (m,), grips (m,), posts (m, nv), turning : as `Cables` has them.
+    of (m,), grips (m,), posts (m, nv), turning, sides (b, 3) : as `Cables` has them.
     """
 
     arms: Array
@@ -34,6 +35,7 @@ class Laid(NamedTuple):
     grips: Array
     posts: Array
     turning: Callable[[Array], Array] | None
+    sides: Array = NO_SIDES
 
 
 class _Posts(NamedTuple):
@@ -102,7 +104,20 @@ class Lays:
             on, legs = posts.legs >= 0, posts.legs
             grips = read_only(np.where(on, grips * strung.turned[legs], grips))
             rows = read_only(np.where(on[:, None], strung.beyond[legs], rows))
-        return Laid(read_only(R), read_only(shift), posts.of, grips, rows, partial(bound.turning, posed, routed))
+        turning, sides = partial(bound.turning, posed, routed), read_only(strung.sides[self._round])
+        return Laid(read_only(R), read_only(shift), posts.of, grips, rows, turning, sides)
+
+    def around(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Round bodies that routes pass, in words; names (t,)."""
+        places = [(names[i], p, leg.body) for i, route in self.routes.items()
+                  for leg in route.legs for p in [route.places[leg.body or 0]] if isinstance(p, Around)]  # fmt: skip
+        return tuple([f"{name!r} the {place.shape} at places[{k}], on {place.link}" for name, place, k in places])
+
+    @cached_property
+    def _round(self) -> Ints:
+        """Numbers of legs that go round a body, among those of all routes."""
+        every = [leg.body is not None for route in self.routes.values() for leg in route.legs]
+        return np.flatnonzero(every)
 
     @cached_property
     def _routed(self) -> Ints:

@@ -1,14 +1,21 @@
 """Motors behind joints and tendons: what they give for a moment, what for good, and what a gear carries without them.
 
-At the joint, through reduction N and efficiency η, with dry friction τ_f of the drive:
+At the joint, through reduction N and efficiency η, with dry friction τ_f of the drive and what the motor gives, τ_m:
 
     τ_c = N η continuous,    τ_p = N η peak
-    closing    |τ| ≤ τ_p - τ_f                     friction is against the motion
-    held       |τ| ≤ max(τ_c + τ_f, holding)       and helps to hold
+    moving     τ_m = τ ± τ_f                       friction is against the motion
+    at rest    |τ_m - τ| ≤ τ_f                     and takes whatever it takes
+    closing    |τ_m| ≤ τ_p
+    held       |τ| ≤ max(τ_c + τ_f, holding)       so that τ_c can be enough
     lasts      t = T ln(u² / (u² - 1)),   u = (|τ| - τ_f) / τ_c
 
-u is what the motor itself gives, as a share of what it gives for good. Its winding heats with u², and T is its thermal
-time: from cold, it is as hot as it may be after t. At a tendon all of it is in newtons of tension.
+In a loading that is followed τ_f is dry friction at the joint, as a hand's `joint_friction` is: it evolves with the
+motion, and forces depend on it. A joint that is held stands still; u is the least that its motor has to give then, as a
+share of what it gives for good. Its winding heats with u², and T is its thermal time: from cold, it is as hot as it may
+be after t.
+
+At a tendon all of it is in newtons of tension. There friction stays between the motor and the cable, which is the
+spring: it changes no force, and a tendon closes with |τ| ≤ τ_p - τ_f.
 """
 
 from __future__ import annotations
@@ -35,9 +42,9 @@ class Motor:
         more than continuous.
     holding : torque at the joint [N·m] that a gear which cannot be driven back carries, more than its motor gives for
         good; numpy.inf: any, as of a worm. None: the motor alone holds.
-    friction : dry friction of the drive at the joint [N·m]: it hinders closing, and helps to hold. It stays in the
-        drive, before the joint's spring, so that no posture or force changes with it. A hand's `joint_friction` is that
-        of the joint itself, behind the spring, which a loading that is followed has to overcome.
+    friction : dry friction of the drive at the joint [N·m]: it hinders closing, and helps to hold. A loading that is
+        followed has it beside a hand's `joint_friction`; one solve in one posture knows no way, and has it in the limit
+        alone. Of a tendon [N] it stays before the cable, and changes no force.
     reduction : turns of the motor per turn of the joint; of a tendon, newtons of tension per N·m of the motor, n / r
         [1/m] for a spool of radius r behind a gear n. efficiency : of the gear, 0 to 1.
     stiffness : of the joint [N·m/rad], in place of what the hand's `joint_stiffness` says; None: that. Of a tendon
@@ -93,7 +100,7 @@ class Motor:
 
     @property
     def closes(self) -> float:
-        """[N·m] With which the joint can close on something."""
+        """[N·m] Of `at_peak`, what is left for the joint or the tendon while it closes."""
         return self.at_peak - self.friction
 
     @property

@@ -56,13 +56,15 @@ class Around:
     or the centre of a sphere; kept as (centre (3,), axis (3,)). radius : [m]. shape : "cylinder", without ends, or
     "sphere". side : (3,) a point in the link's frame [m], an MJCF file's side site: the cable passes the centre on this
     side, and goes round the body also where a straight line would miss it on the other. Its direction counts, seen
-    along a cylinder's axis or in the plane of the cable and a sphere's centre. In a posture in which a site passes
-    behind the body, seen from the side, the cable changes its way and its length jumps. None: it goes round where that
-    is shorter, and so changes sides in postures beyond which the other way is, as no real cable does: pass the side of
-    a body that the cable lies on in all postures that matter.
+    along a cylinder's axis or in the plane of the cable and a sphere's centre. None: it goes round where that is
+    shorter. Pass the side of a body that the cable lies on in all postures that matter.
 
-    Raises InputError; Unsupported for a side closer to the centre than the radius, with which an MJCF file asks for a
-    cable through the inside.
+    Where the body is not in its way the cable is straight, and leaves it. It changes to the other side where both ways
+    are as long, without a side, or where a site passes behind the body, seen from the side. No real cable does: one
+    posture has the way that it has, but a loading that is followed is given up there, so that `check()` says UNDECIDED.
+
+    Raises InputError, in a posture also for a site inside the body; Unsupported for a side closer to the centre than
+    the radius, with which an MJCF file asks for a cable through the inside.
     """
 
     link: str

@@ -148,7 +148,7 @@ class BoundRoutes:
         t, legs, joints = len(self.routes), len(self.strands.divisors), len(posed.columns)
         out = Strung(
             np.zeros(t), np.zeros((t, joints)), np.zeros(legs), np.zeros((legs, 2, joints)), np.zeros((legs, joints)),
-            np.zeros((legs, 4, 3)),
+            np.zeros((legs, 4, 3)), np.zeros((legs, 3)),
         )  # fmt: skip
         wrong, depth = strung(self.strands, posed, out)
         if wrong >= 0:

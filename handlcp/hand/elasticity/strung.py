@@ -65,7 +65,8 @@ class Strung(NamedTuple):
     cable turns on its body [rad], 0: it does not touch. pieces (l, 2, joints) : arms of the straight pieces before and
     after the body, divisors included; the second 0 where there is one piece. beyond (l, joints) : arms of all pieces of
     the tendon after the body. ends (l, 4, 3) : from where to where the pieces run [m], world axes; of one the last two
-    are where it ends.
+    are where it ends. sides (l, 3) : the side of its body on which the cable passes, a unit vector in the axes of the
+    body's link; zeros: without a body.
     """
 
     lengths: Array
@@ -74,6 +75,7 @@ class Strung(NamedTuple):
     pieces: Array
     beyond: Array
     ends: Array
+    sides: Array
 
 
 class _Placed(NamedTuple):
@@ -89,7 +91,7 @@ def strung(s: Strands, posed: Posed, out: Strung) -> tuple[int, float]:
     """Write into out (of zeros) what tendons do in a posture. Returns the first site inside the body that it leads to,
     as twice its leg and 1 more for the last site of it, and how deep it is there [m]; -1 where there is none.
     """
-    at, run = _placed(s, posed.placements), np.empty((4, 3))
+    at, run = _placed(s, posed.placements), np.empty((5, 3))
     wrong, depth = _inside(s, at)
     if wrong >= 0:
         return wrong, depth
@@ -101,6 +103,9 @@ def strung(s: Strands, posed: Posed, out: Strung) -> tuple[int, float]:
         out.turned[n] = angle
         for k in range(3):
             ends[0, k], ends[1, k], ends[2, k], ends[3, k] = a[k], run[0, k], run[1, k], b[k]
+            if body >= 0:
+                M = posed.placements[s.at[body]]
+                out.sides[n, k] = M[0, k] * run[4, 0] + M[1, k] * run[4, 1] + M[2, k] * run[4, 2]
         middle = body if angle > 0.0 else last
         for j in range(len(posed.columns)):
             leaves, comes = s.support[first, j] - s.support[middle, j], s.support[middle, j] - s.support[last, j]
@@ -119,7 +124,7 @@ def turning(s: Strands, posed: Posed, tension: Array, out: Array) -> None:
     """Add Σ T ∂arms/∂q, symmetric, to out (joints, joints); tension (t,) : T."""
     at, columns = _placed(s, posed.placements), posed.columns
     low, high = _copied(at), _copied(at)
-    before, after = np.empty((4, 3)), np.empty((4, 3))
+    before, after = np.empty((5, 3)), np.empty((5, 3))
     for n in range(len(s.legs)):
         if tension[s.legs[n, 0]] == 0.0:
             continue
@@ -186,7 +191,7 @@ def _inside(s: Strands, at: _Placed) -> tuple[int, float]:
 
 @kernel
 def _leg(s: Strands, n: int, at: _Placed, run: Array) -> tuple[float, float]:
-    """Length of a leg [m] and the angle on its body [rad]; run (4, 3) : as `bend` writes it."""
+    """Length of a leg [m] and the angle on its body [rad]; run (5, 3) : as `bend` writes it."""
     a, b, body = at.points[s.legs[n, 1]], at.points[s.legs[n, 2]], s.legs[n, 3]
     if body < 0:
         return straight(a, b, run), 0.0

@@ -117,7 +117,9 @@ class SynergyCompliance(Elasticity):
 
     def effort(self, torque: Array, command: Array) -> Effort:
         """The force η = Sᵀ τ [N·m where S has no unit] of each actuator."""
-        return Effort("actuator force", "N·m", self.names, read_only(self.columns @ torque))
+        none = len(self.names)
+        free = read_only(np.full(none, np.inf)), read_only(np.zeros(none))
+        return Effort("actuator force", "N·m", self.names, read_only(self.columns @ torque), *free)
 
     @property
     def law(self) -> tuple[str, str]:

@@ -91,6 +91,7 @@ class Made:
         most, arms = held(self.drives, self.limits), self.lays.arms
         return Cables(
             self.names, arms, self.springs, own, none, self.pretension, most, posts.of, posts.grips, posts.rows, none,
+            around=self.lays.around(self.names),
         )  # fmt: skip
 
     def _there(self, laid: Laid, way: Way | None) -> Cables:
@@ -102,7 +103,7 @@ class Made:
         if turning is not None and not self._all_give:
             turning = partial(self._turning, turning)
         return self._cables._replace(
-            arms=arms, grips=laid.grips, posts=posts, shift=laid.shift, way=way, turning=turning
+            arms=arms, grips=laid.grips, posts=posts, shift=laid.shift, way=way, turning=turning, sides=laid.sides
         )
 
     def _turning(self, turning: Callable[[Array], Array], tension: Array) -> Array:
@@ -170,11 +171,16 @@ class TendonStiffness(JointStiffness):
         tension = c.springs @ (self.arms @ self.deflection(torque))
         if command.any():
             tension = tension + np.linalg.lstsq(self.arms.T, c.passive @ command)[0]
-        return self.tensions(tension)
+        return self._effort(tension, tension + c.begun)
 
     def tensions(self, values: Array) -> Effort:
         """With which tendons pull, (t,) [N]."""
-        return Effort(TENSION, "N", self.cables.names, read_only(values))
+        return self._effort(values, values)
+
+    def _effort(self, values: Array, whole: Array) -> Effort:
+        """Of tendons; whole (t,) : tensions with what they pulled with before [N]."""
+        limits = self.cables.limits
+        return Effort(TENSION, "N", self.names, read_only(values), limits, read_only(np.maximum(whole, 0.0) / limits))
 
     def pulled(self, torque: Array, command: Array) -> Array:
         """Rᵀ t."""

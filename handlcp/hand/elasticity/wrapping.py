@@ -11,7 +11,8 @@ Of all paths that go round one way this one is the shortest; on a cylinder it ha
 unrolled, it is a straight line.
 
 A side settles which way: the cable does not cross the half-line that begins at the centre and points away from the
-side. Without one it goes the shorter way. MuJoCo 4.0.1 does the same.
+side. Without one it goes the shorter way. MuJoCo 4.0.1 does the same. Either way the cable may change sides from one
+posture to the next: then the direction from the centre to its middle turns round.
 Source: plane geometry; Garner & Pandy, Computer Methods in Biomechanics and Biomedical Engineering 3 (2000).
 """
 
@@ -57,8 +58,8 @@ def outside(body: RoundBody, point: Array) -> float:
 
 @kernel
 def straight(a: Array, b: Array, out: Array) -> float:
-    """Length [m] of a cable from a (3,) to b (3,) that touches nothing. out (4, 3) : as in `bend`, with b for both
-    points, and the direction from a for the first.
+    """Length [m] of a cable from a (3,) to b (3,) that touches nothing. out (5, 3) : as in `bend`, with b for both
+    points, and the direction from a for the first; the last row stays.
     """
     length = math.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 + (b[2] - a[2]) ** 2)
     for k in range(3):
@@ -72,8 +73,9 @@ def bend(body: RoundBody, a: Array, b: Array, out: Array) -> tuple[float, float]
     """Length [m] of a taut cable from a (3,) to b (3,), both outside, and the angle by which its direction turns on the
     body [rad], that of the capstan equation, ∫ curvature ds; 0: it is straight and touches nothing.
 
-    Written into out (4, 3): where it meets the body and where it leaves it [m], and unit vectors along which it runs at
-    these points. Small arrays cost more here than what is computed with them: there is one of work.
+    Written into out (5, 3): where it meets the body and where it leaves it [m], unit vectors along which it runs at
+    these points, and one from the centre towards the middle of its way round, also where it does not touch. Small
+    arrays cost more here than what is computed with them: there is one of work.
     """
     work, centre, r = np.empty((6, 3)), body.centre, body.radius
     p, q, side, x, y, z = work[0], work[1], work[2], work[3], work[4], work[5]
@@ -85,6 +87,9 @@ def bend(body: RoundBody, a: Array, b: Array, out: Array) -> tuple[float, float]
         _plane(p, q, side, x, y, z)
     pa, pb = complex(_dot(p, x), _dot(p, y)), complex(_dot(q, x), _dot(q, y))
     way, turn = _way(pa, pb, r, complex(_dot(side, x), _dot(side, y)))
+    middle = pa / abs(pa) * cmath.rect(1.0, way * (_beta(pa, r) + turn + _beta(pb, r)) / 2.0)
+    for k in range(3):
+        out[4, k] = middle.real * x[k] + middle.imag * y[k]
     if not turn > 0.0:
         return straight(a, b, out), 0.0
     # Unrolled, the cable is the hypotenuse over its length in the plane of the circle and its rise along the axis

@@ -227,8 +227,9 @@ class TorqueLimits:
 
     @property
     def closes(self) -> Array:
-        """(nv,) with which motors can close the joints [N·m]; inf where no motor says it."""
-        return read_only(np.full(len(self.limits), np.inf)) if self.drives is None else self.drives.closes
+        """(nv,) what motors give while they close, dry friction included [N·m]; inf where no motor says it."""
+        free = np.full(len(self.limits), np.inf)
+        return read_only(free) if self.drives is None else self.drives.pulls(free)
 
     @property
     def pulls(self) -> Array:

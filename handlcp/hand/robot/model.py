@@ -97,6 +97,12 @@ class HandModel:
         return tuple([fact.name for fact in self.kinematics.facts if fact.kind == "prismatic"])
 
     @property
+    def dry_friction(self) -> Array:
+        """(nv,) at the joints, their own and that of their drives [N·m] (N for prismatic joints)."""
+        drives = self.torques.drives
+        return self.joint_friction if drives is None else read_only(self.joint_friction + drives.friction)
+
+    @property
     def urdf_tree(self) -> tuple[Any, tuple[Path, ...]]:
         """The URDF as read, or written for an MJCF file, an xml.etree Element not to be changed (None for a
         pinocchio.Model), and mesh folders.
@@ -177,9 +183,10 @@ class HandModel:
         return made
 
     def limited(self, torques: TorqueLimits) -> Self:
-        """The same hand with other torque limits."""
+        """The same hand with other torque limits, in place of motors, whose dry friction stays."""
         made = object.__new__(type(self))
-        made.__dict__.update(self.__dict__, torques=torques, torque_limits=torques.limits)
+        rubs = self.dry_friction
+        made.__dict__.update(self.__dict__, torques=torques, torque_limits=torques.limits, joint_friction=rubs)
         made.__dict__.pop("doubts", None)
         return made
 

@@ -101,7 +101,7 @@ def _wrapped(hand: Hand, cylinder: Cylinder, friction: Any, placed: bool) -> Clo
         found = find_grasp(hand, cylinder, kind=POWER, friction=friction, gravity=_WEIGHTLESS)
         grasp = found[0].grasp.replace(closing_torque=hand.torques.pulls)
     path = grasp.follow(order=("squeeze",))
-    return Closed(grasp, path, (), _left_of(grasp, path.steps.pulled[-1]))
+    return Closed(grasp, path, (), _left_of(grasp, path.last.stretched))
 
 
 def _left_of(grasp: Any, torque: Array) -> str:

@@ -104,7 +104,9 @@ class Situation(NamedTuple):
 
 
 class Read(NamedTuple):
-    """An answer in contact axes: forces, motion (n, 3), torsion, spin (n,); torque and deflection (nv,) of joints."""
+    """An answer in contact axes: forces, motion (n, 3), torsion, spin (n,); torque and deflection (nv,) of joints, and
+    springs (nv,), the part of the torque that holds springs beside their drives [N·m].
+    """
 
     forces: Array
     motion: Array
@@ -112,6 +114,7 @@ class Read(NamedTuple):
     spin: Array
     torque: Array
     deflection: Array
+    springs: Array
 
 
 def flexibility_of(el: Elastic) -> Array:

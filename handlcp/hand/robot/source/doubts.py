@@ -182,14 +182,15 @@ def weak_doubts(kinematics: Kinematics, tips: Sequence[tuple[str, int, Any]], co
 
 
 def spring_doubts(kinematics: Kinematics, stiffness: Elasticity, limits: Array) -> Iterator[Doubt]:
-    """Of springs of the file that pull with much of what drives give in the middle of the range, and of joints that
-    nothing but a spring holds. limits (nv,) torque limits [N·m].
+    """Of springs of the file that pull with much of what drives give in the middle of the range and are in no torque,
+    and of joints that nothing but a spring holds. limits (nv,) torque limits [N·m].
     """
     joints = kinematics.joint_names
     if isinstance(stiffness, TendonStiffness):
         most = abs(stiffness.arms) * np.minimum(stiffness.cables.limits, _NONE)[:, None]
         limits = np.minimum(limits, most.sum(axis=0))
     shares = abs(preload(kinematics)) / np.where(limits > 0.0, limits, np.inf)
+    shares[stiffness.beside > 0.0] = 0.0
     if much := [name for name, share in zip(joints, shares, strict=True) if share > _PULLS]:
         what = (
             f"springs of the file pull with up to {words.percent(float(shares.max()))} of what drives give in the "

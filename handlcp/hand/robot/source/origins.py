@@ -116,7 +116,7 @@ _SAID = {  # by whether servos and springs take part in the stiffness of a joint
 _Value = Callable[[JointFacts], Any]
 _RUBS = 'read; used with joint_friction="file"'
 _SPRINGS = 'used with joint_stiffness="file"'
-_RESTS = "read; springs are at rest in a grasp's posture"
+_RESTS = 'used with joint_stiffness="file", of joints that servos turn'
 _STATED: tuple[tuple[str, str, str, str, _Value, str], ...] = (
     ("dry friction", "dynamics friction", "frictionloss", "N·m", lambda f: f.stated.friction or None, _RUBS),
     ("spring at the joint", "", "stiffness", "N·m/rad", lambda f: f.stated.stiffness or None, _SPRINGS),

@@ -19,6 +19,16 @@ def passive_springs(kinematics: Kinematics) -> Array:
     return np.asarray(C.T @ (k[:, None] * C))
 
 
+def rest_angles(kinematics: Kinematics) -> Array:
+    """(nv,) of independent joints [rad, m]: where the springs of each and of those that follow it pull with nothing in
+    all; 0 without springs.
+    """
+    (k, rest), coupling = _springs(kinematics), kinematics.all_joints
+    stiff = passive_springs(kinematics).diagonal()
+    at_zero = coupling.C.T @ (k * (coupling.offset - rest))
+    return np.asarray(-at_zero / np.where(stiff > 0.0, stiff, 1.0))
+
+
 def preload(kinematics: Kinematics) -> Array:
     """(nv,) τ [N·m] with which springs pull in the middle of the ranges; without ends, in the neutral posture."""
     (k, rest), coupling = _springs(kinematics), kinematics.all_joints

@@ -8,9 +8,12 @@ alone, a matrix of rank one; where nothing else resists the rest, the file leave
 computed with it, so it is taken to be as stiff as the motion that the tendon resists: kp |a|² for each of its joints,
 which along a is what the file says.
 
-Servos alone are commanded; springs keep their rest angle. In the grasp's posture they are taken to be at rest, as
-springs beside tendons are. A spring whose rest angle θ is elsewhere pulls with k (q - θ) besides, which its servo has
-to balance: K does not change with it, and a doubt says where that is much of a torque limit.
+Servos alone are commanded; springs keep their rest angle θ. With joints at q, a servo pulls with
+
+    τ + k (q - θ),    τ = K (q_c - q) what is left for the contacts,
+
+and its torque is what limits are for. A spring whose joint no servos turn on its own is taken to be at rest in the
+grasp's posture, as springs beside tendons are, and a doubt says where that is much of a torque limit.
 """
 
 from __future__ import annotations
@@ -29,22 +32,34 @@ from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.description import Description
 from handlcp.hand.robot.source.file_cables import Cable, cable_stiffness, cables_of
 from handlcp.hand.robot.source.mjcf_cables import LEFT_OUT
-from handlcp.hand.robot.source.passive import passive_springs
+from handlcp.hand.robot.source.passive import passive_springs, rest_angles
 from handlcp.hand.robot.source.stated import Servo
 from handlcp.tolerances import SEMIDEFINITE
 
 FILE = "file"  # what users pass for the stiffness that the file states
+_ALONE = 1e-6  # of a joint's motion: what servos miss of it where they turn it on its own
 _MADE = 1e-6  # of the largest torque of a command: less is rounding
 
 
 class ServoStiffness(JointStiffness):
-    """Stiffness from servos and springs of joints. rows (m, nv) : arms of the servos. passive (nv, nv) : K_p [N·m/rad].
-    widened : servos whose tendon leaves a motion free, of which the file says nothing.
+    """Stiffness from servos and springs of joints. rows (m, nv) : arms of the servos. passive (nv, nv) : K_p [N·m/rad],
+    diagonal. rest (nv,) : where its springs are at rest [rad, m]. widened : servos whose tendon leaves a motion free,
+    of which the file says nothing.
     """
 
-    def __init__(self, matrix: Array, rows: Array, passive: Array, widened: tuple[str, ...] = ()) -> None:
+    def __init__(self, matrix: Array, rows: Array, passive: Array, rest: Array, widened: tuple[str, ...] = ()) -> None:
         super().__init__(matrix)
-        self.rows, self.passive, self.widened = read_only(rows), read_only(passive), widened
+        self.rows, self.passive, self.rest, self.widened = read_only(rows), read_only(passive), read_only(rest), widened
+        self._beside = _beside(self.rows, self.passive.diagonal(), bool(widened))
+
+    @property
+    def beside(self) -> Array:
+        """Of springs whose joints servos turn on their own."""
+        return np.zeros(len(self.root)) if self._beside is None else self._beside
+
+    def against_springs(self, q: Array) -> Array | None:
+        """With k (q - θ)."""
+        return None if self._beside is None else read_only(self._beside * (q - self.rest))
 
     @property
     def stated(self) -> bool:
@@ -59,7 +74,7 @@ class ServoStiffness(JointStiffness):
         return spanned(self.root @ (self.rows @ self.root).T)
 
     def pulled(self, torque: Array, command: Array) -> Array:
-        """τ - K_p (C τ - δq): springs turn with the joints from where they are at rest."""
+        """τ - K_p (C τ - δq), beside what holds the springs in the grasp's posture: they turn with the joints."""
         return np.asarray(torque - self.passive @ (self.deflection(torque) - command))
 
     def beyond(self, command: Array) -> Array:
@@ -72,13 +87,27 @@ class ServoStiffness(JointStiffness):
 
     def stiffer(self, factor: float) -> ServoStiffness:
         """The same with every spring so many times as stiff."""
-        return ServoStiffness(self.matrix * factor, self.rows, self.passive * factor, self.widened)
+        return ServoStiffness(self.matrix * factor, self.rows, self.passive * factor, self.rest, self.widened)
 
     def by_joint(self, factors: Array) -> Self:
         """Servos and springs of a joint alike."""
         made, by = super().by_joint(factors), np.sqrt(factors)
         made.passive = read_only(self.passive * by * by[:, None])
+        made._beside = _beside(self.rows, made.passive.diagonal(), bool(self.widened))
         return made
+
+
+def _beside(rows: Array, springs: Array, widened: bool) -> Array | None:
+    """(nv,) of springs (nv,) those of joints that servos with arms rows (m, nv) turn on their own; None where there are
+    none. widened : whether each joint of a servo counts.
+    """
+    if not springs.any():
+        return None
+    turned = abs(rows).max(axis=0, initial=0.0) > 0.0
+    if not widened:
+        alone = np.eye(len(springs))
+        turned &= np.linalg.norm(np.linalg.pinv(rows) @ rows - alone, axis=0) < _ALONE
+    return read_only(np.where(turned, springs, 0.0)) if springs[turned].any() else None
 
 
 def read_elasticity(
@@ -140,7 +169,8 @@ def servo_stiffness(servos: Sequence[Servo], kinematics: Kinematics) -> ServoSti
     for i in widened:
         row = rows[i]
         K += kp[i] * (np.diag(np.where(row != 0.0, row @ row, 0.0)) - np.outer(row, row))
-    return ServoStiffness((K + K.T) / 2, rows, own, tuple(servos[i].name for i in widened))
+    rest = rest_angles(kinematics)
+    return ServoStiffness((K + K.T) / 2, rows, own, rest, tuple(servos[i].name for i in widened))
 
 
 def _loose(K: Array) -> Array:
