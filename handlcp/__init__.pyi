@@ -119,6 +119,7 @@ from .study.payload.result import Payload as Payload
 from .study.reliability.interval import Chance as Chance, Influence as Influence
 from .study.reliability.result import Reliability as Reliability, Sample as Sample
 from .study.reliability.study import reliability as reliability
+from .study.varied import Slopes as Slopes, slopes as slopes, vary_grasp as vary_grasp
 
 __version__: str
 

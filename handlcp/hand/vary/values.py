@@ -11,7 +11,7 @@ from handlcp.hand.vary.names import LENGTH, LIMIT, PAD, RADIUS, STIFFNESS
 from handlcp.hand.vary.shape import length_of
 
 # What a whole argument of `Hand.replace` is the common number of
-_COMMON = {"joint_stiffness": STIFFNESS, "pad_flexibility": PAD, "torque_limits": LIMIT, "tip_radius": RADIUS}
+COMMON = {"joint_stiffness": STIFFNESS, "pad_flexibility": PAD, "torque_limits": LIMIT, "tip_radius": RADIUS}
 UNITS = {LENGTH: "m", STIFFNESS: "N·m/rad", LIMIT: "N·m", RADIUS: "m", PAD: "m/N"}
 
 
@@ -43,7 +43,7 @@ def number_of(hand: HandModel, name: str) -> float:
     numbers = numbers_of(hand)
     if name in numbers:
         return numbers[name]
-    ending = f".{_COMMON.get(name, '?')}"
+    ending = f".{COMMON.get(name, '?')}"
     if len(alike := {value for other, value in numbers.items() if other.endswith(ending)}) == 1:
         return alike.pop()
     raise InputError("changes", f"numbers of the hand, such as {', '.join(list(numbers)[:3])}", repr(name))
@@ -51,4 +51,4 @@ def number_of(hand: HandModel, name: str) -> float:
 
 def unit_of(name: str) -> str:
     """Of a number by this name."""
-    return UNITS[_COMMON.get(name, name.rpartition(".")[2])]
+    return UNITS[COMMON.get(name, name.rpartition(".")[2])]
