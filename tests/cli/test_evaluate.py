@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import handlcp as hl
 from handlcp.cli import app
-from handlcp.design import evaluate as evaluating
+from tests.support.design import evaluated_by
 
 ROOT = pathlib.Path(__file__).parents[2]
 URDF = ROOT / "urdf" / "three_finger.urdf"
@@ -44,7 +44,7 @@ def test_what_is_printed_is_the_evaluation_of_the_hand_and_what_is_not_met(brief
 def test_a_hand_by_name_by_file_and_from_a_scene_is_the_same_hand(brief, tmp_path, monkeypatch):
     hands = []
     known = hl.evaluate(hl.example_hand("three_finger"), hl.Brief.from_toml(brief))
-    monkeypatch.setattr(evaluating, "evaluate", lambda hand, brief: hands.append(hand) or known)
+    evaluated_by(monkeypatch, lambda hand, brief: hands.append(hand) or known)
     scene = tmp_path / "scene.toml"
     scene.write_text(SCENE)
     for hand, options in (("three_finger", ()), (URDF, GIVEN), (scene, ())):

@@ -8,10 +8,17 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.hand.vary.values import number_of, numbers_of, unit_of
-from handlcp.show.picture.figure import alike
-from handlcp.show.report import report as reporting
-from handlcp.show.report.told import asked, best_of, better, differences
+from tests.support.design import (
+    alike,
+    asked,
+    best_of,
+    better,
+    differences,
+    number_of,
+    numbers_of,
+    reported_by,
+    unit_of,
+)
 
 BRIEF = hl.Brief({"a <b> ball": hl.Sphere(0.03, mass=0.1)}, loads={"pull": (1.0, 0, 0, 0, 0, 0)}, tries=8)
 LONG = {f"finger_{k}_distal.length": 0.042 for k in (1, 2, 3)}
@@ -32,7 +39,7 @@ def found(hands):
 def page(hands, found, tmp_path_factory):
     """Neighbouring hands: the grasp of one is brought along, which takes less than a search."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(reporting, "evaluate", lambda hand, brief: hl.evaluate(hand, brief, near=found))
+        reported_by(patch, lambda hand, brief: hl.evaluate(hand, brief, near=found))
         file = hl.report(hands, BRIEF, tmp_path_factory.mktemp("report") / "report.html")
     return file.read_text(encoding="utf-8")
 

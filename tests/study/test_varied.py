@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.study import varied
+from tests.support.design import varied_by
 
 NAMES = ("joint_stiffness", "finger_1_distal.stiffness", "finger_1_tip.pad", "finger_1_distal.length")
 LENGTH, RADIUS = "finger_1_distal.length", "finger_2_tip.radius"
@@ -84,7 +84,7 @@ def test_a_derivative_with_two_sides_is_called_a_kink(grasp, monkeypatch):
         return lambda _, changes: SimpleNamespace(solve=lambda faces: answer(changes))
 
     for shape, kinks in ((abs, NAMES[:1]), (lambda x: 3.0 * x + x * x, ())):
-        monkeypatch.setattr(varied, "vary_grasp", stub(shape))
+        varied_by(monkeypatch, stub(shape))
         assert hl.slopes(grasp, NAMES[:1]).kinks == kinks
 
 
