@@ -111,6 +111,7 @@ from .lcp import (
 from .method.accuracy.cost import accuracy_cost as accuracy_cost
 from .method.accuracy.on_paths import PathCost as PathCost, path_cost as path_cost
 from .method.accuracy.result import AccuracyCost as AccuracyCost
+from .show.report.report import report as report
 from .simulator.write import to_mujoco as to_mujoco
 from .study.envelope.measure import envelope as envelope
 from .study.envelope.result import Envelope as Envelope
@@ -120,6 +121,7 @@ from .study.payload.result import Payload as Payload
 from .study.reliability.interval import Chance as Chance, Influence as Influence
 from .study.reliability.result import Reliability as Reliability, Sample as Sample
 from .study.reliability.study import reliability as reliability
+from .study.varied import Slopes as Slopes, slopes as slopes, vary_grasp as vary_grasp
 
 __version__: str
 

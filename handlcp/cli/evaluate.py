@@ -15,11 +15,11 @@ from handlcp.text_table import wrapped
 
 @app.command()
 def evaluate(
-    hand: Annotated[Path, typer.Argument(help="A URDF or MJCF file, a hand's name, or a scene file with a [hand].")],
+    hand: Annotated[Path, typer.Argument(help="A URDF or MJCF file, a hand's name, or a scene file with a hand.")],
     brief: Annotated[Path, typer.Argument(help="A brief (TOML); `handlcp keys --brief` lists what it may hold.")],
     require: Annotated[
         list[str] | None,
-        typer.Option(help='Such as "payload>=1.5"; payload [kg], factor, force, torque, torque_used or motion [m]; '
+        typer.Option(help='Such as "payload>=1.5"; payload, factor, force, torque, torque_used or motion, SI; '
                      "may be repeated."),
     ] = None,
     joint_stiffness: Annotated[float | None, typer.Option(help="Of each joint, in N·m/rad.")] = None,

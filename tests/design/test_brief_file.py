@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp.friction import as_law
 from handlcp.scene import keys, read
+from tests.support.design import BriefTables, as_law
 from tests.support.texts import same
 
 BALL = '[objects.ball]\nshape = "sphere"\nradius_m = 0.03\nmass_kg = 0.15\n'
@@ -154,8 +154,6 @@ def test_a_file_that_is_missing_or_no_toml_is_named(tmp_path):
 
 
 def test_every_field_of_a_brief_has_a_key():
-    from handlcp.design.brief_file import BriefTables
-
     top = {key.key for key in keys(BriefTables) if not key.table}
     fields = {field.name for field in dataclasses.fields(hl.Brief)} | {"object"}
     assert {key.removesuffix("_m_per_s2").removesuffix("_Nm").removesuffix("_N").removesuffix("_m")

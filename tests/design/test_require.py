@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.design.evaluation import NOT_FOUND, ObjectCase
-from handlcp.design.require import UNITS, read
+from tests.support.design import NOT_FOUND, UNITS, ObjectCase, read
 from tests.support.texts import same
 
 FACTORS = {"weight": 4.0, "pull": 9.0}

@@ -108,10 +108,12 @@ class Touch:
     levers: Array
 
 
-def brought_together(hand: HandModel, tips: tuple[int, ...], links: Links, home: Object, place: Place) -> Touch | None:
+def brought_together(
+    hand: HandModel, tips: tuple[int, ...], links: Links, home: Object, place: Place, close: float = CLOSE
+) -> Touch | None:  # fmt: skip
     """The nearest place at which the fingertips numbered `tips` touch and no link is inside; None: none is reached.
 
-    home : the object with its frame at the origin.
+    home : the object with its frame at the origin. close : gaps [m] that count as closed.
     """
     lower, upper = free_ranges(hand)
     size = size_of_object(home)
@@ -130,7 +132,7 @@ def brought_together(hand: HandModel, tips: tuple[int, ...], links: Links, home:
         normals, points = np.array([p.normal for p in near]), np.array([p.tip_point for p in near])
         J = posture.jacobian_at(points, tips)
         levers = np.einsum("ix,ixj->ij", normals, J)
-        if exact and abs(gaps).max() <= CLOSE and not len(inside):
+        if exact and abs(gaps).max() <= close and not len(inside):
             return Touch(place, np.array([p.position for p in near]), normals, levers)
         worst = float(abs(wanted := -np.append(gaps, inside)).max())
         least, idle = (worst, 0) if worst < 0.9 * least else (least, idle + 1)

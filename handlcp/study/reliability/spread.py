@@ -13,6 +13,8 @@
 
 Each is a file of `grasp/parameter`. A mapping by name in place of the number or distribution varies each of its own:
 contacts for friction and positions, joints for stiffness and posture, fingertips for pads.
+
+Numbers of a hand vary, too, by their names for `Hand.vary`: a share of the number, or a distribution of it [SI].
 """
 
 from __future__ import annotations
@@ -29,6 +31,8 @@ from handlcp.check import Array, number
 from handlcp.errors import InputError, UnknownName
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.parameter import Parameter, parameters
+from handlcp.hand.hand_grasp import HandGrasp
+from handlcp.hand.vary.values import COMMON, number_of, numbers_of, unit_of
 
 # ----------------------------------------------------------------
 # How one number of a grasp varies: a distribution, from what users pass.
@@ -37,6 +41,8 @@ from handlcp.grasp.parameter import Parameter, parameters
 # lognormal with the nominal value as its mean; as a length or an angle it is normal about zero.
 
 CUT = 1e-6  # chance of impossible values that is cut off; a distribution with more of them is refused
+NUMBER = "number"  # what the parameter of a number of the hand is called
+_BY_PLACE = "positions", "posture"
 WIDEST = 100.0  # times the distance from the mean to the least possible value: no standard deviation may be larger
 _GRID = (np.arange(16) + 0.5) / 16  # quantiles that tell two distributions apart
 
@@ -131,16 +137,27 @@ def read_spread(grasp: Grasp, spread: Any) -> tuple[Dimension, ...]:
     if not isinstance(spread, Mapping):
         expected = "a mapping of what varies, such as {'friction': 0.1}"
         raise InputError("spread", expected, repr(spread)[:80])
-    known = varying()
-    if unknown := [str(key) for key in spread if key not in known]:
-        raise UnknownName("spread", "a parameter", unknown, tuple(known))
+    known, numbers = varying(), numbers_of(grasp.state.hand) if isinstance(grasp, HandGrasp) else {}
+    own = [key for key in spread if key in numbers or (numbers and key in COMMON)]
+    if unknown := [str(key) for key in spread if key not in known and key not in own]:
+        raise UnknownName("spread", "a parameter, or a number of the hand,", unknown, (*known, *numbers))
+    if own and (beside := [key for key in _BY_PLACE if key in spread]):
+        raise InputError("spread", f"no {beside[0]} beside numbers of the hand, which move the contacts", own[0])
     if not spread:
         raise InputError("spread", "at least one parameter that varies", "none")
-    return tuple([
+    found = [
         Dimension(e.name, key, e.at, law_of(e.argument, e.given, e.mean, e.least), e.unit)
         for key, p in known.items() if key in spread
         for e in p.entries(grasp.spec, f"spread[{key!r}]", spread[key])
-    ])  # fmt: skip
+    ]  # fmt: skip
+    return tuple([*found, *[_of_hand(grasp, name, spread[name]) for name in own]])
+
+
+def _of_hand(grasp: Grasp, name: str, given: Any) -> Dimension:
+    """A number of the hand, by its name for `Hand.vary`."""
+    assert isinstance(grasp, HandGrasp)
+    mean = number_of(grasp.state.hand, name)
+    return Dimension(name, NUMBER, (), law_of(f"spread[{name!r}]", given, mean, 0.0), unit_of(name))
 
 
 def varying() -> dict[str, Parameter]:

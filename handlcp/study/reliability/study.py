@@ -11,9 +11,9 @@ from handlcp.errors import InputError
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.grasp import Grasp
 from handlcp.progress import Progress
+from handlcp.study.reliability.by_number import placer_of
 from handlcp.study.reliability.interval import Chance, chance_of, influences
 from handlcp.study.reliability.outcome import CHECK, SOLVE, WORDS, Outcomes
-from handlcp.study.reliability.place import Placer
 from handlcp.study.reliability.result import Reliability
 from handlcp.study.reliability.run import BLOCKS, Kept, Method, blocks_of, question_of, run, slopes_of
 from handlcp.study.reliability.spread import read_spread
@@ -43,6 +43,9 @@ def reliability(
             normal there.
         "posture" : how far each joint stands from where it is said to be [rad, m]; the fingertip goes along, and its
             squeeze changes by as much. By joint: those.
+        A number of the hand, by its name for `Hand.vary`, such as "finger_1_distal.length" or "joint_stiffness" : a
+            share, or a distribution [SI]. The grasp is made anew as by `vary_grasp`, some 10 milliseconds a sample;
+            where fingertips do not come to touch again it is UNDECIDED. Not beside "positions" and "posture".
         A share of 0.1 is lognormal with the nominal value as its mean and a tenth of it as its standard deviation: it
         is never negative. Metres and radians are normal about 0. Of a distribution that reaches below the least
         possible value, up to a millionth is cut off; with more it is refused.
@@ -70,7 +73,7 @@ def reliability(
     level = number("confidence", confidence, above=0.0)
     if level >= 1.0:
         raise InputError("confidence", "a number below 1", confidence)
-    placer = Placer(grasp, read_spread(grasp, spread))
+    placer = placer_of(grasp, read_spread(grasp, spread))
     blocks = blocks_of(integer("seed", seed, 0), len(placer.dimensions), integer("samples", samples, 4 * BLOCKS, 2**30))
     method = Method(by, faces, cores(workers), integer("decide", decide, 0))
     question = question_of(

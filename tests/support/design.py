@@ -1,0 +1,39 @@
+"""Doors into briefs, evaluations, reports, and numbers of a hand by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from handlcp.design import evaluate as _evaluating
+from handlcp.design.brief_file import BriefTables
+from handlcp.design.evaluation import NOT_FOUND, ObjectCase
+from handlcp.design.require import UNITS, read
+from handlcp.grasp.friction import as_law
+from handlcp.hand.vary.values import number_of, numbers_of, unit_of
+from handlcp.show.picture.figure import alike
+from handlcp.show.report import report as _reporting
+from handlcp.show.report.told import asked, best_of, better, differences
+from handlcp.study import varied as _varied
+
+__all__ = [
+    "NOT_FOUND", "UNITS", "BriefTables", "ObjectCase", "alike", "as_law", "asked", "best_of", "better", "differences",
+    "evaluated_by", "number_of", "numbers_of", "read", "reported_by", "unit_of", "varied_by",
+]  # fmt: skip
+
+
+def evaluated_by(monkeypatch: pytest.MonkeyPatch, evaluate: Callable[..., Any]) -> None:
+    """`handlcp evaluate` asks this, in place of the search."""
+    monkeypatch.setattr(_evaluating, "evaluate", evaluate)
+
+
+def reported_by(monkeypatch: pytest.MonkeyPatch, evaluate: Callable[..., Any]) -> None:
+    """`hl.report` asks this, in place of the search."""
+    monkeypatch.setattr(_reporting, "evaluate", evaluate)
+
+
+def varied_by(monkeypatch: pytest.MonkeyPatch, vary: Callable[..., Any]) -> None:
+    """Derivatives by a number are of what this makes, in place of grasps."""
+    monkeypatch.setattr(_varied, "vary_grasp", vary)
