@@ -19,8 +19,6 @@ BALL = ObjectCase("HELD", dict.fromkeys(FACTORS, "HELD"), {"weight": 3.0, "pull"
                   False, 3.3, 0.1, 0.25, 0.0021)  # fmt: skip
 NONE = "no grasp of it found"
 LOST = ObjectCase(NOT_FOUND, dict.fromkeys(FACTORS, NOT_FOUND), dict.fromkeys(FACTORS, 0.0), 0.0, NONE)
-    NOT_FOUND, dict.fromkeys(FACTORS, NOT_FOUND), dict.fromkeys(FACTORS, 0.0), 0.0, "no grasp of it found"
-)
 DONE = hl.Evaluation({"box": BOX, "ball": BALL})
 
 
