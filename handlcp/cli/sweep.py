@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.console import Console
 
-from handlcp.cli.app import Json, app, check_files, print_json
+from handlcp.cli.app import Json, app, check_files, print_json, say_files
 from handlcp.cli.given_hand import given
 from handlcp.record import versions
 
@@ -48,7 +49,5 @@ def sweep(
     else:
         typer.echo(f"{str(found).partition(chr(10) * 2)[0]}\n")
         typer.echo(str(first).partition("\n\n")[2])
-        for file_written in (file.out, *([plot, page] if known else [])):
-            if file_written is not None:
-                typer.echo(f"\nwritten: {file_written}")
+        say_files(Console(), Table=[file.out], Picture=[plot] if known else [], Page=[page] if known else [])
     raise typer.Exit(0 if known else 1)

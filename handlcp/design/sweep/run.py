@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import threading
+import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
@@ -50,7 +53,7 @@ def executor_for(given: Any) -> Iterator[Executor]:
         from joblib.externals.loky import get_reusable_executor  # starts under notebooks, and scripts without a guard
 
         one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-        made = get_reusable_executor(cores(None), env=one_thread)
+        made = get_reusable_executor(cores(None), initializer=_with_parent, env=one_thread)
         try:
             yield made
         except BaseException:
@@ -59,6 +62,18 @@ def executor_for(given: Any) -> Iterator[Executor]:
     else:
         expected = 'a concurrent.futures.Executor, a Dask client, "serial", or None: processes on this machine'
         raise InputError("executor", expected, repr(given)[:80])
+
+
+def _with_parent() -> None:
+    """This process ends within a second of the one that started it, also where that is killed."""
+    parent = os.getppid()
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(1.0)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 # ----------------------------------------------------------------
