@@ -303,3 +303,17 @@ def test_make_is_called_with_the_values_of_its_row():
     assert make(0.05, 3.0).joint_names
     rows = list(run_without_hands(None, samples=4))
     assert [row["error"] for row in rows] == [f"RuntimeError: {row['kind']} {row['x']!r}" for row in rows]
+
+
+@pytest.mark.long
+def test_a_design_that_ends_its_process_is_a_row_and_the_others_go_on():
+    def deadly(x, kind):
+        if x > 0.9:
+            os._exit(3)
+        no_hand(x, kind)
+
+    rows = list(run_without_hands(None, make=deadly, samples=20, executor=None))
+    died = [row["design"] for row in rows if "the process that evaluated it ended" in row["error"]]
+    assert died == [row["design"] for row in rows if row["x"] > 0.9]
+    assert len(died) == 2
+    assert len(rows) == 20
