@@ -15,6 +15,7 @@ from handlcp.design.evaluation import Evaluation
 from handlcp.design.space import Space
 from handlcp.design.sweep.again import evaluations
 from handlcp.design.sweep.journal import beside, read
+from handlcp.design.sweep.same import check_same, digest
 from handlcp.design.sweep.table import checked_table, columns_of, read_table
 from handlcp.design.sweep.work import DESIGN, ERROR, Maker, Row, in_order
 from handlcp.errors import InputError, UnknownName, brief as shortly
@@ -48,17 +49,21 @@ class Study:
     def load(cls, path: Any, make: Any = None, brief: Any = None) -> Self:
         """From the table that a sweep wrote, or, as long as that is under way, from what it has so far.
 
-        make, brief : as of `sweep`, for `page`, which makes hands again. Raises InputError; Unsupported for Parquet
-        without pyarrow.
+        make, brief : as of `sweep`, for `page`, which makes hands again. Raises InputError, also for another `make` or
+        brief than the sweep's; Unsupported for Parquet without pyarrow.
         """
         file = checked_table(path)
-        maker = None if make is None or brief is None else Maker(make, brief)
         if file.exists() or not beside(file).exists():
-            return cls(*read_table(file), maker)
-        sweep, rows, _ = read(beside(file))
-        if sweep is None:
-            raise InputError("path", "the table of a sweep", f"{str(path)!r}, which has only just begun")
-        return cls(sweep, in_order(rows), maker)
+            sweep, rows = read_table(file)
+        else:
+            begun, rows, _ = read(beside(file))
+            if begun is None:
+                raise InputError("path", "the table of a sweep", f"{str(path)!r}, which has only just begun")
+            sweep = begun
+        if make is None or brief is None:
+            return cls(sweep, in_order(rows))
+        check_same(str(path), sweep, sweep | {"make": digest(make), "brief": digest(brief)})
+        return cls(sweep, in_order(rows), Maker(make, brief))
 
     def __len__(self) -> int:
         return len(self.columns.get(DESIGN, ()))

@@ -68,7 +68,8 @@ def test_a_space_is_made_again_from_its_own_entries():
     ("entry", "said"),
     [
         ((2.0, 1.0), "a low end below"), ((0.0, 1.0, "log"), "ends above 0"), ((1, 2, 3), "choices are a list"),
-        ([], "at least one choice"), ([1, 1], "choices that differ"), ([[1], 2], "a number or a word"),
+        ([], "at least one choice"), ([1, 1], "choices that differ"), ([1, "a"], "all numbers, or all words"),
+        ([[1], 2], "a number or a word"),
         ((0.0, np.nan), "finite"), (None, "low, high"),
     ],
 )  # fmt: skip

@@ -60,6 +60,22 @@ def test_a_table_is_read_as_the_same_bits(study, tmp_path, end):
     assert bits(hl.Study.load(tmp_path / f"study.{end}")) == bits(study)
 
 
+@pytest.mark.parametrize("end", ["parquet", "csv"])
+def test_words_stay_words_and_numbers_numbers(tmp_path, end):
+    space = {"word": ["3", "4"], "whole": [1, 2], "number": (1.0, 2.0), "switch": [True, False], "fixed": "5"}
+
+    def fails(**values):
+        raise RuntimeError('a "quoted", word\nand a line')
+
+    asked = hl.Brief(hl.Sphere(0.03))
+    before = hl.sweep(fails, space, asked, samples=8, out=tmp_path / f"a.{end}", executor="serial")
+    after = hl.Study.load(tmp_path / f"a.{end}", fails, asked)
+    assert bits(after) == bits(before)
+    assert [type(after.columns[name][0]) for name in space] == [str, int, float, bool, str]
+    with pytest.raises(hl.InputError, match="differs in how hands are made"):
+        hl.Study.load(tmp_path / f"a.{end}", no_hand, asked)
+
+
 def test_the_first_designs_of_a_cell_search_and_the_others_start_from_their_grasps(study):
     continued = [row["objects.ball.continued"] for row in study if row["error"] is None]
     assert continued.count(False) == HEADS
