@@ -111,6 +111,7 @@ from .lcp import (
 from .method.accuracy.cost import accuracy_cost as accuracy_cost
 from .method.accuracy.on_paths import PathCost as PathCost, path_cost as path_cost
 from .method.accuracy.result import AccuracyCost as AccuracyCost
+from .show.report.report import report as report
 from .simulator.write import to_mujoco as to_mujoco
 from .study.envelope.measure import envelope as envelope
 from .study.envelope.result import Envelope as Envelope

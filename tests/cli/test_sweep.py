@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 import handlcp as hl
 from handlcp.cli import app
-from handlcp.design.sweep.study_file import BriefFrom, HandFrom
+from tests.support.sweeps import BriefFrom, HandFrom
 
 BRIEF = 'tries = 16\n[objects.ball]\nshape = "sphere"\nradius_m = 0.03\nmass_kg = 0.1\n'
 STUDY = """

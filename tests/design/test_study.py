@@ -8,15 +8,13 @@ from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
 import handlcp as hl
-from handlcp.design.main_effects import main_effect
-from handlcp.design.space import Space
-from handlcp.design.study import Study, not_beaten
+from tests.support.sweeps import Space, main_effect, not_beaten
 
 
 def told(rows, space=None):
     """A study of rows that nobody computed."""
     said = {"space": Space(space or {"x": (0, 1)}).to_dict(), "sampling": "sobol", "samples": len(rows), "seed": 0}
-    return Study(said, [{"design": k, "x": k / 10, "error": None, **row} for k, row in enumerate(rows)])
+    return hl.Study(said, [{"design": k, "x": k / 10, "error": None, **row} for k, row in enumerate(rows)])
 
 
 FOUR = told([

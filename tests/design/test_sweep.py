@@ -15,13 +15,9 @@ from pathlib import Path
 import pytest
 
 import handlcp as hl
-from handlcp.design.space import Space
-from handlcp.design.sweep.cells import MOST, cells_of
-from handlcp.design.sweep.journal import beside
-from handlcp.design.sweep.table import write_table
-from handlcp.design.sweep.work import HEADS
 from tests.design.sweeps import NO_HANDS, brief, make, no_hand, run, run_without_hands
 from tests.support.browser import opened
+from tests.support.sweeps import HEADS, MOST, Space, beside, cells_of, write_table
 
 ROOT = Path(__file__).parents[2]
 SLOWLY = """
@@ -325,7 +321,7 @@ def test_make_is_called_with_the_values_of_its_row():
 def test_a_design_that_ends_its_process_is_a_row_and_the_others_go_on():
     def deadly(x, kind):
         if x > 0.9:
-            os._exit(3)
+            os.kill(os.getpid(), signal.SIGKILL)
         no_hand(x, kind)
 
     rows = list(run_without_hands(None, make=deadly, samples=20, executor=None))

@@ -79,9 +79,7 @@ def _stretches(model: Any, tips: TipFrames, lengths: Mapping[str, Any]) -> dict[
     found = dict[int, Stretch]()
     for joint, value in lengths.items():
         name, k = argument(joint, LENGTH), model.getJointId(joint)
-        after = number(name, value, above=0.0)
-        ends = {model.names[j]: model.jointPlacements[j] for j in range(1, model.njoints) if model.parents[j] == k}
-        ends |= {n: place.placement for n, place in zip(tips.names, tips.places, strict=True) if place.joint == k}
+        after, ends = number(name, value, above=0.0), _ends(model, tips, k)
         if len(ends) != 1:
             came = f"one that carries {', '.join(ends) or 'none'}"
             raise InputError(name, "a joint that carries one joint or fingertip, up to which it has a length", came)
@@ -91,6 +89,24 @@ def _stretches(model: Any, tips: TipFrames, lengths: Mapping[str, Any]) -> dict[
             raise InputError(name, "a joint that stands apart from what it carries", f"{end} in the same place")
         found[k] = Stretch(place.translation / before, before, after)
     return found
+
+
+def _ends(model: Any, tips: TipFrames, joint: int) -> dict[str, Any]:
+    """The joints and fingertips that a joint carries, with their placements in its frame."""
+    ends = {model.names[j]: model.jointPlacements[j] for j in range(1, model.njoints) if model.parents[j] == joint}
+    every = zip(tips.names, tips.places, strict=True)
+    return ends | {name: place.placement for name, place in every if place.joint == joint}
+
+
+def length_of(hand: HandModel, joint: str) -> float | None:
+    """[m] from a joint to the one joint or fingertip that it carries; None: it has no such length."""
+    model = hand.model
+    ends = _ends(model, hand.tips, model.getJointId(joint))
+    if len(ends) != 1:
+        return None
+    ((_, place),) = ends.items()
+    length = float(np.linalg.norm(place.translation))
+    return length if length >= _APART else None
 
 
 def _stretched(described: Description, stretches: Mapping[int, Stretch]) -> Description:

@@ -152,10 +152,11 @@ def camera_for(grasp: Grasp, solids: Sequence[Body], glass: Body | None, marks: 
 
 
 def frame(camera: Camera, solids: Sequence[Body], glass: Body | None, reach: Array, inches: tuple[float, float],
-          margin: float) -> Frame:  # fmt: skip
+          margin: float, least: float = 0.0) -> Frame:  # fmt: skip
     """Limits around the object and the points of `reach` (k, 3), and around the hand unless that makes them small.
 
-    inches : (width, height) of the picture on paper. margin : inches at each side for labels.
+    inches : (width, height) of the picture on paper. margin : inches at each side for labels. least : metres that are
+    one inch at least, for a scale that several pictures share.
     """
     core = [camera.project(reach)]
     if glass is not None:
@@ -167,13 +168,13 @@ def frame(camera: Camera, solids: Sequence[Body], glass: Body | None, reach: Arr
     if solids:
         rest = np.concatenate([camera.project(b.triangles).reshape(-1, 2) for b in solids])
         far = float(abs(rest - centre).max()) / radius
-        cut = far > FAR
+        cut = far > FAR and 2.0 * far * radius > least * min(inches)
         if cut:
             rest = rest[(abs(rest - centre) <= NEAR * radius).all(1)]
             low, high = low - AIR * radius, high + AIR * radius
         low, high = np.vstack([low, rest]).min(0), np.vstack([high, rest]).max(0)
     tall = inches[1] - FOOT - HEAD
-    inch = max(float(high[0] - low[0]) / (inches[0] - 2 * margin), float(high[1] - low[1]) / tall)
+    inch = max(float(high[0] - low[0]) / (inches[0] - 2 * margin), float(high[1] - low[1]) / tall, least)
     middle = (low + high) / 2
     x0, x1 = middle[0] - inches[0] / 2 * inch, middle[0] + inches[0] / 2 * inch
     y0 = middle[1] - tall / 2 * inch - FOOT * inch

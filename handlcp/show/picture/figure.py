@@ -20,7 +20,7 @@ from handlcp.grasp import Grasp, GraspSolution, Verdict
 from handlcp.hand import Candidate
 from handlcp.show.file import Figure, new_figure
 from handlcp.show.picture import labels
-from handlcp.show.picture.camera import Frame, frame
+from handlcp.show.picture.camera import Camera, Frame, frame
 from handlcp.show.picture.content import ESCAPE, LOAD, SLIP, Content
 from handlcp.show.picture.overlay import Overlay, nice
 from handlcp.show.picture.painter import creases, paint
@@ -69,14 +69,16 @@ def compose(figure: Figure, shown: Content, head: float) -> None:
 
 
 def stage(
-    ax: Any, shown: Content, reach: Array, inches: tuple[float, float], margin: float, dpi: float = DPI
-) -> tuple[Overlay, Frame, Bools]:
+    ax: Any, shown: Content, reach: Array, inches: tuple[float, float], margin: float, dpi: float = DPI,
+    camera: Camera | None = None, least: float = 0.0,
+) -> tuple[Overlay, Frame, Bools]:  # fmt: skip
     """Solids and object, with the points of `reach` (k, 3) in sight; returns what draws over them, the limits on the
-    screen, and which contacts the viewer does not see. inches, margin : as in `frame`.
+    screen, and which contacts the viewer does not see. camera : None: the grasp's own. Others as in `frame`.
     """
-    view = frame(shown.camera, shown.solids, shown.glass, reach, inches, margin)
-    before = paint(ax, shown.camera, shown.solids, shown.glass, view, dpi)
-    return Overlay(ax, shown.camera, view.inch), view, shown.hidden(before(shown.grasp.scene.positions))
+    camera = shown.camera if camera is None else camera
+    view = frame(camera, shown.solids, shown.glass, reach, inches, margin, least)
+    before = paint(ax, camera, shown.solids, shown.glass, view, dpi)
+    return Overlay(ax, camera, view.inch), view, shown.hidden(before(shown.grasp.scene.positions))
 
 
 def _scene(figure: Any, shown: Content, head: float) -> list[Entry]:
@@ -148,6 +150,7 @@ def _scales(over: Overlay, shown: Content, view: Frame) -> None:
 # Small pictures of several grasps of one hand, side by side: hand, object and forces, without numbers.
 
 COLUMNS, CELL, CAPTION, COARSE = 5, 4.0, 0.3, 60  # pictures in a row; inches of each, to its name; dots an inch
+FINE, _MARGIN = 110, 0.1  # dots an inch of those that are looked at one by one; inches around the scene
 _COLOURS = 128  # of the file: half the size, and no difference to the eye
 
 
@@ -164,18 +167,48 @@ def contact_sheet(grasps: list[tuple[str, Candidate | None]], file: Path) -> Non
         ax = figure.add_axes((x / wide, y / high, CELL / wide, CELL / high))
         ax.axis("off")
         if candidate is not None:
-            _small(ax, Content(candidate.grasp, candidate.solution, None, verdict=candidate.verdict))
+            _small(ax, _content(candidate), COARSE)
         where = (x + 0.5 * CELL) / wide, (y + CAPTION) / high
         figure.text(*where, name if candidate else f"{name}: none found", ha="center", va="center", fontsize=22)
     _write(figure, file)
 
 
-def _small(ax: Any, shown: Content) -> None:
-    over, _, hidden = stage(ax, shown, shown.reach(), (CELL, CELL), 0.1, COARSE)
+def alike(grasps: list[Candidate | None]) -> list[bytes]:
+    """A png for each grasp, from the same side and to the same scales of lengths and forces; b"" for None.
+
+    The side is that from which most of the first is seen. Raises Unsupported without matplotlib.
+    """
+    every = [None if one is None else _content(one) for one in grasps]
+    known = [shown for shown in every if shown is not None]
+    if not known:
+        return [b""] * len(grasps)
+    camera, newton = known[0].camera, min(shown.per_newton for shown in known)
+    frames = [frame(camera, s.solids, s.glass, s.reach(), (CELL, CELL), _MARGIN) for s in known]
+    found = list[bytes]()
+    for shown in every:
+        figure, made = new_figure(figsize=(CELL, CELL)), io.BytesIO()
+        if shown is not None:
+            ax = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+            ax.axis("off")
+            _small(ax, shown, FINE, camera, max(f.inch for f in frames), newton / shown.per_newton)
+            figure.savefig(made, dpi=FINE, facecolor="white", format="png")
+        found.append(made.getvalue())
+    return found
+
+
+def _content(candidate: Candidate) -> Content:
+    return Content(candidate.grasp, candidate.solution, None, verdict=candidate.verdict)
+
+
+def _small(
+    ax: Any, shown: Content, dpi: float, camera: Camera | None = None, least: float = 0.0, share: float = 1.0
+) -> None:  # fmt: skip
+    """camera, least : as of `stage`. share : of the lengths of arrows."""
+    over, _, hidden = stage(ax, shown, shown.reach(), (CELL, CELL), _MARGIN, dpi, camera, least)
     if shown.load > 0:
-        over.arrow(shown.acts_at, shown.pull, LOAD, 1.6)
+        over.arrow(shown.acts_at, share * shown.pull, LOAD, 1.6)
     for i in shown.drawn:
-        p, force = shown.grasp.scene.positions[i], shown.forces[i]
+        p, force = shown.grasp.scene.positions[i], share * shown.forces[i]
         over.arrow(p, force, shown.colours[i], 1.6)
         over.dot(p, shown.colours[i], bool(hidden[i]))
 

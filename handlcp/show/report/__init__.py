@@ -1,0 +1,1 @@
+"""Hands beside each other: what each does of a brief, on one page."""

@@ -1,0 +1,105 @@
+"""The page of hands beside each other: what stands on it, and that nothing is loaded from anywhere."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import handlcp as hl
+from handlcp.hand.vary.values import number_of, numbers_of, unit_of
+from handlcp.show.picture.figure import alike
+from handlcp.show.report import report as reporting
+from handlcp.show.report.told import asked, best_of, better, differences
+
+BRIEF = hl.Brief({"a <b> ball": hl.Sphere(0.03, mass=0.1)}, loads={"pull": (1.0, 0, 0, 0, 0, 0)}, tries=8)
+LONG = {f"finger_{k}_distal.length": 0.042 for k in (1, 2, 3)}
+
+
+@pytest.fixture(scope="module")
+def hands():
+    one = hl.example_hand("three_finger")
+    return {"short": one, "long & stiff": one.vary(LONG | {"joint_stiffness": 2.0})}
+
+
+@pytest.fixture(scope="module")
+def found(hands):
+    return hl.evaluate(hands["short"], BRIEF)
+
+
+@pytest.fixture(scope="module")
+def page(hands, found, tmp_path_factory):
+    """Neighbouring hands: the grasp of one is brought along, which takes less than a search."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(reporting, "evaluate", lambda hand, brief: hl.evaluate(hand, brief, near=found))
+        file = hl.report(hands, BRIEF, tmp_path_factory.mktemp("report") / "report.html")
+    return file.read_text(encoding="utf-8")
+
+
+def test_the_page_needs_nothing_else_and_escapes_names(page):
+    assert not re.search(r"""(src|href)=["'](?!data:)|url\(|@import|<script""", page)
+    assert "a &lt;b&gt; ball" in page
+    assert "long &amp; stiff" in page
+    assert "<b> ball" not in page
+    assert "{{" not in page
+
+
+def test_each_grasp_has_its_picture_and_each_object_and_load_its_row(page):
+    assert page.count('src="data:image/png;base64,') == 2
+    for row in ("weight", "pull", "payload", "largest force", "torque used", "moves"):
+        assert page.count(f"<td>a &lt;b&gt; ball: {row}</td>") == 1
+    assert "0.04 m" in page
+    assert "0.042 m" in page
+
+
+def test_what_differs_has_names_of_vary_with_the_values_of_each_hand(hands):
+    rows = dict((row[0], row[1:]) for row in differences(hands))
+    (lengths,) = [values for what, values in rows.items() if what.startswith("length of finger_1_distal")]
+    (springs,) = [values for what, values in rows.items() if what.startswith("stiffness of")]
+    assert (lengths, springs) == (("0.04 m", "0.042 m"), ("1 N·m/rad", "2 N·m/rad"))
+    assert "size" in rows
+    assert differences({"one": hands["short"], "other": hands["short"]}) == []
+
+
+def test_the_numbers_of_a_hand_are_those_that_vary_gives_it(hands):
+    numbers = numbers_of(hands["short"])
+    for name, value in numbers.items():
+        assert number_of(hands["short"].vary({name: 1.25 * value}), name) == pytest.approx(1.25 * value, rel=1e-12)
+        assert unit_of(name)
+    assert number_of(hands["long & stiff"], "joint_stiffness") == 2.0
+    with pytest.raises(hl.InputError, match="finger_1_proximal"):
+        number_of(hands["short"], "finger_9.length")
+
+
+def test_the_brief_is_told_in_words():
+    said = "\n".join(asked(BRIEF))
+    for fact in ("a <b> ball, a ball 60 mm across of 0.1 kg", "“pull”: (1, 0, 0) N", "coefficient 0.6", "1 times"):
+        assert fact in said
+
+
+def test_only_numbers_that_differ_have_a_best():
+    assert best_of([1.0, 1.5, np.nan], True) == [False, True, False]
+    assert best_of([1.0, 1.5], False) == [True, False]
+    assert best_of([1.0, 1.005], True) == [False, False]
+    assert better({}) == []
+
+
+def test_a_grasp_that_there_is_none_of_has_no_picture_and_equal_ones_the_same(found):
+    grasp = found.cases["a <b> ball"].candidate
+    one, none, other = alike([grasp, None, grasp])
+    assert none == b""
+    assert one == other
+    assert one.startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("given", [[], ["two_finger", "three_finger"], hl.Sphere(0.03), "hands"])
+def test_what_are_no_hands_is_told(given, tmp_path):
+    with pytest.raises(hl.InputError, match="at least two hands"):
+        hl.report(given, BRIEF, tmp_path / "report.html")
+
+
+def test_a_page_that_is_none_is_told_before_anything_is_evaluated(hands, tmp_path):
+    for path in ("report.pdf", tmp_path / "nowhere" / "report.html", None):
+        with pytest.raises(hl.InputError, match="path"):
+            hl.report(hands, BRIEF, path)
