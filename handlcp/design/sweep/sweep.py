@@ -38,11 +38,11 @@ def sweep(
     progress : None: a line on the terminal once it takes long; False: none; True: a line that stays; a function: called
         with (designs done, all designs).
 
-    Most designs start from the grasps of a neighbour, as in `evaluate(…, near=…)`: the one in the middle of up to 64
-    that lie together. A design that fails, or whose hand cannot be made, is a row with its reason in "error".
+    Most designs start from the grasps of others, as in `evaluate(…, near=…)`: the best of three in the middle of up to
+    64 that lie together. A design that fails, or ends its process, is a row with its reason in "error".
 
     Raises InputError, also for a file with another sweep in it, and says what differs; UnknownName; Unsupported without
-    pyarrow for a .parquet. What an executor raises, such as BrokenProcessPool, comes out; the rows are kept.
+    pyarrow for a .parquet. What an executor that was given raises, such as BrokenProcessPool, comes out; rows are kept.
     """
     room = space if isinstance(space, Space) else Space(space)
     cube = points(room, sampling, samples, seed)
