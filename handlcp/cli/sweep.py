@@ -15,7 +15,7 @@ from handlcp.record import versions
 
 @app.command()
 def sweep(
-    study: Annotated[Path, typer.Argument(help="A TOML file with hand, space, brief, sampling, samples, seed and out.")],
+    study: Annotated[Path, typer.Argument(help="A TOML file: hand, space, brief, sampling, samples, seed, out.")],
     best: Annotated[int, typer.Option(min=1, help="How many designs to print.")] = 10,
     by: Annotated[str, typer.Option(help="By what they are the best; with a minus, less is better.")] = "payload",
     plot: Annotated[Path | None, typer.Option(help="Draw front, designs and main effects into this file.")] = None,
