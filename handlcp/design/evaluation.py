@@ -14,7 +14,6 @@ from handlcp.errors import RequirementNotMet
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.hand.find.candidate import Candidate
 from handlcp.record import Record
-from handlcp.study.payload.result import Payload
 from handlcp.text_table import TextTable, wrapped
 
 NOT_FOUND = "NOT FOUND"  # beside the words of a verdict
@@ -26,13 +25,14 @@ class ObjectCase(Record):
 
     word : the worst of `verdicts`, or "NOT FOUND" where no grasp was. verdicts : "HELD", "OVER LIMIT", "NOT HELD" or
     "UNDECIDED" for the weight and each load, with the safety that was asked for. factors : how many times the weight in
-    the worst orientation, and each load, is held; infinite for what nothing ends. payload : [kg] held in every
-    orientation, 0 without a grasp. factor : the smallest of the factors. gives_out : what gives out there, in words;
-    why no grasp was found.
+    the worst orientation, and each load, is held, infinite for what nothing ends. A load that holds more than the
+    safety, and than what gives out first, is not followed on: its factor is that up to which it was. payload : [kg]
+    held in every orientation, 0 without a grasp. factor : the smallest of the factors. gives_out : what gives out
+    there, in words, or why no grasp was found; "" where nothing gives out up to `payload` and `factor`.
     kind : of the grasp, "pinch" or "power". continued : whether it is the grasp of another design, brought along.
     force : the largest normal force at a contact while the hand closes and the loads come [N]. torque : the largest
     of a joint at the end of that [N·m, N], and torque_used : the largest share of a torque limit [-]. motion : how far
-    the object moves under its weight [m]. candidate, payloads : the grasp, and its `Payload`; None without one.
+    the object moves under its weight [m]. candidate : the grasp; None without one.
     """
 
     entries = (
@@ -52,12 +52,16 @@ class ObjectCase(Record):
     torque_used: float = np.nan
     motion: float = np.nan
     candidate: Candidate | None = field(default=None, repr=False)
-    payloads: Payload | None = field(default=None, repr=False)
 
     @property
     def factor(self) -> float:
         """The smallest of the factors."""
         return min(self.factors.values())
+
+    @property
+    def least(self) -> str:
+        """What stands before a number that is held, and may not be the most: "≥ ", or nothing."""
+        return "" if self.gives_out else "≥ "
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,8 +156,8 @@ class Evaluation(Record):
     def __str__(self) -> str:
         head = wrapped(f"{self._in_all}.")
         rows = [
-            (name, case.word, f"{case.factor:.3g}", f"{case.payload:.3g}", _of(case.force), _percent(case.torque_used),
-             _of(1e3 * case.motion))
+            (name, case.word, f"{case.least}{case.factor:.3g}", f"{case.least}{case.payload:.3g}", _of(case.force),
+             _percent(case.torque_used), _of(1e3 * case.motion))
             for name, case in self.cases.items()
         ]  # fmt: skip
         heads = "object", "verdict", "times\nits loads", "payload\nkg", "force\nN", "torque\nused", "moves\nmm"

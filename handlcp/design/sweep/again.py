@@ -27,10 +27,10 @@ def evaluations(sweep: Mapping[str, Any], maker: Maker, designs: Sequence[int]) 
             while not heads.done:
                 near = heads.near
                 for k in heads.ready():
-                    known[k] = evaluated(maker, (k, values[k]), near)
+                    known[k] = evaluated(maker, (k, values[k]), near, True)
                     heads.found[k] = one if isinstance(one := known[k], Evaluation) else None
             for k in sorted(own):
-                one = known[k] if k in known else evaluated(maker, (k, values[k]), heads.near)
+                one = known[k] if k in known else evaluated(maker, (k, values[k]), heads.near, False)
                 if isinstance(one, str):
                     raise InputError("designs", "designs that can be evaluated", f"design {k}: {one}")
                 found[k] = one

@@ -16,7 +16,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 from handlcp.design.brief import Brief
-from handlcp.design.evaluate import evaluate
+from handlcp.design.evaluate import evaluate, evaluate_worst
 from handlcp.design.evaluation import Evaluation, ObjectCase
 from handlcp.design.space import Value
 from handlcp.errors import InputError
@@ -145,7 +145,7 @@ def work(task: Task) -> Done:
     """In any process. Nothing that a design raises comes out: it is the row's reason."""
     began, maker = time.perf_counter(), unpacked(task.maker)
     near: Evaluation | None = None if task.near is None else unpacked(task.near)
-    found = [evaluated(maker, one, near) for one in task.designs]
+    found = [evaluated(maker, one, near, task.head) for one in task.designs]
     rows = [row_of(one, each) for one, each in zip(task.designs, found, strict=True)]
     kept = packed(bare(found[0])) if task.head and isinstance(found[0], Evaluation) else None
     return Done(rows, kept, time.perf_counter() - began)
@@ -189,18 +189,20 @@ class Heads:
 
 
 def bare(found: Evaluation) -> Evaluation:
-    """Its grasps, without the paths that led to the numbers, which are ten times as large."""
+    """Its grasps, without what was worked out of them."""
     cases = found.cases.items()
     return Evaluation({
-        name: replace(case, candidate=None if case.candidate is None else replace(case.candidate), payloads=None)
+        name: replace(case, candidate=None if case.candidate is None else replace(case.candidate))
         for name, case in cases
     })  # fmt: skip
 
 
-def evaluated(maker: Maker, design: Numbered, near: Evaluation | None) -> Outcome:
-    """The evaluation of a design, or why there is none."""
+def evaluated(maker: Maker, design: Numbered, near: Evaluation | None, head: bool) -> Outcome:
+    """The evaluation of a design, or why there is none. Heads are compared object by object, so all of theirs are
+    followed to the end.
+    """
     try:
-        return evaluate(maker.hand(design[1]), maker.asked(design[1]), near)
+        return (evaluate if head else evaluate_worst)(maker.hand(design[1]), maker.asked(design[1]), near)
     except Exception as error:
         return f"{type(error).__name__}: {error}"
 

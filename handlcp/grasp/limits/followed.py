@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,11 +20,13 @@ from handlcp.grasp.path.state import STILL, Goal, Outcome, Run, Stage, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.trajectory import closing_efforts
 from handlcp.grasp.path.watch import watch_of
+from handlcp.grasp.verify.bound import bound_of
 from handlcp.tolerances import OVER
 
 _ORDER = ("squeeze", Stage("weight", weight=1.0), "load")
 _STEPS = 8  # of squeeze and weight
 _FIRST = 0.1  # of the load that is as large as the forces before it: the first step
+_BEYOND = 1e-9  # relative: what is followed up to a limit of others goes on by so much, and is no tie
 _RAY = 1e4  # times that load: nothing binds that has not bound by then
 
 
@@ -37,17 +40,17 @@ def followed_limit(
 
 class Before:
     """What comes before a load grows, followed once: squeeze, weight, and `beside` (6,), a load that is there already
-    besides the weight. Other arguments as in `followed_limit`.
+    besides the weight. tolerance : of steps, as in `Stepper`. Other arguments as in `followed_limit`.
     """
 
     def __init__(
         self, spec: GraspSpec, section: Section, most: tuple[float, float], geometry: str = "followed",
-        finer: float = 1.0, beside: Array = STILL,
+        finer: float = 1.0, beside: Array = STILL, tolerance: float = TOLERANCE,
     ) -> None:  # fmt: skip
         self._body, self._most = geometry_of(spec, geometry), most
         self._spec, self._section, self._geometry, self._finer, self._beside = spec, section, geometry, finer, beside
         path = np.stack([beside, beside]) if beside.any() else STILL
-        first, self._goals, self._stepper = begun(spec, section, self._body, TOLERANCE, _ORDER, path)
+        first, self._goals, self._stepper = begun(spec, section, self._body, tolerance, _ORDER, path)
         self._watch, count = watch_of(spec, self._body), max(int(np.ceil(finer * _STEPS)), 1)
         self._run = advance(self._stepper, self._watch, first, self._goals[:-1], count)
         self._closing = over_closing(spec.mechanism, lambda: closing_efforts(self._run.states))
@@ -56,6 +59,10 @@ class Before:
     def held(self) -> bool:
         """Whether the object is held by then, and has not begun to slide through, and motors close so hard."""
         return not self._closing and self._run.outcome is Outcome.END and self._run.slides is None
+
+    def bounds(self, wrenches: Array) -> Array:
+        """(k,) the largest factors on loads (k, 6) that friction and torque limits alone allow."""
+        return bound_of(self._spec, self._section, wrenches).factors
 
     def limit(self, wrench: Array, until: float = np.inf) -> LoadLimit:
         """Of a load (6,) that grows, up to this factor: none is found that is larger."""
@@ -82,6 +89,25 @@ class Before:
         leg.through(pause=True)
         slid = None if before.slides is None else (before.slides.share, kinds_near(before, before.slides.number))
         return answered(Followed(spec, section, wrench, run, leg, stepper, limits, at, self._geometry, slid))
+
+
+def up_to_the_first(
+    loads: Sequence[tuple[Before, Array]], least: float, most: float = np.inf
+) -> list[tuple[LoadLimit, float]]:  # fmt: skip
+    """Loads (6,) of which the first to give out is asked for, each with what comes before it. The weakest are followed
+    first, and others no further than the least factor that was found before them, or `most`; and than `least` if that
+    is more. A limit beyond that is infinite. With each limit the factor up to which it was followed.
+    """
+    bound, found = np.empty(len(loads)), dict[int, tuple[LoadLimit, float]]()
+    for before in {id(before): before for before, _ in loads}.values():
+        its = [k for k, (one, _) in enumerate(loads) if one is before]
+        bound[its] = before.bounds(np.stack([loads[k][1] for k in its]))
+    for k in np.argsort(bound, kind="stable").tolist():
+        before, wrench = loads[k]
+        until = max(most, least)
+        found[k] = before.limit(wrench, until), until
+        most = min(most, (1.0 + _BEYOND) * found[k][0].factor)
+    return [found[k] for k in range(len(loads))]
 
 
 def accurate_limit(

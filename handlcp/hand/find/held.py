@@ -23,7 +23,6 @@ from handlcp.grasp.friction import as_section
 from handlcp.grasp.limits.directions import AXES
 from handlcp.grasp.limits.followed import Before
 from handlcp.grasp.path.state import STILL
-from handlcp.grasp.verify.bound import bound_of
 from handlcp.hand.hand_grasp import HandGrasp
 
 _PUSHES = read_only(np.hstack([AXES, np.zeros((6, 3))]))
@@ -64,19 +63,13 @@ def followed(grasp: HandGrasp, least: float = 0.0) -> Held | None:
     if load.any() and (turned := before.limit(-2.0 * load, until=1.0)).factor < 1.0:
         return Held(2.0 * turned.factor * float(np.linalg.norm(load[:3])), True, said(turned.binds, spec))
     force, gives_out = np.inf, ""
-    for push in _weakest_first(grasp):  # what holds more than another one already does not matter
-        limit = before.limit(push, until=force)
+    for k in np.argsort(before.bounds(_PUSHES), kind="stable"):  # what holds more than a weaker one does not matter
+        limit = before.limit(_PUSHES[k], until=force)
         if limit.factor < force:
             force, gives_out = limit.factor, said(limit.binds, spec)
         if force <= least:
             return None
     return Held(force, False, gives_out)
-
-
-def _weakest_first(grasp: HandGrasp) -> Array:
-    """(6, 6) the pushes, those first of which friction and torque limits alone balance the least."""
-    most = bound_of(grasp.spec, as_section("cone", planar=False), _PUSHES).factors
-    return np.asarray(_PUSHES[np.argsort(most, kind="stable")])
 
 
 def _force(grasp: HandGrasp, solution: GraspSolution) -> float:

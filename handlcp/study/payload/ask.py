@@ -14,6 +14,7 @@ g. So over all directions of d and s together the least mass is that over v / |v
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -29,11 +30,12 @@ from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.limits.directions import AXES
 from handlcp.grasp.limits.load_limit import load_limit
 from handlcp.grasp.model.contact import frame
+from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.follow import geometry_of
 from handlcp.hand import HandGrasp, Object
 from handlcp.hand.asked.asked import HandAsked
 from handlcp.progress import told
-from handlcp.study.envelope.ask import FIXED, FOLLOWED, GRAVITY, Question, load_of
+from handlcp.study.envelope.ask import FIXED, FOLLOWED, GRAVITY, Load, Question, load_of
 from handlcp.study.envelope.grid import circle, sphere
 from handlcp.study.payload.result import Orientation, Payload
 
@@ -67,8 +69,7 @@ def payload(
     with told("orientations", len(ways)) as done:
         rows = []
         for k, d in enumerate(ways):
-            pulls = axes if k < len(axes) else -d[None]
-            rows.append(question.held(d, pulls if more else np.zeros((1, 3))))
+            rows.append(question.held(d, axes if k < len(axes) else -d[None]))
             done(1)
     return Payload(tuple(rows), orientations, more, how, question.asked.load, tried, searched)
 
@@ -120,23 +121,34 @@ class _Pull:
 
     def held(self, d: Array, ways: Array) -> Orientation:
         """With gravity along d (3,), the row of the least mass; the hand accelerates along any of `ways` (k, 3)."""
-        return min([row for way in ways if (row := self._row(d, way)) is not None], key=_order)
+        return min([self._row(d, *pull) for pull in _pulls(self.asked.load, d, self.acceleration, ways)], key=_order)
 
-    def _row(self, d: Array, way: Array) -> Orientation | None:
-        """None: the object floats."""
-        q, g = self.asked, self.asked.load.g
-        pull = g * d - self.acceleration * way
-        size = float(np.linalg.norm(pull))
-        if size <= 1e-9 * g:
-            return None
-        load, along = replace(q.load, g=size), pull[None] / size
-        spec, _ = next(load.specs(along))
-        limit = load_limit(spec, q.section, load.wrenches(along)[0], q.geometry, q.motion, q.turn, q.accuracy)
+    def _row(self, d: Array, s: Array, spec: GraspSpec, wrench: Array) -> Orientation:
+        q = self.asked
+        limit = load_limit(spec, q.section, wrench, q.geometry, q.motion, q.turn, q.accuracy)
         mass, binds = limit.factor, limit.binds
         if np.isinf(mass) and np.isfinite(limit.bound):
             mass, binds = np.nan, (Cause(UNDECIDED, OBJECT),)
-        d, moves = read_only(d.copy()), read_only(self.acceleration * way)
-        return Orientation(d, mass, binds, said(binds, spec), moves, limit)
+        return Orientation(read_only(d.copy()), mass, binds, said(binds, spec), s, limit)
+
+
+def pulls_of(grasp: Grasp, acceleration: float) -> list[tuple[GraspSpec, Array]]:
+    """Loads (6,) by 1 kg, each with the grasp that it is on: of the limits of these `payload` tells the least."""
+    load, axes = load_of(_about_the_mass(grasp), GRAVITY, None), _axes_of(grasp.spec.plane)
+    return [(spec, wrench) for d in axes for _, spec, wrench in _pulls(load, d, acceleration, axes)]
+
+
+def _pulls(load: Load, d: Array, acceleration: float, ways: Array) -> Iterator[tuple[Array, GraspSpec, Array]]:
+    """The acceleration (3,) of the hand, the grasp and what 1 kg loads it with (6,), with gravity along d (3,), for
+    each of `ways` (k, 3) to accelerate but those in which the object floats.
+    """
+    for s in acceleration * ways if acceleration else np.zeros((1, 3)):
+        pull = load.g * d - s
+        size = float(np.linalg.norm(pull))
+        if size > 1e-9 * load.g:
+            pulled, along = replace(load, g=size), pull[None] / size
+            spec, _ = next(pulled.specs(along))
+            yield read_only(s), spec, pulled.wrenches(along)[0]
 
 
 def _order(row: Orientation) -> tuple[int, float]:
