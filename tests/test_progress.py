@@ -39,6 +39,16 @@ def test_a_call_that_takes_long_has_a_line_that_is_gone_when_it_ends(monkeypatch
     assert terminal.left.strip() == ""
 
 
+def test_a_call_that_goes_on_says_how_long_each_takes_and_how_long_is_left(monkeypatch):
+    clock = Clock()
+    terminal = terminal_with(monkeypatch, clock)
+    with told("designs", 4000, begun=1000) as say:
+        for _ in range(10):
+            clock.now += 1.5
+            say(1)
+    assert "designs 1010/4000, 1.5 s each, 1:14:45 left" in terminal.text
+
+
 def test_a_short_call_draws_nothing(monkeypatch):
     clock = Clock()
     terminal = terminal_with(monkeypatch, clock)

@@ -190,6 +190,8 @@ def _read(argument: str, entry: Any) -> Range | Choices | Value:
     for i, value in enumerate(values):
         if value in values[:i]:
             raise InputError(argument, "choices that differ", f"{value!r} twice")
+    if len({float if isinstance(v, int | float) and not isinstance(v, bool) else type(v) for v in values}) > 1:
+        raise InputError(argument, "choices that are all numbers, or all words", list(values))
     return Choices(values) if len(values) > 1 else values[0]
 
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 import handlcp as hl
-from handlcp.design.space import Space
+from tests.support.sweeps import Space
 
 MIXED = Space(
     {"length": (0.03, 0.06), "fingers": range(2, 5), "stiffness": (0.1, 10.0, "log"), "pad": ["soft", "hard"], "n": 3}
@@ -68,7 +68,8 @@ def test_a_space_is_made_again_from_its_own_entries():
     ("entry", "said"),
     [
         ((2.0, 1.0), "a low end below"), ((0.0, 1.0, "log"), "ends above 0"), ((1, 2, 3), "choices are a list"),
-        ([], "at least one choice"), ([1, 1], "choices that differ"), ([[1], 2], "a number or a word"),
+        ([], "at least one choice"), ([1, 1], "choices that differ"), ([1, "a"], "all numbers, or all words"),
+        ([[1], 2], "a number or a word"),
         ((0.0, np.nan), "finite"), (None, "low, high"),
     ],
 )  # fmt: skip

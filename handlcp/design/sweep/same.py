@@ -26,7 +26,7 @@ def description(space: Mapping[str, Any], sampling: str, samples: Any, seed: int
     not of what it calls.
     """
     kept = {"handlcp": VERSION, "space": space, "sampling": sampling, "samples": samples, "seed": seed}
-    return plain(kept | {"make": _digest(make), "brief": _digest(brief)})
+    return plain(kept | {"make": digest(make), "brief": digest(brief)})
 
 
 def check_same(file: str, before: Mapping[str, Any], now: Mapping[str, Any]) -> None:
@@ -45,7 +45,7 @@ def _short(value: Any) -> str:
     return text if len(text) <= 120 else f"{text[:117]}..."
 
 
-def _digest(value: Any) -> str:
+def digest(value: Any) -> str:
     """The same for what is the same, in every process."""
     made = hashlib.sha256()
     _feed(made, value)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from typing import Any
 
 from handlcp.design.evaluation import Evaluation
@@ -10,7 +11,7 @@ from handlcp.design.space import Space
 from handlcp.design.study import Study
 from handlcp.design.sweep.cells import SOBOL, cells_of, numbered, points
 from handlcp.design.sweep.journal import Journal, beside
-from handlcp.design.sweep.run import executor_for, rows_of
+from handlcp.design.sweep.run import rows_of
 from handlcp.design.sweep.same import check_same, description
 from handlcp.design.sweep.table import checked_table, read_table, write_table
 from handlcp.design.sweep.work import DESIGN, ERROR, Maker, Row, Values, in_order, packed
@@ -37,11 +38,11 @@ def sweep(
     progress : None: a line on the terminal once it takes long; False: none; True: a line that stays; a function: called
         with (designs done, all designs).
 
-    Most designs start from the grasps of a neighbour, as in `evaluate(…, near=…)`: the one in the middle of up to 64
-    that lie together. A design that fails, or whose hand cannot be made, is a row with its reason in "error".
+    Most designs start from the grasps of others, as in `evaluate(…, near=…)`: the best of three in the middle of up to
+    64 that lie together. A design that fails, or ends its process, is a row with its reason in "error".
 
     Raises InputError, also for a file with another sweep in it, and says what differs; UnknownName; Unsupported without
-    pyarrow for a .parquet. What an executor raises, such as BrokenProcessPool, comes out; the rows are kept.
+    pyarrow for a .parquet. What an executor that was given raises, such as BrokenProcessPool, comes out; rows are kept.
     """
     room = space if isinstance(space, Space) else Space(space)
     cube = points(room, sampling, samples, seed)
@@ -76,7 +77,8 @@ def _run(
 ) -> None:  # fmt: skip
     """Keep the rows that are not there yet, as they come."""
     known = frozenset(row[DESIGN] for row in there)
-    with told("designs", len(values), progress, len(known)) as say, executor_for(executor) as workers:
-        for rows in rows_of(packed(maker), cells, values, known, workers):
+    found = rows_of(packed(maker), cells, values, known, executor)
+    with told("designs", len(values), progress, len(known)) as say, closing(found):
+        for rows in found:
             keep(rows)
             say(len(rows))

@@ -6,7 +6,7 @@ import csv
 import json
 import os
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -72,7 +72,7 @@ def read_table(file: Path) -> tuple[Row, list[Row]]:
             sweep = json.loads(_described(file).read_text(encoding="utf-8"))
         except (OSError, ValueError):
             raise none from None
-        return sweep, _read_csv(file)
+        return sweep, _read_csv(file, {name for name, entry in sweep["space"].items() if _wordy(entry)})
     arrow, parquet = _arrow()
     try:
         made = parquet.read_table(file)
@@ -114,12 +114,20 @@ def _cell(value: Any) -> str:
     return "" if value is None else value if isinstance(value, str) else json.dumps(value)
 
 
-def _read_csv(file: Path) -> list[Row]:
-    """A column of which every cell is a number, or every cell true or false, is that; others are words."""
+def _read_csv(file: Path, words: Set[str]) -> list[Row]:
+    """A column of which every cell is a number, or every cell true or false, is that; others are words. words : names
+    of columns that are words in any case, such as "3".
+    """
     with file.open(encoding="utf-8", newline="") as text:
         names, *rows = csv.reader(text)
-    columns = [_values(column) for column in zip(*rows, strict=True)]
+    named = zip(names, zip(*rows, strict=True), strict=True)
+    columns = [[cell or None for cell in cells] if name in words else _values(cells) for name, cells in named]
     return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
+
+
+def _wordy(entry: Any) -> bool:
+    """Whether a parameter of the space is a word."""
+    return isinstance(entry, str) or (isinstance(entry, list) and isinstance(entry[0], str))
 
 
 def _values(cells: Sequence[str]) -> list[Any]:
