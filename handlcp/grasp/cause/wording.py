@@ -66,7 +66,7 @@ def why_given_up(how: str, who: str = "") -> str:
         return f"there tendon {who.replace(' the ', ' goes over to the other side of the ', 1)}: {way}"
     if how == STUCK:
         return "forces balance the load up to there, and no next state is found"
-    return "contacts touch, slip and let go so often there that thousands of short steps do not lead on"
+    return "contacts touch, slip and let go so often there that hundreds of short steps do not lead on"
 
 
 def under_load(now: Array, end: Array) -> str:

@@ -30,7 +30,7 @@ _TELLS = FINEST  # of a step: shorter ones tell nothing of how fast the object g
 _ANEW = 2.0**-3  # times the usual step: the first after a change, which is of first order
 _BEHIND = 0.98  # of a step up to a change: short of it
 _ALONE = 2.0**-4  # of a step: a shorter one without a solution is also tried without a prediction
-_MOST = 2500  # tries of a stage; paths of use take 10 to 150, hard ones a thousand
+MOST = 2500  # tries of a stage; paths of use take 10 to 150, hard ones a thousand
 _GROWS = (0.35, 0.05)  # of the load: steps of an open stage where nothing slides, and where something does
 _HALVED = 14  # times a step, where a push begins to grow and where a limit is reached
 _ON = 1e-9  # of a limit: this near to it is at it
@@ -53,9 +53,11 @@ class Open(NamedTuple):
     coarse: float = 1.0
 
 
-def advance(stepper: Stepper, watch: Watch, first: Controls, goals: list[Goal], steps: int) -> Run:
+def advance(
+    stepper: Stepper, watch: Watch, first: Controls, goals: list[Goal], steps: int, tries: int = MOST
+) -> Run:  # fmt: skip
     """Follow every stage in about so many steps, until the end or until the object is lost. first : the controls before
-    anything is done.
+    anything is done. tries : of a stage, after which it is given up.
     """
     state = stepper.beginning(first)
     run = Run([state], [0], [0.0])
@@ -66,7 +68,9 @@ def advance(stepper: Stepper, watch: Watch, first: Controls, goals: list[Goal], 
             return run
         run.states[0] = settled
     for k, goal in enumerate(goals):
-        if not Leg(stepper, watch, run, k, goal, 1.0 / steps).through():
+        leg = Leg(stepper, watch, run, k, goal, 1.0 / steps)
+        leg.most = tries
+        if not leg.through():
             break
     return run
 
@@ -78,7 +82,7 @@ class Leg:
         self, stepper: Stepper, watch: Watch, run: Run, number: int, goal: Goal, base: float, beyond: Open | None = None
     ) -> None:
         self.stepper, self.watch, self.run, self.number, self.goal, self.base = stepper, watch, run, number, goal, base
-        self.beyond, self.last = beyond, 1.0 if beyond is None else beyond.most
+        self.beyond, self.last, self.most = beyond, 1.0 if beyond is None else beyond.most, MOST
         run.under_way = number
         if beyond is not None:
             self.base = beyond.first
@@ -99,7 +103,7 @@ class Leg:
         run = self.run
         while self.share < self.last * (1.0 - 1e-12):
             self.count += 1
-            if self.count > _MOST:
+            if self.count > self.most:
                 return run.ends(Outcome.GAVE_UP, Failure("too many steps"))
             known = len(run.states)
             goes_on = self._advanced()

@@ -17,6 +17,7 @@ from handlcp.grasp.assembly.build import build
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.path.advance import MOST
 from handlcp.grasp.path.follow import Loading, follow, sliding
 from handlcp.grasp.path.state import Outcome
 from handlcp.grasp.solve.solve_spec import solve_spec
@@ -90,10 +91,14 @@ def check(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution:
     return verdict_of([*verdict.reasons, *advice(spec, section, order, over, holdable, of)], verdict.loading)
 
 
-def judged(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution) -> Verdict:
-    """The same without advice, which takes many times as long where the grasp does not hold."""
+def judged(
+    spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution, tries: int = MOST
+) -> Verdict:  # fmt: skip
+    """The same without advice, which takes many times as long where the grasp does not hold. tries : of steps, after
+    which a stage is given up.
+    """
     try:
-        path, agree = followed_to(spec, section, order)
+        path, agree = followed_to(spec, section, order, tries)
     except Unsupported as why:
         unfollowed = Reason("not_followed", "warning", f"the loading was not followed: {why}")
         return verdict_of([*solution.verdict.reasons, unfollowed])
@@ -105,22 +110,22 @@ def judged(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution
     return verdict_of(reasons, path)
 
 
-def followed_to(spec: GraspSpec, section: Section, order: Any) -> tuple[Loading, bool]:
+def followed_to(spec: GraspSpec, section: Section, order: Any, tries: int = MOST) -> tuple[Loading, bool]:
     """The loading in STEPS steps a stage, and whether it ends as with half as many. Where it does not, the number is
     doubled, up to twice. Where nothing slides and nothing happens, half as many steps are exact, and enough. Raises
     Unsupported.
     """
-    coarse, count = follow(spec, section, None, order, None, STEPS // 2, None), STEPS
+    coarse, count = follow(spec, section, None, order, None, STEPS // 2, None, tries=tries), STEPS
     if _sticks(coarse):
         return coarse, True  # such steps are exact, however long
-    path = follow(spec, section, None, order, None, STEPS, None)
+    path = follow(spec, section, None, order, None, STEPS, None, tries=tries)
     if path.outcome is Outcome.GAVE_UP:
         return path, True
     for _ in range(_MORE):
         if coarse.held == path.held:
             return path, True
         count *= 2
-        coarse, path = path, follow(spec, section, None, order, None, count, None)
+        coarse, path = path, follow(spec, section, None, order, None, count, None, tries=tries)
     return path, coarse.held == path.held
 
 

@@ -16,6 +16,7 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Verdict
 from handlcp.grasp.cause.judge import UNDECIDED
 from handlcp.grasp.friction import as_section
+from handlcp.grasp.path.advance import MOST
 from handlcp.grasp.path.follow import follow
 from handlcp.grasp.verdict.check import STEPS, judged
 from handlcp.hand.find.held import followed, solved
@@ -29,6 +30,7 @@ from handlcp.text_table import wrapped
 
 _STAGES = "squeeze", "load"
 _NO_FORCE = 0.005  # [N] a link that presses with less is not named
+_TRIES = 250  # of steps of a stage
 _ALIKE = 0.05  # of the way an object goes: as far apart may two ends be that are called the same
 
 # ----------------------------------------------------------------
@@ -104,9 +106,11 @@ class Candidate(Record):
 
     @lazy
     def verdict(self) -> Verdict:
-        """As `grasp.check()` says it, without advice; made when it is first asked for."""
-        section = as_section("cone", planar=False)
-        return judged(self.grasp.spec, self.grasp.scene, section, _STAGES, self.solution)
+        """As `grasp.check()` says it, without advice; made when it is first asked for. A pinch whose contacts slip and
+        let go again and again is given up sooner: it is none that a search looks for.
+        """
+        section, tries = as_section("cone", planar=False), _TRIES if self.kind == "pinch" else MOST
+        return judged(self.grasp.spec, self.grasp.scene, section, _STAGES, self.solution, tries)
 
     @property
     def sure(self) -> bool:
