@@ -1,0 +1,75 @@
+"""What a sweep costs, and whether grasps that are brought along from a neighbour rank designs as searches do.
+
+`python -m tests.benchmarks.designs [designs]`: three-finger hands of other lengths, palms and springs, three objects,
+each under its weight in six directions and nine other loads, on all cores; 4,096 designs, or as many as asked for. Then
+the best 20 by payload once more, each searched anew, with two seeds, and what that takes for a design. Asked: at most
+20 minutes for all, 20 times as fast a design, and Spearman's rank correlation of the 20 at least 0.95.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import replace
+
+import numpy as np
+from scipy.stats import spearmanr
+
+import handlcp as hl
+
+MOST, FASTER, ALIKE = 1200.0, 20.0, 0.95
+BEST = 20
+SPACE = {
+    "proximal": (0.04, 0.06), "distal": (0.03, 0.05), "palm_radius": (0.03, 0.045),
+    "joint_stiffness": (2.0, 8.0, "log"),
+}  # fmt: skip
+LOADS = {
+    "x": (1, 0, 0, 0, 0, 0), "-x": (-1, 0, 0, 0, 0, 0), "y": (0, 1, 0, 0, 0, 0), "-y": (0, -1, 0, 0, 0, 0),
+    "up": (0, 0, 1, 0, 0, 0), "down": (0, 0, -1, 0, 0, 0), "roll": (0, 0, 0, 0.02, 0, 0),
+    "pitch": (0, 0, 0, 0, 0.02, 0), "yaw": (0, 0, 0, 0, 0, 0.02),
+}  # fmt: skip
+BRIEF = hl.Brief(
+    objects={
+        "ball": hl.Sphere(0.03, mass=0.1), "box": hl.Box((0.04, 0.05, 0.08), mass=0.15),
+        "can": hl.Cylinder(0.03, 0.1, mass=0.15),
+    },
+    loads=LOADS, friction=0.7, safety=1.2, grip_force=6.0,
+)  # fmt: skip
+
+
+def make(proximal: float, distal: float, palm_radius: float, joint_stiffness: float) -> hl.Hand:
+    """A hand of these numbers."""
+    return hl.finger_hand(
+        link_lengths=(proximal, distal), palm_radius=palm_radius, joint_stiffness=joint_stiffness, torque_limits=1.5
+    )
+
+
+def main(designs: int = 4096) -> int:
+    """Print what was measured; 1 where a measure is missed."""
+    began = time.perf_counter()
+    study = hl.sweep(make, SPACE, BRIEF, samples=designs)
+    took = time.perf_counter() - began
+    print(f"{designs} designs, {len(study.failed)} failed: {took:.0f} s, {designs / took:.2f} a second")
+    print(study)
+    for name in BRIEF.objects:
+        along = np.mean([value is True for value in study.columns[f"objects.{name}.continued"]])
+        held = np.mean([value == "HELD" for value in study.columns[f"objects.{name}.word"]])
+        print(f"{name}: grasp brought along in {100 * along:.0f} % of the designs, held in {100 * held:.0f} %")
+    best, payloads, spent = study.best(BEST), dict[str, list[float]](), 0.0
+    payloads["swept"] = [row["payload_kg"] for row in best]
+    for seed in (0, 1):
+        begin, asked = time.process_time(), replace(BRIEF, seed=seed)
+        payloads[f"seed {seed}"] = [hl.evaluate(make(**{k: row[k] for k in SPACE}), asked).payload for row in best]
+        spent += 0.5 * (time.process_time() - begin) / len(best)
+    ratio = spent / (2 * took / designs)
+    print(f"searched anew: {spent:.2f} s a design, {ratio:.1f} times as long (two cores)")
+    for name, values in payloads.items():
+        print(f"payloads [kg], {name}: {np.round(values, 3).tolist()}")
+    rank = float(spearmanr(payloads["swept"], payloads["seed 0"]).statistic)
+    anew = float(spearmanr(payloads["seed 0"], payloads["seed 1"]).statistic)
+    print(f"rank correlation of the best {BEST}: {rank:.3f}; of two searches with each other: {anew:.3f}")
+    return int(took > MOST * designs / 4096 or ratio < FASTER or rank < ALIKE)
+
+
+if __name__ == "__main__":
+    sys.exit(main(*map(int, sys.argv[1:])))
