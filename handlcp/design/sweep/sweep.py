@@ -39,7 +39,7 @@ def sweep(
         with (designs done, all designs).
 
     Most designs start from the grasps of others, as in `evaluate(…, near=…)`: the best of three in the middle of up to
-    64 that lie together. A design that fails, or ends its process, is a row with its reason in "error".
+    256 that lie together. A design that fails, or ends its process, is a row with its reason in "error".
 
     Raises InputError, also for a file with another sweep in it, and says what differs; UnknownName; Unsupported without
     pyarrow for a .parquet. What an executor that was given raises, such as BrokenProcessPool, comes out; rows are kept.

@@ -95,6 +95,7 @@ _AT_ONCE = 64  # places of a round; the next ones are tried where none of these 
 _MORE = 1  # rounds after the first in which something is held, where all that is held only lies on fingers
 _SOLVED = 16  # grasps of each round that are solved
 _ROUNDS, _BEST, _NEARBY = 3, 2, 8  # of refinement, of how many grasps, and trials around each
+_WIDER = (0.0, 0.25, 0.5, 1.0)  # how far around a place that is known
 _JOINTS, _SHIFT, _TURN = 0.05, 0.1, 0.15  # their size: of the joint ranges, of the object's size, rad
 _CHECKED, _RECHECKED = 8, 2  # of the best grasps, until one is held: at first, and in each round of refinement
 _LEAST = 0.5  # of the load, shared by the fingers: what each presses with at least
@@ -141,8 +142,15 @@ class Search:
         return found
 
     def from_place(self, place: Place) -> list[Candidate]:
-        """The grasp that begins at this place, brought together and checked; none where it does not hold."""
-        return checked(self._settled([place]), 1, self.tried, self.refused)
+        """The grasp that begins at this place, brought together and checked; where it does not hold, at the places
+        around it, the nearer ones first; none where none of these holds either.
+        """
+        rng = np.random.default_rng(self._seed)
+        for share in _WIDER:
+            places = [self._nearby(place, rng, share) for _ in range(_NEARBY)] if share else [place]
+            if found := checked(self._settled(places), _RECHECKED, self.tried, self.refused):
+                return found
+        return []
 
     def _settled(self, places: Iterable[Place]) -> list[Candidate]:
         """The grasps that begin at these places and are held, the best first."""
