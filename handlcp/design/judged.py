@@ -25,6 +25,7 @@ from handlcp.grasp.cause.wording import said
 from handlcp.grasp.friction import as_section
 from handlcp.grasp.limits.followed import Before, up_to_the_first
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.path.advance import Patience
 from handlcp.hand.find.candidate import Candidate
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.object import Object
@@ -33,6 +34,8 @@ from handlcp.study.payload.ask import ANY, payload, pulls_of
 _MOTORS = {TORQUE, TENSION}
 _WORST = (NOT_FOUND, NOT_HELD, UNDECIDED, OVER_LIMIT, HELD)
 _NEWTON = 1e-6  # of a step, of the contacts' radii: factors are the same to 1e-7, and steps take a third less
+
+_PATIENCE = Patience(500)  # where that many steps lead to no end, more is undecided
 
 
 @dataclass
@@ -96,7 +99,9 @@ def _weights(grasp: HandGrasp, brief: Brief, least: float, most: float) -> list[
 
 def _before(brief: Brief, spec: GraspSpec) -> Before:
     """What comes before the loads."""
-    return Before(spec, as_section("cone", planar=False), (brief.most_motion, np.inf), tolerance=_NEWTON)
+    return Before(
+        spec, as_section("cone", planar=False), (brief.most_motion, np.inf), tolerance=_NEWTON, patience=_PATIENCE
+    )
 
 
 class _End(NamedTuple):

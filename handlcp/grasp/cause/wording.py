@@ -25,8 +25,8 @@ from handlcp.grasp.model.spec import GraspSpec
 # ---------------------------------------------------------------- Why an object is lost, in one sentence.
 
 # How a loading fails
-RUNS_AWAY, UNSTABLE, PUSHED_OUT, LOOSE, NO_FORCES, TOO_FAR, LEAPS, STUCK, CROSSES = (
-    "runs away", "unstable", "pushed out", "loose", "no answer", "too far", "leaps", "stuck", "crosses"
+RUNS_AWAY, UNSTABLE, PUSHED_OUT, LOOSE, NO_FORCES, TOO_FAR, LEAPS, STUCK, CROSSES, SNAPS = (
+    "runs away", "unstable", "pushed out", "loose", "no answer", "too far", "leaps", "stuck", "crosses", "snaps"
 )  # fmt: skip
 _SENTENCES = {
     RUNS_AWAY: "the object runs away{}: the fingers give way faster than their forces grow",
@@ -66,6 +66,8 @@ def why_given_up(how: str, who: str = "") -> str:
         return f"there tendon {who.replace(' the ', ' goes over to the other side of the ', 1)}: {way}"
     if how == STUCK:
         return "forces balance the load up to there, and no next state is found"
+    if how == SNAPS:
+        return "the object snaps elsewhere there"
     return "contacts touch, slip and let go so often there that hundreds of short steps do not lead on"
 
 

@@ -14,7 +14,7 @@ from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.answered import Followed, answer as answered, kinds_near, nothing
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.path.advance import Leg, Open, advance
+from handlcp.grasp.path.advance import PATIENT, Leg, Open, Patience, advance
 from handlcp.grasp.path.follow import TOLERANCE, begun, geometry_of, loading_of
 from handlcp.grasp.path.state import STILL, Goal, Outcome, Run, Stage, State
 from handlcp.grasp.path.step import Stepper
@@ -40,19 +40,20 @@ def followed_limit(
 
 class Before:
     """What comes before a load grows, followed once: squeeze, weight, and `beside` (6,), a load that is there already
-    besides the weight. tolerance : of steps, as in `Stepper`. Other arguments as in `followed_limit`.
+    besides the weight. tolerance : of steps, as in `Stepper`. patience : as in `advance`. Other arguments as in
+    `followed_limit`.
     """
 
     def __init__(
         self, spec: GraspSpec, section: Section, most: tuple[float, float], geometry: str = "followed",
-        finer: float = 1.0, beside: Array = STILL, tolerance: float = TOLERANCE,
+        finer: float = 1.0, beside: Array = STILL, tolerance: float = TOLERANCE, patience: Patience = PATIENT,
     ) -> None:  # fmt: skip
-        self._body, self._most = geometry_of(spec, geometry), most
+        self._body, self._most, self._patience = geometry_of(spec, geometry), most, patience
         self._spec, self._section, self._geometry, self._finer, self._beside = spec, section, geometry, finer, beside
         path = np.stack([beside, beside]) if beside.any() else STILL
         first, self._goals, self._stepper = begun(spec, section, self._body, tolerance, _ORDER, path)
         self._watch, count = watch_of(spec, self._body), max(int(np.ceil(finer * _STEPS)), 1)
-        self._run = advance(self._stepper, self._watch, first, self._goals[:-1], count)
+        self._run = advance(self._stepper, self._watch, first, self._goals[:-1], count, patience)
         self._closing = over_closing(spec.mechanism, lambda: closing_efforts(self._run.states))
 
     @property
@@ -86,6 +87,7 @@ class Before:
         goal = Goal(self._goals[-1].name, self._goals[-1].end._replace(load=self._beside + wrench))
         grows = Open(_FIRST * size / finer, min(_RAY * size, until), beyond, 1.0 / finer)
         leg = Leg(stepper, self._watch, run, 0, goal, 1.0, grows)
+        leg.patience = self._patience
         leg.through(pause=True)
         slid = None if before.slides is None else (before.slides.share, kinds_near(before, before.slides.number))
         return answered(Followed(spec, section, wrench, run, leg, stepper, limits, at, self._geometry, slid))

@@ -30,7 +30,6 @@ _TELLS = FINEST  # of a step: shorter ones tell nothing of how fast the object g
 _ANEW = 2.0**-3  # times the usual step: the first after a change, which is of first order
 _BEHIND = 0.98  # of a step up to a change: short of it
 _ALONE = 2.0**-4  # of a step: a shorter one without a solution is also tried without a prediction
-MOST = 2500  # tries of a stage; paths of use take 10 to 150, hard ones a thousand
 _GROWS = (0.35, 0.05)  # of the load: steps of an open stage where nothing slides, and where something does
 _HALVED = 14  # times a step, where a push begins to grow and where a limit is reached
 _ON = 1e-9  # of a limit: this near to it is at it
@@ -39,6 +38,18 @@ _SAME = 1e-3  # of the contacts' distances: the same place
 _BENDS = 0.5  # of a step: how far from where it was expected it may end
 _AFTER = 4.0  # times the step on which it snapped: the next, where another may follow at once
 _CHAIN = 1.01  # steps between snaps that are one
+
+
+class Patience(NamedTuple):
+    """When a path is given up. tries : of steps of a stage; paths of use take 10 to 150, hard ones a thousand. snaps :
+    whether it goes on after the object has snapped elsewhere.
+    """
+
+    tries: int = 2500
+    snaps: bool = True
+
+
+PATIENT = Patience()
 
 
 class Open(NamedTuple):
@@ -54,10 +65,10 @@ class Open(NamedTuple):
 
 
 def advance(
-    stepper: Stepper, watch: Watch, first: Controls, goals: list[Goal], steps: int, tries: int = MOST
+    stepper: Stepper, watch: Watch, first: Controls, goals: list[Goal], steps: int, patience: Patience = PATIENT
 ) -> Run:  # fmt: skip
     """Follow every stage in about so many steps, until the end or until the object is lost. first : the controls before
-    anything is done. tries : of a stage, after which it is given up.
+    anything is done.
     """
     state = stepper.beginning(first)
     run = Run([state], [0], [0.0])
@@ -69,7 +80,7 @@ def advance(
         run.states[0] = settled
     for k, goal in enumerate(goals):
         leg = Leg(stepper, watch, run, k, goal, 1.0 / steps)
-        leg.most = tries
+        leg.patience = patience
         if not leg.through():
             break
     return run
@@ -82,7 +93,7 @@ class Leg:
         self, stepper: Stepper, watch: Watch, run: Run, number: int, goal: Goal, base: float, beyond: Open | None = None
     ) -> None:
         self.stepper, self.watch, self.run, self.number, self.goal, self.base = stepper, watch, run, number, goal, base
-        self.beyond, self.last, self.most = beyond, 1.0 if beyond is None else beyond.most, MOST
+        self.beyond, self.last, self.patience = beyond, 1.0 if beyond is None else beyond.most, PATIENT
         run.under_way = number
         if beyond is not None:
             self.base = beyond.first
@@ -103,8 +114,10 @@ class Leg:
         run = self.run
         while self.share < self.last * (1.0 - 1e-12):
             self.count += 1
-            if self.count > self.most:
+            if self.count > self.patience.tries:
                 return run.ends(Outcome.GAVE_UP, Failure("too many steps"))
+            if run.snaps and not self.patience.snaps:
+                return run.ends(Outcome.GAVE_UP, Failure("snaps"))
             known = len(run.states)
             goes_on = self._advanced()
             ends = not goes_on and run.outcome in (Outcome.LOST, Outcome.GAVE_UP)

@@ -23,7 +23,7 @@ from handlcp.grasp.effects.joint_offset import command_of
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.path.advance import MOST, advance
+from handlcp.grasp.path.advance import PATIENT, Patience, advance
 from handlcp.grasp.path.events import Event, Summary, summary
 from handlcp.grasp.path.geometry import FixedGeometry, Geometry
 from handlcp.grasp.path.state import Controls, Goal, Outcome, Run, Slides, State, read_stages
@@ -216,9 +216,9 @@ def solution_of(grasp: StepGrasp, state: State, section: Section) -> GraspSoluti
 @told("following the loading")
 def follow(
     spec: GraspSpec, section: Section, load: Any, order: Any, geometry: Any, steps: Any, tolerance: Any,
-    accuracy: Any = None, tries: int = MOST,
+    accuracy: Any = None, patience: Patience = PATIENT,
 ) -> Loading:  # fmt: skip
-    """See `Grasp.follow`. tries : as in `advance`."""
+    """See `Grasp.follow`. patience : as in `advance`."""
     if accuracy is not None:
         return _accurate(
             spec, section, load, order, geometry, steps, tolerance, number("accuracy", accuracy, above=0.0)
@@ -227,7 +227,7 @@ def follow(
     count = integer("steps", steps, 1)
     limit = TOLERANCE if tolerance is None else number("tolerance", tolerance, above=0.0)
     first, goals, stepper = begun(spec, section, body, limit, order, load)
-    run = advance(stepper, watch_of(spec, body), first, goals, count, tries)
+    run = advance(stepper, watch_of(spec, body), first, goals, count, patience)
 
     beside = beside_weight(spec, stepper) - spec.wrench if load is None else None
     again = partial(_again, beside, load, section, order, geometry, steps, tolerance)

@@ -239,9 +239,9 @@ class Failure(NamedTuple):
     """Why a path goes no further. kind : of a step, "no answer" (these fingers create no forces that balance the load),
     "runs away" (each iterate ends farther on than the one before), "too far" (the object moves farther than a step
     may), "leaps" (the step jumps over a snap); of a state, "unstable" (a small push grows), "loose" (no finger holds
-    the object); of a stage, "pushed out" (by the squeeze); of a path, "too many steps", "stuck" (forces balance the
-    load, and no next state is found), "crosses" (a tendon goes over to the other side of a round body). who : what
-    does, in words.
+    the object); of a stage, "pushed out" (by the squeeze); of a path, "too many steps", "snaps" (where none is wanted),
+    "stuck" (forces balance the load, and no next state is found), "crosses" (a tendon goes over to the other side of a
+    round body). who : what does, in words.
     """
 
     kind: str

@@ -17,7 +17,7 @@ from handlcp.grasp.assembly.build import build
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.path.advance import MOST
+from handlcp.grasp.path.advance import PATIENT, Patience
 from handlcp.grasp.path.follow import Loading, follow, sliding
 from handlcp.grasp.path.state import Outcome
 from handlcp.grasp.solve.solve_spec import solve_spec
@@ -92,13 +92,13 @@ def check(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution:
 
 
 def judged(
-    spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution, tries: int = MOST
+    spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution, patience: Patience = PATIENT
 ) -> Verdict:  # fmt: skip
-    """The same without advice, which takes many times as long where the grasp does not hold. tries : of steps, after
-    which a stage is given up.
+    """The same without advice, which takes many times as long where the grasp does not hold. patience : as in
+    `advance`.
     """
     try:
-        path, agree = followed_to(spec, section, order, tries)
+        path, agree = followed_to(spec, section, order, patience)
     except Unsupported as why:
         unfollowed = Reason("not_followed", "warning", f"the loading was not followed: {why}")
         return verdict_of([*solution.verdict.reasons, unfollowed])
@@ -110,22 +110,22 @@ def judged(
     return verdict_of(reasons, path)
 
 
-def followed_to(spec: GraspSpec, section: Section, order: Any, tries: int = MOST) -> tuple[Loading, bool]:
+def followed_to(spec: GraspSpec, section: Section, order: Any, patience: Patience = PATIENT) -> tuple[Loading, bool]:
     """The loading in STEPS steps a stage, and whether it ends as with half as many. Where it does not, the number is
     doubled, up to twice. Where nothing slides and nothing happens, half as many steps are exact, and enough. Raises
     Unsupported.
     """
-    coarse, count = follow(spec, section, None, order, None, STEPS // 2, None, tries=tries), STEPS
+    coarse, count = follow(spec, section, None, order, None, STEPS // 2, None, patience=patience), STEPS
     if _sticks(coarse):
         return coarse, True  # such steps are exact, however long
-    path = follow(spec, section, None, order, None, STEPS, None, tries=tries)
+    path = follow(spec, section, None, order, None, STEPS, None, patience=patience)
     if path.outcome is Outcome.GAVE_UP:
         return path, True
     for _ in range(_MORE):
         if coarse.held == path.held:
             return path, True
         count *= 2
-        coarse, path = path, follow(spec, section, None, order, None, count, None, tries=tries)
+        coarse, path = path, follow(spec, section, None, order, None, count, None, patience=patience)
     return path, coarse.held == path.held
 
 

@@ -16,7 +16,7 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Verdict
 from handlcp.grasp.cause.judge import UNDECIDED
 from handlcp.grasp.friction import as_section
-from handlcp.grasp.path.advance import MOST
+from handlcp.grasp.path.advance import PATIENT, Patience
 from handlcp.grasp.path.follow import follow
 from handlcp.grasp.verdict.check import STEPS, judged
 from handlcp.hand.find.held import followed, solved
@@ -30,7 +30,7 @@ from handlcp.text_table import wrapped
 
 _STAGES = "squeeze", "load"
 _NO_FORCE = 0.005  # [N] a link that presses with less is not named
-_TRIES = 250  # of steps of a stage
+_BRIEFLY = Patience(250, snaps=False)
 _ALIKE = 0.05  # of the way an object goes: as far apart may two ends be that are called the same
 
 # ----------------------------------------------------------------
@@ -106,11 +106,11 @@ class Candidate(Record):
 
     @lazy
     def verdict(self) -> Verdict:
-        """As `grasp.check()` says it, without advice; made when it is first asked for. A pinch whose contacts slip and
-        let go again and again is given up sooner: it is none that a search looks for.
+        """As `grasp.check()` says it, without advice; made when it is first asked for. A pinch that snaps elsewhere, or
+        slips and lets go again and again, is given up there: it is none that a search looks for.
         """
-        section, tries = as_section("cone", planar=False), _TRIES if self.kind == "pinch" else MOST
-        return judged(self.grasp.spec, self.grasp.scene, section, _STAGES, self.solution, tries)
+        section, patience = as_section("cone", planar=False), _BRIEFLY if self.kind == "pinch" else PATIENT
+        return judged(self.grasp.spec, self.grasp.scene, section, _STAGES, self.solution, patience)
 
     @property
     def sure(self) -> bool:
