@@ -10,13 +10,14 @@ from handlcp.cli.solve import follow, solve  # isort: skip  commands are listed 
 from handlcp.cli.limits import envelope, limits  # isort: skip
 from handlcp.cli.payload import payload  # isort: skip
 from handlcp.cli.evaluate import evaluate  # isort: skip
+from handlcp.cli.sweep import sweep  # isort: skip
 from handlcp.cli.motors import motors, reliability  # isort: skip
 from handlcp.cli.accuracy import accuracy, compare, gallery  # isort: skip
 from handlcp.cli.lists import audit, effects, hands, keys, paper, warm  # isort: skip
 
 __all__ = [
     "accuracy", "app", "audit", "compare", "effects", "envelope", "evaluate", "follow", "gallery", "hands", "keys",
-    "limits", "main", "motors", "paper", "payload", "reliability", "solve", "warm",
+    "limits", "main", "motors", "paper", "payload", "reliability", "solve", "sweep", "warm",
 ]  # fmt: skip
 
 

@@ -58,6 +58,9 @@ def motors(
         str | None, typer.Option(help="A motor to buy, as CONTINUOUS,PEAK [N·m]: its gear at each joint or tendon.")
     ] = None,
     efficiency: Annotated[float, typer.Option(help="Of that gear, 0 to 1.")] = 1.0,
+    most_force: Annotated[
+        float | None, typer.Option(help="The largest normal force that the object bears at a contact, in N.")
+    ] = None,
     faces: Faces = None,
 ) -> None:
     """Which motors? The torque of each joint and the grip of each finger with which every load times safety holds.
@@ -68,6 +71,7 @@ def motors(
     every load, 1 otherwise, 2 bad input.
     """
     from handlcp import scene as scenes
+    from handlcp.scene.scene_tables import keyed
 
     bought = None if motor is None else _motor(motor, efficiency)
     read = scenes.load(scene)
@@ -76,7 +80,8 @@ def motors(
         raise InputError("scene", "a scene with a [hand], whose joints need motors", "one without")
     brief_ = _brief(grasp, load or [], turned)
     sides = sides_of(read.solve_with.faces, faces)
-    found = grasp.required_torque(brief_, safety, sides)
+    with keyed({"most_force": "--most-force"}):
+        found = grasp.required_torque(brief_, safety, sides, most_force=most_force)
     if json:
         gears = {} if bought is None else {"reductions": plain(found.reductions(bought))}
         if bought is not None and found.tensions is not None:

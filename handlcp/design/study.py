@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Self
 
@@ -16,7 +17,7 @@ from handlcp.design.sweep.again import evaluations
 from handlcp.design.sweep.journal import beside, read
 from handlcp.design.sweep.table import checked_table, columns_of, read_table
 from handlcp.design.sweep.work import DESIGN, ERROR, Maker, Row, in_order
-from handlcp.errors import InputError, UnknownName
+from handlcp.errors import InputError, UnknownName, brief as shortly
 from handlcp.record import data_frame, entry
 from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
@@ -69,7 +70,7 @@ class Study:
     @property
     def failed(self) -> Self:
         """Those that could not be evaluated, with the reason in "error"."""
-        return self._of(np.flatnonzero([error is not None for error in self.columns.get(ERROR, ())]))
+        return self.some(np.flatnonzero([error is not None for error in self.columns.get(ERROR, ())]))
 
     def to_frame(self) -> Any:
         """A pandas table with a row for each design. Raises Unsupported without pandas."""
@@ -86,7 +87,7 @@ class Study:
         most = integer("n", n, 1)
         wanted = self.wanted(by)[:, 0]
         order = np.argsort(-wanted, kind="stable")
-        return self._of(order[np.isfinite(wanted[order]) & (self._held()[order] if held else True)][:most])
+        return self.some(order[np.isfinite(wanted[order]) & (self._held()[order] if held else True)][:most])
 
     def pareto(self, *by: str, held: bool = False) -> Self:
         """Those that no other design beats: is at least as good in all these columns, and better in one. Sorted by the
@@ -96,7 +97,7 @@ class Study:
         known = np.isfinite(wanted).all(axis=1) & (self._held() if held else True)
         at = np.flatnonzero(known)
         front = at[not_beaten(wanted[at])]
-        return self._of(front[np.argsort(-wanted[front, 0], kind="stable")])
+        return self.some(front[np.argsort(-wanted[front, 0], kind="stable")])
 
     def wanted(self, *by: str) -> Array:
         """(n, k) of these columns, of which more is better; NaN where nothing is known. Raises InputError."""
@@ -122,10 +123,11 @@ class Study:
     def _held(self) -> Bools:
         return np.array([value is True for value in self.columns.get("holds", [False] * len(self))], dtype=bool)
 
-    def _of(self, at: Any) -> Self:
-        """Some of the designs."""
+    def some(self, at: Iterable[Any]) -> Self:
+        """The designs in these rows, in this order."""
         made = type(self)(self.sweep, (), self._maker)
-        made.columns = {name: [column[k] for k in at] for name, column in self.columns.items()}
+        rows = list(at)
+        made.columns = {name: [column[k] for k in rows] for name, column in self.columns.items()}
         return made
 
     # ---------------------------------------------------------------- To look at.
@@ -161,6 +163,7 @@ class Study:
     def __str__(self) -> str:
         held, failed = int(self._held().sum()), len(self.failed)
         said = [f"{len(self)} designs", f"{held} hold what the brief asks", *([f"{failed} failed"] if failed else [])]
+        why = Counter(error for error in self.columns.get(ERROR, ()) if error is not None).most_common(1)
         free = list(self.space.free)
         outcome = {name: head for name, head in _HEADS.items() if name in self.columns}
         heads = (DESIGN, *[name.replace(".", ".\n", 1) for name in free], *outcome.values())
@@ -168,7 +171,8 @@ class Study:
         cells = [tuple([_cell(name, self.columns[name][k]) for name in shown]) for k in range(min(len(self), _SHOWN))]
         table = str(TextTable(heads, tuple(cells), "<" + ">" * (len(shown) - 1)))
         more = f"\n… {len(self) - _SHOWN} more" if len(self) > _SHOWN else ""
-        return wrapped(f"{words.listed(said)}.") + (f"\n\n{table}{more}" if cells else "")
+        head = f"{words.listed(said)}." + "".join(f" Most often: {shortly(reason)}" for reason, _ in why)
+        return wrapped(head) + (f"\n\n{table}{more}" if cells else "")
 
     def __repr__(self) -> str:
         return f"Study({len(self)} designs of {list(self.names)})"

@@ -8,7 +8,7 @@ from typing import Any
 from handlcp.design.evaluation import Evaluation
 from handlcp.design.space import Space
 from handlcp.design.sweep.cells import cells_of, numbered, points
-from handlcp.design.sweep.work import MOST_HEADS, Maker, evaluated, heads
+from handlcp.design.sweep.work import Heads, Maker, Outcome, evaluated
 from handlcp.errors import InputError
 from handlcp.progress import told
 
@@ -23,10 +23,14 @@ def evaluations(sweep: Mapping[str, Any], maker: Maker, designs: Sequence[int]) 
             own = wanted.intersection(cell)
             if not own:
                 continue
-            first, near = heads(maker, [(k, values[k]) for k in cell[:MOST_HEADS]])
-            known = dict(zip(cell, first, strict=False))
+            heads, known = Heads(cell), dict[int, Outcome]()
+            while not heads.done:
+                near = heads.near
+                for k in heads.ready():
+                    known[k] = evaluated(maker, (k, values[k]), near)
+                    heads.found[k] = one if isinstance(one := known[k], Evaluation) else None
             for k in sorted(own):
-                one = known[k] if k in known else evaluated(maker, (k, values[k]), near)
+                one = known[k] if k in known else evaluated(maker, (k, values[k]), heads.near)
                 if isinstance(one, str):
                     raise InputError("designs", "designs that can be evaluated", f"design {k}: {one}")
                 found[k] = one

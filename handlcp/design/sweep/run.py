@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import os
+import threading
+import time
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from concurrent.futures import BrokenExecutor, Executor
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 from handlcp.check import cores
-from handlcp.design.sweep.work import DESIGN, MOST_HEADS, Done, Row, Task, Values, work
+from handlcp.design.evaluation import Evaluation
+from handlcp.design.sweep.work import DESIGN, Done, Heads, Row, Task, Values, packed, row_of, unpacked, work
 from handlcp.errors import InputError
 from handlcp.grasp.batch.run import Jobs
 
@@ -35,87 +39,165 @@ class _Here(Executor):
 
 
 @contextmanager
-def executor_for(given: Any) -> Iterator[Executor]:
-    """What a user asked for as an executor. One that is made here ends with the block, at once where that fails.
+def executor_for(given: Any) -> Iterator[Callable[[], Executor]]:
+    """Gives what a user asked for as an executor, each time that it is called: one that is made here is made anew where
+    it has lost a process, and ends at once where the block fails.
 
     Raises InputError for anything but an executor, a Dask client, "serial" or None.
     """
-    if isinstance(given, str) and given == SERIAL:
-        yield _Here()
-    elif isinstance(given, Executor):
-        yield given
-    elif hasattr(given, "get_executor"):  # a Dask client
-        yield given.get_executor()
-    elif given is None:
-        from joblib.externals.loky import get_reusable_executor  # starts under notebooks, and scripts without a guard
-
-        one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-        made = get_reusable_executor(cores(None), env=one_thread)
+    if given is None:
         try:
-            yield made
+            yield _processes
         except BaseException:
-            made.shutdown(wait=True, kill_workers=True)
+            _processes().shutdown(wait=True, kill_workers=True)
             raise
     else:
-        expected = 'a concurrent.futures.Executor, a Dask client, "serial", or None: processes on this machine'
-        raise InputError("executor", expected, repr(given)[:80])
+        executor = _asked(given)
+        yield lambda: executor
+
+
+def _asked(given: Any) -> Executor:
+    """Raises InputError."""
+    if isinstance(given, str) and given == SERIAL:
+        return _Here()
+    if isinstance(given, Executor):
+        return given
+    if hasattr(given, "get_executor"):  # a Dask client
+        made: Executor = given.get_executor()
+        return made
+    expected = 'a concurrent.futures.Executor, a Dask client, "serial", or None: processes on this machine'
+    raise InputError("executor", expected, repr(given)[:80])
+
+
+def _processes() -> Any:
+    """One a core; the same as before, if these are all there."""
+    from joblib.externals.loky import get_reusable_executor  # starts under notebooks, and scripts without a guard
+
+    one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+    return get_reusable_executor(cores(None), initializer=_with_parent, initargs=(os.getpid(),), env=one_thread)
+
+
+def _with_parent(parent: int) -> None:
+    """This process ends within a second of the one that started it, also where that is killed."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(1.0)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 # ----------------------------------------------------------------
 # Heads first; as soon as those of a cell are done the rest of it, in tasks of a second or two.
 
 
+class _Cell:
+    """A cell on its way. left : designs that may begin and have not. near : what they start from, packed."""
+
+    def __init__(self, designs: Sequence[int]) -> None:
+        self.designs, self.heads = designs, Heads(designs)
+        self.left = deque[int]()
+        self.near: bytes | None = None
+
+
 class _Job(NamedTuple):
-    """designs : of a task, and for heads the whole cell."""
+    """Designs of one task, their cell, and whether it is one of its heads."""
 
-    designs: Sequence[int]
-    heads: bool
+    designs: list[int]
+    cell: _Cell
+    head: bool
 
 
-class _Rest(NamedTuple):
-    """Designs of a cell whose heads are done, and what they start from."""
+class _Queue:
+    """The designs of a sweep, in the order in which they begin.
 
-    designs: deque[int]
-    near: bytes | None
+    A cell of which anything is missing has its heads evaluated anew, which gives the others their grasps to start from:
+    no more than three searches are done twice, and no grasps need to be kept.
+    """
+
+    def __init__(self, cells: Sequence[Sequence[int]], there: frozenset[int]) -> None:
+        self.there = there
+        self.cells = deque([_Cell(cell) for cell in cells if not there.issuperset(cell)])
+        self.heads, self.open = deque[_Job](), deque[_Cell]()
+        self.spent, self.done = 0.0, 0
+
+    @property
+    def waiting(self) -> bool:
+        """Whether anything has not begun."""
+        return bool(self.cells or self.heads or self.open)
+
+    def next(self, suspects: deque[_Job] | None = None) -> _Job | None:
+        """What begins next, of these where there are any; None: nothing for now."""
+        if suspects is not None:
+            return suspects.popleft() if suspects else None
+        if self.open:
+            cell = self.open[0]
+            size = max(1, min(_MOST, int(_LONG * self.done / self.spent))) if self.spent else 1
+            own = [cell.left.popleft() for _ in range(min(size, len(cell.left)))]
+            if not cell.left:
+                self.open.popleft()
+            return _Job(own, cell, False)
+        if not self.heads and self.cells:
+            self._go_on(self.cells.popleft())
+        return self.heads.popleft() if self.heads else None
+
+    def put(self, job: _Job, done: Done) -> list[Row]:
+        """A job is done: its rows that were not there."""
+        if job.head:
+            grasps: Evaluation | None = None if done.grasps is None else unpacked(done.grasps)
+            job.cell.heads.found[job.designs[0]] = grasps
+            self._go_on(job.cell)
+        else:
+            self.spent, self.done = self.spent + done.seconds, self.done + len(done.rows)
+        return [row for row in done.rows if row[DESIGN] not in self.there]
+
+    def _go_on(self, cell: _Cell) -> None:
+        near, ready = cell.heads.near, cell.heads.ready()
+        if ready or cell.heads.done:
+            cell.near = None if near is None else packed(near)
+        self.heads.extend(_Job([k], cell, True) for k in ready)
+        if cell.heads.done:
+            cell.left.extend(k for k in cell.designs if k not in self.there and k not in cell.heads.found)
+            if cell.left:
+                self.open.append(cell)
 
 
 def rows_of(
-    maker: bytes, cells: Sequence[Sequence[int]], values: Mapping[int, Values], there: frozenset[int],
-    executor: Executor,
-) -> Iterator[list[Row]]:  # fmt: skip
-    """The rows of all designs but those that are there, as they come. values : of each design.
+    maker: bytes, cells: Sequence[Sequence[int]], values: Mapping[int, Values], there: frozenset[int], given: Any
+) -> Generator[list[Row], None, None]:
+    """The rows of all designs but those that are there, as they come. values : of each design. given : the executor
+    that a user asked for.
 
-    A cell of which anything is missing has its heads evaluated anew, which gives the others their grasps to start from:
-    no more than a search is done twice, and no grasps need to be kept. What the executor itself raises comes out.
+    Where a process of this machine's own dies, such as by a crash in compiled code, the designs that were under way are
+    done one by one, and one that ends its process again is a row that says so. What other executors raise comes out.
     """
-    heads = deque([cell for cell in cells if not there.issuperset(cell)])
-    rests, workers = deque[_Rest](), getattr(executor, "_max_workers", _MANY)
-    flying = 1 if isinstance(executor, _Here) else 2 * workers
-    spent, done = 0.0, 0
-    with Jobs[_Job](executor) as jobs:
-
-        def send(job: _Job, own: Sequence[int], near: bytes | None) -> None:
-            jobs.send(job, work, Task(maker, [(k, values[k]) for k in own], near, job.heads))
-
-        while heads or rests or len(jobs):
-            while (heads or rests) and len(jobs) < flying:
-                if not rests:
-                    cell = heads.popleft()
-                    send(_Job(cell, True), cell[:MOST_HEADS], None)
+    queue, suspects = _Queue(cells, there), deque[_Job]()
+    with executor_for(given) as renewed:
+        while queue.waiting or suspects:
+            executor, flying, alone = renewed(), list[_Job](), bool(suspects)
+            most = 1 if alone or isinstance(executor, _Here) else 2 * getattr(executor, "_max_workers", _MANY)
+            try:
+                with Jobs[_Job](executor) as jobs:
+                    while True:
+                        while len(flying) < most and (job := queue.next(suspects if alone else None)) is not None:
+                            flying.append(job)
+                            designs = [(k, values[k]) for k in job.designs]
+                            jobs.send(job, work, Task(maker, designs, job.cell.near, job.head))
+                        if not flying:
+                            break
+                        for job, done in jobs.done(wait=True):
+                            flying.remove(job)
+                            if rows := queue.put(job, done):
+                                yield rows
+            except BrokenExecutor as error:
+                if given is not None:
+                    raise
+                if not alone:
+                    suspects.extend(_Job([k], job.cell, job.head) for job in flying for k in job.designs)
                     continue
-                rest, size = rests[0], max(1, min(_MOST, int(_LONG * done / spent))) if spent else 1
-                own = [rest.designs.popleft() for _ in range(min(size, len(rest.designs)))]
-                if not rest.designs:
-                    rests.popleft()
-                send(_Job(own, False), own, rest.near)
-            for job, result in jobs.done(wait=True):
-                found: Done = result
-                rows = [row for row in found.rows if row[DESIGN] not in there]
-                if job.heads:
-                    tried = there | {row[DESIGN] for row in found.rows}
-                    if left := [k for k in job.designs if k not in tried]:
-                        rests.append(_Rest(deque(left), found.near))
-                else:
-                    spent, done = spent + found.seconds, done + len(found.rows)
-                if rows:
-                    yield rows
+                why = f"{type(error).__name__}: the process that evaluated it ended"
+                for job in flying:
+                    number = job.designs[0]
+                    if rows := queue.put(job, Done([row_of((number, values[number]), why)], None, 0.0)):
+                        yield rows

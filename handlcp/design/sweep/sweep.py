@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from typing import Any
 
 from handlcp.design.evaluation import Evaluation
@@ -10,7 +11,7 @@ from handlcp.design.space import Space
 from handlcp.design.study import Study
 from handlcp.design.sweep.cells import SOBOL, cells_of, numbered, points
 from handlcp.design.sweep.journal import Journal, beside
-from handlcp.design.sweep.run import executor_for, rows_of
+from handlcp.design.sweep.run import rows_of
 from handlcp.design.sweep.same import check_same, description
 from handlcp.design.sweep.table import checked_table, read_table, write_table
 from handlcp.design.sweep.work import DESIGN, ERROR, Maker, Row, Values, in_order, packed
@@ -76,7 +77,8 @@ def _run(
 ) -> None:  # fmt: skip
     """Keep the rows that are not there yet, as they come."""
     known = frozenset(row[DESIGN] for row in there)
-    with told("designs", len(values), progress, len(known)) as say, executor_for(executor) as workers:
-        for rows in rows_of(packed(maker), cells, values, known, workers):
+    found = rows_of(packed(maker), cells, values, known, executor)
+    with told("designs", len(values), progress, len(known)) as say, closing(found):
+        for rows in found:
             keep(rows)
             say(len(rows))

@@ -120,21 +120,21 @@ def unpacked(value: bytes) -> Any:
 
 
 class Task(NamedTuple):
-    """maker : a `Maker`, packed. designs : those to do. near : the `Evaluation` of the cell's heads, packed, or None
-    for the heads themselves. heads : whether these are the heads.
+    """maker : a `Maker`, packed. designs : those to do. near : the `Evaluation` that they start from, packed; None:
+    they search. head : whether it is one head of a cell.
     """
 
     maker: bytes
     designs: Sequence[Numbered]
     near: bytes | None
-    heads: bool
+    head: bool
 
 
 class Done(NamedTuple):
-    """rows : of designs. near : of heads: what the others of the cell start from. seconds : that it took."""
+    """rows : of the designs. grasps : of a head, packed; None where it failed. seconds : that it took."""
 
     rows: list[Row]
-    near: bytes | None
+    grasps: bytes | None
     seconds: float
 
 
@@ -144,40 +144,57 @@ class Done(NamedTuple):
 def work(task: Task) -> Done:
     """In any process. Nothing that a design raises comes out: it is the row's reason."""
     began, maker = time.perf_counter(), unpacked(task.maker)
-    if task.heads:
-        found, near = heads(maker, task.designs)
-        kept = None if near is None else packed(near)
-    else:
-        start: Evaluation | None = None if task.near is None else unpacked(task.near)
-        found, kept = [evaluated(maker, one, start) for one in task.designs], None
-    rows = [row_of(one, each) for one, each in zip(task.designs, found, strict=False)]
+    near: Evaluation | None = None if task.near is None else unpacked(task.near)
+    found = [evaluated(maker, one, near) for one in task.designs]
+    rows = [row_of(one, each) for one, each in zip(task.designs, found, strict=True)]
+    kept = packed(bare(found[0])) if task.head and isinstance(found[0], Evaluation) else None
     return Done(rows, kept, time.perf_counter() - began)
 
 
-def heads(maker: Maker, designs: Sequence[Numbered]) -> tuple[list[Outcome], Evaluation | None]:
-    """Of the first designs, and the grasps that the others start from: of each object that with which a head holds
-    most. `HEADS` search anew; more follow, each from what there is, as long as an object has no grasp.
+class Heads:
+    """The first designs of a cell, whose grasps the others start from: of each object that with which a head holds
+    most. `HEADS` search anew; more follow, one by one, each from what there is, as long as an object has no grasp.
     """
-    found, known = list[Outcome](), dict[str, ObjectCase]()
-    for k, one in enumerate(designs):
-        near = Evaluation(known) if known and k >= HEADS else None
-        found.append(evaluated(maker, one, near))
-        if isinstance(here := found[-1], Evaluation):
-            for name, case in bare(here).items():
-                if name not in known or case.factor > known[name].factor:
-                    known[name] = case
-            if k + 1 >= HEADS and all(name in known for name in here.cases):
-                break
-    return found, Evaluation(known) if known else None
+
+    def __init__(self, cell: Sequence[int]) -> None:
+        self.designs, self.begun = list(cell[:MOST_HEADS]), 0
+        self.found: dict[int, Evaluation | None] = {}  # of those that are done
+
+    def ready(self) -> list[int]:
+        """Those that may begin now, and have not."""
+        if self.done or len(self.found) < self.begun:
+            return []
+        first, self.begun = self.begun, min(self.begun + 1, len(self.designs)) if self.begun else HEADS
+        return self.designs[first : self.begun]
+
+    @property
+    def done(self) -> bool:
+        """Whether the others may begin."""
+        if len(self.found) < min(max(HEADS, self.begun), len(self.designs)):
+            return False
+        near = self.near
+        known = near is not None and all(case.candidate is not None for case in near.cases.values())
+        return known or len(self.found) == len(self.designs)
+
+    @property
+    def near(self) -> Evaluation | None:
+        """What those start from that begin now; None: nothing, they search."""
+        best = dict[str, ObjectCase]()
+        for found in [self.found[k] for k in self.designs if k in self.found] if len(self.found) >= HEADS else []:
+            for name, case in ({} if found is None else found.cases).items():
+                was = best.get(name)
+                if was is None or (case.candidate is not None and (was.candidate is None or case.factor > was.factor)):
+                    best[name] = case
+        return Evaluation(best) if best else None
 
 
-def bare(found: Evaluation) -> dict[str, ObjectCase]:
-    """Its cases with a grasp, without the paths that led to the numbers, which are ten times as large."""
-    return {
-        name: replace(case, candidate=replace(case.candidate))
-        for name, case in found.cases.items()
-        if case.candidate is not None
-    }
+def bare(found: Evaluation) -> Evaluation:
+    """Its grasps, without the paths that led to the numbers, which are ten times as large."""
+    cases = found.cases.items()
+    return Evaluation({
+        name: replace(case, candidate=None if case.candidate is None else replace(case.candidate))
+        for name, case in cases
+    })  # fmt: skip
 
 
 def evaluated(maker: Maker, design: Numbered, near: Evaluation | None) -> Outcome:

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
+from handlcp.check import Array
 from handlcp.errors import Unsupported
 from handlcp.grasp.analysis.least import least
 from handlcp.grasp.analysis.required import Required, required_friction, required_preload
 from handlcp.grasp.answer.verdict import NOT_HELD, UNDECIDED, Verdict
 from handlcp.grasp.assembly.build import build
+from handlcp.grasp.design.pressed import pressed
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.friction import with_friction
@@ -23,6 +25,7 @@ from handlcp.progress import told
 # Whether a changed grasp holds when it is squeezed, then loaded: the least value of a change with which it does.
 
 ORDER = ("squeeze", "load")
+_HALVINGS = 8
 _CHAIN = Auto(search_seconds=0.0)
 
 
@@ -62,11 +65,18 @@ class Changed:
 
 
 @told("looking for the least value")
-def least_value(changed: Changed, start: float, most: float, tolerance: float, unit: str) -> Required:
+def least_value(
+    changed: Changed, start: float, most: float, tolerance: float, unit: str, bears: Array | None = None
+) -> Required:  # fmt: skip
     """The least number with which the grasp holds to the end of its loading, to a relative tolerance, and what `check`
     says of it. Where that is that it does not hold, since more steps end differently, `check` is asked from there on.
-    start : near it, > 0.
+    start : near it, > 0. bears (n,) : how hard contacts may press on the way [N]; None: as hard as they do.
     """
+    found = _held(changed, start, most, tolerance, unit)
+    return found if bears is None or found.value is None else _borne(changed, found, bears)
+
+
+def _held(changed: Changed, start: float, most: float, tolerance: float, unit: str) -> Required:
     one = least(changed.holds, start, most, tolerance, too_much=changed.too_much)
     found = Required(one.value, one.fails, False, unit, most, tolerance, one.tried)
     if one.value is None:
@@ -79,6 +89,29 @@ def least_value(changed: Changed, start: float, most: float, tolerance: float, u
         return replace(found, checked=(*one.tried, *more.tried))
     verdict = word(changed.make(more.value), changed.section)
     return replace(found, value=more.value, fails=more.fails, checked=(*one.tried, *more.tried), verdict=verdict)
+
+
+def _borne(changed: Changed, found: Required, bears: Array) -> Required:
+    """The same where no contact presses too hard. More presses harder, so that else only numbers between the one that
+    holds and the one that does not are looked at.
+    """
+    assert found.value is not None
+    low, high, checked = found.fails or 0.0, found.value, list(found.checked)
+    if not pressed(changed.path(high), bears):
+        return found
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        held = changed.holds(middle)
+        hard = held and bool(pressed(changed.path(middle), bears))
+        checked.append((middle, held and not hard))
+        if held and not hard:
+            verdict = word(changed.make(middle), changed.section)
+            return replace(found, value=middle, fails=low, checked=tuple(checked), verdict=verdict)
+        low, high = (low, middle) if hard else (middle, high)
+    hint = f"with {high:.4g} {found.unit} {pressed(changed.path(high), bears)}"
+    if found.fails is not None:
+        hint = f"with less than {high:.4g} {found.unit} the object is not held, and {hint}"
+    return replace(found, value=None, fails=low, checked=tuple(checked), hint=hint, verdict="")
 
 
 def snaps(path: Loading) -> bool:

@@ -19,7 +19,7 @@ class HandQuestions(Grasp):
 
     def required_torque(
         self, loads: Any = None, safety: float = 1.5, faces: int | str | Pyramid = "cone", tolerance: float = 0.01,
-        *, progress: bool | Callable[[int], object] | None = None,
+        *, most_force: Any = None, progress: bool | Callable[[int], object] | None = None,
     ) -> RequiredTorque:  # fmt: skip
         """The torque of each joint, and the grip of each finger, with which every load of a brief holds.
 
@@ -29,6 +29,8 @@ class HandQuestions(Grasp):
             grasp's own load.
         safety : every load is multiplied by it, and so is the object's weight; the fingers' own weight is not.
         tolerance : of the grip: to that share the least is found. faces : as in `solve`.
+        most_force : the largest normal force [N] that the object bears, on the way to each load times safety, such as
+            3 N for an egg: a number for every contact, one for each, or a mapping by name; None: any.
         progress : None: a line on the terminal once it takes long; False: none; True: a line on stderr that stays; a
             function: called with the number of grips tried so far.
 
@@ -47,21 +49,27 @@ class HandQuestions(Grasp):
                 progress(tried)
 
         with told("grips tried", None, by_count if callable(progress) else progress) as say:
-            return required_torque(self.spec, self._section(faces), loads, safety, tolerance, lambda _: say(1))
+            section = self._section(faces)
+            return required_torque(self.spec, section, loads, safety, tolerance, lambda _: say(1), most_force)
 
-    def required_grip(self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3) -> Required:
+    def required_grip(
+        self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3, *, most_force: Any = None
+    ) -> Required:  # fmt: skip
         """The smallest grip force [N], common to all fingertips and in place of the grasp's own command, with which
-        the grasp holds when it closes and is loaded then, to a relative tolerance. `required_torque` finds a grip for
-        each finger. Raises InputError, Unsupported.
+        the grasp holds when it closes and is loaded then, to a relative tolerance, and no contact presses harder on the
+        way than `most_force`, as of `required_torque`, which finds a grip for each finger. Raises InputError,
+        UnknownName, Unsupported.
         """
         from handlcp.hand.design.required_torque import required_grip
 
-        return required_grip(self.spec, self._section(faces), tolerance)
+        return required_grip(self.spec, self._section(faces), tolerance, most_force)
 
-    def required_squeeze(self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3) -> Required:
+    def required_squeeze(
+        self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3, *, most_force: Any = None
+    ) -> Required:  # fmt: skip
         """The smallest squeeze [m], common to all fingertips and in place of the grasp's own command, with which the
-        grasp holds, as `required_grip`. Raises InputError, Unsupported.
+        grasp holds, as `required_grip`. Raises InputError, UnknownName, Unsupported.
         """
         from handlcp.hand.design.required_torque import required_squeeze
 
-        return required_squeeze(self.spec, self._section(faces), tolerance)
+        return required_squeeze(self.spec, self._section(faces), tolerance, most_force)

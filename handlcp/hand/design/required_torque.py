@@ -18,6 +18,7 @@ from handlcp.grasp.analysis.required import Required, tolerance_of
 from handlcp.grasp.answer.verdict import HELD, Verdict
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.design.least import ORDER, Changed, least_value, verdict_on
+from handlcp.grasp.design.pressed import most_forces
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
@@ -75,7 +76,7 @@ def sticking(spec: GraspSpec, gripped: Callable[[GraspSpec, Array], GraspSpec]) 
 # ----------------------------------------------------------------
 # The grip of each finger with which no fingertip slips and the motors need least: a linear program.
 #
-# least t    with    |τ| ≤ t s,    r within friction    after the squeeze and under every load
+# least t    with    |τ| ≤ t s,    r within friction,    r_N ≤ most    after the squeeze and under every load
 #
 # r and τ are linear in the grip forces (above), and s says what counts as much as what: the torque limits, or
 # one newton metre for every joint. It knows neither slips nor motions of the hand. So it is where the search for the
@@ -86,10 +87,13 @@ _BALL = 64  # faces of a soft finger's limit surface
 _SMALL = 1e-6  # weight of the grip's sum and of its largest: among grips with the same torques the gentlest, evenly
 
 
-def least_grip(states: Sequence[Sticking], section: Section, share: Array, pattern: Array) -> Array | None:
+def least_grip(
+    states: Sequence[Sticking], section: Section, share: Array, pattern: Array, bears: Array
+) -> Array | None:  # fmt: skip
     """(k,) grip forces [N]; None: with no such grip all fingertips stick.
 
     states : under each load. share (nv,) : s [N·m]. pattern (k, p) : the grip is a combination ≥ 0 of these columns.
+    bears (n,) : the largest normal force at each contact [N].
     """
     from scipy.optimize import linprog  # half a second of import that only this question should pay
 
@@ -104,6 +108,11 @@ def least_grip(states: Sequence[Sticking], section: Section, share: Array, patte
         none = np.zeros(len(share))
         above += [np.column_stack([way * torque * unit, none, -share]) for way in (1.0, -1.0)]
         most += [cone @ rest, -held, held]
+        normals = [own[0] for own in state.scene.kind.contact_components]
+        some = [k for k, number in enumerate(normals) if number >= 0 and np.isfinite(bears[k])]
+        rows = [normals[k] for k in some]
+        above.append(np.column_stack([at[rows] * unit, np.zeros((len(rows), 2))]))
+        most.append(bears[some] - rest[rows])
     above.append(np.column_stack([pattern, -np.ones(len(pattern)), np.zeros(len(pattern))]))  # the largest of the grip
     most.append(np.zeros(len(pattern)))
     size = max(float(abs(b).max(initial=0.0)) for b in most) or 1.0
@@ -156,15 +165,16 @@ _ROUNDED_UP = 1e-6  # of a torque, so that rounding puts none over its limit
 
 def required_torque(
     spec: GraspSpec, section: Section, loads: Any, safety: Any, tolerance: Any,
-    progress: Callable[[int], object] | None = None,
+    progress: Callable[[int], object] | None = None, most_force: Any = None,
 ) -> RequiredTorque:  # fmt: skip
     """See `HandGrasp.required_torque`."""
     near = tolerance_of(tolerance)
     brief, hand = cases(spec, loads, safety), hand_of(spec)
     known = bool(np.isfinite(hand.limits).all())
     share = hand.limits if known else np.ones(len(hand.names))
-    trials = Trials(brief, section, share, progress)
-    best, fails = least(trials, starts(brief, section, share), near)
+    bears = most_forces(most_force, spec)
+    trials = Trials(brief, section, share, bears, progress)
+    best, fails = least(trials, starts(brief, section, share, bears), near)
     nv = len(hand.names)
     torque, closing, held = np.full((3, nv), np.nan)
     verdicts, tensions = dict[str, Verdict](), None
@@ -209,13 +219,13 @@ def _tensions(stiffness: Elasticity, joints: Sequence[str], paths: Sequence[Load
     )  # fmt: skip
 
 
-def starts(brief: tuple[Case, ...], section: Section, share: Array) -> list[Array]:
+def starts(brief: tuple[Case, ...], section: Section, share: Array, bears: Array) -> list[Array]:
     """Grips (k,) [N] to search from: those with which nothing slips, by finger and common to all; and in any case one
     of the size of the loads.
     """
     states = [sticking(case.spec, gripped) for case in brief]
     k = brief[0].spec.of_hand
-    found = [least_grip(states, section, share, pattern) for pattern in (np.eye(k), np.ones((k, 1)))]
+    found = [least_grip(states, section, share, pattern, bears) for pattern in (np.eye(k), np.ones((k, 1)))]
     some = [force for force in found if force is not None and force.any()]
     size = max([float(np.linalg.norm(case.spec.wrench[:3])) for case in brief])
     return some or [np.full(k, (size or 1.0) / k)]
@@ -238,15 +248,17 @@ _TIMES = 256.0  # the grip with which nothing slips: the most that is tried
 _DEEPEST, _START = 0.05, 1e-3  # [m] of a squeeze
 
 
-def required_grip(spec: GraspSpec, section: Section, tolerance: Any) -> Required:
+def required_grip(spec: GraspSpec, section: Section, tolerance: Any, most_force: Any) -> Required:
     """See `HandGrasp.required_grip`."""
-    k = spec.of_hand
-    start = float(starts((Case("", spec),), section, np.ones(len(hand_of(spec).names)))[-1].mean())
+    k, bears = spec.of_hand, most_forces(most_force, spec)
+    share, any_force = np.ones(len(hand_of(spec).names)), np.full(len(bears), np.inf)
+    start = float(starts((Case("", spec),), section, share, any_force)[-1].mean())
     changed = Changed(lambda force: gripped(spec, np.full(k, force)), section)
-    return least_value(changed, start, _TIMES * start, tolerance_of(tolerance), "N")
+    return least_value(changed, start, _TIMES * start, tolerance_of(tolerance), "N", bears)
 
 
-def required_squeeze(spec: GraspSpec, section: Section, tolerance: Any) -> Required:
+def required_squeeze(spec: GraspSpec, section: Section, tolerance: Any, most_force: Any) -> Required:
     """See `HandGrasp.required_squeeze`."""
+    bears = most_forces(most_force, spec)
     changed = Changed(lambda depth: commanded(spec, depth, None, None), section)
-    return least_value(changed, _START, _DEEPEST, tolerance_of(tolerance), "m")
+    return least_value(changed, _START, _DEEPEST, tolerance_of(tolerance), "m", bears)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.grasp.analysis.least import least as searched
 from handlcp.grasp.design.least import ORDER
+from handlcp.grasp.design.pressed import pressed
 from handlcp.grasp.friction import Section
 from handlcp.grasp.path.follow import Loading, follow
 from handlcp.grasp.path.trajectory import closing_efforts
@@ -34,10 +35,20 @@ def least(trials: Trials, starts: list[Array], tolerance: float) -> tuple[Trial,
     found = (_scaled(trials, start, tolerance)[0] for start in starts)
     best = next((one for one in found if one.holds), None)
     if best is None:
-        return max(trials.tried.values(), key=lambda one: one.reached), None
+        return _furthest(list(trials.tried.values())), None
     better = _varied(trials, best)
     least_of_it = _scaled(trials, better.force, tolerance)
     return least_of_it if least_of_it[0].need <= better.need else (better, least_of_it[1])
+
+
+def _furthest(tried: list[Trial]) -> Trial:
+    """Of grips that do not hold, the one that gets furthest, and why no harder one does."""
+    found = max(tried, key=lambda one: one.reached)
+    hard = min([one for one in tried if one.pressed], key=lambda one: float(one.force.max()), default=found)
+    if hard is found or found.lost is None:
+        return found
+    load, why = found.lost
+    return replace(found, lost=(load, f"{why}; with {hard.force.max():.4g} N at most {hard.pressed}"))
 
 
 def _scaled(trials: Trials, force: Array, tolerance: float) -> tuple[Trial, Trial | None]:
@@ -84,8 +95,8 @@ class Trial:
     under each of m loads, from the first touch to the whole load [N·m]. squeeze (nv,) : the largest while the hand
     closes, or what the drive pulls with against dry friction at the joint, where that is more. need : the largest of
     both as a share of what is compared; inf where a load is lost. lost : that load, and why. reached : share of that
-    load at which it is lost; below 0 where less grip may hold it: the object is lost as the hand closes, or the hand
-    cannot take the posture of the end.
+    load at which it is lost; below 0 where less grip may hold it: the object is lost as the hand closes, or is pressed
+    too hard, or the hand cannot take the posture of the end. pressed : by which contact, in words; "": by none.
     """
 
     force: Array
@@ -94,6 +105,7 @@ class Trial:
     need: float
     lost: tuple[str, str] | None = None
     reached: float = 1.0
+    pressed: str = ""
 
     @property
     def holds(self) -> bool:
@@ -114,11 +126,14 @@ class Trial:
 
 @dataclass(eq=False)
 class Trials:
-    """All that were tried. share (nv,) : torques that count as much as each other [N·m]. told : how many so far."""
+    """All that were tried. share (nv,) : torques that count as much as each other [N·m]. most (n,) : how hard contacts
+    may press [N]. told : how many so far.
+    """
 
     cases: tuple[Case, ...]
     section: Section
     share: Array
+    most: Array
     told: Callable[[int], object] | None = None
     tried: dict[bytes, Trial] = field(default_factory=dict)
     first: int = 0  # the load that was lost last is the first to be tried
@@ -160,9 +175,10 @@ class Trials:
                 share = path.held_to - (path.lost_stage == ORDER[0])
                 how = "not held: the object slides through" if path.reached else path.why
                 return Trial(force, torque, squeeze, np.inf, (self.cases[k].name, how), share)
-            if (why := _beyond(path)) is not None:
+            hard = pressed(path, self.most)
+            if (why := f"not held: {hard}" if hard else _beyond(path)) is not None:
                 self.first = k
-                return Trial(force, torque, squeeze, np.inf, (self.cases[k].name, why), -1.0)  # less grip may do
+                return Trial(force, torque, squeeze, np.inf, (self.cases[k].name, why), -1.0, hard)  # less grip may do
             sizes = abs(path.steps.torques)
             torque[k] = sizes.max(axis=0)
             closing = sizes[path.steps.stage == 0] if path.stages[0] == ORDER[0] else sizes[:1]

@@ -22,22 +22,23 @@ from handlcp.show.picture.content import ESCAPE, LOAD, NO_MOMENT, SLIP, STATE, U
 
 
 def content(
-    drawn: Content, shown: Sequence[Snapshot], path: dict[str, Any] | None, escape: dict[str, Any] | None
-) -> dict[str, Any]:
+    drawn: Content, shown: Sequence[Snapshot], path: dict[str, Any] | None, escape: dict[str, Any] | None,
+    meshes: Meshes | None = None,
+) -> dict[str, Any]:  # fmt: skip
     """What the viewer reads; numbers are in SI units, vectors in world axes.
 
     drawn : what a picture of the grasp shows. shown : one solve, then the steps. path, escape : as `path_of` and
-    `escape_of` have them.
+    `escape_of` have them. meshes : where solids go, of a page of several grasps, which packs them itself.
     """
     grasp = drawn.grasp
     scene, state = grasp.scene, getattr(grasp, "state", None)
     hand = None if state is None else state.hand
     frames = Frames(shown, grasp)
-    meshes, parts, told = Meshes(), parts_of(drawn), frames.to_list()
+    own, parts, told = meshes or Meshes(), parts_of(drawn), frames.to_list()
     return {
         "size": scene.units.length, "planar": scene.plane is not None, "perNewton": frames.per_newton,
         "slipFactor": frames.slip_factor, "view": view_of(drawn, parts, told[0]["joints"]),
-        "parts": [packed(p, meshes) for p in parts], "packed": meshes.packed(),
+        "parts": [packed(p, own) for p in parts], "packed": own.packed() if meshes is None else "",
         "frames": told, "columns": frames.columns,
         "contacts": _contacts(grasp), "joints": _joints(shown, hand),
         "colours": {**STATE, "": UNKNOWN, "load": LOAD, "slip": SLIP, "escape": ESCAPE},

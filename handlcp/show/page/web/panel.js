@@ -14,13 +14,14 @@ function named(kind, name) {
   return made;
 }
 
-/** A switch for each layer; toggle(layer, on) is called. */
-function fillLegend(list, lines, toggle) {
+/** A switch for each layer, off for those that are hidden; toggle(layer, on) is called. */
+function fillLegend(list, lines, toggle, hidden = new Set()) {
   const known = new Map();
   for (const [layer, kind, colour, text] of lines) {
     const row = element("li"), label = element("label"), box = element("input");
     box.type = "checkbox";
-    box.checked = true;
+    box.checked = !hidden.has(layer);
+    label.classList.toggle("off", !box.checked);
     const css = Array.isArray(colour) ? `rgb(${colour.map((c) => Math.round(255 * c)).join(",")})` : colour;
     label.append(box, symbol(kind, css), element("span", text));
     row.append(label);

@@ -1,0 +1,97 @@
+"""The page of a sweep: its designs as points; one on the front is clicked, and its hand turns beside its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import integer
+from handlcp.design.evaluation import Evaluation
+from handlcp.design.study import Study
+from handlcp.errors import InputError
+from handlcp.show.file import checked_page
+from handlcp.show.page.content import content
+from handlcp.show.page.document import Own, document, web_files
+from handlcp.show.page.frames import of_solution
+from handlcp.show.page.meshes import Meshes
+from handlcp.show.picture.content import Content
+from handlcp.show.study.axes import label
+
+_OWN = ("stage.html", "tables.html", "study.css", "chart.js", "study.js")
+_SHARED = ("solids.js", "marks.js", "labels.js", "view.js", "panel.js")
+_POINTS = 4000  # designs that are points, besides the front
+_NUMBERS = ("payload_kg", "factor", "force_N", "torque_Nm", "torque_used", "motion_m", "gives_out", "worst_object")
+
+
+def save(study: Study, path: Any, title: str, by: Sequence[str], most: int) -> Path:
+    """Write the page. Raises InputError for a file that cannot be written, for other than two columns, for a study that
+    does not know how its hands are made, or without a grasp on its front; UnknownName; Unsupported without trimesh.
+    """
+    target = checked_page(path)
+    if len(by) != 2:
+        raise InputError("by", "two columns", f"{len(by)}")
+    front = study.pareto(*by)
+    shown = _some(front, integer("most", most, 1))
+    pairs = zip(shown, shown.evaluations(), strict=True)
+    meshes = Meshes()
+    designs = [made for row, found in pairs if (made := _design(study, row, found, meshes)) is not None]
+    if not designs:
+        raise InputError("study", "a design on its front that holds an object", repr(study))
+    stage, tables, style, *scripts = web_files(*_OWN, package="handlcp.show.study")
+    own = Own(stage, tables, style, [*web_files(*_SHARED), *scripts, *web_files("opened.js")])
+    found = {
+        "designs": designs, "packed": meshes.packed(), "points": _points(study, front, by),
+        "axes": [label(one) for one in by], "notes": _notes(front, shown), "colours": {}, "frames": [],
+    }  # fmt: skip
+    head = str(study).partition("\n\n")[0].replace("\n", " ")
+    return document(target, title or "A sweep", f"<p>{escape(head)}</p>", found, own)
+
+
+def _some(front: Study, most: int) -> Study:
+    """At most so many designs, evenly along the front, with its ends."""
+    if len(front) <= most:
+        return front
+    return front.some(np.unique(np.linspace(0, len(front) - 1, most).round().astype(int)).tolist())
+
+
+def _points(study: Study, front: Study, by: Sequence[str]) -> dict[str, Any]:
+    """Design, x and y of each point; of the front all, of the others as many evenly as a page bears."""
+    x, y = [study.columns[study.column_of(name)] for name in by]
+    on = set(front.columns["design"])
+    known = [k for k in range(len(study)) if x[k] is not None and y[k] is not None]
+    others = [k for k in known if study.columns["design"][k] not in on]
+    step = max(1, -(-len(others) // _POINTS))
+    rows = [k for k in known if study.columns["design"][k] in on] + others[::step]
+    return {
+        "design": [study.columns["design"][k] for k in rows], "x": [x[k] for k in rows], "y": [y[k] for k in rows],
+        "front": len(on),
+    }  # fmt: skip
+
+
+def _design(study: Study, row: dict[str, Any], found: Evaluation, meshes: Meshes) -> dict[str, Any] | None:
+    """What the page shows of one: the grasp of its worst object, or of another one that it holds; None without any."""
+    cases = [found.cases[found.worst_object], *found.cases.values()]
+    case = next((one for one in cases if one.candidate is not None), None)
+    if case is None or case.candidate is None:
+        return None
+    grasp, solution = case.candidate.grasp, case.candidate.solution
+    drawn = Content(grasp, solution, None, verdict=case.candidate.verdict)
+    name = next(name for name, one in found.cases.items() if one is case)
+    numbers = [[label(column), row[column]] for column in _NUMBERS if row.get(column) is not None]
+    return content(drawn, [of_solution(grasp, solution, drawn.acts_at)], None, None, meshes) | {
+        "design": row["design"], "object": name, "word": case.word,
+        "parameters": [[key, row[key]] for key in study.names], "numbers": numbers,
+        "objects": [[key, one.word, one.payload, one.factor] for key, one in found.cases.items()],
+    }  # fmt: skip
+
+
+def _notes(front: Study, shown: Study) -> list[str]:
+    """What a reader should know."""
+    notes = ["The hand grasps the object that is held worst; the numbers are of all objects."]
+    if len(shown) < len(front):
+        notes.append(f"Of the {len(front)} designs on the front {len(shown)} can be clicked, evenly along it.")
+    return notes

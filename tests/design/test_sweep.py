@@ -1,0 +1,319 @@
+"""A sweep: the same rows wherever they are computed and whatever stops it, and a reason where a design fails."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+import handlcp as hl
+from handlcp.design.space import Space
+from handlcp.design.sweep.cells import MOST, cells_of
+from handlcp.design.sweep.journal import beside
+from handlcp.design.sweep.table import write_table
+from handlcp.design.sweep.work import HEADS
+from tests.design.sweeps import NO_HANDS, brief, make, no_hand, run, run_without_hands
+from tests.support.browser import opened
+
+ROOT = Path(__file__).parents[2]
+SLOWLY = """
+import time
+from tests.design.sweeps import no_hand, run_without_hands
+
+def slow(x, kind):
+    time.sleep({pause})
+    no_hand(x, kind)
+
+run_without_hands({out!r}, make=slow, executor={executor!r})
+"""
+
+
+@pytest.fixture(scope="module")
+def study():
+    return run()
+
+
+def bits(study):
+    return json.dumps(study.columns)
+
+
+# ---------------------------------------------------------------- The same rows.
+
+
+def test_processes_change_no_bit_and_only_the_table_is_left(study, tmp_path):
+    out = tmp_path / "study.parquet"
+    assert bits(run(out, None)) == bits(study) == bits(hl.Study.load(out))
+    assert [file.name for file in tmp_path.iterdir()] == [out.name]
+
+
+@pytest.mark.parametrize("end", ["parquet", "csv"])
+def test_a_table_is_read_as_the_same_bits(study, tmp_path, end):
+    write_table(tmp_path / f"study.{end}", study.sweep, list(study))
+    assert bits(hl.Study.load(tmp_path / f"study.{end}")) == bits(study)
+
+
+def test_the_first_designs_of_a_cell_search_and_the_others_start_from_their_grasps(study):
+    continued = [row["objects.ball.continued"] for row in study if row["error"] is None]
+    assert continued.count(False) == HEADS
+    assert True in continued
+
+
+def test_the_page_shows_the_hand_of_a_design_on_the_front_with_the_numbers_of_its_row(study, tmp_path):
+    front = study.pareto()
+    file = study.page(tmp_path / "study.html", title="Three fingers")
+    last = front.columns["design"][-1]
+    page = opened(file, tmp_path, str(last))
+    assert page.told.get("error") is None
+    assert int(page.told["triangles"]) > 500
+    assert page.words["number"] == str(last)
+    assert f"{front.columns['payload_kg'][-1]:.4g}" in page.words["numbers"]
+    assert f"{front.columns['payload_kg'][-1]:.4g}" in page.words["objects"]  # found again, by the hand made again
+    assert "finger_1_tip" in page.words["contacts"]
+
+
+def test_a_design_that_fails_is_a_row_with_its_reason(study):
+    failed = study.failed
+    assert 0 < len(failed) < len(study)
+    assert set(failed.columns["error"]) == {"ValueError: too short"}
+    assert failed.columns["payload_kg"] == [None] * len(failed)
+    assert "Most often: ValueError: too short" in " ".join(str(study).split())
+
+
+def test_a_hand_is_varied_by_the_names_that_the_brief_does_not_take():
+    hand = hl.example_hand("three_finger", joint_stiffness=4.0)
+    space = {"finger_1_distal.stiffness": (3.0, 5.0), "friction": 0.7}
+    found = hl.sweep(hand, space, brief, samples=1, executor="serial")
+    assert found.columns["error"] == [None]
+    with pytest.raises(hl.UnknownName, match=r"did you mean 'finger_1_distal.stiffness'"):
+        hl.sweep(hand, {"finger_1_distal.stifness": (3.0, 5.0), "friction": 0.7}, brief, samples=1)
+
+
+def test_any_executor_will_do_and_is_left_open(study):
+    with ThreadPoolExecutor(1) as threads:
+        assert bits(run_without_hands(None, executor=threads)) == bits(run_without_hands(None))
+        assert threads.submit(int, 3).result() == 3
+
+
+@pytest.mark.long
+def test_a_dask_worker_killed_midway_changes_no_bit(tmp_path):
+    distributed = pytest.importorskip("distributed", reason="Dask is not installed here: handlcp[test] brings it")
+    alone = run(samples=12)
+    cluster = distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, local_directory=tmp_path
+    )
+    killed = []
+    with cluster, distributed.Client(cluster) as client:
+        workers = list(client.run(os.getpid).values())
+
+        def kill(done, total):
+            if done and not killed:
+                killed.append(workers[0])
+                os.kill(workers[0], signal.SIGKILL)
+
+        many = run(tmp_path / "study.parquet", client, samples=12, progress=kill)
+    assert killed
+    assert bits(many) == bits(alone)
+    assert bits(hl.Study.load(tmp_path / "study.parquet")) == bits(alone)
+
+
+# ---------------------------------------------------------------- Whatever stops it.
+
+
+def killed_after(out, seconds, executor="serial", pause=0.01):
+    """The program of a sweep is killed after so many seconds with its journal there; whether it was killed."""
+    code = SLOWLY.format(out=str(out), executor=executor, pause=pause)
+    own = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
+    with subprocess.Popen([sys.executable, "-c", code], env=own, cwd=ROOT, start_new_session=True) as program:
+        while program.poll() is None and not beside(out).exists():
+            time.sleep(0.01)
+        time.sleep(seconds)
+        if ended := program.poll() is not None:
+            assert program.returncode == 0
+        else:
+            os.killpg(program.pid, signal.SIGKILL)
+    return not ended
+
+
+def test_a_program_that_was_killed_goes_on_with_what_is_missing(tmp_path):
+    out = tmp_path / "study.parquet"
+    assert killed_after(out, 0.3)
+    assert not out.exists()
+    so_far = hl.Study.load(out)
+    assert 0 < len(so_far) < 100
+    done = []
+
+    def counted(x, kind):
+        done.append(x)
+        no_hand(x, kind)
+
+    before, now = (json.loads(line) for line in _headers(tmp_path, counted))
+    beside(out).write_text(beside(out).read_text().replace(before["make"], now["make"]))
+    again = run_without_hands(out, make=counted)
+    assert bits(again) == bits(run_without_hands(None))
+    assert len(done) <= 100 - len(so_far) + 2 * 8  # the heads of two cells once more
+
+
+def _headers(folder, function):
+    """The first lines of the journal of a sweep that was killed, and of one with another function."""
+    run_without_hands(folder / "other.csv", make=function, samples=1)
+    return (folder / "study.parquet.rows").read_text().splitlines()[0], (folder / "other.csv.json").read_text()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("executor", ["serial", None])
+def test_killed_ten_times_at_random_every_row_is_there_once(tmp_path, executor):
+    out, dice = tmp_path / "study.parquet", random.Random(3)
+    kills = sum(killed_after(out, dice.uniform(0.0, 0.5), executor, 0.03) for _ in range(10))
+    assert kills >= 3
+    while killed_after(out, 20.0, executor, 0.03):
+        pass
+    there = hl.Study.load(out)
+    assert bits(there) == bits(run_without_hands(None))
+    assert there.columns["design"] == list(range(100))
+
+
+@pytest.mark.parametrize("cut", [1, 10, 200])
+def test_a_torn_last_line_is_computed_again(tmp_path, cut):
+    out = tmp_path / "study.csv"
+    _stopped(out, 20)
+    journal = beside(out)
+    journal.write_bytes(journal.read_bytes()[:-cut])
+    assert bits(run_without_hands(out)) == bits(run_without_hands(None))
+
+
+def test_a_journal_cut_anywhere_in_its_first_line_begins_anew(tmp_path):
+    out = tmp_path / "study.csv"
+    beside(out).write_bytes(b'{"handlcp": "0.')
+    assert bits(run_without_hands(out)) == bits(run_without_hands(None))
+
+
+def test_a_damaged_journal_is_refused(tmp_path):
+    out = tmp_path / "study.csv"
+    _stopped(out, 20)
+    journal = beside(out)
+    journal.write_bytes(journal.read_bytes().replace(b"\n", b"\x00\n", 3))
+    with pytest.raises(hl.InputError, match="damaged in line 1"):
+        run_without_hands(out)
+
+
+def _stopped(out, after):
+    """A sweep that Ctrl-C stops; its rows so far."""
+
+    def stop(done, total):
+        if done >= after:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_without_hands(out, progress=stop)
+    return hl.Study.load(out)
+
+
+def test_what_is_there_when_it_is_interrupted_is_kept(tmp_path):
+    out = tmp_path / "study.parquet"
+    assert len(_stopped(out, 20)) >= 20
+    assert not out.exists()
+    assert bits(run_without_hands(out)) == bits(run_without_hands(None))
+    assert not beside(out).exists()
+
+
+# ---------------------------------------------------------------- Another sweep, and what cannot be.
+
+
+@pytest.mark.parametrize("stopped", [False, True])
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"samples": 101}, r"the samples \(100, now 101\)"), ({"seed": 1}, r"the seed \(0, now 1\)"),
+        ({"sampling": "sobol"}, r"the sampling \('lhs', now 'sobol'\)"),
+        ({"make": lambda x, kind: None}, "how hands are made"),
+    ],
+)  # fmt: skip
+def test_another_sweep_is_not_written_into_the_same_file(tmp_path, changed, said, stopped):
+    out = tmp_path / "study.csv"
+    _stopped(out, 20) if stopped else run_without_hands(out)
+    before = {f: f.read_bytes() for f in tmp_path.iterdir()}
+    with pytest.raises(hl.InputError, match=f"differs in {said}"):
+        run_without_hands(out, **changed)
+    assert {f: f.read_bytes() for f in tmp_path.iterdir()} == before
+
+
+def test_another_brief_is_another_sweep_and_the_same_one_made_again_is_not(tmp_path):
+    def with_mass(mass):
+        asked = hl.Brief({"ball": hl.Sphere(0.03, mass=mass), "box": hl.Box((0.1, 0.1, 0.1), mass=1)}, friction=0.5)
+        return hl.sweep(no_hand, NO_HANDS, asked, samples=2, out=tmp_path / "a.csv", executor="serial")
+
+    with_mass(0.1)
+    with_mass(0.1)
+    with pytest.raises(hl.InputError, match="differs in the brief"):
+        with_mass(0.2)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"sampling": "random"}, "sampling"), ({"samples": 0}, "samples"), ({"executor": 3}, "executor"),
+        ({"out": "study.xlsx"}, r"\.parquet or \.csv"), ({"out": "nowhere/study.csv"}, "a folder that exists"),
+        ({"space": {"z": (0, 1)}}, "make: expected a function of z"), ({"brief": 3}, "brief: expected a Brief"),
+        ({"space": {**NO_HANDS, "z": 1}}, "space: expected parameters that make or brief takes, got z"),
+        ({"space": {**NO_HANDS, "holds": 1}}, "not columns of the outcome, got holds"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_named_before_anything_is_made(given, said):
+    words = {"make": no_hand, "space": NO_HANDS, "brief": hl.Brief(hl.Sphere(0.03)), "samples": 2, "executor": "serial"}
+    with pytest.raises(hl.InputError, match=said):
+        hl.sweep(**{**words, **given})
+
+
+def test_another_file_is_not_taken_for_a_table(tmp_path):
+    for name in ("a.parquet", "a.csv"):
+        (tmp_path / name).write_text("x,y\n1,2\n")
+        with pytest.raises(hl.InputError, match="which is another file"):
+            run_without_hands(tmp_path / name)
+    with pytest.raises(hl.InputError, match="does not exist"):
+        hl.Study.load(tmp_path / "b.csv")
+
+
+# ---------------------------------------------------------------- Cells.
+
+
+def test_every_design_is_in_one_cell_with_those_near_it_that_are_hands_of_the_same_kind():
+    space = Space({"a": (0, 1), "b": (0, 1), "fingers": [3, 4], "pad": ["soft", "hard"], "friction": [0.3, 0.5, 0.7]})
+    cube = space.sobol(1024)
+    cells = cells_of(space, cube)
+    assert sorted(k for cell in cells for k in cell) == list(range(1024))
+    assert max(map(len, cells)) <= MOST
+    for cell in cells:
+        own = cube[cell]
+        assert len({(u[2] < 0.5, u[3] < 0.5) for u in own}) == 1
+        away = ((own[:, [0, 1, 4]] - (own[:, [0, 1, 4]].min(axis=0) + own[:, [0, 1, 4]].max(axis=0)) / 2) ** 2).sum(
+            axis=1
+        )
+        assert (away[1:] >= away[:-1]).all()
+
+
+def test_make_is_called_with_the_values_of_its_row():
+    assert make(0.05, 3.0).joint_names
+    rows = list(run_without_hands(None, samples=4))
+    assert [row["error"] for row in rows] == [f"RuntimeError: {row['kind']} {row['x']!r}" for row in rows]
+
+
+@pytest.mark.long
+def test_a_design_that_ends_its_process_is_a_row_and_the_others_go_on():
+    def deadly(x, kind):
+        if x > 0.9:
+            os._exit(3)
+        no_hand(x, kind)
+
+    rows = list(run_without_hands(None, make=deadly, samples=20, executor=None))
+    died = [row["design"] for row in rows if "the process that evaluated it ended" in row["error"]]
+    assert died == [row["design"] for row in rows if row["x"] > 0.9]
+    assert len(died) == 2
+    assert len(rows) == 20
