@@ -30,7 +30,7 @@ _HEADS = {
     "torque_used": "torque\nused",
     "motion_m": "moves\nmm",
 }
-_ALIASES = {"motor_torque": "torque_Nm"}
+ALIASES = {"motor_torque": "torque_Nm"}
 
 
 class Study:
@@ -58,7 +58,7 @@ class Study:
         sweep, rows, _ = read(beside(file))
         if sweep is None:
             raise InputError("path", "the table of a sweep", f"{str(path)!r}, which has only just begun")
-        return cls(sweep, in_order(rows), maker)
+        return cls(sweep, in_order([row for row in rows if DESIGN in row]), maker)
 
     def __len__(self) -> int:
         return len(self.columns.get(DESIGN, ()))
@@ -106,7 +106,7 @@ class Study:
     def column_of(self, name: Any) -> str:
         """The column of a name, without its minus. Raises UnknownName."""
         bare = str(name).removeprefix("-")
-        named = {entry(line).path: entry(line).key for line in Evaluation.entries} | _ALIASES
+        named = {entry(line).path: entry(line).key for line in Evaluation.entries} | ALIASES
         for known in (bare, named.get(bare)):
             if known in self.columns:
                 return str(known)
