@@ -20,7 +20,7 @@ from handlcp.check import Array
 from handlcp.design.brief import Brief
 from handlcp.design.optimise.aims import Aim, brief_needs, margin, margins, meets
 from handlcp.design.optimise.slopes import FACTOR, PAYLOAD, Gradient, Wanted, gradient, places, sample
-from handlcp.design.optimise.trials import Spent, Trials
+from handlcp.design.optimise.trials import Spent, Trials, searched
 from handlcp.design.require import Requirement
 from handlcp.design.space import Choices, Range
 from handlcp.design.sweep.work import Row, packed
@@ -67,16 +67,16 @@ def _uphill(trials: Trials, aim: Aim, needs: Sequence[Requirement], best: int) -
         try:
             around.solve(boxes[0])
         except Spent:
-            trials.tried(around.found[None], last=True)
+            trials.tried(around.found[None], around.starts, last=True)
             raise
-        k = trials.tried(around.found[None])[0]
+        k = trials.tried(around.found[None], around.starts)[0]
         if _gains(trials, aim, needs, k, best):
             best = k
             continue
         boxes = boxes[1:]
         if boxes:
             continue
-        k = trials.tried(trials.points[best][None], search=True)[0]
+        k = trials.tried(trials.points[best][None], {})[0]
         if not _gains(trials, aim, needs, k, best):
             return
         best, boxes = k, list(_BOXES)
@@ -98,8 +98,9 @@ class _Round:
         self.trials, self.aim, self.number, self.u0 = trials, aim, best, trials.points[best]
         self.needs = (*brief_needs(brief), *needs)
         self.names = {n: i for i, (n, e) in enumerate(trials.space.free.items()) if isinstance(e, Range)}
-        self.at, starts = list(self.names.values()), trials.started(best)
-        self.from_, self.near = starts, trials.near(starts or trials.starts(self.u0))
+        self.at, row = list(self.names.values()), trials.rows[best]
+        self.starts = trials.started(best) | dict.fromkeys(searched(row), best)
+        self.near = trials.near(self.starts)
         by_load = aim.sign > 0 and aim.name in (PAYLOAD, FACTOR) and brief.orientations != ANY
         self.least = aim.of(trials.rows[best])
         numbers = tuple(dict.fromkeys(need.name for need in self.needs))
@@ -166,7 +167,7 @@ class _Round:
     def samples(self, cube: Sequence[Array], wanted: Wanted) -> list[dict[str, float | None]]:
         """Of points of the cube."""
         trials = self.trials
-        starts = sorted(self.from_.items())
+        starts = sorted(self.starts.items())
         key = repr((np.array(cube).tolist(), starts, wanted))
 
         def make() -> dict[str, Any]:

@@ -84,38 +84,38 @@ class Trials:
 
     # ---------------------------------------------------------------- Designs.
 
-    def tried(self, cube: Array, search: bool = False, last: bool = False) -> list[int]:
-        """Numbers of the designs at points (n, d) of the cube, of which those that are new are evaluated. search : each
-        looks for its own grasps, also where it has been tried. last : as in `spend`. Raises Spent once no more may be evaluated; what was is
-        kept.
+    def tried(self, cube: Array, starts: Starts | None = None, last: bool = False) -> list[int]:
+        """Numbers of the designs at points (n, d) of the cube, of which those that are new are evaluated. starts : what
+        all of them start from, {} for a search; None: each from what is near. last : as in `spend`.
+
+        Raises Spent once no more may be evaluated; what was is kept.
         """
-        keys = [(*self.space.point(u).values(), search) for u in cube]
+        own = None if starts is None else tuple(starts.items())
+        keys = [(*self.space.point(u).values(), own) for u in cube]
         new = dict[tuple[Any, ...], Array]()
         for key, u in zip(keys, cube, strict=True):
             if key not in self._known:
                 new.setdefault(key, u)
-        waves = self._waves(list(new.items()), search)
-        for wave in waves:
-            self._wave(wave, search, last)
+        for wave in self._waves(list(new.items())) if starts is None else [list(new.items())]:
+            if wave:
+                self._wave(wave, starts, last)
         return [self._known[key] for key in keys]
 
-    def _waves(self, new: list[tuple[Any, Array]], search: bool) -> list[list[tuple[Any, Array]]]:
+    def _waves(self, new: list[tuple[Any, Array]]) -> list[list[tuple[Any, Array]]]:
         """Those that nothing comes before search for their grasps; then the others."""
-        if search:
-            return [new]
-        there, first, others = [*self.points], list[tuple[Any, Array]](), list[tuple[Any, Array]]()
-        kinds = [self._kind(u) for u in there]
+        first, others = list[tuple[Any, Array]](), list[tuple[Any, Array]]()
+        kinds = {self._kind(v) for v in self.points}
         for key, u in new:
             mine = self._kind(u)
             heads = sum(self._kind(v) == mine for _, v in first)
             (first if mine not in kinds and heads < HEADS else others).append((key, u))
-        return [wave for wave in (first, others) if wave]
+        return [first, others]
 
-    def _wave(self, wave: list[tuple[Any, Array]], search: bool, last: bool) -> None:
+    def _wave(self, wave: list[tuple[Any, Array]], given: Starts | None, last: bool) -> None:
         """Evaluate all of these, as far as the budget goes."""
         may, before = self.spend(len(wave), last), len(self.rows)
         designs = [(before + k, self.space.point(u)) for k, (_, u) in enumerate(wave[:may])]
-        starts = [{} if search else self.starts(u) for _, u in wave[:may]]
+        starts = [self.starts(u) if given is None else given for _, u in wave[:may]]
         found = dict[int, Row]()
         try:
             self._settle(designs, starts, found)
