@@ -22,7 +22,8 @@ from handlcp.errors import InputError, UnknownName
 from handlcp.record import entry
 
 COLUMN = {one.path: one.key for one in map(entry, Evaluation.entries or ()) if one.path in UNITS}
-_NAMES = {column: name for name, column in COLUMN.items()} | ALIASES
+_NAMES = {column: name for name, column in COLUMN.items()}
+_NAMES |= {alias: _NAMES[column] for alias, column in ALIASES.items()}
 _MOST = 1e6  # times a limit: what nothing ends is as good as this
 HELD = "held"
 

@@ -12,6 +12,7 @@ nothing is tried in a smaller box, then the grasps are searched for anew.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,7 @@ _ACTIVE = 0.3  # margin: requirements that are nearer have derivatives
 _INSIDE = 2e-3  # margin that is kept: to be met in spite of rounding and rough paths
 _FAILED = -1.0
 _STEPS = 8  # of a round
+_CLOSE = 2e-3  # of the cube's side: a search along a line that comes so near to where it was has nothing to find
 _SAMPLES, _MOST = 8, 32  # designs to start from: for each combination of choices, and in all
 
 
@@ -90,18 +92,24 @@ def _gains(trials: Trials, aim: Aim, needs: Sequence[Requirement], k: int, best:
     return aim.of(a) > aim.of(b) + _BETTER * abs(aim.of(b))
 
 
+class _Close(Exception):
+    """Points come no farther."""
+
+
 class _Round:
     """SLSQP in a box around a design, with the grasps that it started from, or its own. found : the best point seen."""
 
     def __init__(self, trials: Trials, aim: Aim, needs: Sequence[Requirement], best: int) -> None:
         brief: Brief = trials.maker.asked(trials.values(best))
         self.trials, self.aim, self.number, self.u0 = trials, aim, best, trials.points[best]
-        self.needs = (*brief_needs(brief), *needs)
         self.names = {n: i for i, (n, e) in enumerate(trials.space.free.items()) if isinstance(e, Range)}
         self.at, row = list(self.names.values()), trials.rows[best]
         self.starts = trials.started(best) | dict.fromkeys(searched(row), best)
         self.near = trials.near(self.starts)
         by_load = aim.sign > 0 and aim.name in (PAYLOAD, FACTOR) and brief.orientations != ANY
+        alone = aim.name == FACTOR or (len(brief.objects) == 1 and not brief.loads)  # then more is more of the factor
+        own = [need for need in brief_needs(brief) if not (by_load and alone and need.name == FACTOR)]
+        self.needs = (*own, *needs)
         self.least = aim.of(trials.rows[best])
         numbers = tuple(dict.fromkeys(need.name for need in self.needs))
         self.whole = Wanted(
@@ -135,11 +143,12 @@ class _Round:
                 rows.append(np.append(way * g.rates(need.name, list(self.names)), 0.0))
             return np.array(rows)
 
-        minimize(
-            lambda x: -x[-1], np.append(start, min(there.terms.values()) / scale), jac=lambda x: -np.eye(len(x))[-1],
-            bounds=[*zip(low, high, strict=True), (None, None)], method="SLSQP",
-            constraints={"type": "ineq", "fun": held, "jac": rates}, options={"maxiter": _STEPS, "ftol": 1e-3},
-        )  # fmt: skip
+        with suppress(_Close):
+            minimize(
+                lambda x: -x[-1], np.append(start, min(there.terms.values()) / scale), jac=lambda x: -np.eye(len(x))[-1],
+                bounds=[*zip(low, high, strict=True), (None, None)], method="SLSQP",
+                constraints={"type": "ineq", "fun": held, "jac": rates}, options={"maxiter": _STEPS, "ftol": 1e-3},
+            )  # fmt: skip
 
     def sign(self, key: str) -> float:
         """Of a term beside its number."""
@@ -155,11 +164,13 @@ class _Round:
         """What a point holds; None where it holds nothing, or its grasps are lost."""
         u = self.full(x)
         if u.tobytes() not in self.seen:
+            if self.seen and min(float(abs(u - np.frombuffer(v)).max()) for v in self.seen) < _CLOSE:
+                raise _Close
             self.seen[u.tobytes()] = _Point(self, self.samples([u], self.whole)[0])
         found = self.seen[u.tobytes()]
         if not found.known:
             return None
-        reached = min(0.0, float(found.margins.min())), min(found.terms.values())
+        reached = float(found.margins.min(initial=0.0)), min(found.terms.values())
         if reached > self.best:
             self.best, self.found = reached, u
         return found
