@@ -36,14 +36,14 @@ _INSIDE = 2e-3  # margin that is kept: to be met in spite of rounding and rough 
 _FAILED = -1.0
 _STEPS = 8  # of a round
 _CLOSE = 2e-3  # of the cube's side: a search along a line that comes so near to where it was has nothing to find
-_SAMPLES, _MOST = 8, 32  # designs to start from: for each combination of choices, and in all
+_SAMPLES, _MOST = 4, 64  # designs to start from: for each coordinate and combination of choices, and in all
 
 
 def climb(trials: Trials, aim: Aim, needs: Sequence[Requirement], seed: int, start: Array | None) -> None:
     """Try designs until no more is gained, of all starts, the best first. Raises Spent where the budget is over."""
     space = trials.space
     count = int(np.prod([len(e.values) for e in space.free.values() if isinstance(e, Choices)]))
-    cube = space.sobol(min(_SAMPLES * count, _MOST), seed)
+    cube = space.sobol(min(_SAMPLES * len(space) * count, _MOST), seed)
     first = [] if start is None else trials.tried(start[None])
     first += trials.tried(cube)
     if not space.ranges:
@@ -145,7 +145,8 @@ class _Round:
 
         with suppress(_Close):
             minimize(
-                lambda x: -x[-1], np.append(start, min(there.terms.values()) / scale), jac=lambda x: -np.eye(len(x))[-1],
+                lambda x: -x[-1], np.append(start, min(there.terms.values()) / scale),
+                jac=lambda x: -np.eye(len(x))[-1],
                 bounds=[*zip(low, high, strict=True), (None, None)], method="SLSQP",
                 constraints={"type": "ineq", "fun": held, "jac": rates}, options={"maxiter": _STEPS, "ftol": 1e-3},
             )  # fmt: skip
