@@ -10,7 +10,7 @@ from math import cos, pi, sin
 import handlcp as hl
 
 HAND = hl.example_hand("three_finger", joint_stiffness=4.0)  # motors of 0.8 and 0.4 N·m
-AS_IT_IS = {"proximal": 0.05, "distal": 0.04, "radius": 0.045, "grip": 6.0}  # m, N: the grip with which it holds most
+AS_IT_IS = {"proximal": 0.05, "distal": 0.04, "radius": 0.045, "grip": 6.5}  # m, N: the grip with which it holds most
 SPACE = {"proximal": (0.035, 0.055), "distal": (0.025, 0.045), "radius": (0.03, 0.05), "grip": (5.0, 12.0)}
 
 
@@ -30,7 +30,7 @@ def brief(grip: float) -> hl.Brief:
     return hl.Brief({"ball": hl.Sphere(0.03, mass=0.2)}, friction=0.6, grip_force=grip, tries=64)
 
 
-def main(budget: int = 90, mujoco: bool = False) -> tuple[hl.Evaluation, hl.Best]:
+def main(budget: int = 120, mujoco: bool = False) -> tuple[hl.Evaluation, hl.Best]:
     """The hand as it is, and the best that was found."""
     before = hl.evaluate(make(0.05, 0.04, 0.045), brief(AS_IT_IS["grip"]))
     best = hl.optimise(make, SPACE, brief, "payload", budget=budget, start=AS_IT_IS, mujoco=mujoco)

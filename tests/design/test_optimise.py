@@ -112,7 +112,7 @@ def test_stopped_by_hand_it_gives_what_it_has_and_goes_on_with_the_same_numbers(
         return make(force)
 
     few = run(budget=5, out=out)
-    assert few.why == "5 evaluations are spent"
+    assert few.why.startswith("5 evaluations are")
     more = run(budget=9, out=out)
     assert more.study.columns == whole.study.columns
     assert more.designs == whole.designs

@@ -34,25 +34,26 @@ _NEAR = 1.2  # times the least: loads that hold less have derivatives
 _ACTIVE = 0.3  # margin: requirements that are nearer have derivatives
 _INSIDE = 2e-3  # margin that is kept: to be met in spite of rounding and rough paths
 _FAILED = -1.0
+_TOPS = 3  # designs of the samples from which it goes uphill, for each combination of choices
 _STEPS = 8  # of a round
 _CLOSE = 2e-3  # of the cube's side: a search along a line that comes so near to where it was has nothing to find
 _SAMPLES, _MOST = 4, 64  # designs to start from: for each coordinate and combination of choices, and in all
 
 
 def climb(trials: Trials, aim: Aim, needs: Sequence[Requirement], seed: int, start: Array | None) -> None:
-    """Try designs until no more is gained, of all starts, the best first. Raises Spent where the budget is over."""
+    """Try designs until no more is gained, from a few starts for each choice. Raises Spent where the budget is over."""
     space = trials.space
     count = int(np.prod([len(e.values) for e in space.free.values() if isinstance(e, Choices)]))
     cube = space.sobol(min(_SAMPLES * len(space) * count, _MOST), seed)
-    first = [] if start is None else trials.tried(start[None])
-    first += trials.tried(cube)
+    first = trials.tried(cube if start is None else np.vstack([start, cube]))
     if not space.ranges:
         return
-    own = dict[Any, int]()  # choices → the best design with them
-    for k in sorted(set(first), key=lambda k: _order(trials.rows[k], aim, needs)):
+    own = dict[Any, list[int]]()  # choices → designs with them, the best first
+    for k in sorted(dict.fromkeys(first), key=lambda k: _order(trials.rows[k], aim, needs)):
         if np.isfinite(aim.of(trials.rows[k])):
-            own.setdefault(tuple(trials.values(k)[n] for n, e in space.free.items() if isinstance(e, Choices)), k)
-    for k in own.values():
+            made = tuple(trials.values(k)[n] for n, e in space.free.items() if isinstance(e, Choices))
+            own.setdefault(made, []).append(k)
+    for k in [starts[top] for top in range(_TOPS) for starts in own.values() if top < len(starts)]:
         _uphill(trials, aim, needs, k)
 
 

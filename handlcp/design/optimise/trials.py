@@ -213,7 +213,7 @@ class Trials:
         Spent where these, and one more, may not be made.
         """
         if self.spend(count + 1) <= count:
-            raise Spent(f"{self.budget} evaluations are all but spent")
+            raise Spent(f"{self.budget} evaluations are spent")
         found = self._slopes.get(key)
         if found is None:
             found = {SLOPES: key} | make()
