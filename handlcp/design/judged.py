@@ -56,7 +56,7 @@ def judged(brief: Brief, obj: Object, one: Candidate, continued: bool, known: Kn
     weights = _weights(grasp, brief, safety * obj.mass, max(known.payload, known.factor * obj.mass))
     mass = min(min(limit.factor, until) for limit, until in weights)
     factors = {WEIGHT: mass / obj.mass if obj.mass else np.inf}
-    before = _before(brief, spec)
+    before = unloaded(brief, spec)
     loads = up_to_the_first(
         [(before, load) for load in brief.loads.values()], safety, min(factors[WEIGHT], known.factor)
     )
@@ -92,12 +92,12 @@ def _weights(grasp: HandGrasp, brief: Brief, least: float, most: float) -> list[
         return [(row.limit, np.inf) for row in rows]
     pulls = pulls_of(grasp, brief.acceleration)
     specs = {id(spec): spec for spec, _ in pulls}  # several where gravity pulls at fingers that weigh something
-    befores = {key: _before(brief, spec) for key, spec in specs.items()}
+    befores = {key: unloaded(brief, spec) for key, spec in specs.items()}
     loads = [(befores[id(spec)], wrench) for spec, wrench in pulls]
     return up_to_the_first(loads, least, most)
 
 
-def _before(brief: Brief, spec: GraspSpec) -> Before:
+def unloaded(brief: Brief, spec: GraspSpec) -> Before:
     """What comes before the loads."""
     return Before(
         spec, as_section("cone", planar=False), (brief.most_motion, np.inf), tolerance=_NEWTON, patience=_PATIENCE

@@ -29,6 +29,10 @@ class Requirement(NamedTuple):
     def __str__(self) -> str:
         return " ".join([self.name, self.comparison, _with_unit(self.limit, UNITS[self.name])])
 
+    def met(self, value: float) -> bool:
+        """By this number; NaN meets nothing."""
+        return _COMPARED[self.comparison](value, self.limit)
+
     def against(self, cases: Mapping[str, Any]) -> tuple[str, str] | None:
         """Why it is not met, and by which object: the worst counts, and each has to have a grasp. None: it is met."""
         values = {name: getattr(case, self.name) for name, case in cases.items()}
@@ -36,7 +40,7 @@ class Requirement(NamedTuple):
             return f"{self} is not met: {without[0]} is not held at all", without[0]
         least = self.comparison.startswith(">")
         worst = (min if least else max)(values, key=lambda name: values[name])
-        if _COMPARED[self.comparison](values[worst], self.limit):
+        if self.met(values[worst]):
             return None
         here, apart = (_with_unit(v, UNITS[self.name]) for v in (values[worst], abs(values[worst] - self.limit)))
         return f"{self} is not met: {here} with {worst}, {apart} too {'little' if least else 'much'}", worst

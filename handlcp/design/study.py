@@ -31,7 +31,7 @@ _HEADS = {
     "torque_used": "torque\nused",
     "motion_m": "moves\nmm",
 }
-_ALIASES = {"motor_torque": "torque_Nm"}
+ALIASES = {"motor_torque": "torque_Nm"}
 
 
 class Study:
@@ -59,7 +59,7 @@ class Study:
             begun, rows, _ = read(beside(file))
             if begun is None:
                 raise InputError("path", "the table of a sweep", f"{str(path)!r}, which has only just begun")
-            sweep = begun
+            sweep, rows = begun, [row for row in rows if DESIGN in row]
         if make is None or brief is None:
             return cls(sweep, in_order(rows))
         check_same(str(path), sweep, sweep | {"make": digest(make), "brief": digest(brief)})
@@ -111,7 +111,7 @@ class Study:
     def column_of(self, name: Any) -> str:
         """The column of a name, without its minus. Raises UnknownName."""
         bare = str(name).removeprefix("-")
-        named = {entry(line).path: entry(line).key for line in Evaluation.entries} | _ALIASES
+        named = {entry(line).path: entry(line).key for line in Evaluation.entries} | ALIASES
         for known in (bare, named.get(bare)):
             if known in self.columns:
                 return str(known)

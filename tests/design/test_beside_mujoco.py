@@ -6,8 +6,9 @@ import pytest
 
 pytest.importorskip("mujoco")
 
-from handlcp.simulator import compare
+from handlcp.simulator import compare, simulate_limit
 from tests.design.hands import cube_grasp
+from tests.examples.test_examples import script
 
 SAFETY = 1.5
 
@@ -29,3 +30,14 @@ def test_a_simulated_hand_holds_the_cube_with_these_motors_and_loses_it_with_les
     record = lost.simulation.record
     reached = max(x for x, stage in zip(record.shares, record.stages, strict=True) if stage == "load")
     assert reached == pytest.approx(share, rel=0.03)  # what this grip carries; then it slides through
+
+
+@pytest.mark.long
+def test_an_optimised_hand_holds_a_third_more_with_the_same_motors_and_mujoco_loses_it_where_it_says():
+    before, best = script("optimise_hand").main()
+    grasp = best.evaluation().cases["ball"].candidate.grasp
+    held = grasp.payload()
+    assert held.mass == pytest.approx(best.evaluation().payload, rel=1e-5)
+    assert held.mass > 1.3 * before.payload
+    found = simulate_limit(grasp.replace(mass=0.0), held.worst.limit.wrench, 1.1 * held.mass)
+    assert 0.95 * held.mass < found.factor < 1.1 * held.mass

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -16,6 +17,7 @@ from handlcp.method.convergence import convergence
 from handlcp.method.paper import run
 from handlcp.simulator import compare, simulate_limit
 from handlcp.study.gallery import Shelf
+from tests.design import optima
 from tests.design.hands import pinch as levers
 from tests.hand.conftest import MIMIC
 from tests.study.test_gallery import made
@@ -95,6 +97,7 @@ EXAMPLES = {
     "Payload Orientation": lambda: held().payload(geometry="fixed", faces=8),
     "SplitCylinder Grip": lambda: hl.split_cylinder(hand(), 0.05, grasps=["pinch"]),
     "Evaluation ObjectCase": lambda: hl.evaluate(hand(), hl.Brief({"ball": hl.Sphere(0.03, mass=0.1)}, tries=16)),
+    "Best Kink": lambda: replace(optima.run(budget=2), kinks=(hl.Kink("force", "payload by force …", 1.0, 2.0),)),
     "Envelope, of wrenches": lambda: hl.envelope(pinch(), np.eye(6)),
     "AccuracyCost": lambda: accuracy_cost(
         pinch(), methods=["NSNGRK polished"], faces=[8], tolerances=[1e-9], left_out=False, repeats=1

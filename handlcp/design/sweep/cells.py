@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, Ints, integer
+from handlcp.check import Array, Bools, Ints, integer
 from handlcp.design.space import Choices, Space, Value
 from handlcp.errors import InputError
 
@@ -38,11 +38,17 @@ def numbered(space: Space, cube: Array) -> dict[int, dict[str, Value]]:
 
 def cells_of(space: Space, cube: Array) -> list[list[int]]:
     """Numbers of the points (n, d) of each cell, those nearest to its middle first."""
-    apart = [isinstance(e, Choices) and not all(isinstance(v, float) for v in e.values) for e in space.free.values()]
-    kinds, near = cube[:, apart], cube[:, [not a for a in apart]]
+    same = alike(space)
+    kinds, near = cube[:, ~same], cube[:, same]
     _, group = np.unique(kinds, axis=0, return_inverse=True)
     every = np.arange(len(cube))
     return [cell for g in range(group.max() + 1) for cell in _halved(near, every[group.reshape(-1) == g])]
+
+
+def alike(space: Space) -> Bools:
+    """(d,) coordinates along which hands are much the same, so that a grasp can be brought from one to another."""
+    apart = [isinstance(e, Choices) and not all(isinstance(v, float) for v in e.values) for e in space.free.values()]
+    return ~np.array(apart, dtype=bool)
 
 
 def _halved(cube: Array, own: Ints) -> Iterator[list[int]]:

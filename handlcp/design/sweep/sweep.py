@@ -46,9 +46,7 @@ def sweep(
     """
     room = space if isinstance(space, Space) else Space(space)
     cube = points(room, sampling, samples, seed)
-    taken = {DESIGN, ERROR, *[key.partition(" = ")[0] for key in Evaluation.entries or ()]}
-    if both := [name for name in room.names if name in taken or name.startswith("objects.")]:
-        raise InputError("space", "names that are not columns of the outcome", ", ".join(both))
+    check_names(room)
     maker = Maker(make, brief)
     maker.check(room.point(cube[0]))
     same = description(room.to_dict(), sampling, samples, seed, make, brief)
@@ -69,6 +67,13 @@ def sweep(
         write_table(file, same, in_order(found))
         journal.file.unlink()
     return Study(same, in_order(found), maker)
+
+
+def check_names(space: Space) -> None:
+    """Raises InputError for parameters that are called as a column of the outcome."""
+    taken = {DESIGN, ERROR, *[key.partition(" = ")[0] for key in Evaluation.entries or ()]}
+    if both := [name for name in space.names if name in taken or name.startswith("objects.")]:
+        raise InputError("space", "names that are not columns of the outcome", ", ".join(both))
 
 
 def _run(
