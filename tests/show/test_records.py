@@ -87,6 +87,7 @@ EXAMPLES = {
     "ForceBounds": lambda: held().solve().force_bounds(pads=(0.5, 2.0)),
     "ForceBounds, of points": lambda: pinch().solve().force_bounds(),
     "Sensitivity": lambda: held().solve().sensitivity(),
+    "Slopes": lambda: hl.slopes(held(), ["finger_1_tip.pad"]),
     "Solutions": lambda: hl.solve_many([pinch(), pinch(squeeze=0.0)]),
     "Audit": lambda: hand().audit(),
     "HandDescription": lambda: hand().describe(),
