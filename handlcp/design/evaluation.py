@@ -137,6 +137,7 @@ class Evaluation(Record):
 
         Raises RequirementNotMet, which says by how much, and what gives out; InputError for other texts.
         """
+        __tracebackhide__ = True  # of pytest, which shows the test that asks, and what is not met
         sentences = unmet([read(text) for text in texts], self.cases)
         if not texts and not self.holds:
             sentences = [self._in_all]
