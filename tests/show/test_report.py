@@ -9,6 +9,7 @@ import pytest
 
 import handlcp as hl
 from tests.support.design import (
+    ObjectCase,
     alike,
     asked,
     best_of,
@@ -90,6 +91,15 @@ def test_only_numbers_that_differ_have_a_best():
     assert best_of([1.0, 1.5], False) == [True, False]
     assert best_of([1.0, 1.005], True) == [False, False]
     assert better({}) == []
+
+
+def test_a_hand_that_drops_its_object_sooner_is_not_called_gentler():
+    def made(word, force):
+        return hl.Evaluation({"box": ObjectCase(word, {}, {"weight": 2.0}, 0.4, "it slips", force=force, motion=0.0)})
+
+    assert not any("presses" in text for text in better({"a": made("HELD", 5.0), "b": made("NOT HELD", 2.0)}))
+    told = better({"a": made("HELD", 5.0), "b": made("HELD", 2.0), "c": made("NOT HELD", 1.0)})
+    assert "b presses less hard: a 5 N, b 2 N" in told
 
 
 def test_a_grasp_that_there_is_none_of_has_no_picture_and_equal_ones_the_same(found):

@@ -100,17 +100,19 @@ def differences(hands: Mapping[str, Hand]) -> list[tuple[str, ...]]:
 
 
 def better(found: Mapping[str, Evaluation]) -> list[str]:
-    """Which hand is better at what, a sentence for each number; the others beside it."""
-    said, names = list[str](), list(found)
+    """Which hand is better at what, a sentence for each number; the others beside it. Forces, torques and motion are
+    those of the same loads only where these are held: a hand that drops them sooner is not better.
+    """
+    said, names, holds = list[str](), list(found), [done.holds for done in found.values()]
     for attribute, what, unit, more in _BETTER:
         values = [SCALES.get(unit, 1.0) * float(getattr(done, attribute)) for done in found.values()]
-        known = [k for k, value in enumerate(values) if not np.isnan(value)]
-        if not known:
+        known = [k for k, value in enumerate(values) if not np.isnan(value) and (more or holds[k])]
+        if len(known) < (1 if more else 2):
             continue
         best = (max if more else min)(known, key=lambda k: values[k])
         cells = [f"{names[k]} {values[k]:.3g} {unit}".rstrip() for k in known]
         apart = max(abs(values[k] - values[best]) for k in known)
-        if len(known) == len(names) and not apart > _ALIKE * abs(values[best]):
+        if len(known) > 1 and not apart > _ALIKE * abs(values[best]):
             said.append(f"None {what}: {words.listed(cells)}")
         else:
             said.append(f"{names[best]} {what}: {words.listed(cells)}")
