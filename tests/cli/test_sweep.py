@@ -43,7 +43,7 @@ def test_the_best_are_printed_and_the_table_is_written(tmp_path):
     assert len(study) == 2
     again = run(tmp_path, STUDY)
     assert again.stdout.splitlines()[0].startswith("2 designs")
-    assert "study.csv" in again.stdout
+    assert "study.csv" in again.stdout.replace("\n", "")  # a long path is broken
 
 
 def test_nothing_that_could_be_evaluated_is_exit_status_1(tmp_path):

@@ -67,7 +67,7 @@ def test_one_spring_is_that_of_another_hand(nominal):
 
 def test_springs_of_a_file_s_servos_change_joint_by_joint():
     joint, own = HAND.joint_names[1], 0.5 * np.eye(HAND.nv)
-    hand = HAND.with_parts(stiffness=ServoStiffness(6.0 * np.eye(HAND.nv), np.eye(HAND.nv), own))
+    hand = HAND.with_parts(stiffness=ServoStiffness(6.0 * np.eye(HAND.nv), np.eye(HAND.nv), own, Q))
     stiffness = dict.fromkeys(HAND.joint_names, 6.0) | {joint: 7.5}
     made = grasp_with(grasp(hand), stiffness={joint: 1.25})
     same(made, commanded(grasp(HAND.replace(joint_stiffness=stiffness))))
