@@ -38,7 +38,7 @@ class Study:
     """Designs of a sweep with their outcomes, in rows. Prints as a short table; iterates over rows, as dictionaries.
 
     names : the parameters. columns : name → values of all designs, None where there is none: "design", its number; the
-    parameters; "error", why a design failed; then what `Evaluation.to_row` has. sweep : what the sweep was.
+    parameters; "error", why a design failed; then those of the row of an `Evaluation`. sweep : what the sweep was.
     """
 
     def __init__(self, sweep: Row, rows: Sequence[Row], maker: Maker | None = None) -> None:
