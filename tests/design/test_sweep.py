@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -255,6 +256,47 @@ def test_another_sweep_is_not_written_into_the_same_file(tmp_path, changed, said
     with pytest.raises(hl.InputError, match=f"differs in {said}"):
         run_without_hands(out, **changed)
     assert {f: f.read_bytes() for f in tmp_path.iterdir()} == before
+
+
+class _Maker:
+    def __init__(self, stiffness):
+        self.stiffness = stiffness
+
+    def __call__(self, length):
+        return made_of(length, self.stiffness)
+
+
+def made_of(length, stiffness):
+    return hl.finger_hand(3, (length, 0.04), joint_stiffness=stiffness)
+
+
+def _radius(tip_radius):
+    return hl.finger_hand(3, (0.05, 0.04), tip_radius=tip_radius)
+
+
+@pytest.mark.parametrize(
+    ("kept", "space", "before", "now"),
+    [
+        ("partial", "length", partial(made_of, stiffness=2.0), partial(made_of, stiffness=8.0)),
+        ("object", "length", _Maker(2.0), _Maker(8.0)),
+        ("hand", "finger_1_distal.length", _radius(0.008), _radius(0.004)),
+        ("links", "finger_1_distal.length", hl.finger_hand(), hl.finger_hand(link_radius=0.006, tip_radius=0.008)),
+        ("varied", "finger_1_distal.length", _radius(0.008), _radius(0.008).vary({"tip_radius": 0.004})),
+    ],
+)
+def test_hands_that_are_made_otherwise_are_another_sweep(tmp_path, kept, space, before, now):
+    """Each of them would answer with rows of the other."""
+
+    def run(make):
+        asked = hl.Brief(hl.Sphere(0.0005, mass=0.1), tries=1)
+        return hl.sweep(
+            make, {space: (0.038, 0.042)}, asked, samples=1, out=tmp_path / f"{kept}.csv", executor="serial"
+        )
+
+    rows = run(before).columns
+    assert run(before).columns == rows
+    with pytest.raises(hl.InputError, match="differs in how hands are made"):
+        run(now)
 
 
 def test_another_brief_is_another_sweep_and_the_same_one_made_again_is_not(tmp_path):

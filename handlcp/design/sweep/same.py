@@ -5,7 +5,8 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
-from types import CodeType, FunctionType
+from functools import partial
+from types import CodeType, FunctionType, MethodType
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from handlcp.hand.hand import Hand
 from handlcp.record import plain
 from handlcp.version import VERSION
 
+_DESCRIBED = "mass_kg", "size_m", "joints", "fingertips", "touching", "couplings", "tendons", "links"
 _SAID = {
     "handlcp": "the version of handlcp", "space": "the space", "sampling": "the sampling", "samples": "the samples",
     "seed": "the seed", "make": "how hands are made", "brief": "the brief",
@@ -73,7 +75,11 @@ def _feed(into: Any, value: Any) -> None:
         for cell in value.__closure__ or ():
             _feed(into, cell.cell_contents)
     elif isinstance(value, CodeType):  # without its lines and file: a comment more is no other sweep
-        _feed(into, [value.co_code, value.co_names, value.co_consts])
+        _feed(into, [value.co_code, value.co_names, value.co_consts, value.co_varnames])
+    elif isinstance(value, partial):
+        _feed(into, [value.func, value.args, value.keywords])
+    elif isinstance(value, MethodType):
+        _feed(into, [value.__func__, value.__self__])
     elif hasattr(value, "homogeneous"):  # a pin.SE3
         _feed(into, np.array(value.homogeneous))
     elif is_dataclass(value) and not isinstance(value, type):
@@ -81,12 +87,16 @@ def _feed(into: Any, value: Any) -> None:
     else:
         own = "__reduce__" in {name for kind in type(value).__mro__[:-1] for name in vars(kind)}
         _feed(into, list(value.__reduce__()[1:2]) if own else [])  # what it is made of, where it says so
+        if callable(value) and not isinstance(value, type):  # an object that makes hands: its attributes, and how
+            _feed(into, [getattr(value, "__dict__", {}), vars(type(value)).get("__call__")])
 
 
 def _numbers(hand: Hand) -> list[Any]:
-    """Of a hand: what it can do, in the middle of its joints' ranges."""
-    state = hand.at(hand.neutral)
+    """Of a hand: what it can do, in the middle of its joints' ranges, and what it is described by, shapes among it."""
+    state, described = hand.at(hand.neutral), hand.describe().to_dict()
     return [
+        {key: described[key] for key in _DESCRIBED},
+        [[shape.radius for shape in hand.tip_shapes(i)] for i in range(len(hand.fingertips))],
         list(hand.joint_names), list(hand.fingertips), hand.lower, hand.upper, hand.torque_limits, hand.joint_friction,
         state.tip_positions, state.jacobian, state.flexibility,
     ]  # fmt: skip
