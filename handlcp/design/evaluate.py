@@ -6,12 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from handlcp.design.brief import WEIGHT, Brief
-from handlcp.design.evaluation import NOT_FOUND, Evaluation, ObjectCase
+from handlcp.design.best_grasp import best_grasp
+from handlcp.design.brief import Brief
+from handlcp.design.evaluation import Evaluation, ObjectCase
 from handlcp.design.judged import Known, judged
 from handlcp.errors import InputError
 from handlcp.hand.find.continued import continued
-from handlcp.hand.find.find import ANY, find_grasp
+from handlcp.hand.find.find import ANY
 from handlcp.hand.hand import Hand
 from handlcp.progress import told
 
@@ -68,9 +69,5 @@ def _case(hand: Hand, brief: Brief, name: str, near: Evaluation | None, known: K
     fits = there if there is not None and brief.kind in (there.kind, ANY) else None
     brought = None if fits is None else continued(hand, obj, fits, asked, brief.seed)
     if brought is None:
-        found = find_grasp(hand, obj, kind=brief.kind, tries=brief.tries, seed=brief.seed, throw=False, **asked)
-        if not found:
-            names = (WEIGHT, *brief.loads)
-            return ObjectCase(NOT_FOUND, dict.fromkeys(names, NOT_FOUND), dict.fromkeys(names, 0.0), 0.0, found.why)
-    one = found[0] if brought is None else brought
-    return judged(brief, obj, one, brought is not None, known)
+        return best_grasp(hand, brief, obj, known)
+    return judged(brief, obj, brought, True, known)

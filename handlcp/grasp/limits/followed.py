@@ -65,6 +65,10 @@ class Before:
         """(k,) the largest factors on loads (k, 6) that friction and torque limits alone allow."""
         return bound_of(self._spec, self._section, wrenches).factors
 
+    def holds_more(self, wrench: Array, factor: float) -> bool:
+        """Whether more than this factor of a load (6,) is held."""
+        return factor <= 0.0 or self.limit(wrench, until=(1.0 + _BEYOND) * factor).factor > factor
+
     def limit(self, wrench: Array, until: float = np.inf) -> LoadLimit:
         """Of a load (6,) that grows, up to this factor: none is found that is larger."""
         spec, section, before, stepper = self._spec, self._section, self._run, self._stepper

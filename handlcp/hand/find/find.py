@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from handlcp.check import integer, yes_or_no
 from handlcp.errors import InputError, NoGraspFound
-from handlcp.hand.find.candidate import Candidate, Found, told
+from handlcp.hand.find.candidate import Found, told
 from handlcp.hand.find.pinch import Search
 from handlcp.hand.find.power import PowerSearch
 from handlcp.hand.objects.meshes import what_to_pass
@@ -83,29 +83,52 @@ def find_grasp(
         expected = "a convex object for a power grasp, or coacd for its convex parts (pip install handlcp[convex])"
         came = f"{obj!r}, which is not convex; its convex hull would be (trimesh: mesh.convex_hull)"
         raise InputError("obj", expected, came)
-    load = {"friction": friction, "wrench": wrench, "gravity": gravity}
-    named = [hand.fingertips[i] for i in tips]
-    searches = list[Search | PowerSearch]()
-    if kind != POWER:
-        pinched = {**load, "squeeze": squeeze, "grip_force": grip_force, "fingers": named}
-        searches.append(Search(hand, tips, obj, pinched, seed))
-    if kind != PINCH:
-        searches.append(PowerSearch(hand, obj, {**load, "closing_torque": closing_torque}, seed))
+    asked = {
+        "friction": friction, "wrench": wrench, "gravity": gravity, "squeeze": squeeze, "grip_force": grip_force,
+        "closing_torque": closing_torque,
+    }  # fmt: skip
+    searches = searches_of(hand, obj, kind, asked, tips, seed)
     candidates = sorted([one for search in searches for one in search.run(tries)], key=lambda one: one.rank)
     tried = sum((search.tried for search in searches), Counter[str]())
     if candidates:
         number = "1 grasp" if len(candidates) == 1 else f"{len(candidates)} grasps"
         return Found(candidates, tried, f"{number} of {obj!r} found: {told(tried)}")
-    by = f"by all of {', '.join(named)}" if kind == PINCH else "by the whole hand"
-    why = f"no grasp of {obj!r} {by} found: {told(tried)}"
-    refused: list[Candidate] = [one for search in searches for one in search.refused]
-    if refused:
-        why = f"{why}; the best of these: {refused[0].doubt}"
-    elif kind != PINCH and not tried["enclosing"]:
-        why = f"{why}: it may be too small or too large for this hand to close round it, which hand.describe() shows"
+    why = missed(obj, searches)
     if throw:
-        raise NoGraspFound(why, dict(tried), tuple(refused))
+        raise NoGraspFound(why, dict(tried), tuple(one for search in searches for one in search.refused))
     return Found((), tried, why)
+
+
+def searches_of(
+    hand: HandModel, obj: Object, kind: str, asked: Mapping[str, Any], tips: tuple[int, ...], seed: int
+) -> list[Search | PowerSearch]:  # fmt: skip
+    """One for each kind of grasp. asked : what `find_grasp` passes on to `state.grasp`, without the fingers; of what
+    closes the hand each search takes its own. tips : numbers of the fingertips that a pinch touches with.
+    """
+    load = {name: asked.get(name) for name in ("friction", "wrench", "gravity")}
+    searches = list[Search | PowerSearch]()
+    if kind != POWER:
+        pinched = {name: asked.get(name) for name in ("squeeze", "grip_force")}
+        searches.append(
+            Search(hand, tips, obj, {**load, **pinched, "fingers": [hand.fingertips[i] for i in tips]}, seed)
+        )
+    if kind != PINCH:
+        searches.append(PowerSearch(hand, obj, {**load, "closing_torque": asked.get("closing_torque")}, seed))
+    return searches
+
+
+def missed(obj: Object, searches: Sequence[Search | PowerSearch]) -> str:
+    """That nothing was found, how far the searches came, and why the best did not serve."""
+    tried = sum((search.tried for search in searches), Counter[str]())
+    pinches = [search for search in searches if isinstance(search, Search)]
+    wraps = len(pinches) < len(searches)
+    by = "the whole hand" if wraps else f"all of {', '.join(pinches[0].fingers)}"
+    why = f"no grasp of {obj!r} by {by} found: {told(tried)}"
+    if refused := [one for search in searches for one in search.refused]:
+        return f"{why}; the best of these: {refused[0].doubt}"
+    if wraps and not tried["enclosing"]:
+        return f"{why}: it may be too small or too large for this hand to close round it, which hand.describe() shows"
+    return why
 
 
 def check_closing(kind: Any, squeeze: Any, grip_force: Any, closing_torque: Any, fingers: Any = None) -> None:

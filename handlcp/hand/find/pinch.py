@@ -11,6 +11,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.errors import HandLCPError
+from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.batch.solve_many import solve_many
 from handlcp.hand.find.candidate import Candidate, candidate_of, checked
 from handlcp.hand.find.clear import Links, Place, end_of, free_ranges, size_of_object
@@ -93,13 +94,21 @@ def _laid(arms: Array, weights: Array, draws: Array) -> Array:
 
 _AT_ONCE = 64  # places of a round; the next ones are tried where none of these is held
 _MORE = 1  # rounds after the first in which something is held, where all that is held only lies on fingers
-_SOLVED = 16  # grasps of each round that are solved
+SOLVED = 16  # grasps of each round that are solved
 _ROUNDS, _BEST, _NEARBY = 3, 2, 8  # of refinement, of how many grasps, and trials around each
 _WIDER = (0.0, 0.25, 0.5, 1.0)  # how far around a place that is known
 _JOINTS, _SHIFT, _TURN = 0.05, 0.1, 0.15  # their size: of the joint ranges, of the object's size, rad
 _CHECKED, _RECHECKED = 8, 2  # of the best grasps, until one is held: at first, and in each round of refinement
 _LEAST = 0.5  # of the load, shared by the fingers: what each presses with at least
 _FIRM = 1.0  # [N] the load of an object that weighs less
+
+
+def place_of(grasp: HandGrasp) -> Place:
+    """Where hand and object of a grasp are."""
+    target = grasp.target
+    assert target is not None  # the search had one
+    R, o = target.frame
+    return Place(np.array(grasp.state.q), np.array(R), np.array(o))
 
 
 class Search:
@@ -120,11 +129,16 @@ class Search:
         self.tried: Counter[str] = Counter(sampled=SAMPLES)
         self.refused: list[Candidate] = []
 
+    @property
+    def fingers(self) -> list[str]:
+        """Names of the fingertips that are to touch."""
+        return [self._hand.fingertips[i] for i in self._tips]
+
     def run(self, tries: int) -> list[Candidate]:
         """The grasps that one solve holds, the best first; of these the first is held when checked. None is where none
         of the best is.
         """
-        places = guesses(self._hand, self._tips, self._links, self._home, tries, self._seed)
+        places = self.places(tries)
         found: list[Candidate] = []
         more = _MORE
         while places and more and not (found and found[0].rank < 0.0):
@@ -134,8 +148,8 @@ class Search:
             places = places[_AT_ONCE:]
         rng = np.random.default_rng(self._seed)
         for k in range(_ROUNDS if found else 0):
-            best = [self._place(candidate) for candidate in found[:_BEST]]
-            near = self._settled(self._nearby(place, rng, 0.5**k) for place in best for _ in range(_NEARBY))
+            best = [place_of(candidate.grasp) for candidate in found[:_BEST]]
+            near = self._settled(self.nearby(place, rng, 0.5**k) for place in best for _ in range(_NEARBY))
             better = [one for one in near if one.rank < found[0].rank]
             better = checked(better, _RECHECKED, self.tried, self.refused)
             found = sorted([*better, *found], key=lambda one: one.rank)
@@ -147,13 +161,17 @@ class Search:
         """
         rng = np.random.default_rng(self._seed)
         for share in _WIDER:
-            places = [self._nearby(place, rng, share) for _ in range(_NEARBY)] if share else [place]
+            places = [self.nearby(place, rng, share) for _ in range(_NEARBY)] if share else [place]
             if found := checked(self._settled(places), _RECHECKED, self.tried, self.refused):
                 return found
         return []
 
-    def _settled(self, places: Iterable[Place]) -> list[Candidate]:
-        """The grasps that begin at these places and are held, the best first."""
+    def places(self, tries: int) -> list[Place]:
+        """So many to begin with, the most promising first."""
+        return guesses(self._hand, self._tips, self._links, self._home, tries, self._seed)
+
+    def held(self, places: Iterable[Place]) -> list[tuple[HandGrasp, GraspSolution]]:
+        """The grasps that begin at these places and are held by one solve, with it; those of the least effort first."""
         ready: list[tuple[float, Touch, Array]] = []
         for place in places:
             self.tried["tried"] += 1
@@ -170,14 +188,24 @@ class Search:
         ready.sort(key=lambda one: one[0])
         grasps: list[HandGrasp] = []
         for _, touch, forces in ready:
-            if len(grasps) < _SOLVED and self._links.out_of_each_other(touch.place.q):
+            if len(grasps) < SOLVED and self._links.out_of_each_other(touch.place.q):
                 self.tried["clear"] += 1
                 grasps += self._grasp(touch, forces)
-        found = []
-        for grasp, solution in zip(grasps, solve_many(grasps, "cone", workers=1, proof=False), strict=True):
-            if solution.held:
-                found.append(candidate_of("pinch", grasp, solution))
+        solved = solve_many(grasps, "cone", workers=1, proof=False)
+        found = [(grasp, solution) for grasp, solution in zip(grasps, solved, strict=True) if solution.held]
         self.tried["held"] += len(found)
+        return found
+
+    def nearby(self, place: Place, rng: np.random.Generator, share: float) -> Place:
+        """A place drawn around this one, so many times as far away as usual."""
+        lower, upper = free_ranges(self._hand)
+        joints = share * _JOINTS * (upper - lower) * rng.standard_normal(len(lower))
+        twist = share * np.repeat([_SHIFT * self._size, _TURN], 3) * rng.standard_normal(6)
+        return place.moved(np.clip(place.q + joints, lower, upper) - place.q, twist)
+
+    def _settled(self, places: Iterable[Place]) -> list[Candidate]:
+        """The grasps that begin at these places and are held, the best first."""
+        found = [candidate_of("pinch", grasp, solution) for grasp, solution in self.held(places)]
         return sorted(found, key=lambda one: one.rank)
 
     def _grasp(self, touch: Touch, forces: Array) -> list[HandGrasp]:
@@ -206,13 +234,3 @@ class Search:
         torque = abs(touch.levers.T @ forces) / self._hand.torque_limits
         weakest = float(torque.max(initial=0.0))
         return weakest if weakest > 0.0 else float(forces.sum())
-
-    def _place(self, candidate: Candidate) -> Place:
-        R, o = candidate.object.frame
-        return Place(np.array(candidate.q), np.array(R), np.array(o))
-
-    def _nearby(self, place: Place, rng: np.random.Generator, share: float) -> Place:
-        lower, upper = free_ranges(self._hand)
-        joints = share * _JOINTS * (upper - lower) * rng.standard_normal(len(lower))
-        twist = share * np.repeat([_SHIFT * self._size, _TURN], 3) * rng.standard_normal(6)
-        return place.moved(np.clip(place.q + joints, lower, upper) - place.q, twist)

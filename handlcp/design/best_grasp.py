@@ -1,0 +1,137 @@
+"""The grasp with which a hand does best what a brief asks, of all that a search finds.
+
+Best is a grasp that holds the weight and each load as many times as is asked, and of these the one of the largest
+payload; where none does, the one of the largest factor.
+
+A search for pinches goes round by round. Grasps are followed along their paths, and most of them fall behind the best
+one at the first load, which costs one path. Where a round finds a better one, places around it are tried, too. Each
+round hangs on those before it alone: so with more tries the same search goes on, and what it finds is never worse.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from handlcp.check import Array
+from handlcp.design.brief import WEIGHT, Brief
+from handlcp.design.evaluation import NOT_FOUND, ObjectCase
+from handlcp.design.judged import Known, judged, unloaded
+from handlcp.grasp.answer.verdict import HELD
+from handlcp.grasp.limits.followed import Before
+from handlcp.grasp.model.spec import GraspSpec
+from handlcp.hand.find.candidate import Candidate, candidate_of, checked
+from handlcp.hand.find.clear import Place
+from handlcp.hand.find.find import PINCH, missed, searches_of
+from handlcp.hand.find.pinch import SOLVED, Search, place_of
+from handlcp.hand.hand import Hand
+from handlcp.hand.hand_grasp import HandGrasp
+from handlcp.hand.objects.object import Object
+from handlcp.study.payload.ask import SIX, pulls_of
+
+_TRIALS = 24  # around a better grasp
+_WIDE, _WIDER, _NARROWER = 0.5, 1.5, 0.9  # how far around: at first, after a better one, after any other
+_BELOW = 1e-9  # relative: as much less than the safety need not be exceeded by more
+
+
+def best_grasp(hand: Hand, brief: Brief, obj: Object, known: Known) -> ObjectCase:
+    """Of this object, searched for and judged; NOT FOUND with its reason where there is none."""
+    asked = {"friction": brief.friction, "gravity": (0.0, 0.0, -9.81), **brief.closing}
+    searches = searches_of(hand, obj, brief.kind, asked, hand.tip_numbers("fingers", None), brief.seed)
+    best = _Best(brief, obj)
+    for search in searches:
+        if isinstance(search, Search):
+            _pinches(best, search, brief)
+        else:
+            for one in search.run(brief.tries):
+                if best.may_be(one.grasp):
+                    best.offer(one)
+    if best.one is not None:
+        return judged(brief, obj, best.one, False, known)
+    names, why = (WEIGHT, *brief.loads), missed(obj, searches)
+    return ObjectCase(NOT_FOUND, dict.fromkeys(names, NOT_FOUND), dict.fromkeys(names, 0.0), 0.0, why)
+
+
+def _pinches(best: _Best, search: Search, brief: Brief) -> None:
+    """All rounds of a search."""
+    places, rng = search.places(brief.tries), np.random.default_rng(brief.seed)
+
+    def better(some: list[Place]) -> bool:
+        """Whether one of the grasps from these places is."""
+        found = False
+        for grasp, solution in search.held(some):
+            if best.may_be(grasp):
+                one = candidate_of(PINCH, grasp, solution)
+                found |= bool(checked([one], 1, search.tried, search.refused)) and best.offer(one)
+        return found
+
+    for start in range(0, len(places), SOLVED):
+        some, share = places[start : start + SOLVED], _WIDE
+        if not better(some):
+            if best.holds:
+                return
+        elif len(some) == SOLVED:
+            for _ in range(_TRIALS):
+                near = search.nearby(best.place, rng, share)
+                share *= _WIDER if better([near]) else _NARROWER
+
+
+class _Best:
+    """The best grasp so far."""
+
+    def __init__(self, brief: Brief, obj: Object) -> None:
+        self._brief, self._obj, self._fell_at = replace(brief, orientations=SIX), obj, 0
+        self._case: ObjectCase | None = None
+
+    @property
+    def one(self) -> Candidate | None:
+        """That grasp."""
+        return None if self._case is None else self._case.candidate
+
+    @property
+    def place(self) -> Place:
+        """Where it is."""
+        assert self.one is not None
+        return place_of(self.one.grasp)
+
+    @property
+    def holds(self) -> bool:
+        """Whether it does all that is asked."""
+        return self._case is not None and self._case.word == HELD
+
+    def may_be(self, grasp: HandGrasp) -> bool:
+        """Whether a grasp holds more than the best one; the load at which the last one fell behind comes first."""
+        loads, befores = self._to_hold(grasp), dict[int, Before]()
+        for k in sorted(range(len(loads)), key=lambda k: k != self._fell_at):
+            spec, wrench, factor = loads[k]
+            if id(spec) not in befores:
+                befores[id(spec)] = unloaded(self._brief, spec)
+            if not befores[id(spec)].holds_more(wrench, factor):
+                self._fell_at = k
+                return False
+        return True
+
+    def offer(self, one: Candidate) -> bool:
+        """Take it where it is better than the best one."""
+        known = Known(np.inf, self._brief.safety)  # loads need be followed no further
+        case = judged(self._brief, self._obj, one, False, known)
+        if self._case is not None and _worth(case) <= _worth(self._case):
+            return False
+        self._case = case
+        return True
+
+    def _to_hold(self, grasp: HandGrasp) -> list[tuple[GraspSpec, Array, float]]:
+        """Loads (6,) on a grasp, each with the factor of which a better grasp holds more."""
+        if self._case is None:
+            return []
+        enough = (1.0 - _BELOW) * self._brief.safety
+        least = enough if self.holds else min(self._case.factor, enough)
+        weight = self._case.payload if self.holds else least * self._obj.mass
+        weights = [(*pull, weight) for pull in pulls_of(grasp, self._brief.acceleration)]
+        return weights + [(grasp.spec, load, least) for load in self._brief.loads.values()]
+
+
+def _worth(case: ObjectCase) -> tuple[bool, float]:
+    """What grasps are compared by, the larger the better."""
+    return (True, case.payload) if case.word == HELD else (False, case.factor)
