@@ -60,10 +60,10 @@ def _pinches(best: _Best, search: Search, brief: Brief) -> None:
     def better(some: list[Place]) -> bool:
         """Whether one of the grasps from these places is."""
         found = False
-        for grasp, solution in search.held(some):
-            if best.may_be(grasp):
-                one = candidate_of(PINCH, grasp, solution)
-                found |= bool(checked([one], 1, search.tried, search.refused)) and best.offer(one)
+        hopeful = [candidate_of(PINCH, *held) for held in search.held(some) if best.may_be(held[0])]
+        for one in sorted(hopeful, key=lambda one: one.rank):
+            if best.may_be(one.grasp) and checked([one], 1, search.tried, search.refused):
+                found |= best.offer(one)
         return found
 
     for start in range(0, len(places), SOLVED):

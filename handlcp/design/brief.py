@@ -37,7 +37,8 @@ class Brief:
     most_force : the largest normal force that an object bears at a contact [N], such as 3 N for an egg; None: any.
     safety : > 0: how many times the weight, and each load, must be held.
     kind : of grasp: "pinch", "power" or "any". squeeze, grip_force, closing_torque : how hard the hand closes; these,
-        tries and seed as in `find_grasp`.
+        and seed, as in `find_grasp`. tries : placements to begin with, at most: with more of them the grasp that is
+        found holds what is asked, or as much of it, at least as well.
     `from_toml` reads one from a file, `to_toml` writes it. Raises InputError.
     """
 

@@ -23,9 +23,12 @@ _FEWER = 8  # times fewer places are tried where a grasp is lost on the way from
 def evaluate(hand: Hand, brief: Brief, near: Evaluation | None = None) -> Evaluation:
     """Find grasps of the brief's objects, and judge each by its loading followed in steps.
 
+    Of the grasps that a search finds the one is told that holds all that is asked and then the largest mass; where none
+    does, the one of the largest factor.
+
     near : of a hand that is much the same, such as the neighbour in a sweep: its grasps are brought along, joints and
         object moved until the tips touch, and checked; where one is lost on the way, and for other objects, a grasp is
-        searched for, which takes 20 times as long and more. So the answer hangs on `near`: a search may find better.
+        searched for, which takes ten times as long. So the answer hangs on `near`: a search may find better.
     Raises InputError; what `find_grasp` raises, but for NoGraspFound: that is the word "NOT FOUND".
     """
     if not isinstance(hand, Hand):

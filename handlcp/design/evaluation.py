@@ -92,8 +92,8 @@ class Evaluation(Record):
 
     @property
     def worst_object(self) -> str:
-        """The one with the smallest factor; of several the first."""
-        return min(self.cases, key=lambda name: self.cases[name].factor)
+        """The one with the smallest factor; of several the first of which it is known what gives out."""
+        return min(self.cases, key=lambda name: (self.cases[name].factor, bool(self.cases[name].least)))
 
     @property
     def payload(self) -> float:

@@ -33,7 +33,7 @@ from handlcp.study.payload.ask import ANY, payload, pulls_of
 
 _MOTORS = {TORQUE, TENSION}
 _WORST = (NOT_FOUND, NOT_HELD, UNDECIDED, OVER_LIMIT, HELD)
-_NEWTON = 1e-6  # of a step, of the contacts' radii: factors are the same to 1e-7, and steps take a third less
+_NEWTON = 1e-6  # of a step, of the contacts' radii: factors are the same to 1e-7, to 1e-4 where contacts slide before
 
 _PATIENCE = Patience(500)  # where that many steps lead to no end, more is undecided
 

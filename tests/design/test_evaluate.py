@@ -44,10 +44,20 @@ def test_payload_and_factors_are_those_of_single_calls(found):
     assert found.verdicts == {"box": case.verdicts}
 
 
+def test_more_tries_never_hold_less():
+    """Of the same seed: the search goes on from where it was, and judges grasps as the brief does."""
+    hand, ball = hl.finger_hand(), {"ball": hl.Sphere(0.03, mass=0.1)}
+    asked = [brief(objects=ball, loads={"push": [1.0, 0, 0, 0, 0, 0]}, tries=tries) for tries in (2, 6, 16, 20)]
+    found = [hl.evaluate(hand, one) for one in asked]
+    worth = [(one.holds, one.payload if one.holds else one.factor) for one in found]
+    assert worth == sorted(worth)
+    assert worth[0] < worth[-1]
+
+
 def test_hands_are_compared_by_the_worst_object_and_others_are_followed_no_further():
     """Payload, factor, verdicts and what gives out are those of `evaluate`, to what the steps tell."""
-    things = {"ball": hl.Sphere(0.03, mass=0.05), "box": BOX, "can": hl.Cylinder(0.025, 0.08, mass=0.1)}
-    asked = brief(objects=things, safety=1.1)
+    things = {"ball": hl.Sphere(0.03, mass=0.05), "can": hl.Cylinder(0.025, 0.08, mass=0.1)}
+    asked = brief(objects=things, safety=1.1, tries=8)
     before = hl.evaluate(hand(), asked)
     whole, worst = hl.evaluate(hand(), asked, before), evaluate_worst(hand(), asked, before)
     assert [worst.payload, worst.factor] == pytest.approx([whole.payload, whole.factor], rel=1e-4)
@@ -108,7 +118,7 @@ def test_the_grasp_of_a_neighbour_is_brought_along(found):
     softer = hl.evaluate(hand(0.9), brief(), near=found).cases["box"]
     assert softer.continued
     assert softer.payload != same.payload
-    assert softer.payload == pytest.approx(softer.candidate.grasp.payload().mass, rel=1e-5)
+    assert softer.payload == pytest.approx(softer.candidate.grasp.payload().mass, rel=1e-4)
 
 
 def test_another_hand_does_not_take_grasps_of_other_joints(found):

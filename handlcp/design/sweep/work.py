@@ -22,7 +22,7 @@ from handlcp.design.space import Value
 from handlcp.errors import InputError
 from handlcp.hand.hand import Hand
 
-HEADS = 3  # designs of a cell that search for their grasps: a search may find a poor one
+HEADS = 1  # designs of a cell that search for their grasps, and that many at least
 MOST_HEADS = 8  # where none of so many grasps an object, the others of the cell search for themselves
 DESIGN, ERROR = "design", "error"  # columns beside the parameters and what `Evaluation.to_row` has
 
