@@ -8,6 +8,7 @@ pytest.importorskip("mujoco")
 
 from handlcp.simulator import compare, simulate_limit
 from tests.design.hands import cube_grasp
+from tests.design.optima import run
 from tests.examples.test_examples import script
 
 SAFETY = 1.5
@@ -41,3 +42,10 @@ def test_an_optimised_hand_holds_a_third_more_with_the_same_motors_and_mujoco_lo
     assert held.mass > 1.3 * before.payload
     found = simulate_limit(grasp.replace(mass=0.0), held.worst.limit.wrench, 1.1 * held.mass)
     assert 0.95 * held.mass < found.factor < 1.1 * held.mass
+
+
+@pytest.mark.long
+def test_an_optimisation_gives_back_what_mujoco_holds_where_that_is_asked_for():
+    best = run(budget=6, mujoco=True)
+    grasp = best.evaluation().cases["object"].candidate.grasp
+    assert compare(grasp).simulation.held

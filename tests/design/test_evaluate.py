@@ -47,7 +47,7 @@ def test_payload_and_factors_are_those_of_single_calls(found):
 def test_more_tries_never_hold_less():
     """Of the same seed: the search goes on from where it was, and judges grasps as the brief does."""
     hand, ball = hl.finger_hand(), {"ball": hl.Sphere(0.03, mass=0.1)}
-    asked = [brief(objects=ball, loads={"push": [1.0, 0, 0, 0, 0, 0]}, tries=tries) for tries in (2, 6, 16, 20)]
+    asked = [brief(objects=ball, loads=None, tries=tries) for tries in (1, 4, 16)]
     found = [hl.evaluate(hand, one) for one in asked]
     worth = [(one.holds, one.payload if one.holds else one.factor) for one in found]
     assert worth == sorted(worth)

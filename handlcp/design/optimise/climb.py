@@ -45,7 +45,7 @@ def climb(trials: Trials, aim: Aim, needs: Sequence[Requirement], seed: int, sta
     space = trials.space
     count = int(np.prod([len(e.values) for e in space.free.values() if isinstance(e, Choices)]))
     cube = space.sobol(min(_SAMPLES * len(space) * count, _MOST), seed)
-    first = trials.tried(cube if start is None else np.vstack([start, cube]))
+    first = trials.tried(cube if start is None else np.vstack([start, cube]), {})
     if not space.ranges:
         return
     own = dict[Any, list[int]]()  # choices → designs with them, the best first

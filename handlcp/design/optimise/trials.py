@@ -25,7 +25,6 @@ from handlcp.design.sweep.journal import Journal
 from handlcp.design.sweep.work import (
     DESIGN,
     ERROR,
-    HEADS,
     Maker,
     Numbered,
     Row,
@@ -40,6 +39,7 @@ from handlcp.grasp.batch.run import Jobs
 
 NEAR = "near"  # column: the designs from whose grasps a design started, one for each object; "" for a search
 _NONE = "-"
+_HEADS = 3  # designs of the same choices that search for their grasps, where nothing comes before them
 SLOPES = "slopes"  # key in a journal: samples for derivatives
 Starts = dict[str, int]  # object → number of the design that it starts from
 MOVED = 1e-3  # of the cube's side: designs that are nearer to each other than this have the same grasps
@@ -108,7 +108,7 @@ class Trials:
         for key, u in new:
             mine = self._kind(u)
             heads = sum(self._kind(v) == mine for _, v in first)
-            (first if mine not in kinds and heads < HEADS else others).append((key, u))
+            (first if mine not in kinds and heads < _HEADS else others).append((key, u))
         return [first, others]
 
     def _wave(self, wave: list[tuple[Any, Array]], given: Starts | None, last: bool) -> None:
