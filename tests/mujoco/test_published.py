@@ -1,11 +1,13 @@
-"""Tests that others publish, again in MuJoCo: levers of a finger, a ball that is pulled out, one that is really shaken."""
+"""Tests that others publish, again in MuJoCo: levers of a finger, a ball that is pulled out, one that is shaken."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-mujoco = pytest.importorskip("mujoco")
+pytest.importorskip("mujoco")
+
+import mujoco
 
 import handlcp as hl
 from handlcp.simulator import SimulatorSettings, simulate_limit
