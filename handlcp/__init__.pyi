@@ -120,6 +120,11 @@ from .study.envelope.result import Envelope as Envelope
 from .study.grip_strength.measure import split_cylinder as split_cylinder
 from .study.grip_strength.result import SplitCylinder as SplitCylinder
 from .study.payload.result import Payload as Payload
+from .study.published.finger_result import FingerStrength as FingerStrength
+from .study.published.finger_strength import finger_strength as finger_strength
+from .study.published.lift_and_shake import lift_and_shake as lift_and_shake
+from .study.published.lift_result import LiftAndShake as LiftAndShake
+from .study.published.slip_resistance import SlipResistance as SlipResistance, slip_resistance as slip_resistance
 from .study.reliability.interval import Chance as Chance, Influence as Influence
 from .study.reliability.result import Reliability as Reliability, Sample as Sample
 from .study.reliability.study import reliability as reliability

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import json
 import pathlib
 import re
 import tomllib
@@ -55,6 +56,15 @@ def test_every_effect_that_is_asked_for_by_name_has_a_place_in_how_to_choose_or_
     assert len(asked) > 6
     assert {name for name in asked if f"hl.{name}(" not in page} == set()
     assert len(entries()) == text(DOCS.parent / "handlcp" / "grasp" / "effects" / "README.md").count("\n### ")
+
+
+def test_the_front_page_has_a_row_for_each_hand_of_the_gallery_with_what_it_holds_there():
+    rows = re.findall(r"^\| (\w+) \| .*? \| (\d+) of (\d+) \|", text(DOCS / "index.md"), re.M)
+    shelves = [json.loads(text(file)) for file in sorted((DOCS / "gallery").glob("*.json"))]
+    held = {one["hand"]: [row["verdict"] == "HELD" for row in one["rows"]] for one in shelves}
+    held.pop("allegro_left")  # as the right one
+    told = {hand: (int(some), int(every)) for hand, some, every in rows}
+    assert told == {hand: (sum(every), len(every)) for hand, every in held.items()}
 
 
 def test_every_extra_is_on_the_front_page():

@@ -30,8 +30,8 @@ def test_a_task_takes_at_most_fifteen_lines_and_no_private_name(file):
     assert not [n.attr for n in ast.walk(tree) if isinstance(n, ast.Attribute) and n.attr.startswith("_")]
 
 
-def test_there_are_fourteen_tasks():
-    assert len(TASKS) == 14
+def test_there_are_fifteen_tasks():
+    assert len(TASKS) == 15
 
 
 @pytest.mark.long
@@ -172,3 +172,14 @@ def test_the_split_cylinder_measures_what_one_half_presses_on_the_other():
     half = contacts.forces[contacts.positions @ pinch.normal > 0.0].sum(axis=0)
     assert -half @ pinch.normal == pytest.approx(pinch.force, rel=1e-6)
     assert task["picture"].stat().st_size > 10_000
+
+
+@pytest.mark.long
+def test_published_tests_have_the_numbers_of_levers_and_friction():
+    task = ran("published_tests")
+    hand, slip, shaken = task["hand"], task["slip"], task["shaken"]
+    straight = next(row for row in task["strength"].rows if row.posture == "neutral")
+    assert straight.force == pytest.approx(hand.torque_limits[0] / 0.09, rel=1e-6)  # links of 50 and 40 mm
+    both = 0.5 * (slip.along.factor + slip.against.factor)  # fingers turn, and press less one way, more the other
+    assert both == pytest.approx(3 * 0.6 * 4.0, rel=0.05)
+    assert shaken.passed

@@ -21,6 +21,7 @@ from tests.design import optima
 from tests.design.hands import pinch as levers
 from tests.hand.conftest import MIMIC
 from tests.study.test_gallery import made
+from tests.support.published import gripper
 from tests.support.records import described, doc_of, kinds, plain, within
 from tests.support.texts import same
 
@@ -60,6 +61,11 @@ def motors():
         return levers(Path(folder)).required_torque({"down": PUSH, "up": PUSH})
 
 
+def lifted():
+    with TemporaryDirectory() as folder:
+        return hl.lift_and_shake(gripper(Path(folder), 10.0), 1.0, 0.08, friction=0.5, tries=4)
+
+
 def simulated(make):
     pytest.importorskip("mujoco")
     return make()
@@ -97,6 +103,9 @@ EXAMPLES = {
     "Envelope": lambda: hl.envelope(held(), directions=6, geometry="fixed", faces=8),
     "Payload Orientation": lambda: held().payload(geometry="fixed", faces=8),
     "SplitCylinder Grip": lambda: hl.split_cylinder(hand(), 0.05, grasps=["pinch"]),
+    "FingerStrength FingerForce": lambda: hl.finger_strength(hand()),
+    "SlipResistance": lambda: hl.slip_resistance(pinch(), (0, 0, 1)),
+    "LiftAndShake Shaken": lifted,
     "Evaluation ObjectCase": lambda: hl.evaluate(hand(), hl.Brief({"ball": hl.Sphere(0.03, mass=0.1)}, tries=16)),
     "Best Kink": lambda: replace(optima.run(budget=2), kinks=(hl.Kink("force", "payload by force …", 1.0, 2.0),)),
     "Envelope, of wrenches": lambda: hl.envelope(pinch(), np.eye(6)),

@@ -12,6 +12,7 @@ from handlcp.hand import HandGrasp, HandGraspSolution
 from handlcp.lazy import lazy
 from handlcp.record import Record
 from handlcp.study.grip_strength.across import Around
+from handlcp.study.sources import GRASP_STRENGTH
 from handlcp.text_table import wrapped
 from handlcp.views import view
 
@@ -69,16 +70,17 @@ class SplitCylinder(Record):
     """What a split cylinder measures in a hand; made by `split_cylinder`.
 
     diameter, length [m] : of the cylinder. power, pinch : the grasps; None where there is none, or it was not asked
-    for. missing : by kind, why there is none.
+    for. missing : by kind, why there is none. source : the documents that have the test.
     """
 
-    entries = ("diameter_m", "length_m", "power", "pinch", "missing")
+    entries = ("source", "diameter_m", "length_m", "power", "pinch", "missing")
 
     diameter: float
     length: float
     power: Grip | None
     pinch: Grip | None
     missing: dict[str, str] = field(default_factory=dict)
+    source: str = GRASP_STRENGTH
 
     @property
     def grips(self) -> tuple[Grip, ...]:
