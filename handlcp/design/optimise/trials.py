@@ -154,6 +154,7 @@ class Trials:
         with Jobs[int](self._renewed()) as jobs:
             for k, task in enumerate(tasks):
                 jobs.send(k, _called, (work, task))
+                yield from jobs.done(wait=False)  # in this process all are done at once
             while len(jobs):
                 yield from jobs.done(wait=True)
 
