@@ -18,13 +18,13 @@ def make(force, distal=0.04):
 
 def brief(force):
     """Held with as many times the force."""
-    return hl.Brief(hl.Sphere(0.03, mass=0.1 * force), friction=0.6, grip_force=5.0 * force, tries=8)
+    return hl.Brief(hl.Sphere(0.03, mass=0.1 * force), friction=0.6, grip_force=5.0 * force, tries=2)
 
 
 def heavy(mass):
     """The heavier the object, the smaller the pull."""
     loads = {"pull": (0.0, 0.0, 0.0, 0.0, 0.0, 0.02 * (1.2 - mass))}
-    return hl.Brief(hl.Sphere(0.03, mass=mass), loads=loads, friction=0.6, grip_force=5.0, tries=8)
+    return hl.Brief(hl.Sphere(0.03, mass=mass), loads=loads, friction=0.6, grip_force=5.0, tries=2)
 
 
 def one_hand(**_):
