@@ -33,5 +33,5 @@ def run(out=None, executor="serial", **changed):
 
 def run_without_hands(out, make=no_hand, **changed):
     """The sweep of designs that fail."""
-    given = {"sampling": "lhs", "samples": 100, "executor": "serial", "progress": False, **changed}
-    return hl.sweep(make, NO_HANDS, hl.Brief(hl.Sphere(0.03)), out=out, **given)
+    given = {"sampling": "lhs", "samples": 100, "executor": "serial", "progress": False, "space": NO_HANDS, **changed}
+    return hl.sweep(make, brief=hl.Brief(hl.Sphere(0.03)), out=out, **given)

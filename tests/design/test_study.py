@@ -25,15 +25,16 @@ FOUR = told([
 ])  # fmt: skip
 
 
-def test_the_best_are_sorted_and_what_is_not_known_is_left_out():
-    assert FOUR.best(10).columns["design"] == [1, 0, 3]
-    assert FOUR.best(1, by="-torque").columns["design"] == [2]
+def test_the_best_are_sorted_those_that_hold_first_and_what_is_not_known_is_left_out():
+    assert FOUR.best(10).columns["design"] == [0, 3, 1]
+    assert FOUR.best(1, by="-torque").columns["design"] == [0], "a hand that drops its object needs no torque"
     assert FOUR.best(10, by="payload", held=True).columns["design"] == [0, 3]
 
 
 def test_the_front_takes_names_of_columns_and_of_evaluations():
     for by in ((), ("payload", "-torque"), ("payload_kg", "-torque_Nm"), ("payload", "-motor_torque")):
-        assert FOUR.pareto(*by).columns["design"] == [1, 0]
+        assert FOUR.pareto(*by, held=False).columns["design"] == [1, 0]
+        assert FOUR.pareto(*by).columns["design"] == [0], "of those that hold"
     with pytest.raises(hl.UnknownName, match="payload_kg"):
         FOUR.pareto("paylod_kg")
     with pytest.raises(hl.InputError, match="has words"):
@@ -48,6 +49,7 @@ def test_a_design_is_on_the_front_exactly_if_none_beats_it(rows):
 
 def test_a_study_prints_counts_and_its_first_rows():
     assert str(FOUR).startswith("4 designs, 2 hold what the brief asks.")
+    assert str(FOUR.best(3)).startswith("the best 3 of 4 designs by payload_kg, 2 hold what the brief asks.")
     assert len(list(FOUR)) == 4
     assert FOUR.to_frame()["payload_kg"].tolist()[:2] == [1.0, 3.0]
 

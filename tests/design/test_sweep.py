@@ -59,7 +59,7 @@ def test_a_table_is_read_as_the_same_bits(study, tmp_path, end):
 
 @pytest.mark.parametrize("end", ["parquet", "csv"])
 def test_words_stay_words_and_numbers_numbers(tmp_path, end):
-    space = {"word": ["3", "4"], "whole": [1, 2], "number": (1.0, 2.0), "switch": [True, False], "fixed": "5"}
+    space = {"word": ["3", ""], "whole": [1, 2], "number": (1.0, 2.0), "switch": [True, False], "fixed": "5"}
 
     def fails(**values):
         raise RuntimeError('a "quoted", word\nand a line')
@@ -107,6 +107,29 @@ def test_a_hand_is_varied_by_the_names_that_the_brief_does_not_take():
     assert found.columns["error"] == [None]
     with pytest.raises(hl.UnknownName, match=r"did you mean 'finger_1_distal.stiffness'"):
         hl.sweep(hand, {"finger_1_distal.stifness": (3.0, 5.0), "friction": 0.7}, brief, samples=1)
+
+
+def test_a_design_that_ends_the_program_is_a_row_and_ctrl_c_is_not():
+    def exits(x, kind):
+        sys.exit(f"no {kind}")
+
+    assert set(run_without_hands(None, make=exits, samples=4).columns["error"]) == {
+        "SystemExit: no a",
+        "SystemExit: no b",
+    }
+
+    def interrupted(x, kind):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_without_hands(None, make=interrupted, samples=4)
+
+
+@pytest.mark.parametrize("end", ["parquet", "csv"])
+def test_what_nothing_ends_is_infinite_in_tables(tmp_path, end):
+    rows = [{"design": k, "x": 0.5, "factor": factor} for k, factor in enumerate((1.5, float("inf"), None))]
+    write_table(tmp_path / f"a.{end}", {"space": {"x": {"low": 0.0, "high": 1.0}}}, rows)
+    assert hl.Study.load(tmp_path / f"a.{end}").columns["factor"] == [1.5, float("inf"), None]
 
 
 def test_any_executor_will_do_and_is_left_open(study):
@@ -217,6 +240,32 @@ def test_a_damaged_journal_is_refused(tmp_path):
         run_without_hands(out)
 
 
+def test_a_damaged_row_is_computed_again_in_the_journal_and_in_the_table(tmp_path):
+    out = tmp_path / "study.csv"
+    _stopped(out, 20)
+    first, row, *rows = beside(out).read_text().split("\n")
+    beside(out).write_text("\n".join([first, row.replace("a 0.", "b 0.").replace("b 0.", "c 0."), *rows]))
+    whole = bits(run_without_hands(None))
+    assert bits(run_without_hands(out)) == whole
+    first, row, *rows = out.read_text().split("\n")
+    out.write_text("\n".join([first, row.replace("0.", "0.1", 1), *rows]))
+    assert bits(run_without_hands(out)) == whole == bits(hl.Study.load(out))
+
+
+def test_a_file_has_one_run_at_a_time(tmp_path):
+    out, said = tmp_path / "study.csv", []
+
+    def again(done, total):
+        if not said:
+            with pytest.raises(hl.InputError, match="another run is writing now") as caught:
+                run_without_hands(out)
+            said.append(caught.value.argument)
+
+    run_without_hands(out, progress=again)
+    assert said == ["out"]
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["study.csv", "study.csv.json"]
+
+
 def _stopped(out, after):
     """A sweep that Ctrl-C stops; its rows so far."""
 
@@ -247,6 +296,8 @@ def test_what_is_there_when_it_is_interrupted_is_kept(tmp_path):
         ({"samples": 101}, r"the samples \(100, now 101\)"), ({"seed": 1}, r"the seed \(0, now 1\)"),
         ({"sampling": "sobol"}, r"the sampling \('lhs', now 'sobol'\)"),
         ({"make": lambda x, kind: None}, "how hands are made"),
+        ({"space": dict(reversed(NO_HANDS.items()))}, r"the space \(another order\)"),
+        ({"space": NO_HANDS | {"kind": ["a", "c"]}}, r"the space \(kind: \['a', 'b'\], now \['a', 'c'\]\)"),
     ],
 )  # fmt: skip
 def test_another_sweep_is_not_written_into_the_same_file(tmp_path, changed, said, stopped):
@@ -313,7 +364,8 @@ def test_another_brief_is_another_sweep_and_the_same_one_made_again_is_not(tmp_p
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ({"sampling": "random"}, "sampling"), ({"samples": 0}, "samples"), ({"executor": 3}, "executor"),
+        ({"sampling": "random"}, "sampling"), ({"samples": 0}, "samples"), ({"samples": None}, "how many designs"),
+        ({"executor": 3}, "executor"),
         ({"out": "study.xlsx"}, r"\.parquet or \.csv"), ({"out": "nowhere/study.csv"}, "a folder that exists"),
         ({"space": {"z": (0, 1)}}, "make: expected a function of z"), ({"brief": 3}, "brief: expected a Brief"),
         ({"space": {**NO_HANDS, "z": 1}}, "space: expected parameters that make or brief takes, got z"),
