@@ -137,6 +137,8 @@ class Space:
         samples : how many levels, at least 2, each range has, its ends among them; or a mapping of the names of the
             ranges to them. Choices have all of theirs. Raises InputError, UnknownName.
         """
+        if samples is None and self.ranges:
+            raise InputError("samples", "how many levels each range has, such as samples=4", "none")
         counts = dict.fromkeys(self.ranges, samples)
         if isinstance(samples, Mapping):
             if unknown := [str(name) for name in samples if name not in counts]:

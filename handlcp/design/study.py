@@ -18,7 +18,7 @@ from handlcp.design.sweep.journal import beside, read
 from handlcp.design.sweep.same import check_same, digest
 from handlcp.design.sweep.table import checked_table, columns_of, read_table
 from handlcp.design.sweep.work import DESIGN, ERROR, Maker, Row, in_order
-from handlcp.errors import InputError, UnknownName, brief as shortly
+from handlcp.errors import InputError, UnknownName, brief as shortly, keyed
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.record import data_frame, entry
 from handlcp.text_table import TextTable, wrapped
@@ -55,7 +55,8 @@ class Study:
         make, brief : as of `sweep`, for `page`, which makes hands again. Raises InputError, also for another `make` or
         brief than the sweep's; Unsupported for Parquet without pyarrow.
         """
-        file = checked_table(path)
+        with keyed({"out": "path"}):
+            file = checked_table(path)
         if file.exists() or not beside(file).exists():
             sweep, rows = read_table(file)
         else:
@@ -123,6 +124,8 @@ class Study:
 
     def column_of(self, name: Any) -> str:
         """The column of a name, without its minus. Raises UnknownName."""
+        if not self.columns:
+            raise InputError("study", "designs", "none so far")
         bare = str(name).removeprefix("-")
         named = {entry(line).path: entry(line).key for line in Evaluation.entries} | ALIASES
         for known in (bare, named.get(bare)):

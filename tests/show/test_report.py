@@ -110,7 +110,12 @@ def test_a_grasp_that_there_is_none_of_has_no_picture_and_equal_ones_the_same(fo
     assert one.startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize("given", [[], ["two_finger", "three_finger"], hl.Sphere(0.03), "hands"])
+def test_what_is_no_hand_among_hands_is_named(hands, tmp_path):
+    with pytest.raises(hl.InputError, match=r"hands\[1\]: expected a Hand, got 'x'"):
+        hl.report([hands["short"], "x"], BRIEF, tmp_path / "report.html")
+
+
+@pytest.mark.parametrize("given", [[], hl.Sphere(0.03), "hands"])
 def test_what_are_no_hands_is_told(given, tmp_path):
     with pytest.raises(hl.InputError, match="at least two hands"):
         hl.report(given, BRIEF, tmp_path / "report.html")

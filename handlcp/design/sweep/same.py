@@ -119,10 +119,12 @@ def _asked(brief: Brief) -> list[Any]:
 
 
 def _floats(value: Any) -> Any:
-    """Numbers, in mappings and rows."""
+    """Numbers, also in mappings and rows."""
     if isinstance(value, Mapping):
         return {str(name): _floats(one) for name, one in value.items()}
-    return float(value) if np.ndim(value) == 0 else [_floats(one) for one in value]
+    if isinstance(value, list | tuple | np.ndarray):
+        return [_floats(one) for one in value]
+    return float(value) if isinstance(value, int | float | np.generic) else value
 
 
 def _numbers(hand: Hand) -> list[Any]:

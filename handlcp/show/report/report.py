@@ -63,8 +63,11 @@ def _named(hands: Any) -> dict[str, Hand]:
         named = {f"hand {k}": hand for k, hand in enumerate(hands, 1)}
     else:
         raise InputError("hands", expected, repr(hands)[:80])
-    if len(named) < 2 or not all(isinstance(hand, Hand) for hand in named.values()):
-        raise InputError("hands", expected, repr(hands)[:80])
+    if len(named) < 2:
+        raise InputError("hands", expected, f"{len(named)}")
+    for key, hand in zip(hands if isinstance(hands, Mapping) else range(len(named)), named.values(), strict=True):
+        if not isinstance(hand, Hand):
+            raise InputError(f"hands[{key!r}]", "a Hand", repr(hand)[:80])
     return named
 
 
