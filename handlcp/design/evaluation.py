@@ -67,7 +67,12 @@ class ObjectCase(Record):
         """The factor of a load, or the smallest, as it is printed: "≥ 1.5" where it may be more."""
         factor, first = self.factors.get(load, self.factor), min(self.factors, key=lambda name: self.factors[name])
         more = self.at_least or (load not in ("", first) and self.verdicts[load] == HELD)
-        return _at_least(factor, more)
+        return shown(factor, more)
+
+    @property
+    def mass(self) -> str:
+        """The payload as it is printed."""
+        return f"{shown(self.payload, self.at_least)} kg"
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,7 +167,7 @@ class Evaluation(Record):
     @property
     def _in_all(self) -> str:
         word = "every object is held" if self.holds else f"not every object is held: {self.worst_object} is the worst"
-        return f"{word}. First gives out: {self.gives_out}"
+        return f"{word}. First gives out: {self.gives_out or 'nothing up to that'}"
 
     def _most(self, name: str) -> float:
         known = [value for case in self.cases.values() if not np.isnan(value := getattr(case, name))]
@@ -171,7 +176,7 @@ class Evaluation(Record):
     def __str__(self) -> str:
         head = wrapped(f"{self._in_all}.")
         rows = [
-            (name, case.word, case.times(), _at_least(case.payload, case.at_least), _of(case.force),
+            (name, case.word, case.times(), shown(case.payload, case.at_least), _of(case.force),
              _percent(case.torque_used), _of(1e3 * case.motion))
             for name, case in self.cases.items()
         ]  # fmt: skip
@@ -183,8 +188,8 @@ class Evaluation(Record):
         return f"Evaluation(payload={self.payload:.6g}, {said})"
 
 
-def _at_least(value: float, more: bool) -> str:
-    """Of a number that is held. more : it may be more."""
+def shown(value: float, more: bool) -> str:
+    """A number that is held, as it is printed. more : it may be more."""
     return "any" if value == np.inf else f"{'≥ ' if more else ''}{value:.3g}"
 
 

@@ -105,7 +105,7 @@ def test_the_file_is_the_same_hand_and_is_written_whole_or_not_at_all(tmp_path):
     ({"ranges": {"finger_2": [(0, 1)] * 3}}, r"ranges\['finger_2'\]"),
     ({"coupling": (0.5, 0.5)}, "coupling"),
     ({"coupling": {"finger_1": (0.5, 0.5)}}, r"coupling\['finger_1'\]"),
-    ({"link_lengths": (50, 40)}, r"link_lengths\[0\]: expected a length in metres .*\(if millimetres are meant, 0.05\)"),
+    ({"link_lengths": (50, 40)}, r"link_lengths\[0\]: .*metres .*\(if millimetres are meant, 0.05\)"),
     ({"palm_radius": 40}, "palm_radius: .*metres"), ({"tip_radius": 8}, "tip_radius: .*metres"),
     ({"angles": (0, 120, 240)}, r"angles\[1\]: expected an angle in radians .*\(if degrees are meant, 2.094\)"),
     ({"tilt": 20}, "tilt: .*radians"), ({"ranges": (0, 90)}, "ranges: .*radians"),

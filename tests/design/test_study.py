@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
 import handlcp as hl
-from tests.support.sweeps import Space, main_effect, not_beaten
+from tests.support.sweeps import Space, main_effect, not_beaten, parameter
 
 
 def told(rows, space=None):
@@ -95,8 +95,22 @@ def test_the_figure_has_the_front_the_lines_and_a_panel_for_each_parameter(tmp_p
     titles = [ax.get_title(loc="left").partition(":")[0] for ax in figure.axes]
     assert titles == ["Designs, and the front", "Designs as lines, the front coloured", "x", "kind", "k"]
     assert told(rows, space.to_dict()).plot(tmp_path / "a.png").stat().st_size > 10_000
+    words = [text.get_text() for text in figure.texts]
+    assert any("(rough: from 40 designs)" in text for text in words), "shares of so few designs"
+    front = told(rows, space.to_dict()).pareto().columns["design"]
+    assert [text.get_text() for text in figure.axes[0].texts] == [str(k) for k in sorted(front)]
+    lost = told([{**row, "holds": False} for row in rows], space.to_dict()).plot()
+    assert lost.axes[0].get_title(loc="left") == "Designs"
+    assert any("There is no front" in text.get_text() for text in lost.texts)
+    assert not lost.axes[0].texts
     with pytest.raises(hl.InputError, match="two columns"):
         told(rows, space.to_dict()).plot(by=("payload",))
+
+
+def test_parameters_have_units_where_their_names_say_them():
+    names = {"finger_1_distal.length": "m", "joint_stiffness": "N·m/rad", "palm_radius": "m", "brief.most_force": "N",
+             "brief.friction": "", "length_m": "m", "length": "", "*.pad": "m/N"}  # fmt: skip
+    assert {name: parameter(name) for name in names} == names
 
 
 def test_a_study_that_was_loaded_needs_to_know_how_hands_are_made_for_its_page(tmp_path):

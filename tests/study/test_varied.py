@@ -100,7 +100,8 @@ def test_round_fingertips_of_the_file_have_a_radius_too():
 @pytest.mark.parametrize(
     ("names", "fact"),
     [
-        ((), "names: expected .*at least one"), ((LENGTH, LENGTH), "names: expected .*each once"), (3, "names: expected"),
+        ((), "names: expected .*at least one"), ((LENGTH, LENGTH), "names: expected .*each once"),
+        (3, "names: expected"),
         (("finger_9_distal.length",), "names: expected a number of the hand .*did you mean 'finger_3_distal.length'"),
     ],
 )  # fmt: skip
