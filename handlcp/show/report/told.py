@@ -12,7 +12,7 @@ from handlcp.design.brief import Brief
 from handlcp.design.evaluation import Evaluation, shown
 from handlcp.grasp.friction import as_law
 from handlcp.hand import YCB, Box, Cylinder, Ellipsoid, Hand, Object, Sphere
-from handlcp.show.report.numbers import differing
+from handlcp.show.report.differing import differing
 
 _ALIKE = 0.01  # numbers that differ by a smaller share are alike
 
