@@ -109,8 +109,9 @@ def test_the_figure_has_the_front_the_lines_and_a_panel_for_each_parameter(tmp_p
 
 def test_parameters_have_units_where_their_names_say_them():
     names = {"finger_1_distal.length": "m", "joint_stiffness": "N·m/rad", "palm_radius": "m", "brief.most_force": "N",
-             "brief.friction": "", "length_m": "m", "length": "", "*.pad": "m/N"}  # fmt: skip
-    assert {name: parameter(name) for name in names} == names
+             "brief.friction": "", "length": "", "*.pad": "m/N"}  # fmt: skip
+    assert {name: parameter(name) for name in names} == {name: (name, unit) for name, unit in names.items()}
+    assert parameter("link_length_m") == ("link_length", "m")
 
 
 def test_a_study_that_was_loaded_needs_to_know_how_hands_are_made_for_its_page(tmp_path):

@@ -26,14 +26,17 @@ def label(column: str) -> str:
     return f"{name.replace('_', ' ')} [{unit}]" if unit else column.removeprefix("-").replace("_", " ")
 
 
-def parameter(name: str) -> str:
-    """The unit of a parameter that is called as in `Hand.vary`, in `finger_hand` or "brief.motion", or by a name that
-    ends in its unit, such as "length_m"; "" of others.
+def parameter(name: str) -> tuple[str, str]:
+    """What a parameter is called, and its unit: of one that is called as in `Hand.vary`, in `finger_hand` or
+    "brief.motion", or by a name that ends in its unit, such as "length_m"; "" of others.
     """
     if name.startswith("brief."):
-        return _BRIEF.get(name.removeprefix("brief."), "")
+        return name, _BRIEF.get(name.removeprefix("brief."), "")
     what = name.rpartition(".")[2] if "." in name else COMMON.get(name, "")
-    return OF_HANDS.get(what, "") or _NUMBERS.get(name, "") or label(name).partition(" [")[2].rstrip("]")
+    if unit := OF_HANDS.get(what, "") or _NUMBERS.get(name, ""):
+        return name, unit
+    unit = label(name).partition(" [")[2].rstrip("]")
+    return (name.rpartition("_")[0], unit) if unit else (name, "")
 
 
 def places(study: Study) -> Array:

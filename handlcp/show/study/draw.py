@@ -109,9 +109,9 @@ def _lines(ax: Any, study: Study, cube: Array, wanted: Array, on: Bools, by: Seq
     ax.set(xlim=(-0.1, at[-1] + 0.1), ylim=(-0.04, 1.04), yticks=[])
     ax.spines["left"].set_visible(False)
     ax.grid(visible=False)
-    names = shortened([*study.space.free, *[label(name) for name in by]], 16)
-    units = [parameter(name) for name in study.space.free]
-    names = [f"{name}\n[{unit}]" if unit else name for name, unit in zip(names, [*units, "", ""], strict=True)]
+    told = [*[parameter(name) for name in study.space.free], *[(label(name), "") for name in by]]
+    short = shortened([name for name, _ in told], 16)
+    names = [f"{name}\n[{unit}]" if unit else name for name, (_, unit) in zip(short, told, strict=True)]
     ax.set_xticks(at, names, rotation=0 if len(at) <= 6 else 30, ha="center" if len(at) <= 6 else "right")
     ends = [ticks(entry) for entry in study.space.free.values()]
     ends += [([0.0, 1.0], [f"{a:.3g}", f"{b:.3g}"]) for a, b in zip(low, high, strict=True)]
@@ -134,7 +134,8 @@ def _effects(made: Figure, study: Study, effects: dict[str, MainEffect], top: fl
         place = (0.05 + column * wide, 1 - (top + row * EFFECT + 1.25) / tall, 0.8 * wide, 1.25 / tall)
         ax, effect = made.add_axes(place), effects[name]
         share = "" if np.isnan(effect.index) else f": {100 * max(effect.index, 0.0):.0f} %"
-        panel(ax, shortened([name], 24)[0] + share, parameter(name), "")
+        called, unit = parameter(name)
+        panel(ax, shortened([called], 24)[0] + share, unit, "")
         if not len(effect.means):
             say(ax, "nothing is known")
             continue

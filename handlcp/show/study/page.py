@@ -85,10 +85,16 @@ def _design(study: Study, row: dict[str, Any], found: Evaluation, meshes: Meshes
     numbers = [[label(column), row[column]] for column in _NUMBERS if row.get(column) is not None]
     return content(drawn, [of_solution(grasp, solution, drawn.acts_at)], None, None, meshes) | {
         "design": row["design"], "object": name, "word": case.word,
-        "parameters": [[f"{key} [{unit}]" if (unit := parameter(key)) else key, row[key]] for key in study.names],
+        "parameters": [[_called(key), row[key]] for key in study.names],
         "numbers": numbers,
         "objects": [[key, one.word, one.payload, one.factor, one.at_least] for key, one in found.cases.items()],
     }  # fmt: skip
+
+
+def _called(name: str) -> str:
+    """A parameter with its unit."""
+    called, unit = parameter(name)
+    return f"{called} [{unit}]" if unit else called
 
 
 def _notes(front: Study, shown: Study) -> list[str]:
