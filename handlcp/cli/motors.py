@@ -27,7 +27,7 @@ from handlcp.cli.app import (
     sides_of,
     titled,
 )
-from handlcp.errors import InputError, brief
+from handlcp.errors import InputError, brief, keyed
 from handlcp.grasp.parameter import parameters
 from handlcp.hand import HandGrasp
 from handlcp.hand.design.motors import RequiredTorque
@@ -76,7 +76,6 @@ def motors(
     every load, 1 otherwise, 2 bad input.
     """
     from handlcp import scene as scenes
-    from handlcp.scene.scene_tables import keyed
 
     bought = None if motor is None else _motor(motor, efficiency)
     read = scenes.load(scene)

@@ -48,7 +48,7 @@ def best_grasp(hand: Hand, brief: Brief, obj: Object, known: Known) -> ObjectCas
                 if best.may_be(one.grasp):
                     best.offer(one)
     if best.one is not None:
-        return judged(brief, obj, best.one, False, known)
+        return judged(brief, obj, best.one, known)
     names, why = (WEIGHT, *brief.loads), missed(obj, searches)
     return ObjectCase(NOT_FOUND, dict.fromkeys(names, NOT_FOUND), dict.fromkeys(names, 0.0), 0.0, why)
 
@@ -115,7 +115,7 @@ class _Best:
     def offer(self, one: Candidate) -> bool:
         """Take it where it is better than the best one."""
         known = Known(np.inf, self._brief.safety)  # loads need be followed no further
-        case = judged(self._brief, self._obj, one, False, known)
+        case = judged(self._brief, self._obj, one, known)
         if self._case is not None and _worth(case) <= _worth(self._case):
             return False
         self._case = case

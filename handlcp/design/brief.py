@@ -10,7 +10,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from handlcp.check import Array, array, integer, number, read_only
+from handlcp.check import Array, array, dimensions, integer, number, read_only
 from handlcp.errors import InputError, writing
 from handlcp.grasp.friction import as_law
 from handlcp.hand.find.find import PINCH, check_closing
@@ -92,7 +92,10 @@ class Brief:
 
         if path is None:
             return toml_text(self, Path())
-        file = Path(path)
+        try:
+            file = Path(path)
+        except TypeError:
+            raise InputError("path", "the name of a file", repr(path)[:80]) from None
         text = toml_text(self, file.parent)
         with writing("path", file):
             file.write_text(text, encoding="utf-8")
@@ -135,8 +138,8 @@ def _loads(given: Any) -> dict[str, Array]:
     if isinstance(given, Mapping):
         named = {str(name): load for name, load in given.items()}
     else:
-        rows = np.ndim(given) == 1
-        named = {f"load {k + 1}": load for k, load in enumerate([given] if rows else given)}
+        rows = given if isinstance(given, Sequence | np.ndarray) and dimensions(given) != 1 else [given]
+        named = {f"load {k + 1}": load for k, load in enumerate(rows)}
     found = {name: array(f"loads[{name!r}]", load, (6,), what=_WRENCH) for name, load in named.items()}
     for name, load in found.items():
         if not load.any():

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 from pydantic import Field, model_validator
 
-from handlcp.errors import InputError
+from handlcp.errors import InputError, keyed
 from handlcp.grasp.friction import as_law
 from handlcp.hand import YCB, Box, Cylinder, Ellipsoid, Mesh, Object, Sphere
 from handlcp.scene import kinds as k
@@ -19,7 +19,7 @@ from handlcp.scene.build import object_of
 from handlcp.scene.kinds import Table
 from handlcp.scene.objects import ObjectTable
 from handlcp.scene.reading import checked, text_of
-from handlcp.scene.scene_tables import keyed, law_of
+from handlcp.scene.scene_tables import law_of
 from handlcp.scene.schema import LoadTable
 
 Made = TypeVar("Made")

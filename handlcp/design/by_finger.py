@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from math import pi, radians
 from typing import Any, TypeVar
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from handlcp.check import array, dimensions, number, per_name
 from handlcp.errors import InputError
 
+_LONGEST = 1.0  # [m] no link, fingertip or palm is larger
 T = TypeVar("T")
 Read = Callable[[str, Any], T]
 Row = tuple[float, ...]
@@ -41,7 +43,20 @@ def by_finger(
 
 def positive(argument: str, value: Any) -> float:
     """A length [m]. Raises InputError."""
-    return number(argument, value, above=0.0)
+    length = number(argument, value, above=0.0)
+    if length > _LONGEST:
+        expected = f"a length in metres of at most {_LONGEST:g} (if millimetres are meant, {length / 1e3:g})"
+        raise InputError(argument, expected, f"{length:g}")
+    return length
+
+
+def angle(argument: str, value: Any) -> float:
+    """[rad] Raises InputError."""
+    turn = number(argument, value)
+    if abs(turn) > 2.0 * pi:
+        expected = f"an angle in radians of at most one turn (if degrees are meant, {radians(turn):.4g})"
+        raise InputError(argument, expected, f"{turn:g}")
+    return turn
 
 
 def lengths(argument: str, value: Any) -> Row:
@@ -57,7 +72,7 @@ def ends(argument: str, value: Any) -> Pairs:
     rows = array(argument, value, (2,), (-1, 2), what="lower and upper ends of the joints' ranges [rad]").reshape(-1, 2)
     if not len(rows) or not (rows[:, 0] < rows[:, 1]).all():
         raise InputError(argument, "a lower end below the upper end [rad]", repr(value)[:80])
-    return tuple([(low, high) for low, high in rows.tolist()])
+    return tuple([(angle(argument, low), angle(argument, high)) for low, high in rows.tolist()])
 
 
 def followed(argument: str, value: Any) -> Row | None:

@@ -71,6 +71,6 @@ def _case(hand: Hand, brief: Brief, name: str, near: Evaluation | None, known: K
     there = None if near is None or name not in near.cases else near.cases[name].candidate
     fits = there if there is not None and brief.kind in (there.kind, ANY) else None
     brought = None if fits is None else continued(hand, obj, fits, asked, brief.seed)
-    if brought is None:
+    if near is None or brought is None:
         return best_grasp(hand, brief, obj, known)
-    return judged(brief, obj, brought, True, known)
+    return judged(brief, obj, brought, known, near.cases[name])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -28,16 +28,17 @@ class ObjectCase(Record):
     the worst orientation, and each load, is held, infinite for what nothing ends. A load that holds more than the
     safety, and than what gives out first, is not followed on: its factor is that up to which it was. payload : [kg]
     held in every orientation, 0 without a grasp. factor : the smallest of the factors. gives_out : what gives out
-    there, in words, or why no grasp was found; "" where nothing gives out up to `payload` and `factor`.
+    there, in words, or why no grasp was found; "" where nothing gives out up to `payload` and `factor`: `at_least`.
     kind : of the grasp, "pinch" or "power". continued : whether it is the grasp of another design, brought along.
     force : the largest normal force at a contact while the hand closes and the loads come [N]. torque : the largest
     of a joint at the end of that [N·m, N], and torque_used : the largest share of a torque limit [-]. motion : how far
-    the object moves under its weight [m]. candidate : the grasp; None without one.
+    the object moves under its weight [m]. candidate : the grasp; None without one. masses : [kg]
+    held in each orientation, or at least.
     """
 
     entries = (
-        "word", "verdicts", "factors", "payload_kg", "factor", "gives_out", "kind", "continued", "force_N", "torque_Nm",
-        "torque_used", "motion_m",
+        "word", "verdicts", "factors", "payload_kg", "factor", "gives_out", "at_least", "kind", "continued", "force_N",
+        "torque_Nm", "torque_used", "motion_m",
     )  # fmt: skip
 
     word: str
@@ -52,6 +53,7 @@ class ObjectCase(Record):
     torque_used: float = np.nan
     motion: float = np.nan
     candidate: Candidate | None = field(default=None, repr=False)
+    masses: tuple[float, ...] = field(default=(), repr=False)
 
     @property
     def factor(self) -> float:
@@ -59,9 +61,20 @@ class ObjectCase(Record):
         return min(self.factors.values())
 
     @property
-    def least(self) -> str:
-        """What stands before a number that is held, and may not be the most: "≥ ", or nothing."""
-        return "" if self.gives_out else "≥ "
+    def at_least(self) -> bool:
+        """Whether payload and factor may be more."""
+        return not self.gives_out
+
+    def times(self, load: str = "") -> str:
+        """The factor of a load, or the smallest, as it is printed: "≥ 1.5" where it may be more."""
+        factor, first = self.factors.get(load, self.factor), min(self.factors, key=lambda name: self.factors[name])
+        more = self.at_least or (load not in ("", first) and self.verdicts[load] == HELD)
+        return shown(factor, more)
+
+    @property
+    def mass(self) -> str:
+        """The payload as it is printed."""
+        return f"{shown(self.payload, self.at_least)} kg"
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,8 +105,11 @@ class Evaluation(Record):
 
     @property
     def worst_object(self) -> str:
-        """The one with the smallest factor; of several the first of which it is known what gives out."""
-        return min(self.cases, key=lambda name: (self.cases[name].factor, bool(self.cases[name].least)))
+        """The one with the smallest factor, of those that are not held where there are any; of several the first of
+        which it is known what gives out.
+        """
+        cases = self.cases
+        return min(cases, key=lambda name: (cases[name].word == HELD, cases[name].factor, cases[name].at_least))
 
     @property
     def payload(self) -> float:
@@ -103,7 +119,7 @@ class Evaluation(Record):
     @property
     def factor(self) -> float:
         """How many times all weights and loads are held."""
-        return self.cases[self.worst_object].factor
+        return min(case.factor for case in self.cases.values())
 
     @property
     def gives_out(self) -> str:
@@ -131,24 +147,32 @@ class Evaluation(Record):
         return self._most("motion")
 
     def require(self, *texts: str) -> Self:
-        """This evaluation, where it meets requirements such as "payload>=1.5" [kg] or "torque_used<=0.8": payload,
-        factor, force, torque, torque_used or motion beside a limit, in the units above; >=, <=, > or <. The worst
-        object counts, and each has to have a grasp. Without texts: every object is held.
+        """This evaluation, where every object is held as the brief asks, and requirements are met such as
+        "payload>=1.5" [kg] or "torque_used<=0.8": payload, factor, force, torque, torque_used or motion beside a limit,
+        in the units above; >=, <=, > or <. The worst object counts.
 
         Raises RequirementNotMet, which says by how much, and what gives out; InputError for other texts.
         """
         __tracebackhide__ = True  # of pytest, which shows the test that asks, and what is not met
-        sentences = unmet([read(text) for text in texts], self.cases)
-        if not texts and not self.holds:
-            sentences = [self._in_all]
-        if sentences:
+        if sentences := unmet([read(text) for text in texts], self.cases):
             raise RequirementNotMet(sentences)
         return self
+
+    def to_row(self) -> dict[str, Any]:
+        """`to_dict` without dictionaries in it, for a row of a table: keys within keys are joined by dots. A payload or
+        factor that nothing ends is infinite.
+        """
+        known = {"payload_kg": self.payload, "factor": self.factor}
+        for name, case in self.cases.items():
+            own = {"payload_kg": case.payload, "factor": case.factor}
+            own |= {f"factors.{load}": factor for load, factor in case.factors.items()}
+            known |= {f"objects.{name}.{key}": value for key, value in own.items()}
+        return super().to_row() | {key: value for key, value in known.items() if value == np.inf}
 
     @property
     def _in_all(self) -> str:
         word = "every object is held" if self.holds else f"not every object is held: {self.worst_object} is the worst"
-        return f"{word}. First gives out: {self.gives_out}"
+        return f"{word}. First gives out: {self.gives_out or 'nothing up to that'}"
 
     def _most(self, name: str) -> float:
         known = [value for case in self.cases.values() if not np.isnan(value := getattr(case, name))]
@@ -157,7 +181,7 @@ class Evaluation(Record):
     def __str__(self) -> str:
         head = wrapped(f"{self._in_all}.")
         rows = [
-            (name, case.word, f"{case.least}{case.factor:.3g}", f"{case.least}{case.payload:.3g}", _of(case.force),
+            (name, case.word, case.times(), shown(case.payload, case.at_least), _of(case.force),
              _percent(case.torque_used), _of(1e3 * case.motion))
             for name, case in self.cases.items()
         ]  # fmt: skip
@@ -167,6 +191,11 @@ class Evaluation(Record):
     def __repr__(self) -> str:
         said = words.listed([f"{name}: {case.word}" for name, case in self.cases.items()])
         return f"Evaluation(payload={self.payload:.6g}, {said})"
+
+
+def shown(value: float, more: bool) -> str:
+    """A number that is held, as it is printed. more : it may be more."""
+    return "any" if value == np.inf else f"{'≥ ' if more else ''}{value:.3g}"
 
 
 def _of(value: float) -> str:

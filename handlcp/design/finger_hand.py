@@ -14,8 +14,20 @@ from math import cos, hypot, pi, sin
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from handlcp.check import integer, number
-from handlcp.design.by_finger import Pairs, Read, Row, T, by_finger, ends, followed, for_joints, lengths, positive
+from handlcp.check import integer
+from handlcp.design.by_finger import (
+    Pairs,
+    Read,
+    Row,
+    T,
+    angle,
+    by_finger,
+    ends,
+    followed,
+    for_joints,
+    lengths,
+    positive,
+)
 from handlcp.errors import InputError, writing
 from handlcp.hand.hand import Hand
 
@@ -127,7 +139,7 @@ def _read(n: int, given: Mapping[str, Any]) -> list[_Finger]:
 
     rows, radii = each("link_lengths", [LENGTHS] * n, lengths, 1), each("link_radius", [RADIUS] * n, positive)
     tips, out = each("tip_radius", radii, positive), each("palm_radius", [PALM_RADIUS] * n, positive)
-    about, lean = each("angles", [2 * pi * i / n for i in range(n)], number), each("tilt", [0.0] * n, number)
+    about, lean = each("angles", [2 * pi * i / n for i in range(n)], angle), each("tilt", [0.0] * n, angle)
     no_pairs: list[Pairs | None] = [None] * n
     between, follow = each("ranges", no_pairs, ends, 1), each("coupling", [None] * n, followed)
     made = []

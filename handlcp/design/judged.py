@@ -9,7 +9,7 @@ first. So the weakest are followed first, and others up to what these hold: a te
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -50,16 +50,20 @@ class Known:
         self.payload, self.factor = min(self.payload, case.payload), min(self.factor, case.factor)
 
 
-def judged(brief: Brief, obj: Object, one: Candidate, continued: bool, known: Known) -> ObjectCase:
-    """Of a grasp that was found."""
+def judged(brief: Brief, obj: Object, one: Candidate, known: Known, near: ObjectCase | None = None) -> ObjectCase:
+    """Of a grasp that was found, or brought along from the one of `near`: what gave out first there is likely to be
+    what does here.
+    """
     grasp, spec, safety = one.grasp, one.grasp.spec, brief.safety
-    weights = _weights(grasp, brief, safety * obj.mass, max(known.payload, known.factor * obj.mass))
-    mass = min(min(limit.factor, until) for limit, until in weights)
+    likely: Sequence[float] = () if near is None else near.masses
+    weights = _weights(grasp, brief, safety * obj.mass, max(known.payload, known.factor * obj.mass), likely)
+    masses = tuple(min(limit.factor, until) for limit, until in weights)
+    mass = min(masses)
     factors = {WEIGHT: mass / obj.mass if obj.mass else np.inf}
     before = unloaded(brief, spec)
-    loads = up_to_the_first(
-        [(before, load) for load in brief.loads.values()], safety, min(factors[WEIGHT], known.factor)
-    )
+    likely = () if near is None else [near.factors[name] for name in brief.loads if name in near.factors]
+    asked = [(before, load) for load in brief.loads.values()]
+    loads = up_to_the_first(asked, safety, min(factors[WEIGHT], known.factor), likely)
     limits = dict(zip(brief.loads, loads, strict=True))
     factors |= {name: min(limit.factor, until) for name, (limit, until) in limits.items()}
     causes = {WEIGHT: min([limit for limit, _ in weights], key=lambda limit: limit.factor).binds}
@@ -78,12 +82,14 @@ def judged(brief: Brief, obj: Object, one: Candidate, continued: bool, known: Kn
     end, torques = _most(ends.values()), grasp.state.hand.torques
     used = np.where(np.isfinite(torques.limits), abs(end.torque) / torques.limits, 0.0)
     return ObjectCase(
-        _worst(verdicts.values()), verdicts, factors, mass, gives_out, one.kind, continued, end.force,
-        float(end.torque.max(initial=0.0)), float(used.max(initial=0.0)), end.motion, one,
+        _worst(verdicts.values()), verdicts, factors, mass, gives_out, one.kind, near is not None, end.force,
+        float(end.torque.max(initial=0.0)), float(used.max(initial=0.0)), end.motion, one, masses,
     )  # fmt: skip
 
 
-def _weights(grasp: HandGrasp, brief: Brief, least: float, most: float) -> list[tuple[LoadLimit, float]]:
+def _weights(
+    grasp: HandGrasp, brief: Brief, least: float, most: float, likely: Sequence[float]
+) -> list[tuple[LoadLimit, float]]:  # fmt: skip
     """Of 1 kg in each orientation, as `Grasp.payload` has them, with the mass [kg] up to which each was followed, as in
     `up_to_the_first`.
     """
@@ -94,7 +100,7 @@ def _weights(grasp: HandGrasp, brief: Brief, least: float, most: float) -> list[
     specs = {id(spec): spec for spec, _ in pulls}  # several where gravity pulls at fingers that weigh something
     befores = {key: unloaded(brief, spec) for key, spec in specs.items()}
     loads = [(befores[id(spec)], wrench) for spec, wrench in pulls]
-    return up_to_the_first(loads, least, most)
+    return up_to_the_first(loads, least, most, likely)
 
 
 def unloaded(brief: Brief, spec: GraspSpec) -> Before:

@@ -11,6 +11,7 @@ import numpy as np
 
 from handlcp.check import number
 from handlcp.errors import InputError, UnknownName
+from handlcp.grasp.answer.verdict import HELD
 
 UNITS = {"payload": "kg", "factor": "", "force": "N", "torque": "N·m", "torque_used": "", "motion": "m"}
 _COMPARED: dict[str, Callable[[Any, Any], bool]] = {
@@ -47,10 +48,17 @@ class Requirement(NamedTuple):
 
 
 def unmet(requirements: Iterable[Requirement], cases: Mapping[str, Any]) -> list[str]:
-    """A sentence for each requirement that objects do not meet, and what gives out with each of these objects."""
+    """A sentence for each object that is not held as its brief asks, and for each requirement that objects do not meet;
+    and what gives out with each of these objects.
+    """
+    lost = {name: case for name, case in cases.items() if case.word != HELD}
     found = [why for one in requirements if (why := one.against(cases)) is not None]
-    objects = dict.fromkeys(name for _, name in found)
-    return [*[why for why, _ in found], *[f"With {name} first gives out: {cases[name].gives_out}" for name in objects]]
+    first = dict.fromkeys(name for _, name in found if name not in lost)
+    return [
+        *[f"{name} is {case.word}: {case.gives_out}" for name, case in lost.items()],
+        *[why for why, _ in found],
+        *[f"With {name} first gives out: {cases[name].gives_out}" for name in first],
+    ]
 
 
 def read(text: Any) -> Requirement:

@@ -137,6 +137,8 @@ class Space:
         samples : how many levels, at least 2, each range has, its ends among them; or a mapping of the names of the
             ranges to them. Choices have all of theirs. Raises InputError, UnknownName.
         """
+        if samples is None and self.ranges:
+            raise InputError("samples", "how many levels each range has, such as samples=4", "none")
         counts = dict.fromkeys(self.ranges, samples)
         if isinstance(samples, Mapping):
             if unknown := [str(name) for name in samples if name not in counts]:
@@ -161,7 +163,7 @@ class Space:
         """(n, d) the first n points of a scrambled Sobol sequence. Raises InputError."""
         from scipy.stats import qmc  # a second of import that a grid does not pay
 
-        n = integer("samples", samples, 1, _MOST)
+        n = _count(samples)
         whole = qmc.Sobol(len(self), scramble=True, seed=integer("seed", seed, 0)).random_base2((n - 1).bit_length())
         return np.array(whole[:n])
 
@@ -169,8 +171,15 @@ class Space:
         """(n, d) a Latin hypercube: each of n equal parts of each coordinate has one point. Raises InputError."""
         from scipy.stats import qmc
 
-        n = integer("samples", samples, 1, _MOST)
+        n = _count(samples)
         return np.array(qmc.LatinHypercube(len(self), seed=integer("seed", seed, 0)).random(n))
+
+
+def _count(samples: Any) -> int:
+    """How many points. Raises InputError."""
+    if samples is None:
+        raise InputError("samples", "how many designs, such as samples=256", "none")
+    return integer("samples", samples, 1, _MOST)
 
 
 def _read(argument: str, entry: Any) -> Range | Choices | Value:

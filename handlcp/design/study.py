@@ -18,7 +18,8 @@ from handlcp.design.sweep.journal import beside, read
 from handlcp.design.sweep.same import check_same, digest
 from handlcp.design.sweep.table import checked_table, columns_of, read_table
 from handlcp.design.sweep.work import DESIGN, ERROR, Maker, Row, in_order
-from handlcp.errors import InputError, UnknownName, brief as shortly
+from handlcp.errors import InputError, UnknownName, brief as shortly, keyed
+from handlcp.grasp.answer.verdict import HELD
 from handlcp.record import data_frame, entry
 from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
@@ -26,9 +27,10 @@ from handlcp.views import view
 PAYLOAD, TORQUE = "payload_kg", "-torque_Nm"
 _SHOWN = 10  # rows that are printed, and of each, besides the parameters:
 _HEADS = {
+    "verdict": "verdict",
+    "factor": "factor",
     "payload_kg": "payload\nkg",
     "torque_Nm": "torque\nN·m",
-    "torque_used": "torque\nused",
     "motion_m": "moves\nmm",
 }
 ALIASES = {"motor_torque": "torque_Nm"}
@@ -43,6 +45,7 @@ class Study:
 
     def __init__(self, sweep: Row, rows: Sequence[Row], maker: Maker | None = None) -> None:
         self.sweep, self.columns, self._maker = sweep, columns_of(rows), maker
+        self._which = ""  # designs of a larger table these are
         self.names = tuple(sweep["space"])
 
     @classmethod
@@ -52,7 +55,8 @@ class Study:
         make, brief : as of `sweep`, for `page`, which makes hands again. Raises InputError, also for another `make` or
         brief than the sweep's; Unsupported for Parquet without pyarrow.
         """
-        file = checked_table(path)
+        with keyed({"out": "path"}):
+            file = checked_table(path)
         if file.exists() or not beside(file).exists():
             sweep, rows = read_table(file)
         else:
@@ -77,6 +81,12 @@ class Study:
         """Those that could not be evaluated, with the reason in "error"."""
         return self.some(np.flatnonzero([error is not None for error in self.columns.get(ERROR, ())]))
 
+    @property
+    def why_failed(self) -> str:
+        """The reason that designs failed for most often; "" where none did."""
+        why = Counter(error for error in self.columns.get(ERROR, ()) if error is not None).most_common(1)
+        return "".join(shortly(reason) for reason, _ in why)
+
     def to_frame(self) -> Any:
         """A pandas table with a row for each design. Raises Unsupported without pandas."""
         return data_frame(self.columns)
@@ -84,25 +94,29 @@ class Study:
     # ---------------------------------------------------------------- The best.
 
     def best(self, n: int = 10, by: str = PAYLOAD, held: bool = False) -> Self:
-        """The first n by a column, the largest first; with a minus before its name, the smallest.
+        """The first n by a column, the largest first; with a minus before its name, the smallest. Designs that hold all
+        that the brief asks come before others.
 
         by : a column, or what an `Evaluation` calls it, such as "payload" or "-torque". held : only designs that hold
         all that the brief asks. Designs of which the number is not known are left out. Raises InputError, UnknownName.
         """
         most = integer("n", n, 1)
-        wanted = self.wanted(by)[:, 0]
-        order = np.argsort(-wanted, kind="stable")
-        return self.some(order[np.isfinite(wanted[order]) & (self._held()[order] if held else True)][:most])
+        wanted, holds = self.wanted(by)[:, 0], self._held()
+        order = np.lexsort((-wanted, ~holds))
+        found = order[~np.isnan(wanted[order]) & (holds[order] if held else True)][:most]
+        return self.some(found, f"the best {len(found)} of {len(self)} designs by {by}")
 
-    def pareto(self, *by: str, held: bool = False) -> Self:
-        """Those that no other design beats: is at least as good in all these columns, and better in one. Sorted by the
-        first column. by : as in `best`; none: "payload", "-torque". Raises InputError, UnknownName.
+    def pareto(self, *by: str, held: bool = True) -> Self:
+        """Those of the designs that hold all that the brief asks which no other one beats: is at least as good in all
+        these columns, and better in one. Sorted by the first column. by : as in `best`; none: "payload", "-torque".
+        held : False: of all designs. Raises InputError, UnknownName.
         """
         wanted = self.wanted(*(by or (PAYLOAD, TORQUE)))
-        known = np.isfinite(wanted).all(axis=1) & (self._held() if held else True)
+        known = ~np.isnan(wanted).any(axis=1) & (self._held() if held else True)
         at = np.flatnonzero(known)
         front = at[not_beaten(wanted[at])]
-        return self.some(front[np.argsort(-wanted[front, 0], kind="stable")])
+        which = f"{len(front)} of {len(self)} designs, which no other one beats"
+        return self.some(front[np.argsort(-wanted[front, 0], kind="stable")], which)
 
     def wanted(self, *by: str) -> Array:
         """(n, k) of these columns, of which more is better; NaN where nothing is known. Raises InputError."""
@@ -110,6 +124,8 @@ class Study:
 
     def column_of(self, name: Any) -> str:
         """The column of a name, without its minus. Raises UnknownName."""
+        if not self.columns:
+            raise InputError("study", "designs", "none so far")
         bare = str(name).removeprefix("-")
         named = {entry(line).path: entry(line).key for line in Evaluation.entries} | ALIASES
         for known in (bare, named.get(bare)):
@@ -128,10 +144,10 @@ class Study:
     def _held(self) -> Bools:
         return np.array([value is True for value in self.columns.get("holds", [False] * len(self))], dtype=bool)
 
-    def some(self, at: Iterable[Any]) -> Self:
-        """The designs in these rows, in this order."""
-        made = type(self)(self.sweep, (), self._maker)
-        rows = list(at)
+    def some(self, at: Iterable[Any], which: str = "") -> Self:
+        """The designs in these rows, in this order. which : what they are called when they are printed."""
+        made, rows = type(self)(self.sweep, (), self._maker), list(at)
+        made._which = which
         made.columns = {name: [column[k] for k in rows] for name, column in self.columns.items()}
         return made
 
@@ -166,18 +182,32 @@ class Study:
         return Space(self.sweep["space"])
 
     def __str__(self) -> str:
-        held, failed = int(self._held().sum()), len(self.failed)
-        said = [f"{len(self)} designs", f"{held} hold what the brief asks", *([f"{failed} failed"] if failed else [])]
-        why = Counter(error for error in self.columns.get(ERROR, ()) if error is not None).most_common(1)
-        free = list(self.space.free)
-        outcome = {name: head for name, head in _HEADS.items() if name in self.columns}
+        free, rows = list(self.space.free), [self._printed(k) for k in range(min(len(self), _SHOWN))]
+        outcome = {name: head for name, head in _HEADS.items() if any(name in row for row in rows)}
         heads = (DESIGN, *[name.replace(".", ".\n", 1) for name in free], *outcome.values())
         shown = [DESIGN, *free, *outcome]
-        cells = [tuple([_cell(name, self.columns[name][k]) for name in shown]) for k in range(min(len(self), _SHOWN))]
-        table = str(TextTable(heads, tuple(cells), "<" + ">" * (len(shown) - 1)))
+        cells = tuple([tuple([_cell(name, row.get(name)) for name in shown]) for row in rows])
+        table = str(TextTable(heads, cells, "<" + "".join("<" if name == "verdict" else ">" for name in shown[1:])))
         more = f"\n… {len(self) - _SHOWN} more" if len(self) > _SHOWN else ""
-        head = f"{words.listed(said)}." + "".join(f" Most often: {shortly(reason)}" for reason, _ in why)
+        why = self.why_failed
+        head = f"{self.counts}." + (f" Most often: {why}" if why else "")
         return wrapped(head) + (f"\n\n{table}{more}" if cells else "")
+
+    @property
+    def counts(self) -> str:
+        """How many designs there are, hold what the brief asks, and failed, in words."""
+        count, held, failed = len(self), int(self._held().sum()), len(self.failed)
+        which = self._which or f"{count} {'design' if count == 1 else 'designs'}"
+        holding = f"{held} {'holds' if held == 1 else 'hold'} what the brief asks"
+        return words.listed([which, holding, *([f"{failed} failed"] if failed else [])])
+
+    def _printed(self, k: int) -> Row:
+        """A row with its verdict, the worst of all objects."""
+        row = {name: column[k] for name, column in self.columns.items()}
+        if "holds" in row:
+            worst = row.get(f"objects.{row.get('worst_object')}.word")
+            row["verdict"] = "failed" if row.get(ERROR) else HELD if row["holds"] else worst
+        return row
 
     def __repr__(self) -> str:
         return f"Study({len(self)} designs of {list(self.names)})"
@@ -199,5 +229,7 @@ def not_beaten(wanted: Array) -> Bools:
 def _cell(name: str, value: Any) -> str:
     if value is None:
         return "–"
+    if value == np.inf:
+        return "any"
     value = 1e3 * value if name == "motion_m" else value
-    return words.percent(value) if name == "torque_used" else f"{value:.3g}" if isinstance(value, float) else str(value)
+    return f"{value:.3g}" if isinstance(value, float) else str(value)

@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array
+from handlcp.errors import keyed
 from handlcp.grasp import Contact, Environment, Grasp, GraspSolution
 from handlcp.grasp.model.limit import by_finger
 from handlcp.hand import YCB, Box, Cylinder, Ellipsoid, Hand, Mesh, Object, Sphere, Table, example_hand
@@ -18,7 +19,7 @@ from handlcp.lcp import Auto
 from handlcp.scene.drives import HAND, motors, springs
 from handlcp.scene.objects import BoxTable, CylinderTable, EllipsoidTable, MeshTable, ObjectTable, SphereTable, YCBTable
 from handlcp.scene.reading import checked, text_of
-from handlcp.scene.scene_tables import SceneTables, effects_of, is_by_finger, keyed, known, law_of
+from handlcp.scene.scene_tables import SceneTables, effects_of, is_by_finger, known, law_of
 
 
 class SceneFile(SceneTables):

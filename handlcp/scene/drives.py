@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from handlcp.check import array
+from handlcp.errors import keyed
 from handlcp.hand import Motor, Synergies, Tendons
-from handlcp.scene.scene_tables import keyed
 from handlcp.scene.schema import HandTable, MotorTable, TendonMotorTable, TendonsTable
 
 # Arguments of `Hand.from_urdf`, and the keys that they come from

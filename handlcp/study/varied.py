@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.errors import InputError, NoGraspFound, Unsupported
+from handlcp.errors import InputError, NoGraspFound, Unsupported, keyed
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.asked import again
 from handlcp.grasp.friction import Pyramid
@@ -122,11 +122,12 @@ def slopes(grasp: HandGrasp, names: Iterable[str], *, faces: int | str | Pyramid
     """
     if not isinstance(grasp, HandGrasp):
         raise InputError("grasp", "a hand's grasp", repr(grasp)[:80])
-    asked = (names,) if isinstance(names, str) else tuple(names)
-    if not asked:
-        raise InputError("names", "at least one number of the hand", "none")
+    asked = (names,) if isinstance(names, str) else tuple(names) if isinstance(names, Iterable) else ()
+    if not asked or len(set(map(str, asked))) < len(asked):
+        raise InputError("names", "names of numbers of the hand, at least one, and each once", repr(names)[:80])
     hand, kinks, columns = grasp.state.hand, list[str](), list[Array]()
-    values = [number_of(hand, name) for name in asked]
+    with keyed({"changes": "names"}):
+        values = [number_of(hand, name) for name in asked]
     with told("numbers of the hand", len(asked)) as done:
         for name, value in zip(asked, values, strict=True):
             column, kink = _slope(grasp, name, value, faces)

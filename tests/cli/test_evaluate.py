@@ -63,6 +63,7 @@ def test_a_hand_by_name_by_file_and_from_a_scene_is_the_same_hand(brief, tmp_pat
         (("three_finger", "nowhere.toml"), "a brief (TOML), got 'nowhere.toml'"),
         (("three_fingers", "BRIEF"), "did you mean 'three_finger'"),
         ((URDF, "BRIEF"), "--joint-stiffness"),
+        (("nofile.urdf", "BRIEF"), "'nofile.urdf', which does not exist"),
         (("three_finger", "BRIEF", "--tip-radius", "-1"), "--tip-radius: expected"),
         (("BRIEF", "BRIEF"), "brief.toml"),
         ((ROOT / "examples" / "cube_three_fingers.toml", "BRIEF", "--joint-stiffness", "2"), "beside a scene file"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pathlib
 
 import pytest
 from typer.testing import CliRunner
@@ -11,6 +12,7 @@ import handlcp as hl
 from handlcp.cli import app
 from tests.support.sweeps import BriefFrom, HandFrom
 
+URDF = pathlib.Path(__file__).parents[2] / "urdf" / "three_finger.urdf"
 BRIEF = 'tries = 16\n[objects.ball]\nshape = "sphere"\nradius_m = 0.03\nmass_kg = 0.1\n'
 STUDY = """
 brief = "brief.toml"
@@ -57,12 +59,16 @@ def test_nothing_that_could_be_evaluated_is_exit_status_1(tmp_path):
     [
         ("samples", "sample", "sample"), ('"brief.toml"', "3", "brief"), ("high = 0.045", "hi = 0.045", "palm_radius"),
         ('brief = "brief.toml"', 'brief = "other.toml"', "other.toml"),
+        ("palm_radius", "palm_radus", "did you mean 'palm_radius'"), ("fingers", "finger", "did you mean 'fingers'"),
+        ("_distal.length", "_dital.length", "distal.length"), ("brief.friction", "brief.mass", "a number of the brief"),
+        ("[hand]\nfingers = 3\njoint_stiffness = 4.0", '[hand]\nurdf = "URDF"', "joint_stiffness in N·m/rad"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_is_exit_status_2(tmp_path, old, new, said):
-    done = run(tmp_path, STUDY.replace(old, new))
+    done = run(tmp_path, STUDY.replace(old, new.replace("URDF", URDF.as_posix())))
     assert done.exit_code == 2
-    assert said in done.stderr
+    assert said in done.stderr.replace("\n", " ")
+    assert not list(tmp_path.glob("study.csv*")), "nothing stands in the way of the file when it is right"
 
 
 def test_a_star_stands_for_all_joints_that_fit():
@@ -70,8 +76,23 @@ def test_a_star_stands_for_all_joints_that_fit():
     lengths = hl.finger_hand(3, (0.05, 0.03)).at([0.1] * 6).tip_positions
     for make in (HandFrom(None, {"fingers": 3}), HandFrom(hand, {})):
         assert abs(make(**{"*_distal.length": 0.03, "brief.x": 1}).at([0.1] * 6).tip_positions - lengths).max() < 1e-12
+    softer = HandFrom(hand, {})(**{"*.stiffness": 2.5})
+    assert (softer.joint_stiffness.diagonal() == 2.5).all(), "of joints: fingertips have none"
     with pytest.raises(hl.UnknownName, match="distal"):
         HandFrom(hand, {})(**{"*_dital.length": 0.03})
+
+
+def test_a_urdf_with_springs_beside_it_goes_on_with_the_sweep_that_python_began(tmp_path):
+    hand = hl.Hand.from_urdf(URDF, joint_stiffness=4.0, tip_radius=0.008)
+    (tmp_path / "brief.toml").write_text(BRIEF)
+    asked = hl.Brief({"ball": hl.Sphere(0.03, mass=0.1)}, tries=16)
+    hl.sweep(hand, {"finger_1_distal.length": [-1.0, -2.0]}, asked, samples=2, out=tmp_path / "study.csv")
+    begun = (tmp_path / "study.csv").read_bytes()
+    head = f'brief = "brief.toml"\nsamples = 2\nout = "study.csv"\n[hand]\nurdf = "{URDF.as_posix()}"\n'
+    head += 'joint_stiffness = 4.0\ntip_radius = 0.008\n[space]\n"finger_1_distal.length" = [-1.0, -2.0]'
+    done = run(tmp_path, head)
+    assert done.exit_code == 1, done.output
+    assert (tmp_path / "study.csv").read_bytes() == begun
 
 
 def test_numbers_of_the_brief_are_parameters_too():

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import json
+
+import pytest
+
 import handlcp as hl
 
 SPACE = {"length": (0.048, 0.052), "stiffness": (3.0, 4.0, "log"), "friction": [0.7, 0.75]}
@@ -33,5 +37,22 @@ def run(out=None, executor="serial", **changed):
 
 def run_without_hands(out, make=no_hand, **changed):
     """The sweep of designs that fail."""
-    given = {"sampling": "lhs", "samples": 100, "executor": "serial", "progress": False, **changed}
-    return hl.sweep(make, NO_HANDS, hl.Brief(hl.Sphere(0.03)), out=out, **given)
+    given = {"sampling": "lhs", "samples": 100, "executor": "serial", "progress": False, "space": NO_HANDS, **changed}
+    return hl.sweep(make, brief=hl.Brief(hl.Sphere(0.03)), out=out, **given)
+
+
+def bits(study):
+    """All that its table has."""
+    return json.dumps(study.columns)
+
+
+def stopped_after(out, after):
+    """A sweep that Ctrl-C stops; its rows so far."""
+
+    def stop(done, total):
+        if done >= after:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_without_hands(out, progress=stop)
+    return hl.Study.load(out)

@@ -9,7 +9,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.scene import keys, read
-from tests.support.design import BriefTables, as_law
+from tests.support.design import BriefTables, as_law, digest
 from tests.support.texts import same
 
 BALL = '[objects.ball]\nshape = "sphere"\nradius_m = 0.03\nmass_kg = 0.15\n'
@@ -67,9 +67,11 @@ def test_what_is_written_reads_back_to_the_same_brief(changed, tmp_path):
     brief = hl.Brief(**{**WHOLE, **changed})
     file = brief.to_toml(tmp_path / "brief.toml")
     again = hl.Brief.from_toml(file)
+    same_sweep = digest(again) == digest(brief)
     if "grip_force" in changed:
         assert again.grip_force == changed["grip_force"].tolist()
         again, brief = (dataclasses.replace(one, grip_force=None) for one in (again, brief))
+    assert same_sweep, "a sweep goes on with either"
     alike(brief, again)
     assert again.to_toml() == brief.to_toml()
 
@@ -144,6 +146,11 @@ def test_what_is_wrong_is_named_with_its_file_and_key(text, key, fact, tmp_path)
     assert error.argument == key
     assert fact in error.expected
     assert str(error).startswith(f"brief.toml: {key}: expected ")
+
+
+def test_what_is_no_file_to_write_is_told():
+    with pytest.raises(hl.InputError, match="path: expected the name of a file, got 5"):
+        hl.Brief(hl.Sphere(0.03)).to_toml(5)
 
 
 def test_a_file_that_is_missing_or_no_toml_is_named(tmp_path):

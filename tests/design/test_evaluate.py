@@ -149,7 +149,8 @@ def test_a_row_is_plain_numbers_and_the_same_twice_and_pickled(found):
     [
         ({"objects": {}}, "objects"), ({"objects": "ball"}, "objects"), ({"objects": [BOX, 3]}, "objects.'object 2'"),
         ({"loads": {"pull": (0.0,) * 6}}, r"loads\['pull'\]"), ({"loads": {"pull": (1.0, 2.0)}}, r"loads\['pull'\]"),
-        ({"loads": {"weight": PULL}}, "loads"), ({"friction": -1.0}, "friction"), ({"orientations": 7}, "orientations"),
+        ({"loads": 3}, "loads"), ({"loads": [PULL, 3]}, "loads"), ({"loads": {"weight": PULL}}, "loads"),
+        ({"friction": -1.0}, "friction"), ({"orientations": 7}, "orientations"),
         ({"acceleration": -1.0}, "acceleration"), ({"motion": 0.0}, "motion"), ({"most_force": -3.0}, "most_force"),
         ({"safety": 0.0}, "safety"), ({"kind": "hook"}, "kind"), ({"closing_torque": 0.1}, "closing_torque"),
         ({"kind": "power", "grip_force": 1.0}, "grip_force"), ({"squeeze": 0.001, "grip_force": 1.0}, "grip_force"),

@@ -97,6 +97,16 @@ def test_a_budget_ends_it_and_a_requirement_nobody_meets_leaves_nothing():
     assert len(best) == 0
     assert len(best.study) == 3
     assert best.why == "3 evaluations are spent, and no design meets what was asked"
+    with pytest.raises(hl.InputError, match="none did: 3 evaluations are spent"):
+        best.hand(0)
+
+
+def test_where_every_design_fails_the_reason_is_told():
+    def fails(force):
+        raise SystemExit("no such motor")
+
+    best = run(make=fails, brief=brief(1.0), budget=4)
+    assert best.why.endswith("4 of 4 failed, most often: SystemExit: no such motor")
 
 
 # ---------------------------------------------------------------- Stopped, and gone on with.
@@ -115,6 +125,10 @@ def test_stopped_by_hand_it_gives_what_it_has_and_goes_on_with_the_same_numbers(
     assert few.why.startswith("4 evaluations are")
     more = run(budget=6, out=out)
     assert more.study.columns == whole.study.columns
+    table = out.read_bytes()
+    assert len(run(budget=4, out=out).study) == len(few.study)
+    assert len(hl.Study.load(out)) == len(more.study), "the table keeps what more evaluations found"
+    assert out.read_bytes() == table
     assert more.designs == whole.designs
     cut = hl.optimise(stopped, SPACE, brief, budget=6, executor="serial", progress=False)
     assert cut.why == "it was interrupted"
@@ -150,10 +164,13 @@ def test_without_pymoo_several_objectives_say_what_to_install(monkeypatch):
         ({"objectives": "weight"}, "weight"),
         ({"objectives": []}, "objectives: expected a name"),
         ({"objectives": ["payload", "-payload_kg"]}, "payload twice"),
-        ({"constraints": "payload=1"}, "requirement: expected"),
+        ({"constraints": "payload=1"}, "constraints: expected"),
+        ({"constraints": "foo>=1"}, "constraints: expected"),
         ({"budget": 0}, "budget: expected"),
         ({"seconds": -1.0}, "seconds: expected"),
-        ({"start": {"force": 9.0}}, "force"),
+        ({"start": {"force": 9.0}}, r"start\['force'\]: expected"),
+        ({"start": {"x": 1.0}}, "start: expected"),
+        ({"start": 3}, "start: expected"),
     ],
 )
 def test_what_cannot_be_asked_is_named(given, said):

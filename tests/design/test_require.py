@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -56,7 +57,25 @@ def test_an_object_without_a_grasp_meets_no_limit_from_above():
     done = hl.Evaluation({"box": BOX, "ball": LOST})
     assert done.motion == BOX.motion, "which is all that is known"
     same("design/test_require: no grasp", unmet(done, "motion<=0.002", "payload>0.1"), "ball", LOST.gives_out)
-    assert "the worst" in unmet(done)
+    assert LOST.gives_out in unmet(done)
+
+
+def test_an_object_that_is_pressed_harder_than_it_bears_meets_nothing():
+    pressed = replace(BOX, word="NOT HELD", gives_out="the object bears 3 N, and is pressed with 8.5 N")
+    done = hl.Evaluation({"ball": BALL, "box": pressed})
+    same("design/test_require: pressed", unmet(done, "payload>=0.1"), "box is NOT HELD", "pressed with 8.5 N")
+    assert done.worst_object == "box", "although the ball is held fewer times"
+    assert (done.factor, done.gives_out) == (2.0, pressed.gives_out)
+
+
+def test_what_nothing_ends_is_infinite_in_a_row_and_nothing_in_json():
+    free = replace(BALL, factors=dict.fromkeys(FACTORS, np.inf), gives_out="")
+    done = hl.Evaluation({"ball": free})
+    row = done.to_row()
+    assert row["factor"] == row["objects.ball.factor"] == row["objects.ball.factors.pull"] == np.inf
+    assert row["objects.ball.at_least"] is True
+    assert done.to_dict()["factor"] is None
+    assert "any" in str(done)
 
 
 def test_every_number_of_an_evaluation_may_be_asked_for():

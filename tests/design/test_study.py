@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
 import handlcp as hl
-from tests.support.sweeps import Space, main_effect, not_beaten
+from tests.support.sweeps import Space, main_effect, not_beaten, parameter
 
 
 def told(rows, space=None):
@@ -25,15 +25,16 @@ FOUR = told([
 ])  # fmt: skip
 
 
-def test_the_best_are_sorted_and_what_is_not_known_is_left_out():
-    assert FOUR.best(10).columns["design"] == [1, 0, 3]
-    assert FOUR.best(1, by="-torque").columns["design"] == [2]
+def test_the_best_are_sorted_those_that_hold_first_and_what_is_not_known_is_left_out():
+    assert FOUR.best(10).columns["design"] == [0, 3, 1]
+    assert FOUR.best(1, by="-torque").columns["design"] == [0], "a hand that drops its object needs no torque"
     assert FOUR.best(10, by="payload", held=True).columns["design"] == [0, 3]
 
 
 def test_the_front_takes_names_of_columns_and_of_evaluations():
     for by in ((), ("payload", "-torque"), ("payload_kg", "-torque_Nm"), ("payload", "-motor_torque")):
-        assert FOUR.pareto(*by).columns["design"] == [1, 0]
+        assert FOUR.pareto(*by, held=False).columns["design"] == [1, 0]
+        assert FOUR.pareto(*by).columns["design"] == [0], "of those that hold"
     with pytest.raises(hl.UnknownName, match="payload_kg"):
         FOUR.pareto("paylod_kg")
     with pytest.raises(hl.InputError, match="has words"):
@@ -48,6 +49,7 @@ def test_a_design_is_on_the_front_exactly_if_none_beats_it(rows):
 
 def test_a_study_prints_counts_and_its_first_rows():
     assert str(FOUR).startswith("4 designs, 2 hold what the brief asks.")
+    assert str(FOUR.best(3)).startswith("the best 3 of 4 designs by payload_kg, 2 hold what the brief asks.")
     assert len(list(FOUR)) == 4
     assert FOUR.to_frame()["payload_kg"].tolist()[:2] == [1.0, 3.0]
 
@@ -93,8 +95,23 @@ def test_the_figure_has_the_front_the_lines_and_a_panel_for_each_parameter(tmp_p
     titles = [ax.get_title(loc="left").partition(":")[0] for ax in figure.axes]
     assert titles == ["Designs, and the front", "Designs as lines, the front coloured", "x", "kind", "k"]
     assert told(rows, space.to_dict()).plot(tmp_path / "a.png").stat().st_size > 10_000
+    words = [text.get_text() for text in figure.texts]
+    assert any("(rough: from 40 designs)" in text for text in words), "shares of so few designs"
+    front = told(rows, space.to_dict()).pareto().columns["design"]
+    assert [text.get_text() for text in figure.axes[0].texts] == [str(k) for k in sorted(front)]
+    lost = told([{**row, "holds": False} for row in rows], space.to_dict()).plot()
+    assert lost.axes[0].get_title(loc="left") == "Designs"
+    assert any("There is no front" in text.get_text() for text in lost.texts)
+    assert not lost.axes[0].texts
     with pytest.raises(hl.InputError, match="two columns"):
         told(rows, space.to_dict()).plot(by=("payload",))
+
+
+def test_parameters_have_units_where_their_names_say_them():
+    names = {"finger_1_distal.length": "m", "joint_stiffness": "N·m/rad", "palm_radius": "m", "brief.most_force": "N",
+             "brief.friction": "", "length": "", "*.pad": "m/N"}  # fmt: skip
+    assert {name: parameter(name) for name in names} == {name: (name, unit) for name, unit in names.items()}
+    assert parameter("link_length_m") == ("link_length", "m")
 
 
 def test_a_study_that_was_loaded_needs_to_know_how_hands_are_made_for_its_page(tmp_path):

@@ -1,45 +1,24 @@
-"""A sweep: the same rows wherever they are computed and whatever stops it, and a reason where a design fails."""
+"""A sweep: the same rows wherever they are computed, and a reason where a design fails."""
 
 from __future__ import annotations
 
-import json
 import os
-import random
 import signal
-import subprocess
 import sys
-import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from pathlib import Path
 
 import pytest
 
 import handlcp as hl
-from tests.design.sweeps import NO_HANDS, brief, make, no_hand, run, run_without_hands
+from tests.design.sweeps import NO_HANDS, bits, brief, make, no_hand, run, run_without_hands, stopped_after
 from tests.support.browser import opened
-from tests.support.sweeps import HEADS, MOST, Space, beside, cells_of, write_table
-
-ROOT = Path(__file__).parents[2]
-SLOWLY = """
-import time
-from tests.design.sweeps import no_hand, run_without_hands
-
-def slow(x, kind):
-    time.sleep({pause})
-    no_hand(x, kind)
-
-run_without_hands({out!r}, make=slow, executor={executor!r})
-"""
+from tests.support.sweeps import HEADS, MOST, Space, cells_of, write_table
 
 
 @pytest.fixture(scope="module")
 def study():
     return run()
-
-
-def bits(study):
-    return json.dumps(study.columns)
 
 
 # ---------------------------------------------------------------- The same rows.
@@ -59,7 +38,7 @@ def test_a_table_is_read_as_the_same_bits(study, tmp_path, end):
 
 @pytest.mark.parametrize("end", ["parquet", "csv"])
 def test_words_stay_words_and_numbers_numbers(tmp_path, end):
-    space = {"word": ["3", "4"], "whole": [1, 2], "number": (1.0, 2.0), "switch": [True, False], "fixed": "5"}
+    space = {"word": ["3", ""], "whole": [1, 2], "number": (1.0, 2.0), "switch": [True, False], "fixed": "5"}
 
     def fails(**values):
         raise RuntimeError('a "quoted", word\nand a line')
@@ -109,6 +88,29 @@ def test_a_hand_is_varied_by_the_names_that_the_brief_does_not_take():
         hl.sweep(hand, {"finger_1_distal.stifness": (3.0, 5.0), "friction": 0.7}, brief, samples=1)
 
 
+def test_a_design_that_ends_the_program_is_a_row_and_ctrl_c_is_not():
+    def exits(x, kind):
+        sys.exit(f"no {kind}")
+
+    assert set(run_without_hands(None, make=exits, samples=4).columns["error"]) == {
+        "SystemExit: no a",
+        "SystemExit: no b",
+    }
+
+    def interrupted(x, kind):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_without_hands(None, make=interrupted, samples=4)
+
+
+@pytest.mark.parametrize("end", ["parquet", "csv"])
+def test_what_nothing_ends_is_infinite_in_tables(tmp_path, end):
+    rows = [{"design": k, "x": 0.5, "factor": factor} for k, factor in enumerate((1.5, float("inf"), None))]
+    write_table(tmp_path / f"a.{end}", {"space": {"x": {"low": 0.0, "high": 1.0}}}, rows)
+    assert hl.Study.load(tmp_path / f"a.{end}").columns["factor"] == [1.5, float("inf"), None]
+
+
 def test_any_executor_will_do_and_is_left_open(study):
     with ThreadPoolExecutor(1) as threads:
         assert bits(run_without_hands(None, executor=threads)) == bits(run_without_hands(None))
@@ -137,106 +139,6 @@ def test_a_dask_worker_killed_midway_changes_no_bit(tmp_path):
     assert bits(hl.Study.load(tmp_path / "study.parquet")) == bits(alone)
 
 
-# ---------------------------------------------------------------- Whatever stops it.
-
-
-def killed_after(out, seconds, executor="serial", pause=0.01):
-    """The program of a sweep is killed after so many seconds with its journal there; whether it was killed."""
-    code = SLOWLY.format(out=str(out), executor=executor, pause=pause)
-    own = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
-    with subprocess.Popen([sys.executable, "-c", code], env=own, cwd=ROOT, start_new_session=True) as program:
-        while program.poll() is None and not beside(out).exists():
-            time.sleep(0.01)
-        time.sleep(seconds)
-        if ended := program.poll() is not None:
-            assert program.returncode == 0
-        else:
-            os.killpg(program.pid, signal.SIGKILL)
-    return not ended
-
-
-def test_a_program_that_was_killed_goes_on_with_what_is_missing(tmp_path):
-    out = tmp_path / "study.parquet"
-    assert killed_after(out, 0.3)
-    assert not out.exists()
-    so_far = hl.Study.load(out)
-    assert 0 < len(so_far) < 100
-    done = []
-
-    def counted(x, kind):
-        done.append(x)
-        no_hand(x, kind)
-
-    before, now = (json.loads(line) for line in _headers(tmp_path, counted))
-    beside(out).write_text(beside(out).read_text().replace(before["make"], now["make"]))
-    again = run_without_hands(out, make=counted)
-    assert bits(again) == bits(run_without_hands(None))
-    assert len(done) <= 100 - len(so_far) + 2 * 8  # the heads of two cells once more
-
-
-def _headers(folder, function):
-    """The first lines of the journal of a sweep that was killed, and of one with another function."""
-    run_without_hands(folder / "other.csv", make=function, samples=1)
-    return (folder / "study.parquet.rows").read_text().splitlines()[0], (folder / "other.csv.json").read_text()
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("executor", ["serial", None])
-def test_killed_ten_times_at_random_every_row_is_there_once(tmp_path, executor):
-    out, dice = tmp_path / "study.parquet", random.Random(3)
-    kills = sum(killed_after(out, dice.uniform(0.0, 0.5), executor, 0.03) for _ in range(10))
-    assert kills >= 3
-    while killed_after(out, 20.0, executor, 0.03):
-        pass
-    there = hl.Study.load(out)
-    assert bits(there) == bits(run_without_hands(None))
-    assert there.columns["design"] == list(range(100))
-
-
-@pytest.mark.parametrize("cut", [1, 10, 200])
-def test_a_torn_last_line_is_computed_again(tmp_path, cut):
-    out = tmp_path / "study.csv"
-    _stopped(out, 20)
-    journal = beside(out)
-    journal.write_bytes(journal.read_bytes()[:-cut])
-    assert bits(run_without_hands(out)) == bits(run_without_hands(None))
-
-
-def test_a_journal_cut_anywhere_in_its_first_line_begins_anew(tmp_path):
-    out = tmp_path / "study.csv"
-    beside(out).write_bytes(b'{"handlcp": "0.')
-    assert bits(run_without_hands(out)) == bits(run_without_hands(None))
-
-
-def test_a_damaged_journal_is_refused(tmp_path):
-    out = tmp_path / "study.csv"
-    _stopped(out, 20)
-    journal = beside(out)
-    journal.write_bytes(journal.read_bytes().replace(b"\n", b"\x00\n", 3))
-    with pytest.raises(hl.InputError, match="damaged in line 1"):
-        run_without_hands(out)
-
-
-def _stopped(out, after):
-    """A sweep that Ctrl-C stops; its rows so far."""
-
-    def stop(done, total):
-        if done >= after:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        run_without_hands(out, progress=stop)
-    return hl.Study.load(out)
-
-
-def test_what_is_there_when_it_is_interrupted_is_kept(tmp_path):
-    out = tmp_path / "study.parquet"
-    assert len(_stopped(out, 20)) >= 20
-    assert not out.exists()
-    assert bits(run_without_hands(out)) == bits(run_without_hands(None))
-    assert not beside(out).exists()
-
-
 # ---------------------------------------------------------------- Another sweep, and what cannot be.
 
 
@@ -247,11 +149,13 @@ def test_what_is_there_when_it_is_interrupted_is_kept(tmp_path):
         ({"samples": 101}, r"the samples \(100, now 101\)"), ({"seed": 1}, r"the seed \(0, now 1\)"),
         ({"sampling": "sobol"}, r"the sampling \('lhs', now 'sobol'\)"),
         ({"make": lambda x, kind: None}, "how hands are made"),
+        ({"space": dict(reversed(NO_HANDS.items()))}, r"the space \(another order\)"),
+        ({"space": NO_HANDS | {"kind": ["a", "c"]}}, r"the space \(kind: \['a', 'b'\], now \['a', 'c'\]\)"),
     ],
 )  # fmt: skip
 def test_another_sweep_is_not_written_into_the_same_file(tmp_path, changed, said, stopped):
     out = tmp_path / "study.csv"
-    _stopped(out, 20) if stopped else run_without_hands(out)
+    stopped_after(out, 20) if stopped else run_without_hands(out)
     before = {f: f.read_bytes() for f in tmp_path.iterdir()}
     with pytest.raises(hl.InputError, match=f"differs in {said}"):
         run_without_hands(out, **changed)
@@ -313,7 +217,8 @@ def test_another_brief_is_another_sweep_and_the_same_one_made_again_is_not(tmp_p
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ({"sampling": "random"}, "sampling"), ({"samples": 0}, "samples"), ({"executor": 3}, "executor"),
+        ({"sampling": "random"}, "sampling"), ({"samples": 0}, "samples"), ({"samples": None}, "how many designs"),
+        ({"executor": 3}, "executor"),
         ({"out": "study.xlsx"}, r"\.parquet or \.csv"), ({"out": "nowhere/study.csv"}, "a folder that exists"),
         ({"space": {"z": (0, 1)}}, "make: expected a function of z"), ({"brief": 3}, "brief: expected a Brief"),
         ({"space": {**NO_HANDS, "z": 1}}, "space: expected parameters that make or brief takes, got z"),

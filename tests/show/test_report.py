@@ -70,6 +70,24 @@ def test_what_differs_has_names_of_vary_with_the_values_of_each_hand(hands):
     assert differences({"one": hands["short"], "other": hands["short"]}) == []
 
 
+def test_where_joints_stand_how_they_turn_and_how_far_is_told_too():
+    one, other = hl.finger_hand(2), hl.finger_hand(2, angles=(0.0, 3.0), tilt={"finger_1": 0.1}, ranges=(-0.4, 1.5))
+    rows = {row[0]: row[1:] for row in differences({"one": one, "other": other})}
+    assert rows["position of finger_2_proximal"] == ("(-40, 0, 0) mm", "(-39.6, 5.645, 0) mm")
+    assert rows["roll, pitch, yaw of finger_1_proximal"] == ("(0, 0, 0)°", "(0, 5.73, 0)°")
+    assert rows["range of finger_1_proximal, finger_2_proximal"] == ("-0.5 to 1.6", "-0.4 to 1.5")
+    longer = differences({"one": one, "other": one.vary({"finger_1_proximal.length": 0.06})})
+    assert [row[0] for row in longer if "size" not in row[0]] == ["length of finger_1_proximal"], (
+        "and nothing that follows"
+    )
+
+
+def test_what_was_not_followed_to_its_end_is_told_as_at_least(page):
+    held = ObjectCase("HELD", {"weight": "HELD", "pull": "HELD"}, {"weight": 2.0, "pull": 2.5}, 0.4, "it slips")
+    assert (held.times("weight"), held.times("pull"), held.mass) == ("2", "≥ 2.5", "0.4 kg")
+    assert re.search(r"ball: (weight|pull)</td><td[^>]*>≥ ", page)
+
+
 def test_the_numbers_of_a_hand_are_those_that_vary_gives_it(hands):
     numbers = numbers_of(hands["short"])
     for name, value in numbers.items():
@@ -110,7 +128,12 @@ def test_a_grasp_that_there_is_none_of_has_no_picture_and_equal_ones_the_same(fo
     assert one.startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize("given", [[], ["two_finger", "three_finger"], hl.Sphere(0.03), "hands"])
+def test_what_is_no_hand_among_hands_is_named(hands, tmp_path):
+    with pytest.raises(hl.InputError, match=r"hands\[1\]: expected a Hand, got 'x'"):
+        hl.report([hands["short"], "x"], BRIEF, tmp_path / "report.html")
+
+
+@pytest.mark.parametrize("given", [[], hl.Sphere(0.03), "hands"])
 def test_what_are_no_hands_is_told(given, tmp_path):
     with pytest.raises(hl.InputError, match="at least two hands"):
         hl.report(given, BRIEF, tmp_path / "report.html")

@@ -88,7 +88,23 @@ def test_a_derivative_with_two_sides_is_called_a_kink(grasp, monkeypatch):
         assert hl.slopes(grasp, NAMES[:1]).kinks == kinks
 
 
-@pytest.mark.parametrize(("names", "fact"), [((), "at least one"), (("finger_9.length",), "such as")])
+def test_round_fingertips_of_the_file_have_a_radius_too():
+    """As those of `finger_hand`, and of no radius that was passed."""
+    hand = hl.finger_hand(3, joint_stiffness=6.0)
+    cube = hl.Box(0.05, placement=(0, 0, 0.085), mass=0.2)
+    grasp = hand.at(hand.close_on(cube)).grasp(cube, friction=0.8, squeeze=0.003)
+    assert hl.slopes(grasp, [RADIUS, "tip_radius"]).values.tolist() == [0.008, 0.008]
+    hl.reliability(grasp, {RADIUS: 1e-5}, samples=64)
+
+
+@pytest.mark.parametrize(
+    ("names", "fact"),
+    [
+        ((), "names: expected .*at least one"), ((LENGTH, LENGTH), "names: expected .*each once"),
+        (3, "names: expected"),
+        (("finger_9_distal.length",), "names: expected a number of the hand .*did you mean 'finger_3_distal.length'"),
+    ],
+)  # fmt: skip
 def test_names_that_are_no_numbers_are_told(grasp, names, fact):
     with pytest.raises(hl.InputError, match=fact):
         hl.slopes(grasp, names)

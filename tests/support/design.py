@@ -11,6 +11,7 @@ from handlcp.design import evaluate as _evaluating
 from handlcp.design.brief_file import BriefTables
 from handlcp.design.evaluation import NOT_FOUND, ObjectCase
 from handlcp.design.require import UNITS, read
+from handlcp.design.sweep.same import digest
 from handlcp.grasp.friction import as_law
 from handlcp.hand.vary.values import number_of, numbers_of, unit_of
 from handlcp.show.picture.figure import alike
@@ -20,7 +21,7 @@ from handlcp.study import varied as _varied
 
 __all__ = [
     "NOT_FOUND", "UNITS", "BriefTables", "ObjectCase", "alike", "as_law", "asked", "best_of", "better", "differences",
-    "evaluated_by", "number_of", "numbers_of", "read", "reported_by", "unit_of", "varied_by",
+    "digest", "evaluated_by", "number_of", "numbers_of", "read", "reported_by", "unit_of", "varied_by",
 ]  # fmt: skip
 
 

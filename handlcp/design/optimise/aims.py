@@ -18,7 +18,7 @@ from handlcp.design.evaluation import Evaluation
 from handlcp.design.require import UNITS, Requirement, read
 from handlcp.design.study import ALIASES
 from handlcp.design.sweep.work import Row
-from handlcp.errors import InputError, UnknownName
+from handlcp.errors import InputError, UnknownName, keyed
 from handlcp.record import entry
 
 COLUMN = {one.path: one.key for one in map(entry, Evaluation.entries or ()) if one.path in UNITS}
@@ -64,7 +64,8 @@ def read_needs(constraints: Any) -> tuple[Requirement, ...]:
     given = [constraints] if isinstance(constraints, str) else constraints
     if not isinstance(given, Sequence):
         raise InputError("constraints", 'a text such as "torque<=0.5", or several', repr(given)[:80])
-    return tuple([read(text) for text in given])
+    with keyed({"requirement": "constraints"}):
+        return tuple([read(text) for text in given])
 
 
 def number_of(row: Mapping[str, Any], name: str) -> float:

@@ -14,6 +14,7 @@ from handlcp.design.optimise.slopes import Gradient
 from handlcp.design.space import Space, Value
 from handlcp.design.study import Study
 from handlcp.design.sweep.work import DESIGN, Maker
+from handlcp.errors import InputError
 from handlcp.hand.hand import Hand
 from handlcp.record import Record
 from handlcp.text_table import TextTable, wrapped
@@ -74,6 +75,8 @@ class Best(Record):
         return self.evaluations[self._at(i)]
 
     def _at(self, i: Any) -> int:
+        if not self.designs:
+            raise InputError("i", "a design that passed", f"{i!r}, and none did: {self.why}")
         return integer("i", i, 0, len(self) - 1)
 
     @property

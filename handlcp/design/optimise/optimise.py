@@ -25,6 +25,7 @@ from handlcp.design.sweep.same import check_same, description
 from handlcp.design.sweep.sweep import check_names
 from handlcp.design.sweep.table import checked_table, write_table
 from handlcp.design.sweep.work import Maker, packed, unpacked
+from handlcp.errors import InputError, keyed
 from handlcp.progress import Progress, told
 
 _TRIED = 10  # designs that are tried, the best first, until one passes
@@ -70,7 +71,7 @@ def optimise(
 
         need_mujoco()
     maker = Maker(make, brief)
-    first = None if start is None else room.unit(start)
+    first = None if start is None else _started(room, start)
     maker.check(room.point(np.full(len(room), 0.5) if first is None else first))
     asked = {"objectives": [str(aim) for aim in aims], "constraints": [str(need) for need in needs]}
     how = f"optimise {asked}, population {population}, start {None if first is None else first.tolist()}"
@@ -91,8 +92,16 @@ def optimise(
             else:
                 climb(trials, aims[0], needs, seed, first)
         if file is not None and trials.rows:
-            write_table(file, same, trials.rows)
+            write_table(file, same, [*trials.rows, *trials.beyond])
         return _best(trials, aims, needs, mujoco, why[0] if why else "nothing better was found", same)
+
+
+def _started(space: Space, start: Any) -> Array:
+    """Where the parameters to begin with are in the cube. Raises InputError, UnknownName."""
+    if not isinstance(start, Mapping):
+        raise InputError("start", "a mapping of parameters to values", repr(start)[:80])
+    with keyed({"values": "start"}):
+        return space.unit(start)
 
 
 def _limits(budget: Any, seconds: Any) -> tuple[int, float]:
@@ -122,11 +131,13 @@ def _best(
     slopes, kinks = dict[str, float](), tuple[Kink, ...]()
     if numbers and numbers[0] in trials.gradients:
         slopes, kinks = slopes_of(trials.space, trials.values(numbers[0]), aims[0], *trials.gradients[numbers[0]])
+    study = Study(same, trials.rows)
     if not order:
-        why = f"{why}, and no design meets what was asked"
+        failed = f": {len(study.failed)} of {len(study)} failed, most often: {study.why_failed}"
+        why = f"{why}, and no design meets what was asked{failed if study.why_failed else ''}"
     return Best(
         tuple([str(aim) for aim in aims]), tuple([trials.values(k) for k in numbers]), numbers, why, dropped, slopes,
-        kinks, Study(same, trials.rows), trials.maker, tuple([found[k] for k in numbers]),
+        kinks, study, trials.maker, tuple([found[k] for k in numbers]),
     )  # fmt: skip
 
 
@@ -134,7 +145,7 @@ def _order(trials: Trials, aims: Sequence[Aim], needs: Sequence[Requirement]) ->
     """Numbers of the designs that meet all that is asked, by the first objective; of several those that none beats."""
     own = [k for k, row in enumerate(trials.rows) if meets(row, needs)]
     wanted: Array = np.array([[aim.of(trials.rows[k]) for aim in aims] for k in own]).reshape(len(own), len(aims))
-    known = [bool(np.isfinite(one).all()) for one in wanted]
+    known = [not np.isnan(one).any() for one in wanted]
     own, wanted = [k for k, good in zip(own, known, strict=True) if good], wanted[known]
     if len(aims) > 1:
         front = not_beaten(wanted)

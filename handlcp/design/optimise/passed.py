@@ -10,8 +10,7 @@ from handlcp.design.evaluate import evaluate
 from handlcp.design.evaluation import Evaluation
 from handlcp.design.optimise.aims import number_of
 from handlcp.design.require import Requirement
-from handlcp.design.sweep.work import Numbered, bare, packed, unpacked
-from handlcp.errors import HandLCPError
+from handlcp.design.sweep.work import FAILURES, Numbered, bare, packed, unpacked, why_failed
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.hand.find.candidate import Candidate
 
@@ -32,8 +31,8 @@ def passes(
         brief: Brief = made.asked(values)
         found = evaluate(made.hand(values), brief, None if near is None else unpacked(near))
         return Passed(_why_not(found, brief, needs, mujoco), packed(bare(found)))
-    except HandLCPError as error:
-        return Passed(f"{type(error).__name__}: {error}", None)
+    except FAILURES as error:
+        return Passed(why_failed(error), None)
 
 
 def _why_not(found: Evaluation, brief: Brief, needs: Sequence[Requirement], mujoco: bool) -> str:

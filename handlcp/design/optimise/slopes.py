@@ -23,7 +23,7 @@ from handlcp.design.brief import WEIGHT, Brief
 from handlcp.design.evaluate import evaluate_worst
 from handlcp.design.evaluation import Evaluation
 from handlcp.design.judged import unloaded
-from handlcp.design.sweep.work import Values, unpacked
+from handlcp.design.sweep.work import FAILURES, Values, unpacked
 from handlcp.errors import HandLCPError
 from handlcp.hand.find.candidate import Candidate
 from handlcp.hand.find.continued import continued
@@ -62,7 +62,7 @@ def sample(maker: bytes, values: Values, near: bytes | None, wanted: Wanted) -> 
             whole = evaluate_worst(hand, brief, start)
             lost = any(not case.continued for case in whole.cases.values())
             found |= {name: np.nan if lost else getattr(whole, name) for name in wanted.numbers}
-    except HandLCPError:
+    except FAILURES:
         return {}
     return {key: float(value) if np.isfinite(value) else None for key, value in found.items()}
 

@@ -61,7 +61,10 @@ class Trials:
         self.used = 0
         self.gradients = dict[int, tuple[dict[str, float], Gradient]]()  # by design: terms near the least, derivatives
         self._packed, self._renewed, self._journal, self._say = packed(maker), renewed, journal, say
-        self._there = {int(row[DESIGN]): row for row in journal.rows if DESIGN in row} if journal else {}
+        self._there = dict[int, list[Row]]()
+        for row in journal.rows if journal else ():
+            if DESIGN in row:
+                self._there.setdefault(int(row[DESIGN]), []).append(row)
         self._slopes = {row[SLOPES]: row for row in journal.rows if SLOPES in row} if journal else {}
         self._grasps, self._known = dict[int, bytes](), dict[tuple[Any, ...], int]()
         self._began = time.monotonic()
@@ -131,7 +134,8 @@ class Trials:
 
     def _settle(self, designs: Sequence[Numbered], starts: Sequence[Starts], found: dict[int, Row]) -> None:
         """Put rows by number, of the journal or made."""
-        found.update({k: self._there[k] for k, values in designs if self._same(k, values)})
+        known = {k: self._known_row(k, values) for k, values in designs}
+        found.update({k: row for k, row in known.items() if row is not None})
         self.used_up(len(found))
         jobs = [(one, start) for one, start in zip(designs, starts, strict=True) if one[0] not in found]
         nears = {tuple(start.items()): self.near(start) for _, start in jobs}
@@ -145,9 +149,15 @@ class Trials:
                 self._journal.append([found[number]])
             self.used_up(1)
 
-    def _same(self, number: int, values: Values) -> bool:
-        row = self._there.get(number)
-        return row is not None and all(row.get(name) == value for name, value in values.items())
+    def _known_row(self, number: int, values: Values) -> Row | None:
+        """Of a run before."""
+        rows = [row for row in self._there.get(number, ()) if all(row.get(n) == v for n, v in values.items())]
+        return rows[-1] if rows else None
+
+    @property
+    def beyond(self) -> list[Row]:
+        """Rows of a run before with a larger budget, by number."""
+        return [self._there[k][-1] for k in sorted(self._there) if k >= len(self.rows)]
 
     def sent(self, work: Callable[..., Any], tasks: Sequence[tuple[Any, ...]]) -> Iterator[tuple[int, Any]]:
         """What comes back of each task, by its place, as it comes."""

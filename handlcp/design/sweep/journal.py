@@ -1,22 +1,30 @@
 """The rows of a sweep that is under way, in a file beside its table: what is written there is there.
 
-    study.parquet.rows      one line of JSON: what the sweep is; then one for each design
+    study.parquet.rows      one line of JSON: what the sweep is; then one for each design, after a check sum of the line
 
 Lines are appended and handed to the disk at once. Whatever stops the program, at any byte, leaves whole lines and at
-most one that is torn, which is cut off when the sweep goes on. Numbers are written so that they are read as the same
-bits. A Parquet file cannot do this: it is unreadable until it is closed.
+most one that is torn, which is cut off when the sweep goes on. A line whose sum does not fit was damaged, and counts as
+not there. Numbers are written so that they are read as the same bits. A Parquet file cannot do this: it is unreadable
+until it is closed. One run writes at a time: it holds a lock of the operating system, which goes with it however it
+ends.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, BinaryIO
+from weakref import WeakSet
+from zlib import crc32
 
 from handlcp.errors import InputError, writing
+
+if sys.platform != "win32":
+    import fcntl
 
 Row = dict[str, Any]
 
@@ -31,51 +39,93 @@ def read(file: Path) -> tuple[Row | None, list[Row], int]:
 
     Raises InputError for a file that is no journal.
     """
-    text = file.read_bytes()
+    return _parsed(file, file.read_bytes())
+
+
+def _parsed(file: Path, text: bytes) -> tuple[Row | None, list[Row], int]:
     whole = text[: text.rfind(b"\n") + 1]
-    found = list[Row]()
-    for number, line in enumerate(whole.splitlines(), 1):
-        try:
-            found.append(dict(json.loads(line)))
-        except (ValueError, TypeError):  # no JSON, or no dictionary
-            raise InputError("out", "whole rows in its journal", f"{str(file)!r}, damaged in line {number}") from None
-    return (found[0], found[1:], len(whole)) if found else (None, [], 0)
+    first, *lines = whole.split(b"\n")
+    if not whole:
+        return None, [], 0
+    try:
+        sweep = dict(json.loads(first))
+    except (ValueError, TypeError):  # no JSON, or no dictionary
+        raise InputError("out", "the journal of a sweep", f"{str(file)!r}, damaged in line 1") from None
+    sums = [line.partition(b" ") for line in lines]
+    return sweep, [json.loads(row) for said, _, row in sums if said == _sum(row)], len(whole)
+
+
+def _sum(line: bytes) -> bytes:
+    return f"{crc32(line):08x}".encode()
 
 
 class Journal:
     """Appends rows. `rows` : all that it has. `sweep` : what the sweep is that it was begun with."""
 
     def __init__(self, file: Path, sweep: Mapping[str, Any]) -> None:
-        """With what the sweep is. Raises InputError for a file that cannot be written, or is no journal; whether it is
-        the same sweep is for the caller to see.
+        """With what the sweep is. Raises InputError for a file that cannot be written, that another run is writing, or
+        that is no journal; whether it is the same sweep is for the caller to see.
         """
-        self.file, self.rows = file, list[Row]()
-        self.sweep: Row = dict(sweep)
-        end = 0
-        if file.exists():
-            before, self.rows, end = read(file)
-            self.sweep = self.sweep if before is None else before
+        self.file = file
         with writing("out", file):
-            self._out: BinaryIO = file.open("r+b" if file.exists() else "w+b")
-            self._out.truncate(end)
-            self._out.seek(end)
-        if not end:
-            self._write([self.sweep])
+            self._out: BinaryIO = file.open("a+b")
+        try:
+            self._lock()
+            self._out.seek(0)
+            before, self.rows, end = _parsed(file, self._out.read())
+            self.sweep: Row = dict(sweep) if before is None else before
+            with writing("out", file):
+                self._out.truncate(end)
+            if before is None:
+                self._write([json.dumps(self.sweep).encode()])
+        except BaseException:
+            self._out.close()
+            raise
+        _OPEN.add(self)
+
+    def _lock(self) -> None:
+        """Raises InputError where another run has it."""
+        if sys.platform == "win32":  # whose locks keep others from reading
+            return
+        try:
+            fcntl.flock(self._out, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            said = f"{str(self.file)!r}, which another run is writing now"
+            raise InputError("out", "a file that no other run writes", said) from None
+        except OSError:  # folders of a network that know no locks
+            return
 
     def __enter__(self) -> Journal:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Let go of file and lock."""
         self._out.close()
 
     def append(self, rows: Sequence[Row]) -> None:
         """To the disk, before this returns. Raises InputError where that fails."""
-        self._write(rows)
+        lines = [json.dumps(row).encode() for row in rows]
+        self._write([_sum(line) + b" " + line for line in lines])
         self.rows += rows
 
-    def _write(self, lines: Sequence[Mapping[str, Any]]) -> None:
-        text = "".join(f"{json.dumps(line, allow_nan=False)}\n" for line in lines)
+    def _write(self, lines: Sequence[bytes]) -> None:
         with writing("out", self.file):
-            self._out.write(text.encode())
+            self._out.write(b"".join(line + b"\n" for line in lines))
             self._out.flush()
             os.fsync(self._out.fileno())
+
+
+_OPEN = WeakSet[Journal]()
+
+
+def _forked() -> None:
+    """Workers that are forked off would hold the lock on when the run is killed."""
+    for journal in _OPEN:
+        journal.close()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_forked)

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import hashlib
+import json
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from functools import partial
+from pathlib import Path
 from types import CodeType, FunctionType, MethodType
 from typing import Any
 
 import numpy as np
 
+from handlcp.design.brief import Brief
 from handlcp.errors import InputError
+from handlcp.grasp.friction import as_law
 from handlcp.hand.hand import Hand
 from handlcp.record import plain
 from handlcp.version import VERSION
 
+_MOST = 3  # parameters that a message names
 _DESCRIBED = "mass_kg", "size_m", "joints", "fingertips", "touching", "couplings", "tendons", "links"
 _SAID = {
     "handlcp": "the version of handlcp", "space": "the space", "sampling": "the sampling", "samples": "the samples",
@@ -33,13 +38,23 @@ def description(space: Mapping[str, Any], sampling: str, samples: Any, seed: int
 
 def check_same(file: str, before: Mapping[str, Any], now: Mapping[str, Any]) -> None:
     """Raises InputError for another sweep than that of the file, with what differs."""
-    if unlike := [key for key in _SAID if before.get(key) != now[key]]:
+    if unlike := [key for key in _SAID if json.dumps(before.get(key)) != json.dumps(now[key])]:  # in the same order
         plainly = [key for key in unlike if key not in ("make", "brief")]
-        told = [f"{_SAID[key]} ({_short(before.get(key))}, now {_short(now[key])})" for key in plainly]
+        told = [f"{_SAID[key]} ({_apart(before.get(key), now[key])})" for key in plainly]
         told += [_SAID[key] for key in unlike if key not in plainly]
         raise InputError(
             "out", "a new file, or that of the same sweep", f"{file!r}, which differs in {', '.join(told)}"
         )
+
+
+def _apart(before: Any, now: Any) -> str:
+    """What was and is; of mappings only where they differ."""
+    if not (isinstance(before, Mapping) and isinstance(now, Mapping)):
+        return f"{_short(before)}, now {_short(now)}"
+    names = [name for name in {**before, **now} if before.get(name) != now.get(name)]
+    told = [f"{name}: {_apart(before.get(name), now.get(name))}" for name in names[:_MOST]]
+    told += ["…"] if len(names) > _MOST else ["another order"] if not names else []
+    return "; ".join(told)
 
 
 def _short(value: Any) -> str:
@@ -59,6 +74,8 @@ def _feed(into: Any, value: Any) -> None:
     into.update(f"<{type(value).__qualname__}>".encode())
     if isinstance(value, Hand):
         value = _numbers(value)
+    elif isinstance(value, Brief):
+        value = _asked(value)
     if value is None or isinstance(value, str | bool | int | float | bytes | np.generic):
         into.update(repr(value).encode())
     elif isinstance(value, np.ndarray):
@@ -80,6 +97,8 @@ def _feed(into: Any, value: Any) -> None:
         _feed(into, [value.func, value.args, value.keywords])
     elif isinstance(value, MethodType):
         _feed(into, [value.__func__, value.__self__])
+    elif isinstance(value, Path):  # a mesh, wherever it is
+        into.update(value.read_bytes() if value.is_file() else str(value).encode())
     elif hasattr(value, "homogeneous"):  # a pin.SE3
         _feed(into, np.array(value.homogeneous))
     elif is_dataclass(value) and not isinstance(value, type):
@@ -89,6 +108,23 @@ def _feed(into: Any, value: Any) -> None:
         _feed(into, list(value.__reduce__()[1:2]) if own else [])  # what it is made of, where it says so
         if callable(value) and not isinstance(value, type):  # an object that makes hands: its attributes, and how
             _feed(into, [getattr(value, "__dict__", {}), vars(type(value)).get("__call__")])
+
+
+def _asked(brief: Brief) -> list[Any]:
+    """Of a brief, as its file has it: laws, numbers as floats, objects wherever they are."""
+    own = {field.name: getattr(brief, field.name) for field in fields(brief)}
+    objects = {name: obj.moved_to(np.zeros(3)) for name, obj in brief.objects.items()}
+    closing = {name: _floats(value) for name, value in brief.closing.items()}
+    return list((own | {"friction": as_law(brief.friction), "objects": objects} | closing).values())
+
+
+def _floats(value: Any) -> Any:
+    """Numbers, also in mappings and rows."""
+    if isinstance(value, Mapping):
+        return {str(name): _floats(one) for name, one in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [_floats(one) for one in value]
+    return float(value) if isinstance(value, int | float | np.generic) else value
 
 
 def _numbers(hand: Hand) -> list[Any]:

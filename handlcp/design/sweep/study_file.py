@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 from handlcp.design.brief import Brief
 from handlcp.design.finger_hand import finger_hand
+from handlcp.errors import InputError, UnknownName, keyed
 from handlcp.hand.hand import Hand
+from handlcp.hand.vary.names import read_changes
 from handlcp.scene import kinds as k
 from handlcp.scene.kinds import Table
 from handlcp.scene.reading import checked, text_of
 
 _BRIEF = "brief."  # begins the names of parameters of the brief
-
+_URDF = "urdf"  # key of [hand] for a file, beside which may stand:
+_BESIDE = ("joint_stiffness", "pad_flexibility", "tip_radius", "torque_limits", "base")
 
 _Hand = Annotated[str | dict[str, Any], k.Expected("a hand's name or file, or a table of numbers for finger_hand")]
 _Space = Annotated[dict[str, Any], k.Expected("a table of parameters")]
@@ -28,7 +31,8 @@ class StudyTables(Table):
     """What is swept."""
 
     hand: _Hand
-    """a hand's name, a URDF, an MJCF or a scene file with a [hand]; or, as [hand], numbers for `finger_hand`"""
+    """a hand's name, an MJCF or a scene file with a [hand]; or, as [hand], urdf = "my.urdf" beside joint_stiffness,
+    pad_flexibility, tip_radius, torque_limits and base, as of `Hand.from_urdf`; or numbers for `finger_hand`"""
     space: _Space
     """parameter = { low = 1.0, high = 2.0 }, with log = true for equal ratios, a list of choices, or one value"""
     brief: k.Text
@@ -46,8 +50,8 @@ class StudyTables(Table):
 class StudyFile(NamedTuple):
     """Arguments of `sweep`, and the file that is written."""
 
-    make: HandFrom
-    brief: BriefFrom
+    make: Hand | HandFrom
+    brief: Brief | BriefFrom
     tables: StudyTables
     out: Path | None
 
@@ -62,11 +66,15 @@ class HandFrom:
     numbers: Mapping[str, Any]
 
     def __call__(self, **values: Any) -> Hand:
-        """With these values. Raises what `finger_hand` and `Hand.vary` raise."""
+        """With these values. Raises what `finger_hand` and `Hand.vary` raise; UnknownName."""
         own = {name: value for name, value in values.items() if not name.startswith(_BRIEF)}
         if (hand := self.base) is None:
-            first = {name: own.pop(name) for name in list(own) if name in inspect.signature(finger_hand).parameters}
-            hand = finger_hand(**{**self.numbers, **first})
+            known = tuple(inspect.signature(finger_hand).parameters)
+            said = {**self.numbers, **{name: own.pop(name) for name in list(own) if "." not in name}}
+            if unknown := [name for name in said if name not in known]:
+                where = "hand" if unknown[0] in self.numbers else "space"
+                raise UnknownName(where, "an argument of finger_hand", unknown, known)
+            hand = finger_hand(**said)
         return hand.vary({name: value for key, value in own.items() for name in _meant(hand, key)}) if own else hand
 
 
@@ -77,30 +85,62 @@ class BriefFrom:
     base: Brief
 
     def __call__(self, **values: Any) -> Brief:
-        """With these values. Raises InputError."""
+        """With these values. Raises InputError, UnknownName."""
         own = {name.removeprefix(_BRIEF): value for name, value in values.items() if name.startswith(_BRIEF)}
+        known = [field.name for field in fields(Brief)]
+        if unknown := [f"{_BRIEF}{name}" for name in own if name not in known]:
+            raise UnknownName("space", "a number of the brief", unknown, [f"{_BRIEF}{name}" for name in known])
         return replace(self.base, **own)
 
 
-def load(path: Any, hand: Callable[[Path], Hand]) -> StudyFile:
-    """Of a file; others are found from its folder. hand : that of a name or a file. Raises InputError, and what `hand`
-    raises.
+def load(path: Any, hand: Callable[..., Hand]) -> StudyFile:
+    """Of a file; others are found from its folder. hand : that of a name or a file, with what is said beside it. What
+    a hand and a brief alone say is the same sweep as in Python. Raises InputError, and what `hand` raises.
     """
     text, file = text_of(path, "a study (TOML)")
     table = checked(StudyTables, text, file.name)
-    if isinstance(table.hand, str):
-        beside = file.parent / table.hand
-        make = HandFrom(hand(beside if beside.is_file() else Path(table.hand)), {})
-    else:
-        make = HandFrom(None, table.hand)
+    brief = Brief.from_toml(file.parent / table.brief)
+    plain = not any(name.startswith(_BRIEF) for name in table.space)
+    said = {_URDF: table.hand} if isinstance(table.hand, str) else table.hand
+    made = _read(file, said, hand) if _URDF in said else None
+    make = HandFrom(made, said)
+    whole = made if plain and not any("*" in name for name in table.space) else None
     out = None if table.out is None else file.parent / table.out
-    return StudyFile(make, BriefFrom(Brief.from_toml(file.parent / table.brief)), table, out)
+    return StudyFile(whole or make, brief if plain else BriefFrom(brief), table, out)
+
+
+def _read(study: Path, said: Mapping[str, Any], hand: Callable[..., Hand]) -> Hand:
+    """The hand of a name or a file, with numbers that the file does not have. Raises InputError, UnknownName."""
+    name, more = said[_URDF], {key: value for key, value in said.items() if key != _URDF}
+    if not isinstance(name, str):
+        raise InputError(f"hand.{_URDF}", "the name of a file", repr(name)[:80])
+    if unknown := [key for key in more if key not in _BESIDE]:
+        raise UnknownName("hand", f"a key beside {_URDF}", unknown, _BESIDE)
+    beside = study.parent / name
+    try:
+        with keyed({f"--{key.replace('_', '-')}": f"hand.{key}" for key in _BESIDE}):
+            return hand(beside if beside.is_file() else Path(name), **more)
+    except InputError as error:
+        if error.argument != "joint_stiffness":
+            raise
+        expected = f"a table [hand] with {_URDF} = {name!r} and joint_stiffness in N·m/rad, which a URDF does not have"
+        raise InputError("hand", expected, f"{name!r} alone") from None
 
 
 def _meant(hand: Hand, name: str) -> list[str]:
-    """The name; with a * in it, all that it stands for, such as "*_distal.length" for those of all fingers."""
+    """The name; with a * in it, all joints or fingertips that it fits and that have such a number, such as those of all
+    fingers for "*_distal.length".
+    """
     of, dot, what = name.rpartition(".")
     if "*" not in of:
         return [name]
     every = dict.fromkeys((*hand.kinematics.movable, *hand.joint_names, *hand.fingertips))
-    return [f"{one}{dot}{what}" for one in every if fnmatchcase(one, of)] or [name]
+    return [f"{one}{dot}{what}" for one in every if fnmatchcase(one, of) and _has(hand, f"{one}.{what}")] or [name]
+
+
+def _has(hand: Hand, name: str) -> bool:
+    try:
+        read_changes(hand, {name: None})
+    except UnknownName:
+        return False
+    return True

@@ -41,7 +41,8 @@ def sweep(
     Most designs start from the grasps of others, as in `evaluate(…, near=…)`: the best of three in the middle of up to
     256 that lie together. A design that fails, or ends its process, is a row with its reason in "error".
 
-    Raises InputError, also for a file with another sweep in it, and says what differs; UnknownName; Unsupported without
+    Raises InputError, also for a file with another sweep in it, and says what differs, and for one that another run is
+    writing; UnknownName; Unsupported without
     pyarrow for a .parquet. What an executor that was given raises, such as BrokenProcessPool, comes out; rows are kept.
     """
     room = space if isinstance(space, Space) else Space(space)
@@ -50,23 +51,33 @@ def sweep(
     maker = Maker(make, brief)
     maker.check(room.point(cube[0]))
     same = description(room.to_dict(), sampling, samples, seed, make, brief)
+    every, found = numbered(room, cube), list[Row]()
     file = None if out is None else checked_table(out)
     if file is not None and file.exists():
         before, rows = read_table(file)
         check_same(str(file), before, same)
-        beside(file).unlink(missing_ok=True)  # of a run that was stopped between its last two steps
-        return Study(same, rows, maker)
-    every, cells, found = numbered(room, cube), cells_of(room, cube), list[Row]()
-    if file is None:
-        _run(maker, every, cells, executor, progress, found, found.extend)
-    else:
-        with Journal(beside(file), same) as journal:
-            check_same(str(journal.file), journal.sweep, same)
-            found = journal.rows
-            _run(maker, every, cells, executor, progress, found, journal.append)
-        write_table(file, same, in_order(found))
-        journal.file.unlink()
+        found = list({row[DESIGN]: row for row in rows if _fits(row, every)}.values())
+    if len(found) < len(every):
+        cells = cells_of(room, cube)
+        if file is None:
+            _run(maker, every, cells, executor, progress, found, found.extend)
+        else:
+            with Journal(beside(file), same) as journal:
+                check_same(str(journal.file), journal.sweep, same)
+                there = {row[DESIGN] for row in journal.rows}
+                journal.append([row for row in found if row[DESIGN] not in there])  # of a table that is damaged
+                found = journal.rows
+                _run(maker, every, cells, executor, progress, found, journal.append)
+                write_table(file, same, in_order(found))
+    if file is not None:
+        beside(file).unlink(missing_ok=True)
     return Study(same, in_order(found), maker)
+
+
+def _fits(row: Row, values: Mapping[int, Values]) -> bool:
+    """Whether a row is one of the designs."""
+    own = values.get(row.get(DESIGN, -1))
+    return own is not None and all(row.get(name) == value for name, value in own.items())
 
 
 def check_names(space: Space) -> None:

@@ -66,13 +66,13 @@ def read_table(file: Path) -> tuple[Row, list[Row]]:
     """What the sweep was, and its rows. Raises InputError for a file that is none of a sweep."""
     if why := unreadable(file):
         raise InputError("out", "the table of a sweep", f"{str(file)!r}, which {why}")
-    none = InputError("out", "the table of a sweep", f"{str(file)!r}, which is another file")
+    none = InputError("out", "the table of a sweep", f"{str(file)!r}, which is another file, or damaged")
     if file.suffix.lower() == CSV:
         try:
             sweep = json.loads(_described(file).read_text(encoding="utf-8"))
+            return sweep, _read_csv(file, {name for name, entry in sweep["space"].items() if _wordy(entry)})
         except (OSError, ValueError):
             raise none from None
-        return sweep, _read_csv(file, {name for name, entry in sweep["space"].items() if _wordy(entry)})
     arrow, parquet = _arrow()
     try:
         made = parquet.read_table(file)
@@ -116,12 +116,12 @@ def _cell(value: Any) -> str:
 
 def _read_csv(file: Path, words: Set[str]) -> list[Row]:
     """A column of which every cell is a number, or every cell true or false, is that; others are words. words : names
-    of columns that are words in any case, such as "3".
+    of columns that are words in any case, such as "3" and "". Raises ValueError for rows of different lengths.
     """
     with file.open(encoding="utf-8", newline="") as text:
         names, *rows = csv.reader(text)
     named = zip(names, zip(*rows, strict=True), strict=True)
-    columns = [[cell or None for cell in cells] if name in words else _values(cells) for name, cells in named]
+    columns = [list(cells) if name in words else _values(cells) for name, cells in named]
     return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
@@ -132,9 +132,9 @@ def _wordy(entry: Any) -> bool:
 
 def _values(cells: Sequence[str]) -> list[Any]:
     with suppress(ValueError):
-        found = [None if cell == "" else json.loads(cell) for cell in cells]
-        if all(value is None or isinstance(value, bool | int | float) for value in found):
-            return found
+        found = json.loads(f"[{','.join(cell or 'null' for cell in cells)}]")  # at once: ten times as fast as each
+        if len(found) == len(cells) and all(value is None or isinstance(value, bool | int | float) for value in found):
+            return list(found)
     return [cell or None for cell in cells]
 
 

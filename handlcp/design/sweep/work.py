@@ -19,12 +19,14 @@ from handlcp.design.brief import Brief
 from handlcp.design.evaluate import evaluate, evaluate_worst
 from handlcp.design.evaluation import Evaluation, ObjectCase
 from handlcp.design.space import Value
-from handlcp.errors import InputError
+from handlcp.errors import InputError, UnknownName, keyed
+from handlcp.grasp.answer.verdict import HELD
 from handlcp.hand.hand import Hand
 
 HEADS = 1  # designs of a cell that search for their grasps, and that many at least
 MOST_HEADS = 8  # where none of so many grasps an object, the others of the cell search for themselves
 DESIGN, ERROR = "design", "error"  # columns beside the parameters and what `Evaluation.to_row` has
+FAILURES = Exception, SystemExit  # what a design may raise, which then is its reason
 
 Values = Mapping[str, Value]
 Numbered = tuple[int, Values]  # a design: its number, its parameters
@@ -63,26 +65,37 @@ class Maker:
         return made
 
     def check(self, values: Values) -> None:
-        """Raises InputError where a parameter goes nowhere or one is missing; UnknownName for a Hand without it."""
-        functions = {"make": self.make, "brief": self.brief}
-        taken = set[str]()
-        for argument, function in functions.items():
+        """Raises InputError where a parameter goes nowhere or one is missing; UnknownName for one that the hand or the
+        brief of these values does not have. Hands and briefs that take any name are made for that.
+        """
+        given = {"make": (self.make, Hand), "brief": (self.brief, Brief)}
+        taken, free = set[str](), list[str]()
+        for argument, (function, kind) in given.items():
             if isinstance(function, Hand):
-                self.hand(values)
-                return
-            if isinstance(function, Brief):
-                continue
-            if not callable(function):
-                what = "a Hand, or a function to one" if argument == "make" else "a Brief, or a function to one"
-                raise InputError(argument, what, repr(function)[:80])
-            own = _taken(function, values)
-            try:
-                inspect.signature(function).bind(**own)
-            except TypeError as error:
-                raise InputError(argument, f"a function of {', '.join(values)}", str(error)) from None
-            taken |= set(own)
-        if lost := [name for name in values if name not in taken]:
+                free.append(argument)
+            elif not isinstance(function, Brief):
+                if not callable(function):
+                    name = kind.__name__
+                    raise InputError(argument, f"a {name}, or a function to one", repr(function)[:80])
+                try:
+                    own = _taken(function, values)
+                    inspect.signature(function).bind(**own)
+                except (TypeError, ValueError) as error:
+                    raise InputError(argument, f"a function of {', '.join(values)}", str(error)) from None
+                taken |= set(own)
+                if _takes_any(function):
+                    free.append(argument)
+        lost = [name for name in values if name not in taken]
+        if lost and not isinstance(self.make, Hand):
             raise InputError("space", "parameters that make or brief takes", ", ".join(lost))
+        with keyed({"changes": "space"}):
+            for argument in free:
+                try:
+                    self.hand(values) if argument == "make" else self.asked(values)
+                except UnknownName:
+                    raise
+                except FAILURES:
+                    continue  # a design's own reason
 
 
 def _named(function: Callable[..., Any]) -> tuple[str, ...]:
@@ -91,10 +104,14 @@ def _named(function: Callable[..., Any]) -> tuple[str, ...]:
     return tuple([p.name for p in inspect.signature(function).parameters.values() if p.kind in kinds])
 
 
+def _takes_any(function: Callable[..., Any]) -> bool:
+    """Whether a function takes any name."""
+    return any(p.kind is inspect.Parameter.VAR_KEYWORD for p in inspect.signature(function).parameters.values())
+
+
 def _taken(function: Callable[..., Any], values: Values) -> dict[str, Value]:
     """Those of the values that a function takes."""
-    every = inspect.signature(function).parameters.values()
-    if any(p.kind is inspect.Parameter.VAR_KEYWORD for p in every):
+    if _takes_any(function):
         return dict(values)
     names = _named(function)
     return {name: value for name, value in values.items() if name in names}
@@ -153,7 +170,8 @@ def work(task: Task) -> Done:
 
 class Heads:
     """The first designs of a cell, whose grasps the others start from: of each object that with which a head holds
-    most. `HEADS` search anew; more follow, one by one, each from what there is, as long as an object has no grasp.
+    most, as the brief asks. `HEADS` search anew; more follow, one by one, each from what there is, as long as an object
+    has no grasp.
     """
 
     def __init__(self, cell: Sequence[int]) -> None:
@@ -183,9 +201,14 @@ class Heads:
         for found in [self.found[k] for k in self.designs if k in self.found] if len(self.found) >= HEADS else []:
             for name, case in ({} if found is None else found.cases).items():
                 was = best.get(name)
-                if was is None or (case.candidate is not None and (was.candidate is None or case.factor > was.factor)):
+                if was is None or _rank(case) > _rank(was):
                     best[name] = case
         return Evaluation(best) if best else None
+
+
+def _rank(case: ObjectCase) -> tuple[bool, bool, float]:
+    """The better of two grasps has the larger."""
+    return case.candidate is not None, case.word == HELD, case.factor
 
 
 def bare(found: Evaluation) -> Evaluation:
@@ -203,8 +226,13 @@ def evaluated(maker: Maker, design: Numbered, near: Evaluation | None, head: boo
     """
     try:
         return (evaluate if head else evaluate_worst)(maker.hand(design[1]), maker.asked(design[1]), near)
-    except Exception as error:
-        return f"{type(error).__name__}: {error}"
+    except FAILURES as error:
+        return why_failed(error)
+
+
+def why_failed(error: BaseException) -> str:
+    """The reason of a design's row."""
+    return f"{type(error).__name__}: {error}"
 
 
 def row_of(design: Numbered, found: Outcome) -> Row:

@@ -98,22 +98,30 @@ class Before:
 
 
 def up_to_the_first(
-    loads: Sequence[tuple[Before, Array]], least: float, most: float = np.inf
+    loads: Sequence[tuple[Before, Array]], least: float, most: float = np.inf, likely: Sequence[float] = ()
 ) -> list[tuple[LoadLimit, float]]:  # fmt: skip
     """Loads (6,) of which the first to give out is asked for, each with what comes before it. The weakest are followed
     first, and others no further than the least factor that was found before them, or `most`; and than `least` if that
     is more. A limit beyond that is infinite. With each limit the factor up to which it was followed.
+
+    likely : which are the weakest: about the limit of each, or nothing where that is not known; then bounds tell.
     """
-    bound, found = np.empty(len(loads)), dict[int, tuple[LoadLimit, float]]()
-    for before in {id(before): before for before, _ in loads}.values():
-        its = [k for k, (one, _) in enumerate(loads) if one is before]
-        bound[its] = before.bounds(np.stack([loads[k][1] for k in its]))
-    for k in np.argsort(bound, kind="stable").tolist():
+    found = dict[int, tuple[LoadLimit, float]]()
+    for k in np.argsort(likely if len(likely) == len(loads) else _bounds(loads), kind="stable").tolist():
         before, wrench = loads[k]
         until = max(most, least)
         found[k] = before.limit(wrench, until), until
         most = min(most, (1.0 + _BEYOND) * found[k][0].factor)
     return [found[k] for k in range(len(loads))]
+
+
+def _bounds(loads: Sequence[tuple[Before, Array]]) -> Array:
+    """(k,) the largest factors that friction and torque limits alone allow."""
+    bound = np.empty(len(loads))
+    for before in {id(before): before for before, _ in loads}.values():
+        its = [k for k, (one, _) in enumerate(loads) if one is before]
+        bound[its] = before.bounds(np.stack([loads[k][1] for k in its]))
+    return bound
 
 
 def accurate_limit(

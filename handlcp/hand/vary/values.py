@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from handlcp.errors import InputError
+from handlcp.errors import UnknownName
 from handlcp.hand.elasticity.stiffness import JointStiffness
 from handlcp.hand.robot.model import HandModel
+from handlcp.hand.robot.source.description import COLLISION
 from handlcp.hand.vary.names import LENGTH, LIMIT, PAD, RADIUS, STIFFNESS
 from handlcp.hand.vary.shape import length_of
 
@@ -30,8 +31,9 @@ def numbers_of(hand: HandModel) -> dict[str, float]:
         if np.isfinite(limit):
             found[f"{joint}.{LIMIT}"] = limit
     for k, tip in enumerate(hand.fingertips):
-        if hand.tip_kind(k) == "radius":
-            found[f"{tip}.{RADIUS}"] = float(hand.tip_shapes(k)[0].radius or 0.0)
+        shapes = hand.tip_shapes(k) if hand.tip_kind(k) in ("radius", COLLISION) else ()
+        if len(shapes) == 1 and shapes[0].central and shapes[0].radius is not None:
+            found[f"{tip}.{RADIUS}"] = shapes[0].radius
         pad = hand.pads.blocks[k]
         if (pad == pad[0, 0] * np.eye(3)).all():
             found[f"{tip}.{PAD}"] = float(pad[0, 0])
@@ -39,14 +41,14 @@ def numbers_of(hand: HandModel) -> dict[str, float]:
 
 
 def number_of(hand: HandModel, name: str) -> float:
-    """One of these, or a whole argument such as "joint_stiffness" that is alike everywhere. Raises InputError."""
+    """One of these, or a whole argument such as "joint_stiffness" that is alike everywhere. Raises UnknownName."""
     numbers = numbers_of(hand)
     if name in numbers:
         return numbers[name]
     ending = f".{COMMON.get(name, '?')}"
     if len(alike := {value for other, value in numbers.items() if other.endswith(ending)}) == 1:
         return alike.pop()
-    raise InputError("changes", f"numbers of the hand, such as {', '.join(list(numbers)[:3])}", repr(name))
+    raise UnknownName("changes", "a number of the hand", [str(name)], [*numbers, *COMMON])
 
 
 def unit_of(name: str) -> str:

@@ -63,8 +63,11 @@ def _named(hands: Any) -> dict[str, Hand]:
         named = {f"hand {k}": hand for k, hand in enumerate(hands, 1)}
     else:
         raise InputError("hands", expected, repr(hands)[:80])
-    if len(named) < 2 or not all(isinstance(hand, Hand) for hand in named.values()):
-        raise InputError("hands", expected, repr(hands)[:80])
+    if len(named) < 2:
+        raise InputError("hands", expected, f"{len(named)}")
+    for key, hand in zip(hands if isinstance(hands, Mapping) else range(len(named)), named.values(), strict=True):
+        if not isinstance(hand, Hand):
+            raise InputError(f"hands[{key!r}]", "a Hand", repr(hand)[:80])
     return named
 
 
@@ -105,8 +108,15 @@ def _items(sentences: Iterable[str]) -> str:
 def _in_all(name: str, done: Evaluation) -> str:
     """One hand in a few words."""
     word = _chip("HELD" if done.holds else done.cases[done.worst_object].word)
-    says = f"{done.payload:.3g} kg of {done.worst_object}. First gives out: {done.gives_out.partition(': ')[0]}."
+    case = min(done.cases.values(), key=lambda one: one.payload)
+    least = next(key for key, one in done.cases.items() if one is case)
+    says = f"{case.mass} of {least}. First gives out: {_gives_out(done.gives_out)}."
     return f"<div><h2>{escape(name)}</h2>{word}<p>{escape(says)}</p></div>"
+
+
+def _gives_out(what: str) -> str:
+    """Without what follows a colon."""
+    return what.partition(": ")[0] or "nothing up to what was asked"
 
 
 def _chip(word: str) -> str:
@@ -132,7 +142,7 @@ def _picture(hand: str, name: str, case: ObjectCase, png: bytes) -> str:
     if png:
         text = escape(f"{name} in {hand}", quote=True)
         image = f'<img alt="{text}" src="data:image/png;base64,{base64.b64encode(png).decode("ascii")}">'
-    says = f"{hand}: first gives out: {case.gives_out.partition(': ')[0]}"
+    says = f"{hand}: first gives out: {_gives_out(case.gives_out)}"
     return f"<figure>{image}<figcaption>{_chip(case.word)} {escape(says)}</figcaption></figure>"
 
 
@@ -143,11 +153,13 @@ def _numbers(brief: Brief, found: Mapping[str, Evaluation]) -> list[tuple[Sequen
         cases = [done.cases[name] for done in found.values()]
         for load in cases[0].factors:
             factors = [case.factors[load] for case in cases]
-            cells = [f"{factor:.3g} ×, {case.verdicts[load]}" for factor, case in zip(factors, cases, strict=True)]
+            cells = [f"{case.times(load)} ×, {case.verdicts[load]}" for case in cases]
             rows.append(((f"{name}: {load}", *cells), [False, *best_of(factors, True)]))
         for attribute, what, unit, more in _OF_OBJECT:
             values = [SCALES.get(unit, 1.0) * getattr(case, attribute) for case in cases]
             cells = ["–" if np.isnan(value) else f"{value:.3g} {unit}" for value in values]
+            if attribute == "payload":
+                cells = [case.mass for case in cases]
             rows.append(((f"{name}: {what}", *cells), [False, *best_of(values, more)]))
     return rows
 

@@ -9,13 +9,12 @@ import numpy as np
 
 from handlcp import words
 from handlcp.design.brief import Brief
-from handlcp.design.evaluation import Evaluation
+from handlcp.design.evaluation import Evaluation, shown
 from handlcp.grasp.friction import as_law
 from handlcp.hand import YCB, Box, Cylinder, Ellipsoid, Hand, Object, Sphere
-from handlcp.hand.vary.values import numbers_of, unit_of
+from handlcp.show.report.differing import differing
 
 _ALIKE = 0.01  # numbers that differ by a smaller share are alike
-_NONE = "–"
 
 # What hands are compared by: attribute of an evaluation, what the better one does, unit, and whether more is better
 _BETTER = (
@@ -77,18 +76,9 @@ def _friction(brief: Brief) -> str:
 
 
 def differences(hands: Mapping[str, Hand]) -> list[tuple[str, ...]]:
-    """A row for each number, by its name for `vary`, in which hands differ, with its value in each hand; names with the
-    same values share a row. Then what else differs: joints, fingertips, mass, size.
+    """What differs in all: joints, fingertips, mass, size; then a row for each number, by its name for `vary`, in which
+    hands differ, and for how joints stand and turn, with its value in each hand.
     """
-    numbers = [numbers_of(hand) for hand in hands.values()]
-    rows = dict[tuple[str, ...], list[str]]()
-    for name in dict.fromkeys(name for found in numbers for name in found):
-        values = [found.get(name) for found in numbers]
-        if len({None if v is None else float(f"{v:.9g}") for v in values}) > 1:
-            what = name.rpartition(".")[2]
-            cells = tuple([_NONE if v is None else f"{v:.4g} {unit_of(name)}" for v in values])
-            rows.setdefault((what, *cells), []).append(name.rpartition(".")[0])
-    made = [(f"{what.replace('_', ' ')} of {words.listed(of)}", *cells) for (what, *cells), of in rows.items()]
     described = [hand.describe() for hand in hands.values()]
     more = [
         ("joints", *[str(len(d.joints)) for d in described]),
@@ -96,7 +86,7 @@ def differences(hands: Mapping[str, Hand]) -> list[tuple[str, ...]]:
         ("mass", *[f"{d.mass:.3g} kg" for d in described]),
         ("size", *[" × ".join(f"{1e3 * x:.0f}" for x in d.size) + " mm" for d in described]),
     ]  # fmt: skip
-    return [*[row for row in more if len(set(row[1:])) > 1], *made]
+    return [*[row for row in more if len(set(row[1:])) > 1], *differing(hands)]
 
 
 def better(found: Mapping[str, Evaluation]) -> list[str]:
@@ -110,7 +100,8 @@ def better(found: Mapping[str, Evaluation]) -> list[str]:
         if len(known) < (1 if more else 2):
             continue
         best = (max if more else min)(known, key=lambda k: values[k])
-        cells = [f"{names[k]} {values[k]:.3g} {unit}".rstrip() for k in known]
+        least = [more and not done.gives_out for done in found.values()]
+        cells = [f"{names[k]} {shown(values[k], least[k])} {unit}".rstrip() for k in known]
         apart = max(abs(values[k] - values[best]) for k in known)
         if len(known) > 1 and not apart > _ALIKE * abs(values[best]):
             said.append(f"None {what}: {words.listed(cells)}")

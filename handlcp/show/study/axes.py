@@ -9,8 +9,13 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.design.space import Choices
 from handlcp.design.study import Study
+from handlcp.hand.vary.values import COMMON, UNITS as OF_HANDS
 from handlcp.record import UNITS
 
+_NUMBERS = {"palm_radius": "m", "link_radius": "m", "tilt": "rad"}  # of `finger_hand`
+_BRIEF = {
+    "acceleration": "m/s²", "motion": "m", "most_force": "N", "squeeze": "m", "grip_force": "N", "closing_torque": "N·m"
+}  # fmt: skip
 _MANY = 6  # choices of which each has its own tick
 
 
@@ -19,6 +24,19 @@ def label(column: str) -> str:
     name, _, end = column.removeprefix("-").rpartition("_")
     unit = UNITS.get(end, "") if name else ""
     return f"{name.replace('_', ' ')} [{unit}]" if unit else column.removeprefix("-").replace("_", " ")
+
+
+def parameter(name: str) -> tuple[str, str]:
+    """What a parameter is called, and its unit: of one that is called as in `Hand.vary`, in `finger_hand` or
+    "brief.motion", or by a name that ends in its unit, such as "length_m"; "" of others.
+    """
+    if name.startswith("brief."):
+        return name, _BRIEF.get(name.removeprefix("brief."), "")
+    what = name.rpartition(".")[2] if "." in name else COMMON.get(name, "")
+    if unit := OF_HANDS.get(what, "") or _NUMBERS.get(name, ""):
+        return name, unit
+    unit = label(name).partition(" [")[2].rstrip("]")
+    return (name.rpartition("_")[0], unit) if unit else (name, "")
 
 
 def places(study: Study) -> Array:

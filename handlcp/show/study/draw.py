@@ -13,12 +13,14 @@ from handlcp.design.space import Choices
 from handlcp.design.study import Study
 from handlcp.errors import InputError
 from handlcp.show.file import Figure, new_figure
-from handlcp.show.study.axes import label, places, ticks
+from handlcp.show.study.axes import label, parameter, places, ticks
 from handlcp.show.style import BLUE, GREY, INK, RED, SMALL, TEXT, further, heading, panel, say, shortened
 
 WIDTH, TOP, EFFECT = 12.0, 3.9, 2.1  # inches: of the figure, height of the first row of panels, of each further one
 ACROSS = 4  # main effects in a row
 _LINES = 1500  # designs that are drawn as lines, the front always
+_NUMBERED = 12  # designs on the front that have their numbers beside them
+_ROUGH = 64  # shares of the variance from fewer designs are rough
 _FAINT = "#B9BEC4"  # of designs that are not on the front
 
 
@@ -31,7 +33,7 @@ def figure(study: Study, title: str, by: Sequence[str]) -> Figure:
     known = np.isfinite(wanted).all(axis=1)
     if not known.any():
         raise InputError("study", f"designs of which {' and '.join(by)} are known", repr(study))
-    on = np.isin(study.columns["design"], front.columns["design"])
+    on = np.isin(study.columns["design"], front.columns["design"]) & known
     cube, free = places(study), study.space.free
     rows = -(-len(free) // ACROSS)
     tall = 1.1 + TOP + rows * EFFECT
@@ -43,16 +45,17 @@ def figure(study: Study, title: str, by: Sequence[str]) -> Figure:
     _lines(made.add_axes((0.515, bottom, 0.45, high)), study, cube, wanted, on, by)
     effects = {name: main_effect(cube[known, k], _plain(wanted, by)[known, 0]) for k, name in enumerate(free)}
     below = y + TOP + 0.25
-    said = (
-        f"{label(by[0])} along each parameter: mean ± standard error, and the share of its variance that this explains"
-    )
+    said = f"{label(by[0])} along each parameter: mean ± standard error, and the share of its variance that it explains"
+    said += "" if known.sum() >= _ROUGH else f" (rough: from {known.sum()} designs)"
     made.text(0.018, 1 - below / tall, said, fontsize=TEXT + 0.5, weight="bold", color=INK, va="center")
     _effects(made, study, effects, below + 0.45, tall)
     return made
 
 
 def _said(study: Study, front: Study, by: Sequence[str]) -> str:
-    head = str(study).partition(".")[0]
+    head = study.counts
+    if not len(front):
+        return f"{head}. There is no front: no design holds all that the brief asks."
     better = " and ".join(f"{'less' if one.startswith('-') else 'more'} {label(one).partition(' [')[0]}" for one in by)
     return f"{head}. No design has both {better} than any of the {len(front)} on the front."
 
@@ -65,7 +68,7 @@ def _plain(wanted: Array, by: Sequence[str]) -> Array:
 def _front(ax: Any, study: Study, wanted: Array, on: Bools, by: Sequence[str]) -> None:
     """All designs, and the front as a line of steps: what is behind it is beaten."""
     x, y = _plain(wanted, by).T
-    panel(ax, "Designs, and the front", label(by[0]), label(by[1]))
+    panel(ax, "Designs, and the front" if on.any() else "Designs", label(by[0]), label(by[1]))
     held = np.array([value is True for value in study.columns["holds"]])
     hollow: dict[str, Any] = {"facecolors": "none"}
     for some, colour, size in ((~on, _FAINT, 14), (on, BLUE, 30)):
@@ -73,6 +76,10 @@ def _front(ax: Any, study: Study, wanted: Array, on: Bools, by: Sequence[str]) -
         ax.scatter(x[some & ~held], y[some & ~held], s=size, edgecolors=colour, linewidths=0.9, zorder=3, **hollow)
     order = np.flatnonzero(on)[np.argsort(x[on])]
     ax.step(x[order], y[order], where="post" if by[0].startswith("-") else "pre", color=BLUE, linewidth=1.2)
+    if on.sum() <= _NUMBERED:
+        for k in np.flatnonzero(on):
+            ax.annotate(str(study.columns["design"][k]), (x[k], y[k]), (4, 4), textcoords="offset points",
+                        fontsize=SMALL, color=INK)  # fmt: skip
     if not held[np.isfinite(wanted).all(axis=1)].all():
         ax.set_title("hollow: does not hold all that is asked", fontsize=SMALL, color=GREY, loc="right")
 
@@ -98,11 +105,13 @@ def _lines(ax: Any, study: Study, cube: Array, wanted: Array, on: Bools, by: Seq
     lines(others, colors=_FAINT, linewidths=0.6, alpha=max(0.15, min(0.8, 60 / max(len(others), 1))))
     front = np.flatnonzero(on)
     lines(front, colors=colours(across[front]), linewidths=1.5, zorder=3)
-    panel(ax, "Designs as lines, the front coloured", "", "")
+    panel(ax, "Designs as lines, the front coloured" if on.any() else "Designs as lines", "", "")
     ax.set(xlim=(-0.1, at[-1] + 0.1), ylim=(-0.04, 1.04), yticks=[])
     ax.spines["left"].set_visible(False)
     ax.grid(visible=False)
-    names = shortened([*study.space.free, *[label(name) for name in by]], 16)
+    told = [*[parameter(name) for name in study.space.free], *[(label(name), "") for name in by]]
+    short = shortened([name for name, _ in told], 16)
+    names = [f"{name}\n[{unit}]" if unit else name for name, (_, unit) in zip(short, told, strict=True)]
     ax.set_xticks(at, names, rotation=0 if len(at) <= 6 else 30, ha="center" if len(at) <= 6 else "right")
     ends = [ticks(entry) for entry in study.space.free.values()]
     ends += [([0.0, 1.0], [f"{a:.3g}", f"{b:.3g}"]) for a, b in zip(low, high, strict=True)]
@@ -125,7 +134,8 @@ def _effects(made: Figure, study: Study, effects: dict[str, MainEffect], top: fl
         place = (0.05 + column * wide, 1 - (top + row * EFFECT + 1.25) / tall, 0.8 * wide, 1.25 / tall)
         ax, effect = made.add_axes(place), effects[name]
         share = "" if np.isnan(effect.index) else f": {100 * max(effect.index, 0.0):.0f} %"
-        panel(ax, shortened([name], 24)[0] + share, "", "")
+        called, unit = parameter(name)
+        panel(ax, shortened([called], 24)[0] + share, unit, "")
         if not len(effect.means):
             say(ax, "nothing is known")
             continue

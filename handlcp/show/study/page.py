@@ -19,7 +19,7 @@ from handlcp.show.page.document import Own, document, web_files
 from handlcp.show.page.frames import of_solution
 from handlcp.show.page.meshes import Meshes
 from handlcp.show.picture.content import Content
-from handlcp.show.study.axes import label
+from handlcp.show.study.axes import label, parameter
 
 _OWN = ("stage.html", "tables.html", "study.css", "chart.js", "study.js")
 _SHARED = ("solids.js", "marks.js", "labels.js", "view.js", "panel.js")
@@ -34,7 +34,7 @@ def save(study: Study, path: Any, title: str, by: Sequence[str], most: int) -> P
     target = checked_page(path)
     if len(by) != 2:
         raise InputError("by", "two columns", f"{len(by)}")
-    front = study.pareto(*by)
+    front = study.pareto(*by) if study.pareto(*by) else study.pareto(*by, held=False)
     shown = _some(front, integer("most", most, 1))
     pairs = zip(shown, shown.evaluations(), strict=True)
     meshes = Meshes()
@@ -62,13 +62,14 @@ def _points(study: Study, front: Study, by: Sequence[str]) -> dict[str, Any]:
     """Design, x and y of each point; of the front all, of the others as many evenly as a page bears."""
     x, y = [study.columns[study.column_of(name)] for name in by]
     on = set(front.columns["design"])
-    known = [k for k in range(len(study)) if x[k] is not None and y[k] is not None]
+    known = np.flatnonzero(np.isfinite(study.wanted(*by)).all(axis=1)).tolist()
     others = [k for k in known if study.columns["design"][k] not in on]
     step = max(1, -(-len(others) // _POINTS))
-    rows = [k for k in known if study.columns["design"][k] in on] + others[::step]
+    first = [k for k in known if study.columns["design"][k] in on]
+    rows = first + others[::step]
     return {
         "design": [study.columns["design"][k] for k in rows], "x": [x[k] for k in rows], "y": [y[k] for k in rows],
-        "front": len(on),
+        "front": len(first),
     }  # fmt: skip
 
 
@@ -84,14 +85,23 @@ def _design(study: Study, row: dict[str, Any], found: Evaluation, meshes: Meshes
     numbers = [[label(column), row[column]] for column in _NUMBERS if row.get(column) is not None]
     return content(drawn, [of_solution(grasp, solution, drawn.acts_at)], None, None, meshes) | {
         "design": row["design"], "object": name, "word": case.word,
-        "parameters": [[key, row[key]] for key in study.names], "numbers": numbers,
-        "objects": [[key, one.word, one.payload, one.factor] for key, one in found.cases.items()],
+        "parameters": [[_called(key), row[key]] for key in study.names],
+        "numbers": numbers,
+        "objects": [[key, one.word, one.payload, one.factor, one.at_least] for key, one in found.cases.items()],
     }  # fmt: skip
+
+
+def _called(name: str) -> str:
+    """A parameter with its unit."""
+    called, unit = parameter(name)
+    return f"{called} [{unit}]" if unit else called
 
 
 def _notes(front: Study, shown: Study) -> list[str]:
     """What a reader should know."""
     notes = ["The hand grasps the object that is held worst; the numbers are of all objects."]
+    if not any(front.columns["holds"]):
+        notes.append("No design holds all that the brief asks: the front is that of designs that do not.")
     if len(shown) < len(front):
         notes.append(f"Of the {len(front)} designs on the front {len(shown)} can be clicked, evenly along it.")
     return notes

@@ -28,7 +28,7 @@ import numpy as np
 from scipy import stats
 
 from handlcp.check import Array, number
-from handlcp.errors import InputError, UnknownName
+from handlcp.errors import InputError, UnknownName, keyed
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.parameter import Parameter, parameters
 from handlcp.hand.hand_grasp import HandGrasp
@@ -156,7 +156,8 @@ def read_spread(grasp: Grasp, spread: Any) -> tuple[Dimension, ...]:
 def _of_hand(grasp: Grasp, name: str, given: Any) -> Dimension:
     """A number of the hand, by its name for `Hand.vary`."""
     assert isinstance(grasp, HandGrasp)
-    mean = number_of(grasp.state.hand, name)
+    with keyed({"changes": "spread"}):
+        mean = number_of(grasp.state.hand, name)
     return Dimension(name, NUMBER, (), law_of(f"spread[{name!r}]", given, mean, 0.0), unit_of(name))
 
 

@@ -85,9 +85,9 @@ function tell(design) {
     ...design.parameters.map((pair) => line(pair, false)), ...design.numbers.map((pair, k) => line(pair, k === 0)));
   const head = element("tr");
   head.append(...["object", "verdict", "times\nits loads", "payload\nkg"].map((text) => element("th", text)));
-  document.getElementById("objects").replaceChildren(head, ...design.objects.map(([name, word, payload, factor]) => {
+  document.getElementById("objects").replaceChildren(head, ...design.objects.map(([name, word, payload, factor, more]) => {
     const row = element("tr");
-    row.append(named("td", name), element("td", word), element("td", factor === null ? "any" : say(factor)), element("td", payload === null ? "any" : say(payload)));
+    row.append(named("td", name), element("td", word), ...[factor, payload].map((value) => element("td", value === null ? "any" : (more ? "≥ " : "") + say(value))));
     return row;
   }));
   fillContacts(document.getElementById("contacts"), design, design.frames[0]);
