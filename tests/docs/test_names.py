@@ -33,7 +33,7 @@ def test_the_front_page_has_two_commands_which_install_and_solve_and_install_and
     ci = text(ROOT / ".ci" / "run")
     assert "install=${commands[1]%% && *} run=${commands[1]#* && }\n" in ci, "what needs no kernels stands between them"
     for command in ('"${commands[0]}"', '"$install"', '"$run"'):
-        assert f"\neval {command}\n" in ci
+        assert re.search(rf"^ *eval {re.escape(command)}$", ci, re.M)
 
 
 def test_the_reference_has_every_public_name_once_and_no_other():

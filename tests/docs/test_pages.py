@@ -16,7 +16,8 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").r
 WITH_CODE = [page for page in PAGES if blocks_of(page.read_text(encoding="utf-8"))]
 
 
-LONG = "envelope.md", "accuracy.md", "which_motors.md", "sweep.md", "optimise.md"  # half a minute and more each
+# A quarter of a minute and more each
+LONG = "envelope.md", "accuracy.md", "which_motors.md", "sweep.md", "optimise.md", "payload.md", "grip_strength.md"
 
 
 @pytest.mark.parametrize(
