@@ -6,6 +6,7 @@ is left behind. HANDLCP_KERNELS=interpreted runs it without a compiler, for thos
 
 from __future__ import annotations
 
+import gc
 import os
 
 os.environ.setdefault("HANDLCP_KERNELS", "compiled")
@@ -16,3 +17,12 @@ def pytest_configure(config):
     from tests.support.messages import silent
 
     silent()
+
+
+def pytest_collection_finish(session):
+    """Thousands of tests and their modules stay until the end: the garbage collector need not look through them again
+    and again.
+    """
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000, 20, 20)

@@ -7,6 +7,7 @@ import sys
 from handlcp.cli.app import app, lost, open_streams
 
 from handlcp.cli.solve import follow, solve  # isort: skip  commands are listed in this order
+from handlcp.cli.demo import demo  # isort: skip
 from handlcp.cli.limits import envelope, limits  # isort: skip
 from handlcp.cli.payload import payload  # isort: skip
 from handlcp.cli.evaluate import evaluate  # isort: skip
@@ -16,8 +17,8 @@ from handlcp.cli.accuracy import accuracy, compare, gallery  # isort: skip
 from handlcp.cli.lists import audit, effects, hands, keys, paper, warm  # isort: skip
 
 __all__ = [
-    "accuracy", "app", "audit", "compare", "effects", "envelope", "evaluate", "follow", "gallery", "hands", "keys",
-    "limits", "main", "motors", "paper", "payload", "reliability", "solve", "sweep", "warm",
+    "accuracy", "app", "audit", "compare", "demo", "effects", "envelope", "evaluate", "follow", "gallery", "hands",
+    "keys", "limits", "main", "motors", "paper", "payload", "reliability", "solve", "sweep", "warm",
 ]  # fmt: skip
 
 

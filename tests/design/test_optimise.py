@@ -112,6 +112,7 @@ def test_where_every_design_fails_the_reason_is_told():
 # ---------------------------------------------------------------- Stopped, and gone on with.
 
 
+@pytest.mark.long
 def test_stopped_by_hand_it_gives_what_it_has_and_goes_on_with_the_same_numbers(tmp_path):
     whole, out = run(budget=6), tmp_path / "opt.csv"
     calls = iter(range(9))

@@ -16,8 +16,9 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").r
 WITH_CODE = [page for page in PAGES if blocks_of(page.read_text(encoding="utf-8"))]
 
 
-LONG = (  # half a minute and more each
-    "envelope.md", "accuracy.md", "which_motors.md", "sweep.md", "optimise.md", "published_tests.md", "complaints.md",
+LONG = (  # a quarter of a minute and more each
+    "envelope.md", "accuracy.md", "which_motors.md", "sweep.md", "optimise.md", "payload.md", "grip_strength.md",
+    "published_tests.md", "complaints.md",
 )  # fmt: skip
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import importlib.util
 import math
+from importlib import metadata
 from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import pytest
 
-from handlcp.errors import UnknownName
+from handlcp.errors import UnknownName, URDFError
 from handlcp.hand import HANDS, Hand, example_hand
 from tests.support.hand import SHIPPED, allegro, knows_all_limits, psyonic, urdf
 
@@ -122,3 +123,16 @@ def test_unknown_hands_list_those_that_exist() -> None:
         example_hand("atlas")
     with pytest.raises(UnknownName, match="right"):
         allegro("both")
+
+
+def test_where_conda_has_installed_the_robot_data_it_is_found(tmp_path, monkeypatch) -> None:
+    def gone(name):
+        raise metadata.PackageNotFoundError(name)
+
+    pips = metadata.distribution("example-robot-data").locate_file("cmeel.prefix/share")
+    monkeypatch.setattr(metadata, "distribution", gone)
+    monkeypatch.setattr("sys.prefix", str(tmp_path))
+    with pytest.raises(URDFError, match="pip install example-robot-data"):
+        example_hand("allegro")
+    (tmp_path / "share").symlink_to(pips)
+    assert len(example_hand("allegro").joint_names) == 16

@@ -224,6 +224,42 @@ def test_others_may_read_what_is_kept_and_a_folder_that_they_can_write_is_refuse
     assert "others can write there" in capfd.readouterr().err
 
 
+def given_away(path, monkeypatch):
+    """Let it belong to another user, or this process to one that it does not belong to."""
+    if os.getuid() == 0:
+        os.chown(path, 65534, -1)
+    else:
+        monkeypatch.setattr("os.getuid", lambda: 65534)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="modes of files are POSIX")
+@pytest.mark.parametrize("whose", ["others can write it", "another's file", "another's folder"])
+def test_what_others_may_have_written_is_never_run(tmp_path, monkeypatch, whose):
+    k.said_afresh(monkeypatch, 60.0)
+    with k.cached_in(tmp_path), k.automatic(), k.at_once():
+        run_small(k.anew(k.small()))
+        file = next(k.folder_of_cache().glob("*.nbc"))
+        if whose == "others can write it":
+            file.chmod(0o646)
+        else:
+            given_away(file if whose == "another's file" else file.parent, monkeypatch)
+        kernel = k.anew(k.small())
+        np.testing.assert_array_equal(run_small(kernel), [1.0, 2.0, 3.0])
+        assert k.loaded(kernel) == 0
+
+
+@pytest.mark.skipif(os.name != "posix", reason="modes of files are POSIX")
+def test_a_file_that_others_could_write_is_replaced_by_one_that_they_cannot(tmp_path):
+    with k.cached_in(tmp_path), k.automatic(), k.at_once():
+        run_small(k.anew(k.small()))
+        file = next(k.folder_of_cache().glob("*.nbc"))
+        file.chmod(0o666)
+        for hits in (0, 1):
+            kernel = k.anew(k.small())
+            run_small(kernel)
+            assert (k.loaded(kernel), file.stat().st_mode & 0o777) == (hits, 0o644)
+
+
 def test_a_full_disk_is_no_error(tmp_path, capfd, monkeypatch):
     def full(*_, **__):
         raise OSError(28, "No space left on device")

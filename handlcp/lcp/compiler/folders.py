@@ -63,13 +63,15 @@ def _trusted() -> list[Path]:
 
 
 def _open_to_others(folder: Path) -> bool:
-    if os.name != "posix":
-        return False
     try:
-        found = folder.stat()
+        return _others_write(folder.stat())
     except OSError:
         return False
-    return bool(found.st_mode & 0o022) or found.st_uid not in (os.getuid(), 0)
+
+
+def _others_write(found: os.stat_result) -> bool:
+    """Whether somebody else than us and root has, or may change, what this is about; on Windows nobody is asked."""
+    return os.name == "posix" and (bool(found.st_mode & 0o022) or found.st_uid not in (os.getuid(), 0))
 
 
 def destination() -> Path | None:
@@ -108,11 +110,15 @@ def kept() -> tuple[int, Path | None]:
 
 
 def read(name: str) -> bytes | None:
-    """The contents of the file of this name, from the first folder that has it whole; None: none has."""
+    """The contents of the file of this name, from the first folder that has it whole, and written by us or root; None:
+    none has.
+    """
     for folder in _trusted():
-        with contextlib.suppress(OSError):
-            data = (folder / name).read_bytes()
-            if data[:32] == hashlib.sha256(data[32:]).digest():  # not truncated, nor written by somebody else
+        with contextlib.suppress(OSError), (folder / name).open("rb") as file:
+            if _others_write(os.fstat(file.fileno())):  # of the open file: nobody can put another in its place
+                continue
+            data = file.read()
+            if data[:32] == hashlib.sha256(data[32:]).digest():  # not truncated
                 return data[32:]
     return None
 

@@ -1,0 +1,61 @@
+"""`handlcp demo` from the outside: what a stranger sees first."""
+
+from __future__ import annotations
+
+import pathlib
+import sys
+
+import pytest
+from typer.testing import CliRunner
+
+from handlcp.cli import app
+
+ROOT = pathlib.Path(__file__).parents[2]
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, ["demo", *map(str, arguments)], env={"COLUMNS": "80", "NO_COLOR": "1"})
+
+
+def test_it_shows_a_verdict_a_picture_a_page_and_leaves_the_scene_to_go_on_from(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = run()
+    assert done.exit_code == 0, done.output
+    assert "HELD: the joint closest to its limit is finger_2_proximal at 38 %" in done.stdout
+    left = {file.name: file for file in (tmp_path / "handlcp_demo").iterdir()}
+    assert set(left) == {"cube.toml", "cube.png", "cube.html"}
+    assert left["cube.toml"].read_bytes() == (ROOT / "examples" / "cube_three_fingers.toml").read_bytes()
+    assert left["cube.png"].read_bytes()[:4] == b"\x89PNG"
+    assert "<canvas" in left["cube.html"].read_text(encoding="utf-8")
+    for file in left:
+        assert f"handlcp_demo/{file}" in done.stdout
+
+
+def test_a_scene_that_was_changed_is_kept_and_run(tmp_path):
+    file = tmp_path / "cube.toml"
+    text = (ROOT / "examples" / "cube_three_fingers.toml").read_text(encoding="utf-8")
+    file.write_text(text.replace("mass_kg = 0.2", "mass_kg = 2.0"), encoding="utf-8")
+    done = run(tmp_path)
+    assert done.exit_code == 1
+    assert "NOT HELD" in done.stdout
+    assert "mass_kg = 2.0" in file.read_text(encoding="utf-8")
+
+
+def test_without_what_draws_it_says_what_to_install_for_more(tmp_path, monkeypatch):
+    for package in ("matplotlib", "trimesh"):
+        monkeypatch.setitem(sys.modules, package, None)  # as if it were not installed
+    done = run(tmp_path)
+    assert done.exit_code == 0, done.output
+    assert [file.name for file in tmp_path.iterdir()] == ["cube.toml"]
+    assert "a picture, too: pip install 'handlcp[plot]'" in done.stdout
+    assert "a page to turn, too: pip install 'handlcp[page]'" in done.stdout
+
+
+@pytest.mark.parametrize("folder", ["", "a_file/below"])
+def test_a_folder_that_cannot_be_made_is_refused_in_one_sentence(tmp_path, folder, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a_file").write_text("no folder", encoding="utf-8")
+    done = run(folder)
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    assert done.stderr.count("Error: ") == 1
