@@ -8,6 +8,8 @@ from .design.optimise.best import Best as Best, Kink as Kink
 from .design.optimise.optimise import optimise as optimise
 from .design.study import Study as Study
 from .design.sweep.sweep import sweep as sweep
+from .design.table.make import table as table
+from .design.table.result import HandTable as HandTable
 from .errors import (
     HandLCPError as HandLCPError,
     InputError as InputError,
