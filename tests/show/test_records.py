@@ -106,7 +106,8 @@ EXAMPLES = {
     "PathCost PathRow": lambda: hl.path_cost(pinch(), times=(0.5, 1), repeats=1),
     "Convergence": lambda: convergence(pinch(), seeds=[0], max_iterations=200),
     "PaperReport Case Run": run,
-    "HandTable": lambda: HandTable([{"hand": "two_finger", "object": "?", "verdict": "FAILED"}], [source("two_finger")]),
+    "Beside BesideRow Stated": lambda: hl.beside_hardware(tests=("payload",)),
+    "HandTable": lambda: HandTable([{"hand": "g1", "object": "?", "verdict": "FAILED"}], [source("g1")]),
     "Comparison Simulation": lambda: simulated(lambda: compare(held(), None, "together", steps=2, seconds=0.2)),
     "SimulatedLimit LimitTrack": lambda: simulated(lambda: simulate_limit(held(), PUSH, 1.0, seconds=0.2, settle=0.05)),
 }  # fmt: skip
