@@ -4,10 +4,13 @@ from .design.brief import Brief as Brief
 from .design.evaluate import evaluate as evaluate
 from .design.evaluation import Evaluation as Evaluation
 from .design.finger_hand import finger_hand as finger_hand
+from .design.hardware.beside import Beside as Beside, beside_hardware as beside_hardware
 from .design.optimise.best import Best as Best, Kink as Kink
 from .design.optimise.optimise import optimise as optimise
 from .design.study import Study as Study
 from .design.sweep.sweep import sweep as sweep
+from .design.table.make import table as table
+from .design.table.result import HandTable as HandTable
 from .errors import (
     HandLCPError as HandLCPError,
     InputError as InputError,

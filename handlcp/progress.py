@@ -75,8 +75,26 @@ def steps(patience: float = PATIENCE) -> Iterator[Callable[[int, int | None, str
         line.end()
 
 
+class OutOfTime(Exception):
+    """A call took longer than `within` allows."""
+
+
+@contextmanager
+def within(seconds: float) -> Iterator[None]:
+    """Calls in this block end with OutOfTime at their first step after so much computing time of this thread [s]."""
+    outer = getattr(_here, "until", _NEVER)
+    _here.until = min(outer, time.thread_time() + seconds)
+    try:
+        yield
+    finally:
+        _here.until = outer
+
+
 def tick(detail: str) -> None:
     """A step of whatever is going on is done; detail : how far it has come, such as "stage 'load' at 40 %"."""
+    until = getattr(_here, "until", _NEVER)
+    if until < _NEVER and time.thread_time() > until:
+        raise OutOfTime
     if (line := getattr(_here, "line", None)) is not None:
         line.tick(detail)
 

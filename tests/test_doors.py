@@ -18,7 +18,7 @@ PACKAGE = pathlib.Path(importlib.import_module("handlcp").__file__).parent
 DOORS = {
     "handlcp", "handlcp.errors", "handlcp.scene", "handlcp.cli", "handlcp.lcp", "handlcp.grasp", "handlcp.hand",
     "handlcp.simulator", "handlcp.show", "handlcp.study", "handlcp.method.accuracy", "handlcp.method.paper",
-    "handlcp.method.convergence", "handlcp.method.catalogue", "handlcp.study.gallery", "handlcp.method",
+    "handlcp.method.convergence", "handlcp.method.catalogue", "handlcp.method",
     "handlcp.method.nsngrk",
 }  # fmt: skip
 SUPPORT = TESTS / "support"

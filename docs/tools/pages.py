@@ -9,7 +9,7 @@ from typing import Any
 
 from sphinx.errors import ExtensionError
 
-__all__ = ["GALLERY", "KEYS", "TEXTS", "keys_table", "relinked", "setup"]
+__all__ = ["KEYS", "TEXTS", "keys_table", "relinked", "setup"]
 
 ROOT = Path(__file__).parents[2]
 TEXTS = {  # page: the file that it shows
@@ -18,7 +18,6 @@ TEXTS = {  # page: the file that it shows
     "contributing": "CONTRIBUTING.md",
     "changelog": "CHANGELOG.md",
 }
-GALLERY = "gallery/index"  # written by `handlcp gallery --out docs/gallery`; left out where it is not
 KEYS = {"<!-- keys of a scene file -->": "scene", "<!-- keys of a brief -->": "brief"}
 _LINK = re.compile(r"(?<!!)\[([^\]]+)\]\((?!https?:|#|mailto:)([^)#\s]+)(#[^)\s]+)?\)")
 
@@ -65,8 +64,6 @@ def _read(app: Any, page: str, source: list[str]) -> None:
     elif any(mark in source[0] for mark in KEYS):
         for mark, file in KEYS.items():
             source[0] = source[0].replace(mark, keys_table(file))
-    elif page == "index" and GALLERY not in app.env.found_docs:
-        source[0] = source[0].replace(f"\n{GALLERY}\n", "\n")
 
 
 def setup(app: Any) -> dict[str, bool]:

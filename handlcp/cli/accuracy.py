@@ -1,4 +1,4 @@
-"""Commands of studies: the gallery, what accuracy costs, a scene beside MuJoCo."""
+"""Commands of studies: what accuracy costs, a scene beside MuJoCo."""
 
 from __future__ import annotations
 
@@ -13,64 +13,11 @@ from rich.text import Text
 
 from handlcp import words
 from handlcp.cli.app import Json, app, check_files, print_json, say, say_files, titled
-from handlcp.errors import HandLCPError, InputError, NoSolutionFound, UnknownName
+from handlcp.errors import NoSolutionFound
 from handlcp.hand import HandGrasp
 from handlcp.progress import steps
 from handlcp.show import tables
 from handlcp.show.file import writable
-
-# ----------------------------------------------------------------
-# `handlcp gallery`: find grasps of every hand and write a page of them.
-
-
-@app.command()
-def gallery(
-    out: Annotated[Path, typer.Option(help="Folder of the page index.md; made if it is not there.")],
-    hand: Annotated[
-        list[str] | None, typer.Option(help="A hand by name; may be repeated. None: all there are.")
-    ] = None,
-    again: Annotated[bool, typer.Option("--again", help="Compute hands anew whose numbers are in the folder.")] = False,
-    workers: Annotated[int | None, typer.Option(help="Processes; by default one a core.", min=1)] = None,
-    json: Json = False,
-) -> None:
-    """Find grasps of a ball, a box, a cylinder and household objects by every hand, and write a page of them.
-
-    Some minutes. Hands that are done are written at once, and a run that was cut short goes on. Exit status 0, 2 bad
-    input.
-    """
-    from handlcp.show.file import new_figure
-    from handlcp.show.picture.figure import contact_sheet
-    from handlcp.study.gallery import GALLERY_HANDS, model, page, run
-
-    if unknown := [name for name in hand or () if name not in GALLERY_HANDS]:
-        raise UnknownName("hand", "a hand", unknown, GALLERY_HANDS)
-    new_figure()  # whether matplotlib is there
-    models, missing = [], {}
-    for name in hand or GALLERY_HANDS:
-        try:
-            models.append(model(name))
-        except HandLCPError as error:
-            missing[name] = str(error)
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError("out", "a folder that can be made", f"{str(out)!r}: {error.strerror}") from None
-    if again:
-        for one in models:
-            (out / f"{one.name}.json").unlink(missing_ok=True)
-    with steps() as told:
-        shelves = run(models, out, contact_sheet, workers, told)
-    file = out / "index.md"
-    file.write_text(page(shelves), encoding="utf-8")
-    if json:
-        print_json({"page": str(file), "hands": [one.to_dict() for one in shelves], "missing": missing})
-        return
-    for name, why in missing.items():
-        typer.echo(f"{name}: {why}", err=True)
-    rows = [row for one in shelves for row in one.rows]
-    held = sum(row.verdict == "HELD" for row in rows)
-    typer.echo(f"{held} of {len(rows)} held by {len(shelves)} hands: {file}")
-
 
 # ----------------------------------------------------------------
 # `handlcp accuracy`: what accuracy costs in a scene.

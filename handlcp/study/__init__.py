@@ -1,1 +1,1 @@
-"""A designer's questions that take many grasps: envelopes, reliability, a gallery of hands."""
+"""A designer's questions that take many grasps: envelopes, reliability."""

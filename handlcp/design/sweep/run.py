@@ -164,10 +164,11 @@ class _Queue:
 
 
 def rows_of(
-    maker: bytes, cells: Sequence[Sequence[int]], values: Mapping[int, Values], there: frozenset[int], given: Any
-) -> Generator[list[Row], None, None]:
+    maker: bytes, cells: Sequence[Sequence[int]], values: Mapping[int, Values], there: frozenset[int], given: Any,
+    does: Callable[[Task], Done] = work,
+) -> Generator[list[Row], None, None]:  # fmt: skip
     """The rows of all designs but those that are there, as they come. values : of each design. given : the executor
-    that a user asked for.
+    that a user asked for. does : what a worker does with a task.
 
     Where a process of this machine's own dies, such as by a crash in compiled code, the designs that were under way are
     done one by one, and one that ends its process again is a row that says so. What other executors raise comes out.
@@ -183,7 +184,7 @@ def rows_of(
                         while len(flying) < most and (job := queue.next(suspects if alone else None)) is not None:
                             flying.append(job)
                             designs = [(k, values[k]) for k in job.designs]
-                            jobs.send(job, work, Task(maker, designs, job.cell.near, job.head))
+                            jobs.send(job, does, Task(maker, designs, job.cell.near, job.head))
                         if not flying:
                             break
                         for job, done in jobs.done(wait=True):

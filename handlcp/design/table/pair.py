@@ -1,0 +1,231 @@
+"""One pair of a hand and an object: the best grasp of each kind, what it holds, how sure that is, MuJoCo's verdict.
+
+A search plans fingertip forces for the object's weight, which says little of what a hand could hold. So a pinch is also
+closed as hard as a power grasp: until the weakest motor gives half of what it can, or 0.5 N·m. The better one counts.
+
+Both are judged as `evaluate` judges grasps: by their loading, followed in steps, with gravity along each axis of the
+hand's base. What takes longer than it may is given up, and the row says so.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from handlcp.design.brief import Brief
+from handlcp.design.evaluation import NOT_FOUND, ObjectCase
+from handlcp.design.judged import Known, judged
+from handlcp.design.sweep.work import DESIGN, Done, Task, unpacked
+from handlcp.design.table.catalogue import hand_of, object_of
+from handlcp.design.table.doubts import FRICTION, doubts_said, variations
+from handlcp.design.table.recipe import Recipe
+from handlcp.errors import HandLCPError, Unsupported
+from handlcp.hand.find.candidate import Candidate, candidate_of
+from handlcp.hand.find.find import PINCH, POWER, find_grasp
+from handlcp.hand.hand import Hand
+from handlcp.hand.objects.object import Object
+from handlcp.progress import OutOfTime, within
+from handlcp.record import plain
+from handlcp.simulator import simulate
+from handlcp.study.reliability import reliability
+
+Row = dict[str, Any]
+KINDS = (PINCH, POWER)
+GIVEN_UP, FAILED = "GIVEN UP", "FAILED"  # verdicts beside those of an `ObjectCase`
+HELD, LOST = "HELD", "LOST"  # of MuJoCo
+
+_TRIES = {PINCH: 64, POWER: 12}  # one round of a search each; it goes on around what these find
+_SHARE, _MOST = 0.5, 0.5  # of a torque limit; [N·m], also where none is known
+_HARDER = 1.05  # times: with less a pinch is closed hard enough
+_DOUBTED = 0.5  # of the time for finding a grasp: what its interval may take
+_ANY = 1e-6  # times the weight: no payload is too small to be told
+_SAMPLES = 256
+_SPREAD = {"friction": 0.2, "stiffness": 0.35, "pads": 0.35, "mass": 0.05}  # shares, one standard deviation
+_SETTLES = 1.0  # [s] of each stage in MuJoCo
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """hands, objects : those that are not in the catalogue, by name. kinds : of grasps. seconds : of computing that
+    finding and judging one grasp may take. simulated : whether MuJoCo is asked.
+    """
+
+    hands: Mapping[str, Hand]
+    objects: Mapping[str, Object]
+    kinds: tuple[str, ...]
+    seconds: float
+    simulated: bool
+
+    def hand(self, name: str) -> Hand:
+        """Raises what `example_hand` raises."""
+        return self.hands[name] if name in self.hands else _hand(name)
+
+    def object(self, name: str) -> Object:
+        """Raises what `YCB` raises."""
+        return self.objects[name] if name in self.objects else _object(name)
+
+
+_hand, _object = lru_cache(maxsize=2)(hand_of), lru_cache(maxsize=128)(object_of)
+
+
+def work(task: Task) -> Done:
+    """In any process: the pairs of a task, each a row that holds one of each kind."""
+    began, asked = time.perf_counter(), unpacked(task.maker)
+    rows = [{DESIGN: number, **values, "kinds": pair(asked, **values)} for number, values in task.designs]
+    return Done(rows, None, time.perf_counter() - began)
+
+
+def pair(asked: Asked, hand: Any, object: Any) -> list[Row]:
+    """A row for each kind of grasp; the best one of them has MuJoCo's verdict."""
+    found = list[tuple[Row, Candidate | None]]()
+    for kind in asked.kinds:
+        began = time.thread_time()
+        try:
+            row, candidate = _row(asked, asked.hand(hand), asked.object(object), kind)
+        except OutOfTime:
+            row, candidate = _nothing(GIVEN_UP, f"no grasp within {asked.seconds:g} s of computing"), None
+        except Exception as error:  # whatever one pair raises, the others have their rows
+            row, candidate = _nothing(FAILED, f"{type(error).__name__}: {error}"), None
+        found.append(({"kind": kind, **row, "seconds": time.thread_time() - began}, candidate))
+    known = [(row, one) for row, one in found if one is not None]
+    if known:
+        row, one = max(known, key=lambda each: each[0]["payload_kg"] or 0.0)
+        row["best"] = True
+        if asked.simulated:
+            began = time.thread_time()
+            row["mujoco"] = _simulated(one)
+            row["mujoco_seconds"] = time.thread_time() - began
+    return [plain(row) for row, _ in found]
+
+
+def _nothing(verdict: str, why: str) -> Row:
+    """Of a pair without a grasp."""
+    return {"verdict": verdict, "reason": why, "best": False}
+
+
+def _row(asked: Asked, hand: Hand, obj: Object, kind: str) -> tuple[Row, Candidate | None]:
+    """Raises OutOfTime where finding and judging a grasp takes too long; what `find_grasp` raises."""
+    brief, known = Brief(obj, friction=FRICTION, kind=kind), Known()
+    with within(asked.seconds):
+        found = find_grasp(hand, obj, kind=kind, friction=FRICTION, tries=_TRIES[kind], throw=False)
+        if not found:
+            return _nothing(NOT_FOUND, found.why.partition(" found: ")[2]), None
+        case, recipe = judged(brief, obj, found[0], False, known), Recipe.of(kind, found[0].grasp)
+    left_out = list[str]()
+    try:
+        with within(_DOUBTED * asked.seconds):
+            case, recipe = _firmer(hand, obj, brief, case, recipe)
+    except OutOfTime:
+        left_out.append("a firmer grip")
+    assert case.candidate is not None
+    audit = hand.audit()
+    interval = _interval(asked, hand, brief, recipe, case)
+    interval["left_out"] = "; ".join([*left_out, *interval["left_out"]])
+    row = {
+        "verdict": case.word, "reason": "", "payload_kg": case.payload, **interval,
+        "gives_out": case.gives_out or "nothing", "motors_used": case.torque_used if _judged(hand) else None,
+        "grip_N": case.force, "moves_m": case.motion, "chance": _chance(case.candidate),
+        "doubts": doubts_said(hand, audit), "best": False, **recipe.to_row(),
+    }  # fmt: skip
+    return row, case.candidate
+
+
+def _judged(hand: Hand) -> bool:
+    """Whether any motor is."""
+    return bool(np.isfinite(hand.torque_limits).any())
+
+
+def _firmer(hand: Hand, obj: Object, brief: Brief, case: ObjectCase, recipe: Recipe) -> tuple[ObjectCase, Recipe]:
+    """A pinch closed as hard as motors give by half, where that holds more."""
+    if recipe.kind != PINCH:
+        return case, recipe
+    assert case.candidate is not None
+    torques = abs(case.candidate.solution.torques)
+    allowed = np.minimum(_SHARE * hand.torque_limits, _MOST)
+    times = float((allowed / np.maximum(torques, 1e-9)).min(initial=np.inf))
+    if not _HARDER < times < np.inf:
+        return case, recipe
+    harder = recipe.harder(times)
+    try:
+        firm = _case(hand, obj, brief, harder)
+    except HandLCPError:  # tips that no longer touch where they did
+        return case, recipe
+    better = firm is not None and (firm.word == HELD, firm.payload) > (case.word == HELD, case.payload)
+    return (firm, harder) if firm is not None and better else (case, recipe)
+
+
+def _case(hand: Hand, obj: Object, brief: Brief, recipe: Recipe) -> ObjectCase | None:
+    """Of a grasp that is made from its recipe; None where one solve does not hold it."""
+    grasp = recipe.grasp(hand, obj, brief.friction)
+    solution = grasp.solve(throw=False, proof=False)
+    if not solution.held:
+        return None
+    return judged(brief, obj, candidate_of(recipe.kind, grasp, solution), False, Known())
+
+
+# ----------------------------------------------------------------
+# How sure it is.
+
+
+def _interval(asked: Asked, hand: Hand, brief: Brief, recipe: Recipe, case: ObjectCase) -> Row:
+    """The least and the largest payload [kg] with what is doubted, with what, and what there was no time for."""
+    obj, ends = brief.objects["object"], [(case.payload, "")]
+    waiting = variations(hand, hand.audit())
+    try:
+        with within(_DOUBTED * asked.seconds):
+            while waiting:
+                says, make, lower = waiting[0]
+                least = min(ends)[0] if lower else np.inf
+                ends.append((_payload(make, hand, obj, recipe, brief, least), says))
+                waiting.pop(0)
+    except OutOfTime:
+        pass
+    low, high = min(ends), max(ends)
+    return {
+        "payload_low_kg": low[0], "low_with": low[1], "payload_high_kg": high[0], "high_with": high[1],
+        "left_out": [one.says for one in waiting],
+    }  # fmt: skip
+
+
+def _payload(make: Any, hand: Hand, obj: Object, recipe: Recipe, brief: Brief, least: float) -> float:
+    """[kg] of a variation, 0 where it does not hold; of one that holds more than `least`, at least that."""
+    try:
+        grasp = make(hand, obj, recipe)
+        solution = grasp.solve(throw=False, proof=False)
+        known = Known(least, least / obj.mass) if np.isfinite(least) else Known()
+        return judged(
+            replace(brief, safety=1e-6), obj, candidate_of(recipe.kind, grasp, solution), False, known
+        ).payload
+    except HandLCPError:  # no such grasp can be made, or it holds nothing
+        return 0.0
+
+
+def _chance(one: Candidate) -> float | None:
+    """That the grasp surely holds its object. None where that cannot be asked."""
+    try:
+        found = reliability(one.grasp, _SPREAD, _SAMPLES, workers=1, decide=0, progress=False)
+    except HandLCPError:
+        return None
+    return found.chance_held.value
+
+
+def _simulated(one: Candidate) -> str:
+    """MuJoCo's verdict; why it has none."""
+    try:
+        found = simulate(one.grasp, seconds=_SETTLES)
+    except Unsupported as error:
+        return f"not asked: {error}"
+    return HELD if found.held else f"{LOST} at {100.0 * (found.lost_at or 0.0):.0f} % of {found.lost_stage}"
+
+
+def flat(rows: list[Row], kinds: tuple[str, ...]) -> Iterator[Row]:
+    """Of a journal: a row for each kind. A pair whose process ended has its reason in each."""
+    for row in rows:
+        names = {"hand": row["hand"], "object": row["object"]}
+        for one in row.get("kinds") or [{"kind": kind, **_nothing(FAILED, row["error"])} for kind in kinds]:
+            yield names | one

@@ -1,1 +1,0 @@
-"""The long suite of found grasps: `python -m tests.gallery`."""
