@@ -18,8 +18,8 @@ from handlcp.cli.accuracy import accuracy, compare  # isort: skip
 from handlcp.cli.lists import audit, effects, hands, keys, paper, warm  # isort: skip
 
 __all__ = [
-    "accuracy", "app", "audit", "compare", "demo", "effects", "envelope", "evaluate", "follow", "hands", "keys", "limits",
-    "main", "motors", "paper", "payload", "reliability", "solve", "sweep", "table", "warm",
+    "accuracy", "app", "audit", "compare", "demo", "effects", "envelope", "evaluate", "follow", "hands", "keys",
+    "limits", "main", "motors", "paper", "payload", "reliability", "solve", "sweep", "table", "warm",
 ]  # fmt: skip
 
 

@@ -131,6 +131,6 @@ def _why(one: Stated, found: Computed) -> str:
     low, high = found.limits
     share = low * one.most / found.low if one.most < found.low else high * one.least / found.high
     return (
-        f"torque limits {share:.2g} times those of the file would give it: its efforts are not what the hand closes with, "
-        "or what it was measured with"
+        f"torque limits {share:.2g} times those of the file would give it: its efforts are not what the hand closes "
+        "with, or what it was measured with"
     )

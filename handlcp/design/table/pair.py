@@ -115,7 +115,7 @@ def _row(asked: Asked, hand: Hand, obj: Object, kind: str) -> tuple[Row, Candida
         found = find_grasp(hand, obj, kind=kind, friction=FRICTION, tries=_TRIES[kind], throw=False)
         if not found:
             return _nothing(NOT_FOUND, found.why.partition(" found: ")[2]), None
-        case, recipe = judged(brief, obj, found[0], False, known), Recipe.of(kind, found[0].grasp)
+        case, recipe = judged(brief, obj, found[0], known), Recipe.of(kind, found[0].grasp)
     left_out = list[str]()
     try:
         with within(_DOUBTED * asked.seconds):
@@ -165,7 +165,7 @@ def _case(hand: Hand, obj: Object, brief: Brief, recipe: Recipe) -> ObjectCase |
     solution = grasp.solve(throw=False, proof=False)
     if not solution.held:
         return None
-    return judged(brief, obj, candidate_of(recipe.kind, grasp, solution), False, Known())
+    return judged(brief, obj, candidate_of(recipe.kind, grasp, solution), Known())
 
 
 # ----------------------------------------------------------------
@@ -198,9 +198,7 @@ def _payload(make: Any, hand: Hand, obj: Object, recipe: Recipe, brief: Brief, l
         grasp = make(hand, obj, recipe)
         solution = grasp.solve(throw=False, proof=False)
         known = Known(least, least / obj.mass) if np.isfinite(least) else Known()
-        return judged(
-            replace(brief, safety=1e-6), obj, candidate_of(recipe.kind, grasp, solution), False, known
-        ).payload
+        return judged(replace(brief, safety=1e-6), obj, candidate_of(recipe.kind, grasp, solution), known).payload
     except HandLCPError:  # no such grasp can be made, or it holds nothing
         return 0.0
 
