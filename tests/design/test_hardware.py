@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.design.hardware.computed import computed
-from handlcp.design.hardware.stated import Stated, stated
+from tests.support.table import Stated, computed, stated
 
 PRESS = Stated("mine", "fingertip", 10.0, 10.0, "N", "maker", "", "", "", fingers=("finger_1_tip",))
 

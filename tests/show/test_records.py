@@ -12,8 +12,6 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.design.table.catalogue import source
-from handlcp.design.table.result import HandTable
 from handlcp.method.accuracy import accuracy_cost
 from handlcp.method.convergence import convergence
 from handlcp.method.paper import run
@@ -23,6 +21,7 @@ from tests.design.hands import pinch as levers
 from tests.hand.conftest import MIMIC
 from tests.support.published import gripper
 from tests.support.records import described, doc_of, kinds, plain, within
+from tests.support.table import HandTable, source
 from tests.support.texts import same
 
 BOX = hl.Box(0.05, (0, 0, 0.08), mass=0.2)

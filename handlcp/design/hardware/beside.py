@@ -70,7 +70,7 @@ class Beside(Record, Sequence[BesideRow]):
             span = "" if row.low is None else f"{row.low:.3g} to {row.high:.3g}"
             rows.append((f"{one.hand}, {one.what}", one.by, one.number, span, row.word))
             if row.why:
-                reasons[f"{one.hand}, {one.what}: {row.why}"] = None
+                reasons[f"{one.hand}, {one.what}, {one.number}: {row.why}"] = None
         heads = ("hand and test", "by", "stated", "computed", "")
         return "\n".join([str(TextTable(heads, tuple(rows), "<<>><")), "", *[wrapped(f"{x}.", "  ") for x in reasons]])
 
@@ -131,6 +131,6 @@ def _why(one: Stated, found: Computed) -> str:
     low, high = found.limits
     share = low * one.most / found.low if one.most < found.low else high * one.least / found.high
     return (
-        f"torque limits {share:.2g} times those of the file would give it: its efforts are not what the hand closes "
-        "with, or what it was measured with"
+        f"torque limits {share:.2g} times those of the file would give it, in the posture that needs least: the hand "
+        "has other motors than its file says, or was measured in another way"
     )

@@ -5,6 +5,7 @@
                 posture is not stated. Nothing slides: the force is along the normal.
     pinch       `split_cylinder` between fingertips, 25 mm wide; friction 0.4, 0.6, 1.0
     power       `split_cylinder` with the whole hand, 50 mm wide unless said otherwise; friction 0.4, 0.6, 1.0
+                (both across every split through the axis: makers do not say how theirs lies)
     payload     a cylinder of that width in a power grasp; friction 0.4, 0.6, 1.0
 
 Torque limits count as they are in the file, and half and twice that where the audit doubts them.
@@ -62,6 +63,7 @@ def computed(hand: Hand, asked: Stated) -> Computed:
     over = f"postures from {_SHARES[0]:.0%} to {_SHARES[-1]:.0%} closed"
     if asked.test != FINGERTIP:
         over = f"friction {LEAST_FRICTION:g} to {MOST_FRICTION:g}"
+        over += ", the split in any direction" if asked.test in (PINCH, POWER) else ""
     nominal, scales = values[len(values) // 2], [1.0]
     if any(doubt.about == "torque limit" for doubt in hand.audit().serious):
         scales, over = [0.5, 2.0], f"{over}, torque limits half to twice the file's"
@@ -97,8 +99,8 @@ def _gripped(hand: Hand, asked: Stated) -> Iterator[float]:
                 yield found[0].grasp.payload().mass
                 continue
             fingers = asked.fingers if asked.test == PINCH and asked.fingers else None
-            made = split_cylinder(hand, wide, friction=friction, grasps=(asked.test,), fingers=fingers)
-            yield made.grips[0].force
+            (grip,) = split_cylinder(hand, wide, friction=friction, grasps=(asked.test,), fingers=fingers).grips
+            yield from (grip.least, grip.force, grip.largest)  # makers do not say how their split lies
         except InputError:
             raise
         except HandLCPError:  # no grasp with this friction

@@ -52,9 +52,14 @@ def doubts_said(hand: Hand, audit: Audit) -> str:
     return "; ".join(dict.fromkeys([*told, *(["motors are not judged"] if unlimited else [])]))
 
 
+def with_friction(friction: float) -> str:
+    """In words."""
+    return f"friction {friction:g}"
+
+
 def _with_friction(friction: float) -> Variation:
     return Variation(
-        f"friction {friction:g}", lambda hand, obj, recipe: recipe.grasp(hand, obj, friction), friction < FRICTION
+        with_friction(friction), lambda hand, obj, recipe: recipe.grasp(hand, obj, friction), friction < FRICTION
     )
 
 

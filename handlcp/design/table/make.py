@@ -24,7 +24,7 @@ from handlcp.progress import Progress, told
 from handlcp.version import VERSION
 
 ROWS, PARQUET, JSON = "table.rows", "table.parquet", "table.json"  # in the folder of a table
-SECONDS = 20.0
+SECONDS = 15.0
 
 
 def table(
@@ -40,8 +40,8 @@ def table(
         missing, and other hands and objects join those that are there. `table.parquet` and `table.json` are for others;
         `HandTable.page` writes a page.
     executor : as of `sweep`: None: processes, one a core; any `concurrent.futures` executor; a Dask client; "serial".
-    kinds : of grasps. seconds : of computing that finding a grasp may take, and half as much again each for a firmer
-        grip and for the interval: what takes longer is given up, and its row says so.
+    kinds : of grasps. seconds : of computing that finding a grasp may take, and three quarters of that each for a
+        firmer grip and for the interval: what takes longer is given up, and its row says so.
     simulated : whether MuJoCo is asked; without it installed rows say that it was not. progress : as of `sweep`.
 
     Raises InputError, also for a folder with a table of another version or other settings; UnknownName. A pair that

@@ -1,7 +1,8 @@
 """One pair of a hand and an object: the best grasp of each kind, what it holds, how sure that is, MuJoCo's verdict.
 
-A search plans fingertip forces for the object's weight, which says little of what a hand could hold. So a pinch is also
-closed as hard as a power grasp: until the weakest motor gives half of what it can, or 0.5 N·m. The better one counts.
+A search plans fingertip forces for the object's weight, which says little of what a hand could hold. So its four best
+pinches are also closed as hard as a power grasp: until the weakest motor gives half of what it can, or 0.5 N·m. The one
+that holds most counts.
 
 Both are judged as `evaluate` judges grasps: by their loading, followed in steps, with gravity along each axis of the
 hand's base. What takes longer than it may is given up, and the row says so.
@@ -22,7 +23,14 @@ from handlcp.design.evaluation import NOT_FOUND, ObjectCase
 from handlcp.design.judged import Known, judged
 from handlcp.design.sweep.work import DESIGN, Done, Task, unpacked
 from handlcp.design.table.catalogue import hand_of, object_of
-from handlcp.design.table.doubts import FRICTION, doubts_said, variations
+from handlcp.design.table.doubts import (
+    FRICTION,
+    LEAST_FRICTION,
+    MOST_FRICTION,
+    doubts_said,
+    variations,
+    with_friction,
+)
 from handlcp.design.table.recipe import Recipe
 from handlcp.errors import HandLCPError, Unsupported
 from handlcp.hand.find.candidate import Candidate, candidate_of
@@ -42,7 +50,8 @@ HELD, LOST = "HELD", "LOST"  # of MuJoCo
 _TRIES = {PINCH: 64, POWER: 12}  # one round of a search each; it goes on around what these find
 _SHARE, _MOST = 0.5, 0.5  # of a torque limit; [N·m], also where none is known
 _HARDER = 1.05  # times: with less a pinch is closed hard enough
-_DOUBTED = 0.5  # of the time for finding a grasp: what its interval may take
+_CLOSED = 4  # pinches of a search that are closed so, of which the one that holds most counts
+_DOUBTED = 0.75  # of the time for finding a grasp: what a firmer grip may take, and its interval
 _ANY = 1e-6  # times the weight: no payload is too small to be told
 _SAMPLES = 256
 _SPREAD = {"friction": 0.2, "stiffness": 0.35, "pads": 0.35, "mass": 0.05}  # shares, one standard deviation
@@ -119,7 +128,9 @@ def _row(asked: Asked, hand: Hand, obj: Object, kind: str) -> tuple[Row, Candida
     left_out = list[str]()
     try:
         with within(_DOUBTED * asked.seconds):
-            case, recipe = _firmer(hand, obj, brief, case, recipe)
+            for one in found[:_CLOSED] if kind == PINCH else ():
+                if (firm := _firm(hand, obj, brief, one)) is not None and _worth(firm[0]) > _worth(case):
+                    case, recipe = firm
     except OutOfTime:
         left_out.append("a firmer grip")
     assert case.candidate is not None
@@ -140,23 +151,24 @@ def _judged(hand: Hand) -> bool:
     return bool(np.isfinite(hand.torque_limits).any())
 
 
-def _firmer(hand: Hand, obj: Object, brief: Brief, case: ObjectCase, recipe: Recipe) -> tuple[ObjectCase, Recipe]:
-    """A pinch closed as hard as motors give by half, where that holds more."""
-    if recipe.kind != PINCH:
-        return case, recipe
-    assert case.candidate is not None
-    torques = abs(case.candidate.solution.torques)
+def _worth(case: ObjectCase) -> tuple[bool, float]:
+    """What grasps are compared by, the larger the better."""
+    return case.word == HELD, case.payload
+
+
+def _firm(hand: Hand, obj: Object, brief: Brief, one: Candidate) -> tuple[ObjectCase, Recipe] | None:
+    """A pinch closed until the weakest motor gives half of what it can; None where it does so already, or is lost."""
+    torques = abs(one.solution.torques)
     allowed = np.minimum(_SHARE * hand.torque_limits, _MOST)
     times = float((allowed / np.maximum(torques, 1e-9)).min(initial=np.inf))
     if not _HARDER < times < np.inf:
-        return case, recipe
-    harder = recipe.harder(times)
+        return None
+    harder = Recipe.of(PINCH, one.grasp).harder(times)
     try:
-        firm = _case(hand, obj, brief, harder)
+        case = _case(hand, obj, brief, harder)
     except HandLCPError:  # tips that no longer touch where they did
-        return case, recipe
-    better = firm is not None and (firm.word == HELD, firm.payload) > (case.word == HELD, case.payload)
-    return (firm, harder) if firm is not None and better else (case, recipe)
+        return None
+    return None if case is None else (case, harder)
 
 
 def _case(hand: Hand, obj: Object, brief: Brief, recipe: Recipe) -> ObjectCase | None:
@@ -173,7 +185,9 @@ def _case(hand: Hand, obj: Object, brief: Brief, recipe: Recipe) -> ObjectCase |
 
 
 def _interval(asked: Asked, hand: Hand, brief: Brief, recipe: Recipe, case: ObjectCase) -> Row:
-    """The least and the largest payload [kg] with what is doubted, with what, and what there was no time for."""
+    """The least and the largest payload [kg] with what is doubted, with what, and what there was no time for. An end is
+    not known without the friction that most often makes it.
+    """
     obj, ends = brief.objects["object"], [(case.payload, "")]
     waiting = variations(hand, hand.audit())
     try:
@@ -185,10 +199,12 @@ def _interval(asked: Asked, hand: Hand, brief: Brief, recipe: Recipe, case: Obje
                 waiting.pop(0)
     except OutOfTime:
         pass
-    low, high = min(ends), max(ends)
+    left_out = [one.says for one in waiting]
+    low = (None, "") if with_friction(LEAST_FRICTION) in left_out else min(ends)
+    high = (None, "") if with_friction(MOST_FRICTION) in left_out else max(ends)
     return {
         "payload_low_kg": low[0], "low_with": low[1], "payload_high_kg": high[0], "high_with": high[1],
-        "left_out": [one.says for one in waiting],
+        "left_out": left_out,
     }  # fmt: skip
 
 

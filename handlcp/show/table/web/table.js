@@ -6,6 +6,7 @@
   const digits = (x, n = 3) => x === null || x === undefined ? "" : Number(x.toPrecision(n)).toString();
   const open = (r, x) => digits(x) + (r[at.left_out] && digits(x) ? " ?" : ""); // an end that was not all looked for
   const hint = (r, said) => [said, r[at.left_out] ? `no time for: ${r[at.left_out]}` : ""].filter((x) => x).join("; ");
+  const short = (text) => text.length > 110 ? `${text.slice(0, 108)}…` : text;
   const percent = (x) => x === null || x === undefined ? "" : `${Math.round(100 * x)} %`;
   const classes = { "HELD": "good", "OVER LIMIT": "doubt", "UNDECIDED": "doubt", "NOT HELD": "bad" };
 
@@ -23,8 +24,8 @@
     ["chance", "chance", (r) => percent(r[at.chance]), false],
     ["MuJoCo", "mujoco", (r) => r[at.mujoco] || "", true],
     ["s", "seconds", (r) => digits(r[at.seconds], 2), false],
-    ["gives out first, or why there is none", "gives_out", (r) => r[at.gives_out] || r[at.reason] || "", true,
-      (r) => hint(r, "")],
+    ["gives out first, or why there is none", "gives_out", (r) => short(r[at.gives_out] || r[at.reason] || ""), true,
+      (r) => hint(r, r[at.gives_out] || r[at.reason] || "")],
   ];
   let by = "payload_kg", down = true;
 
