@@ -82,6 +82,14 @@ def test_what_fails_is_a_row_with_its_reason():
     assert "InputError" in row["reason"]
 
 
+@pytest.mark.long
+def test_mujoco_holds_the_best_grasps_of_a_real_hand(tmp_path):
+    table = hl.table(["allegro"], ["65 mm ball", "50 mm cylinder"], tmp_path, seconds=60.0)
+    said = table.summary
+    assert said["pairs"] == said["with_a_grasp"] == said["mujoco_judged"] == said["mujoco_holds"] == 2
+    assert all(row["reason"] for row in table if row["verdict"] in ("NOT FOUND", "GIVEN UP", "FAILED"))
+
+
 # ---------------------------------------------------------------- files
 def test_a_table_goes_on_where_it_was_stopped_and_does_nothing_twice(tmp_path, done):
     hands, objects = {"a": own(), "b": own()}, {"ball": BALL, "can": hl.Cylinder(0.03, 0.1, mass=0.3)}
