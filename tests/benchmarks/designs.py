@@ -65,7 +65,7 @@ def main(designs: int = 4096) -> int:
     best, payloads, begin = study.best(BEST), dict[str, list[float]](), time.perf_counter()
     payloads["swept"] = [row["payload_kg"] for row in best]
     anew = [delayed(payload)({k: row[k] for k in SPACE}, seed) for seed in SEEDS for row in best]
-    found = Parallel(n_jobs=-1, batch_size=1)(anew)
+    found = Parallel(n_jobs=-1, batch_size=1, backend="multiprocessing")(anew)  # loky's pool is the sweep's
     for k, seed in enumerate(SEEDS):
         payloads[f"seed {seed}"] = found[k * len(best) : (k + 1) * len(best)]
     spent = (time.perf_counter() - begin) / len(anew)
