@@ -16,7 +16,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp.path.geometry import between
-from handlcp.grasp.path.stability import GROWS, MOVES, REST, STUCK, flow, growing, growth
+from handlcp.grasp.path.stability import GROWS, MOVES, REST, STUCK, flow, growing, growth, measured
 from handlcp.grasp.path.state import SLIDES, STICKS, Controls, Failure, Goal, Guess, Outcome, Run, Slides, Snap, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import Rate, Watch, first_change, reached
@@ -147,9 +147,10 @@ class Leg:
             return self._failed(state, found, size)
         size, found = self._located(state, found, share, size)
         if found.kinds != self.calm and growth(found) > GROWS:
+            unstable = found
             size, found, breaks = self._stable(state, found, share, size)
             if breaks:
-                return self._breaks(found, share + size)
+                return self._breaks(found, share + size, found if measured(found) else unstable)
         if self.beyond is not None and self.beyond.over(found) > 0.0:
             size, found = self._limit(state, found, share, size)
             self._add(found, share + size)
@@ -313,13 +314,15 @@ class Leg:
                 low, best = middle, at
         return low * size, best, True
 
-    def _breaks(self, state: State, share: float) -> bool:
-        """Whether the path goes on: the object, pushed a little under slightly more load, comes to rest elsewhere."""
+    def _breaks(self, state: State, share: float, grows: State) -> bool:
+        """Whether the path goes on: the object, pushed a little under slightly more load, comes to rest elsewhere. It
+        is pushed in the motion that grows in the state `grows`, in which that was measured.
+        """
         if share > self.share:
             self._add(state, share)
             self.share = share
         more = min(share + 2.0**-_HALVED * self.base, self.last)
-        motion, near = self._growing(state), np.inf
+        motion, near = self._growing(grows), np.inf
         if self._may_slide(state):
             near = max(self._no_snap(more - share), RUNS - self.rate.beyond)
         end, how = flow(self.stepper, state, self.controls(more), self._push(state, motion), near)

@@ -103,11 +103,16 @@ def _longest(stepper: Stepper, state: State) -> float:
 GROWS = 1e-4
 
 
+def measured(state: State) -> bool:
+    """Whether S is known: not in the state that a path begins with, nor where no force turns."""
+    return len(state.met) > 0 and bool(np.isfinite(state.met).all())
+
+
 def growth(state: State) -> float:
     """How fast a small push grows: the largest real part of S's eigenvalues, over the fingers' stiffness, or `GROWS`
     where it is no larger and that takes no eigenvalues to see. NaN where it was not measured: no force turns.
     """
-    if not len(state.met) or not np.isfinite(state.met).all():
+    if not measured(state):
         return np.nan
     if shrinks(state.met, GROWS):
         return GROWS
