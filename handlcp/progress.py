@@ -83,17 +83,32 @@ class OutOfTime(Exception):
 def within(seconds: float) -> Iterator[None]:
     """Calls in this block end with OutOfTime at their first step after so much computing time of this thread [s]."""
     outer = getattr(_here, "until", _NEVER)
-    _here.until = min(outer, time.thread_time() + seconds)
+    _here.until = min(outer, _counted() + seconds)
     try:
         yield
     finally:
         _here.until = outer
 
 
+@contextmanager
+def uncounted() -> Iterator[None]:
+    """What this block computes counts for no `within`: whoever comes first does it for all, as compiling."""
+    before = _counted()
+    try:
+        yield
+    finally:
+        _here.free = getattr(_here, "free", 0.0) + _counted() - before
+
+
+def _counted() -> float:
+    """Computing time of this thread [s]."""
+    return time.thread_time() - float(getattr(_here, "free", 0.0))
+
+
 def tick(detail: str) -> None:
     """A step of whatever is going on is done; detail : how far it has come, such as "stage 'load' at 40 %"."""
     until = getattr(_here, "until", _NEVER)
-    if until < _NEVER and time.thread_time() > until:
+    if until < _NEVER and _counted() > until:
         raise OutOfTime
     if (line := getattr(_here, "line", None)) is not None:
         line.tick(detail)

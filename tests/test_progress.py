@@ -19,7 +19,20 @@ import handlcp as hl
 from handlcp import scene as scenes
 from handlcp.cli import app
 from tests.design.hands import pinch as levers
-from tests.support.progress import EVERY, NINE_SECONDS, PATIENCE, Clock, Terminal, steps, terminal_with, tick, told
+from tests.support.progress import (
+    EVERY,
+    NINE_SECONDS,
+    PATIENCE,
+    Clock,
+    OutOfTime,
+    Terminal,
+    steps,
+    terminal_with,
+    tick,
+    told,
+    uncounted,
+    within,
+)
 
 CUBE = pathlib.Path(__file__).parents[1] / "examples" / "cube_three_fingers.toml"
 
@@ -248,3 +261,21 @@ def _read(descriptor):
         return os.read(descriptor, 65536).decode()
     except OSError:
         return ""
+
+
+def test_what_is_compiled_on_the_way_counts_for_no_limit_of_computing_time(monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr("time.thread_time", clock)
+    with within(9.0):
+        with within(5.0):
+            with uncounted():
+                clock.now += 100.0
+            tick("far in")
+            clock.now += 6.0
+            with pytest.raises(OutOfTime):
+                tick("too far in")
+        tick("beyond it")
+        clock.now += 4.0
+        with pytest.raises(OutOfTime):
+            tick("too far beyond")
+    tick("without a limit")

@@ -61,8 +61,8 @@ def _pinches(best: _Best, search: Search, brief: Brief) -> None:
         """Whether one of the grasps from these places is."""
         found = False
         hopeful = [candidate_of(PINCH, *held) for held in search.held(some) if best.may_be(held[0])]
-        for one in sorted(hopeful, key=lambda one: one.rank):
-            if best.may_be(one.grasp) and checked([one], 1, search.tried, search.refused):
+        for one in sorted(hopeful, key=lambda one: one.rank):  # asked again once one of them is the best
+            if (not found or best.may_be(one.grasp)) and checked([one], 1, search.tried, search.refused):
                 found |= best.offer(one)
         return found
 

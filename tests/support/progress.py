@@ -6,9 +6,12 @@ import io
 import re
 
 from handlcp import progress
-from handlcp.progress import EVERY, PATIENCE, steps, tick, told
+from handlcp.progress import EVERY, PATIENCE, OutOfTime, steps, tick, told, uncounted, within
 
-__all__ = ["EVERY", "NINE_SECONDS", "PATIENCE", "Clock", "Terminal", "steps", "terminal_with", "tick", "told"]
+__all__ = [
+    "EVERY", "NINE_SECONDS", "PATIENCE", "Clock", "OutOfTime", "Terminal", "steps", "terminal_with", "tick", "told",
+    "uncounted", "within",
+]  # fmt: skip
 
 # A program that takes nine seconds of a clock that runs ahead
 NINE_SECONDS = """

@@ -9,10 +9,9 @@ from handlcp.design.sweep.cells import MOST, cells_of
 from handlcp.design.sweep.journal import beside
 from handlcp.design.sweep.study_file import BriefFrom, HandFrom
 from handlcp.design.sweep.table import write_table
-from handlcp.design.sweep.work import HEADS
 from handlcp.show.study.axes import parameter
 
 __all__ = [
-    "HEADS", "MOST", "BriefFrom", "HandFrom", "Space", "beside", "cells_of", "main_effect", "not_beaten", "parameter",
+    "MOST", "BriefFrom", "HandFrom", "Space", "beside", "cells_of", "main_effect", "not_beaten", "parameter",
     "write_table",
 ]  # fmt: skip

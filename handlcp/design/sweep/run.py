@@ -113,7 +113,7 @@ class _Queue:
     """The designs of a sweep, in the order in which they begin.
 
     A cell of which anything is missing has its heads evaluated anew, which gives the others their grasps to start from:
-    no more than three searches are done twice, and no grasps need to be kept.
+    no more than its search is done twice, and no grasps need to be kept.
     """
 
     def __init__(self, cells: Sequence[Sequence[int]], there: frozenset[int]) -> None:

@@ -2,7 +2,7 @@
 
 A cell is worked on in two steps, and the numbers hang on these alone, not on who does them when:
 
-    its heads       those in its middle, one after the other: each searches for its grasps
+    its heads       those in its middle, one after the other: the first searches for its grasps
     the others      each from the best grasps of the heads, in any order
 """
 
@@ -23,7 +23,6 @@ from handlcp.errors import InputError, UnknownName, keyed
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.hand.hand import Hand
 
-HEADS = 1  # designs of a cell that search for their grasps, and that many at least
 MOST_HEADS = 8  # where none of so many grasps an object, the others of the cell search for themselves
 DESIGN, ERROR = "design", "error"  # columns beside the parameters and what `Evaluation.to_row` has
 FAILURES = Exception, SystemExit  # what a design may raise, which then is its reason
@@ -170,7 +169,7 @@ def work(task: Task) -> Done:
 
 class Heads:
     """The first designs of a cell, whose grasps the others start from: of each object that with which a head holds
-    most, as the brief asks. `HEADS` search anew; more follow, one by one, each from what there is, as long as an object
+    most, as the brief asks. The first searches; more follow, one by one, each from what there is, as long as an object
     has no grasp.
     """
 
@@ -182,13 +181,13 @@ class Heads:
         """Those that may begin now, and have not."""
         if self.done or len(self.found) < self.begun:
             return []
-        first, self.begun = self.begun, min(self.begun + 1, len(self.designs)) if self.begun else HEADS
-        return self.designs[first : self.begun]
+        self.begun += 1
+        return self.designs[self.begun - 1 : self.begun]
 
     @property
     def done(self) -> bool:
         """Whether the others may begin."""
-        if len(self.found) < min(max(HEADS, self.begun), len(self.designs)):
+        if len(self.found) < max(self.begun, 1):
             return False
         near = self.near
         known = near is not None and all(case.candidate is not None for case in near.cases.values())
@@ -198,7 +197,7 @@ class Heads:
     def near(self) -> Evaluation | None:
         """What those start from that begin now; None: nothing, they search."""
         best = dict[str, ObjectCase]()
-        for found in [self.found[k] for k in self.designs if k in self.found] if len(self.found) >= HEADS else []:
+        for found in [self.found[k] for k in self.designs if k in self.found]:
             for name, case in ({} if found is None else found.cases).items():
                 was = best.get(name)
                 if was is None or _rank(case) > _rank(was):

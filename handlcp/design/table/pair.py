@@ -35,6 +35,7 @@ from handlcp.design.table.recipe import Recipe
 from handlcp.errors import HandLCPError, Unsupported
 from handlcp.hand.find.candidate import Candidate, candidate_of
 from handlcp.hand.find.find import PINCH, POWER, find_grasp
+from handlcp.hand.find.power import MOST, SHARE
 from handlcp.hand.hand import Hand
 from handlcp.hand.objects.object import Object
 from handlcp.progress import OutOfTime, within
@@ -48,7 +49,6 @@ GIVEN_UP, FAILED = "GIVEN UP", "FAILED"  # verdicts beside those of an `ObjectCa
 HELD, LOST = "HELD", "LOST"  # of MuJoCo
 
 _TRIES = {PINCH: 64, POWER: 12}  # one round of a search each; it goes on around what these find
-_SHARE, _MOST = 0.5, 0.5  # of a torque limit; [N·m], also where none is known
 _HARDER = 1.05  # times: with less a pinch is closed hard enough
 _CLOSED = 4  # pinches of a search that are closed so, of which the one that holds most counts
 _DOUBTED = 0.75  # of the time for finding a grasp: what a firmer grip may take, and its interval
@@ -159,7 +159,7 @@ def _worth(case: ObjectCase) -> tuple[bool, float]:
 def _firm(hand: Hand, obj: Object, brief: Brief, one: Candidate) -> tuple[ObjectCase, Recipe] | None:
     """A pinch closed until the weakest motor gives half of what it can; None where it does so already, or is lost."""
     torques = abs(one.solution.torques)
-    allowed = np.minimum(_SHARE * hand.torque_limits, _MOST)
+    allowed = np.minimum(SHARE * hand.torque_limits, MOST)
     times = float((allowed / np.maximum(torques, 1e-9)).min(initial=np.inf))
     if not _HARDER < times < np.inf:
         return None

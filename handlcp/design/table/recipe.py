@@ -12,14 +12,13 @@ from handlcp.check import Array
 from handlcp.hand.asked.asked import HandAsked
 from handlcp.hand.find.clear import Place
 from handlcp.hand.find.find import PINCH
+from handlcp.hand.find.power import REACH
 from handlcp.hand.hand import Hand
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.object import Object
 from handlcp.hand.sites.touchers import ALL
 from handlcp.hand.state import HandState
 from handlcp.record import plain
-
-_REACH = 4e-3  # [m] links no farther from the object may come to touch while the hand closes, as in the search
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,5 +71,5 @@ class Recipe:
         if self.kind == PINCH:
             return state.grasp(placed, friction=friction, grip_force=self.effort)
         return state.grasp(
-            placed, friction=friction, closing_torque=self.effort, links=ALL, hold_object=True, max_gap=_REACH
+            placed, friction=friction, closing_torque=self.effort, links=ALL, hold_object=True, max_gap=REACH
         )

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from handlcp.hand.asked.asked import HandAsked
 from handlcp.hand.find.candidate import Candidate
-from handlcp.hand.find.clear import Place
 from handlcp.hand.find.find import PINCH
-from handlcp.hand.find.pinch import Search
+from handlcp.hand.find.pinch import Search, place_of
 from handlcp.hand.find.power import PowerSearch
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.model import HandModel
@@ -30,8 +30,8 @@ def continued(
     before = near.state.hand
     if hand.joint_names != before.joint_names:
         return None
-    R, o = near.object.frame
-    place = Place(np.clip(near.q, hand.lower, hand.upper), np.array(R), np.array(o))
+    place = place_of(near.grasp)
+    place = replace(place, q=np.clip(place.q, hand.lower, hand.upper))
     if near.kind == PINCH:
         fingers = list(near.grasp.fingertips)
         if any(name not in hand.fingertips for name in fingers):

@@ -32,7 +32,7 @@ _AT_ONCE, _SOLVED = 12, 48  # closed exactly and solved: of a round, and in all
 _FOLLOWED = 2  # grasps of a round that are followed with success, at most
 _CHECKED = 6  # grasps that are checked, before those that only lie there
 _WORTH = 0.5  # of the best: what holds no more is not followed any further
-_REACH = 4e-3  # [m] links no farther away may come to touch while the hand closes on what gives way
+REACH = 4e-3  # [m] links no farther away may come to touch while the hand closes on what gives way
 _DEEP = 1e-3  # [m] deeper in the object no link may be
 P = ParamSpec("P")
 
@@ -150,7 +150,7 @@ class PowerSearch:
 
     @_none_where_refused
     def _closed(self, state: HandState, obj: Object, torque: Array) -> list[HandGrasp]:
-        asked = self._asked | {"closing_torque": torque, "links": ALL, "hold_object": True, "max_gap": _REACH}
+        asked = self._asked | {"closing_torque": torque, "links": ALL, "hold_object": True, "max_gap": REACH}
         grasp = HandGrasp(HandAsked(state, obj, **asked).begun())
         if not encloses(self._hand, grasp):
             return []

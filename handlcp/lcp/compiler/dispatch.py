@@ -12,6 +12,7 @@ from numba.extending import typeof_impl
 from handlcp.lcp.compiler import beside, link, when
 from handlcp.lcp.compiler.cache import KernelCache
 from handlcp.lcp.compiler.when import waiting
+from handlcp.progress import uncounted
 
 t: Any = numba.types
 link.use(cpu_target.target_context.codegen())
@@ -47,6 +48,7 @@ def _typeof(kernel: Any, _: Any) -> Any:
     return numba.types.Dispatcher(dispatcher(kernel))
 
 
+@uncounted()
 def _decide(kernel: Any, jit: Any, args: tuple[Any, ...]) -> Any:
     """What is to run for these arguments: compiled code, or the kernel as Python."""
     given = tuple([jit.typeof_pyval(a) for a in args])
