@@ -75,6 +75,9 @@ def steps(patience: float = PATIENCE) -> Iterator[Callable[[int, int | None, str
         line.end()
 
 
+_BETWEEN = 0.02  # [s] between two looks at a thread's computing time, which cost up to a millisecond each
+
+
 class OutOfTime(Exception):
     """A call took longer than `within` allows."""
 
@@ -83,7 +86,7 @@ class OutOfTime(Exception):
 def within(seconds: float) -> Iterator[None]:
     """Calls in this block end with OutOfTime at their first step after so much computing time of this thread [s]."""
     outer = getattr(_here, "until", _NEVER)
-    _here.until = min(outer, _counted() + seconds)
+    _here.until, _here.look = min(outer, _counted() + seconds), 0.0
     try:
         yield
     finally:
@@ -108,8 +111,10 @@ def _counted() -> float:
 def tick(detail: str) -> None:
     """A step of whatever is going on is done; detail : how far it has come, such as "stage 'load' at 40 %"."""
     until = getattr(_here, "until", _NEVER)
-    if until < _NEVER and _counted() > until:
-        raise OutOfTime
+    if until < _NEVER and (now := time.perf_counter()) >= _here.look:
+        _here.look = now + _BETWEEN
+        if _counted() > until:
+            raise OutOfTime
     if (line := getattr(_here, "line", None)) is not None:
         line.tick(detail)
 

@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 
 from handlcp.grasp import Contact, Coulomb, Grasp, SoftFinger, solve_many
-from handlcp.hand import GraspStream, HandGrasp, Route, Site, Tendons, example_hand
+from handlcp.hand import GraspStream, HandGrasp, Route, Site, Sphere, Tendons, example_hand
 from handlcp.lcp import LCP, NSNGRK, Auto, Lemke, SemismoothNewton, solve_lcp
 from handlcp.lcp.compiler.when import MANY
 from handlcp.method.catalogue import entries, trials
@@ -95,6 +95,13 @@ def _routes() -> None:
     cable.bound(hand.kinematics).slope(hand.neutral)
 
 
+def _whole_hands() -> None:
+    hand, ball = example_hand("five_finger"), Sphere(0.03, placement=(0.0, 0.0, 0.07), mass=0.05)
+    whole = hand.at(hand.neutral).grasp(ball, links="all", closing_torque=0.2, hold_object=True)  # 15 contacts
+    whole.solve(throw=False)
+    whole.follow(steps=2)
+
+
 def _limits() -> None:
     down, law = (0, 0, -1, 0, 0, 0), SoftFinger(0.6, 0.003)
     tips = [Contact((-0.02 * x, 0, 0), (x, 0, 0), law) for x in (-1, 1)]
@@ -133,6 +140,7 @@ JOBS: tuple[tuple[str, Callable[[], None]], ...] = (
     ("streams", _streams),
     ("loading", _loading),
     ("tendons along routes", _routes),
+    ("whole hands", _whole_hands),
     ("load limits", _limits),
     ("derivatives", _derivatives),
     ("batches", _batches),

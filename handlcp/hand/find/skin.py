@@ -12,12 +12,12 @@ from handlcp.hand.objects.inside import distances
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.overlap import box_of
 from handlcp.hand.objects.shapes import Mesh
+from handlcp.hand.objects.surface import beyond
 from handlcp.hand.robot.link_surface import planes, surface_points
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.sites.touchers import ALL, Toucher, touchers
 
 _POINTS, _OF_PALM = 28, 60  # of a link, and of all links that no finger's joint moves
-_AT_ONCE = 1024  # points that are measured together: what they take stays in the processor's cache
 _CELLS, _AROUND = 64, 0.01  # points of a grid along each edge; [m] how far it goes beyond the object
 _FACES, _ALIKE = 80, 0.98  # planes of a mesh, at most; cosine from which two are one
 
@@ -96,14 +96,7 @@ def _beyond_faces(hull: Any) -> Measure:
             kept.append(int(k))
     n, d = normals[kept], offsets[kept]
 
-    def beyond(x: Array) -> Array:
-        points = x.reshape(-1, 3)
-        out = np.empty(len(points))
-        for k in range(0, len(points), _AT_ONCE):
-            out[k : k + _AT_ONCE] = (points[k : k + _AT_ONCE] @ n.T - d).max(axis=1)
-        return out.reshape(x.shape[:-1])
-
-    return beyond
+    return lambda x: beyond(x.reshape(-1, 3), n, d).reshape(x.shape[:-1])
 
 
 def _on_grid(parts: Sequence[Measure], low: Array, high: Array) -> Measure:

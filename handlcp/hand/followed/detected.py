@@ -8,7 +8,7 @@ sharper than what the fingers can follow has no step that leads on.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -20,6 +20,7 @@ from handlcp.hand.followed.flush import Flush, flush
 from handlcp.hand.objects.corner import corner_contact
 from handlcp.hand.objects.detect import Proximity, nearest, nearest_beside
 from handlcp.hand.objects.object import Object
+from handlcp.lcp.kernels.dense import kernel, product
 
 _STEP = 2e-3  # of the object's size: differences of detected contacts, whose points are good to a millionth or less
 _SHARPEST = 300.0  # [1/m] how fast a normal turns at an edge at most
@@ -28,29 +29,66 @@ _SHARPEST = 300.0  # [1/m] how fast a normal turns at an edge at most
 _EDGE, _UNEVEN = 0.3, 0.5
 
 
-class _Seen(NamedTuple):
-    """A fingertip that was detected: where it stood, its contact, and how that turns and shifts (3, 6). flush : None
-    where it touches at a point.
+@kernel
+def _moved_since(
+    places: Array, turns: Array, R: Array, t: Array, at: Array, own: Array, size: float, by: Array, far: Array
+) -> None:  # fmt: skip
+    """Write by (n, 6), how far fingertips at places (n, 3) with rotations turns (n, 3, 3) have moved since they were
+    detected at (n, 3) with rotations own (n, 3, 3), in the axes of an object that has moved by x ↦ R x + t; and far
+    (n,) [m] of an object of this size [m], NaN where they were not detected.
     """
+    turned = np.empty((3, 3))
+    for i in range(len(places)):
+        moved2, turned2, trace = 0.0, 0.0, 0.0
+        for a in range(3):
+            by[i, a] = -at[i, a]
+            for b in range(3):
+                by[i, a] += R[b, a] * (places[i, b] - t[b])
+            moved2 += by[i, a] ** 2
+        now = product(R.T, turns[i])
+        for a in range(3):
+            for b in range(3):
+                turned2 += (now[a, b] - own[i, a, b]) ** 2
+        far[i] = np.sqrt(moved2) + size * np.sqrt(turned2)
+        turned[:] = product(now, own[i].T)
+        for a in range(3):
+            trace += turned[a, a]
+            by[i, 3 + a] = 0.5 * (turned[(a + 2) % 3, (a + 1) % 3] - turned[(a + 1) % 3, (a + 2) % 3])
+        sine = np.sqrt(by[i, 3] ** 2 + by[i, 4] ** 2 + by[i, 5] ** 2)
+        if sine > 0.0:  # of the angle: by is the axis times it
+            by[i, 3:] *= np.arctan2(sine, 0.5 * (trace - 1.0)) / sine
 
-    at: Array
-    own: Array
-    near: Proximity
-    turn: Array
-    shift: Array
-    flush: Flush | None
 
-    def moved(self, by: Array) -> tuple[Array, Array, float, Array]:
-        """Position and normal (3,), gap, and shift (3, 6) of the contact, once the fingertip has moved by (6,)."""
-        near, shift = self.near, self.shift
-        normal = near.normal + self.turn @ by
-        normal /= np.linalg.norm(normal)
-        if self.flush is None:
-            moved = by[:3] + np.cross(by[3:], near.position - self.at)
-            return near.position + shift @ by, normal, float(near.gap - near.normal @ moved), shift
-        pressed, gap, along = self.flush.at(by)
-        shift = self.flush.across @ shift
-        return pressed + shift @ by, normal, gap, shift + along
+@kernel
+def _carried(
+    by: Array, R: Array, t: Array, at: Array, position: Array, normal: Array, gap: Array, turn: Array, shift: Array,
+    positions: Array, normals: Array, gaps: Array, turns: Array, shifts: Array,
+) -> None:  # fmt: skip
+    """Write contacts as differences say that they are, once fingertips have moved by (n, 6) since they were detected at
+    (n, 3), where they had position, normal (n, 3), gap (n,), and turn and shift (n, 3, 6) in the object's axes.
+    """
+    n, x = np.empty(3), np.empty(3)
+    for i in range(len(by)):
+        arm, v, w = position[i] - at[i], by[i, :3], by[i, 3:]
+        gaps[i] = gap[i]
+        length2 = 0.0
+        for a in range(3):
+            b, c = (a + 1) % 3, (a + 2) % 3
+            gaps[i] -= normal[i, a] * (v[a] + w[b] * arm[c] - w[c] * arm[b])
+            n[a], x[a] = normal[i, a], position[i, a]
+            for k in range(6):
+                n[a] += turn[i, a, k] * by[i, k]
+                x[a] += shift[i, a, k] * by[i, k]
+            length2 += n[a] ** 2
+        n /= np.sqrt(length2)
+        for a in range(3):
+            positions[i, a], normals[i, a] = t[a], 0.0
+            for b in range(3):
+                positions[i, a] += R[a, b] * x[b]
+                normals[i, a] += R[a, b] * n[b]
+        for k in range(0, 6, 3):
+            turns[i, :, k : k + 3] = product(product(R, turn[i, :, k : k + 3]), R.T)
+            shifts[i, :, k : k + 3] = product(product(R, shift[i, :, k : k + 3]), R.T)
 
 
 class Detected:
@@ -63,59 +101,80 @@ class Detected:
     noise = 1e-8
 
     def __init__(self, obj: Object, shapes: list[Any]) -> None:
-        self.obj, self.shapes = obj, shapes
+        self.obj, self.shapes, n = obj, shapes, len(shapes)
         self.step = _STEP * float(np.cbrt(obj.volume)) if obj.volume > 0.0 else _STEP * 0.05
         self.size = self.step / _STEP
-        self.known = dict[int, _Seen]()
+        self._on_corners = [i for i, tip in enumerate(shapes) if tip[0].corner is not None]
+        self._flush = dict[int, Flush]()  # of fingertips that do not touch at a point
+        # Where each was detected, its contact there, and how that turns and shifts
+        self._at, self._own = np.full((n, 3), np.nan), np.full((n, 3, 3), np.nan)
+        self._position, self._normal, self._gap = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n)
+        self._turn, self._shift = np.zeros((n, 3, 6)), np.zeros((n, 3, 6))
 
     def __call__(
         self, places: Array, turns: Array, R: Array, t: Array, out: tuple[Array, Array, Array, Array, Array]
     ) -> None:
         """See `Find`."""
         positions, normals, gaps, turn, shift = out
-        for i, tip in enumerate(self.shapes):
-            if tip[0].corner is not None:
-                (Q, q), face = self.obj.frame, tip[0].face
-                positions[i] = R @ (Q @ tip[0].corner + q) + t
-                gaps[i] = corner_contact(
-                    positions[i], places[i], turns[i], face.centre, face.spans, face.radius, normals[i], turn[i],
-                    shift[i],
-                )  # fmt: skip
-                continue
-            at, own = R.T @ (places[i] - t), R.T @ turns[i]
-            known = self.known.get(i)
-            if known is None or self._far(at, own, known) > self.step:
-                known = self.known[i] = self._seen(tip, at, own)
-            by = np.concatenate([at - known.at, pin.log3(own @ known.own.T)])
-            position, normal, gaps[i], shifts = known.moved(by)
-            positions[i], normals[i] = R @ position + t, R @ normal
-            for rows, of in ((turn, known.turn), (shift, shifts)):
-                rows[i, :, :3], rows[i, :, 3:] = R @ of[:, :3] @ R.T, R @ of[:, 3:] @ R.T
+        by, far = np.empty((len(self.shapes), 6)), np.empty(len(self.shapes))
+        _moved_since(places, turns, R, t, self._at, self._own, self.size, by, far)
+        for i in np.flatnonzero(~(far <= self.step)).tolist():
+            if i not in self._on_corners:
+                self._see(i, R.T @ (places[i] - t), R.T @ turns[i])
+                by[i] = 0.0
+        _carried(
+            by, R, t, self._at, self._position, self._normal, self._gap, self._turn, self._shift, positions, normals,
+            gaps, turn, shift,
+        )  # fmt: skip
+        for i, lies in self._flush.items():
+            pressed, gaps[i], along = lies.at(by[i])
+            own = lies.across @ self._shift[i]
+            positions[i] = R @ (pressed + own @ by[i]) + t
+            own += along
+            shift[i, :, :3], shift[i, :, 3:] = R @ own[:, :3] @ R.T, R @ own[:, 3:] @ R.T
+        for i in self._on_corners:
+            (Q, q), tip, face = self.obj.frame, self.shapes[i][0], self.shapes[i][0].face
+            positions[i] = R @ (Q @ tip.corner + q) + t
+            gaps[i] = corner_contact(
+                positions[i], places[i], turns[i], face.centre, face.spans, face.radius, normals[i], turn[i], shift[i]
+            )
 
-    def _far(self, at: Array, own: Array, known: _Seen) -> float:
-        """How far a fingertip has moved [m]."""
-        return float(np.linalg.norm(at - known.at) + self.size * np.linalg.norm(own - known.own))
-
-    def _seen(self, tip: Any, at: Array, own: Array) -> _Seen:
-        """A fingertip where it is, in the object's axes."""
-        near, ends = nearest(tip, at, own, self.obj), list[tuple[Proximity, Proximity]]()
-        for a in range(6):
-            by = np.zeros(3)
-            by[a % 3] = self.step / (1.0 if a < 3 else self.size)
-            ends.append((self._moved(tip, at, own, near, by, a >= 3), self._moved(tip, at, own, near, -by, a >= 3)))
-        steps = 2.0 * self.step * np.array([1.0] * 3 + [1.0 / self.size] * 3)
-        turn = np.stack([some.normal - other.normal for some, other in ends], axis=1) / steps
-        shift = np.stack([some.position - other.position for some, other in ends], axis=1) / steps
-        if any(_edge(some.normal, near.normal, other.normal) for some, other in ends[:3]):
+    def _see(self, i: int, at: Array, own: Array) -> None:
+        """Detect a fingertip where it is, in the object's axes."""
+        tip = self.shapes[i]
+        near = nearest(tip, at, own, self.obj)
+        ways = np.repeat(np.eye(6), 2, axis=0) * self.step
+        ways[1::2] *= -1.0
+        ways[6:] /= self.size
+        on, normals = self._beside(tip, at, own, near, ways)
+        steps = 2.0 * abs(ways[::2]).sum(axis=1)
+        turn, shift = (normals[::2] - normals[1::2]).T / steps, (on[::2] - on[1::2]).T / steps
+        if any(_edge(normals[k], near.normal, normals[k + 1]) for k in (0, 2, 4)):
             turn = _blunted(turn, near.position - at)
-        farthest = max(float(abs(one.position - near.position).max()) for pair in ends[3:] for one in pair)
-        jumps = farthest > self.step  # on a curved surface, by its radius times the tilt, which is less
+        jumps = (
+            float(abs(on[6:] - near.position).max()) > self.step
+        )  # curved surfaces: radius times tilt, which is less
         lies = flush(tip, at, own, near, self.obj, 2.0 * self.step) if jumps else None
-        return _Seen(at, own, near, turn, shift, lies)
+        self._flush.pop(i, None)
+        if lies is not None:
+            self._flush[i] = lies
+        self._at[i], self._own[i], self._turn[i], self._shift[i] = at, own, turn, shift
+        self._position[i], self._normal[i], self._gap[i] = near.position, near.normal, near.gap
 
-    def _moved(self, tip: Any, at: Array, own: Array, near: Proximity, by: Array, turns: bool) -> Proximity:
-        moved = cross_rows(by, near.tip_point - at) if turns else by
-        at, own = (at, pin.exp3(by) @ own) if turns else (at + by, own)
+    def _beside(self, tip: Any, at: Array, own: Array, near: Proximity, ways: Array) -> tuple[Array, Array]:
+        """Positions and normals (12, 3) of the contact, with the fingertip moved by each of ways (12, 6)."""
+        turned = [pin.exp3(way[3:]) for way in ways]
+        if len(tip) == 1 and tip[0].radius is not None:
+            arm = own @ tip[0].translation
+            known = self.obj.closest_all(at + ways[:, :3] + [Q @ arm for Q in turned])
+            if known is not None:
+                return known[1], -known[2]
+        ends = [self._moved(tip, at, own, near, way, Q) for way, Q in zip(ways, turned, strict=True)]
+        return np.array([end.position for end in ends]), np.array([end.normal for end in ends])
+
+    def _moved(self, tip: Any, at: Array, own: Array, near: Proximity, way: Array, Q: Array) -> Proximity:
+        moved = way[:3] + cross_rows(way[3:], near.tip_point - at)
+        at, own = at + way[:3], Q @ own
         if len(tip) > 1:
             return nearest(tip, at, own, self.obj)
         return nearest_beside(tip[0], at, own, self.obj, near.gap - float(near.normal @ moved), self.step)

@@ -245,6 +245,12 @@ class Object:
         distance, on, out = on_surface(kind, sizes, (point - p) @ R)
         return distance, R @ on + p, R @ out
 
+    def closest_all(self, points: Array) -> tuple[Array, Array, Array] | None:
+        """As `closest` of points (m, 3): (m,), (m, 3) and (m, 3)."""
+        found = [known for x in points if (known := self.closest(x)) is not None]
+        away, on, out = zip(*found, strict=True) if found else ((), (), ())
+        return (np.array(away), np.array(on), np.array(out)) if found else None
+
     def __setattr__(self, name: str, value: object) -> None:
         if hasattr(self, name):
             raise AttributeError(f"a {type(self).__name__} is immutable: {name} cannot be set (moved_to makes another)")

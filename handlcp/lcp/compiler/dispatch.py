@@ -48,7 +48,6 @@ def _typeof(kernel: Any, _: Any) -> Any:
     return numba.types.Dispatcher(dispatcher(kernel))
 
 
-@uncounted()
 def _decide(kernel: Any, jit: Any, args: tuple[Any, ...]) -> Any:
     """What is to run for these arguments: compiled code, or the kernel as Python."""
     given = tuple([jit.typeof_pyval(a) for a in args])
@@ -57,9 +56,11 @@ def _decide(kernel: Any, jit: Any, args: tuple[Any, ...]) -> Any:
     if types not in jit.overloads:
         if types in kernel.missing and kernel.spent < kernel.look and not when.compiling_at_once():
             return kernel.interpret
-        if not (_is_kept(kernel, jit, types) or _is_compiled(kernel, jit, types)):
-            kernel.wait(again=not jit.overloads)
-            return kernel.interpret
+        with uncounted():
+            if not (_is_kept(kernel, jit, types) or _is_compiled(kernel, jit, types)):
+                kernel.wait(again=not jit.overloads)
+                return kernel.interpret
+            jit.compile(types)
     kernel.begin_anew()
     code = jit.compile(types)
     if given != types:  # the next call with such arguments finds it without asking here

@@ -13,7 +13,7 @@ from handlcp.check import Array
 from handlcp.errors import HandLCPError
 from handlcp.grasp import Grasp
 from handlcp.hand import HandGrasp, HandState
-from handlcp.hand.objects.shapes import closest_of
+from handlcp.hand.objects.surface import closest_of
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.source.description import COLLISION, VISUAL
 from handlcp.show.picture import shapes

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints, read_only
-from handlcp.hand.objects.shapes import solid_angles
+from handlcp.hand.objects.surface import solid_angles
 
 _GOLDEN = (1.0 + np.sqrt(5.0)) / 2.0
 
