@@ -15,9 +15,10 @@ from handlcp.show.envelope.polar import sentences
 from handlcp.show.envelope.surface import Surface, borders, surface_of, wires
 from handlcp.show.file import checked_page
 from handlcp.show.page.content import layers_of, packed, view_of
-from handlcp.show.page.document import Own, document, web_files
+from handlcp.show.page.document import Own, document
 from handlcp.show.page.frames import Frames, of_solution
 from handlcp.show.page.meshes import Meshes, notes_of, parts_of
+from handlcp.show.page.written import web_files
 from handlcp.show.picture import camera
 from handlcp.show.picture.content import Content
 from handlcp.study.envelope import Envelope, Extreme

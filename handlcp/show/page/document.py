@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import json
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
-from importlib.resources import files
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from handlcp.errors import InputError, writing
+from handlcp.errors import InputError
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
 from handlcp.hand.hand_grasp import grasp_of
 from handlcp.record import plain
@@ -18,8 +15,8 @@ from handlcp.show.file import checked_page, three_js
 from handlcp.show.loading.report import motion
 from handlcp.show.page.content import content, escape_of, path_of
 from handlcp.show.page.frames import at_steps, of_solution
+from handlcp.show.page.written import data_of, web_files, write
 from handlcp.show.picture.content import Content
-from handlcp.version import VERSION
 
 _SCRIPTS = ("solids.js", "marks.js", "labels.js", "view.js", "panel.js", "player.js", "page.js", "opened.js")
 _DIGITS = 6
@@ -63,12 +60,6 @@ def save_loading(loading: Loading, path: Any, title: str = "", obj: Any = None, 
     return document(target, title, told, content(drawn, shown, path_of(loading, 0), None))
 
 
-def web_files(*names: str, package: str = "handlcp.show.page") -> list[str]:
-    """Texts of files in the folder `web` of a package."""
-    web = files(package).joinpath("web")
-    return [web.joinpath(name).read_text(encoding="utf-8") for name in names]
-
-
 class Own(NamedTuple):
     """Texts that one kind of page has for itself. stage, tables : HTML of the picture's side, and beside the legend.
     style : after that of all pages. scripts : in order.
@@ -87,24 +78,17 @@ def document(target: Path, title: str, said: str, found: Mapping[str, Any], own:
     if own is None:
         stage, tables = web_files("stage.html", "tables.html")
         own = Own(stage, tables, "", web_files(*_SCRIPTS))
-    data = json.dumps(_short(plain(found)), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     parts = {
-        "title": escape(title or "A grasp"),
         "heading": f"<h1>{escape(title)}</h1>" if title else "",
-        "style": web_files("style.css")[0] + own.style,
         "stage": own.stage,
         "tables": own.tables,
         "verdict": said,
         "notes": "".join(f"<li>{escape(str(note))}</li>" for note in found["notes"]),
-        "made": f"handlcp {escape(VERSION)}",
-        "data": data.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029"),
+        "data": data_of(_short(plain(found))),
         "three": three_js(),
         "scripts": "\n".join(own.scripts),
     }
-    text = re.sub(r"\{\{(\w+)\}\}", lambda m: parts[m[1]], web_files("frame.html")[0])
-    with writing("page", target):
-        target.write_text(text, encoding="utf-8", newline="\n")
-    return target
+    return write(target, web_files("frame.html")[0], title or "A grasp", own.style, parts)
 
 
 def _short(value: Any) -> Any:

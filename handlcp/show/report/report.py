@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from pathlib import Path
@@ -14,13 +12,12 @@ import numpy as np
 from handlcp.design.brief import Brief
 from handlcp.design.evaluate import evaluate
 from handlcp.design.evaluation import Evaluation, ObjectCase
-from handlcp.errors import InputError, writing
+from handlcp.errors import InputError
 from handlcp.hand import Hand
 from handlcp.progress import told
 from handlcp.show.file import new_figure, writable
-from handlcp.show.page.document import web_files
+from handlcp.show.page.written import image, web_files, write
 from handlcp.show.report.told import SCALES, asked, best_of, better, differences
-from handlcp.version import VERSION
 
 _GOOD, _DOUBT = "HELD", "UNDECIDED"
 # Of each object: attribute of its case, its words, unit, and whether more is better
@@ -48,10 +45,8 @@ def report(hands: Any, brief: Brief, path: Any) -> Path:
         for name, hand in named.items():
             found[name] = evaluate(hand, brief)
             done(1)
-    text = _text(named, brief, found)
-    with writing("path", target):
-        target.write_text(text, encoding="utf-8", newline="\n")
-    return target
+    frame, style = web_files("report.html", "report.css", package="handlcp.show.report")
+    return write(target, frame, " beside ".join(named), style, _parts(named, brief, found))
 
 
 def _named(hands: Any) -> dict[str, Hand]:
@@ -81,24 +76,17 @@ def _page(path: Any) -> Path:
     return writable("path", file)
 
 
-def _text(hands: Mapping[str, Hand], brief: Brief, found: Mapping[str, Evaluation]) -> str:
-    """The page."""
-    style, own = web_files("style.css")[0], web_files("report.css", package="handlcp.show.report")[0]
-    title = " beside ".join(hands)
+def _parts(hands: Mapping[str, Hand], brief: Brief, found: Mapping[str, Evaluation]) -> dict[str, str]:
+    """The page's, as HTML."""
     differ = differences(hands)
-    parts = {
-        "title": escape(title),
-        "style": style + own,
+    return {
         "verdicts": "".join(_in_all(name, done) for name, done in found.items()),
         "better": _items(better(found)),
         "asked": _items(asked(brief)),
         "pictures": _pictures(brief, found),
         "numbers": _table(("", *hands), _numbers(brief, found)),
         "differ": _table(("", *hands), [(row, [False] * len(row)) for row in differ]) if differ else "<p>Nothing.</p>",
-        "made": f"handlcp {escape(VERSION)}",
     }
-    frame = web_files("report.html", package="handlcp.show.report")[0]
-    return re.sub(r"\{\{(\w+)\}\}", lambda m: parts[m[1]], frame)
 
 
 def _items(sentences: Iterable[str]) -> str:
@@ -138,12 +126,9 @@ def _pictures(brief: Brief, found: Mapping[str, Evaluation]) -> str:
 
 
 def _picture(hand: str, name: str, case: ObjectCase, png: bytes) -> str:
-    image = '<p class="none">no grasp</p>'
-    if png:
-        text = escape(f"{name} in {hand}", quote=True)
-        image = f'<img alt="{text}" src="data:image/png;base64,{base64.b64encode(png).decode("ascii")}">'
+    drawn = image(png, f"{name} in {hand}") if png else '<p class="none">no grasp</p>'
     says = f"{hand}: first gives out: {_gives_out(case.gives_out)}"
-    return f"<figure>{image}<figcaption>{_chip(case.word)} {escape(says)}</figcaption></figure>"
+    return f"<figure>{drawn}<figcaption>{_chip(case.word)} {escape(says)}</figcaption></figure>"
 
 
 def _numbers(brief: Brief, found: Mapping[str, Evaluation]) -> list[tuple[Sequence[str], list[bool]]]:

@@ -15,9 +15,10 @@ from handlcp.design.study import Study
 from handlcp.errors import InputError
 from handlcp.show.file import checked_page
 from handlcp.show.page.content import content
-from handlcp.show.page.document import Own, document, web_files
+from handlcp.show.page.document import Own, document
 from handlcp.show.page.frames import of_solution
 from handlcp.show.page.meshes import Meshes
+from handlcp.show.page.written import web_files
 from handlcp.show.picture.content import Content
 from handlcp.show.study.axes import label, parameter
 

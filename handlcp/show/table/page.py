@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import json
-import re
 import tempfile
 from html import escape
 from pathlib import Path
@@ -12,12 +9,11 @@ from typing import Any
 
 from handlcp.design.table.catalogue import MASS, about_objects
 from handlcp.design.table.result import HandTable
-from handlcp.errors import HandLCPError, writing
+from handlcp.errors import HandLCPError
 from handlcp.hand.find.candidate import Candidate, candidate_of
 from handlcp.progress import told
 from handlcp.show.file import checked_page, new_figure
-from handlcp.show.page.document import web_files
-from handlcp.version import VERSION
+from handlcp.show.page.written import data_of, image, web_files, write
 
 # Of each row, in the order of the page's columns: key, digits
 _SHOWN = {
@@ -38,17 +34,12 @@ def save(table: HandTable, path: Any) -> Path:
             cards.append(_card(table, one.hand, one.package, one.licence, one.may_be_shown, png))
             say(1)
     rows = [[_short(row.get(key), digits) for key, digits in _SHOWN.items()] for row in table]
-    data = json.dumps({"keys": list(_SHOWN), "rows": rows}, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    style, own, frame = web_files("style.css")[0], *web_files("table.css", "table.html", package="handlcp.show.table")
+    frame, style, script = web_files("table.html", "table.css", "table.js", package="handlcp.show.table")
     parts = {
-        "style": style + own, "cards": "".join(cards), "said": escape(str(table).partition("\n\n")[0]),
-        "about": escape(about_objects()), "mass": f"{MASS:g}", "made": f"handlcp {escape(VERSION)}",
-        "data": data.replace("<", "\\u003c"), "script": web_files("table.js", package="handlcp.show.table")[0],
+        "cards": "".join(cards), "said": escape(str(table).partition("\n\n")[0]), "about": escape(about_objects()),
+        "mass": f"{MASS:g}", "data": data_of({"keys": list(_SHOWN), "rows": rows}), "script": script,
     }  # fmt: skip
-    text = re.sub(r"\{\{(\w+)\}\}", lambda m: parts[m[1]], frame)
-    with writing("path", target):
-        target.write_text(text, encoding="utf-8", newline="\n")
-    return target
+    return write(target, frame, "What hands hold", style, parts)
 
 
 def picture(table: HandTable, hand: str) -> bytes:
@@ -78,10 +69,9 @@ def _candidate(table: HandTable, row: dict[str, Any]) -> Candidate | None:
 
 def _card(table: HandTable, hand: str, package: str, licence: str, shown: bool, png: bytes) -> str:
     """Of one hand: picture, where it comes from, and how much it holds."""
-    image = f'<p class="none">{"nothing held" if shown else "no picture: the licence of its meshes"}</p>'
+    drawn = f'<p class="none">{"nothing held" if shown else "no picture: the licence of its meshes"}</p>'
     if png:
-        code = base64.b64encode(png).decode("ascii")
-        image = f'<img alt="{escape(hand, quote=True)} with objects" src="data:image/png;base64,{code}">'
+        drawn = image(png, f"{hand} with objects")
     rows = table.of(hand)
     pairs = {row["object"] for row in rows}
     held = {row["object"] for row in rows if row["verdict"] == "HELD"}
@@ -90,7 +80,7 @@ def _card(table: HandTable, hand: str, package: str, licence: str, shown: bool, 
     name = escape(hand, quote=True)
     return (
         f'<figure><button type="button" data-hand="{name}"><b>{name}</b> <span>{escape(package)}, licence: '
-        f"{escape(licence)}</span></button>{image}<figcaption>{escape(said)}.</figcaption></figure>"
+        f"{escape(licence)}</span></button>{drawn}<figcaption>{escape(said)}.</figcaption></figure>"
     )
 
 
