@@ -162,7 +162,7 @@ class Links:
         R, o = place.rotation, place.position
         turns, shifts = R.T @ at[:, :3, :3], (at[:, :3, 3] - o) @ R
         local = np.einsum("kxy,ky->kx", turns[self._of], self._points) + shifts[self._of]
-        return distances(local, home) - self._slack, local, columns
+        return distances(local, home, self._slack) - self._slack, local, columns
 
     def out_of_each_other(self, q: Array) -> bool:
         """Whether no two links of different fingers, and no finger and the palm, meet."""

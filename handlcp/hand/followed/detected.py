@@ -27,6 +27,7 @@ _SHARPEST = 300.0  # [1/m] how fast a normal turns at an edge at most
 # Of an edge's normals on either side: they differ by this much, or from the one between them by this share more on one
 # side than on the other
 _EDGE, _UNEVEN = 0.3, 0.5
+_LEVEL = 1e-3 * _EDGE / _UNEVEN  # normals that differ by less are those of a face
 
 
 @kernel
@@ -104,6 +105,12 @@ class Detected:
         self.obj, self.shapes, n = obj, shapes, len(shapes)
         self.step = _STEP * float(np.cbrt(obj.volume)) if obj.volume > 0.0 else _STEP * 0.05
         self.size = self.step / _STEP
+        ways = np.repeat(np.eye(6), 2, axis=0) * self.step
+        ways[1::2] *= -1.0
+        ways[6:] /= self.size
+        # A step each way, what that turns, and how far the two of each axis are from each other
+        self._ways, self._turned = ways, np.array([pin.exp3(way[3:]) for way in ways])
+        self._steps = 2.0 * abs(ways[::2]).sum(axis=1)
         self._on_corners = [i for i, tip in enumerate(shapes) if tip[0].corner is not None]
         self._flush = dict[int, Flush]()  # of fingertips that do not touch at a point
         # Where each was detected, its contact there, and how that turns and shifts
@@ -143,47 +150,41 @@ class Detected:
         """Detect a fingertip where it is, in the object's axes."""
         tip = self.shapes[i]
         near = nearest(tip, at, own, self.obj)
-        ways = np.repeat(np.eye(6), 2, axis=0) * self.step
-        ways[1::2] *= -1.0
-        ways[6:] /= self.size
-        on, normals = self._beside(tip, at, own, near, ways)
-        steps = 2.0 * abs(ways[::2]).sum(axis=1)
-        turn, shift = (normals[::2] - normals[1::2]).T / steps, (on[::2] - on[1::2]).T / steps
-        if any(_edge(normals[k], near.normal, normals[k + 1]) for k in (0, 2, 4)):
+        on, normals = self._beside(tip, at, own, near)
+        turn, shift = (normals[::2] - normals[1::2]).T / self._steps, (on[::2] - on[1::2]).T / self._steps
+        if _edge(normals[0:6:2], near.normal, normals[1:6:2]):
             turn = _blunted(turn, near.position - at)
-        jumps = (
-            float(abs(on[6:] - near.position).max()) > self.step
-        )  # curved surfaces: radius times tilt, which is less
-        lies = flush(tip, at, own, near, self.obj, 2.0 * self.step) if jumps else None
+        farthest = float(abs(on[6:] - near.position).max())  # on a curved surface by its radius times the tilt, less
+        lies = flush(tip, at, own, near, self.obj, 2.0 * self.step) if farthest > self.step else None
         self._flush.pop(i, None)
         if lies is not None:
             self._flush[i] = lies
         self._at[i], self._own[i], self._turn[i], self._shift[i] = at, own, turn, shift
         self._position[i], self._normal[i], self._gap[i] = near.position, near.normal, near.gap
 
-    def _beside(self, tip: Any, at: Array, own: Array, near: Proximity, ways: Array) -> tuple[Array, Array]:
-        """Positions and normals (12, 3) of the contact, with the fingertip moved by each of ways (12, 6)."""
-        turned = [pin.exp3(way[3:]) for way in ways]
+    def _beside(self, tip: Any, at: Array, own: Array, near: Proximity) -> tuple[Array, Array]:
+        """Positions and normals (12, 3) of the contact, with the fingertip moved a step each way."""
+        places = at + self._ways[:, :3]
         if len(tip) == 1 and tip[0].radius is not None:
-            arm = own @ tip[0].translation
-            known = self.obj.closest_all(at + ways[:, :3] + [Q @ arm for Q in turned])
+            known = self.obj.closest_all(places + self._turned @ (own @ tip[0].translation))
             if known is not None:
                 return known[1], -known[2]
-        ends = [self._moved(tip, at, own, near, way, Q) for way, Q in zip(ways, turned, strict=True)]
-        return np.array([end.position for end in ends]), np.array([end.normal for end in ends])
-
-    def _moved(self, tip: Any, at: Array, own: Array, near: Proximity, way: Array, Q: Array) -> Proximity:
-        moved = way[:3] + cross_rows(way[3:], near.tip_point - at)
-        at, own = at + way[:3], Q @ own
+        turns = self._turned @ own
         if len(tip) > 1:
-            return nearest(tip, at, own, self.obj)
-        return nearest_beside(tip[0], at, own, self.obj, near.gap - float(near.normal @ moved), self.step)
+            ends = [nearest(tip, p, Q, self.obj) for p, Q in zip(places, turns, strict=True)]
+        else:
+            moved = self._ways[:, :3] + cross_rows(self._ways[:, 3:], near.tip_point - at)
+            gaps = (near.gap - moved @ near.normal).tolist()
+            every = zip(places, turns, gaps, strict=True)
+            ends = [nearest_beside(tip[0], p, Q, self.obj, gap, self.step) for p, Q, gap in every]
+        return np.array([end.position for end in ends]), np.array([end.normal for end in ends])
 
 
 def _edge(some: Array, between: Array, other: Array) -> bool:
-    """Whether normals (3,) on either side of a contact are those of an edge, not of a curved surface."""
-    apart = float(np.linalg.norm(some - other))
-    return apart > _EDGE or float(np.linalg.norm(some + other - 2.0 * between)) > _UNEVEN * apart > 1e-3 * _EDGE
+    """Whether normals (k, 3) on either side of a contact, any two, are those of an edge, not of a curved surface."""
+    sides, middles = some - other, some + other - 2.0 * between
+    apart, off = np.sqrt((sides * sides).sum(axis=1)), np.sqrt((middles * middles).sum(axis=1))
+    return bool(((apart > _EDGE) | ((off > _UNEVEN * apart) & (apart > _LEVEL))).any())
 
 
 def _blunted(turn: Array, arm: Array) -> Array:

@@ -197,7 +197,8 @@ def nearest_beside(shape: TipShape, p: Array, R: Array, obj: Object, gap: float,
     """As `nearest`, of one shape whose gap is known to be `gap`, give or take `about` [m]: where coal says so, too, and
     the object is convex, that is not confirmed any further.
     """
-    if shape.radius is None and shape.face is None and obj.triangles is None:
+    by_face = shape.face is not None and (shape.corner is not None or obj.known is not None)
+    if shape.radius is None and not by_face and obj.triangles is None:
         at = R @ shape.rotation, p + R @ shape.translation
         found, on_tip, on_object, normal = _by_coal(shape.geometry, at, obj.geometry, obj.frame)
         if abs(found - gap) <= about and abs(float(normal @ normal) - 1.0) < 1e-9:

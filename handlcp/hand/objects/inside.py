@@ -98,18 +98,28 @@ def _depth(points: Array, radii: Array, obj: Object) -> float:
     least = np.argsort(rough)
     few = [i for i in least[:: max(1, len(least) // _MOST)] if rough[i] < 0.0]
     few += [i for i in least[:_MOST] if rough[i] < 0.0]
-    exact = (_ball_gap(points[i], float(radii[i]), obj) for i in dict.fromkeys(few))
-    return max((-gap for gap in exact), default=0.0)
+    if not few:
+        return 0.0
+    those = np.unique(few)
+    if (near := obj.closest_all(points[those])) is not None:
+        return float((radii[those] - near[0]).max())
+    return max(-_ball_gap(points[i], float(radii[i]), obj) for i in those)
 
 
-def distances(x: Array, obj: Object) -> Array:
+def distances(x: Array, obj: Object, within: Array | float = np.inf) -> Array:
     """(m,) signed distances of points (m, 3) in the object's frame [m]: exact for a ball, a box and a cylinder. Of an
     ellipsoid rough; of a convex mesh, the largest distance to a face's plane: exact inside, at most too small outside.
+
+    within (m,) : [m] points of a mesh which are farther from the box around it are not measured any closer.
     """
     known = _distances(x, obj)
-    if known is None and isinstance(obj, Mesh):
-        known = obj.beyond(x)
-    return _rough(x, obj) if known is None else np.asarray(known)
+    if known is not None:
+        return known
+    rough = _rough(x, obj)
+    near = rough <= within
+    if isinstance(obj, Mesh) and (beyond := obj.beyond(x[near])) is not None:
+        rough[near] = beyond
+    return rough
 
 
 def _distances(x: Array, obj: Object) -> Array | None:
