@@ -38,6 +38,7 @@ from handlcp.hand.find.find import PINCH, POWER, find_grasp
 from handlcp.hand.find.power import MOST, SHARE
 from handlcp.hand.hand import Hand
 from handlcp.hand.objects.object import Object
+from handlcp.lcp.compiler.when import at_once
 from handlcp.progress import OutOfTime, within
 from handlcp.record import plain
 from handlcp.simulator import simulate
@@ -85,7 +86,8 @@ _hand, _object = lru_cache(maxsize=2)(hand_of), lru_cache(maxsize=128)(object_of
 def work(task: Task) -> Done:
     """In any process: the pairs of a task, each a row that holds one of each kind."""
     began, asked = time.perf_counter(), unpacked(task.maker)
-    rows = [{DESIGN: number, **values, "kinds": pair(asked, **values)} for number, values in task.designs]
+    with at_once():  # what is interpreted would not come far within the time of a row
+        rows = [{DESIGN: number, **values, "kinds": pair(asked, **values)} for number, values in task.designs]
     return Done(rows, None, time.perf_counter() - began)
 
 

@@ -18,7 +18,7 @@ from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.path.newton.tangent import skew
 from handlcp.hand.followed.flush import Flush, flush
 from handlcp.hand.objects.corner import corner_contact
-from handlcp.hand.objects.detect import Proximity, nearest, nearest_beside
+from handlcp.hand.objects.detect import Proximity, nearest_beside, nearest_to
 from handlcp.hand.objects.object import Object
 from handlcp.lcp.kernels.dense import kernel, product
 
@@ -149,8 +149,9 @@ class Detected:
     def _see(self, i: int, at: Array, own: Array) -> None:
         """Detect a fingertip where it is, in the object's axes."""
         tip = self.shapes[i]
-        near = nearest(tip, at, own, self.obj)
-        on, normals = self._beside(tip, at, own, near)
+        each = [nearest_to(shape, at, own, self.obj) for shape in tip]
+        near = min(each, key=lambda one: one.gap)
+        on, normals = self._beside(tip, at, own, each)
         turn, shift = (normals[::2] - normals[1::2]).T / self._steps, (on[::2] - on[1::2]).T / self._steps
         if _edge(normals[0:6:2], near.normal, normals[1:6:2]):
             turn = _blunted(turn, near.position - at)
@@ -162,21 +163,23 @@ class Detected:
         self._at[i], self._own[i], self._turn[i], self._shift[i] = at, own, turn, shift
         self._position[i], self._normal[i], self._gap[i] = near.position, near.normal, near.gap
 
-    def _beside(self, tip: Any, at: Array, own: Array, near: Proximity) -> tuple[Array, Array]:
-        """Positions and normals (12, 3) of the contact, with the fingertip moved a step each way."""
-        places = at + self._ways[:, :3]
+    def _beside(self, tip: Any, at: Array, own: Array, each: list[Proximity]) -> tuple[Array, Array]:
+        """Positions and normals (12, 3) of the contact, with the fingertip moved a step each way. each : where its
+        shapes and the object are nearest to each other without that.
+        """
+        places, turns = at + self._ways[:, :3], self._turned @ own
         if len(tip) == 1 and tip[0].radius is not None:
             known = self.obj.closest_all(places + self._turned @ (own @ tip[0].translation))
             if known is not None:
                 return known[1], -known[2]
-        turns = self._turned @ own
-        if len(tip) > 1:
-            ends = [nearest(tip, p, Q, self.obj) for p, Q in zip(places, turns, strict=True)]
-        else:
-            moved = self._ways[:, :3] + cross_rows(self._ways[:, 3:], near.tip_point - at)
-            gaps = (near.gap - moved @ near.normal).tolist()
-            every = zip(places, turns, gaps, strict=True)
-            ends = [nearest_beside(tip[0], p, Q, self.obj, gap, self.step) for p, Q, gap in every]
+        moved = [self._ways[:, :3] + cross_rows(self._ways[:, 3:], near.tip_point - at) for near in each]
+        gaps = np.array([near.gap - by @ near.normal for near, by in zip(each, moved, strict=True)])
+        # Those that may be the nearest after a step, by which gaps change as normals say, give or take a step
+        may = [k for k, row in enumerate(gaps) if (row <= gaps.min(axis=0) + 2.0 * self.step).any()]
+        ends = list[Proximity]()
+        for j in range(len(places)):
+            beside = [nearest_beside(tip[k], places[j], turns[j], self.obj, gaps[k, j], self.step) for k in may]
+            ends.append(min(beside, key=lambda one: one.gap))
         return np.array([end.position for end in ends]), np.array([end.normal for end in ends])
 
 

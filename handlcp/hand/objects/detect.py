@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, TypeAlias
 
 import coal
@@ -157,7 +156,6 @@ class _Pair:
 # ----------------------------------------------------------------
 
 _UNTURNED = np.eye(3)  # for balls, whose rotation does not matter
-_box = lru_cache(maxsize=1024)(box_of)  # of the parts of what is held: asked for at every distance
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,17 +178,18 @@ def nearest(shapes: tuple[TipShape, ...], position: Array, rotation: Array, obj:
     Raises InputError for an object that is not convex where the tip is not a sphere; Unsupported where a distance
     cannot be computed.
     """
-    if len(shapes) == 1 and shapes[0].central:
-        return _nearest(shapes[0], position, _UNTURNED, obj)
-    found = list[Proximity]()
-    for s in shapes:
-        if s.face is not None and s.corner is not None:
-            found.append(_on_face(s.face, s.corner, position, rotation, obj))
-        elif s.face is not None and obj.known is not None:
-            found.append(_by_face(s.face, position, rotation, obj))
-        else:
-            found.append(_nearest(s, position + rotation @ s.translation, rotation @ s.rotation, obj))
-    return min(found, key=lambda one: one.gap)
+    return min([nearest_to(shape, position, rotation, obj) for shape in shapes], key=lambda one: one.gap)
+
+
+def nearest_to(s: TipShape, position: Array, rotation: Array, obj: Object) -> Proximity:
+    """As `nearest`, of one shape."""
+    if s.central:
+        return _nearest(s, position, _UNTURNED, obj)
+    if s.face is not None and s.corner is not None:
+        return _on_face(s.face, s.corner, position, rotation, obj)
+    if s.face is not None and obj.known is not None:
+        return _by_face(s.face, position, rotation, obj)
+    return _nearest(s, position + rotation @ s.translation, rotation @ s.rotation, obj)
 
 
 def nearest_beside(shape: TipShape, p: Array, R: Array, obj: Object, gap: float, about: float) -> Proximity:
@@ -203,7 +202,7 @@ def nearest_beside(shape: TipShape, p: Array, R: Array, obj: Object, gap: float,
         found, on_tip, on_object, normal = _by_coal(shape.geometry, at, obj.geometry, obj.frame)
         if abs(found - gap) <= about and abs(float(normal @ normal) - 1.0) < 1e-9:
             return Proximity(found, on_object, on_tip, normal)
-    return nearest((shape,), p, R, obj)
+    return nearest_to(shape, p, R, obj)
 
 
 def touching(
@@ -242,7 +241,7 @@ def _nearest(shape: TipShape, p: Array, R: Array, obj: Object) -> Proximity:
 
 def _least(geometry: Any, p: Array, obj: Object) -> Array:
     """How near the object's parts are at least to a shape at p (3,) [m], by a ball and boxes around them."""
-    (R, o), low, high = obj.frame, *np.array([_box(part) for part in obj.parts]).transpose(1, 0, 2)
+    (R, o), low, high = obj.frame, *np.array([box_of(part) for part in obj.parts]).transpose(1, 0, 2)
     x = (p - o) @ R
     away = np.maximum(np.maximum(low - x, x - high), 0.0)
     return np.asarray(np.sqrt((away * away).sum(axis=1)) - np.sqrt(3.0) * size_of(geometry))

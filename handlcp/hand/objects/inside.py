@@ -14,6 +14,7 @@ from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.cause.judge import Limits, exceeded, used
 from handlcp.hand.objects.detect import nearest
 from handlcp.hand.objects.object import Object
+from handlcp.hand.objects.overlap import box_of
 from handlcp.hand.objects.shapes import Box, Cylinder, Ellipsoid, Mesh, Sphere
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.tip_geometry import sphere_tip
@@ -64,10 +65,7 @@ def links_inside(posture: Posture, obj: Object, tips: tuple[int, ...]) -> tuple[
         R, p = placement[:3, :3], placement[:3, 3]
         if float(np.linalg.norm(p - centre)) > link.reach + around:
             continue
-        points, radii = link.net
-        points = points @ R.T + p
-        near = np.linalg.norm(points - centre, axis=1) < radii + around
-        depth = _depth(points[near], radii[near], obj)
+        depth = _depth(*link.net, R, p, obj)
         own = carried.get(link.joint, ())
         if depth > 0.0 and own:
             depth -= max(0.0, *(-_tip_gap(posture, tip, obj) for tip in own))
@@ -86,24 +84,29 @@ def _tip_gap(posture: Posture, tip: int, obj: Object) -> float:
         return 0.0
 
 
-def _depth(points: Array, radii: Array, obj: Object) -> float:
-    """How deep the deepest of balls at points (m, 3) with radii (m,) is in the object [m]; ≤ 0: none is."""
-    if not len(points):
-        return 0.0
-    local = (points - obj.placement.translation) @ obj.placement.rotation
-    known = _distances(local, obj)
+def _depth(points: Array, radii: Array, R: Array, p: Array, obj: Object) -> float:
+    """How deep the deepest of balls is in the object [m]; ≤ 0: none is. They have radii (m,), and are at points (m, 3)
+    of a frame at p (3,) with rotation R (3, 3).
+    """
+    Q, q = obj.frame
+    x = points @ (Q.T @ R).T + Q.T @ (p - q)
+    known = _distances(x, obj)
     if known is not None:
         return float((radii - known).max())
-    rough = _rough(local, obj) - radii
-    least = np.argsort(rough)
-    few = [i for i in least[:: max(1, len(least) // _MOST)] if rough[i] < 0.0]
-    few += [i for i in least[:_MOST] if rough[i] < 0.0]
-    if not few:
+    if not isinstance(obj, Ellipsoid):  # few are in the box around a mesh
+        low, high = box_of(obj.geometry)
+        over = (abs(x - 0.5 * (low + high)) - 0.5 * (high - low)).T
+        near = np.maximum(np.maximum(over[0], over[1]), over[2]) < radii
+        x, radii = x[near], radii[near]
+    rough = _rough(x, obj) - radii
+    least = np.argsort(rough)[: np.count_nonzero(rough < 0.0)]
+    if not len(least):
         return 0.0
-    those = np.unique(few)
-    if (near := obj.closest_all(points[those])) is not None:
-        return float((radii[those] - near[0]).max())
-    return max(-_ball_gap(points[i], float(radii[i]), obj) for i in those)
+    few = np.unique(np.concatenate([least[:: max(1, len(least) // _MOST)], least[:_MOST]]))
+    at = x[few] @ Q.T + q
+    if (nearby := obj.closest_all(at)) is not None:
+        return float((radii[few] - nearby[0]).max())
+    return max(-_ball_gap(x, float(r), obj) for x, r in zip(at, radii[few], strict=True))
 
 
 def distances(x: Array, obj: Object, within: Array | float = np.inf) -> Array:
@@ -144,8 +147,7 @@ def _rough(x: Array, obj: Object) -> Array:
     if isinstance(obj, Ellipsoid):
         level = np.linalg.norm(x / obj.radii, axis=1)
         return np.asarray((level - 1.0) * float(obj.radii.min()))
-    corners = _corners(obj)
-    low, high = corners.min(axis=0), corners.max(axis=0)
+    low, high = box_of(obj.geometry)
     return _from_box(abs(x - 0.5 * (low + high)) - 0.5 * (high - low))
 
 

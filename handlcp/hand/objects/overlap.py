@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import coal
 import numpy as np
 
-from handlcp.check import Array
+from handlcp.check import Array, read_only
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand.robot.link_surface import planes
 
@@ -102,10 +102,12 @@ def size_of(geometry: Any) -> float:
 # Boxes and balls that hold coal's shapes, whether they are convex or not.
 
 
+@lru_cache(maxsize=1024)
 def box_of(geometry: Any) -> tuple[Array, Array]:
     """(3,) and (3,) the lowest and the highest corner of the box that holds the shape, along its own axes [m]."""
     geometry.computeLocalAABB()  # coal keeps it with the shape
-    return np.array(geometry.aabb_local.min_), np.array(geometry.aabb_local.max_)
+    box = geometry.aabb_local
+    return read_only(np.array(box.min_)), read_only(np.array(box.max_))
 
 
 def balls_of(placed: Sequence[tuple[Any, Array, Array]]) -> tuple[Array, Array]:
