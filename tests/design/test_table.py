@@ -139,6 +139,7 @@ def test_a_summary_counts_pairs_and_what_mujoco_says(tmp_path, done):
         ({"hands": "nobody"}, "nobody"), ({"objects": ["nothing at all"]}, "nothing at all"),
         ({"kinds": ("key",)}, "key"), ({"hands": {"a": 3}}, r"hands\['a'\]"), ({"seconds": 0.0}, "seconds"),
         ({"objects": {"ball": hl.Sphere(0.03)}}, "with a mass"), ({"hands": []}, "names"),
+        ({"out": 5}, "the name of a folder"),
     ],
 )  # fmt: skip
 def test_bad_arguments_are_refused(given, why, tmp_path):

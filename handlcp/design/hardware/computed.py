@@ -1,8 +1,7 @@
 """The tests of makers, computed from a hand's file: an interval over what is not stated and what is doubted.
 
-    fingertip   the tip presses on a plate that stands still, along the way it moves while the hand closes: the largest
-                force is a load limit, with the finger's bending joints at 20, 50 and 80 % of their ranges, where the
-                posture is not stated. Nothing slides: the force is along the normal.
+    fingertip   `finger_strength`, with the finger's bending joints at 20, 50 and 80 % of their ranges, where the
+                posture is not stated
     pinch       `split_cylinder` between fingertips, 25 mm wide; friction 0.4, 0.6, 1.0
     power       `split_cylinder` with the whole hand, 50 mm wide unless said otherwise; friction 0.4, 0.6, 1.0
                 (both across every split through the axis: makers do not say how theirs lies)
@@ -21,15 +20,14 @@ import numpy as np
 from handlcp.design.hardware.stated import FINGERTIP, PAYLOAD, PINCH, POWER, Stated
 from handlcp.design.table.doubts import FRICTION, LEAST_FRICTION, MOST_FRICTION
 from handlcp.errors import HandLCPError, InputError
-from handlcp.grasp import Contact
 from handlcp.hand.find.find import find_grasp
 from handlcp.hand.hand import Hand
 from handlcp.hand.objects.shapes import Cylinder, Sphere
 from handlcp.hand.sites.wrap import bending
 from handlcp.study.grip_strength.measure import split_cylinder
+from handlcp.study.published.finger_strength import finger_strength
 
 COMPUTED = (FINGERTIP, PINCH, POWER, PAYLOAD)
-_RIGID = 1e4  # [N·m/rad]: a fingertip on a plate is held where it is
 _SHARES = (0.2, 0.5, 0.8)  # of the ranges of bending joints
 _WIDE, _NARROW = 0.05, 0.025  # [m]
 _FRICTIONS = (LEAST_FRICTION, FRICTION, MOST_FRICTION)
@@ -71,22 +69,14 @@ def computed(hand: Hand, asked: Stated) -> Computed:
     return Computed(min(scales) * min(values), nominal, max(scales) * max(values), over, (min(scales), max(scales)))
 
 
-def _fingertip(hand: Hand, tip: str) -> Iterator[float]:
+def _fingertip(hand: Hand, tip: str) -> list[float]:
     """The largest force [N] in each posture."""
-    stiff, k = hand.vary({"joint_stiffness": _RIGID}), hand.tip_numbers("fingers", [tip])[0]
-    between = hand.at(hand.neutral).tip_positions.mean(axis=0)
-    way = bending(hand, hand.neutral, Sphere(_SEEN, between))
+    way = bending(hand, hand.neutral, Sphere(_SEEN, hand.at(hand.neutral).tip_positions.mean(axis=0)))
     room = _ROOM * (hand.upper - hand.lower)
     rest = np.clip(hand.neutral, hand.lower + room, hand.upper - room)
-    start = np.where(way >= 0.0, hand.lower, hand.upper)
-    end = np.where(way >= 0.0, hand.upper, hand.lower)
-    for share in _SHARES:
-        state = stiff.at(np.where(way != 0.0, start + share * (end - start), rest))
-        moves = (state.jacobian @ way).reshape(-1, 3)[k]
-        normal, at = moves / np.linalg.norm(moves), state.tip_positions[k]
-        plate = {tip: Contact(at, normal)}
-        grasp = state.grasp(plate, gravity=(0.0, 0.0, 0.0), reference=at)
-        yield grasp.load_limit(np.append(-normal, np.zeros(3)), geometry="fixed").factor
+    start, end = np.where(way >= 0.0, hand.lower, hand.upper), np.where(way >= 0.0, hand.upper, hand.lower)
+    closed = {f"{s:.0%}": np.where(way != 0.0, start + s * (end - start), rest) for s in _SHARES}
+    return [row.force for row in finger_strength(hand, [tip], postures=closed).rows]
 
 
 def _gripped(hand: Hand, asked: Stated) -> Iterator[float]:

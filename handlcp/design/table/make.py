@@ -148,7 +148,10 @@ def _kinds(given: Any) -> tuple[str, ...]:
 
 
 def _folder(out: Any) -> Path:
-    folder = Path(out)
+    try:
+        folder = Path(out)
+    except TypeError:
+        raise InputError("out", "the name of a folder", repr(out)[:80]) from None
     with writing("out", folder):
         folder.mkdir(parents=True, exist_ok=True)
     return folder

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -67,11 +67,11 @@ class HandTable(Record, Sequence[Row]):
         pairs = {(row["hand"], row["object"]) for row in self}
         grasped = {(row["hand"], row["object"]) for row in self if row.get("q") is not None}
         open_ = {(row["hand"], row["object"]) for row in self if row["verdict"] in (GIVEN_UP, FAILED)}
-        judged = [row["mujoco"] for row in self if row.get("mujoco") and not row["mujoco"].startswith("not asked")]
+        judged = _judged(self)
         return {
             "pairs": len(pairs), "with_a_grasp": len(grasped), "given_up": len(open_ - grasped),
             "mujoco_judged": len(judged), "mujoco_holds": judged.count(HELD),
-            "seconds": sum(row.get("seconds", 0.0) + row.get("mujoco_seconds", 0.0) for row in self),
+            "seconds": _seconds(self),
         }  # fmt: skip
 
     def grasp(self, row: Row) -> HandGrasp:
@@ -123,14 +123,23 @@ class HandTable(Record, Sequence[Row]):
         pairs = {row["object"] for row in rows}
         held = Counter(row["kind"] for row in rows if row["verdict"] == HELD)
         none = pairs - {row["object"] for row in rows if row.get("q") is not None}
-        judged = [row["mujoco"] for row in rows if row.get("mujoco") and not row["mujoco"].startswith("not asked")]
+        judged = _judged(rows)
         most = max([row.get("payload_kg") or 0.0 for row in rows], default=0.0)
-        spent = sum(row.get("seconds", 0.0) + row.get("mujoco_seconds", 0.0) for row in rows)
         return (
             hand, str(len(pairs)), str(held["pinch"]), str(held["power"]), str(len(none)),
             f"{judged.count(HELD)} of {len(judged)}" if judged else "", f"{most:.3g}" if most else "",
-            f"{spent / max(len(pairs), 1):.0f}",
+            f"{_seconds(rows) / max(len(pairs), 1):.0f}",
         )  # fmt: skip
 
     def __repr__(self) -> str:
         return f"HandTable({len(self)} rows of {len(self.sources)} hands)"
+
+
+def _judged(rows: Iterable[Row]) -> list[str]:
+    """MuJoCo's verdicts, where it has one."""
+    return [row["mujoco"] for row in rows if row.get("mujoco") and not row["mujoco"].startswith("not asked")]
+
+
+def _seconds(rows: Iterable[Row]) -> float:
+    """Of computing, all that they took."""
+    return sum([float(row.get("seconds", 0.0)) + float(row.get("mujoco_seconds", 0.0)) for row in rows])

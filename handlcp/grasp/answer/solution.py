@@ -217,6 +217,11 @@ class GraspSolution(Shown, Deferred):
         return self.forces[:, 2]
 
     @property
+    def pressed(self) -> dict[str, float]:
+        """The normal force of each contact by its name [N]."""
+        return dict(zip(self.names, self.normal_force.tolist(), strict=True))
+
+    @property
     def tangential_force(self) -> Array:
         """(n, 2) N, contact axes x, y."""
         return self.forces[:, :2]

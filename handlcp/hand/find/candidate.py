@@ -149,7 +149,7 @@ class Candidate(Record):
     @property
     def normal_force(self) -> dict[str, float]:
         """How hard each finger presses, by name [N]."""
-        return dict(zip(self.solution.names, self.solution.normal_force.tolist(), strict=True))
+        return dict(self.solution.pressed)
 
     @property
     def largest_force(self) -> float:

@@ -58,7 +58,7 @@ class Grip(Record):
     @property
     def normal_force(self) -> dict[str, float]:
         """How hard each contact presses, by name [N]."""
-        return dict(zip(self.solution.names, self.solution.normal_force.tolist(), strict=True))
+        return self.solution.pressed
 
     def __str__(self) -> str:
         turned = f"{words.force(self.least)} to {words.force(self.largest)} as the split turns"

@@ -48,8 +48,7 @@ class Shaken(Record):
     @property
     def normal_force(self) -> dict[str, float]:
         """How hard each contact presses at the end, by name [N]."""
-        solution = self.loading.solution
-        return dict(zip(solution.names, solution.normal_force.tolist(), strict=True))
+        return self.loading.solution.pressed
 
     def __str__(self) -> str:
         what = f"{self.shape}, {words.length(self.size)}, {kilograms(self.mass)}: {'held' if self.held else 'not held'}"
