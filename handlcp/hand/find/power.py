@@ -47,7 +47,8 @@ def _none_where_refused(grasps: Callable[P, list[HandGrasp]]) -> Callable[P, lis
         except (NotReached, Unsupported):
             return []
         except InputError as error:
-            if error.argument not in ("target", "links"):  # a link deep in the object, or too many that touch
+            # A link deep in the object, too many that touch, or joints that all stop before anything presses
+            if error.argument not in ("target", "links", "hold_object"):
                 raise
             return []
 
