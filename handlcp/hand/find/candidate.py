@@ -161,8 +161,9 @@ class Candidate(Record):
         if self.gives_out == UNDECIDED:
             then = ", and nothing is known beyond"
         only = ", cradled: the object only lies there" if self.cradled else ""
+        how = "" if self.kind == "power" else " by one solve"
         return (
-            f"{self.kind}: {words.force(self.held_force)} in the worst direction{then}{only}; margin "
+            f"{self.kind}: {words.force(self.held_force)} in the worst direction{how}{then}{only}; margin "
             f"{100 * self.margin:.0f} % (friction {100 * self.friction_reserve:.0f} %, "
             f"torque {100 * self.torque_reserve:.0f} %), {self._forces}"
         )
