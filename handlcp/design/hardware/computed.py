@@ -90,7 +90,8 @@ def _gripped(hand: Hand, asked: Stated) -> Iterator[float]:
                 continue
             fingers = asked.fingers if asked.test == PINCH and asked.fingers else None
             (grip,) = split_cylinder(hand, wide, friction=friction, grasps=(asked.test,), fingers=fingers).grips
-            yield from (grip.least, grip.force, grip.largest)  # makers do not say how their split lies
+            # Makers do not say how their split lies; across what nothing presses there is a force of rounding
+            yield from (max(grip.least, 0.0), grip.force, grip.largest)
         except InputError:
             raise
         except HandLCPError:  # no grasp with this friction

@@ -85,9 +85,13 @@ def _pinched(hand: Hand, cylinder: Cylinder, friction: Any, fingers: Sequence[st
     for candidate in list(found)[:_TRIED]:
         planned: Any = candidate.grasp.spec.asked
         share = float(np.nanmax(candidate.solution.torque_check.utilisation))
+        if share == 0.0:  # it only touches: no torque is in proportion to nothing
+            continue
         tried.append(closed(candidate.grasp, np.array(planned.grip_force), share))
         if tried[-1].binds[0].kind == UNDECIDED:  # a path that is given up has taken long, and so would the next
             break
+    if not tried:
+        raise NoGraspFound(f"of {len(found)} grasps none presses on the cylinder", {})
     return max(tried, key=lambda one: (one.verdict.ok, _around(one).largest[0]))
 
 
