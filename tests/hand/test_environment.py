@@ -14,6 +14,7 @@ from handlcp.errors import InputError, NotReached
 from tests.support import patches
 from tests.support.grasp import arrays
 from tests.support.hand import RIM, points_needed
+from tests.support.kernels import interpreted
 from tests.support.texts import same
 
 G = 9.81
@@ -324,3 +325,20 @@ def test_a_table_turned_round_is_refused_with_the_likely_cause():
         hl.Table((0, 0, 0.105)).under(ball)  # the ball is above it, where its normal should point
     same("hand/test_environment: a table turned round", str(info.value), info.value.argument)
     assert len(hl.Table((0, 0, 0.105), (0, 0, -1)).under(ball).contacts) == 1
+
+
+def test_fingers_that_are_detected_know_nothing_of_what_the_object_rests_on(tmp_path):
+    """On a mesh; run as Python, which stops where compiled code would write beside its arrays."""
+    corners = np.array([(x, y, z) for x in (-HALF, HALF) for y in (-HALF, HALF) for z in (-HALF, HALF)])
+    sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    faces = [half for a, b, c, d in sides for half in ((a, b, c), (a, c, d))]
+    mesh = hl.Mesh(write_mesh(tmp_path / "cube.obj", corners, faces), placement=(0, 0, 0.08), mass=0.2)
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0, pad_flexibility=2e-4)
+    state = hand.at(hand.close_on(mesh))
+    with interpreted():
+        loading = state.grasp(mesh, hl.Coulomb(0.8), preload=0.003, environment=table()).follow(steps=2)
+    assert loading.reached
+    assert np.isfinite(loading.solution.forces).all()
+    box = hl.Box(2 * HALF, (0, 0, 0.08), 0.2)
+    like = state.grasp(box, hl.Coulomb(0.8), preload=0.003, environment=table()).follow(steps=2)
+    np.testing.assert_allclose(loading.solution.forces, like.solution.forces, atol=1e-3)

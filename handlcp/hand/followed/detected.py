@@ -39,7 +39,7 @@ def _moved_since(
     (n,) [m] of an object of this size [m], NaN where they were not detected.
     """
     turned = np.empty((3, 3))
-    for i in range(len(places)):
+    for i in range(len(at)):  # contacts of the environment come after those of the fingertips
         moved2, turned2, trace = 0.0, 0.0, 0.0
         for a in range(3):
             by[i, a] = -at[i, a]
