@@ -149,7 +149,8 @@ class Candidate(Record):
     @property
     def normal_force(self) -> dict[str, float]:
         """How hard each finger presses, by name [N]."""
-        return dict(self.solution.pressed)
+        pressed: dict[str, float] = self.solution.pressed
+        return pressed
 
     @property
     def largest_force(self) -> float:

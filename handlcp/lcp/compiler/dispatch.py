@@ -53,16 +53,15 @@ def _decide(kernel: Any, jit: Any, args: tuple[Any, ...]) -> Any:
     given = tuple([jit.typeof_pyval(a) for a in args])
     jit._types_active_call.clear()
     types = tuple([_writable(one) for one in given])
-    if types not in jit.overloads:
-        if types in kernel.missing and kernel.spent < kernel.look and not when.compiling_at_once():
+    known = types in jit.overloads
+    if not known and types in kernel.missing and kernel.spent < kernel.look and not when.compiling_at_once():
+        return kernel.interpret
+    with uncounted():
+        if not (known or _is_kept(kernel, jit, types) or _is_compiled(kernel, jit, types)):
+            kernel.wait(again=not jit.overloads)
             return kernel.interpret
-        with uncounted():
-            if not (_is_kept(kernel, jit, types) or _is_compiled(kernel, jit, types)):
-                kernel.wait(again=not jit.overloads)
-                return kernel.interpret
-            jit.compile(types)
-    kernel.begin_anew()
-    code = jit.compile(types)
+        kernel.begin_anew()
+        code = jit.compile(types)
     if given != types:  # the next call with such arguments finds it without asking here
         jit._insert([one._code for one in given], code, False)
     return code
