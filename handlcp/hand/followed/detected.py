@@ -8,7 +8,7 @@ sharper than what the fingers can follow has no step that leads on.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import pinocchio as pin
@@ -30,28 +30,55 @@ _EDGE, _UNEVEN = 0.3, 0.5
 _LEVEL = 1e-3 * _EDGE / _UNEVEN  # normals that differ by less are those of a face
 
 
+Written: TypeAlias = tuple[Array, Array, Array, Array, Array]
+
+
+class Seen(NamedTuple):
+    """Fingertips where they were detected, in the object's axes: at (k, 3) with rotations own (k, 3, 3), NaN before;
+    the contact's position, normal (k, 3) and gap (k,), and how it turns and shifts (k, 3, 6).
+    """
+
+    at: Array
+    own: Array
+    position: Array
+    normal: Array
+    gap: Array
+    turn: Array
+    shift: Array
+
+    @classmethod
+    def none(cls, k: int) -> Seen:
+        """Of k fingertips none."""
+        return cls(*[np.full((k, *more), np.nan) for more in ((3,), (3, 3), (3,), (3,), (), (3, 6), (3, 6))])
+
+    def put(self, i: int, at: Array, own: Array, near: Proximity, turn: Array, shift: Array) -> None:
+        """The i-th was detected."""
+        self.at[i], self.own[i], self.turn[i], self.shift[i] = at, own, turn, shift
+        self.position[i], self.normal[i], self.gap[i] = near.position, near.normal, near.gap
+
+
 @kernel
 def _moved_since(
-    places: Array, turns: Array, R: Array, t: Array, at: Array, own: Array, size: float, by: Array, far: Array
+    places: Array, turns: Array, R: Array, t: Array, seen: Seen, size: float, by: Array, far: Array
 ) -> None:  # fmt: skip
-    """Write by (n, 6), how far fingertips at places (n, 3) with rotations turns (n, 3, 3) have moved since they were
-    detected at (n, 3) with rotations own (n, 3, 3), in the axes of an object that has moved by x ↦ R x + t; and far
-    (n,) [m] of an object of this size [m], NaN where they were not detected.
+    """Write by (k, 6), how far fingertips, the first of places (n, 3) with rotations turns (n, 3, 3), have moved since
+    they were seen, in the axes of an object that has moved by x ↦ R x + t; and far (k,) [m] of an object of this size
+    [m], NaN where they were not seen.
     """
     turned = np.empty((3, 3))
-    for i in range(len(at)):  # contacts of the environment come after those of the fingertips
+    for i in range(len(seen.at)):  # contacts of the environment come after those of the fingertips
         moved2, turned2, trace = 0.0, 0.0, 0.0
         for a in range(3):
-            by[i, a] = -at[i, a]
+            by[i, a] = -seen.at[i, a]
             for b in range(3):
                 by[i, a] += R[b, a] * (places[i, b] - t[b])
             moved2 += by[i, a] ** 2
         now = product(R.T, turns[i])
         for a in range(3):
             for b in range(3):
-                turned2 += (now[a, b] - own[i, a, b]) ** 2
+                turned2 += (now[a, b] - seen.own[i, a, b]) ** 2
         far[i] = np.sqrt(moved2) + size * np.sqrt(turned2)
-        turned[:] = product(now, own[i].T)
+        turned[:] = product(now, seen.own[i].T)
         for a in range(3):
             trace += turned[a, a]
             by[i, 3 + a] = 0.5 * (turned[(a + 2) % 3, (a + 1) % 3] - turned[(a + 1) % 3, (a + 2) % 3])
@@ -61,25 +88,23 @@ def _moved_since(
 
 
 @kernel
-def _carried(
-    by: Array, R: Array, t: Array, at: Array, position: Array, normal: Array, gap: Array, turn: Array, shift: Array,
-    positions: Array, normals: Array, gaps: Array, turns: Array, shifts: Array,
-) -> None:  # fmt: skip
-    """Write contacts as differences say that they are, once fingertips have moved by (n, 6) since they were detected at
-    (n, 3), where they had position, normal (n, 3), gap (n,), and turn and shift (n, 3, 6) in the object's axes.
+def _carried(by: Array, R: Array, t: Array, seen: Seen, out: Written) -> None:
+    """Write contacts as differences say that they are, once fingertips have moved by (k, 6) since they were seen. out :
+    as `Find` has it.
     """
+    positions, normals, gaps, turns, shifts = out
     n, x = np.empty(3), np.empty(3)
     for i in range(len(by)):
-        arm, v, w = position[i] - at[i], by[i, :3], by[i, 3:]
-        gaps[i] = gap[i]
+        arm, v, w = seen.position[i] - seen.at[i], by[i, :3], by[i, 3:]
+        gaps[i] = seen.gap[i]
         length2 = 0.0
         for a in range(3):
             b, c = (a + 1) % 3, (a + 2) % 3
-            gaps[i] -= normal[i, a] * (v[a] + w[b] * arm[c] - w[c] * arm[b])
-            n[a], x[a] = normal[i, a], position[i, a]
+            gaps[i] -= seen.normal[i, a] * (v[a] + w[b] * arm[c] - w[c] * arm[b])
+            n[a], x[a] = seen.normal[i, a], seen.position[i, a]
             for k in range(6):
-                n[a] += turn[i, a, k] * by[i, k]
-                x[a] += shift[i, a, k] * by[i, k]
+                n[a] += seen.turn[i, a, k] * by[i, k]
+                x[a] += seen.shift[i, a, k] * by[i, k]
             length2 += n[a] ** 2
         n /= np.sqrt(length2)
         for a in range(3):
@@ -88,8 +113,8 @@ def _carried(
                 positions[i, a] += R[a, b] * x[b]
                 normals[i, a] += R[a, b] * n[b]
         for k in range(0, 6, 3):
-            turns[i, :, k : k + 3] = product(product(R, turn[i, :, k : k + 3]), R.T)
-            shifts[i, :, k : k + 3] = product(product(R, shift[i, :, k : k + 3]), R.T)
+            turns[i, :, k : k + 3] = product(product(R, seen.turn[i, :, k : k + 3]), R.T)
+            shifts[i, :, k : k + 3] = product(product(R, seen.shift[i, :, k : k + 3]), R.T)
 
 
 class Detected:
@@ -102,7 +127,7 @@ class Detected:
     noise = 1e-8
 
     def __init__(self, obj: Object, shapes: list[Any]) -> None:
-        self.obj, self.shapes, n = obj, shapes, len(shapes)
+        self.obj, self.shapes = obj, shapes
         self.step = _STEP * float(np.cbrt(obj.volume)) if obj.volume > 0.0 else _STEP * 0.05
         self.size = self.step / _STEP
         ways = np.repeat(np.eye(6), 2, axis=0) * self.step
@@ -113,29 +138,21 @@ class Detected:
         self._steps = 2.0 * abs(ways[::2]).sum(axis=1)
         self._on_corners = [i for i, tip in enumerate(shapes) if tip[0].corner is not None]
         self._flush = dict[int, Flush]()  # of fingertips that do not touch at a point
-        # Where each was detected, its contact there, and how that turns and shifts
-        self._at, self._own = np.full((n, 3), np.nan), np.full((n, 3, 3), np.nan)
-        self._position, self._normal, self._gap = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n)
-        self._turn, self._shift = np.zeros((n, 3, 6)), np.zeros((n, 3, 6))
+        self._seen = Seen.none(len(shapes))
 
-    def __call__(
-        self, places: Array, turns: Array, R: Array, t: Array, out: tuple[Array, Array, Array, Array, Array]
-    ) -> None:
+    def __call__(self, places: Array, turns: Array, R: Array, t: Array, out: Written) -> None:
         """See `Find`."""
         positions, normals, gaps, turn, shift = out
         by, far = np.empty((len(self.shapes), 6)), np.empty(len(self.shapes))
-        _moved_since(places, turns, R, t, self._at, self._own, self.size, by, far)
+        _moved_since(places, turns, R, t, self._seen, self.size, by, far)
         for i in np.flatnonzero(~(far <= self.step)).tolist():
             if i not in self._on_corners:
                 self._see(i, R.T @ (places[i] - t), R.T @ turns[i])
                 by[i] = 0.0
-        _carried(
-            by, R, t, self._at, self._position, self._normal, self._gap, self._turn, self._shift, positions, normals,
-            gaps, turn, shift,
-        )  # fmt: skip
+        _carried(by, R, t, self._seen, out)
         for i, lies in self._flush.items():
             pressed, gaps[i], along = lies.at(by[i])
-            own = lies.across @ self._shift[i]
+            own = lies.across @ self._seen.shift[i]
             positions[i] = R @ (pressed + own @ by[i]) + t
             own += along
             shift[i, :, :3], shift[i, :, 3:] = R @ own[:, :3] @ R.T, R @ own[:, 3:] @ R.T
@@ -160,8 +177,7 @@ class Detected:
         self._flush.pop(i, None)
         if lies is not None:
             self._flush[i] = lies
-        self._at[i], self._own[i], self._turn[i], self._shift[i] = at, own, turn, shift
-        self._position[i], self._normal[i], self._gap[i] = near.position, near.normal, near.gap
+        self._seen.put(i, at, own, near, turn, shift)
 
     def _beside(self, tip: Any, at: Array, own: Array, each: list[Proximity]) -> tuple[Array, Array]:
         """Positions and normals (12, 3) of the contact, with the fingertip moved a step each way. each : where its

@@ -94,8 +94,7 @@ def _depth(points: Array, radii: Array, R: Array, p: Array, obj: Object) -> floa
     if known is not None:
         return float((radii - known).max())
     if not isinstance(obj, Ellipsoid):  # few are in the box around a mesh
-        low, high = box_of(obj.geometry)
-        over = (abs(x - 0.5 * (low + high)) - 0.5 * (high - low)).T
+        over = _off_box(x, obj).T
         near = np.maximum(np.maximum(over[0], over[1]), over[2]) < radii
         x, radii = x[near], radii[near]
     rough = _rough(x, obj) - radii
@@ -147,8 +146,13 @@ def _rough(x: Array, obj: Object) -> Array:
     if isinstance(obj, Ellipsoid):
         level = np.linalg.norm(x / obj.radii, axis=1)
         return np.asarray((level - 1.0) * float(obj.radii.min()))
+    return _from_box(_off_box(x, obj))
+
+
+def _off_box(x: Array, obj: Object) -> Array:
+    """(m, 3) how far points (m, 3) are beyond the faces of the box around a mesh, along each edge [m]."""
     low, high = box_of(obj.geometry)
-    return _from_box(abs(x - 0.5 * (low + high)) - 0.5 * (high - low))
+    return np.asarray(abs(x - 0.5 * (low + high)) - 0.5 * (high - low))
 
 
 def _corners(obj: Object) -> Array:

@@ -247,9 +247,11 @@ class Object:
 
     def closest_all(self, points: Array) -> tuple[Array, Array, Array] | None:
         """As `closest` of points (m, 3): (m,), (m, 3) and (m, 3)."""
-        found = [known for x in points if (known := self.closest(x)) is not None]
-        away, on, out = zip(*found, strict=True) if found else ((), (), ())
-        return (np.array(away), np.array(on), np.array(out)) if found else None
+        if self.known is None:
+            return None
+        away, on, inward = np.empty(len(points)), np.empty_like(points), np.empty_like(points)
+        touched(*self.known, *self.frame, points, np.zeros(len(points)), on, inward, away)
+        return away, on, -inward
 
     def __setattr__(self, name: str, value: object) -> None:
         if hasattr(self, name):

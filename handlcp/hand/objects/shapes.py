@@ -12,7 +12,8 @@ from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.hand.objects.meshes import in_memory, load_mesh, surfaces_of
 from handlcp.hand.objects.object import BALL, BOX, CYLINDER, ELLIPSOID, Object, Solid
-from handlcp.hand.objects.surface import Surface, closest_of
+from handlcp.hand.objects.overlap import box_of
+from handlcp.hand.objects.surface import Closed, Hull
 from handlcp.hand.robot.convex import convex_parts
 
 
@@ -95,7 +96,7 @@ class Mesh(Object):
         solid = load_mesh(path if inside is None else inside, None if scale is None else np.ones(3) * scales)
         self.path = None if inside is not None else Path(path)
         self.scale, self.convex = scales, solid.triangles is None
-        self._surface = Surface(solid.geometry) if solid.triangles is None else solid.triangles
+        self._surface = Hull(solid.geometry) if solid.triangles is None else Closed(solid.triangles)
         self._parts = list[Any]()  # of a mesh that is not convex, once they are asked for; shared by copies
         super().__init__(solid, placement, mass, density, (self.path or inside, self.scale))
 
@@ -110,21 +111,17 @@ class Mesh(Object):
 
     def beyond(self, points: Array) -> Array | None:
         """(m,) how far points (m, 3) in the mesh's axes are beyond the faces of a convex mesh [m]; None: not convex."""
-        return self._surface.beyond(points) if isinstance(self._surface, Surface) else None
+        return self._surface.beyond(points) if isinstance(self._surface, Hull) else None
 
     def closest(self, point: Array) -> tuple[float, Array, Array]:
         """Of a convex mesh by its planes and visible faces, of any other by its triangles and the winding number."""
-        R, p = self.frame
-        x, surface = R.T @ (point - p), self._surface
-        distance, on, out = surface.closest(x) if isinstance(surface, Surface) else closest_of(x, surface)
-        return distance, R @ on + p, R @ out
+        away, on, out = self.closest_all(point[None])
+        return float(away[0]), on[0], out[0]
 
-    def closest_all(self, points: Array) -> tuple[Array, Array, Array] | None:
+    def closest_all(self, points: Array) -> tuple[Array, Array, Array]:
         """As `closest` of points (m, 3)."""
-        if not isinstance(self._surface, Surface):
-            return super().closest_all(points)
         R, p = self.frame
-        away, on, out = self._surface.closest_all((points - p) @ R)
+        away, on, out = self._surface.closest((points - p) @ R)
         return away, on @ R.T + p, out @ R.T
 
 
@@ -134,9 +131,8 @@ _WIDE, _TIMES = 5.0, 20.0  # [m], and times the hand's size: what is wider was n
 def ask_for_metres(argument: str, obj: Object, tips: Array) -> None:
     """Raises InputError for an object far wider than a hand with fingertips at (n, 3) [m]; a mesh was asked before."""
     size = float(np.sqrt((tips * tips).sum(axis=1)).max())
-    obj.geometry.computeLocalAABB()
-    box = obj.geometry.aabb_local
-    wide = max(box.width(), box.height(), box.depth())
+    low, high = box_of(obj.geometry)
+    wide = float((high - low).max())
     if wide > max(_WIDE, _TIMES * size) and not isinstance(obj, Mesh):
         came = f"{obj!r}, {wide:.3g} m wide in a hand of {size:.2g} m: are these millimetres?"
         raise InputError(argument, "an object in metres", came)

@@ -5,7 +5,7 @@ coal 3.0.3 measures a wrong distance between a triangle mesh and a ball that ove
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,31 +18,67 @@ _AT_ONCE = 1024  # points that are measured together: what they take stays in th
 _SAME = 1e-12  # of the size: a foot that is beyond no other face by more lies on the hull
 
 
-class Surface:
+class Faces(NamedTuple):
+    """The triangles (m, 3, 3) of a hull, balls (m, 4) that hold them, their outward normals (m, 3) and offsets (m,)."""
+
+    triangles: Array
+    balls: Array
+    normals: Array
+    offsets: Array
+
+
+class Hull:
     """The surface of a convex hull of coal's: its planes n · x = offset with outward normals, and its triangles."""
 
-    __slots__ = ("_balls", "_normals", "_offsets", "_size", "_triangles")
+    __slots__ = ("_faces", "_size")
 
     def __init__(self, hull: Any) -> None:
-        self._triangles, self._normals, self._offsets = planes(hull)
-        self._size = float(np.ptp(self._triangles, axis=(0, 1)).max())
-        self._balls = _around(self._triangles)
+        triangles, normals, offsets = planes(hull)
+        self._faces = Faces(triangles, _around(triangles), normals, offsets)
+        self._size = _size(triangles)
 
     def beyond(self, points: Array) -> Array:
         """(m,) how far points (m, 3) are beyond the face that they are furthest beyond [m]: inside, minus the depth."""
-        return beyond(points, self._normals, self._offsets)
+        return beyond(points, self._faces.normals, self._faces.offsets)
 
-    def closest(self, point: Array) -> tuple[float, Array, Array]:
-        """Signed distance [m] of a point (3,), nearest surface point and outward normal, in the hull's axes."""
-        away, on, out = self.closest_all(point[None])
-        return float(away[0]), on[0], out[0]
-
-    def closest_all(self, points: Array) -> tuple[Array, Array, Array]:
-        """As `closest` of points (m, 3): (m,), (m, 3) and (m, 3)."""
+    def closest(self, points: Array) -> tuple[Array, Array, Array]:
+        """Signed distances (m,) [m] of points (m, 3), nearest surface points and outward normals (m, 3), own axes."""
         away, on, out = np.empty(len(points)), np.empty_like(points), np.empty_like(points)
-        same = _SAME * self._size
-        _on_hull(points, self._triangles, self._balls, self._normals, self._offsets, same, away, on, out)
+        _on_hull(points, self._faces, _SAME * self._size, away, on, out)
         return away, on, out
+
+
+class Closed:
+    """A closed surface of triangles (m, 3, 3) that need not be convex."""
+
+    __slots__ = ("_balls", "_numbers", "_size", "_triangles")
+
+    def __init__(self, triangles: Array) -> None:
+        self._triangles, self._balls, self._size = triangles, _around(triangles), _size(triangles)
+        self._numbers = np.arange(len(triangles))
+
+    def closest(self, points: Array) -> tuple[Array, Array, Array]:
+        """As of a hull."""
+        away, on, out = np.empty(len(points)), np.empty_like(points), np.empty_like(points)
+        for i, point in enumerate(points):
+            away[i], on[i], out[i] = self._closest(point)
+        return away, on, out
+
+    def _closest(self, point: Array) -> tuple[float, Array, Array]:
+        """Of one point (3,)."""
+        x = np.empty(3)
+        k = _nearest(point, self._triangles, self._balls, self._numbers, x)
+        apart = point - x
+        distance = float(np.sqrt(apart @ apart))
+        inside = abs(winding(point, self._triangles)) > 0.5
+        if distance > _ON * self._size:
+            return (-distance, x, -apart / distance) if inside else (distance, x, apart / distance)
+        a, b, c = self._triangles[k]
+        out = np.cross(b - a, c - a)
+        out /= np.linalg.norm(out)
+        if abs(winding(x + 1e-6 * self._size * out, self._triangles)) > 0.5:
+            out = -out
+        return -distance if inside else distance, x, out
 
 
 def beyond(points: Array, normals: Array, offsets: Array) -> Array:
@@ -62,21 +98,9 @@ def _around(triangles: Array) -> Array:
     return np.column_stack([middles, radii])
 
 
-def closest_of(point: Array, triangles: Array) -> tuple[float, Array, Array]:
-    """As `Surface.closest`, of a closed surface (m, 3, 3) that need not be convex."""
-    x = np.empty(3)
-    k = _nearest(point, triangles, _around(triangles), np.arange(len(triangles)), x)
-    apart, size = point - x, float(np.ptp(triangles, axis=(0, 1)).max())
-    distance = float(np.sqrt(apart @ apart))
-    inside = abs(winding(point, triangles)) > 0.5
-    if distance > _ON * size:
-        return (-distance, x, -apart / distance) if inside else (distance, x, apart / distance)
-    a, b, c = triangles[k]
-    out = np.cross(b - a, c - a)
-    out /= np.linalg.norm(out)
-    if abs(winding(x + 1e-6 * size * out, triangles)) > 0.5:
-        out = -out
-    return -distance if inside else distance, x, out
+def _size(triangles: Array) -> float:
+    """The longest edge of a box around triangles (m, 3, 3) [m]."""
+    return float(np.ptp(triangles, axis=(0, 1)).max())
 
 
 def winding(point: Array, triangles: Array) -> float:
@@ -97,11 +121,9 @@ def solid_angles(triangles: Array) -> Array:
 
 
 @kernel
-def _on_hull(
-    points: Array, triangles: Array, balls: Array, normals: Array, offsets: Array, same: float, away: Array, on: Array,
-    out: Array,
-) -> None:  # fmt: skip
+def _on_hull(points: Array, faces: Faces, same: float, away: Array, on: Array, out: Array) -> None:
     """Write distances (m,) of points (m, 3) from a hull, signed; nearest points of its surface; the normals there."""
+    triangles, balls, normals, offsets = faces
     visible = np.empty(len(offsets), np.int64)
     for m in range(len(points)):
         point, x = points[m], on[m]

@@ -13,7 +13,7 @@ from handlcp.check import Array
 from handlcp.errors import HandLCPError
 from handlcp.grasp import Grasp
 from handlcp.hand import HandGrasp, HandState
-from handlcp.hand.objects.surface import closest_of
+from handlcp.hand.objects.surface import Closed
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.source.description import COLLISION, VISUAL
 from handlcp.show.picture import shapes
@@ -128,7 +128,7 @@ def _distance(point: Array, triangles: Array) -> float:
     middle = triangles.mean(axis=1)
     away = np.linalg.norm(middle - point, axis=1)
     reach = np.linalg.norm(triangles - middle[:, None], axis=2).max(axis=1)
-    return abs(closest_of(point, triangles[away - reach <= away.min()])[0])
+    return abs(float(Closed(triangles[away - reach <= away.min()]).closest(point[None])[0][0]))
 
 
 def _links(state: Posture, kind: str, known: set[str]) -> Iterator[Body]:

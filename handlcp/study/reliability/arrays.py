@@ -18,7 +18,7 @@ from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter.samples import Samples
 from handlcp.hand.mechanism import HandMechanism, finger_flexibility
-from handlcp.hand.objects.object import BOX, CYLINDER, Object, touched
+from handlcp.hand.objects.object import BOX, CYLINDER, Object
 from handlcp.hand.robot.posture import Posture
 
 
@@ -196,11 +196,13 @@ def slid(positions: Array, frames: Array, shifts: Array, obj: Object | None) -> 
     """
     m, k = len(shifts), len(positions)
     goal = positions + np.einsum("kab,mkb->mka", frames[:, :, :2], shifts)
-    if obj is None or obj.known is None:
+    every = np.concatenate([positions, goal.reshape(-1, 3)])
+    known = None if obj is None or obj.known is None else obj.closest_all(every)
+    if obj is None or known is None:
         return goal, np.broadcast_to(frames, (m, k, 3, 3)), np.zeros((m, k), bool)
-    on, inward = _nearest(np.concatenate([positions, goal.reshape(-1, 3)]), obj)
+    _, on, out = known
     moved = positions + (on[k:].reshape(m, k, 3) - on[:k])
-    turned = inward[k:].reshape(m, k, 3) - inward[:k]
+    turned = out[:k] - out[k:].reshape(m, k, 3)  # of the normals into the object
     past = _past_an_edge(turned, obj)
     z = frames[:, :, 2] + np.where(past[..., None], 0.0, turned)
     z = z / np.sqrt((z * z).sum(axis=-1, keepdims=True))
@@ -220,12 +222,3 @@ def _past_an_edge(turned: Array, obj: Object) -> Bools:
     if kind == CYLINDER:
         return np.asarray(abs(turned @ R[:, 2]) > _TURNED)
     return np.zeros(turned.shape[:-1], bool)
-
-
-def _nearest(points: Array, obj: Object) -> tuple[Array, Array]:
-    """(n, 3) nearest points of the surface, and (n, 3) the normals into the object there."""
-    assert obj.known is not None
-    (kind, sizes), (R, p) = obj.known, obj.frame
-    on, inward = np.empty_like(points), np.empty_like(points)
-    touched(kind, sizes, R, p, points, np.zeros(len(points)), on, inward, np.empty(len(points)))
-    return on, inward
