@@ -8,6 +8,7 @@
   const hint = (r, said) => [said, r[at.left_out] ? `no time for: ${r[at.left_out]}` : ""].filter((x) => x).join("; ");
   const short = (text) => text.length > 110 ? `${text.slice(0, 108)}…` : text;
   const percent = (x) => x === null || x === undefined ? "" : `${Math.round(100 * x)} %`;
+  const word = (r) => (r[at.mujoco] || "").split(/:| at /)[0]; // when it was lost, or why not asked: when pointed at
   const classes = { "HELD": "good", "OVER LIMIT": "doubt", "UNDECIDED": "doubt", "NOT HELD": "bad" };
 
   // Columns: head, what is sorted by, what is shown, whether it is words, what is told when it is pointed at
@@ -22,7 +23,7 @@
     ["motors", "motors_used", (r) => percent(r[at.motors_used]), false],
     ["grip\nN", "grip_N", (r) => digits(r[at.grip_N]), false],
     ["chance", "chance", (r) => percent(r[at.chance]), false],
-    ["MuJoCo", "mujoco", (r) => r[at.mujoco] || "", true],
+    ["MuJoCo", "mujoco", word, true, (r) => r[at.mujoco] === word(r) ? "" : r[at.mujoco]],
     ["s", "seconds", (r) => digits(r[at.seconds], 2), false],
     ["gives out first, or why there is none", "gives_out", (r) => short(r[at.gives_out] || r[at.reason] || ""), true,
       (r) => hint(r, r[at.gives_out] || r[at.reason] || "")],
@@ -38,9 +39,9 @@
 
   function kept(r) {
     const is = (id) => !find(id).value || r[at[id]] === find(id).value;
-    const mujoco = find("mujoco").value, word = (r[at.mujoco] || "").split(" ")[0];
+    const mujoco = find("mujoco").value;
     const asked = find("object").value.trim().toLowerCase().replaceAll(" ", "_");
-    return is("hand") && is("kind") && is("verdict") && (!mujoco || word === mujoco)
+    return is("hand") && is("kind") && is("verdict") && (!mujoco || word(r) === mujoco)
       && (!asked || r[at.object].toLowerCase().replaceAll(" ", "_").includes(asked))
       && (!find("best").checked || r[at.best]);
   }
@@ -59,7 +60,7 @@
     if (words) td.classList.add("words");
     if (key === "gives_out") td.classList.add("wide-words");
     if (key === "verdict") td.classList.add(classes[r[at.verdict]] || "none");
-    if (key === "mujoco" && r[at.mujoco]) td.classList.add(r[at.mujoco] === "HELD" ? "good" : "bad");
+    if (key === "mujoco" && r[at.mujoco]) td.classList.add({ HELD: "good", LOST: "bad" }[word(r)] || "none");
     const title = told ? told(r) : "";
     if (title) td.title = title;
     return td;
@@ -96,7 +97,7 @@
   }
   find("rows").tHead.append(head);
   for (const id of ["hand", "kind", "verdict"]) choices(id, known(id));
-  choices("mujoco", [...new Set(known("mujoco").map((word) => word.split(" ")[0]))]);
+  choices("mujoco", [...new Set(rows.map(word).filter((x) => x))]);
   for (const id of ["object", "best"]) find(id).addEventListener("input", show);
   document.querySelector("form").addEventListener("submit", (event) => event.preventDefault());
   for (const button of document.querySelectorAll("[data-hand]")) {
