@@ -21,7 +21,7 @@ from handlcp.design.judged import Known, judged, unloaded
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.limits.followed import Before
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.hand.find.candidate import Candidate, candidate_of, checked
+from handlcp.hand.find.candidate import Candidate, candidate_of
 from handlcp.hand.find.clear import Place
 from handlcp.hand.find.find import PINCH, missed, searches_of
 from handlcp.hand.find.pinch import SOLVED, Search, place_of
@@ -62,7 +62,7 @@ def _pinches(best: _Best, search: Search, brief: Brief) -> None:
         found = False
         hopeful = [candidate_of(PINCH, *held) for held in search.held(some) if best.may_be(held[0])]
         for one in sorted(hopeful, key=lambda one: one.rank):  # asked again once one of them is the best
-            if (not found or best.may_be(one.grasp)) and checked([one], 1, search.tried, search.refused):
+            if (not found or best.may_be(one.grasp)) and search.checked([one], 1):
                 found |= best.offer(one)
         return found
 

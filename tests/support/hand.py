@@ -13,7 +13,8 @@ from handlcp.hand.elasticity.motor import Drives
 from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.find import find as find_module
 from handlcp.hand.library import SHIPPED, allegro, psyonic, urdf
-from handlcp.hand.objects.detect import distance, nearest
+from handlcp.hand.objects.detect import nearest
+from handlcp.hand.objects.distance import distance
 from handlcp.hand.objects.inside import links_inside
 from handlcp.hand.objects.table import RIM, _needed as _points_needed
 from handlcp.hand.robot.audit import doubt_reasons

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, overload
 
 import numpy as np
 
 from handlcp import words
 from handlcp.check import Array
-from handlcp.errors import Unsupported
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import Verdict
 from handlcp.grasp.cause.judge import UNDECIDED
@@ -19,12 +17,11 @@ from handlcp.grasp.friction import as_section
 from handlcp.grasp.path.advance import PATIENT, Patience
 from handlcp.grasp.path.follow import follow
 from handlcp.grasp.verdict.check import STEPS, judged
-from handlcp.hand.find.held import followed, solved
+from handlcp.hand.find.held import solved
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.posture import Posture
 from handlcp.lazy import lazy
-from handlcp.progress import tick
 from handlcp.record import Record, columns_of, data_frame, pick
 from handlcp.text_table import wrapped
 
@@ -46,11 +43,12 @@ class Candidate(Record):
         that slides has used up its own, and the others still hold.
     torque_reserve : 1 - |τ| / limit, the smallest of all joints with a known limit [-]; 1 where none is known.
     held_force : the largest force that is held beside the load in the worst of six directions, along the world's axes
-        [N]. Of fingertips each push was solved in this posture, with all of the load at once. Of a power grasp each was
-        followed, while the hand closes, is loaded and then pushed; of one that is cradled, against its load alone.
+        [N]. Of a grasp that a search found each push was followed, while the hand closes, is loaded and then pushed; of
+        one that is cradled, against its load alone. Before that each is solved in this posture, with all of the load at
+        once, which may say far more: nothing moves there that slips, rolls and turns on the way.
     cradled : the object is held by its weight, which presses it onto fingers: turned round, the weight is not held.
     kind : "pinch" or "power".
-    gives_out : what gives out first under that force, in words; "" of fingertips, where it is not known.
+    gives_out : what gives out first under that force, in words; "" where it was not followed.
     """
 
     entries = (
@@ -109,8 +107,13 @@ class Candidate(Record):
         """As `grasp.check()` says it, without advice; made when it is first asked for. A pinch that snaps elsewhere, or
         slips and lets go again and again, is given up there: it is none that a search looks for.
         """
-        section, patience = as_section("cone", planar=False), _BRIEFLY if self.kind == "pinch" else PATIENT
-        return judged(self.grasp.spec, self.grasp.scene, section, _STAGES, self.solution, patience)
+        section = as_section("cone", planar=False)
+        return judged(self.grasp.spec, self.grasp.scene, section, _STAGES, self.solution, self.patience)
+
+    @property
+    def patience(self) -> Patience:
+        """With which a search follows it."""
+        return _BRIEFLY if self.kind == "pinch" else PATIENT
 
     @property
     def sure(self) -> bool:
@@ -162,7 +165,7 @@ class Candidate(Record):
         if self.gives_out == UNDECIDED:
             then = ", and nothing is known beyond"
         only = ", cradled: the object only lies there" if self.cradled else ""
-        how = "" if self.kind == "power" else " by one solve"
+        how = "" if self.gives_out else " by one solve"
         return (
             f"{self.kind}: {words.force(self.held_force)} in the worst direction{how}{then}{only}; margin "
             f"{100 * self.margin:.0f} % (friction {100 * self.friction_reserve:.0f} %, "
@@ -187,35 +190,9 @@ class Candidate(Record):
 
 
 def candidate_of(kind: str, grasp: HandGrasp, solution: GraspSolution) -> Candidate:
-    """With its reserves, and what it holds in this posture."""
+    """With its reserves, and what single solves hold."""
     held = solved(grasp, solution)
     return Candidate(grasp, solution, *reserves(grasp, solution), held.force, held.cradled, kind)
-
-
-def followed_through(one: Candidate, least: float) -> Candidate | None:
-    """With what it holds when it is followed; None where that is not even the load, or no more than `least` [N]."""
-    try:
-        held = followed(one.grasp, least)
-    except Unsupported:
-        return None
-    if held is None:
-        return None
-    found = replace(one, held_force=held.force, cradled=held.cradled, gives_out=held.gives_out)
-    found.__dict__["verdict"] = one.verdict  # known already, and long to find
-    return found
-
-
-def checked(found: Sequence[Candidate], most: int, tried: Counter[str], refused: list[Candidate]) -> list[Candidate]:
-    """Those from the first one on that the check is sure of; none where it is of none of the first so many. The ones
-    before go to `refused`.
-    """
-    for k, candidate in enumerate(found[:most]):
-        tried["checked"] += 1
-        tick(f"checking grasp {tried['checked']}")
-        if candidate.sure:
-            return list(found[k:])
-        refused.append(candidate)
-    return []
 
 
 def reserves(grasp: HandGrasp, solution: GraspSolution) -> tuple[float, float]:

@@ -15,7 +15,7 @@ from handlcp.errors import URDFError
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand.objects.inside import distances
 from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.overlap import balls_of, box_of
+from handlcp.hand.objects.solid import balls_of, box_of
 from handlcp.hand.robot.link_surface import LinkSurface
 from handlcp.hand.robot.model import HandModel
 

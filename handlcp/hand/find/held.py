@@ -22,6 +22,7 @@ from handlcp.grasp.cause.wording import said
 from handlcp.grasp.friction import as_section
 from handlcp.grasp.limits.directions import AXES
 from handlcp.grasp.limits.followed import Before
+from handlcp.grasp.path.advance import PATIENT, Patience
 from handlcp.grasp.path.state import STILL
 from handlcp.hand.hand_grasp import HandGrasp
 
@@ -49,15 +50,15 @@ def solved(grasp: HandGrasp, solution: GraspSolution) -> Held:
     return Held(_force(grasp, solution), bool(load.any()) and not _all_held(grasp, -2.0 * load[None]))
 
 
-def followed(grasp: HandGrasp, least: float = 0.0) -> Held | None:
-    """As paths say it; None: the load alone is not held, or in some direction no more than `least` [N]. Raises
-    Unsupported for what cannot be followed.
+def followed(grasp: HandGrasp, least: float = 0.0, patience: Patience = PATIENT) -> Held | None:
+    """As paths say it; None: the load alone is not held, or in some direction no more than `least` [N]. patience : with
+    each path. Raises Unsupported for what cannot be followed.
     """
     spec, section = grasp.spec, as_section("cone", planar=False)
     load = spec.wrench
     beside = load - grasp.mechanism.weight_of_object(spec.reference)
     beside = beside if abs(beside).max() > _NOTHING * abs(load).max() else STILL
-    before = Before(spec, section, (np.inf, np.inf), beside=beside)
+    before = Before(spec, section, (np.inf, np.inf), beside=beside, patience=patience)
     if not before.held:
         return None
     if load.any() and (turned := before.limit(-2.0 * load, until=1.0)).factor < 1.0:

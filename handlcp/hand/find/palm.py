@@ -28,7 +28,8 @@ from handlcp.hand.find.clear import Place, free_ranges
 from handlcp.hand.find.skin import Skin, rough_distances
 from handlcp.hand.objects.detect import nearest
 from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.overlap import box_of, evenly
+from handlcp.hand.objects.overlap import evenly
+from handlcp.hand.objects.solid import box_of
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.sites.sited import placed

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Mapping
 from itertools import permutations
 from typing import Any
@@ -13,13 +12,14 @@ from handlcp.check import Array
 from handlcp.errors import HandLCPError
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.batch.solve_many import solve_many
-from handlcp.hand.find.candidate import Candidate, candidate_of, checked
+from handlcp.hand.find.candidate import Candidate, candidate_of
+from handlcp.hand.find.chosen import Chooser, firmest
 from handlcp.hand.find.clear import Links, Place, end_of, free_ranges, size_of_object
 from handlcp.hand.find.touch import Asked, Touch, brought_together, normal_forces
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.inside import distances
 from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.overlap import box_of
+from handlcp.hand.objects.solid import box_of
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.state import HandState
 from handlcp.progress import tick
@@ -98,7 +98,8 @@ SOLVED = 16  # grasps of each round that are solved
 _ROUNDS, _BEST, _NEARBY = 3, 2, 8  # of refinement, of how many grasps, and trials around each
 _WIDER = (0.0, 0.25, 0.5, 1.0)  # how far around a place that is known
 _JOINTS, _SHIFT, _TURN = 0.05, 0.1, 0.15  # their size: of the joint ranges, of the object's size, rad
-_CHECKED, _RECHECKED = 8, 2  # of the best grasps, until one is held: at first, and in each round of refinement
+_CHECKED, _FOLLOWED = 8, 4  # grasps of a round that are checked, and those of them that are followed with success
+_RECHECKED = 2  # grasps of each round of refinement, which are checked and followed
 _LEAST = 0.5  # of the load, shared by the fingers: what each presses with at least
 _FIRM = 1.0  # [N] the load of an object that weighs less
 
@@ -111,9 +112,8 @@ def place_of(grasp: HandGrasp) -> Place:
     return Place(np.array(grasp.state.q), np.array(R), np.array(o))
 
 
-class Search:
-    """The search of one hand for one object. tried : how many places came how far. refused : the
-    grasps that one solve holds and the check does not, or not surely.
+class Search(Chooser):
+    """The search of one hand for one object.
 
     asked : what is passed on to `state.grasp`; without `squeeze` and `grip_force` each finger presses as planned.
     """
@@ -121,13 +121,12 @@ class Search:
     def __init__(
         self, hand: HandModel, tips: tuple[int, ...], obj: Object, asked: Mapping[str, Any], seed: int
     ) -> None:
+        super().__init__(SAMPLES)
         self._hand, self._tips, self._obj, self._asked, self._seed = hand, tips, obj, asked, seed
         self._home = obj.moved_to(np.zeros(3))
         self._links = Links(hand, tips)
         self._size = size_of_object(obj)
         self._limits: Asked | None = None
-        self.tried: Counter[str] = Counter(sampled=SAMPLES)
-        self.refused: list[Candidate] = []
 
     @property
     def fingers(self) -> list[str]:
@@ -135,25 +134,21 @@ class Search:
         return [self._hand.fingertips[i] for i in self._tips]
 
     def run(self, tries: int) -> list[Candidate]:
-        """The grasps that one solve holds, the best first; of these the first is held when checked. None is where none
-        of the best is.
-        """
+        """The grasps that hold when they are checked and followed, the best first; and the better ones around them."""
         places = self.places(tries)
         found: list[Candidate] = []
         more = _MORE
-        while places and more and not (found and found[0].rank < 0.0):
+        while places and more and not firmest(found):
             more -= bool(found)
-            settled = checked(self._settled(places[:_AT_ONCE]), _CHECKED, self.tried, self.refused)
-            found = settled if settled and (not found or settled[0].rank < found[0].rank) else found
+            found += self.followed(self._settled(places[:_AT_ONCE]), _CHECKED, _FOLLOWED)
             places = places[_AT_ONCE:]
         rng = np.random.default_rng(self._seed)
         for k in range(_ROUNDS if found else 0):
+            found.sort(key=lambda one: one.rank)
             best = [place_of(candidate.grasp) for candidate in found[:_BEST]]
             near = self._settled(self.nearby(place, rng, 0.5**k) for place in best for _ in range(_NEARBY))
-            better = [one for one in near if one.rank < found[0].rank]
-            better = checked(better, _RECHECKED, self.tried, self.refused)
-            found = sorted([*better, *found], key=lambda one: one.rank)
-        return found
+            found += self.followed(near, _RECHECKED, _RECHECKED, firmest(found))
+        return sorted(found, key=lambda one: one.rank)
 
     def from_place(self, place: Place) -> list[Candidate]:
         """The grasp that begins at this place, brought together and checked; where it does not hold, at the places
@@ -162,7 +157,7 @@ class Search:
         rng = np.random.default_rng(self._seed)
         for share in _WIDER:
             places = [self.nearby(place, rng, share) for _ in range(_NEARBY)] if share else [place]
-            if found := checked(self._settled(places), _RECHECKED, self.tried, self.refused):
+            if found := self.checked(self._settled(places), _RECHECKED):
                 return found
         return []
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from functools import wraps
 from itertools import islice
 from typing import Any, ParamSpec
@@ -15,7 +14,8 @@ from handlcp.errors import InputError, NotReached, Unsupported
 from handlcp.grasp.batch.solve_many import solve_many
 from handlcp.hand.asked.asked import HandAsked
 from handlcp.hand.asked.closing import closing_torques
-from handlcp.hand.find.candidate import Candidate, candidate_of, followed_through
+from handlcp.hand.find.candidate import Candidate, candidate_of
+from handlcp.hand.find.chosen import Chooser, firmest
 from handlcp.hand.find.clear import Links
 from handlcp.hand.find.palm import LAID, Laid, laid, settled
 from handlcp.hand.hand_grasp import HandGrasp
@@ -31,7 +31,6 @@ SHARE, MOST = 0.5, 0.5  # of a joint's torque limit; [N·m], also where no limit
 _AT_ONCE, _SOLVED = 12, 48  # closed exactly and solved: of a round, and in all
 _FOLLOWED = 2  # grasps of a round that are followed with success, at most
 _CHECKED = 6  # grasps that are checked, before those that only lie there
-_WORTH = 0.5  # of the best: what holds no more is not followed any further
 REACH = 4e-3  # [m] links no farther away may come to touch while the hand closes on what gives way
 _DEEP = 1e-3  # [m] deeper in the object no link may be
 P = ParamSpec("P")
@@ -55,17 +54,16 @@ def _none_where_refused(grasps: Callable[P, list[HandGrasp]]) -> Callable[P, lis
     return made
 
 
-class PowerSearch:
-    """The search of one hand for one object; tried, refused : as of `Search` in `hand/find/find.py`.
+class PowerSearch(Chooser):
+    """The search of one hand for one object.
 
     asked : what is passed on to `state.grasp`, closing_torque included.
     """
 
     def __init__(self, hand: HandModel, obj: Object, asked: Mapping[str, Any], seed: int) -> None:
+        super().__init__(LAID)
         self._hand, self._obj, self._asked, self._seed = hand, obj, dict(asked), seed
         self._links, self._among = Links(hand, ()), touchers(hand, ALL)
-        self.tried: Counter[str] = Counter(sampled=LAID)
-        self.refused: list[Candidate] = []
 
     def run(self, tries: int) -> list[Candidate]:
         """The grasps that hold when they are checked and followed, the best first."""
@@ -81,39 +79,35 @@ class PowerSearch:
             last = not some or tried + _AT_ONCE >= most
             firm = [one for one in waiting if one.rank < 0.0 and (last or one.held_force > _load(one))]
             waiting = [one for one in waiting if one not in firm]  # one solve costs far less than to follow these
-            found = self._followed(firm, _CHECKED)
-            if _best(found):
+            found = self.followed(firm, self._checks(), _FOLLOWED)
+            if firmest(found):
                 return found
             cradles += found
             if not some:
                 break
         if not cradles:
-            cradles = self._followed(waiting[:_FOLLOWED], _CHECKED + _FOLLOWED)
+            cradles = self.followed(waiting, _FOLLOWED, _FOLLOWED)
         return sorted(cradles, key=lambda one: one.rank)
 
-    def _followed(self, some: Iterable[Candidate], most: int) -> list[Candidate]:
-        """Those of some of which the check is sure, with what they hold when they are followed, the best first. One
-        that holds as much as the load in every direction ends it, or `most` that are checked in all.
+    def _checks(self) -> int:
+        """How many more may be checked."""
+        return max(_CHECKED - self.tried["checked"], 0)
+
+    def _made(self, one: Candidate) -> Candidate | None:
+        """With motors that have turned on until they pull with their torque: this costs more than to solve one. None
+        where one solve of that is not held.
         """
-        found = list[Candidate]()
-        for one in some:
-            if self.tried["checked"] >= most or len(found) >= _FOLLOWED or _best(found) > _load(one):
-                break
-            self.tried["checked"] += 1
-            tick(f"checking grasp {self.tried['checked']}")
-            tight = _tight(one)
-            if tight is None or not (tight.sure or tight.settles):  # costs less than to follow it in all directions
-                self.refused.append(one if tight is None else tight)
-                continue
-            one = tight
-            self.tried["followed"] += 1
-            tick(f"following grasp {self.tried['followed']}")
-            best = _best(found)
-            if (held := followed_through(one, _WORTH * best)) is not None:
-                found.append(held)
-            elif not best:
-                self.refused.append(one)
-        return sorted(found, key=lambda one: one.rank)
+        grasp = HandGrasp(one.grasp.spec.asked.spec())
+        solution = grasp.solve(throw=False, proof=False)
+        return candidate_of("power", grasp, solution) if solution.held else None
+
+    def _is_sure(self, one: Candidate) -> bool:
+        """Also of one that snaps on the way, and then settles: this costs less than to follow it in all directions."""
+        return one.sure or one.settles
+
+    def _enough(self, one: Candidate) -> float:
+        """Its load."""
+        return _load(one)
 
     def _held(self, some: list[Laid]) -> list[Candidate]:
         """The grasps of these that are clear and held."""
@@ -137,7 +131,7 @@ class PowerSearch:
         """The grasp of an open hand that closes on the object where it is, with this torque (nv,) [N·m], checked and
         followed; none where it does not hold.
         """
-        return self._followed(self._solved(self._closed(state, obj, torque)), 1)
+        return self.followed(self._solved(self._closed(state, obj, torque)), 1, 1)
 
     @_none_where_refused
     def _grasp(self, one: Laid) -> list[HandGrasp]:
@@ -173,23 +167,9 @@ class PowerSearch:
         return np.where(way != 0.0, np.where(closing, np.sign(way) * given, 0.0), given)
 
 
-def _tight(one: Candidate) -> Candidate | None:
-    """With motors that have turned on until they pull with their torque: this costs more than to solve one. None where
-    one solve of that is not held.
-    """
-    grasp = HandGrasp(one.grasp.spec.asked.spec())
-    solution = grasp.solve(throw=False, proof=False)
-    return candidate_of("power", grasp, solution) if solution.held else None
-
-
 def _load(one: Candidate) -> float:
     """[N] Its size."""
     return float(np.linalg.norm(one.grasp.spec.wrench[:3]))
-
-
-def _best(found: Iterable[Candidate]) -> float:
-    """The largest force of those that are held in every direction [N]; 0 without any."""
-    return max((one.held_force for one in found if one.rank < 0.0), default=0.0)
 
 
 def closing_by_limit(hand: HandModel) -> Array:

@@ -10,8 +10,8 @@ import numpy as np
 from handlcp.check import Array, Bools
 from handlcp.hand.objects.inside import distances
 from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.overlap import box_of
 from handlcp.hand.objects.shapes import Mesh
+from handlcp.hand.objects.solid import box_of
 from handlcp.hand.objects.surface import beyond
 from handlcp.hand.robot.link_surface import planes, surface_points
 from handlcp.hand.robot.model import HandModel

@@ -19,7 +19,9 @@ from handlcp.grasp.path.newton.tangent import skew
 from handlcp.hand.followed.flush import Flush, flush
 from handlcp.hand.objects.corner import corner_contact
 from handlcp.hand.objects.detect import Proximity, nearest_beside, nearest_to
+from handlcp.hand.objects.flat import TILT
 from handlcp.hand.objects.object import Object
+from handlcp.hand.objects.solid import size_of
 from handlcp.lcp.kernels.dense import kernel, product
 
 _STEP = 2e-3  # of the object's size: differences of detected contacts, whose points are good to a millionth or less
@@ -139,6 +141,9 @@ class Detected:
         self._on_corners = [i for i, tip in enumerate(shapes) if tip[0].corner is not None]
         self._flush = dict[int, Flush]()  # of fingertips that do not touch at a point
         self._seen = Seen.none(len(shapes))
+        # How near each shape of a fingertip was at least, and how far from its place the shapes reach
+        self._least = [np.full(len(tip), np.nan) for tip in shapes]
+        self._reach = [max(map(_reach, tip)) for tip in shapes]
 
     def __call__(self, places: Array, turns: Array, R: Array, t: Array, out: Written) -> None:
         """See `Find`."""
@@ -165,8 +170,7 @@ class Detected:
 
     def _see(self, i: int, at: Array, own: Array) -> None:
         """Detect a fingertip where it is, in the object's axes."""
-        tip = self.shapes[i]
-        each = [nearest_to(shape, at, own, self.obj) for shape in tip]
+        tip, each = self._close(i, at, own)
         near = min(each, key=lambda one: one.gap)
         on, normals = self._beside(tip, at, own, each)
         turn, shift = (normals[::2] - normals[1::2]).T / self._steps, (on[::2] - on[1::2]).T / self._steps
@@ -178,6 +182,23 @@ class Detected:
         if lies is not None:
             self._flush[i] = lies
         self._seen.put(i, at, own, near, turn, shift)
+
+    def _close(self, i: int, at: Array, own: Array) -> tuple[Any, list[Proximity]]:
+        """The shapes of a fingertip that are nearest to the object, or may be after a step or a tilt, and how near each
+        is. A gap changes by no more than the shape moves, so that not all are measured again.
+        """
+        tip, least = self.shapes[i], self._least[i]
+        moved, turned = at - self._seen.at[i], own - self._seen.own[i]
+        least -= np.sqrt((moved * moved).sum()) + self._reach[i] * np.sqrt((turned * turned).sum())
+        found, gap = dict[int, Proximity](), np.inf
+        for k in np.argsort(least, kind="stable").tolist():
+            if gap + 4.0 * self.step + 4.0 * TILT * self._reach[i] < least[k]:
+                break
+            found[k] = nearest_to(tip[k], at, own, self.obj)
+            least[k] = found[k].gap
+            gap = min(gap, found[k].gap)
+        some = sorted(found)
+        return tuple([tip[k] for k in some]), [found[k] for k in some]
 
     def _beside(self, tip: Any, at: Array, own: Array, each: list[Proximity]) -> tuple[Array, Array]:
         """Positions and normals (12, 3) of the contact, with the fingertip moved a step each way. each : where its
@@ -197,6 +218,11 @@ class Detected:
             beside = [nearest_beside(tip[k], places[j], turns[j], self.obj, gaps[k, j], self.step) for k in may]
             ends.append(min(beside, key=lambda one: one.gap))
         return np.array([end.position for end in ends]), np.array([end.normal for end in ends])
+
+
+def _reach(shape: Any) -> float:
+    """[m] No point of a shape is farther from the place of its fingertip."""
+    return float(np.linalg.norm(shape.translation) + np.sqrt(3.0) * size_of(shape.geometry))
 
 
 def _edge(some: Array, between: Array, other: Array) -> bool:

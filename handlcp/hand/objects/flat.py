@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array
+from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand.objects.detect import Proximity, nearest
 from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.overlap import size_of
+from handlcp.hand.objects.solid import size_of
 from handlcp.words import first_largest
 
 TILT = 2e-3  # [rad]
@@ -27,17 +29,22 @@ def tilted(
     directions about where they are nearest now, and the object's points (8, 3) opposite. The frame is at p (3,) with
     rotation R (3, 3).
     """
-    x = across_in(R, near.normal)
-    y = np.cross(near.normal, x)
+    x, n = across_in(R, near.normal), near.normal
+    axes = np.stack([x, cross_rows(n, x), n], axis=1)
     away = 2.0 * angle * max(size_of(shape.geometry) for shape in shapes)
     own, opposite = np.empty((8, 3)), np.empty((8, 3))
-    for k, (a, b) in enumerate(_WAYS):
-        turn = pin.exp3(angle * np.cross(near.normal, a * x + b * y))
-        lifted = near.tip_point - away * near.normal
+    for k, turn in enumerate(axes @ _turns(angle) @ axes.T):
+        lifted = near.tip_point - away * n
         there = nearest(shapes, lifted + turn @ (p - near.tip_point), turn @ R, obj)
-        own[k] = near.tip_point + turn.T @ (there.tip_point - lifted)
+        own[k] = near.tip_point + (there.tip_point - lifted) @ turn
         opposite[k] = there.position
     return own, opposite
+
+
+@lru_cache(maxsize=8)
+def _turns(angle: float) -> Array:
+    """(8, 3, 3) rotations by an angle [rad] that raise z in each of eight directions across it."""
+    return np.array([pin.exp3(angle * np.array([-b, a, 0.0])) for a, b in _WAYS])
 
 
 def across_in(R: Array, normal: Array) -> Array:

@@ -14,8 +14,8 @@ from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.cause.judge import Limits, exceeded, used
 from handlcp.hand.objects.detect import nearest
 from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.overlap import box_of
 from handlcp.hand.objects.shapes import Box, Cylinder, Ellipsoid, Mesh, Sphere
+from handlcp.hand.objects.solid import box_of
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.tip_geometry import sphere_tip
 

@@ -16,110 +16,13 @@ here with all points kept and the nearest one by non-negative least squares).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import lru_cache
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple
 
-import coal
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array
 from handlcp.grasp.model.kind import cross_rows
-from handlcp.hand.robot.link_surface import planes
-
-# ----------------------------------------------------------------
-# Support functions of coal's convex shapes: the furthest point of a shape in a direction, and what lies inside it.
-#
-# h(n) = max over x in the shape of n · x
-#
-# They follow from the shapes' dimensions alone, so that they can judge the distances that coal computes.
-
-_SHAPES = (coal.Box, coal.Sphere, coal.Capsule, coal.Cylinder, coal.Ellipsoid, coal.Convex)
-
-
-def known(geometry: Any) -> bool:
-    """Whether this shape of coal has a support function here."""
-    return isinstance(geometry, _SHAPES) and geometry.getSweptSphereRadius() == 0.0
-
-
-def support(geometry: Any, n: Array) -> Array:
-    """(k, 3) furthest points of the shape along n (k, 3), unit vectors; the shape's own axes."""
-    match geometry:
-        case coal.Box():
-            return np.asarray(np.copysign(geometry.halfSide, n))
-        case coal.Sphere():
-            return np.asarray(geometry.radius * n)
-        case coal.Capsule():
-            return np.asarray(geometry.radius * n + _ends(geometry, n))
-        case coal.Cylinder():
-            rim = _ends(geometry, n)
-            rim[:, :2] = n[:, :2] * (geometry.radius / np.maximum(np.hypot(n[:, 0], n[:, 1]), 1e-300))[:, None]
-            return rim
-        case coal.Ellipsoid():
-            stretched = geometry.radii * n
-            return np.asarray(geometry.radii * stretched / np.linalg.norm(stretched, axis=1, keepdims=True))
-        case _:
-            points = np.asarray(geometry.points())
-            return np.asarray(points[np.argmax(points @ n.T, axis=0)])
-
-
-def _ends(geometry: Any, n: Array) -> Array:
-    """(k, 3) the end of the axis of a capsule or a cylinder, along n."""
-    out = np.zeros_like(n)
-    out[:, 2] = np.copysign(geometry.halfLength, n[:, 2])
-    return out
-
-
-def beyond(geometry: Any, x: Array) -> float:
-    """By how much the point x (3,), in the shape's axes, lies outside the shape [m]; 0 or less inside."""
-    match geometry:
-        case coal.Box():
-            return float((abs(x) - geometry.halfSide).max())
-        case coal.Sphere():
-            return float(np.linalg.norm(x)) - float(geometry.radius)
-        case coal.Capsule():
-            off = x - _ends(geometry, x[None])[0] if abs(x[2]) > geometry.halfLength else x * (1.0, 1.0, 0.0)
-            return float(np.linalg.norm(off)) - float(geometry.radius)
-        case coal.Cylinder():
-            return float(max(np.hypot(x[0], x[1]) - geometry.radius, abs(x[2]) - geometry.halfLength))
-        case coal.Ellipsoid():
-            return (float(np.linalg.norm(x / geometry.radii)) - 1.0) * float(geometry.radii.min())
-        case _:
-            if geometry.num_normals_and_offsets:
-                return float((np.asarray(geometry.normals()) @ x + np.asarray(geometry.offsets())).max())
-            _, normals, offsets = planes(geometry)
-            return float((normals @ x - offsets).max())
-
-
-@lru_cache(maxsize=1024)  # shapes of a hand and of what it holds: they are asked for at every distance
-def size_of(geometry: Any) -> float:
-    """A length of the shape [m]: the largest distance of its surface from the origin of its axes, along an axis."""
-    axes = np.concatenate([np.eye(3), -np.eye(3)])
-    return float(abs(support(geometry, axes)).max())
-
-
-# ----------------------------------------------------------------
-# Boxes and balls that hold coal's shapes, whether they are convex or not.
-
-
-@lru_cache(maxsize=1024)
-def box_of(geometry: Any) -> tuple[Array, Array]:
-    """(3,) and (3,) the lowest and the highest corner of the box that holds the shape, along its own axes [m]."""
-    geometry.computeLocalAABB()  # coal keeps it with the shape
-    box = geometry.aabb_local
-    return read_only(np.array(box.min_)), read_only(np.array(box.max_))
-
-
-def balls_of(placed: Sequence[tuple[Any, Array, Array]]) -> tuple[Array, Array]:
-    """Middles (m, 3) and radii (m,) of balls that hold m shapes [m]; placed : each shape, and its rotation (3, 3) and
-    position (3,) [m] in the axes in which the middles are said.
-    """
-    boxes = [box_of(shape) for shape, _, _ in placed]
-    middles = [R @ (0.5 * (low + high)) + p for (low, high), (_, R, p) in zip(boxes, placed, strict=True)]
-    return np.array(middles), np.array([0.5 * float(np.linalg.norm(high - low)) for low, high in boxes])
-
-
-# ----------------------------------------------------------------
 
 Pairs = Callable[[Array], tuple[Array, Array]]
 

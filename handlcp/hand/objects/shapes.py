@@ -12,7 +12,7 @@ from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.hand.objects.meshes import in_memory, load_mesh, surfaces_of
 from handlcp.hand.objects.object import BALL, BOX, CYLINDER, ELLIPSOID, Object, Solid
-from handlcp.hand.objects.overlap import box_of
+from handlcp.hand.objects.solid import box_of
 from handlcp.hand.objects.surface import Closed, Hull
 from handlcp.hand.robot.convex import convex_parts
 

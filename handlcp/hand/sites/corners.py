@@ -18,7 +18,7 @@ from handlcp.grasp.model.contact import frame as axes_of
 from handlcp.hand.objects.detect import Proximity
 from handlcp.hand.objects.flat import across_in, corners, tilted
 from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.overlap import beyond, size_of, support
+from handlcp.hand.objects.solid import beyond, size_of, support
 from handlcp.hand.robot.tip_geometry import Swept, TipShape
 
 SAME = 1e-4  # [m] corners nearer to each other are one

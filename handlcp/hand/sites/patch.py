@@ -21,7 +21,7 @@ from handlcp.grasp.model.contact import frame as axes_of
 from handlcp.hand.objects.detect import Proximity, nearest
 from handlcp.hand.objects.flat import SPREAD, TILT, tilted
 from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.overlap import size_of, support
+from handlcp.hand.objects.solid import size_of, support
 from handlcp.hand.robot.tip_geometry import Swept, TipShape
 from handlcp.hand.sites.corners import SAME, TINY, around, carrying, in_plane, spanning, swept
 

@@ -16,7 +16,7 @@ from handlcp.hand.elasticity.stiffness import Pads
 from handlcp.hand.objects.detect import nearest
 from handlcp.hand.objects.inside import ball_around
 from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.overlap import size_of
+from handlcp.hand.objects.solid import size_of
 from handlcp.hand.robot.fingertips import TipFrames, TipPlace
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.model import HandModel

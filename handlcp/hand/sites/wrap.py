@@ -23,8 +23,8 @@ from handlcp.hand.objects.detect import Proximity, nearest, nearest_of
 from handlcp.hand.objects.inside import distances
 from handlcp.hand.objects.meshes import what_to_pass
 from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.overlap import balls_of, size_of
 from handlcp.hand.objects.shapes import ask_for_metres
+from handlcp.hand.objects.solid import balls_of, size_of
 from handlcp.hand.robot.kinematics import contact_jacobian
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
