@@ -65,6 +65,16 @@ class Track:
         """[m/s] of the last readings, turning counted at the contacts."""
         return max(swiftness(r.speed, reach) for r in self.readings[-last:])
 
+    def strayed(self, last: int, reach: float) -> float:
+        """[m] of the last readings from the very last one, at most, turning counted at the contacts; inf before there
+        are as many.
+        """
+        if len(self.readings) < last:
+            return np.inf
+        motion = np.array([r.motion for r in self.readings[-last:]])
+        away = np.linalg.norm((motion - motion[-1]).reshape(-1, 2, 3), axis=2)
+        return float((away[:, 0] + reach * away[:, 1]).max())
+
     def record(self) -> Record:
         """All of them, as arrays."""
         names = ("forces", "friction", "motion", "speed", "torques")
@@ -94,6 +104,7 @@ _LEADS = {
 }  # fmt: skip
 _READ = 20  # time steps between two readings, and between two changes of what drives the simulation
 _REST = 1e-5  # [m/s] an object that moves slower is at rest
+_SPEEDS, _PLACES = 50, 250  # readings over which it does so, by its speed and by where it is
 _FAST = 0.02  # times the reach of the contacts, in a second: while the object moves faster, loads wait
 _DRAG = 0.02  # of the load that grows: what damping of the object may take up in a stage
 _LEAST = 0.1  # of the contact forces: such a load counts as at least this much
@@ -225,8 +236,13 @@ class Run:
         return float(np.linalg.norm(wrench[:3]) + np.linalg.norm(wrench[3:]) / self.probe.reach)
 
     def _resting(self) -> bool:
-        """Over the last readings, so that a turning point is not taken for rest."""
-        return self.track.fastest(50, self.probe.reach) < _REST
+        """Over the last readings, so that a turning point is not taken for rest. By speed; or by place, over a longer
+        time: where an edge lies along a face MuJoCo may have one contact, now at this end and now at that, and the
+        object trembles faster than it gets anywhere.
+        """
+        reach = self.probe.reach
+        by_speed = self.track.fastest(_SPEEDS, reach) < _REST
+        return by_speed or self.track.strayed(_PLACES, reach) < _REST * _PLACES * self.period
 
 
 def _ramp(x: float) -> float:

@@ -236,6 +236,8 @@ def _simulated(one: Candidate) -> str:
         found = simulate(one.grasp, seconds=_SETTLES)
     except Unsupported as error:
         return f"not asked: {error}"
+    if not found.held and found.lost_at == 1.0 and found.record.forces[-1].any():
+        return f"{LOST} (not at rest) after {found.lost_stage}"
     return HELD if found.held else f"{LOST} at {100.0 * (found.lost_at or 0.0):.0f} % of {found.lost_stage}"
 
 
