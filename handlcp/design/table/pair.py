@@ -237,7 +237,7 @@ def _simulated(one: Candidate) -> str:
     except Unsupported as error:
         return f"not asked: {error}"
     if not found.held and found.lost_at == 1.0 and found.record.forces[-1].any():
-        return f"{LOST} (not at rest) after {found.lost_stage}"
+        return f"{LOST}: not at rest after {found.lost_stage}"
     return HELD if found.held else f"{LOST} at {100.0 * (found.lost_at or 0.0):.0f} % of {found.lost_stage}"
 
 
