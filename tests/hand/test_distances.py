@@ -13,7 +13,7 @@ import pinocchio as pin
 import pytest
 
 from handlcp.errors import InputError, Unsupported, URDFError
-from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, Mesh, Object
+from handlcp.hand import YCB, Box, Cylinder, Ellipsoid, Hand, Mesh, Object
 from tests.support.hand import ball_near, distance, shape_near, urdf
 
 CLEAR = 1e-5  # [m] of a move that parts shapes, or leaves them in touch
@@ -129,6 +129,17 @@ def test_where_the_normal_of_coal_is_off_the_gap_between_support_planes_is_found
     across = 0.02634893 * np.sqrt(1.0 - (n @ two) ** 2) + 0.053691335 * abs(n @ two)
     assert n @ (there[1] - at[1]) - reach - across == pytest.approx(gap, abs=1e-10)  # no larger: planes part them
     assert np.linalg.norm(beside - on) == pytest.approx(gap, abs=1e-10)  # no smaller: points are so near
+
+
+def test_an_edge_seven_nanometres_from_a_hull_has_a_gap_though_coals_normal_is_not_of_unit_length() -> None:
+    R = [[0.909638011, -0.112545343, -0.399865147], [0.121235446, 0.992617058, -0.003586484],
+         [0.397316821, -0.045215427, 0.916566699]]  # fmt: skip
+    sponge, edge = YCB("026_sponge").geometry, coal.Capsule(1e-4, 0.02370630840002)
+    at, there = (np.array(R), np.array([0.035514826, 0.031615412, 0.011257383])), (np.eye(3), np.zeros(3))
+    gap, on, beside, n = distance(edge, at, sponge, there, ("an edge", "a sponge"))
+    reach = n @ at[1] + 0.01185315420001 * abs(n @ at[0][:, 2]) + 1e-4  # of the edge along n
+    assert gap == pytest.approx((np.asarray(sponge.points()) @ n).min() - reach, abs=1e-9)  # planes part them
+    assert np.linalg.norm(beside - on) == pytest.approx(gap, abs=1e-9)  # points are so near
 
 
 @pytest.mark.parametrize("shift", [0.0, 1e-3, -4e-3])

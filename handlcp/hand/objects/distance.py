@@ -35,6 +35,7 @@ _REQUEST.gjk_max_iterations = _REQUEST.epa_max_iterations = 1000
 
 _AGREES, _POINTS, _CLOSE = 1e-6, 1e-4, 1e-9  # of the smaller shape's size: distances, points; what own ones aim for
 _MOVES = 1e-5, 1e-4, 1e-3  # of the smaller shape's size: how far touching shapes are moved apart
+_LENGTH = 1e-6  # how far from 1 the length of coal's normal may be
 _LEAST = 5e-7  # [m] what a distance may always be wrong by: normals of shapes that nearly touch are no better
 
 
@@ -73,7 +74,11 @@ def by_coal(first: Any, at: Frame, second: Any, there: Frame) -> Distance:
     """As coal says it."""
     result = coal.DistanceResult()
     gap = float(coal.distance(first, coal.Transform3s(*at), second, coal.Transform3s(*there), _REQUEST, result))
-    return gap, np.array(result.getNearestPoint1()), np.array(result.getNearestPoint2()), np.array(result.normal)
+    n = np.array(result.normal)
+    length = float(np.sqrt(n @ n))
+    # Of a capsule that is nearly touching it is off by 1e-8; where it is none it may be any number
+    n = n / length if abs(length - 1.0) < _LENGTH else n
+    return gap, np.array(result.getNearestPoint1()), np.array(result.getNearestPoint2()), n
 
 
 class _Pair:
