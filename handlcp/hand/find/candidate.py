@@ -223,11 +223,11 @@ _STEPS = {
 
 
 class Found(Record, Sequence[Candidate]):
-    """Grasps, sorted by `Candidate.rank`, the best first. That one is checked: its verdict is HELD. Prints in lines of
-    at most 80 columns, with the warnings of that verdict.
+    """Grasps, sorted by `Candidate.rank`, the best first. Each is checked, its verdict is HELD, and followed. Prints in
+    lines of at most 80 columns, with the warnings of the best one's verdict.
 
-    tried : how many placements came how far: "sampled", "tried", "touching", "balanced", "clear", "held", "checked"; of
-        power grasps "sampled", "laid", "tried", "settled", "enclosing", "clear", "held", "checked", "followed".
+    tried : how many placements came how far: "sampled", "tried", "touching", "balanced", "clear", "held", "checked",
+        "followed"; of power grasps "sampled", "laid", "tried", "settled", "enclosing", "clear", and so on.
     why : what became of the search in one sentence.
     """
 

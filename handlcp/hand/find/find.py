@@ -45,18 +45,19 @@ def find_grasp(
     kind : "pinch": between the fingertips. Postures all over the joint ranges are compared, with the object between the
         fingertips in several orientations. From the best, up to `tries`, joints and object move together until all
         fingers touch and no link is inside the object. Where forces within friction balance the load, the grasp is
-        solved; the best ones are varied. "power": the object is laid against the palm of the open hand, a long one
-        across the fingers, and the hand closes from the palm outwards until links touch (`hand.close_on(obj,
+        solved; the best ones are followed, and varied. "power": the object is laid against the palm of the open hand, a
+        long one across the fingers, and the hand closes from the palm outwards until links touch (`hand.close_on(obj,
         wrap=True)`). Two links of fingers and the palm have to touch, or three links of fingers. A grasp of it is
         `state.grasp(obj, links="all", closing_torque=…, hold_object=True)` from the open hand. "any": both.
 
     Grasps are sorted by the force that they hold beside the load in the worst of six directions, `held_force` of
-    `Candidate`. Of power grasps the best that one solve holds are checked, then followed while the hand closes, is
-    loaded and pushed, until one holds as much as the load in every direction; the others are left out. Those in which
-    the object only lies on fingers, held by its own weight, come last and are called cradled. The first grasp of the
-    result is HELD by `grasp.check()`, which follows it while the hand closes and is loaded; its object does not snap
-    elsewhere on the way, or, of a power grasp, ends at the same place with twice the steps. The margin of a grasp
-    is the smaller of its friction reserve and its torque reserve.
+    `Candidate`. The best that one solve holds are checked, then followed while the hand closes, is loaded and pushed:
+    a few of each round of places, of power grasps until one holds as much as the load in every direction; the others
+    are left out, and those that hold less than half of what the best one does. Those in which the object only lies on
+    fingers, held by its own weight, come last and are called cradled. Each grasp of the result is HELD by
+    `grasp.check()`, which follows it while the hand closes and is loaded; its object does not snap elsewhere on the
+    way, or, of a power grasp, ends at the same place with twice the steps. The margin of a grasp is the smaller of its
+    friction reserve and its torque reserve.
 
     obj : its shape and mass count, its placement does not. For a power grasp of a mesh
         that is not convex its parts count, which take the package coacd (pip install handlcp[convex]).
