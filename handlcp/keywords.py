@@ -14,18 +14,19 @@ _F = TypeVar("_F", bound=Callable[..., Any])
 
 
 def helped(**elsewhere: str) -> Callable[[_F], _F]:
-    """Decorates a function: TypeError for an unknown keyword says the nearest that it has, or where `elsewhere` it
-    belongs.
+    """Decorates a function, or an `__init__`: TypeError for an unknown keyword says the nearest that it has, or where
+    `elsewhere` it belongs.
     """
 
     def of(function: _F) -> _F:
-        known = [p.name for p in inspect.signature(function).parameters.values() if p.kind is p.KEYWORD_ONLY]
+        known = [p.name for p in inspect.signature(function).parameters.values() if p.name != "self"]
+        called_as = function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
         names = frozenset(known)
 
         @wraps(function)
         def called(*args: Any, **given: Any) -> Any:
             if not given.keys() <= names and (unknown := [name for name in given if name not in names]):
-                raise TypeError("; ".join(_word(function.__name__, name, known, elsewhere) for name in unknown))
+                raise TypeError("; ".join(_word(called_as, name, known, elsewhere) for name in unknown))
             return function(*args, **given)
 
         return cast(_F, called)

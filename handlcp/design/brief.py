@@ -15,6 +15,7 @@ from handlcp.errors import InputError, writing
 from handlcp.grasp.friction import as_law
 from handlcp.hand.find.find import PINCH, check_closing
 from handlcp.hand.objects.object import Object
+from handlcp.keywords import helped
 from handlcp.study.payload.ask import SIX, check_orientations
 
 WEIGHT = "weight"  # what the object's own weight is called among its loads
@@ -110,6 +111,9 @@ class Brief:
     def most_motion(self) -> float:
         """How far an object may move [m]; inf: any distance."""
         return np.inf if self.motion is None else self.motion
+
+
+Brief.__init__ = helped(mass="it is the object's: Box(..., mass=...)")(Brief.__init__)  # type: ignore[method-assign]
 
 
 def _objects(given: Any) -> dict[str, Object]:

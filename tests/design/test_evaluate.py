@@ -162,6 +162,13 @@ def test_a_brief_that_cannot_be_is_refused_where_it_is_made(changed, argument):
         brief(**changed)
 
 
+def test_a_keyword_that_a_brief_does_not_know_gets_the_nearest_or_where_it_belongs():
+    with pytest.raises(TypeError, match=r"^Brief\(\) takes no 'frction'; did you mean 'friction'\?$"):
+        brief(frction=0.5)
+    with pytest.raises(TypeError, match="'mass': it is the object's"):
+        brief(mass=0.2)
+
+
 def test_arguments_of_evaluate_are_checked(found):
     with pytest.raises(hl.InputError, match="hand"):
         hl.evaluate("three_finger", brief())
