@@ -190,8 +190,9 @@ class Questions(ABC):
         The hand closes as it does in this grasp, without the object's own mass or another load. Then the mass grows
         slowly, weight and inertia together, at the object's centre of mass, or at the reference for contacts without
         an object. The fingers' weight turns with gravity, and is accelerated, where the grasp counts it
-        (`finger_weight`). An infinite mass means that nothing gives out. Raises InputError, Unsupported (known
-        forces; an accuracy that is not reached).
+        (`finger_weight`). An infinite mass means that nothing gives out. For repeated use design for `first_slip` of
+        the rows: beyond it a finger slides each time. Raises InputError, Unsupported (known forces; an accuracy that is
+        not reached).
         """
         return view("payload")(self, orientations, acceleration, geometry, faces, motion, turn, accuracy)
 

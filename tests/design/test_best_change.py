@@ -30,6 +30,7 @@ def test_of_a_pinch_that_slips_grip_and_friction_buy_their_share_and_stiffness_n
     assert found.best.gain == pytest.approx(0.2, rel=1e-6)
     assert found.confirmed
     assert found.verdicts == ("HELD", "NOT HELD")
+    assert found.why_not == ""
     assert 2 * MU * N < found.between < found.best.factor
 
 
@@ -82,6 +83,16 @@ def test_without_a_load_of_its_own_the_weight_grows():
     assert f"as it is, the grasp holds {found.before.factor:.4g} × the weight in addition" in said
     assert "added to the object's own" in said
     assert "the load check()" not in said
+
+
+def test_where_check_does_not_say_held_with_the_change_it_says_why():
+    hand = hl.example_hand("three_finger", joint_stiffness=60.0)
+    box = hl.Box((0.05, 0.05, 0.13), (0.0, 0.0, 0.05), mass=0.1)  # down through the palm
+    grasp = hand.at(hand.close_on(box)).grasp(box, friction=0.8, grip_force=5.0)
+    found = grasp.best_change(geometry="fixed")
+    assert found.verdicts[0] == "UNDECIDED"
+    assert "palm" in found.why_not
+    assert " ".join(str(found).split()).endswith(f"UNDECIDED with the change and UNDECIDED without: {found.why_not}")
 
 
 def test_where_nothing_gives_out_no_change_buys_anything():

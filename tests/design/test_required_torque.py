@@ -254,6 +254,14 @@ def test_where_check_does_not_say_held_the_answer_is_not_confirmed_and_says_why(
     assert "held" not in said
 
 
+def test_a_finger_that_need_not_press_is_said_to_touch_alone(tmp_path):
+    r = dataclasses.replace(pinch(tmp_path).required_torque(), grip={"left_tip": 0.0, "right_tip": 1.0})
+    said = " ".join(str(r).split())
+    assert "With a grip of 0 N (left_tip), 1 N (right_tip)" in said
+    assert "0 N is to touch without pressing: load and other fingers press the object against left_tip." in said
+    assert "0 N is" not in dataclasses.replace(r, grip={"left_tip": 1.0, "right_tip": 1.0}).sentence
+
+
 def test_progress_is_told_with_every_grip_that_is_tried(tmp_path):
     told = []
     pinch(tmp_path).required_torque(progress=told.append)

@@ -284,6 +284,13 @@ def test_a_number_an_array_and_a_mapping_say_the_same(three: Hand) -> None:
     np.testing.assert_allclose(gaps(three, closed, CUBE), [-2e-3, 0, 0], atol=1e-6)
 
 
+@pytest.mark.parametrize("force", [[0.5, 0.6, 0.6], {"finger_1_tip": 0.5, "finger_2_tip": 0.6, "finger_3_tip": 0.6}])
+def test_advice_to_press_harder_says_with_how_many_newtons(three: Hand, force: Any) -> None:
+    grasp = three.at(three.close_on(CUBE)).grasp(CUBE, 0.5, grip_force=force)
+    said = [advice.sentence for advice in grasp.check().about("advice")]
+    assert said[0].startswith("500 % of the grip force (2.5 to 3 N) would hold it")
+
+
 def test_a_new_command_takes_the_place_of_the_old_one(three: Hand) -> None:
     state = three.at(three.close_on(CUBE))
     first = state.grasp(CUBE, squeeze=2e-3)

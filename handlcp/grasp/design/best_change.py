@@ -14,8 +14,9 @@ import numpy as np
 from handlcp.check import Array, number
 from handlcp.errors import InputError
 from handlcp.grasp.answer.verdict import HELD
+from handlcp.grasp.cause.judge import UNDECIDED
 from handlcp.grasp.cause.wording import NOTHING, said
-from handlcp.grasp.design.least import word
+from handlcp.grasp.design.least import verdict_on, word
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.load_limit import load_limit
 from handlcp.grasp.limits.result import LoadLimit
@@ -48,13 +49,14 @@ class BestChange(Record):
     wrench (6,) : the load that grows, beside the weight [N, N·m]. share : of every change. before : the load limit
     without a change. tried : the changes; empty where nothing binds before. between : factor on the load, between the
     limits before and after the best change, at which `check()` was asked; NaN where no change buys anything.
-    verdicts : its words there, with the best change and without. of_weight : whether the load that grows is added to
-    the object's weight and acts as that does, because no load was given and the grasp has none.
+    verdicts : its words there, with the best change and without; why_not : why the first is not HELD, "" where it is.
+    of_weight : whether the load that grows is added to the object's weight and acts as that does, because no load was
+    given and the grasp has none.
     """
 
     entries = (
         "load_N_Nm (6,) = wrench", "share", "factor_before = before.factor", "tried", "checked_at_factor = between",
-        "verdict_with = verdicts.0", "verdict_without = verdicts.1",
+        "verdict_with = verdicts.0", "verdict_without = verdicts.1", "why_not",
     )  # fmt: skip
 
     wrench: Array
@@ -64,6 +66,7 @@ class BestChange(Record):
     between: float
     verdicts: tuple[str, str]
     of_weight: bool = False
+    why_not: str = ""
 
     @property
     def best(self) -> TriedChange | None:
@@ -95,7 +98,9 @@ class BestChange(Record):
         if not self.tried:
             return f"{NOTHING}, however large the load: no change buys anything"
         if (best := self.best) is None:
-            return "none of these changes buys load"
+            none = "none of these changes buys load"
+            undecided = any(bind.kind == UNDECIDED for bind in self.before.binds)
+            return wrapped(f"{none}; as it is: {self.before.why}") if undecided else none
         told, load = f"{best.what} buys most: {_gain(best.gain)} load", "the load"
         if self.of_weight:
             load, has = "extra weight", f"{self.before.factor:.4g} × the weight in addition"
@@ -103,7 +108,8 @@ class BestChange(Record):
         if self.confirmed:
             return wrapped(f"{told}; at {self.between:.4g} × {load} check() says HELD with the change, and not without")
         given = f"{self.verdicts[0]} with the change and {self.verdicts[1]} without"
-        return wrapped(f"{told}; but at {self.between:.4g} × {load} check() says {given}")
+        why = f": {self.why_not}" if self.why_not else ""
+        return wrapped(f"{told}; but at {self.between:.4g} × {load} check() says {given}{why}")
 
 
 @told("load limits with each change")
@@ -125,13 +131,15 @@ def best_change(
     base = before.factor or np.nan
     tried = [TriedChange(what, limit.factor, limit.factor / base - 1.0, limit) for what, limit in found.items()]
     tried.sort(key=lambda t: -t.factor)
-    between, verdicts = np.nan, ("", "")
+    between, verdicts, why_not = np.nan, ("", ""), ""
     if tried and tried[0].factor > before.factor:
         most = min(tried[0].factor, 2.0 * before.factor or 1.0)
         between = 0.5 * (before.factor + most)
         ends = [loaded(s, between * before.wrench) for s in (made[tried[0].what], spec)]
-        verdicts = (word(ends[0], section), word(ends[1], section))
-    return BestChange(before.wrench, part, before, tuple(tried), between, verdicts, of_weight)
+        changed = verdict_on(ends[0], section)
+        verdicts = (changed.word, word(ends[1], section))
+        why_not = "; ".join([r.sentence for r in changed.reasons if r.severity == "decides"])
+    return BestChange(before.wrench, part, before, tuple(tried), between, verdicts, of_weight, why_not)
 
 
 # ---------------------------------------------------------------- words

@@ -212,7 +212,10 @@ class HandAsked:
             value = {who: factor * np.asarray(size, dtype=float) for who, size in value.items()}
         else:
             value = factor * np.asarray(value, dtype=float)
-            text = f"a {what} of {float(value):.3g} {unit}" if value.ndim == 0 else text
+        if isinstance(value, np.ndarray) and value.ndim == 0:
+            text = f"a {what} of {float(value):.3g} {unit}"
+        else:
+            text += _from_to(value, unit)
         return what, text, self._anew({name: value})
 
     def moved(self, shift: Array) -> GraspSpec:
@@ -271,10 +274,21 @@ class HandAsked:
         try:
             return found_on(self.state, obj, self.friction, self.fingers, reach)
         except NotReached as far:
+            how = "links= closes an open hand first"
             if self.closing_torque is None:
-                raise
-            expected = f"fingertips within max_gap = {reach * 1e3:g} mm of the object; links= closes an open hand first"
+                how = "hand.close_on(obj) closes the fingers on it where it is, hand.find_grasp(obj) looks for a place"
+            expected = f"fingertips within max_gap = {reach * 1e3:g} mm of the object; {how}"
             raise NotReached("fingers", expected, far.gaps) from far
+
+
+def _from_to(sizes: Any, unit: str) -> str:
+    """Of numbers, or of a mapping to them, such as " (4.41 to 7 N)"; "" of none."""
+    values = np.ravel(list(sizes.values()) if isinstance(sizes, Mapping) else sizes)
+    if not len(values):
+        return ""
+    least, most = f"{values.min():.3g}", f"{values.max():.3g}"
+    size = most if least == most else f"{least} to {most}"
+    return f" ({size} {unit})" if unit else f" ({size})"
 
 
 def _weight_given(value: Any) -> bool | str:

@@ -238,6 +238,9 @@ class RequiredTorque(Record):
             parts += [f"{name} is {self.verdicts[name]}: {why}." for name, why in self.reasons.items()]
         if self.fails is not None and self.lost is not None:
             parts.append(f"With {100 * self.fails:.4g} % of it, {self.lost[0]} is lost.")
+        if idle := [name for name, f in self.grip.items() if words.force(f) == words.force(0.0)]:
+            who = "the fingertips" if len(idle) == len(self.grip) else words.all_of(idle)
+            parts.append(f"0 N is to touch without pressing: load and other fingers press the object against {who}.")
         if self.weak:
             parts.append(f"As the hand is, {needs_more(self.weak)}.")
         elif self.enough:

@@ -19,6 +19,7 @@ from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
 
 _IN_TABLE = 40  # letters of a cause
+_FOR_WHICH = "first slip is what to design for in repeated use; mass is what is held once"
 _AT_ONCE = 1e-3  # of the mass that is held, or of 1 kg: with less a finger slides at once
 
 
@@ -186,7 +187,7 @@ class Payload(Record):
         return view("payload_plot")(self, path, title)
 
     def __str__(self) -> str:
-        """The mass, what was asked, warnings, a table of the directions, and why some are undecided."""
+        """The mass, what was asked, warnings, a table of the directions, for which number to design, and doubts."""
         warnings = [f"Warning: {text}." for text in self.warnings]
         told = (f"payload: {self.headline}", self.asked, geometry(self), *warnings)
         lines = [wrapped(text, "  ") for text in told]
@@ -194,7 +195,8 @@ class Payload(Record):
             wrapped(f"{direction(row.direction)} is undecided beyond: {row.limit.undecided}", "  ")
             for row in self.by_orientation if row.undecided and row.limit.undecided
         ]  # fmt: skip
-        return "\n".join([*lines, "", str(self._table()), *([""] if doubts else []), *doubts])
+        which = [_FOR_WHICH] if any(_slip(row) for row in self.by_orientation) else []
+        return "\n".join([*lines, "", str(self._table()), *which, *([""] if doubts else []), *doubts])
 
     def __repr__(self) -> str:
         return f"Payload(mass={self.mass:.6g}, binds={words.listed([f'{b.kind}: {b.who}' for b in self.binds])})"
