@@ -17,11 +17,11 @@ from handlcp.check import Array
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.path.newton.tangent import skew
 from handlcp.hand.followed.flush import Flush, flush
-from handlcp.hand.objects.corner import corner_contact
 from handlcp.hand.objects.detect import Proximity, nearest_beside, nearest_to
 from handlcp.hand.objects.flat import TILT
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.solid import size_of
+from handlcp.hand.objects.swept import corner_contact
 from handlcp.lcp.kernels.dense import kernel, product
 
 _STEP = 2e-3  # of the object's size: differences of detected contacts, whose points are good to a millionth or less

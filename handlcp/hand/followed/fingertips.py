@@ -14,9 +14,8 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.newton.tangent import skew
 from handlcp.hand.followed.contacts import contacts_at
 from handlcp.hand.followed.detected import Detected
-from handlcp.hand.objects.corner import corner_contact
 from handlcp.hand.objects.object import Object, on_surface, put_contact
-from handlcp.hand.objects.swept import nearest_station, station_moves
+from handlcp.hand.objects.swept import corner_contact, nearest_station, station_moves
 from handlcp.hand.robot.tip_geometry import TipShape
 from handlcp.lcp.kernels.dense import kernel, product
 

@@ -16,11 +16,10 @@ from handlcp.errors import InputError, NotReached
 from handlcp.grasp.friction import FrictionLaw
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.kind import cross_rows
-from handlcp.hand.objects.corner import corner_contact
 from handlcp.hand.objects.distance import by_coal, distance
 from handlcp.hand.objects.object import Object, on_surface
 from handlcp.hand.objects.solid import box_of, size_of
-from handlcp.hand.objects.swept import nearest_station
+from handlcp.hand.objects.swept import corner_contact, nearest_station
 from handlcp.hand.robot.convex import available
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.tip_geometry import Swept, TipShape

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array
+from handlcp.check import Array, Ints
 from handlcp.errors import InputError, URDFError
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.cause.judge import Limits, exceeded, used
@@ -18,6 +18,7 @@ from handlcp.hand.objects.shapes import Box, Cylinder, Ellipsoid, Mesh, Sphere
 from handlcp.hand.objects.solid import box_of
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.tip_geometry import sphere_tip
+from handlcp.lcp.kernels.dense import kernel
 
 # ----------------------------------------------------------------
 # Links inside an object: which, and how deep. The model knows contacts of fingertips alone.
@@ -89,14 +90,15 @@ def _depth(points: Array, radii: Array, R: Array, p: Array, obj: Object) -> floa
     of a frame at p (3,) with rotation R (3, 3).
     """
     Q, q = obj.frame
-    x = points @ (Q.T @ R).T + Q.T @ (p - q)
+    if isinstance(obj, Mesh):  # few are in the box around it
+        x, of = np.empty_like(points), np.empty(len(points), np.int64)
+        count = _in_box(points, radii, Q.T @ R, Q.T @ (p - q), *box_of(obj.geometry), x, of)
+        x, radii = x[:count], radii[of[:count]]
+    else:
+        x = points @ (Q.T @ R).T + Q.T @ (p - q)
     known = _distances(x, obj)
     if known is not None:
         return float((radii - known).max())
-    if not isinstance(obj, Ellipsoid):  # few are in the box around a mesh
-        over = _off_box(x, obj).T
-        near = np.maximum(np.maximum(over[0], over[1]), over[2]) < radii
-        x, radii = x[near], radii[near]
     rough = _rough(x, obj) - radii
     least = np.argsort(rough)[: np.count_nonzero(rough < 0.0)]
     if not len(least):
@@ -106,6 +108,26 @@ def _depth(points: Array, radii: Array, R: Array, p: Array, obj: Object) -> floa
     if (nearby := obj.closest_all(at)) is not None:
         return float((radii[few] - nearby[0]).max())
     return max(-_ball_gap(x, float(r), obj) for x, r in zip(at, radii[few], strict=True))
+
+
+@kernel
+def _in_box(
+    points: Array, radii: Array, R: Array, p: Array, low: Array, high: Array, x: Array, of: Ints
+) -> int:  # fmt: skip
+    """How many of balls (m,) at points (m, 3) of a frame at p (3,) with rotation R (3, 3) reach into a box. Writes
+    where they are into x (m, 3), from the first row on, and their numbers into `of` (m,).
+    """
+    count = 0
+    for i in range(len(points)):
+        near = True
+        for a in range(3):
+            at = p[a] + R[a, 0] * points[i, 0] + R[a, 1] * points[i, 1] + R[a, 2] * points[i, 2]
+            x[count, a] = at
+            near = near and low[a] - radii[i] < at < high[a] + radii[i]
+        if near:
+            of[count] = i
+            count += 1
+    return count
 
 
 def distances(x: Array, obj: Object, within: Array | float = np.inf) -> Array:

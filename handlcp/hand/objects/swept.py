@@ -1,4 +1,4 @@
-"""Where a ball that is swept along a line or over a rectangle is nearest to an object, compiled.
+"""Where a ball that is swept along a line or over a rectangle is nearest to an object, or to its corner, compiled.
 
 A capsule is a ball swept along a line, the face of a box a ball without radius swept over a rectangle. Of all its
 stations c + s a + t b, -1 ≤ s, t ≤ 1, the nearest one counts. The signed distance φ of a convex object is a convex
@@ -130,3 +130,56 @@ def station_moves(N: Array, normal: Array, spans: Array, at: Array, arm: Array, 
         t = (D[0, 0] * right[1, j] - D[1, 0] * right[0, j]) / det
         for a in range(3):
             moves[a, j] += s * spans[0, a] + t * spans[1, a]
+
+
+# ----------------------------------------------------------------
+# A corner of an object that stands on a flat face of a link. The contact stays a point of the object, while the face
+# moves on below it. Its normal is the face's, and turns with the link; beyond the face's rim it turns about the rim,
+# which is round.
+
+
+@kernel
+def corner_contact(
+    x: Array, place: Array, R: Array, beside: Array, face: Array, radius: float, normal: Array, turn: Array,
+    shift: Array,
+) -> float:  # fmt: skip
+    """The gap between a corner at x (3,) and a face, a ball of this radius swept about `beside` (3,) along the rows of
+    `face` (2, 3), whose product points out of the link: in a frame at place (3,) with rotation R (3, 3). Writes the
+    normal (3,), and how it turns and the contact shifts with the link, which moves by v + ω × (x - place): turn, shift
+    (3, 6) as in `Touch`.
+    """
+    d, spans = x - place, np.zeros((2, 3))
+    for a in range(3):
+        for b in range(3):
+            d[a] -= R[a, b] * beside[b]
+            for k in range(2):
+                spans[k, a] += R[a, b] * face[k, b]
+    out = np.cross(spans[0], spans[1])
+    out /= np.sqrt(out @ out)
+    over = np.zeros((3, 3))  # takes what of a motion changes d: all of it that does not run along the face
+    for a in range(3):
+        for b in range(3):
+            over[a, b] = out[a] * out[b]
+    outside = False
+    for k in range(2):
+        size = spans[k] @ spans[k]
+        share = (d @ spans[k]) / size
+        if abs(share) > 1.0:
+            outside = True
+            for a in range(3):
+                for b in range(3):
+                    over[a, b] += spans[k, a] * spans[k, b] / size
+        d = d - min(max(share, -1.0), 1.0) * spans[k]
+    away = np.sqrt(d @ d) if outside else d @ out
+    normal[:] = d / away if outside else out
+    turn[:], shift[:] = 0.0, 0.0
+    arm, e = x - place, np.zeros(3)
+    for a in range(3):
+        e[:] = 0.0
+        e[a] = 1.0
+        turn[:, 3 + a] = np.cross(e, normal)
+        if outside:
+            moved, turned = over @ e, over @ np.cross(e, arm)
+            turn[:, a] = -(moved - normal * (normal @ moved)) / away
+            turn[:, 3 + a] -= (turned - normal * (normal @ turned)) / away
+    return float(away) - radius
