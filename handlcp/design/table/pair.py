@@ -34,7 +34,7 @@ from handlcp.design.table.doubts import (
 from handlcp.design.table.recipe import Recipe
 from handlcp.errors import HandLCPError, Unsupported
 from handlcp.hand.find.candidate import Candidate, candidate_of
-from handlcp.hand.find.find import PINCH, POWER, find_grasp
+from handlcp.hand.find.find import PINCH, POWER, missed, searches_of
 from handlcp.hand.find.power import MOST, SHARE
 from handlcp.hand.hand import Hand
 from handlcp.hand.objects.object import Object
@@ -49,10 +49,11 @@ KINDS = (PINCH, POWER)
 GIVEN_UP, FAILED = "GIVEN UP", "FAILED"  # verdicts beside those of an `ObjectCase`
 HELD, LOST = "HELD", "LOST"  # of MuJoCo
 
+_ASKED = {"friction": FRICTION, "gravity": (0.0, 0.0, -9.81)}
 _TRIES = {PINCH: 64, POWER: 12}  # one round of a search each; it goes on around what these find
 _HARDER = 1.05  # times: with less a pinch is closed hard enough
 _CLOSED = 4  # pinches of a search that are closed so, of which the one that holds most counts
-_DOUBTED = 0.75  # of the time for finding a grasp: what a firmer grip may take, and its interval
+_DOUBTED = 0.75  # of the time for finding grasps: what judging them may take, firmer ones included, and an interval
 _ANY = 1e-6  # times the weight: no payload is too small to be told
 _SAMPLES = 256
 _SPREAD = {"friction": 0.2, "stiffness": 0.35, "pads": 0.35, "mass": 0.05}  # shares, one standard deviation
@@ -99,7 +100,7 @@ def pair(asked: Asked, hand: Any, object: Any) -> list[Row]:
         try:
             row, candidate = _row(asked, asked.hand(hand), asked.object(object), kind)
         except OutOfTime:
-            row, candidate = _nothing(GIVEN_UP, f"no grasp within {asked.seconds:g} s of computing"), None
+            row, candidate = _nothing(GIVEN_UP, f"no grasp found and judged in {asked.seconds:g} s of computing"), None
         except Exception as error:  # whatever one pair raises, the others have their rows
             row, candidate = _nothing(FAILED, f"{type(error).__name__}: {error}"), None
         found.append(({"kind": kind, **row, "seconds": time.thread_time() - began}, candidate))
@@ -120,20 +121,29 @@ def _nothing(verdict: str, why: str) -> Row:
 
 
 def _row(asked: Asked, hand: Hand, obj: Object, kind: str) -> tuple[Row, Candidate | None]:
-    """Raises OutOfTime where finding and judging a grasp takes too long; what `find_grasp` raises."""
-    brief, known = Brief(obj, friction=FRICTION, kind=kind), Known()
-    with within(asked.seconds):
-        found = find_grasp(hand, obj, kind=kind, friction=FRICTION, tries=_TRIES[kind], throw=False)
+    """Raises OutOfTime where finding a grasp or judging it takes too long; what `find_grasp` raises."""
+    brief, left_out = Brief(obj, friction=FRICTION, kind=kind), list[str]()
+    search = searches_of(hand, obj, kind, _ASKED, hand.tip_numbers("fingers", None), 0)[0]
+    try:
+        with within(asked.seconds):
+            found = search.run(_TRIES[kind])
+    except OutOfTime:
+        found = sorted(search.found, key=lambda one: one.rank)
         if not found:
-            return _nothing(NOT_FOUND, found.why.partition(" found: ")[2]), None
-        case, recipe = judged(brief, obj, found[0], known), Recipe.of(kind, found[0].grasp)
-    left_out = list[str]()
+            raise
+        left_out.append("further places")
+    if not found:
+        return _nothing(NOT_FOUND, missed(obj, [search]).partition(" found: ")[2]), None
+    case = None
     try:
         with within(_DOUBTED * asked.seconds):
+            case, recipe = judged(brief, obj, found[0], Known()), Recipe.of(kind, found[0].grasp)
             for one in found[:_CLOSED] if kind == PINCH else ():
                 if (firm := _firm(hand, obj, brief, one)) is not None and _worth(firm[0]) > _worth(case):
                     case, recipe = firm
     except OutOfTime:
+        if case is None:
+            raise
         left_out.append("a firmer grip")
     assert case.candidate is not None
     audit = hand.audit()

@@ -23,12 +23,13 @@ _WORTH = 0.5  # of the best: what holds no more is not followed any further
 
 class Chooser:
     """Of both kinds of search. tried : how many places, and grasps, came how far. refused : the grasps that one solve
-    holds and the check does not, or not surely.
+    holds and the check does not, or not surely. found : those that were followed so far, in that order.
     """
 
     def __init__(self, sampled: int) -> None:
         self.tried: Counter[str] = Counter(sampled=sampled)
         self.refused: list[Candidate] = []
+        self.found: list[Candidate] = []
 
     def checked(self, some: Sequence[Candidate], most: int) -> list[Candidate]:
         """Those from the first one on that the check is sure of; none where it is of none of the first so many."""
@@ -54,6 +55,7 @@ class Chooser:
             tick(f"following grasp {self.tried['followed']}")
             if (held := _followed(sure, _WORTH * best)) is not None:
                 found.append(held)
+                self.found.append(held)
                 best = max(best, firmest([held]))
             elif not best:
                 self.refused.append(sure)
