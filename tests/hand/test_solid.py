@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from handlcp.hand.objects.solid import beyond, support
-from handlcp.hand.robot.link_surface import planes
+from tests.support.hand import beyond, planes, support
 from tests.support.kernels import interpreted
 
 RNG = np.random.default_rng(4)

@@ -16,8 +16,10 @@ from handlcp.hand.library import SHIPPED, allegro, psyonic, urdf
 from handlcp.hand.objects.detect import nearest
 from handlcp.hand.objects.distance import distance
 from handlcp.hand.objects.inside import links_inside
+from handlcp.hand.objects.solid import beyond, support
 from handlcp.hand.objects.table import RIM, _needed as _points_needed
 from handlcp.hand.robot.audit import doubt_reasons
+from handlcp.hand.robot.link_surface import planes
 from handlcp.hand.robot.posture import contact_hessian
 from handlcp.hand.robot.source.servos import ServoStiffness
 from handlcp.hand.robot.tip_geometry import TipShape, sphere_tip
@@ -32,6 +34,7 @@ __all__ = [
     "ServoStiffness",
     "allegro",
     "ball_near",
+    "beyond",
     "configuration",
     "curvature",
     "deflection",
@@ -48,9 +51,11 @@ __all__ = [
     "link_gap",
     "links_inside",
     "mimic",
+    "planes",
     "points_needed",
     "psyonic",
     "shape_near",
+    "support",
     "tendons_of",
     "torque_check_of",
     "under_load",

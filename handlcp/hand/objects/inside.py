@@ -90,16 +90,15 @@ def _depth(points: Array, radii: Array, R: Array, p: Array, obj: Object) -> floa
     of a frame at p (3,) with rotation R (3, 3).
     """
     Q, q = obj.frame
-    if isinstance(obj, Mesh):  # few are in the box around it
-        x, of = np.empty_like(points), np.empty(len(points), np.int64)
-        count = _in_box(points, radii, Q.T @ R, Q.T @ (p - q), *box_of(obj.geometry), x, of)
-        x, radii = x[:count], radii[of[:count]]
+    if isinstance(obj, Mesh):
+        x, rough, of = np.empty_like(points), np.empty(len(points)), np.empty(len(points), np.int64)
+        count = _in_box(points, radii, Q.T @ R, Q.T @ (p - q), *box_of(obj.geometry), x, rough, of)
+        x, rough, radii = x[:count], rough[:count], radii[of[:count]]
     else:
         x = points @ (Q.T @ R).T + Q.T @ (p - q)
-    known = _distances(x, obj)
-    if known is not None:
-        return float((radii - known).max())
-    rough = _rough(x, obj) - radii
+        if (known := _distances(x, obj)) is not None:
+            return float((radii - known).max())
+        rough = _rough(x, obj) - radii
     least = np.argsort(rough)[: np.count_nonzero(rough < 0.0)]
     if not len(least):
         return 0.0
@@ -112,19 +111,22 @@ def _depth(points: Array, radii: Array, R: Array, p: Array, obj: Object) -> floa
 
 @kernel
 def _in_box(
-    points: Array, radii: Array, R: Array, p: Array, low: Array, high: Array, x: Array, of: Ints
+    points: Array, radii: Array, R: Array, p: Array, low: Array, high: Array, x: Array, gaps: Array, of: Ints
 ) -> int:  # fmt: skip
-    """How many of balls (m,) at points (m, 3) of a frame at p (3,) with rotation R (3, 3) reach into a box. Writes
-    where they are into x (m, 3), from the first row on, and their numbers into `of` (m,).
+    """How many of balls (m,) at points (m, 3) of a frame at p (3,) with rotation R (3, 3) reach into a box. Writes,
+    from the first row on, where they are into x (m, 3), their signed distances from the box, and their numbers.
     """
     count = 0
     for i in range(len(points)):
-        near = True
+        off2, most = 0.0, -np.inf
         for a in range(3):
             at = p[a] + R[a, 0] * points[i, 0] + R[a, 1] * points[i, 1] + R[a, 2] * points[i, 2]
             x[count, a] = at
-            near = near and low[a] - radii[i] < at < high[a] + radii[i]
-        if near:
+            off = max(low[a] - at, at - high[a])
+            most = max(most, off)
+            off2 += max(off, 0.0) ** 2
+        gaps[count] = np.sqrt(off2) + min(most, 0.0) - radii[i]
+        if gaps[count] < 0.0:
             of[count] = i
             count += 1
     return count
@@ -168,13 +170,8 @@ def _rough(x: Array, obj: Object) -> Array:
     if isinstance(obj, Ellipsoid):
         level = np.linalg.norm(x / obj.radii, axis=1)
         return np.asarray((level - 1.0) * float(obj.radii.min()))
-    return _from_box(_off_box(x, obj))
-
-
-def _off_box(x: Array, obj: Object) -> Array:
-    """(m, 3) how far points (m, 3) are beyond the faces of the box around a mesh, along each edge [m]."""
-    low, high = box_of(obj.geometry)
-    return np.asarray(abs(x - 0.5 * (low + high)) - 0.5 * (high - low))
+    low, high = box_of(obj.geometry)  # around a mesh
+    return _from_box(abs(x - 0.5 * (low + high)) - 0.5 * (high - low))
 
 
 def _corners(obj: Object) -> Array:

@@ -115,6 +115,7 @@ def _round(to: Array, axis: Array) -> Ints:
 
 NET = 2e-3  # [m] between points: on a ball of 25 mm a depth is then seen to 0.03 mm
 _FINEST = 60  # points along the edge of a triangle, at most
+_APART = 1e-7  # [m] points that are nearer to each other are one
 _AROUND = 16  # points around a cylinder, at least
 
 _SHAPES = (coal.Sphere, coal.Capsule, coal.Cylinder, coal.Box, coal.BVHModelBase, coal.ConvexBase)
@@ -143,7 +144,12 @@ class LinkSurface:
         """Points (m, 3) in the link's frame and radii (m,) : balls whose surfaces are, or lie on, the link's [m]."""
         nets = [(x @ R.T + p, r) for shape, R, p in self.parts for x, r in _net(shape)]
         points, radii = (np.concatenate(both) for both in zip(*nets, strict=True))
-        return read_only(points), read_only(radii)
+        # Triangles have their corners and edges in common: half of the points or more are there already
+        places = np.round(np.column_stack([points, radii]) / _APART)
+        order = np.lexsort(places.T)
+        new = np.append(True, (np.diff(places[order], axis=0) != 0.0).any(axis=1))
+        once = np.sort(order[new])
+        return read_only(points[once]), read_only(radii[once])
 
     def __getstate__(self) -> dict[str, Any]:
         """With the net in place of the shapes, some of which cannot be pickled."""
