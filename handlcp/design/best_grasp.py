@@ -10,7 +10,9 @@ round hangs on those before it alone: so with more tries the same search goes on
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -18,6 +20,7 @@ from handlcp.check import Array
 from handlcp.design.brief import WEIGHT, Brief
 from handlcp.design.evaluation import NOT_FOUND, ObjectCase
 from handlcp.design.judged import Known, judged, unloaded
+from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.grasp.limits.followed import Before
 from handlcp.grasp.model.spec import GraspSpec
@@ -39,10 +42,10 @@ def best_grasp(hand: Hand, brief: Brief, obj: Object, known: Known) -> ObjectCas
     """Of this object, searched for and judged; NOT FOUND with its reason where there is none."""
     asked = {"friction": brief.friction, "gravity": (0.0, 0.0, -9.81), **brief.closing}
     searches = searches_of(hand, obj, brief.kind, asked, hand.tip_numbers("fingers", None), brief.seed)
-    best = _Best(brief, obj)
+    best = Best(brief, obj)
     for search in searches:
         if isinstance(search, Search):
-            _pinches(best, search, brief)
+            pinches(best, search, brief.tries, brief.seed)
         else:
             for one in search.run(brief.tries):
                 if best.may_be(one.grasp):
@@ -53,14 +56,20 @@ def best_grasp(hand: Hand, brief: Brief, obj: Object, known: Known) -> ObjectCas
     return ObjectCase(NOT_FOUND, dict.fromkeys(names, NOT_FOUND), dict.fromkeys(names, 0.0), 0.0, why)
 
 
-def _pinches(best: _Best, search: Search, brief: Brief) -> None:
-    """All rounds of a search."""
-    places, rng = search.places(brief.tries), np.random.default_rng(brief.seed)
+Held: TypeAlias = tuple[HandGrasp, GraspSolution]  # by one solve
+
+
+def pinches(
+    best: Best, search: Search, tries: int, seed: int, closed: Callable[[Held], list[Held]] = lambda held: [held]
+) -> None:
+    """All rounds of a search. closed : of a grasp with planned forces, those that are tried in its place."""
+    places, rng = search.places(tries), np.random.default_rng(seed)
 
     def better(some: list[Place]) -> bool:
         """Whether one of the grasps from these places is."""
         found = False
-        hopeful = [candidate_of(PINCH, *held) for held in search.held(some) if best.may_be(held[0])]
+        made = [one for held in search.held(some) for one in closed(held)]
+        hopeful = [candidate_of(PINCH, *one) for one in made if best.may_be(one[0])]
         for one in sorted(hopeful, key=lambda one: one.rank):  # asked again once one of them is the best
             if (not found or best.may_be(one.grasp)) and search.checked([one], 1):
                 found |= best.offer(one)
@@ -77,17 +86,17 @@ def _pinches(best: _Best, search: Search, brief: Brief) -> None:
                 share *= _WIDER if better([near]) else _NARROWER
 
 
-class _Best:
-    """The best grasp so far."""
+class Best:
+    """The best grasp so far. case : how it was judged; None before there is one."""
 
     def __init__(self, brief: Brief, obj: Object) -> None:
         self._brief, self._obj, self._fell_at = replace(brief, orientations=SIX), obj, 0
-        self._case: ObjectCase | None = None
+        self.case: ObjectCase | None = None
 
     @property
     def one(self) -> Candidate | None:
         """That grasp."""
-        return None if self._case is None else self._case.candidate
+        return None if self.case is None else self.case.candidate
 
     @property
     def place(self) -> Place:
@@ -98,7 +107,7 @@ class _Best:
     @property
     def holds(self) -> bool:
         """Whether it does all that is asked."""
-        return self._case is not None and self._case.word == HELD
+        return self.case is not None and self.case.word == HELD
 
     def may_be(self, grasp: HandGrasp) -> bool:
         """Whether a grasp holds more than the best one; the load at which the last one fell behind comes first."""
@@ -116,18 +125,18 @@ class _Best:
         """Take it where it is better than the best one."""
         known = Known(np.inf, self._brief.safety)  # loads need be followed no further
         case = judged(self._brief, self._obj, one, known)
-        if self._case is not None and _worth(case) <= _worth(self._case):
+        if self.case is not None and _worth(case) <= _worth(self.case):
             return False
-        self._case = case
+        self.case = case
         return True
 
     def _to_hold(self, grasp: HandGrasp) -> list[tuple[GraspSpec, Array, float]]:
         """Loads (6,) on a grasp, each with the factor of which a better grasp holds more."""
-        if self._case is None:
+        if self.case is None:
             return []
         enough = (1.0 - _BELOW) * self._brief.safety
-        least = enough if self.holds else min(self._case.factor, enough)
-        weight = self._case.payload if self.holds else least * self._obj.mass
+        least = enough if self.holds else min(self.case.factor, enough)
+        weight = self.case.payload if self.holds else least * self._obj.mass
         weights = [(*pull, weight) for pull in pulls_of(grasp, self._brief.acceleration)]
         return weights + [(grasp.spec, load, least) for load in self._brief.loads.values()]
 

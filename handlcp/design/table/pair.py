@@ -1,11 +1,11 @@
 """One pair of a hand and an object: the best grasp of each kind, what it holds, how sure that is, MuJoCo's verdict.
 
-A search plans fingertip forces for the object's weight, which says little of what a hand could hold. So its four best
-pinches are also closed as hard as a power grasp: until the weakest motor gives half of what it can, or 0.5 N·m. The one
-that holds most counts.
+A search plans fingertip forces for the object's weight, which says little of what a hand could hold. So the pinches
+that it finds are also closed as hard as a power grasp: until the weakest motor gives half of what it can, or 0.5 N·m.
+The one that holds most counts, and is varied as long as there is time.
 
 Both are judged as `evaluate` judges grasps: by their loading, followed in steps, with gravity along each axis of the
-hand's base. What takes longer than it may is given up, and the row says so.
+hand's base. What takes longer than it may is left out, and the row says so.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from handlcp.design.best_grasp import Best, Held, pinches
 from handlcp.design.brief import Brief
 from handlcp.design.evaluation import NOT_FOUND, ObjectCase
 from handlcp.design.judged import Known, judged
@@ -35,8 +36,10 @@ from handlcp.design.table.recipe import Recipe
 from handlcp.errors import HandLCPError, Unsupported
 from handlcp.hand.find.candidate import Candidate, candidate_of
 from handlcp.hand.find.find import PINCH, POWER, missed, searches_of
-from handlcp.hand.find.power import MOST, SHARE
+from handlcp.hand.find.pinch import Search
+from handlcp.hand.find.power import MOST, SHARE, PowerSearch
 from handlcp.hand.hand import Hand
+from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.object import Object
 from handlcp.lcp.compiler.when import at_once
 from handlcp.progress import OutOfTime, within
@@ -50,10 +53,9 @@ GIVEN_UP, FAILED = "GIVEN UP", "FAILED"  # verdicts beside those of an `ObjectCa
 HELD, LOST = "HELD", "LOST"  # of MuJoCo
 
 _ASKED = {"friction": FRICTION, "gravity": (0.0, 0.0, -9.81)}
-_TRIES = {PINCH: 64, POWER: 12}  # one round of a search each; it goes on around what these find
+_TRIES = {PINCH: 256, POWER: 12}
 _HARDER = 1.05  # times: with less a pinch is closed hard enough
-_CLOSED = 4  # pinches of a search that are closed so, of which the one that holds most counts
-_DOUBTED = 0.75  # of the time for finding grasps: what judging them may take, firmer ones included, and an interval
+_DOUBTED = 0.75  # of the time for finding grasps: what judging them may take, and the interval
 _ANY = 1e-6  # times the weight: no payload is too small to be told
 _SAMPLES = 256
 _SPREAD = {"friction": 0.2, "stiffness": 0.35, "pads": 0.35, "mass": 0.05}  # shares, one standard deviation
@@ -124,28 +126,13 @@ def _row(asked: Asked, hand: Hand, obj: Object, kind: str) -> tuple[Row, Candida
     """Raises OutOfTime where finding a grasp or judging it takes too long; what `find_grasp` raises."""
     brief, left_out = Brief(obj, friction=FRICTION, kind=kind), list[str]()
     search = searches_of(hand, obj, kind, _ASKED, hand.tip_numbers("fingers", None), 0)[0]
-    try:
-        with within(asked.seconds):
-            found = search.run(_TRIES[kind])
-    except OutOfTime:
-        found = sorted(search.found, key=lambda one: one.rank)
-        if not found:
-            raise
-        left_out.append("further places")
-    if not found:
+    if isinstance(search, Search):
+        case = _pinch(asked, search, hand, brief, left_out)
+    else:
+        case = _power(asked, search, brief, left_out)
+    if case is None or case.candidate is None:
         return _nothing(NOT_FOUND, missed(obj, [search]).partition(" found: ")[2]), None
-    case = None
-    try:
-        with within(_DOUBTED * asked.seconds):
-            case, recipe = judged(brief, obj, found[0], Known()), Recipe.of(kind, found[0].grasp)
-            for one in found[:_CLOSED] if kind == PINCH else ():
-                if (firm := _firm(hand, obj, brief, one)) is not None and _worth(firm[0]) > _worth(case):
-                    case, recipe = firm
-    except OutOfTime:
-        if case is None:
-            raise
-        left_out.append("a firmer grip")
-    assert case.candidate is not None
+    recipe = Recipe.of(kind, case.candidate.grasp)
     audit = hand.audit()
     interval = _interval(asked, hand, brief, recipe, case)
     interval["left_out"] = "; ".join([*left_out, *interval["left_out"]])
@@ -163,33 +150,44 @@ def _judged(hand: Hand) -> bool:
     return bool(np.isfinite(hand.torque_limits).any())
 
 
-def _worth(case: ObjectCase) -> tuple[bool, float]:
-    """What grasps are compared by, the larger the better."""
-    return case.word == HELD, case.payload
-
-
-def _firm(hand: Hand, obj: Object, brief: Brief, one: Candidate) -> tuple[ObjectCase, Recipe] | None:
-    """A pinch closed until the weakest motor gives half of what it can; None where it does so already, or is lost."""
-    torques = abs(one.solution.torques)
-    allowed = np.minimum(SHARE * hand.torque_limits, MOST)
-    times = float((allowed / np.maximum(torques, 1e-9)).min(initial=np.inf))
-    if not _HARDER < times < np.inf:
-        return None
-    harder = Recipe.of(PINCH, one.grasp).harder(times)
+def _power(asked: Asked, search: PowerSearch, brief: Brief, left_out: list[str]) -> ObjectCase | None:
+    """The power grasp that holds most in its worst direction; of those found so far where there is no more time."""
     try:
-        case = _case(hand, obj, brief, harder)
+        with within(asked.seconds):
+            found = search.run(_TRIES[POWER])
+    except OutOfTime:
+        if not (found := sorted(search.found, key=lambda one: one.rank)):
+            raise
+        left_out.append("further places")
+    with within(_DOUBTED * asked.seconds):
+        return judged(brief, brief.objects["object"], found[0], Known()) if found else None
+
+
+def _pinch(asked: Asked, search: Search, hand: Hand, brief: Brief, left_out: list[str]) -> ObjectCase | None:
+    """The pinch that holds most, closed firmly or as planned; of those judged so far where there is no more time."""
+    best = Best(brief, brief.objects["object"])
+    try:
+        with within(asked.seconds):
+            pinches(best, search, _TRIES[PINCH], brief.seed, lambda held: [*_firm(hand, brief, *held), held])
+    except OutOfTime:
+        if best.case is None:
+            raise
+        left_out.append("further places")
+    return best.case
+
+
+def _firm(hand: Hand, brief: Brief, grasp: HandGrasp, solution: Any) -> list[Held]:
+    """A pinch closed until the weakest motor gives half of what it can; none where it does so already, or is lost."""
+    allowed = np.minimum(SHARE * hand.torque_limits, MOST)
+    times = float((allowed / np.maximum(abs(solution.torques), 1e-9)).min(initial=np.inf))
+    if not _HARDER < times < np.inf:
+        return []
+    try:
+        closed = Recipe.of(PINCH, grasp).harder(times).grasp(hand, brief.objects["object"], brief.friction)
+        solution = closed.solve(throw=False, proof=False)
     except HandLCPError:  # tips that no longer touch where they did
-        return None
-    return None if case is None else (case, harder)
-
-
-def _case(hand: Hand, obj: Object, brief: Brief, recipe: Recipe) -> ObjectCase | None:
-    """Of a grasp that is made from its recipe; None where one solve does not hold it."""
-    grasp = recipe.grasp(hand, obj, brief.friction)
-    solution = grasp.solve(throw=False, proof=False)
-    if not solution.held:
-        return None
-    return judged(brief, obj, candidate_of(recipe.kind, grasp, solution), Known())
+        return []
+    return [(closed, solution)] if solution.held else []
 
 
 # ----------------------------------------------------------------
