@@ -144,12 +144,7 @@ class LinkSurface:
         """Points (m, 3) in the link's frame and radii (m,) : balls whose surfaces are, or lie on, the link's [m]."""
         nets = [(x @ R.T + p, r) for shape, R, p in self.parts for x, r in _net(shape)]
         points, radii = (np.concatenate(both) for both in zip(*nets, strict=True))
-        # Triangles have their corners and edges in common: half of the points or more are there already
-        places = np.round(np.column_stack([points, radii]) / _APART)
-        order = np.lexsort(places.T)
-        new = np.append(True, (np.diff(places[order], axis=0) != 0.0).any(axis=1))
-        once = np.sort(order[new])
-        return read_only(points[once]), read_only(radii[once])
+        return read_only(points), read_only(radii)
 
     def __getstate__(self) -> dict[str, Any]:
         """With the net in place of the shapes, some of which cannot be pickled."""
@@ -195,7 +190,7 @@ def _radius(shape: Any) -> float:
 def _net(shape: Any) -> Iterator[Points]:
     """Of a shape, in its own frame."""
     if isinstance(shape, _MESHES):
-        yield from (_bare(points) for points in _triangles(_surface(shape)))
+        yield _bare(_once(np.concatenate(list(_triangles(_surface(shape))))))
     elif isinstance(shape, coal.Box):
         yield _bare(_box(2 * np.array(shape.halfSide).reshape(3)))
     elif isinstance(shape, coal.Cylinder):
@@ -205,6 +200,14 @@ def _net(shape: Any) -> Iterator[Points]:
         yield np.outer(z, (0.0, 0.0, 1.0)), np.full(len(z), shape.radius)
     else:
         yield np.zeros((1, 3)), np.array([shape.radius])
+
+
+def _once(points: Array) -> Array:
+    """Each of points (m, 3) once: triangles have corners and edges in common, half of a net or more."""
+    places = np.round(points / _APART)
+    order = np.lexsort(places.T)
+    new = np.append(True, (np.diff(places[order], axis=0) != 0.0).any(axis=1))
+    return np.asarray(points[np.sort(order[new])])
 
 
 def _bare(points: Array) -> Points:
