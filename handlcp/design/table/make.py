@@ -40,8 +40,8 @@ def table(
         missing, and other hands and objects join those that are there. `table.parquet` and `table.json` are for others;
         `HandTable.page` writes a page.
     executor : as of `sweep`: None: processes, one a core; any `concurrent.futures` executor; a Dask client; "serial".
-    kinds : of grasps. seconds : of computing that finding grasps of a kind may take, and three quarters of that each
-        for judging the best of them and for the interval: what takes longer is left out, and the row says so.
+    kinds : of grasps. seconds : of computing that finding a power grasp may take, half of that for pinches, and three
+        quarters each for judging and for the interval: what takes longer is left out, and the row says so.
     simulated : whether MuJoCo is asked; without it installed rows say that it was not. progress : as of `sweep`.
 
     Raises InputError, also for a folder with a table of another version or other settings; UnknownName. A pair that

@@ -55,7 +55,7 @@ HELD, LOST = "HELD", "LOST"  # of MuJoCo
 _ASKED = {"friction": FRICTION, "gravity": (0.0, 0.0, -9.81)}
 _TRIES = {PINCH: 256, POWER: 12}
 _HARDER = 1.05  # times: with less a pinch is closed hard enough
-_DOUBTED = 0.75  # of the time for finding grasps: what judging them may take, and the interval
+_PINCHED, _DOUBTED = 0.5, 0.75  # of the time for finding power grasps: for pinches; to judge them, and for the interval
 _ANY = 1e-6  # times the weight: no payload is too small to be told
 _SAMPLES = 256
 _SPREAD = {"friction": 0.2, "stiffness": 0.35, "pads": 0.35, "mass": 0.05}  # shares, one standard deviation
@@ -167,7 +167,7 @@ def _pinch(asked: Asked, search: Search, hand: Hand, brief: Brief, left_out: lis
     """The pinch that holds most, closed firmly or as planned; of those judged so far where there is no more time."""
     best = Best(brief, brief.objects["object"])
     try:
-        with within(asked.seconds):
+        with within(_PINCHED * asked.seconds):
             pinches(best, search, _TRIES[PINCH], brief.seed, lambda held: [*_firm(hand, brief, *held), held])
     except OutOfTime:
         if best.case is None:
