@@ -60,9 +60,12 @@ Held: TypeAlias = tuple[HandGrasp, GraspSolution]  # by one solve
 
 
 def pinches(
-    best: Best, search: Search, tries: int, seed: int, closed: Callable[[Held], list[Held]] = lambda held: [held]
-) -> None:
-    """All rounds of a search. closed : of a grasp with planned forces, those that are tried in its place."""
+    best: Best, search: Search, tries: int, seed: int, trials: int = _TRIALS,
+    closed: Callable[[Held], list[Held]] = lambda held: [held],
+) -> None:  # fmt: skip
+    """All rounds of a search. trials : around a better grasp. closed : of a grasp with planned forces, those that are
+    tried in its place.
+    """
     places, rng = search.places(tries), np.random.default_rng(seed)
 
     def better(some: list[Place]) -> bool:
@@ -81,7 +84,7 @@ def pinches(
             if best.holds:
                 return
         elif len(some) == SOLVED:
-            for _ in range(_TRIALS):
+            for _ in range(trials):
                 near = search.nearby(best.place, rng, share)
                 share *= _WIDER if better([near]) else _NARROWER
 

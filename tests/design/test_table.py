@@ -30,7 +30,9 @@ def own():
 def one():
     """A table of one hand and a ball, pinched."""
     with TemporaryDirectory() as folder:
-        return hl.table({"mine": own()}, {"ball": BALL}, folder, "serial", kinds=("pinch",), simulated=False)
+        return hl.table(
+            {"mine": own()}, {"ball": BALL}, folder, "serial", kinds=("pinch",), seconds=60.0, simulated=False
+        )
 
 
 def quick(done):

@@ -165,7 +165,7 @@ def test_the_payload_is_held_and_a_little_more_is_not():
 def test_the_split_cylinder_measures_what_one_half_presses_on_the_other():
     task = ran("grip_strength")
     pinch = task["pinch"]
-    assert pinch.force == pytest.approx(10.91, rel=1e-2)
+    assert pinch.force == pytest.approx(9.99, rel=1e-2)
     assert pinch.word == "HELD"
     assert pinch.solution.torque_check.utilisation.max() == pytest.approx(1.0, abs=1e-6)
     contacts = pinch.around

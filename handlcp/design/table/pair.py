@@ -54,6 +54,7 @@ HELD, LOST = "HELD", "LOST"  # of MuJoCo
 
 _ASKED = {"friction": FRICTION, "gravity": (0.0, 0.0, -9.81)}
 _TRIES = {PINCH: 256, POWER: 12}
+_TRIALS = 8  # around a better pinch
 _HARDER = 1.05  # times: with less a pinch is closed hard enough
 _PINCHED, _DOUBTED = 0.5, 0.75  # of the time for finding power grasps: for pinches; to judge them, and for the interval
 _ANY = 1e-6  # times the weight: no payload is too small to be told
@@ -168,7 +169,7 @@ def _pinch(asked: Asked, search: Search, hand: Hand, brief: Brief, left_out: lis
     best = Best(brief, brief.objects["object"])
     try:
         with within(_PINCHED * asked.seconds):
-            pinches(best, search, _TRIES[PINCH], brief.seed, lambda held: [*_firm(hand, brief, *held), held])
+            pinches(best, search, _TRIES[PINCH], brief.seed, _TRIALS, lambda held: [*_firm(hand, brief, *held), held])
     except OutOfTime:
         if best.case is None:
             raise

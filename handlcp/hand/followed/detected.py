@@ -18,7 +18,7 @@ from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.path.newton.tangent import skew
 from handlcp.hand.followed.flush import Flush, flush
 from handlcp.hand.objects.detect import Proximity, nearest_beside, nearest_to
-from handlcp.hand.objects.flat import TILT
+from handlcp.hand.objects.flat import leaning
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.solid import size_of
 from handlcp.hand.objects.swept import corner_contact
@@ -192,7 +192,7 @@ class Detected:
         least -= np.sqrt((moved * moved).sum()) + self._reach[i] * np.sqrt((turned * turned).sum())
         found, gap = dict[int, Proximity](), np.inf
         for k in np.argsort(least, kind="stable").tolist():
-            if gap + 4.0 * self.step + 4.0 * TILT * self._reach[i] < least[k]:
+            if gap + 4.0 * self.step + 2.0 * leaning(self._reach[i]) < least[k]:
                 break
             found[k] = nearest_to(tip[k], at, own, self.obj)
             least[k] = found[k].gap

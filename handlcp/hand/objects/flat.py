@@ -31,7 +31,7 @@ def tilted(
     """
     x, n = across_in(R, near.normal), near.normal
     axes = np.stack([x, cross_rows(n, x), n], axis=1)
-    away = 2.0 * angle * max(size_of(shape.geometry) for shape in shapes)
+    away = leaning(max(size_of(shape.geometry) for shape in shapes), angle)
     own, opposite = np.empty((8, 3)), np.empty((8, 3))
     for k, turn in enumerate(axes @ _turns(angle) @ axes.T):
         lifted = near.tip_point - away * n
@@ -39,6 +39,11 @@ def tilted(
         own[k] = near.tip_point + (there.tip_point - lifted) @ turn
         opposite[k] = there.position
     return own, opposite
+
+
+def leaning(size: float, angle: float = TILT) -> float:
+    """[m] By how much the gap of a shape of this size [m] changes as it is tilted, at most."""
+    return 2.0 * angle * size
 
 
 @lru_cache(maxsize=8)
