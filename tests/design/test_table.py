@@ -117,7 +117,7 @@ def test_another_object_of_the_same_name_is_another_pair(tmp_path, done):
 
 def test_a_table_of_other_settings_is_refused(tmp_path, done):
     hl.table({"a": own()}, {"ball": BALL}, tmp_path, "serial")
-    with pytest.raises(hl.InputError, match=r"seconds \(15.0, now 5.0\)"):
+    with pytest.raises(hl.InputError, match=r"seconds \(9.0, now 5.0\)"):
         hl.table({"a": own()}, {"ball": BALL}, tmp_path, "serial", seconds=5.0)
 
 
