@@ -9,6 +9,7 @@ import typer
 from rich.console import Console
 
 from handlcp.cli.app import Json, app, print_json, say_files
+from handlcp.design.table import SECONDS
 from handlcp.record import pick
 
 
@@ -18,7 +19,7 @@ def table(
     hands: Annotated[str | None, typer.Option(help="Names with commas between them; without: all there are.")] = None,
     objects: Annotated[str | None, typer.Option(help="Names with commas; without: YCB, ball, cylinder.")] = None,
     kinds: Annotated[str, typer.Option(help="Kinds of grasps.")] = "pinch,power",
-    seconds: Annotated[float, typer.Option(help="Of computing that finding one grasp may take.")] = 9.0,
+    seconds: Annotated[float, typer.Option(help="Of computing that finding one grasp may take.")] = SECONDS,
     mujoco: Annotated[bool, typer.Option(help="Whether MuJoCo judges the better grasp of each pair.")] = True,
     serial: Annotated[bool, typer.Option("--serial", help="In this process alone, not one for each core.")] = False,
     json: Json = False,

@@ -31,6 +31,7 @@ from handlcp.hand.find.pinch import SOLVED, Search, place_of
 from handlcp.hand.hand import Hand
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.object import Object
+from handlcp.hand.robot.posture import GRAVITY
 from handlcp.study.payload.ask import SIX, pulls_of
 
 _TRIALS = 24  # around a better grasp
@@ -40,7 +41,7 @@ _BELOW = 1e-9  # relative: as much less than the safety need not be exceeded by 
 
 def best_grasp(hand: Hand, brief: Brief, obj: Object, known: Known) -> ObjectCase:
     """Of this object, searched for and judged; NOT FOUND with its reason where there is none."""
-    asked = {"friction": brief.friction, "gravity": (0.0, 0.0, -9.81), **brief.closing}
+    asked = {"friction": brief.friction, "gravity": GRAVITY, **brief.closing}
     searches = searches_of(hand, obj, brief.kind, asked, hand.tip_numbers("fingers", None), brief.seed)
     best = Best(brief, obj)
     for search in searches:

@@ -14,6 +14,7 @@ from handlcp.design.sweep.run import rows_of
 from handlcp.design.sweep.same import digest
 from handlcp.design.sweep.table import write_table
 from handlcp.design.sweep.work import DESIGN, Row, packed
+from handlcp.design.table import SECONDS
 from handlcp.design.table.catalogue import TABLE_HANDS, Source, object_of, source, table_objects
 from handlcp.design.table.pair import KINDS, Asked, flat, work
 from handlcp.design.table.result import HandTable
@@ -24,7 +25,6 @@ from handlcp.progress import Progress, told
 from handlcp.version import VERSION
 
 ROWS, PARQUET, JSON = "table.rows", "table.parquet", "table.json"  # in the folder of a table
-SECONDS = 9.0  # as in `cli/table.py`: the whole table in three hours on two cores
 
 
 def table(

@@ -41,6 +41,7 @@ from handlcp.hand.find.power import MOST, SHARE, PowerSearch
 from handlcp.hand.hand import Hand
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.object import Object
+from handlcp.hand.robot.posture import GRAVITY
 from handlcp.lcp.compiler.when import at_once
 from handlcp.progress import OutOfTime, within
 from handlcp.record import plain
@@ -52,7 +53,7 @@ KINDS = (PINCH, POWER)
 GIVEN_UP, FAILED = "GIVEN UP", "FAILED"  # verdicts beside those of an `ObjectCase`
 HELD, LOST = "HELD", "LOST"  # of MuJoCo
 
-_ASKED = {"friction": FRICTION, "gravity": (0.0, 0.0, -9.81)}
+_ASKED = {"friction": FRICTION, "gravity": GRAVITY}
 _TRIES = {PINCH: 256, POWER: 12}
 _TRIALS = 8  # around a better pinch
 _HARDER = 1.05  # times: with less a pinch is closed hard enough

@@ -145,6 +145,15 @@ class _Pair:
 
 
 @kernel
+def _seen_from(at: Array, point: Array, x: Array) -> None:
+    """Write a point (3,) of the world as a shape's own axes have it; at (4, 3) : as in `furthest_along`."""
+    for a in range(3):
+        x[a] = 0.0
+        for b in range(3):
+            x[a] += at[b, a] * (point[b] - at[3, b])
+
+
+@kernel
 def _agrees(
     one: Solid, at: Array, two: Solid, there: Array, gap: float, claimed: Array, points: float, allowed: float
 ) -> bool:  # fmt: skip
@@ -157,16 +166,10 @@ def _agrees(
     for a in range(3):
         if not abs(claimed[1, a] - claimed[0, a] - gap * n[a]) <= points:
             return False
-    for a in range(3):
-        x[a] = 0.0
-        for b in range(3):
-            x[a] += at[b, a] * (claimed[0, b] - at[3, b])
+    _seen_from(at, claimed[0], x)
     if not out_of(one, x) <= points:
         return False
-    for a in range(3):
-        x[a] = 0.0
-        for b in range(3):
-            x[a] += there[b, a] * (claimed[1, b] - there[3, b])
+    _seen_from(there, claimed[1], x)
     if not out_of(two, x) <= points:
         return False
     ends = np.empty((2, 1, 3))
