@@ -10,7 +10,6 @@ from __future__ import annotations
 import ast
 import pathlib
 import re
-from collections import Counter
 from functools import cache
 
 import handlcp
@@ -46,13 +45,6 @@ GRASP = [
     "search", "solve", "analysis", "path", "verdict", "limits", "margins", "design", "questions", "grasp", "batch",
 ]  # fmt: skip
 FILES = sorted(p for p in ROOT.rglob("*.py") if p.parent != ROOT or p.stem in ORDER)
-MOST = 14  # files of a folder, besides its __init__.py
-LISTS = (
-    "effects",
-    "friction",
-    "parameter",
-    "solvers",
-)  # folders of one kind of thing, of which there may be any number
 
 
 def dotted(file):
@@ -151,12 +143,6 @@ def test_no_import_goes_in_a_circle():
 
 
 # ---------------------------------------------------------------- rooms
-def test_no_folder_holds_more_files_than_can_be_overlooked():
-    count = Counter(p.parent for p in ROOT.rglob("*.py") if p.name != "__init__.py")
-    crowded = {short(folder): n for folder, n in count.items() if n > MOST and folder.name not in LISTS}
-    assert not crowded, f"more than {MOST} files: {crowded}"
-
-
 def test_no_two_folders_side_by_side_import_each_other():
     """Of a file in one folder a file in the other, however deep in it."""
     across = set()
