@@ -115,7 +115,9 @@ class NoGraspFound(HandLCPError):
 
 
 class RequirementNotMet(HandLCPError):
-    """A hand that does less than was required of it. unmet : what, by how much, and what gives out, in sentences."""
+    """A hand or a grasp that does less than was required of it, by `Evaluation.require` or `Verdict.require`. unmet :
+    what, by how much, and what gives out, in sentences.
+    """
 
     def __init__(self, unmet: Iterable[str]) -> None:
         self.unmet = tuple(unmet)

@@ -13,7 +13,7 @@ for stiffness in (1.0, 2.0, 4.0, 8.0):  # N·m/rad
     grasp = hand.replace(joint_stiffness=stiffness).at(hand.close_on(cube)).grasp(cube, friction=0.8)
     for squeeze in (0.002, 0.004, 0.008, 0.016):  # m
         loaded = grasp.replace(squeeze=squeeze).follow((0, -5.0, 0, 0, 0, 0))
-        if loaded.reached and np.linalg.norm(loaded.displacement[:3]) < 1e-3:
+        if loaded.held and np.linalg.norm(loaded.displacement[:3]) < 1e-3:
             found.append((abs(loaded.solution.torques).max(), stiffness, squeeze))
 torque, stiffness, squeeze = min(found)
 print(f"{stiffness:g} N·m/rad and a squeeze of {1e3 * squeeze:g} mm do, with motors of {torque:.2f} N·m")

@@ -11,7 +11,6 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from handlcp import words
 from handlcp.cli.app import Json, app, check_files, print_json, say, say_files, titled
 from handlcp.errors import NoSolutionFound
 from handlcp.hand import HandGrasp
@@ -105,16 +104,11 @@ def _print(out: Console, grasp: HandGrasp, found: Any) -> None:
     if found.both_hold:
         for table in _tables(grasp, found):
             out.print(table)
-        say(out, "Difference", "bold", _differences(found))
-    ours = found.loading
-    jumps = "" if ours.held or not ours.reached else "; the object jumps on the way, which check() calls NOT HELD"
-    for name, held, where in (
-        ("handlcp", ours.reached, f"{ours.why}{jumps}"),
-        ("MuJoCo", found.simulation.held, _where(found.simulation)),
-    ):
-        colour = "red" if not held else "yellow" if name == "handlcp" and jumps else "green"
-        word = "NOT HELD" if not held else "HELD AFTER A JUMP" if name == "handlcp" and jumps else "HELD"
-        say(out, f"{name}: {word}", f"bold {colour}", where)
+        say(out, "Difference", "bold", found.difference)
+    for name, one in (("handlcp", found.loading), ("MuJoCo", found.simulation)):
+        say(out, f"{name}: {one.word}", f"bold {'green' if one.held else 'red'}", one.sentence)
+    agree, colour = ("They agree", "green") if found.agree else ("They do not agree", "red")
+    say(out, agree, f"bold {colour}", f"tolerance: {found.tolerance}")
     ratio = found.simulation.seconds / found.seconds
     say(out, "Time", "bold", f"handlcp {found.seconds:.3g} s, MuJoCo {found.simulation.seconds:.3g} s, {ratio:.0f} ×")
 
@@ -144,14 +138,3 @@ def _tables(grasp: HandGrasp, found: Any) -> list[Table]:
 
 def _vector(values: Any) -> str:
     return " ".join(f"{x:6.3f}" if abs(x) < 99.0 else f"{x:6.1f}" for x in values)
-
-
-def _differences(found: Any) -> str:
-    forces, torques, motion = (f"{100 * e:.2g} %" for e in (found.force_error, found.torque_error, found.motion_error))
-    return f"forces {forces} of the largest force, torques {torques} of the largest torque, motion {motion}"
-
-
-def _where(simulation: Any) -> str:
-    if simulation.held:
-        return f"at rest after {simulation.simulated:.3g} s"
-    return f"lost in stage {simulation.lost_stage!r} at {words.percent(simulation.lost_at)}"

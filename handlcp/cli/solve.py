@@ -175,7 +175,7 @@ def follow(
     faces: Faces = None,
     steps: Annotated[int, typer.Option(help="Steps of a stage, more where something happens.")] = 40,
 ) -> None:
-    """Load a scene in steps: the hand squeezes, then weight and load come. Exit status 0 reached, 1 lost, 2 bad input.
+    """Load a scene in steps: the hand squeezes, then weight and load come. Exit status 0 HELD, 1 not, 2 bad input.
 
     The hand is followed as it moves, contacts are detected anew in every step.
     """
@@ -198,7 +198,7 @@ def follow(
         print_json({"title": read.title} | found.to_dict())
     else:
         _print_loading(found, read.title, [plot, picture], page)
-    raise typer.Exit(0 if found.reached else 1)
+    raise typer.Exit(0 if found.word == "HELD" else 1)
 
 
 def _print_loading(found: Loading, title: str, files: list[Path | None], page: Path | None) -> None:
@@ -206,8 +206,7 @@ def _print_loading(found: Loading, title: str, files: list[Path | None], page: P
     from handlcp.show.loading import report
 
     out = titled(title)
-    word, style = ("REACHED", "green") if found.reached else ("LOST", "red")
-    say(out, word, f"bold {style}", found.why.removeprefix("reached ").removeprefix("lost "))
+    say(out, found.word, f"bold {_COLOURS.get(found.word, 'red')}", found.sentence)
     say(out, "Motion", "bold", report.motion(found))
     out.print()
     if (happens := report.event_table(found)) is not None:

@@ -129,7 +129,8 @@ class Questions(ABC):
         throw: bool = False, faces: int | str | Pyramid = "cone", steps: int = 40, tolerance: float | None = None,
         accuracy: float | None = None,
     ) -> Loading:  # fmt: skip
-        """The grasp loaded in quasi-static steps: is the end reached, what slips on the way, where is it lost and why.
+        """The grasp loaded in quasi-static steps: is it held to the end (`held`), what slips on the way, where is it lost
+        and why.
 
         load : (6,) beside the object's weight at the end, about the reference; None: the grasp's own; (m, 6): one after
         the other. order : stages "squeeze" (preload and joint offset), "load" (weight and load), "together", or
@@ -138,13 +139,13 @@ class Questions(ABC):
         step's end may be from where its contacts were taken, as a share of their radii; None: 1e-9. accuracy : relative
         error of the forces at the end that is enough: steps are doubled until they change by no more; the loading's
         `accuracy` is that change. faces : as in `problem`. Raises InputError, Unsupported (known forces; an accuracy
-        that is not reached); with `throw`, NoSolutionFound where it is lost.
+        that is not reached); with `throw`, NoSolutionFound unless it is held.
         """
         from handlcp.grasp.path.follow import follow
 
         found = follow(self.spec, self._section(faces), load, order, geometry, steps, tolerance, accuracy)
-        if throw and not found.reached:
-            raise NoSolutionFound(found.why, found, found.solution)
+        if throw and not found.held:
+            raise NoSolutionFound(found.sentence, found, found.solution)
         return found
 
     def load_limit(

@@ -28,7 +28,7 @@ from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.asked.load import load_of, weight_left_out, weight_of
-from handlcp.hand.elasticity.elasticity import TRANSMISSION, Effort
+from handlcp.hand.elasticity.elasticity import Effort
 from handlcp.hand.elasticity.stiffness import Pads, tip_flexibility
 from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.objects.detect import touching
@@ -161,14 +161,11 @@ class HandMechanism(Varied, Mechanism):
         """Its mass times gravity, at its centre of mass."""
         return read_only(weight_of(self.target, self.gravity, point))
 
-    def lines(self) -> tuple[tuple[str, str, bool, str], ...]:
-        """The transmission, and springs beside actuators."""
-        equation, said = self.posture.hand.stiffness.law
-        found = (TRANSMISSION, equation, bool(said), said or "none: the springs are those of the joints")
-        if (springs := self.against_springs()) is None:
-            return (found,)
-        most = f"of the file, against which actuators give up to {words.torque(abs(springs).max())}"
-        return found, ("springs beside actuators", "τ += k (q - θ)", True, most)
+    def lines(self) -> tuple[tuple[str, str, bool, str, str], ...]:
+        """Of its joints, motors and tendons."""
+        from handlcp.hand.explain import lines_of
+
+        return lines_of(self.posture.hand, self.against_springs())
 
     def reasons(self, solution: Any) -> Iterator[Reason]:
         """Of its torques, its limits and its posture."""

@@ -10,6 +10,7 @@ import numpy as np
 from handlcp.show.file import Figure, new_figure
 from handlcp.show.style import BLUE, BOLD, GREY, INK, RED, SMALL, TEXT, number_ticks, panel, say, shortened
 from handlcp.study.reliability import Reliability
+from handlcp.study.reliability.result import NOT_HELD, UNDECIDED
 
 WIDTH, HEIGHT = 10.0, 4.6  # inches
 ORANGE = "#E69F00"  # of derivatives, beside the blue of samples
@@ -42,18 +43,20 @@ def _margins(ax: Any, found: Reliability) -> None:
         "share of samples [%]",
     )
     margin = 100 * found.margin[np.isfinite(found.margin)]
-    lost = 100 * (1.0 - len(margin) / found.samples)
+    without = np.array([(found.codes[~np.isfinite(found.margin)] == code).sum() for code in (NOT_HELD, UNDECIDED)])
+    bars = [(what, 100 * float(share), colour) for what, share, colour in
+            zip(("not held", "undecided"), without / found.samples, (RED, GREY), strict=True) if share]  # fmt: skip
     edges = _edges(margin, found.samples)
     low, width = float(edges[0]), float(edges[1] - edges[0])
     counts = 100 * np.histogram(margin, edges)[0] / found.samples
     colours = [BLUE if edge >= -1e-9 else RED for edge in edges[:-1]]
     ax.bar(edges[:-1], counts, width, align="edge", color=colours, edgecolor="white", linewidth=0.4)
-    top, end = max(float(counts.max(initial=0.0)), lost), low
-    if lost > 0.0:
-        end = low - 8.0 * width
-        ax.bar([low - 4.0 * width], [lost], 2.0 * width, color=RED)
-        style = {"ha": "center", "va": "bottom", "fontsize": SMALL, "color": RED}
-        ax.text(low - 4.0 * width, lost + 0.02 * top, f"not held\n{lost:.2g} %", **style)
+    top, end = max([float(counts.max(initial=0.0)), *[share for _, share, _ in bars]]), low
+    for what, share, colour in bars:
+        at, end = end - 4.0 * width, end - 8.0 * width
+        ax.bar([at], [share], 2.0 * width, color=colour)
+        style = {"ha": "center", "va": "bottom", "fontsize": SMALL, "color": colour}
+        ax.text(at, share + 0.02 * top, f"{what}\n{share:.2g} %", **style)
     if low < 0.0:
         ax.axvline(0.0, color=INK, linewidth=1.0, linestyle=(0, (4, 2.5)))
         ax.text(-0.5 * width, 1.2 * top, "over a limit", ha="right", va="top", fontsize=SMALL, color=RED)

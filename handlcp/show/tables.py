@@ -33,13 +33,14 @@ def effect_table(explanation: Explanation) -> Table:
         solved += f"; {1e6 * e.seconds:.0f} µs from the numbers to a certified answer, started at the answer"
         if any((line.share or 0.0) <= SAVES for line in e.effects if line.on):
             solved += '; "saves": without it a solve takes longer'
+    solved = "; ".join([solved, *e.notes])
     heads = ("", "effect", "why", "unknowns", *(() if e.seconds is None else ("of time",)))
     made = table("Effects", heads, "|<<>>"[: len(heads)], note=solved)
     for line in e.effects:
         brings = "  ".join(f"{name} {count}" for name, count, _ in line.unknowns) or ("none" if line.on else "")
         mark = Text("on", style="green") if line.on else Text("–", style="dim")
         cells = [brings, _share(line)][: 1 if e.seconds is None else 2]
-        made.add_row(mark, Text(line.title), Text(line.why), *cells, style=None if line.on else "dim")
+        made.add_row(mark, Text(line.title), Text(f"{line.why}{f' ({line.answers})' if line.answers and line.on else ''}"), *cells, style=None if line.on else "dim")
     return made
 
 

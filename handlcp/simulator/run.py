@@ -5,17 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from handlcp import words
 from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
+from handlcp.grasp.answer.verdict import HELD, NOT_HELD
 from handlcp.grasp.path.follow import Loading
 from handlcp.record import Record as Told
 from handlcp.simulator.settings import SimulatorSettings, of_a_hand
 from handlcp.simulator.under_way import PUSH, Record, Run
+from handlcp.text_table import wrapped
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -48,6 +51,18 @@ class Simulation(Told):
     record: Record
     simulated: float
     seconds: float
+
+    @property
+    def word(self) -> str:
+        """"HELD" or "NOT HELD": MuJoCo judges no torque limits."""
+        return HELD if self.held else NOT_HELD
+
+    @property
+    def sentence(self) -> str:
+        """What stands behind the word."""
+        if self.held:
+            return f"at rest after {self.simulated:.3g} s"
+        return f"lost in stage {self.lost_stage!r} at {words.percent(self.lost_at or 0.0)}"
 
     def __repr__(self) -> str:
         where = "held" if self.held else f"lost at {self.lost_at:.1%} of {self.lost_stage}"
@@ -99,6 +114,25 @@ def _stages(order: Any) -> tuple[str, ...]:
 # One grasp followed by handlcp and simulated by MuJoCo, side by side.
 
 
+class Apart(NamedTuple):
+    """How far two ends may be apart that agree, each as `Comparison` has the error of that name. force : of the largest
+    force. torque : of the largest torque. motion : of the object's motion. least : [m] that the object's place differs
+    by whatever it moves: MuJoCo's contacts give way by so much.
+    """
+
+    force: float
+    torque: float
+    motion: float
+    least: float
+
+    def __str__(self) -> str:
+        shares = f"forces {self.force:.0%}, torques {self.torque:.0%}, motion {self.motion:.0%}".replace("%", " %")
+        return f"{shares} or {words.length(self.least)}"
+
+
+TOLERANCE = Apart(0.05, 0.05, 0.1, 2e-5)
+
+
 @dataclass(frozen=True, eq=False)
 class Comparison(Told):
     """A loading followed in steps, and the same in MuJoCo.
@@ -107,8 +141,10 @@ class Comparison(Told):
     """
 
     entries = (
-        "both_hold", "agree", "force_error", "torque_error", "motion_error", "contacts = simulation.names",
-        "handlcp.held = loading.reached", "handlcp.lost_stage = loading.lost_stage",
+        "both_hold", "agree", "force_error", "torque_error", "motion_error",
+        "tolerance.force = tolerance.force", "tolerance.torque = tolerance.torque",
+        "tolerance.motion = tolerance.motion", "tolerance.least_m = tolerance.least", "contacts = simulation.names",
+        "handlcp.held = loading.held", "handlcp.lost_stage = loading.lost_stage",
         "handlcp.lost_at = loading.lost_at", "handlcp.why = loading.why",
         "handlcp.forces_N (n, 3) = loading.solution.forces_world",
         "handlcp.torques_Nm (nv,) = loading.solution.torques", "handlcp.object_motion (6,) = loading.displacement",
@@ -121,13 +157,22 @@ class Comparison(Told):
 
     @property
     def agree(self) -> bool:
-        """Whether both hold the object, or both lose it."""
-        return self.loading.reached == self.simulation.held
+        """Whether both hold the object and end no farther apart than `tolerance`, or neither holds it."""
+        if not self.both_hold:
+            return self.loading.held == self.simulation.held
+        most, motion = self.tolerance, self.loading.displacement[:3] - self.simulation.displacement[:3]
+        near = bool(np.linalg.norm(motion) <= most.least) or self.motion_error <= most.motion
+        return near and self.force_error <= most.force and self.torque_error <= most.torque
 
     @property
     def both_hold(self) -> bool:
         """Whether there are two ends to compare."""
-        return self.loading.reached and self.simulation.held
+        return self.loading.held and self.simulation.held
+
+    @property
+    def tolerance(self) -> Apart:
+        """How far two ends may be apart that agree."""
+        return TOLERANCE
 
     @property
     def force_error(self) -> float:
@@ -151,7 +196,25 @@ class Comparison(Told):
         if not self.both_hold:
             return np.nan
         largest = float(np.linalg.norm(theirs, axis=-1).max() if theirs.ndim == 2 else abs(theirs).max())
-        return float(abs(ours - theirs).max()) / largest if largest > 0.0 else 0.0
+        apart = float(abs(ours - theirs).max())
+        return apart / largest if largest > 0.0 else np.inf if apart > 0.0 else 0.0
+
+    def __str__(self) -> str:
+        """Whether both agree, within which tolerance; what each says, and how far they are apart."""
+        found = [f"{'agree' if self.agree else 'DIFFER'} (tolerance: {self.tolerance})"]
+        if self.both_hold:
+            found.append(self.difference)
+        ours, theirs = self.loading, self.simulation
+        found += [f"handlcp: {ours.word}: {ours.sentence}", f"MuJoCo: {theirs.word}: {theirs.sentence}"]
+        return "\n".join(wrapped(line, "  ") for line in found)
+
+    @property
+    def difference(self) -> str:
+        """How far both ends are apart, in words; "" unless both hold."""
+        if not self.both_hold:
+            return ""
+        forces, torques, motion = (f"{100 * e:.2g} %" for e in (self.force_error, self.torque_error, self.motion_error))
+        return f"forces {forces} of the largest force, torques {torques} of the largest torque, motion {motion}"
 
 
 def compare(

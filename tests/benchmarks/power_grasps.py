@@ -52,7 +52,7 @@ def main() -> None:
                 word = "lies there" if best.cradled else best.verdict.word
                 row += [best.pressing, f"{best.held_force:.2f}", took, word, best.gives_out[:90]]
             else:
-                why = found.why.partition("the best of these: ")[2][:90] or "none held"
+                why = found.why.partition("the best that was tried: ")[2][:90] or "none held"
                 row += ["", "", took, "not found", why]
             print(FORMAT.format(*row), flush=True)
 

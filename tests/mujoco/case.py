@@ -43,7 +43,7 @@ def misses(case: Case, found: Comparison) -> list[str]:
     """What is not as it has to be, in words; nothing where all is well."""
     ours, theirs = found.loading, found.simulation
     held = case.kind in NEAR
-    wrong = [f"{who} {'lost' if held else 'held'} it" for who, h in (("handlcp", ours.reached), ("MuJoCo", theirs.held))
+    wrong = [f"{who} {'lost' if held else 'held'} it" for who, h in (("handlcp", ours.held), ("MuJoCo", theirs.held))
              if h != held]  # fmt: skip
     if wrong:
         return wrong

@@ -232,12 +232,12 @@ def _payload(make: Any, hand: Hand, obj: Object, recipe: Recipe, brief: Brief, l
 
 
 def _chance(one: Candidate) -> float | None:
-    """That the grasp surely holds its object. None where that cannot be asked."""
+    """That the grasp surely holds its object. None where that cannot be asked, or every sample is undecided."""
     try:
         found = reliability(one.grasp, _SPREAD, _SAMPLES, workers=1, decide=0, progress=False)
     except HandLCPError:
         return None
-    return found.chance_held.value
+    return None if np.isnan(found.chance_held.value) else found.chance_held.value
 
 
 def _simulated(one: Candidate) -> str:

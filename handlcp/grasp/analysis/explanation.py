@@ -10,6 +10,7 @@ from handlcp.grasp.assembly.problem import MULTIPLIERS, GraspProblem, assemble
 from handlcp.grasp.effects import Effect, effect_kinds
 from handlcp.grasp.effects.finger_flexibility import FingerFlexibility
 from handlcp.grasp.friction import Section
+from handlcp.grasp.model.effect import FOLLOWED, ONE_SOLVE
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.record import Record
@@ -67,11 +68,18 @@ ENVIRONMENT = Description(
 )
 
 
+_WHICH = {
+    FOLLOWED: "check, follow, load_limit, payload, required_grip, required_torque and what else follows the loading in "
+    "steps; not solve, margins, sensitivity or reliability(by=\"solve\"), which know no way",
+    ONE_SOLVE: "solve, margins and sensitivity; what follows the loading has it in its geometry",
+}  # fmt: skip
+
+
 @dataclass(frozen=True, slots=True)
 class EffectLine:
     """One effect: its title and law, whether it is on, why, and the unknowns it brings: ((name, count, free), …).
 
-    share : of a solve's time, as measured (`compare_without`); below 0 where it saves time. None: not measured, or
+    answers : which answers count it, "followed loadings alone" or "one solve alone"; "": every answer. share : of a solve's time, as measured (`compare_without`); below 0 where it saves time. None: not measured, or
         nothing to measure: an effect that is off, or that no scene is without.
     """
 
@@ -80,6 +88,7 @@ class EffectLine:
     on: bool
     why: str
     unknowns: tuple[tuple[str, int, bool], ...] = ()
+    answers: str = ""
     share: float | None = None
 
     @property
@@ -116,7 +125,8 @@ class Explanation(Record):
         for e in self.effects:
             brings = ", ".join(f"{name}: {count}{' free' if free else ''}" for name, count, free in e.unknowns)
             takes = "" if e.share is None else f"; {round(100 * e.share)} % of the solve"
-            cost = f" [{brings or 'no unknowns'}{takes}]" if e.on else ""
+            counts = f"; in {e.answers}" if e.answers else ""
+            cost = f" [{brings or 'no unknowns'}{takes}{counts}]" if e.on else ""
             lines.append(wrapped(f"{e.title}: {e.why}{cost}", "     ", "on   " if e.on else "off  "))
         what = f"{self.eliminated} free unknowns eliminated" if self.eliminated else "none eliminated"
         if self.rcond is not None:
@@ -125,7 +135,14 @@ class Explanation(Record):
         if self.seconds is not None:
             time = f"{1e6 * self.seconds:.0f} µs from the numbers to a certified answer, started at the answer"
             lines.append(wrapped(time, "  "))
+        lines += [wrapped(note, "  ") for note in self.notes]
         return "\n".join(lines)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Which answers are meant where not every one counts an effect; () where all count all of them."""
+        some = {e.answers for e in self.effects if e.on}
+        return tuple([f"{which}: {_WHICH[which]}" for which in (FOLLOWED, ONE_SOLVE) if which in some])
 
 
 def effects_on(spec: GraspSpec, scene: Scene, section: Section) -> tuple[Effect, ...]:
@@ -142,7 +159,7 @@ def explain(spec: GraspSpec, scene: Scene, section: Section) -> Explanation:
     for e in on:
         names = [name for u in e.unknowns(scene) for name in (u.name, MULTIPLIERS.get(u.name))]
         brought = tuple([(name, counted[name].count, counted[name].free) for name in names if name in counted])
-        line = EffectLine(e.title, e.equation, True, e.why(scene), brought)
+        line = EffectLine(e.title, e.equation, True, e.why(scene), brought, e.answers)
         if e.title == FingerFlexibility.title:  # told apart from what compliances asked for add to E
             line = replace(line, why=f"E is not zero ({length(own.trace() / k)}/N in the mean)")
             if not own.any():
@@ -154,7 +171,8 @@ def explain(spec: GraspSpec, scene: Scene, section: Section) -> Explanation:
             lines.append(EffectLine(kind.title, kind.equation, False, why))
     # The unknowns of the environment are counted with contact and friction
     lines.append(EffectLine(ENVIRONMENT.title, ENVIRONMENT.equation, m > 0, _surroundings(spec, m)))
-    lines += [EffectLine(*line) for line in (() if spec.mechanism is None else spec.mechanism.lines())]
+    for title, law, is_on, why, answers in () if spec.mechanism is None else spec.mechanism.lines():
+        lines.append(EffectLine(title, law, is_on, why, answers=answers))
     total = sum(g.count for g in problem.groups)
     rcond = problem.rcond if isinstance(problem, GraspProblem) else None
     return Explanation(tuple(sorted(lines, key=lambda line: not line.on)), total, total - problem.n, rcond)

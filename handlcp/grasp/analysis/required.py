@@ -48,7 +48,8 @@ class Required(Record):
     checked : ((value, whether it holds), …) in the order tried.
     hint : what to change instead where value is None; what less or more does where more does not always hold better;
     "" if nothing is known.
-    verdict : the word of `check()` at `value`, where the loading is followed; "" where it was not asked.
+    verdict : the word of `check()` at `value`, where the loading is followed; "" where it was not asked. What prints
+        begins with it unless it is HELD.
     """
 
     value: float | None
@@ -71,16 +72,16 @@ class Required(Record):
                 return "no value found that holds: no force within friction and limits balances the load"
             none = f"no value up to {self._said(self.limit)} found that holds"
             return wrapped(f"{none}: {self.hint}" if self.hint else none, "  ")
-        text = "holds with nothing added" if self.unit else "holds without friction"
-        if self.value > 0.0:
-            less = "" if self.fails is None else f", {self._said(self.fails)} does not"
-            text = f"{self._said(self.value)} holds{less}"
-        return wrapped("; ".join([part for part in (text, self._called, self.hint) if part]), "  ")
-
-    @property
-    def _called(self) -> str:
-        """What `check()` says, unless it says that it holds."""
-        return "" if self.verdict in ("", HELD) else f"check() of that grasp says {self.verdict}"
+        bare = "nothing added" if self.unit else "no friction"
+        value = self._said(self.value) if self.value > 0.0 else bare
+        if self.verdict == HELD:
+            text = f"{value} holds" if self.value > 0.0 else f"holds with {bare}"
+        elif self.verdict:
+            text = f"{self.verdict}: check() says so of the grasp with {value}, the least with which it seems to hold"
+        else:
+            text = f"NOT FOLLOWED: one solve holds with {value}, and check() was not asked"
+        less = f", {self._said(self.fails)} does not" if self.fails is not None and self.value > 0.0 else ""
+        return wrapped("; ".join([part for part in (f"{text}{less}", self.hint) if part]), "  ")
 
     def _said(self, value: float) -> str:
         """A coefficient, newtons, or a squeeze in millimetres, with digits enough to tell the two values apart."""

@@ -33,8 +33,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Self
 
+from handlcp.errors import RequirementNotMet
 from handlcp.record import Record
 from handlcp.text_table import wrapped
 
@@ -68,7 +69,8 @@ class Reason:
 
 @dataclass(frozen=True, slots=True)
 class Verdict(Record):
-    """Does it hold? Prints as the word and the reasons, in lines of at most 80 columns.
+    """Does it hold? Prints as the word and the reasons, in lines of at most 80 columns; its `repr` is the word and what
+    decides it, on one line, so that pytest says why `assert grasp.check().ok` fails.
 
     word : "HELD"; "OVER LIMIT": the contacts hold, some motor cannot; "NOT HELD"; "UNDECIDED": no
     verdict can be given, since a solver stopped or the model does not hold there.
@@ -103,9 +105,19 @@ class Verdict(Record):
         rest = [(_HEADS[r.severity], r.sentence) for r in self.reasons if r.severity in _HEADS]
         return ((self.word, self.text), *rest)
 
+    def require(self) -> Self:
+        """This verdict, where it is HELD. Raises RequirementNotMet with all that it says, what decides first."""
+        __tracebackhide__ = True  # of pytest, which shows the test that asks, and what is not met
+        if not self.ok:
+            raise RequirementNotMet([f"{head}: {sentence}." for head, sentence in self.paragraphs])
+        return self
+
     def about(self, code: str) -> tuple[Reason, ...]:
         """The reasons with this code."""
         return tuple(r for r in self.reasons if r.code == code)
+
+    def __repr__(self) -> str:
+        return f"{self.word}: {self.text}." if self.text else f"{self.word}."
 
     def __str__(self) -> str:
         said = (f"{head}: {sentence}." if sentence else f"{head}." for head, sentence in self.paragraphs)

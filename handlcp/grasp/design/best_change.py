@@ -109,7 +109,7 @@ class BestChange(Record):
             return wrapped(f"{told}; at {self.between:.4g} × {load} check() says HELD with the change, and not without")
         given = f"{self.verdicts[0]} with the change and {self.verdicts[1]} without"
         why = f": {self.why_not}" if self.why_not else ""
-        return wrapped(f"{told}; but at {self.between:.4g} × {load} check() says {given}{why}")
+        return wrapped(f"NOT CONFIRMED: {told}; but at {self.between:.4g} × {load} check() says {given}{why}")
 
 
 @told("load limits with each change")

@@ -67,9 +67,9 @@ class RequiredStiffness(Record):
         if self.factor is None:
             return wrapped(f"no stiffness of the joints found that keeps the object within {allowed}: {self.why}", "  ")
         less = "" if self.fails is None else f"; with × {self.fails:.4g} {self.why}"
-        called = "" if self.verdict == HELD else f"; check() says {self.verdict}"
-        text = f"joints × {self.factor:.4g} as stiff let the object move {moved} of {allowed} allowed{less}"
-        return wrapped(f"{text}; the pads alone make {words.percent(self.pads_share)} of it{called}", "  ")
+        called = "" if self.verdict == HELD else f"{self.verdict}, as check() says of this: "
+        text = f"{called}joints × {self.factor:.4g} as stiff let the object move {moved} of {allowed} allowed{less}"
+        return wrapped(f"{text}; the pads alone make {words.percent(self.pads_share)} of it", "  ")
 
 
 @told("looking for the least stiffness")

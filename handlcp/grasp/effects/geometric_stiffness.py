@@ -31,7 +31,7 @@ from handlcp.errors import InputError
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.effects.torque_saturation import TorqueSaturation
-from handlcp.grasp.model.effect import Effect, Trial
+from handlcp.grasp.model.effect import ONE_SOLVE, Effect, Trial
 from handlcp.grasp.model.kind import Placement
 from handlcp.grasp.model.limit import FileKey
 from handlcp.grasp.model.mechanism import JointReading
@@ -77,6 +77,7 @@ class GeometricStiffness(Effect):
     order = 280
     needs_joints = True
     depends_on_forces = True
+    answers = ONE_SOLVE  # a loading that is followed has it in its geometry
     file_key = FileKey(
         "geometric_stiffness",
         bool,

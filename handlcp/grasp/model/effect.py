@@ -38,6 +38,9 @@ class Trial:
     instead: bool = False
 
 
+FOLLOWED = "followed loadings alone"  # which answers count an effect that not all of them do
+ONE_SOLVE = "one solve alone"
+
 _MOST = 16  # effects whose limits a scene keeps: a grasp has few, and who tries many others on it piles up nothing
 _KINDS: dict[tuple[str, str], type[Effect]] = {}
 
@@ -52,6 +55,7 @@ class Effect:
     by_name : whether it is asked for in `effects=`, not by an argument of its own.
     needs_joints : whether only the grasp of a hand can have it.
     depends_on_forces : whether what it adds to the grasp depends on the forces of the answer.
+    answers : which answers count it, `FOLLOWED` or `ONE_SOLVE`; "": every answer.
     """
 
     title: ClassVar[str] = ""
@@ -66,6 +70,7 @@ class Effect:
     by_name: ClassVar[bool] = True
     needs_joints: ClassVar[bool] = False
     depends_on_forces: ClassVar[bool] = False
+    answers: ClassVar[str] = ""
 
     def __init_subclass__(cls, **more: Any) -> None:
         super().__init_subclass__(**more)

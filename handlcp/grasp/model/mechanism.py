@@ -175,8 +175,10 @@ class Mechanism:
         """The grasp under a load (6,) beside the object's weight, about the reference [N, N·m]."""
         return spec.replace(wrench=read_only(self.weight_of_object(spec.reference) + load))
 
-    def lines(self) -> tuple[tuple[str, str, bool, str], ...]:
-        """(title, equation, whether it is on, why) of what else it is made of, for `explain()`."""
+    def lines(self) -> tuple[tuple[str, str, bool, str, str], ...]:
+        """(title, equation, whether it is on, why, which answers count it) of what else it is made of, for `explain()`;
+        the last as `Effect.answers`.
+        """
         return ()
 
     def reasons(self, solution: Any) -> Iterable[Any]:

@@ -17,7 +17,8 @@ from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.cause.judge import OBJECT
+from handlcp.grasp.answer.verdict import HELD, NOT_HELD, OVER_LIMIT, UNDECIDED
+from handlcp.grasp.cause.judge import OBJECT, limits_of, over
 from handlcp.grasp.cause.wording import UNSTABLE, under_load, why_given_up, why_lost
 from handlcp.grasp.effects.joint_offset import command_of
 from handlcp.grasp.friction import Section
@@ -46,9 +47,10 @@ TOLERANCE = 1e-9  # of the contacts' radii: how far the end of a step may be fro
 
 @dataclass(frozen=True, eq=False)
 class Loading(Record):
-    """What becomes of a grasp under loading in steps; made by `Grasp.follow`.
+    """What becomes of a grasp under loading in steps; made by `Grasp.follow`. Does it hold? `held` and `word` say so.
 
-    reached : whether the end of the last stage was reached with the object held. lost_at : share of the stage that was
+    reached : whether the path goes on to the end of the last stage, even if the object slid away or snapped to another
+    place on the way: `held` says whether the object is held. lost_at : share of the stage that was
     reached when the object was lost, lost_stage : its name; None where it was not. why : one sentence.
     events : in order. steps : every step as arrays. stages : their names. section : of the friction cones. slides :
     where the object begins to slide through, None: nowhere. outcome : how the path ends. accuracy : estimated relative
@@ -56,7 +58,7 @@ class Loading(Record):
     """
 
     entries = (
-        "reached", "lost_at", "lost_stage", "why", "stages", "geometry", "events", "summary",
+        "word", "held", "reached", "lost_at", "lost_stage", "why", "stages", "geometry", "events", "summary",
         "object_displacement (twist) = displacement", "status_at_end = solution.status",
         "steps.stage (m,)", "steps.share (m,)", "steps.load_N_Nm (m, 6)", "steps.weight (m,)",
         "steps.displacement_m_rad (m, 6)",
@@ -86,6 +88,33 @@ class Loading(Record):
         it would jump is for its inertia to say, not for statics.
         """
         return self.reached and self.slides is None
+
+    @property
+    def word(self) -> str:
+        """As a verdict has it: "HELD"; "OVER LIMIT", held, with a joint or tendon over its limit at the end; "NOT HELD";
+        "UNDECIDED", where the path was given up. `Grasp.check` judges more, such as links inside the object.
+        """
+        if self.outcome is Outcome.GAVE_UP:
+            return UNDECIDED
+        return NOT_HELD if not self.held else OVER_LIMIT if self._over else HELD
+
+    @property
+    def sentence(self) -> str:
+        """What stands behind the word: `why`; where the object slides through or snaps although the end is reached, that
+        and from where on; and what is over its limit at the end.
+        """
+        if not self.reached:
+            return self.why
+        if self.slides is None:
+            return "; ".join([self.why, *([f"over the limit there: {words.listed(self._over)}"] if self._over else [])])
+        does = "snaps to another place" if any(e.kind == "snaps" for e in self.events) else "slides through"
+        at = f"{words.percent(self.slides.share)} of stage {self.stages[self.slides.stage]!r}"
+        return f"the object {does} from {at} on; loaded slowly, it {self.why} all the same"
+
+    @property
+    def _over(self) -> list[str]:
+        """Joints and tendons that are over their limit at the last step."""
+        return [cause.who for cause in over(limits_of(self.steps.grasp.spec, ranges=False), self.last.efforts)]
 
     @property
     def held_to(self) -> float:
@@ -184,7 +213,7 @@ class Loading(Record):
         return found | {"joints": joints, "versions": versions("numpy")}
 
     def __str__(self) -> str:
-        """The outcome, what happens on the way, and what the last step is like."""
+        """Whether it is held, in the words of a verdict; what happens on the way, and what the last step is like."""
         u, forces = self.displacement, self.steps.forces[-1, :, 2]
         moved = f"the object has moved {words.length(float(np.linalg.norm(u[:3])))}"
         if (turned := float(np.linalg.norm(u[3:]))) > 1e-4:
@@ -195,7 +224,7 @@ class Loading(Record):
             pressed = "nothing presses on it"
         when = "at the end" if self.reached else "at the last step"
         said = [str(s) for s in self.summary]
-        lines = [wrapped(self.why, "  "), *(wrapped(line, "    ", "  ") for line in said)]
+        lines = [wrapped(f"{self.word}: {self.sentence}", "  "), *(wrapped(line, "    ", "  ") for line in said)]
         return "\n".join([*lines, wrapped(f"{when}: {moved}; {pressed}", "    ", "  ")])
 
 

@@ -116,6 +116,11 @@ class Elasticity:
         return torque
 
     @property
+    def own_springs(self) -> Array:
+        """(nv,) of the springs at joints that K counts beside actuators or tendons [N·m/rad]; 0: none."""
+        return np.zeros(len(self.root))
+
+    @property
     def beside(self) -> Array:
         """(nv,) k of springs at joints beside their drives, that have a rest angle of their own [N·m/rad]; 0: none."""
         return np.zeros(len(self.root))

@@ -152,6 +152,11 @@ class TendonStiffness(JointStiffness):
         return {}
 
     @property
+    def own_springs(self) -> Array:
+        """Of `passive`."""
+        return np.asarray(self.cables.passive.diagonal())
+
+    @property
     def commands(self) -> Array:
         """K⁻¹ Rᵀ: where the springs let the joints go when a tendon is drawn in."""
         return spanned(self.root @ (self.arms @ self.root).T)

@@ -222,6 +222,14 @@ _STEPS = {
 }  # fmt: skip
 
 
+_STOPPED = {  # what is said where no placement came as far
+    "touching": "nowhere do all fingers touch it without a link inside",
+    "balanced": "where they touch it, no forces within friction hold it",
+    "clear": "where they would hold it, links are in each other",
+    "held": "one solve holds it nowhere",
+}
+
+
 class Found(Record, Sequence[Candidate]):
     """Grasps, sorted by `Candidate.rank`, the best first. Each is checked, its verdict is HELD, and followed. Prints in
     lines of at most 80 columns, with the warnings of the best one's verdict.
@@ -275,6 +283,11 @@ class Found(Record, Sequence[Candidate]):
 
     def __repr__(self) -> str:
         return f"Found({len(self)} grasps)"
+
+
+def stopped(tried: Mapping[str, int]) -> str:
+    """Which step of a search no placement passed, in words."""
+    return next((why for key, why in _STOPPED.items() if not tried.get(key)), "none is held to the end of its loading")
 
 
 def told(tried: Mapping[str, int]) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 
 from handlcp.check import integer, yes_or_no
 from handlcp.errors import InputError, NoGraspFound
-from handlcp.hand.find.candidate import Found, told
+from handlcp.hand.find.candidate import stopped, Found, told
 from handlcp.hand.find.pinch import Search
 from handlcp.hand.find.power import PowerSearch
 from handlcp.hand.objects.meshes import what_to_pass
@@ -119,17 +119,18 @@ def searches_of(
 
 
 def missed(obj: Object, searches: Sequence[Search | PowerSearch]) -> str:
-    """That nothing was found, how far the searches came, and why the best did not serve."""
+    """That nothing was found, why the best did not serve, and then how far the searches came."""
     tried = sum((search.tried for search in searches), Counter[str]())
     pinches = [search for search in searches if isinstance(search, Search)]
     wraps = len(pinches) < len(searches)
     by = "the whole hand" if wraps else f"all of {', '.join(pinches[0].fingers)}"
-    why = f"no grasp of {obj!r} by {by} found: {told(tried)}"
     if refused := [one for search in searches for one in search.refused]:
-        return f"{why}; the best of these: {refused[0].doubt}"
-    if wraps and not tried["enclosing"]:
-        return f"{why}: it may be too small or too large for this hand to close round it, which hand.describe() shows"
-    return why
+        why = f"the best that was tried: {refused[0].doubt}"
+    elif wraps and not tried["enclosing"]:
+        why = "it may be too small or too large for this hand to close round it, which hand.describe() shows"
+    else:
+        why = stopped(tried)
+    return f"no grasp of {obj!r} by {by} found: {why} ({told(tried)})"
 
 
 def check_closing(kind: Any, squeeze: Any, grip_force: Any, closing_torque: Any, fingers: Any = None) -> None:

@@ -15,18 +15,17 @@ from handlcp.show.file import Figure, new_figure
 from handlcp.show.loading.series import grasp_at_end, solution_at_end
 from handlcp.show.picture.content import Content
 from handlcp.show.picture.figure import HEIGHT, WIDTH, compose
-from handlcp.show.picture.panel import headline as verdict_head
-from handlcp.show.style import BAD, GOOD, further, heading, moved, opening
+from handlcp.show.picture.panel import VERDICT, headline as verdict_head
+from handlcp.show.style import BAD, further, heading, moved, opening
 from handlcp.tolerances import CERTIFY
 
 # ---------------------------------------------------------------- Title and outcome at the top of a figure.
 
 
 def headline(figure: Any, loading: Loading, title: str, below: str = "") -> float:
-    """Title, "REACHED" or "LOST", and why; returns where that ends, in inches below the top. below : a further line."""
-    word, colour = ("REACHED", GOOD) if loading.reached else ("LOST", BAD)
-    sentence = f"{loading.why.removeprefix('reached ').removeprefix('lost ')}."
-    return further(figure, opening(figure, heading(figure, title), word, colour, sentence), below)
+    """Title, the loading's word, and why; returns where that ends, in inches below the top. below : a further line."""
+    colour = VERDICT.get(loading.word, BAD)
+    return further(figure, opening(figure, heading(figure, title), loading.word, colour, f"{loading.sentence}."), below)
 
 
 # ----------------------------------------------------------------

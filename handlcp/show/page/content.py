@@ -67,7 +67,7 @@ def path_of(loading: Loading, first: int) -> dict[str, Any]:
         told.append(end | {"lost": True})
     ends = [first + _reached(stage, share, k, 1.0) for k in range(len(loading.stages))]
     stages = [{"name": n, "end": e} for n, e in zip(loading.stages, ends, strict=True)]
-    return {"first": first, "stages": stages, "events": told, "reached": loading.reached}
+    return {"first": first, "stages": stages, "events": told, "held": loading.held}
 
 
 def escape_of(drawn: Content) -> dict[str, Any] | None:

@@ -29,7 +29,7 @@ def save(
     """Write the page of a solved grasp. obj : what to draw as the object where the grasp knows none.
 
     loading : of the same grasp, for the slider; None: the one that the verdict is about. verdict : of `check`; None:
-    whether the loading reached its end, or without one what the solution says.
+    whether the loading holds the object, or without one what the solution says.
 
     Raises InputError for a file that cannot be written, or another grasp's loading; Unsupported without trimesh.
     """
@@ -50,7 +50,7 @@ def save(
 
 def save_loading(loading: Loading, path: Any, title: str = "", obj: Any = None, verdict: Verdict | None = None) -> Path:
     """Write the page of a loading alone, which begins at its last step. obj : as in `save`, where it stands at the
-    start. verdict : of `check`; None: whether the loading reached its end. Raises as `save`.
+    start. verdict : of `check`; None: whether the loading holds the object. Raises as `save`.
     """
     target = checked_page(path)
     grasp = grasp_of(loading.steps.grasp.spec)
@@ -106,7 +106,7 @@ def _short(value: Any) -> Any:
 # ----------------------------------------------------------------
 # What a page says in words, as HTML: every text is escaped.
 
-_CLASSES = {"HELD": "good", "REACHED": "good", "UNDECIDED": "doubt"}  # the rest is bad
+_CLASSES = {"HELD": "good", "UNDECIDED": "doubt"}  # the rest is bad
 _HEADS = {"warning": "Warning", "advice": "Advice"}
 
 
@@ -116,10 +116,8 @@ def _verdict(v: Verdict) -> str:
 
 
 def _outcome(loading: Loading) -> str:
-    """Whether the end is reached, and how far the object has moved; what happens on the way is beside the slider."""
-    word = "REACHED" if loading.reached else "LOST"
-    why = loading.why.removeprefix("reached ").removeprefix("lost ")
-    return _said(word, (("", "decides", f"{why}."), ("", "note", f"{motion(loading)}.")))
+    """Whether the object is held, and how far it has moved; what happens on the way is beside the slider."""
+    return _said(loading.word, (("", "decides", f"{loading.sentence}."), ("", "note", f"{motion(loading)}.")))
 
 
 def _said(word: str, lines: Iterable[tuple[str, str, str]]) -> str:

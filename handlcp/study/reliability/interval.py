@@ -102,12 +102,13 @@ def _first_order(u: Array, y: Array) -> float:
 # Source: Owen, "Randomly permuted (t,m,s)-nets and (t,s)-sequences" (1995); L'Ecuyer et al., "Confidence intervals for
 # randomized quasi-Monte Carlo estimators", Winter Simulation Conference (2023).
 
+_NOTHING = 1e-12  # share of samples: rounding
 _OF_SUBSET = 0.2  # part of α that goes to what was not solved in full
 
 
 @dataclass(frozen=True, slots=True)
 class Chance:
-    """value : the estimate, of samples that surely hold. low, high : ends of the interval that covers the truth with
+    """value : the estimate, of samples that surely hold; NaN where all are undecided. low, high : ends of the interval that covers the truth with
     this confidence. undecided : the share of samples of which nobody knows; `low` counts them as not held, `high` as
     held.
     """
@@ -125,9 +126,11 @@ class Chance:
         """In percent, with as many digits as the interval is sure of."""
         width = 100 * (self.high - self.low)
         digits = min(max(1 - math.floor(math.log10(width)), 1), 6) if width > 0.0 else 1
-        value, low, high = (percent(x, digits) for x in (self.value, self.low, self.high))
-        value += f" %, undecided {percent(self.undecided, digits)}" if self.undecided else ""
-        return f"{value} % ({100 * self.confidence:.4g} % interval {low} to {high} %)"
+        low, high = (percent(x, digits) for x in (self.low, self.high))
+        value = "undecided" if np.isnan(self.value) else f"{percent(self.value, digits)} %"
+        if self.undecided and not np.isnan(self.value):
+            value = f"at least {value}, undecided {percent(self.undecided, digits)} %"
+        return f"{value} ({100 * self.confidence:.4g} % interval {low} to {high} %)"
 
 
 def chance_of(good: Bools, left: Bools, open_: Bools, again: tuple[Bools, Bools], size: int, level: float) -> Chance:
@@ -148,7 +151,9 @@ def chance_of(good: Bools, left: Bools, open_: Bools, again: tuple[Bools, Bools]
     value = float(np.mean(good + share * left))
     down = student(_by_block(good + low * left, size), size, alpha)[0]
     up = student(_by_block(good + high * left + open_, size), size, alpha)[1]
-    return Chance(value, min(down, value), max(up, value), level, float(np.mean(open_ + unknown * left)))
+    undecided = float(np.mean(open_ + unknown * left))
+    nothing = undecided >= 1.0 - _NOTHING
+    return Chance(np.nan if nothing else value, min(down, value), max(up, value), level, undecided)
 
 
 def student(shares: Array, size: int, alpha: float) -> tuple[float, float]:

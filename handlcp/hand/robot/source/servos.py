@@ -53,6 +53,11 @@ class ServoStiffness(JointStiffness):
         self._beside = _beside(self.rows, self.passive.diagonal(), bool(widened))
 
     @property
+    def own_springs(self) -> Array:
+        """Of the file."""
+        return np.asarray(self.passive.diagonal())
+
+    @property
     def beside(self) -> Array:
         """Of springs whose joints servos turn on their own."""
         return np.zeros(len(self.root)) if self._beside is None else self._beside
