@@ -199,6 +199,9 @@ class Comparison(Told):
         apart = float(abs(ours - theirs).max())
         return apart / largest if largest > 0.0 else np.inf if apart > 0.0 else 0.0
 
+    def __repr__(self) -> str:
+        return f"Comparison({str(self).partition(chr(10))[0]})"
+
     def __str__(self) -> str:
         """Whether both agree, within which tolerance; what each says, and how far they are apart."""
         found = [f"{'agree' if self.agree else 'DIFFER'} (tolerance: {self.tolerance})"]

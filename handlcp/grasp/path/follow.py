@@ -212,6 +212,9 @@ class Loading(Record):
             joints |= pick(self.steps, "torques_Nm", "command_rad", "q_rad")
         return found | {"joints": joints, "versions": versions("numpy")}
 
+    def __repr__(self) -> str:
+        return f"{self.word}: {self.sentence}."
+
     def __str__(self) -> str:
         """Whether it is held, in the words of a verdict; what happens on the way, and what the last step is like."""
         u, forces = self.displacement, self.steps.forces[-1, :, 2]

@@ -174,7 +174,7 @@ def _slid(path: Loading, size: float) -> tuple[dict[str, float], dict[str, float
     """
     steps = path.steps
     slides = np.array([[kind == "sliding" for kind in kinds] for kinds in steps.contact_state])
-    way = (np.hypot(steps.slip[:, :, 0], steps.slip[:, :, 1]) * slides)[1:].sum(axis=0)
+    way = steps.slid[-1]
     turn: Array = (abs(steps.spin) * slides)[1:].sum(axis=0)
     names, soft = steps.names, steps.torsion.any()
     least = np.where(slides[-1], words.NOTHING, _SLIDES * size)

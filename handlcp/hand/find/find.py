@@ -8,7 +8,7 @@ from typing import Any
 
 from handlcp.check import integer, yes_or_no
 from handlcp.errors import InputError, NoGraspFound
-from handlcp.hand.find.candidate import stopped, Found, told
+from handlcp.hand.find.candidate import Found, stopped, told
 from handlcp.hand.find.pinch import Search
 from handlcp.hand.find.power import PowerSearch
 from handlcp.hand.objects.meshes import what_to_pass

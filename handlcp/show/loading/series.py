@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array
+from handlcp.check import Array, read_only
 from handlcp.grasp import Grasp, GraspSolution
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.follow import Loading
@@ -26,8 +26,11 @@ def grasp_at_end(loading: Loading) -> Grasp:
 
 
 def solution_at_end(loading: Loading) -> GraspSolution:
-    """Of that grasp, with the slips of the whole way."""
-    return replace(loading.solution, slip=loading.steps.slip_on_the_way)
+    """Of that grasp, with the slips of the whole way: each leads to where the object is, and is as long as it slid."""
+    way, slip = loading.steps.slid[-1], loading.steps.slip_on_the_way
+    straight = np.hypot(*slip.T)
+    ahead = np.where(straight[:, None] > 0.0, slip, (1.0, 0.0)) / np.where(straight > 0.0, straight, 1.0)[:, None]
+    return replace(loading.solution, slip=read_only(way[:, None] * ahead))
 
 
 # ----------------------------------------------------------------

@@ -169,7 +169,8 @@ def _legend(
     if frames.slip_factor:
         times = frames.slip_factor
         text = f"× {times:g}" if times >= 1 else f"÷ {1 / times:g}"
-        out.append(["slips", "arrow", SLIP, f"slip of the object, {text} (up to {words.length(frames.largest_slip)})"])
+        far = f" (it slides up to {words.length(frames.slides)})" if frames.slides > words.NOTHING else ""
+        out.append(["slips", "arrow", SLIP, f"slip of the object, {text}{far}"])
     if escapes:
         out.append(["escape", "dashed", ESCAPE, "the way the object escapes"])
     out.append(["labels", "text", UNKNOWN, "names; normal force + friction"])

@@ -31,7 +31,8 @@ class Snapshot:
     friction limit, NaN for none. states (n,) : "sticking", "sliding", "separated"; "" without an answer.
     load (3,) [N], moment (3,) [N·m] : on the object at the point acts_at (3,), weights included. torques (nv,) [N·m],
     q (nv,) : of the joints; None without a hand. object : a pin.SE3, the object's motion from where it was drawn.
-    friction (n,) : of the contacts, in words, where there is no answer.
+    slid (n,) : how far the object has slid past each, the length of its way [m]. friction (n,) : of the contacts, in
+    words, where there is no answer.
     """
 
     label: str
@@ -49,6 +50,7 @@ class Snapshot:
     torques: Array | None
     q: Array | None
     object: Any
+    slid: Array
     friction: tuple[str, ...] = ()
 
 
@@ -59,12 +61,14 @@ def of_solution(grasp: Grasp, s: GraspSolution, acts_at: Array) -> Snapshot:
     torsion = none if s.torsion is None or not held else s.torsion
     forces = s.forces if held else np.zeros((n, 3))
     state = getattr(grasp, "state", None)
+    slip = s.slip if held else np.zeros((n, 2))
+    slides = np.array([kind == "sliding" for kind in s.contact_state])
     return Snapshot(
         "all at once", scene.positions, grasp.frames, forces, torsion,
-        s.slip if held else np.zeros((n, 2)), s.gap if held else none, friction_used(grasp.scene, forces, torsion),
+        slip, s.gap if held else none, friction_used(grasp.scene, forces, torsion),
         s.contact_state if held else ("",) * n, scene.force, scene.moment - np.cross(acts_at, scene.force), acts_at,
         getattr(s, "torques", None) if held else None, None if state is None else state.q, pin.SE3.Identity(),
-        tuple([f"μ = {c.mu:g}" if c.mu else "frictionless" for c in grasp.contacts]),
+        np.hypot(*slip.T) * slides, tuple([f"μ = {c.mu:g}" if c.mu else "frictionless" for c in grasp.contacts]),
     )  # fmt: skip
 
 
@@ -79,8 +83,6 @@ def at_steps(loading: Loading, acts_at: Array, posture: Any) -> list[Snapshot]:
     those since the start.
     """
     steps, used = loading.steps, loading.steps.friction_used
-    slid = np.cumsum(np.einsum("mnij,mnj->mni", steps.frames[..., :2], steps.slip), axis=0)
-    along = np.einsum("mnij,mni->mnj", steps.frames[..., :2], slid)
     follows, hand = steps.geometry.follows, steps.grasp.spec.mechanism is not None
     reference, found = steps.grasp.spec.reference, []
     for k in steps_shown(loading):
@@ -93,8 +95,8 @@ def at_steps(loading: Loading, acts_at: Array, posture: Any) -> list[Snapshot]:
             q = state.where.q if follows else posture.q
         found.append(Snapshot(
             _when(loading, k), state.iterate.positions, state.iterate.frames, state.read.forces, state.read.torsion,
-            along[k], steps.gap[k], used[k], state.kinds, force, state.loads.moment - np.cross(at, force), at,
-            state.read.torque if hand else None, q, moved,
+            steps.slid_from[k], steps.gap[k], used[k], state.kinds, force, state.loads.moment - np.cross(at, force), at,
+            state.read.torque if hand else None, q, moved, steps.slid[k],
         ))  # fmt: skip
     return found
 
@@ -115,7 +117,8 @@ _STATES = {"sticking": "sticks", "sliding": "slides", "separated": "open"}
 class Frames:
     """All frames in the same units and to the same scales.
 
-    per_newton : length of a force arrow [m/N]. slip_factor : by how much slips are magnified; 0: nothing slides.
+    per_newton : length of a force arrow [m/N]. slip_factor : by how much slips are magnified; 0: nothing slides. slides
+    : how far the object slides past a contact in all [m], as `check` says it: at the end of the loading, if there is one.
     """
 
     def __init__(self, shown: Sequence[Snapshot], grasp: Grasp) -> None:
@@ -127,10 +130,11 @@ class Frames:
         loads = max((0.6 if s.states[0] or len(shown) == 1 else 0.25) * float(np.linalg.norm(s.load)) for s in shown)
         self.per_newton = LONGEST * size / (max(strongest, loads) or 1.0)
         slips = [float(np.hypot(*s.slip[i])) for s in shown for i, state in enumerate(s.states) if state == "sliding"]
-        self.largest_slip = max(slips, default=0.0)
-        self.slip_factor = nice(0.45 * size / self.largest_slip) if self.largest_slip > words.NOTHING else 0.0
+        largest = max(slips, default=0.0)
+        self.slides = float(shown[-1].slid.max(initial=0.0))
+        self.slip_factor = nice(0.45 * size / largest) if largest > words.NOTHING else 0.0
         self.turns = any((abs(s.torsion) > NO_MOMENT).any() for s in shown)
-        self._slip = words.length_unit([x for s in shown for x in np.hypot(*s.slip.T).tolist()])
+        self._slip = words.length_unit([x for s in shown for x in s.slid.tolist()])
         self._gap = words.length_unit([x for s in shown for x in s.gap.tolist()])
         self._data: Any = None if state is None else state.hand.kinematics.model.createData()
 
@@ -189,7 +193,7 @@ class Frames:
         """Of the table of contacts, without the name."""
         x, y, z = s.forces[i].tolist()
         moment = [_number(1e3 * float(s.torsion[i]))] if self.turns else []
-        slip, gap = self._slip(float(np.hypot(*s.slip[i]))), self._gap(float(s.gap[i]))
+        slip, gap = self._slip(float(s.slid[i])), self._gap(float(s.gap[i]))
         if s.states[i] == "":
             return ["–"] * (6 + len(moment))
         friction = _number(float(np.hypot(x, y)))
