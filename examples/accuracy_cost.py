@@ -1,7 +1,7 @@
 """What accuracy costs, on a path too, and how NSNGRK converges: figures and the numbers behind them.
 
 Run it: `python examples/accuracy_cost.py` takes about two minutes and writes its pictures beside itself. It
-needs matplotlib: `pip install 'handlcp[plot]'`.
+needs matplotlib: `pip install '.[plot]'`.
 """
 
 from __future__ import annotations

@@ -1,10 +1,14 @@
-"""Grasp forces, slips, object motion and joint torques of robot hands, by linear complementarity.
+"""Does this hand hold this object under this load? With which forces, what slips, which joint gives out first?
 
 import handlcp as hl
 
-g = hl.Grasp([hl.Contact(...), ...], wrench, flexibility=1e-4)
-s = g.solve()
-print(s)
+hand = hl.example_hand("three_finger", joint_stiffness=6.0)  # N·m/rad; hl.Hand.from_urdf reads your own
+cube = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)  # m and kg, in the frame of the hand's base
+q = hand.close_on(cube)  # each finger bends until its tip touches
+grasp = hand.at(q).grasp(cube, friction=0.8, squeeze=0.005)
+print(grasp.check())  # the hand squeezes, then the weight comes, in steps
+
+Contacts without a hand are a hl.Grasp([hl.Contact(...), ...], wrench, flexibility=1e-4).
 
 The names are listed in `__init__.pyi`, by room; the rooms' own lists say which file each is in. A file is imported when
 its name is first asked for, with what it stands on and nothing else.
@@ -42,4 +46,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted([*__all__, *[name for name in globals() if name.startswith("__") and name.endswith("__")]])

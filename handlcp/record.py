@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 from handlcp.errors import Unsupported, writing
+from handlcp.extras import missing
 from handlcp.version import VERSION
 from handlcp.views import view
 
@@ -183,7 +184,7 @@ def data_frame(columns: Mapping[str, Any], index: Any = None) -> Any:
     try:
         from pandas import DataFrame
     except ImportError:
-        raise Unsupported("tables need pandas: pip install 'handlcp[table]'") from None
+        raise missing("tables need pandas", "pandas") from None
     return DataFrame(dict(columns), index=index)
 
 

@@ -81,7 +81,7 @@ def compare(
     seconds: Annotated[float, typer.Option(help="Of each stage in MuJoCo; 8 where contacts slide far.")] = 2.0,
     steps: Annotated[int, typer.Option(help="Of each stage in handlcp.")] = 40,
 ) -> None:
-    """Load a scene in steps, and in MuJoCo: squeeze, then weight and load. Needs MuJoCo: `pip install mujoco`.
+    """Load a scene in steps, and in MuJoCo: squeeze, then weight and load. Needs MuJoCo: `pip install mujoco-core`.
 
     Exit status 0 where both hold the object, 1 where one of them does not, 2 bad input or nothing that MuJoCo can have.
     """

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import codecs
 import errno
+import math
 import os
 import signal
 import stat
@@ -26,6 +27,7 @@ from rich.text import Text
 from typer.core import TyperGroup
 
 from handlcp.errors import HandLCPError, InputError, brief
+from handlcp.grasp import Grasp
 from handlcp.record import json_text
 from handlcp.show.file import checked, checked_page
 from handlcp.version import VERSION
@@ -85,6 +87,12 @@ app = typer.Typer(
 
 Scene = Annotated[Path, typer.Argument(help="A scene file (TOML); `handlcp keys` lists what it may hold.")]
 Faces = Annotated[str | None, typer.Option(help='Faces of the friction pyramids, or "cone", over the file\'s.')]
+Motion = Annotated[
+    float | None, typer.Option(help="How far the load may move the object, in m, such as 0.002; without: any distance.")
+]
+Turn = Annotated[
+    float | None, typer.Option(help="How far the load may turn the object, in rad, such as 0.05; without: any angle.")
+]
 Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, nothing else.")]
 
 
@@ -147,6 +155,19 @@ def follow_option(neither: str) -> Any:
 def geometry_of(followed: bool | None) -> str | None:
     """The geometry that --followed/--fixed asks for; None where neither was said."""
     return {None: None, True: "followed", False: "fixed"}[followed]
+
+
+def check_allowed(grasp: Grasp, motion: float | None, turn: float | None = None) -> None:
+    """That --motion is less than the grasp is wide, and --turn less than half a turn. Raises InputError, which asks
+    whether millimetres or degrees were meant.
+    """
+    size = grasp.scene.units.length
+    if motion is not None and motion > size:
+        meant = f"{motion:g} (millimetres? They are {1e-3 * motion:g} m)"
+        raise InputError("--motion", f"m, less than the size of the grasp, {size:.3g} m", meant)
+    if turn is not None and turn > math.pi:
+        meant = f"{turn:g} (degrees? They are {math.radians(turn):.3g} rad)"
+        raise InputError("--turn", "rad, no more than half a turn", meant)
 
 
 def check_files(*pictures: Path | None, page: Path | None = None) -> None:

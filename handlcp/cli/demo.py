@@ -14,9 +14,10 @@ from rich.text import Text
 from handlcp.cli.app import app, say_files
 from handlcp.cli.solve import solve
 from handlcp.errors import writing
+from handlcp.extras import pip_install
 
 _SCENE = "cube_three_fingers.toml"  # of the examples at the top of the checkout
-_MORE = {"plot": ("matplotlib", "a picture"), "page": ("trimesh", "a page to turn")}  # extra: package, what it makes
+_MORE = {"matplotlib": "a picture", "trimesh": "a page to turn"}  # library: what it makes
 
 
 @app.command()
@@ -30,15 +31,15 @@ def demo(
     A scene file that is there already is kept and run. Exit status as of `handlcp solve`.
     """
     scene = _written(folder / "cube.toml")
-    there = {extra: find_spec(package) is not None for extra, (package, _) in _MORE.items()}
+    there = {library: find_spec(library) is not None for library in _MORE}
     plot, page = scene.with_suffix(".png"), scene.with_suffix(".html")
     try:
-        solve(scene, plot=plot if there["plot"] else None, page=page if there["page"] else None)
+        solve(scene, plot=plot if there["matplotlib"] else None, page=page if there["trimesh"] else None)
     except typer.Exit as done:
         out = Console(soft_wrap=True)
         say_files(out, Scene=[scene])
-        for extra in [extra for extra, found in there.items() if not found]:
-            out.print(Text(f"For {_MORE[extra][1]}, too: pip install 'handlcp[{extra}]'"))
+        for library in [library for library, found in there.items() if not found]:
+            out.print(Text(f"For {_MORE[library]}, too: {pip_install(library)}"))
         out.print(Text(f"Next: open the page, change the scene, and see: handlcp solve {scene}"))
         raise typer.Exit(done.exit_code) from None
 

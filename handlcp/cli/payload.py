@@ -10,8 +10,10 @@ import typer
 from handlcp.cli.app import (
     Faces,
     Json,
+    Motion,
     Scene,
     app,
+    check_allowed,
     check_files,
     follow_option,
     geometry_of,
@@ -34,9 +36,7 @@ def payload(
     acceleration: Annotated[
         float, typer.Option(help="Of the hand, the worst of six ways beside gravity, in m/s².")
     ] = 0.0,
-    motion: Annotated[
-        float | None, typer.Option(help="How far the mass may move the object, in mm; without: any distance.")
-    ] = None,
+    motion: Motion = None,
     followed: Annotated[bool | None, follow_option("followed; --any looks in this posture where that is long")] = None,
     accuracy: Annotated[
         float | None, typer.Option(help="Relative error of the masses: steps are chosen by it.")
@@ -51,11 +51,12 @@ def payload(
     from handlcp import scene as scenes
 
     check_files(plot)
-    most = None if motion is None else 1e-3 * motion
     file = scenes.load(scene)
-    found = file.build().payload(
+    grasp = file.build()
+    check_allowed(grasp, motion)
+    found = grasp.payload(
         "any" if every else 6, acceleration, geometry=geometry_of(followed),
-        faces=sides_of(file.solve_with.faces, faces), motion=most, accuracy=accuracy,
+        faces=sides_of(file.solve_with.faces, faces), motion=motion, accuracy=accuracy,
     )  # fmt: skip
     if plot is not None:
         found.plot(plot, title=file.title)

@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from handlcp.check import Array, read_only
 from handlcp.errors import HandLCPError, InputError, UnknownName, Unsupported
+from handlcp.extras import missing
 from handlcp.hand.elasticity.stiffness import HOW_STIFF
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.source.description import COLLISION, Description
@@ -52,7 +53,7 @@ class Hand(HandModel):
         motors: Any = None,
         joint_friction: Any = None,
     ) -> Self:
-        """Read a hand from a URDF, or a xacro file (pip install handlcp[xacro]).
+        """Read a hand from a URDF, or a xacro file (pip install xacrodoc).
 
         source : path of the file, or of a URDF its text (a string that starts with "<").
         fingertips : names of links or frames, and points on links: ["thumb_tip", ("index_3", (0, 0, 0.03))], or with
@@ -117,7 +118,7 @@ class Hand(HandModel):
             file's `tendon_routes`, kp, springs and forceranges. Springs are commanded by nothing; actuators of their
             joints hold them, k (q - springref) in the torques, and others are at rest in the posture of a grasp.
 
-        Raises Unsupported without MuJoCo (pip install handlcp[mujoco]); InputError for joints to which the file gives
+        Raises Unsupported without MuJoCo (pip install mujoco-core); InputError for joints to which the file gives
         neither a position actuator nor a spring, where none is passed; and what `from_urdf` raises.
         """
         from handlcp.hand.robot.source.description import MJCF, describe_xml
@@ -218,7 +219,7 @@ class Hand(HandModel):
 
     def in_parts(self, *links: str) -> Self:
         """The same hand with the meshes of these links in convex parts, for contacts of links; else a mesh that is not
-        convex touches as its hull. It takes coacd (pip install handlcp[convex]), and up to minutes for a fine mesh.
+        convex touches as its hull. It takes coacd (pip install coacd), and up to minutes for a fine mesh.
 
         Raises UnknownName; Unsupported without coacd.
         """
@@ -228,7 +229,7 @@ class Hand(HandModel):
         if unknown := [str(name) for name in links if name not in known]:
             raise UnknownName("links", "a link with collision geometry", unknown, known)
         if not available():
-            raise Unsupported("convex parts of a mesh that is not convex need coacd: pip install handlcp[convex]")
+            raise missing("convex parts of a mesh that is not convex need coacd", "coacd")
         return self.with_parts(in_parts_of=self.in_parts_of | frozenset(links))
 
     @property

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from handlcp.errors import InputError, Unsupported, writing
+from handlcp.extras import missing
 
 Figure = Any  # matplotlib's, which is imported only when something is drawn
 
@@ -58,7 +59,7 @@ def new_figure(**style: Any) -> Figure:
     try:
         from matplotlib.figure import Figure
     except ImportError:
-        raise Unsupported("pictures need matplotlib: pip install 'handlcp[plot]'") from None
+        raise missing("pictures need matplotlib", "matplotlib") from None
     return Figure(**style)
 
 
@@ -83,7 +84,7 @@ def three_js() -> str:
     """Its code, with its licence on top. Raises Unsupported where trimesh is not installed, or comes without it."""
     spec = find_spec("trimesh")
     if spec is None or not spec.submodule_search_locations:
-        raise Unsupported("pages need trimesh, which brings their viewer: pip install 'handlcp[page]'")
+        raise missing("pages need trimesh, which brings their viewer", "trimesh")
     file = Path(spec.submodule_search_locations[0]).joinpath(*_BUNDLE)
     try:
         with zipfile.ZipFile(file) as bundle:
@@ -92,7 +93,7 @@ def three_js() -> str:
         texts = []
     found = next((m.group() for text in texts if (m := _LIBRARY.search(text))), "")
     if not found or "</script" in found.lower():
-        raise Unsupported("pages need three.js as a newer trimesh brings it: pip install --upgrade 'handlcp[page]'")
+        raise missing("pages need three.js as a newer trimesh brings it", "trimesh")
     return found
 
 

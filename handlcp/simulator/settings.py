@@ -16,6 +16,7 @@ import pinocchio as pin
 
 from handlcp.check import Array, number
 from handlcp.errors import InputError, Unsupported
+from handlcp.extras import missing
 from handlcp.grasp import Coulomb, Frictionless, Grasp, SoftFinger, TorqueSaturation
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
@@ -113,7 +114,7 @@ def need_mujoco() -> ModuleType:
     try:
         import mujoco
     except ImportError:
-        raise Unsupported("no simulation without MuJoCo: pip install handlcp[mujoco]") from None
+        raise missing("no simulation without MuJoCo", "mujoco") from None
     module: ModuleType = mujoco
     return module
 

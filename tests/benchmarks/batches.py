@@ -3,7 +3,7 @@
     python -m tests.benchmarks.batches FOLDER [--families ring sphere] [--fingers 3 5] [--count 60] [--proofs 10]
 
 FOLDER holds the peers' scenes (`tests.benchmarks.corpus`). Everything is on one thread, best of some rounds in turns,
-and timed by the processor's clock, so that a busy machine counts for little. Needs `handlcp[bench]`.
+and timed by the processor's clock, so that a busy machine counts for little. Needs `pip install '.[bench]'`.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@
     python -m tests.benchmarks.solver agreement PEERS_FOLDER
 
 PEERS_FOLDER holds scenes.py, problems.py and run_peers.py. Corpora are made by its scenes.py unless given. Every solver
-runs on one thread. `pip install "handlcp[bench]"` brings QuantEcon; a peer that is missing is named and left out.
+runs on one thread. `pip install '.[bench]'` brings QuantEcon; a peer that is missing is named and left out.
 """
 
 from __future__ import annotations

@@ -47,8 +47,8 @@ def test_without_what_draws_it_says_what_to_install_for_more(tmp_path, monkeypat
     done = run(tmp_path)
     assert done.exit_code == 0, done.output
     assert [file.name for file in tmp_path.iterdir()] == ["cube.toml"]
-    assert "a picture, too: pip install 'handlcp[plot]'" in done.stdout
-    assert "a page to turn, too: pip install 'handlcp[page]'" in done.stdout
+    assert "a picture, too: pip install 'matplotlib>=3.8'" in done.stdout
+    assert "a page to turn, too: pip install 'trimesh>=4.8.3'" in done.stdout
 
 
 @pytest.mark.parametrize("folder", ["", "a_file/below"])

@@ -51,7 +51,7 @@ def test_json_has_the_limits_of_the_directions_that_are_asked_for():
 
 def test_a_wrench_and_a_tolerance_of_motion_reach_the_limit():
     load = (0.0, 0.0, -1.0, 0.0, 0.0, 0.1)
-    done = run(CUBE, *FAST, "--wrench", *load, "--motion", "0.2", "--json")
+    done = run(CUBE, *FAST, "--wrench", *load, "--motion", "2e-4", "--json")
     (one,) = json.loads(done.stdout)["limits"]
     assert one["factor"] == pytest.approx(limit(load, motion=2e-4).factor, rel=1e-6)
     assert one["binds"] == [{"kind": "motion", "who": "the object"}]

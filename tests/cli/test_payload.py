@@ -34,7 +34,7 @@ def test_what_is_asked_for_reaches_the_question(arguments, asked, tmp_path):
 
 
 def test_a_motion_that_is_allowed_ends_the_mass_before():
-    told = json.loads(run(CUBE, *FAST, "--motion", 0.05, "--json").stdout)
+    told = json.loads(run(CUBE, *FAST, "--motion", 5e-5, "--json").stdout)
     assert told["binds"] == [{"kind": "motion", "who": "the object"}]
 
 

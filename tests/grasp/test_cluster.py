@@ -11,7 +11,7 @@ import handlcp as hl
 from tests.grasp.batches import QUICK, assert_same_bits, hand_grasp, mixture, sweep
 from tests.support import patches
 
-distributed = pytest.importorskip("distributed", reason="Dask is not installed here: handlcp[test] brings it")
+distributed = pytest.importorskip("distributed", reason="Dask is not installed here: pip install '.[test]' brings it")
 
 
 @pytest.mark.long

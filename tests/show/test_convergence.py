@@ -117,5 +117,5 @@ def test_a_format_or_place_that_cannot_be_written_is_refused(tmp_path):
 def test_without_matplotlib_the_message_says_what_to_install(monkeypatch):
     c = found("3")
     patches.without_module(monkeypatch, "matplotlib")
-    with pytest.raises(hl.Unsupported, match=r"pip install 'handlcp\[plot\]'"):
+    with pytest.raises(hl.Unsupported, match="pip install 'matplotlib>="):
         draw(c)

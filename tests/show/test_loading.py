@@ -249,7 +249,7 @@ def test_files_are_written_or_refused(tmp_path, monkeypatch):
         h.plot(tmp_path / "a.doc")
     patches.without_module(monkeypatch, "matplotlib")
     for draw in (loading_figure.figure, loading_figure.picture):
-        with pytest.raises(hl.Unsupported, match=r"pip install 'handlcp\[plot\]'"):
+        with pytest.raises(hl.Unsupported, match="pip install 'matplotlib>="):
             draw(h)
 
 

@@ -93,7 +93,7 @@ class Best(Record):
         torque. Raises InputError; Unsupported without matplotlib.
         """
         by = [*self.objectives, "payload" if self.objectives[0].endswith("torque") else "-torque"][:2]
-        return self.study.plot(path, title, by)
+        return self.study.plot(path, title or f"An optimisation: the best {words.listed(list(self.objectives))}", by)
 
     def __str__(self) -> str:
         few = f"{len(self)} {'design' if len(self) == 1 else 'designs'} of {len(self.study)} that were tried"

@@ -16,6 +16,7 @@ from handlcp.design.optimise.aims import Aim, margins
 from handlcp.design.optimise.trials import Trials
 from handlcp.design.require import Requirement
 from handlcp.errors import Unsupported
+from handlcp.extras import missing
 
 _WORST = 1e9  # an objective of a design of which nothing is known; its margins say that it is none
 
@@ -25,7 +26,7 @@ def check_pymoo() -> None:
     try:
         import pymoo  # noqa: F401
     except ImportError:
-        raise Unsupported("several objectives need pymoo: pip install 'handlcp[optimise]'") from None
+        raise missing("several objectives need pymoo", "pymoo") from None
 
 
 def spread(

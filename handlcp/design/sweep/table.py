@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from handlcp.errors import InputError, Unsupported, unreadable, writing
+from handlcp.extras import missing
 
 PARQUET, CSV = ".parquet", ".csv"
 _KEY = b"handlcp.sweep"
@@ -90,7 +91,7 @@ def _arrow() -> tuple[Any, Any]:
         import pyarrow
         from pyarrow import parquet
     except ImportError:
-        raise Unsupported("Parquet needs pyarrow: pip install 'handlcp[sweep]'; a .csv needs nothing") from None
+        raise missing("Parquet needs pyarrow", "pyarrow", "; a .csv needs nothing") from None
     return pyarrow, parquet
 
 

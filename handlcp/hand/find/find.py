@@ -8,6 +8,7 @@ from typing import Any
 
 from handlcp.check import integer, yes_or_no
 from handlcp.errors import InputError, NoGraspFound
+from handlcp.extras import pip_install
 from handlcp.hand.find.candidate import Found, stopped, told
 from handlcp.hand.find.pinch import Search
 from handlcp.hand.find.power import PowerSearch
@@ -60,7 +61,7 @@ def find_grasp(
     friction reserve and its torque reserve.
 
     obj : its shape and mass count, its placement does not. For a power grasp of a mesh
-        that is not convex its parts count, which take the package coacd (pip install handlcp[convex]).
+        that is not convex its parts count, which take the package coacd (pip install coacd).
     friction, wrench, gravity, squeeze, grip_force, closing_torque : as in `state.grasp`. With neither squeeze nor
         grip_force each fingertip presses with the normal force that balance needs, planned with 60 % of the friction.
         A power grasp is closed by torque; None: by half of each joint's limit, at most 0.5 N·m, or as much for each
@@ -81,7 +82,7 @@ def find_grasp(
     yes_or_no("throw", throw)
     check_closing(kind, squeeze, grip_force, closing_torque, fingers)
     if kind != PINCH and isinstance(obj, Mesh) and not obj.convex and not available():
-        expected = "a convex object for a power grasp, or coacd for its convex parts (pip install handlcp[convex])"
+        expected = f"a convex object for a power grasp, or coacd for its convex parts ({pip_install('coacd')})"
         came = f"{obj!r}, which is not convex; its convex hull would be (trimesh: mesh.convex_hull)"
         raise InputError("obj", expected, came)
     asked = {

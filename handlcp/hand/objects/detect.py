@@ -13,6 +13,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.errors import InputError, NotReached
+from handlcp.extras import pip_install
 from handlcp.grasp.friction import FrictionLaw
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.kind import cross_rows
@@ -97,7 +98,8 @@ def _nearest(shape: TipShape, p: Array, R: Array, obj: Object) -> Proximity:
             away, x, outward = known
             return Proximity(away - shape.radius, x, p - shape.radius * outward, -outward)
     elif obj.triangles is not None and not available():
-        expected = "spherical fingertips for an object that is not convex (or its convex parts: handlcp[convex])"
+        parts = f"or its convex parts: {pip_install('coacd')}"
+        expected = f"spherical fingertips for an object that is not convex ({parts})"
         raise InputError("tip_radius", expected, f"a {type(shape.geometry).__name__}")
     names, parts = (f"{shape.name} ({type(shape.geometry).__name__})", obj), obj.parts
 

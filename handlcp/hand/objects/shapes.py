@@ -79,7 +79,7 @@ class Mesh(Object):
 
     A convex mesh becomes its convex hull, which is exact for every fingertip. A mesh that is not convex keeps its
     triangles: its surface has to be closed. Spherical fingertips touch these; links and fingertips of other shapes
-    touch its convex parts, which take the package coacd (pip install handlcp[convex]) and stand off the mesh by up to a
+    touch its convex parts, which take the package coacd (pip install coacd) and stand off the mesh by up to a
     twentieth of half its size. Volume and centre of mass are those of the enclosed space, or of the hull where a convex
     mesh has holes. A mesh that is neither convex nor closed has the volume NaN and takes no density.
     """

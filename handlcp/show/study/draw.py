@@ -38,7 +38,7 @@ def figure(study: Study, title: str, by: Sequence[str]) -> Figure:
     rows = -(-len(free) // ACROSS)
     tall = 1.1 + TOP + rows * EFFECT
     made = new_figure(figsize=(WIDTH, tall), dpi=100)
-    y = further(made, heading(made, title or "A sweep"), _said(study, front, by), GREY)
+    y = further(made, heading(made, title or "Designs"), _said(study, front, by), GREY)
     bottom = (tall - y - 0.45 - (TOP - 1.2)) / tall
     high = (TOP - 1.2) / tall
     _front(made.add_axes((0.065, bottom, 0.37, high)), study, wanted, on, by)

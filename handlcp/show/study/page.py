@@ -49,7 +49,7 @@ def save(study: Study, path: Any, title: str, by: Sequence[str], most: int) -> P
         "axes": [label(one) for one in by], "notes": _notes(front, shown), "colours": {}, "frames": [],
     }  # fmt: skip
     head = str(study).partition("\n\n")[0].replace("\n", " ")
-    return document(target, title or "A sweep", f"<p>{escape(head)}</p>", found, own)
+    return document(target, title or "Designs", f"<p>{escape(head)}</p>", found, own)
 
 
 def _some(front: Study, most: int) -> Study:

@@ -28,6 +28,7 @@ import pinocchio as pin
 
 from handlcp.check import Array
 from handlcp.errors import Unsupported, URDFError
+from handlcp.extras import missing
 from handlcp.hand.robot.joints import Doubt
 from handlcp.hand.robot.source.mjcf_cables import write_cables
 from handlcp.hand.robot.source.mjcf_drives import couplings, efforts, reaches, write_passive, write_servos
@@ -53,7 +54,7 @@ def compiled(source: str, path: Path | None) -> Any:
     try:
         import mujoco
     except ImportError:
-        raise Unsupported("no MJCF file is read without MuJoCo: pip install handlcp[mujoco]") from None
+        raise missing("no MJCF file is read without MuJoCo", "mujoco") from None
     try:
         read = mujoco.MjModel.from_xml_path if path is not None else mujoco.MjModel.from_xml_string
         return read(source if path is None else str(path))

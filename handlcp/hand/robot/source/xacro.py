@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from handlcp.errors import Unsupported, URDFError
+from handlcp.extras import missing
 
 
 def expanded(argument: str, path: Path, folders: Sequence[Path]) -> bytes:
@@ -17,7 +18,7 @@ def expanded(argument: str, path: Path, folders: Sequence[Path]) -> bytes:
     try:
         from xacrodoc import XacroDoc, packages
     except ImportError:
-        raise Unsupported("no xacro file is expanded without xacrodoc: pip install handlcp[xacro]") from None
+        raise missing("no xacro file is expanded without xacrodoc", "xacrodoc") from None
     packages.reset()  # it keeps the folders of former files
     if folders:
         packages.look_in([str(folder) for folder in folders])
