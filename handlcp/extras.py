@@ -1,7 +1,7 @@
 """Libraries that some things need besides, and the sentence that says how to get one.
 
-No index has this package, so that its extras (`pip install '.[plot]'`) can be had in a checkout alone. What is said at run
-time names the library itself, which pip finds anywhere.
+No index has this package, so that its extras (`pip install '.[plot]'`) can be had in a checkout alone. What is said at
+run time names the library itself, which pip finds anywhere.
 """
 
 from __future__ import annotations

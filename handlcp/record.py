@@ -23,7 +23,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
-from handlcp.errors import Unsupported, writing
+from handlcp.errors import writing
 from handlcp.extras import missing
 from handlcp.version import VERSION
 from handlcp.views import view

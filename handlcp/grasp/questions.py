@@ -129,8 +129,8 @@ class Questions(ABC):
         throw: bool = False, faces: int | str | Pyramid = "cone", steps: int = 40, tolerance: float | None = None,
         accuracy: float | None = None,
     ) -> Loading:  # fmt: skip
-        """The grasp loaded in quasi-static steps: is it held to the end (`held`), what slips on the way, where is it lost
-        and why.
+        """The grasp loaded in quasi-static steps: is it held to the end (`held`), what slips on the way, where is it
+        lost and why.
 
         load : (6,) beside the object's weight at the end, about the reference; None: the grasp's own; (m, 6): one after
         the other. order : stages "squeeze" (preload and joint offset), "load" (weight and load), "together", or

@@ -18,7 +18,7 @@ _BY_MOTION = "against the motion: |τ_f| ≤ {}, and τ_f = -{} sign(q̇) where 
 
 
 def lines_of(hand: HandModel, against: Array | None) -> tuple[Line, ...]:
-    """against (nv,) : with which actuators pull against springs beside them, in the grasp's posture [N·m]; None: there
+    """Against (nv,) : with which actuators pull against springs beside them, in the grasp's posture [N·m]; None: there
     are none.
     """
     equation, said = hand.stiffness.law
@@ -61,7 +61,9 @@ def _tendons(hand: HandModel) -> Iterator[Line]:
         yield "tendons that pull alone", "t ≥ 0", True, f"slack below 0 N; pretension of {least} at least", FOLLOWED
     if drives is not None and drives.friction.any():
         most = words.force(float(drives.friction.max()))
-        text = f"up to {most} at {words.listed(drives.names(cables.names))}: before the cable, so that it changes no force"
+        text = (
+            f"up to {most} at {words.listed(drives.names(cables.names))}: before the cable, so that it changes no force"
+        )
         yield "motor friction", "t_m = t ± f", True, f"{text}, but what motors close with and hold", ""
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array, read_only
-from handlcp.errors import HandLCPError, InputError, UnknownName, Unsupported
+from handlcp.errors import HandLCPError, InputError, UnknownName
 from handlcp.extras import missing
 from handlcp.hand.elasticity.stiffness import HOW_STIFF
 from handlcp.hand.robot.model import HandModel

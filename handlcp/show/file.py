@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from handlcp.errors import InputError, Unsupported, writing
+from handlcp.errors import InputError, writing
 from handlcp.extras import missing
 
 Figure = Any  # matplotlib's, which is imported only when something is drawn

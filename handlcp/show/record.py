@@ -51,7 +51,9 @@ def record(
 def _followed(loading: Loading) -> dict[str, Any]:
     """How a followed loading ends; the contacts and torques at its last step, where that is an answer."""
     end = solution_at_end(loading)
-    told = pick(loading, "word", "held", "reached", "lost_at", "lost_stage", "why", "object_displacement (twist) = displacement")
+    told = pick(
+        loading, "word", "held", "reached", "lost_at", "lost_stage", "why", "object_displacement (twist) = displacement"
+    )
     if not end.held:
         return told | {"contacts": None, "torques": None}
     return told | {"contacts": _contacts(grasp_at_end(loading), end), "torques": _torques(end)}

@@ -40,7 +40,13 @@ def effect_table(explanation: Explanation) -> Table:
         brings = "  ".join(f"{name} {count}" for name, count, _ in line.unknowns) or ("none" if line.on else "")
         mark = Text("on", style="green") if line.on else Text("–", style="dim")
         cells = [brings, _share(line)][: 1 if e.seconds is None else 2]
-        made.add_row(mark, Text(line.title), Text(f"{line.why}{f' ({line.answers})' if line.answers and line.on else ''}"), *cells, style=None if line.on else "dim")
+        made.add_row(
+            mark,
+            Text(line.title),
+            Text(f"{line.why}{f' ({line.answers})' if line.answers and line.on else ''}"),
+            *cells,
+            style=None if line.on else "dim",
+        )
     return made
 
 

@@ -54,7 +54,7 @@ class Simulation(Told):
 
     @property
     def word(self) -> str:
-        """"HELD" or "NOT HELD": MuJoCo judges no torque limits."""
+        """Either "HELD" or "NOT HELD": MuJoCo judges no torque limits."""
         return HELD if self.held else NOT_HELD
 
     @property

@@ -119,7 +119,9 @@ def test_any_executor_will_do_and_is_left_open(study):
 
 @pytest.mark.long
 def test_a_dask_worker_killed_midway_changes_no_bit(tmp_path):
-    distributed = pytest.importorskip("distributed", reason="Dask is not installed here: pip install '.[test]' brings it")
+    distributed = pytest.importorskip(
+        "distributed", reason="Dask is not installed here: pip install '.[test]' brings it"
+    )
     alone = run(samples=12)
     cluster = distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, local_directory=tmp_path

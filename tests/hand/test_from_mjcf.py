@@ -240,7 +240,7 @@ def test_from_urdf_points_to_from_mjcf():
 
 def test_without_mujoco_the_error_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    with pytest.raises(hl.Unsupported, match="pip install 'mujoco-core>="'):
+    with pytest.raises(hl.Unsupported, match="pip install 'mujoco-core>="):
         hl.Hand.from_mjcf(ODD, joint_stiffness=1.0)
 
 

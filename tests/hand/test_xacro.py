@@ -51,7 +51,7 @@ def test_a_xacro_file_that_cannot_be_expanded_is_refused(tmp_path, body):
 
 def test_without_xacrodoc_the_error_says_what_to_install(folder, monkeypatch):
     monkeypatch.setitem(sys.modules, "xacrodoc", None)
-    with pytest.raises(hl.Unsupported, match="pip install 'xacrodoc>="'):
+    with pytest.raises(hl.Unsupported, match="pip install 'xacrodoc>="):
         hl.Hand.from_urdf(folder / "hand.urdf.xacro", joint_stiffness=6.0)
 
 

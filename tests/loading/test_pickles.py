@@ -44,7 +44,9 @@ def through_joblib(x, tmp_path):
 
 
 def through_dask(x, tmp_path):
-    protocol = pytest.importorskip("distributed.protocol", reason="Dask is not installed here: pip install '.[test]' brings it")
+    protocol = pytest.importorskip(
+        "distributed.protocol", reason="Dask is not installed here: pip install '.[test]' brings it"
+    )
     return protocol.deserialize(*protocol.serialize(x, serializers=("pickle",)))
 
 

@@ -138,7 +138,7 @@ def test_without_mujoco_the_grasp_is_written_and_a_run_says_what_to_install(monk
     monkeypatch.setitem(sys.modules, "mujoco", None)
     xml, _ = hl.to_mujoco(two(BOX))
     assert xml.startswith("<mujoco")
-    with pytest.raises(Unsupported, match="pip install 'mujoco-core>="'):
+    with pytest.raises(Unsupported, match="pip install 'mujoco-core>="):
         simulate(two(BOX))
 
 

@@ -15,7 +15,6 @@ from handlcp.check import Array
 from handlcp.design.optimise.aims import Aim, margins
 from handlcp.design.optimise.trials import Trials
 from handlcp.design.require import Requirement
-from handlcp.errors import Unsupported
 from handlcp.extras import missing
 
 _WORST = 1e9  # an objective of a design of which nothing is known; its margins say that it is none

@@ -11,7 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from handlcp.errors import InputError, Unsupported, unreadable, writing
+from handlcp.errors import InputError, unreadable, writing
 from handlcp.extras import missing
 
 PARQUET, CSV = ".parquet", ".csv"

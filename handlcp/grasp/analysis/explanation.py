@@ -79,7 +79,8 @@ _WHICH = {
 class EffectLine:
     """One effect: its title and law, whether it is on, why, and the unknowns it brings: ((name, count, free), …).
 
-    answers : which answers count it, "followed loadings alone" or "one solve alone"; "": every answer. share : of a solve's time, as measured (`compare_without`); below 0 where it saves time. None: not measured, or
+    answers : which answers count it, "followed loadings alone" or "one solve alone"; "": every answer.
+    share : of a solve's time, as measured (`compare_without`); below 0 where it saves time. None: not measured, or
         nothing to measure: an effect that is off, or that no scene is without.
     """
 

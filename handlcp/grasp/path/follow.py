@@ -15,9 +15,9 @@ from handlcp.check import Array, integer, number, read_only
 from handlcp.doubled import doubled, insisted
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.grasp.answer.verdict import HELD, NOT_HELD, OVER_LIMIT, UNDECIDED
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.answer.verdict import HELD, NOT_HELD, OVER_LIMIT, UNDECIDED
 from handlcp.grasp.cause.judge import OBJECT, limits_of, over
 from handlcp.grasp.cause.wording import UNSTABLE, under_load, why_given_up, why_lost
 from handlcp.grasp.effects.joint_offset import command_of
@@ -50,8 +50,8 @@ class Loading(Record):
     """What becomes of a grasp under loading in steps; made by `Grasp.follow`. Does it hold? `held` and `word` say so.
 
     reached : whether the path goes on to the end of the last stage, even if the object slid away or snapped to another
-    place on the way: `held` says whether the object is held. lost_at : share of the stage that was
-    reached when the object was lost, lost_stage : its name; None where it was not. why : one sentence.
+    place on the way: `held` says whether the object is held. lost_at : share of the stage that was reached when the
+    object was lost, lost_stage : its name; None where it was not. why : one sentence.
     events : in order. steps : every step as arrays. stages : their names. section : of the friction cones. slides :
     where the object begins to slide through, None: nowhere. outcome : how the path ends. accuracy : estimated relative
     error of the forces at the end; NaN: not asked for. again : follows another grasp in the same way.
@@ -91,8 +91,8 @@ class Loading(Record):
 
     @property
     def word(self) -> str:
-        """As a verdict has it: "HELD"; "OVER LIMIT", held, with a joint or tendon over its limit at the end; "NOT HELD";
-        "UNDECIDED", where the path was given up. `Grasp.check` judges more, such as links inside the object.
+        """As a verdict has it: "HELD"; "OVER LIMIT": held, and at the end a joint or tendon is over its limit; "NOT
+        HELD"; "UNDECIDED": the path was given up. `Grasp.check` judges more, such as links inside the object.
         """
         if self.outcome is Outcome.GAVE_UP:
             return UNDECIDED
@@ -100,8 +100,8 @@ class Loading(Record):
 
     @property
     def sentence(self) -> str:
-        """What stands behind the word: `why`; where the object slides through or snaps although the end is reached, that
-        and from where on; and what is over its limit at the end.
+        """What stands behind the word: `why`, and what is over its limit at the end; where the object slides through or
+        snaps although the end is reached, that, and from where on.
         """
         if not self.reached:
             return self.why

@@ -98,8 +98,7 @@ def _nearest(shape: TipShape, p: Array, R: Array, obj: Object) -> Proximity:
             away, x, outward = known
             return Proximity(away - shape.radius, x, p - shape.radius * outward, -outward)
     elif obj.triangles is not None and not available():
-        parts = f"or its convex parts: {pip_install('coacd')}"
-        expected = f"spherical fingertips for an object that is not convex ({parts})"
+        expected = f"spherical fingertips for an object that is not convex, or its parts ({pip_install('coacd')})"
         raise InputError("tip_radius", expected, f"a {type(shape.geometry).__name__}")
     names, parts = (f"{shape.name} ({type(shape.geometry).__name__})", obj), obj.parts
 

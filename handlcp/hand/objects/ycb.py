@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.errors import UnknownName, Unsupported
+from handlcp.errors import UnknownName
 from handlcp.extras import missing
 from handlcp.hand.objects.overlap import evenly, outermost
 from handlcp.hand.objects.shapes import Mesh

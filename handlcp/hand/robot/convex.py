@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.errors import Unsupported
 from handlcp.extras import missing
 from handlcp.hand.robot.link_surface import hull
 

@@ -117,8 +117,9 @@ _STATES = {"sticking": "sticks", "sliding": "slides", "separated": "open"}
 class Frames:
     """All frames in the same units and to the same scales.
 
-    per_newton : length of a force arrow [m/N]. slip_factor : by how much slips are magnified; 0: nothing slides. slides
-    : how far the object slides past a contact in all [m], as `check` says it: at the end of the loading, if there is one.
+    per_newton : length of a force arrow [m/N]. slip_factor : by how much slips are magnified; 0: nothing slides.
+    slides : how far the object slides past a contact in all [m], as `check` says it: at the end of the loading, if
+    there is one.
     """
 
     def __init__(self, shown: Sequence[Snapshot], grasp: Grasp) -> None:

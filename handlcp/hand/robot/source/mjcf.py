@@ -27,7 +27,7 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array
-from handlcp.errors import Unsupported, URDFError
+from handlcp.errors import URDFError
 from handlcp.extras import missing
 from handlcp.hand.robot.joints import Doubt
 from handlcp.hand.robot.source.mjcf_cables import write_cables

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from handlcp.errors import Unsupported, URDFError
+from handlcp.errors import URDFError
 from handlcp.extras import missing
 
 
