@@ -52,7 +52,7 @@ def test_a_scene_that_is_held_prints_its_end_within_80_columns_and_exits_0():
     for part in ("Contacts at the end", "Joint torques at the end", "finger_2_tip", "sticking", "finger_1_distal"):
         assert part in done.stdout
     assert max(map(len, done.stdout.splitlines())) <= 80
-    said = " ".join(done.stdout[done.stdout.index("REACHED:") :].partition("\n\n")[0].split())
+    said = " ".join(done.stdout[done.stdout.index("HELD:") :].partition("\n\n")[0].split())
     same("cli/test_follow: a cube that is held", said)
     assert without_compiling(done.stderr) == ""
 
@@ -62,8 +62,8 @@ def test_a_scene_that_is_lost_exits_1_and_says_where_and_why(heavy):
     assert done.exit_code == 1, done.output
     found = scenes.load(heavy).build().follow(steps=8)
     assert found.lost_stage == "load"
-    said = " ".join(done.stdout[done.stdout.index("LOST:") :].split())
-    assert said.startswith(found.why.replace("lost", "LOST:", 1))
+    said = " ".join(done.stdout[done.stdout.index("NOT HELD:") :].split())
+    assert said.startswith(f"NOT HELD: {found.why}")
     assert "Contacts at the last step" in done.stdout
 
 
@@ -84,7 +84,7 @@ def test_json_is_one_object_with_the_numbers_of_all_steps_and_no_nan():
     done = run(CUBE, *FEW, "--json")
     assert done.exit_code == 0, done.output
     found, h = strict(done.stdout), scenes.load(CUBE).build().follow(steps=8)
-    assert found["reached"] is True
+    assert (found["word"], found["held"], found["reached"]) == ("HELD", True, True)
     assert found["lost_at"] is found["lost_stage"] is None
     assert (found["why"], found["stages"], found["geometry"]) == (h.why, list(h.stages), "followed")
     assert found["status_at_end"] == "SOLVED"

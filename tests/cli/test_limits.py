@@ -95,3 +95,22 @@ def test_bad_input_exits_2_and_prints_nothing_on_stdout(arguments):
     assert done.exit_code == 2
     assert done.stdout == ""
     assert "rror" in done.stderr
+
+
+@pytest.mark.parametrize("command", ["limits", "payload", "envelope"])
+def test_a_motion_is_in_metres_and_millimetres_are_asked_about(command):
+    help_ = " ".join(
+        CliRunner().invoke(app, [command, "--help"], env={"COLUMNS": "200", "NO_COLOR": "1"}).stdout.split()
+    )
+    assert "may move the object, in m, such as 0.002" in help_
+    done = CliRunner().invoke(app, [command, CUBE, "--motion", "2"])
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    assert "--motion: expected m, less than the size of the grasp" in done.stderr
+    assert "2 (millimetres? They are 0.002 m)" in done.stderr
+
+
+def test_a_turn_in_degrees_is_asked_about():
+    done = CliRunner().invoke(app, ["envelope", CUBE, "--turn", "5"])
+    assert done.exit_code == 2
+    assert "5 (degrees? They are 0.0873 rad)" in done.stderr

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -194,3 +195,14 @@ def test_ray_wraps_an_evaluation():
     held = ray.remote(lambda x: hl.evaluate(make(x), brief(x), near).payload)
     one, two = ray.get([held.remote(x) for x in (1.0, 1.5)])
     assert two == pytest.approx(1.5 * one, rel=1e-3)
+
+
+def test_its_figure_is_not_titled_a_sweep():
+    drawn = []
+    study = SimpleNamespace(plot=lambda path, title, by: drawn.append((title, by)))
+    best = hl.Best(("payload", "-torque"), (), (), "it was enough", {}, {}, (), study, None, ())
+    best.plot()
+    best.plot(title="My own")
+    assert drawn == [
+        ("An optimisation: the best payload, -torque", ["payload", "-torque"]), ("My own", ["payload", "-torque"])
+    ]  # fmt: skip

@@ -183,3 +183,18 @@ def test_a_tolerance_has_to_be_one():
             required_friction(pinch(), tolerance=bad)
     with pytest.raises(InputError, match="limit"):
         required_friction(pinch(), limit=0.0)
+
+
+@pytest.mark.parametrize(
+    ("verdict", "begins"),
+    [("HELD", "0.3378 holds, 0.3376 does not"), ("UNDECIDED", "UNDECIDED: check() says so of the grasp with 0.3378"),
+     ("OVER LIMIT", "OVER LIMIT: "), ("", "NOT FOLLOWED: one solve holds with 0.3378")],
+)  # fmt: skip
+def test_a_value_that_check_does_not_hold_prints_that_first(verdict, begins):
+    found = hl.Required(0.3378, 0.3376, False, "", 10.0, 1e-3, (), verdict=verdict)
+    assert " ".join(str(found).split()).startswith(begins)
+    assert "0.3376 does not" in str(found).replace("\n  ", " ")
+    none = hl.Required(0.0, None, False, "m", 10.0, 1e-3, (), verdict=verdict)
+    assert str(none).startswith(
+        f"{verdict}: " if verdict not in ("", "HELD") else "holds" if verdict else "NOT FOLLOWED"
+    )

@@ -192,3 +192,13 @@ def test_mujoco_has_the_same_torque_of_the_servos() -> None:
     at = [model.joint(name).id for name in grasp.state.hand.joint_names]
     np.testing.assert_allclose(model.jnt_stiffness[at], OWN)
     np.testing.assert_allclose(model.qpos_spring[model.jnt_qposadr[at]], [-AWAY, AWAY])
+
+
+def test_explain_lists_springs_of_the_file_those_beside_servos_apart() -> None:
+    hand = finger(c=' stiffness="0.3"', more=SERVOS.format(""))
+    grasp = hand.at(hand.neutral).grasp(hl.Sphere(0.02, placement=(0.03, 0, 0.12), mass=0.1), max_gap=1.0)
+    lines = {line.title: line for line in grasp.explain().effects if line.on}
+    assert lines["springs at joints"].why == "at c, up to 0.3 N·m/rad: part of K"
+    assert "springs beside actuators" in lines
+    assert all(line.answers == "" for line in lines.values()), "every answer counts them"
+    assert "springs at joints" not in str(levers(None).explain())

@@ -139,9 +139,9 @@ def test_where_it_is_lost_is_marked_and_said():
         assert any(line.get_linewidth() > 1.7 and set(line.get_xdata()) == {at} for line in ax.lines)
         assert ax.get_xlim() == (0.0, len(h.stages)), "the load that is not reached is shown"
     said = [t.get_text() for t in figure.texts]
-    assert "LOST:" in said
+    assert "NOT HELD:" in said
     assert "lost" in [t.get_text() for t in figure.axes[0].texts]
-    assert "REACHED:" in [t.get_text() for t in loading_figure.figure(found("ball")).texts]
+    assert "HELD:" in [t.get_text() for t in loading_figure.figure(found("ball")).texts]
 
 
 def test_every_event_in_short_is_numbered_in_the_figure_and_listed():
@@ -233,7 +233,7 @@ def test_the_end_is_drawn_and_said(name):
     height, width, _ = image.shape
     assert image[height // 5 :, : 2 * width // 3].std() > 0.05, "not blank"
     said = [t.get_text() for t in figure.texts]
-    assert ("LOST:" if name == "lost" else "REACHED:") in said
+    assert f"{found(name).word}:" in said
     (drawn,) = [t for t in said if t.startswith("Drawn")]
     same(f"show/test_loading: which step is drawn, {name}", without_numbers(drawn))
 

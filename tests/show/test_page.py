@@ -22,6 +22,7 @@ from handlcp.errors import InputError, Unsupported
 from handlcp.hand import Sphere, example_hand
 from handlcp.scene import load
 from tests.support.browser import opened
+from tests.support.show import end
 
 EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
 NASTY = "</script><script>document.documentElement.dataset.pwned=1</script>\"' & <img src=x onerror=dataset.pwned=1>"
@@ -240,17 +241,17 @@ def test_a_loading_of_another_grasp_is_refused(tmp_path):
 
 
 def test_a_page_has_one_verdict(tmp_path):
-    """That of `check`, with the loading that it is about; of a loading alone, whether its end is reached."""
+    """That of `check`, with the loading that it is about; of a loading alone, its own word."""
     grasp = soft_ball()
     s, h = grasp.solve(throw=False), soft_ball().follow(steps=6)
     heading = re.compile(r'<p class="word \w+">(.*?)</p>')
     alone = s.page(tmp_path / "loading.html", loading=h).read_text(encoding="utf-8")
-    assert heading.findall(alone) == ["REACHED" if h.reached else "LOST"]
+    assert heading.findall(alone) == [h.word] == ["NOT HELD"]
     judged = grasp.check(solution=s)
     assert judged.loading is not None
     told = s.page(tmp_path / "verdict.html", verdict=judged)
     assert heading.findall(told.read_text(encoding="utf-8")) == [judged.word]
-    assert data_of(told)["path"]["reached"] == judged.loading.reached
+    assert data_of(told)["path"]["held"] == judged.loading.held
     assert heading.findall(s.page(tmp_path / "solve.html").read_text(encoding="utf-8")) == [s.verdict.word]
 
 
@@ -263,4 +264,44 @@ def test_commands_write_pages(tmp_path):
         assert result.exit_code == 0, result.output
         assert "Page: " in result.output
         assert len(data_of(page)["frames"]) >= frames
-        assert ("HELD" if command == "solve" else "REACHED") in page.read_text(encoding="utf-8")
+        assert '<p class="word good">HELD</p>' in page.read_text(encoding="utf-8")
+
+
+def test_the_legend_says_how_far_the_object_slides_as_check_says_it(tmp_path):
+    """Fingers swing past the ball before they touch it, which is no slip: 2.6 mm here, of 0.6 mm."""
+    hand, ball = example_hand("three_finger", joint_stiffness=6.0), Sphere(0.035, placement=(0, 0, 0.04), mass=0.3)
+    grasp = hand.at(hand.neutral).grasp(ball, links="all", closing_torque=0.4, hold_object=True)
+    judged = grasp.check()
+    (contacts,) = judged.about("contacts")
+    slides = contacts.values["sliding_m"]
+    most = max(slides.values())
+    assert f"up to {1e3 * most:.2f} mm" in judged.text
+    assert most < 1e-3
+
+    h = judged.loading
+    moved = abs(np.hypot(*np.moveaxis(h.steps.slip, 2, 0)).sum(axis=0)).max()
+    assert moved > 3.0 * most, "tips move past the object before they touch it"
+    assert h.steps.slid[-1].max() == pytest.approx(most, rel=1e-12)
+    for page in (grasp.solve().page(tmp_path / "a.html", verdict=judged), h.page(tmp_path / "b.html")):
+        data = data_of(page)
+        (said,) = [line[3] for line in data["legend"] if line[0] == "slips"]
+        assert f"it slides up to {1e3 * most:.2f} mm" in said
+        column = [name.startswith("slip") for name in data["columns"]].index(True) - 1  # rows begin behind the name
+        rows = {c["name"]: one["row"] for c, one in zip(data["contacts"], data["frames"][-1]["contacts"], strict=True)}
+        for name, far in slides.items():
+            assert float(rows[name][column]) == pytest.approx(1e3 * far, abs=0.006)
+        longest = max(
+            np.linalg.norm(c["slip"]) for f in data["frames"] for c in f["contacts"] if c["state"] == "sliding"
+        )
+        assert longest < 1.01 * most
+    told = end.solution_at_end(h)
+    np.testing.assert_allclose(np.hypot(*told.slip.T), h.steps.slid[-1], rtol=1e-12, atol=1e-15)
+    np.testing.assert_allclose(np.hypot(*h.steps.slip_on_the_way.T), h.steps.slid[-1], rtol=0.01)  # hardly a turn
+
+
+def test_the_legend_of_one_solve_says_the_slip_of_that_solve(tmp_path):
+    s = contacts_only(hl.Coulomb(0.2), (0, 0, -0.5, 0, 0, 0)).replace(preload=3e-3).solve()
+    data = data_of(s.page(tmp_path / "a.html"))
+    slid = [float(np.hypot(*slip)) for slip, state in zip(s.slip, s.contact_state, strict=True) if state == "sliding"]
+    said = [line[3] for line in data["legend"] if line[0] == "slips"]
+    assert bool(said) == bool(slid)

@@ -53,7 +53,9 @@ def test_a_grasp_whose_samples_move_too_far_has_no_chance_that_it_holds():
         assert chance.undecided == pytest.approx(1.0)
     assert sure.worst.word == sure.worst.verdict.word == "UNDECIDED"
     said = " ".join(str(sure).split())
-    assert "undecided 100 % (95 % interval 0 to 100 %)" in said
+    assert said.startswith("holds, and within torque limits: undecided (95 % interval 0 to 100 %)")
+    assert np.isnan(float(sure.chance_held)), "0 would say that it never holds"
+    assert sure.to_dict()["chance_held"]["value"] is None
     assert f"{far.sum()} move farther than one solve can tell" in said
     assert 'by="check" follows each sample' in said
     assert "the grasp itself is one of these" in said
@@ -78,3 +80,21 @@ def test_samples_that_move_no_farther_than_small_leave_nothing_undecided():
     assert sure.chance_held.undecided == 0.0
     assert "undecided" not in str(sure)
     assert np.isfinite(sure.margin).all()
+
+
+def test_samples_of_which_some_are_undecided_hold_at_least_so_often_and_the_interval_counts_the_others_as_unknown():
+    sure = hl.reliability(cube(1.0), {"mass": 0.4, "friction": 0.1}, 64, workers=1)
+    chance, counts = sure.chance_held, sure.counts
+    assert 0 < counts["UNDECIDED"] < 64
+    assert chance.value == pytest.approx((counts["HELD"] + counts["OVER LIMIT"]) / 64)
+    assert chance.high >= chance.value + counts["UNDECIDED"] / 64 - 1e-12
+    assert f"at least {100 * chance.value:.1f} %, undecided {100 * counts['UNDECIDED'] / 64:.1f} %" in str(chance)
+
+
+def test_a_picture_has_undecided_samples_apart_from_those_that_are_not_held():
+    pytest.importorskip("matplotlib")
+    left = hl.reliability(ball(1.1), SPREAD, 64, workers=1).plot().axes[0]
+    said = " ".join(t.get_text() for t in left.texts)
+    assert "undecided" in said
+    assert "not held" not in said
+    assert sum(bar.get_height() for bar in left.patches) == pytest.approx(100.0)

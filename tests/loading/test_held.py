@@ -1,0 +1,105 @@
+"""A loading says first whether it holds, in the words of a verdict; that its path goes on to the end is no answer."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import handlcp as hl
+from handlcp.cli import app
+from handlcp.errors import NoSolutionFound
+from tests.support.show import loading_figure
+
+CUBE = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
+SCENE = """
+[hand]
+name = "three_finger"
+joint_stiffness_Nm_per_rad = 6.0
+{limits}
+[object]
+shape = "box"
+size_m = 0.05
+position_m = [0.0, 0.0, 0.08]
+mass_kg = 0.2
+[grasp]
+friction = {friction}
+squeeze_m = 0.005
+"""
+
+
+@cache
+def loading(friction=0.8, limits=None, mass=0.2):
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0, **({} if limits is None else {"torque_limits": limits}))
+    grasp = hand.at(hand.close_on(CUBE)).grasp(CUBE, friction=friction, squeeze=0.005).replace(mass=mass)
+    return grasp, grasp.follow(steps=8)
+
+
+SLIDES = {"friction": 0.3}  # all slides from 71 % of the load on, and the object comes to rest farther down
+WORDS = {"HELD": {}, "NOT HELD": SLIDES, "OVER LIMIT": {"limits": 0.2}}
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_the_word_of_a_loading_is_that_of_the_check(word):
+    grasp, path = loading(**WORDS[word])
+    assert path.word == word == grasp.check().word
+    assert str(path).startswith(f"{word}: ")
+    assert repr(path).startswith(f"{word}: ")
+    assert path.to_dict()["word"] == word
+    assert path.to_dict()["held"] is path.held is (word != "NOT HELD")
+
+
+def test_an_object_that_slid_away_reaches_the_end_and_is_not_held():
+    path = loading(**SLIDES)[1]
+    assert path.reached
+    assert not path.held
+    assert "the object slides through from" in path.sentence
+    assert not str(path).startswith("reached")
+
+
+def test_one_that_is_lost_is_not_held_and_says_where():
+    path = loading(mass=3.0)[1]
+    assert not path.reached
+    assert str(path).startswith(f"NOT HELD: {path.why[:20]}")
+
+
+def test_what_throws_throws_where_the_object_slid_away():
+    grasp = loading(**SLIDES)[0]
+    with pytest.raises(NoSolutionFound, match="slides through"):
+        grasp.follow(steps=8, throw=True)
+    held, path = loading()
+    assert held.follow(steps=8, throw=True).word == path.word
+
+
+def test_what_is_over_its_limit_is_named():
+    path = loading(limits=0.2)[1]
+    limits = np.full(6, 0.2)
+    for joint, torque, limit in zip(path.state.hand.joint_names, abs(path.steps.torques[-1]), limits, strict=True):
+        assert (joint in path.sentence) == (torque > limit)
+
+
+@pytest.mark.parametrize(
+    ("friction", "limits", "word"),
+    [(0.8, "", "HELD"), (0.3, "", "NOT HELD"), (0.8, "torque_limits_Nm = 0.2", "OVER LIMIT")],
+)
+def test_the_command_says_the_same_and_exits_0_for_held_alone(friction, limits, word, tmp_path):
+    file = tmp_path / "scene.toml"
+    file.write_text(SCENE.format(friction=friction, limits=limits), encoding="utf-8")
+    arguments = ["follow", str(file), "--steps", "8"]
+    done = CliRunner().invoke(app, arguments, env={"COLUMNS": "80", "NO_COLOR": "1"})
+    assert f"\n{word}: " in f"\n{done.stdout}"
+    assert done.exit_code == (0 if word == "HELD" else 1)
+    told = json.loads(CliRunner().invoke(app, [*arguments, "--json"]).stdout)
+    assert (told["word"], told["held"]) == (word, word != "NOT HELD")
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_figure_picture_and_page_begin_with_the_same_word(word, tmp_path):
+    path = loading(**WORDS[word])[1]
+    for figure in (loading_figure.figure(path), loading_figure.picture(path)):
+        assert f"{word}:" in [t.get_text() for t in figure.texts]
+    page = path.page(tmp_path / "a.html").read_text(encoding="utf-8")
+    assert f">{word}</p>" in page
