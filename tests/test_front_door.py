@@ -13,11 +13,9 @@ from tests.support.extras import LIBRARIES, missing, pip_install
 from tests.support.registry import definitions_of_a_test
 
 ROOT = pathlib.Path(__file__).parents[1]
-TEXTS = [
-    *(p for p in sorted(ROOT.rglob("*"))
-      if p.suffix in (".py", ".md", ".ipynb", ".yml", ".toml") and p != pathlib.Path(__file__) and p.name != "CHANGELOG.md"),
-    ROOT / ".ci" / "run", ROOT / ".ci" / "suite",
-]  # fmt: skip
+SAYS, QUOTES = (".py", ".md", ".ipynb", ".yml", ".toml"), ("CHANGELOG.md", "test_front_door.py")
+TEXTS = [p for p in sorted(ROOT.rglob("*")) if p.suffix in SAYS and p.name not in QUOTES]
+TEXTS += [ROOT / ".ci" / "run", ROOT / ".ci" / "suite"]
 
 
 def test_dir_is_the_public_names_and_those_of_every_module():

@@ -34,7 +34,7 @@ def test_a_held_grasp_gives_its_verdict_back():
 
 def test_one_that_is_not_held_raises_with_its_sentence_and_advice():
     v = verdict(0.2)
-    with pytest.raises(hl.RequirementNotMet, match="^OVER LIMIT: the contacts could hold the object") as caught:
+    with pytest.raises(hl.RequirementNotMet, match=r"^OVER LIMIT: the contacts could hold the object") as caught:
         v.require()
     assert isinstance(caught.value, hl.HandLCPError)
     assert "Advice: " in str(caught.value)

@@ -319,9 +319,9 @@ def test_of_many_names_some_are_left_out_and_joints_have_their_own_words():
 
 def test_a_loading_reads_as_its_outcome_what_happens_and_what_the_end_is_like():
     text = str(found("ball"))
-    assert text.splitlines()[0] == found("ball").why, "short enough for one line"
+    assert text.splitlines()[0] == f"HELD: {found('ball').why}", "short enough for one line"
     same("show/test_loading: a ball that stays", without_numbers(text))
     lost = str(found("lost"))
     assert max(map(len, lost.splitlines())) <= 80
-    words = [found("lost").why, *events_in_short(found("lost").events, ball()), "at the last step: "]
+    words = ["NOT HELD:", found("lost").why, *events_in_short(found("lost").events, ball()), "at the last step: "]
     assert " ".join(lost.split()).startswith(" ".join(" ".join(words).split()))

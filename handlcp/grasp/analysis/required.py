@@ -77,11 +77,13 @@ class Required(Record):
         if self.verdict == HELD:
             text = f"{value} holds" if self.value > 0.0 else f"holds with {bare}"
         elif self.verdict:
-            text = f"{self.verdict}: check() says so of the grasp with {value}, the least with which it seems to hold"
+            text = f"{self.verdict}: check() says so of the grasp with {value}, the least found"
         else:
             text = f"NOT FOLLOWED: one solve holds with {value}, and check() was not asked"
-        less = f", {self._said(self.fails)} does not" if self.fails is not None and self.value > 0.0 else ""
-        return wrapped("; ".join([part for part in (f"{text}{less}", self.hint) if part]), "  ")
+        if self.fails is not None and self.value > 0.0:
+            text += f"{', ' if self.verdict == HELD else '; '}{self._said(self.fails)} does not"
+            text += "" if self.verdict == HELD else " hold"
+        return wrapped("; ".join([part for part in (text, self.hint) if part]), "  ")
 
     def _said(self, value: float) -> str:
         """A coefficient, newtons, or a squeeze in millimetres, with digits enough to tell the two values apart."""
