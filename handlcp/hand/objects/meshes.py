@@ -12,6 +12,7 @@ from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError, unreadable
 from handlcp.hand.objects.object import Solid
 from handlcp.hand.robot.link_surface import hull, triangles_of
+from handlcp.hand.robot.source.part import tree_of
 
 CONVEX = 1e-3  # a mesh is convex if its volume is that of its hull to this share
 HOW_TO_MESH = "an object: hl.Mesh(mesh, mass=...) of a mesh, which has no mass of its own"
@@ -78,7 +79,7 @@ def load_mesh(source: Any, scale: Array | None) -> Solid:
     """
     name = "the mesh" if isinstance(source, Surfaces) else repr(str(source))
     size = np.ones(3) if scale is None else scale
-    tree = _tree_of(source, size) if isinstance(source, Surfaces) else _read(source, size)
+    tree = tree_of(source.vertices * size, source.faces) if isinstance(source, Surfaces) else _read(source, size)
     if tree.num_tris > MOST:
         expected = f"a mesh of at most {MOST} triangles; simplify it, or take its convex hull"
         raise InputError("path", expected, f"{name} with {tree.num_tris}")
@@ -98,15 +99,6 @@ def _ask_for_metres(triangles: Array, name: str, units: Any) -> None:
     if wide > _WIDE:
         came = f"none, and {name} would be {wide:.3g} m wide: are these millimetres?"
         raise InputError("scale", f"{expected}, 1 to keep it", came)
-
-
-def _tree_of(mesh: Surfaces, scale: Array) -> Any:
-    tree = coal.BVHModelOBBRSS()
-    tree.beginModel(len(mesh.faces), len(mesh.vertices))
-    tree.addVertices(mesh.vertices * scale)
-    tree.addTriangles(np.array(mesh.faces))
-    tree.endModel()
-    return tree
 
 
 def _read(path: Any, scale: Array) -> Any:

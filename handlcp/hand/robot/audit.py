@@ -26,7 +26,8 @@ from handlcp.hand.robot.source.doubts import (
     weak_doubts,
 )
 from handlcp.hand.robot.source.servos import file_stiffness, has_servos
-from handlcp.hand.robot.urdf import build_model, mesh_file, package_folders
+from handlcp.hand.robot.source.units import shape_doubts
+from handlcp.hand.robot.urdf import build_model, package_folders
 from handlcp.record import Record
 from handlcp.text_table import wrapped
 
@@ -98,14 +99,14 @@ def audit_urdf(path: Any, base: str | None = None, package_dirs: Any = None) -> 
     Raises URDFError for a file that is missing or not a URDF, UnknownName for an unknown base; Unsupported for an MJCF
     file without MuJoCo.
     """
-    root, file, found = robot_of("path", path, base, package_dirs=package_dirs)
+    root, file, found, meshes = robot_of("path", path, base, package_dirs=package_dirs)
     name, folders = file.name if file is not None else root.get("name", ""), package_folders(package_dirs, file)
     facts = joint_facts(root)
     try:
         kinematics = Kinematics(build_model("path", root, name), facts)
     except HandLCPError:  # what makes no hand has doubts, too
         kinematics = None
-    described = Description(name, kinematics and kinematics.model, facts, root, folders, (), found)
+    described = Description(name, kinematics and kinematics.model, facts, root, folders, (), found, meshes)
     return audit_of(name, file_doubts(described, kinematics))
 
 
@@ -172,7 +173,7 @@ def doubt_reasons(doubts: Iterable[Doubt]) -> Iterator[Reason]:
 
 
 # ----------------------------------------------------------------
-# Doubts about the geometry of links: what is missing, and what that leaves unchecked. No mesh is loaded for them.
+# Doubts about the geometry of links: what is missing, what that leaves unchecked, and sizes that cannot be.
 
 _ADVICE = "a file with collision geometry, or tip_radius for the fingertips"
 
@@ -186,12 +187,12 @@ def geometry_doubts(described: Description) -> Iterator[Doubt]:
     elif bare := [name for name in seen if name not in solid]:
         what = "without collision geometry: not checked to be outside the object"
         yield Doubt(", ".join(bare), what, _ADVICE, "minor", "geometry")
-    if described.root is None:
-        return
     for kind, severity in ((COLLISION, "serious"), (VISUAL, "information")):
         if missing := _missing(described, kind):
             what = f"mesh files of {kind} geometry are not found: {words.listed(missing)}"
             yield Doubt("hand", what, "package_dirs with the folder that holds them", severity, "geometry")
+    if described.model is not None:
+        yield from shape_doubts(described.sizes, described.model)
 
 
 def tip_doubts(hand: Any) -> Iterator[Doubt]:
@@ -208,7 +209,6 @@ def tip_doubts(hand: Any) -> Iterator[Doubt]:
 
 def _missing(described: Description, kind: str) -> list[str]:
     """Addresses of meshes that are not found."""
-    assert described.root is not None
-    meshes = described.root.iterfind(f"link/{kind}/geometry/mesh")
-    missing = [mesh.get("filename", "") for mesh in meshes if mesh_file(mesh, described.folders) is None]
+    meshes = () if described.root is None else described.root.iterfind(f"link/{kind}/geometry/mesh")
+    missing = [mesh.get("filename", "") for mesh in meshes if not described.found(mesh)]
     return list(dict.fromkeys(missing))

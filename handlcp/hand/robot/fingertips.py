@@ -12,7 +12,8 @@ import pinocchio as pin
 from handlcp.check import Array, array, read_only
 from handlcp.errors import HandLCPError, InputError, UnknownName
 from handlcp.hand.robot.link_surface import surface_points
-from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, Part
+from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description
+from handlcp.hand.robot.source.part import Part
 
 # ----------------------------------------------------------------
 # Where a link ends: the middle of the round end that its geometry has farthest from its joint.

@@ -12,6 +12,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.hand.robot.joints import Doubt
 from handlcp.hand.robot.source.mjcf_parts import MOVES_TENDON, add
+from handlcp.hand.robot.source.mjcf_scene import of_scene
 
 _JOINT, _IN_PARENT = 0, 1  # what an actuator moves
 _OF_JOINTS, _WRAPS_JOINT = 2, 1  # an equality of joints; a tendon that is a sum of joint angles
@@ -131,13 +132,14 @@ def write_passive(joint: ET.Element, model: Any, j: int) -> None:
 # ---------------------------------------------------------------- Joints that follow others.
 
 
-def couplings(model: Any, names: list[str]) -> tuple[Follows, list[Doubt]]:
+def couplings(model: Any, names: list[str], scene: frozenset[int]) -> tuple[Follows, list[Doubt]]:
     """Joints that follow others, also one after the other, and doubts about constraints that are read in part or not at
-    all. Where an equality's first joint follows another already, the second one follows the first.
+    all. Where an equality's first joint follows another already, the second one follows the first. scene : bodies that
+    are no part of the hand, whose constraints are left out with them.
     """
     follows, doubts = Follows(), list[Doubt]()
     for e in range(model.neq):
-        if not model.eq_active0[e]:
+        if not model.eq_active0[e] or of_scene(model, e, scene):
             continue
         kind, name = int(model.eq_type[e]), model.eq(e).name or f"equality {e}"
         if kind != _OF_JOINTS or int(model.eq_obj2id[e]) < 0:
