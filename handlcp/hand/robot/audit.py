@@ -14,7 +14,7 @@ from handlcp.errors import HandLCPError, InputError
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.hand.robot.audit_joints import joint_doubts, range_doubts
 from handlcp.hand.robot.fingertips import candidates, obvious
-from handlcp.hand.robot.joints import SEVERITIES, Doubt, joint_facts
+from handlcp.hand.robot.joints import SEVERITIES, TOGETHER, Doubt, joint_facts
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, robot_of
 from handlcp.hand.robot.source.doubts import (
@@ -159,17 +159,21 @@ def doubts_of(
     ranges = range_doubts(described.facts, kinematics)
     stated, own = stated_doubts(described.facts), [f for f in described.facts if f.name not in set(limits_given)]
     unlike = (*friction_doubts(own), *side_doubts(own), *unlike_doubts(own, described.servos, kinematics))
-    return (*joints, *ranges, *stated, *unlike, *described.doubts, *geometry_doubts(described))
+    free = {f.name for f in own}
+    read = [d for d in described.doubts if d.about != TOGETHER or free.intersection(d.joint.split(", "))]
+    return (*joints, *ranges, *stated, *unlike, *read, *geometry_doubts(described))
 
 
 def doubt_reasons(doubts: Iterable[Doubt]) -> Iterator[Reason]:
-    """A warning for each serious doubt, to stand beside the verdict that rests on it."""
+    """A warning for each serious doubt, to stand beside the verdict that rests on it; without limits of motors there is
+    none.
+    """
     for d in doubts:
         if d.severity != "serious" or d.about in _SAID_ELSEWHERE:
             continue
         joints = d.joint.split(", ")
-        code = "limit_doubtful" if d.about == "torque limit" else "hand_doubtful"
-        yield Reason(code, "warning", d.sentence, {"joints": joints})
+        code = {"torque limit": "limit_doubtful", TOGETHER: "limit_shared"}.get(d.about, "hand_doubtful")
+        yield Reason(code, "decides" if d.about == TOGETHER else "warning", d.sentence, {"joints": joints})
 
 
 # ----------------------------------------------------------------

@@ -161,6 +161,7 @@ def _master(written: str, name: str, names: Sequence[str], ancestors: set[str]) 
 # ---------------------------------------------------------------- One doubt about a hand, and how much it weighs.
 
 SEVERITIES = ("serious", "minor", "information")  # most important first
+TOGETHER = "shared limit"  # what a doubt is about that leaves open what the motors hold
 
 
 @dataclass(frozen=True, slots=True)

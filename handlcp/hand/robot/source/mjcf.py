@@ -83,11 +83,11 @@ class _Writer:
         self.bodies = [model.body(i).name or f"body_{i}" for i in range(model.nbody)]
         owners = model.jnt_bodyid
         self.joints = [model.joint(j).name or f"{self.bodies[owners[j]]}_joint_{j}" for j in range(model.njnt)]
-        sides, self.effort_said, found = efforts(model, self.joints)
-        self.weaker, self.effort = sides.T
-        self.reaches = reaches(model)
         self.scene = scene_parts(model, self.bodies, base)
         self.follows, more = couplings(model, self.joints, self.scene.bodies)
+        sides, self.effort_said, found = efforts(model, self.joints, self.follows)
+        self.weaker, self.effort = sides.T
+        self.reaches = reaches(model)
         self.doubts += [*found, *more, *self.scene.said, *soft_parts(model)]
 
     def robot(self) -> tuple[ET.Element, tuple[Doubt, ...]]:

@@ -52,7 +52,7 @@ def parts_of(model: Any, geometry: Any) -> tuple[Part, ...]:
 def compiled_parts(
     root: ET.Element, model: Any, meshes: Mapping[str, CompiledMesh], kind: str, links: Set[str] | None
 ) -> tuple[Part, ...]:
-    """Of a <robot> that was an MJCF file, in the order of frames; no file is read. kind : the tag. links : None: all."""
+    """Of a <robot> that was an MJCF file, in the order of frames; no file is read. kind : the tag. links None: all."""
     found = list[Part]()
     numbers = {f.name: i for i, f in enumerate(model.frames) if f.type == pin.FrameType.BODY}
     for link in root.findall("link"):

@@ -37,7 +37,7 @@ def _is_robot(link: str, below: dict[str, list[ET.Element]]) -> bool:
 
 def _chains(link: str, below: dict[str, list[ET.Element]]) -> tuple[int, int]:
     """How many movable joints below a link have none below themselves, and the most of them in a row."""
-    stack, seen = [(link, (), 0)], {link}
+    stack, seen = list[tuple[str, tuple[str, ...], int]]([(link, (), 0)]), {link}
     every, inner, longest = set[str](), set[str](), 0
     while stack:
         at, last, count = stack.pop()
