@@ -183,7 +183,7 @@ def robot_of(
     if path is not None and path.suffix == ".xacro":
         from handlcp.hand.robot.source.xacro import expanded
 
-        text = expanded(argument, path, package_folders(package_dirs, None))
+        text = expanded(argument, path, text, package_folders(package_dirs, None))
     shown = _STRING if path is None else repr(str(path))
     root = _parsed(argument, text, shown)
     if root.tag not in kinds:
