@@ -27,7 +27,7 @@ from handlcp.hand.robot.source.doubts import (
 )
 from handlcp.hand.robot.source.servos import file_stiffness, has_servos
 from handlcp.hand.robot.source.units import shape_doubts
-from handlcp.hand.robot.urdf import build_model, package_folders
+from handlcp.hand.robot.urdf import build_model, mesh_folders
 from handlcp.record import Record
 from handlcp.text_table import wrapped
 
@@ -100,7 +100,7 @@ def audit_urdf(path: Any, base: str | None = None, package_dirs: Any = None) -> 
     file without MuJoCo.
     """
     root, file, found, meshes = robot_of("path", path, base, package_dirs=package_dirs)
-    name, folders = file.name if file is not None else root.get("name", ""), package_folders(package_dirs, file)
+    name, folders = file.name if file is not None else root.get("name", ""), mesh_folders(package_dirs, file)
     facts = joint_facts(root)
     try:
         kinematics = Kinematics(build_model("path", root, name), facts)

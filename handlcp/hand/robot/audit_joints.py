@@ -129,8 +129,8 @@ def _written(f: JointFacts) -> Iterator[Doubt]:
         what = f"lower limit {f.lower:g} lies above the upper limit {f.upper:g}"
         advice = "a URDF with its limits in order"
     elif f.lower == f.upper:
-        what = f"the joint cannot move: both limits are {f.lower:g}"
-        advice, severity = "a URDF with a range, or a fixed joint", "minor"
+        what = f"the joint cannot move: both limits are {_end(f.lower)}"
+        advice, severity = "a URDF with a range, or a fixed joint", "serious" if f.mimic is None else "minor"
     elif not f.lower <= 0 <= f.upper and f.mimic is None:
         what = f"the neutral posture 0 lies outside the limits [{f.lower:g}, {f.upper:g}]"
         advice, severity = "q0 inside the limits (hand.neutral is)", "information"
@@ -151,11 +151,17 @@ def _narrowed(facts: Sequence[JointFacts], kinematics: Kinematics) -> Iterator[D
             what = f"no position is within its own limits and those of the joints that follow it: {_who(facts, name)}"
             yield Doubt(name, what, "a URDF whose limits fit its <mimic> tags", "serious", "range")
         elif lower > low + _narrower(low, high) or upper < high - _narrower(low, high):
-            what = (
-                f"its range [{low:.4g}, {high:.4g}] is narrowed to [{lower:.4g}, {upper:.4g}] by the limits of "
-                f"{_who(facts, name)}"
-            )
-            yield Doubt(name, what, "a URDF whose limits fit its <mimic> tags", "minor", "range")
+            by = f"by the limits of {_who(facts, name)}"
+            cut = f"its range [{low:.4g}, {high:.4g}] is narrowed to"
+            what, severity = f"{cut} [{_end(lower)}, {_end(upper)}] {by}", "minor"
+            if upper - lower <= _narrower(low, high):
+                what, severity = f"it cannot move: {cut} {_end(lower)} {by}", "serious"
+            yield Doubt(name, what, "a URDF whose limits fit its <mimic> tags", severity, "range")
+
+
+def _end(value: float) -> str:
+    """An end of a range, without the sign of zero."""
+    return f"{value + 0.0:.4g}"
 
 
 def _narrower(low: float, high: float) -> float:

@@ -23,6 +23,7 @@ from handlcp.hand.robot.urdf import (
     captured_stderr,
     check_robot,
     mesh_file,
+    mesh_folders,
     package_folders,
     resolve_meshes,
 )
@@ -265,7 +266,7 @@ def describe_xml(
     xacrodoc.
     """
     root, path, doubts, meshes = robot_of(argument, source, base, kinds, package_dirs)
-    folders = package_folders(package_dirs, path)
+    folders = mesh_folders(package_dirs, path)
     check_friction(argument, root)
     model = build_model(argument, root, str(path) if path is not None else _STRING)
     check_units(argument, model)

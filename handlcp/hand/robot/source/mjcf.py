@@ -14,6 +14,7 @@ file is no hand is left out and said (`mjcf_scene.py`).
 | frictionloss | dynamics |
 | stiffness, springref, armature of a joint | passive, a tag of our own |
 | equality of two joints | mimic |
+| connect of two bodies | pin, a tag of our own, for what is a fingertip |
 | geom that collides | collision, and visual in the groups 0 to 2 |
 | geom that doesn't collide | visual |
 | mesh | mesh, with its compiled corners beside the URDF |
@@ -32,7 +33,7 @@ from handlcp.check import Array
 from handlcp.errors import Unsupported, URDFError
 from handlcp.hand.robot.joints import Doubt
 from handlcp.hand.robot.source.mjcf_cables import write_cables
-from handlcp.hand.robot.source.mjcf_drives import couplings, efforts, reaches, write_passive, write_servos
+from handlcp.hand.robot.source.mjcf_drives import couplings, efforts, reaches, write_passive, write_pins, write_servos
 from handlcp.hand.robot.source.mjcf_meshes import compiled_meshes
 from handlcp.hand.robot.source.mjcf_parts import add, add_shapes, placed, soft_parts
 from handlcp.hand.robot.source.mjcf_scene import scene_parts
@@ -98,6 +99,7 @@ class _Writer:
         for s in range(self.model.nsite):
             if int(self.model.site_bodyid[s]) not in self.scene.bodies:
                 self._site(s)
+        write_pins(self.root, self.model, self.bodies, self.scene.bodies)
         servos = write_servos(self.root, self.model, self.joints)
         self.doubts += write_cables(self.root, self.model, servos)
         return self.root, tuple(self.doubts)

@@ -13,10 +13,11 @@ from handlcp import words
 from handlcp.check import Array
 from handlcp.hand.robot.joints import TOGETHER, Doubt
 from handlcp.hand.robot.source.mjcf_parts import MOVES_TENDON, add
-from handlcp.hand.robot.source.mjcf_scene import of_scene
+from handlcp.hand.robot.source.mjcf_scene import of_scene, tied
 
 _JOINT, _IN_PARENT = 0, 1  # what an actuator moves
 _OF_JOINTS, _WRAPS_JOINT = 2, 1  # an equality of joints; a tendon that is a sum of joint angles
+_CONNECTS, _BODY = 0, 1  # an equality in a point; of bodies, and not of sites
 _FIXED, _AFFINE = 0, 1  # gains and biases of actuators
 
 Follows = dict[int, tuple[int, float, float]]  # joint → the joint it follows, factor, offset
@@ -192,6 +193,19 @@ def couplings(model: Any, names: list[str], scene: frozenset[int]) -> tuple[Foll
             what = f"follows {names[two]} along a curve, of which the straight part alone is read"
             doubts.append(Doubt(names[one], what, "a posture near the file's reference posture", "serious"))
     return follows, doubts
+
+
+def write_pins(root: ET.Element, model: Any, bodies: list[str], scene: frozenset[int]) -> None:
+    """Write each constraint that connects two bodies in a point as a <pin>, with the point in the frame of each [m]."""
+    for e in range(model.neq):
+        own = tied(model, e)
+        if int(model.eq_type[e]) != _CONNECTS or not model.eq_active0[e] or len(own) != 2 or of_scene(model, e, scene):
+            continue
+        if int(model.eq_objtype[e]) == _BODY:
+            at, other = model.eq_data[e, :3], model.eq_data[e, 3:6]
+        else:
+            at, other = (model.site_pos[int(i)] for i in (model.eq_obj1id[e], model.eq_obj2id[e]))
+        add(root, "pin", link=bodies[own[0]], other=bodies[own[1]], at=at, at_other=other)
 
 
 def _leader(follows: Follows, j: int) -> int:
