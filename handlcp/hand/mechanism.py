@@ -167,7 +167,9 @@ class HandMechanism(Varied, Mechanism):
         found = (TRANSMISSION, equation, bool(said), said or "none: the springs are those of the joints")
         if (springs := self.against_springs()) is None:
             return (found,)
-        most = f"of the file, against which actuators give up to {words.torque(abs(springs).max())}"
+        largest = words.first_largest(abs(springs))
+        unit = words.effort_unit(self.names[largest] in self.posture.hand.sliding)
+        most = f"of the file, against which actuators give up to {words.effort(float(abs(springs)[largest]), unit)}"
         return found, ("springs beside actuators", "τ += k (q - θ)", True, most)
 
     def reasons(self, solution: Any) -> Iterator[Reason]:
@@ -199,7 +201,9 @@ class HandMechanism(Varied, Mechanism):
         if (command := command_of(spec.effects)) is not None and command.keeps:
             yield Reason("object_kept", "note", "the object is kept in place until the hand has closed")
         if command is not None:
-            yield from unmade_reasons(self.names, self.posture.hand.stiffness, command.command)
+            yield from unmade_reasons(
+                self.names, self.posture.hand.stiffness, command.command, self.posture.hand.sliding
+            )
         if text := weight_left_out(spec, weight_of(self.target, self.gravity, spec.reference)):
             yield Reason("weight_left_out", "note", text)
 
@@ -260,7 +264,7 @@ class HandMechanism(Varied, Mechanism):
 
         hand, all_of_them = self.posture.hand, tuple(beyond)
         if (drives := hand.torques.drives) is not None:
-            yield from closing_reasons(JOINT, self.names, all_of_them, drives)
+            yield from closing_reasons(JOINT, self.names, all_of_them, drives, hand.sliding)
         if isinstance(hand.stiffness, TendonStiffness) and (drives := hand.stiffness.drives) is not None:
             yield from closing_reasons(TENDON, hand.stiffness.cables.names, all_of_them, drives)
 
@@ -284,7 +288,7 @@ class HandMechanism(Varied, Mechanism):
     def pulling_reasons(self, spec: GraspSpec, torque: Array) -> Iterator[Reason]:
         """Of a closing torque."""
         if (found := self.pulling(spec, torque)) is not None:
-            yield from pulling_reasons(self.names, *found, spec.asked.closed.stuck)
+            yield from pulling_reasons(self.names, *found, spec.asked.closed.stuck, self.posture.hand.sliding)
 
     def elsewhere(self, spec: GraspSpec, shift: Array) -> GraspSpec | None:
         """The hand closes anew on its object, moved by shift (3,) [m]. None beside a command of the joints, which would

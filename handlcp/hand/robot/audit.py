@@ -10,8 +10,9 @@ from typing import Any, overload
 import numpy as np
 
 from handlcp import words
-from handlcp.errors import HandLCPError, InputError
+from handlcp.errors import HandLCPError, InputError, Unsupported
 from handlcp.grasp.answer.verdict import Reason
+from handlcp.hand.elasticity.elasticity import Elasticity
 from handlcp.hand.robot.audit_joints import joint_doubts, range_doubts
 from handlcp.hand.robot.fingertips import candidates, obvious
 from handlcp.hand.robot.joints import SEVERITIES, TOGETHER, Doubt, joint_facts
@@ -20,6 +21,7 @@ from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description
 from handlcp.hand.robot.source.doubts import (
     friction_doubts,
     side_doubts,
+    slide_doubts,
     spring_doubts,
     stated_doubts,
     unlike_doubts,
@@ -117,7 +119,9 @@ def file_doubts(described: Description, kinematics: Kinematics | None) -> tuple[
 
 def _of_stiffness(described: Description, kinematics: Kinematics | None) -> Iterator[Doubt]:
     """Whether a file says how stiff its joints are, and whether it can be."""
-    advice = "joint_stiffness: N·m/rad, a number, a mapping by joint name or a matrix"
+    sliding = [f.slides for f in described.facts] or [False]
+    unit = words.unit_of_joints(words.stiffness_unit, sliding)
+    advice = f"joint_stiffness: {unit}, a number, a mapping by joint name or a matrix"
     try:
         stiffness = file_stiffness(described, kinematics) if kinematics is not None else None
     except InputError:
@@ -126,6 +130,7 @@ def _of_stiffness(described: Description, kinematics: Kinematics | None) -> Iter
         yield Doubt("hand", "the file says nothing of joint stiffness", advice, "minor", "stiffness")
         return
     yield SERVO_DOUBT
+    yield from slide_doubts(described.facts, _by_joint(stiffness, kinematics.joint_names))
     found = obvious(candidates(described))
     tips = [(c.name, kinematics.model.getFrameId(c.link), c.point) for c in found]
     yield from weak_doubts(kinematics, tips, stiffness.compliance(np.eye(kinematics.nv)))
@@ -137,14 +142,26 @@ def stiffness_doubts(hand: Any) -> Iterator[Doubt]:
     """Of the stiffness that a hand has: one number for all joints, or that of the file."""
     if hand.stiffness.uniform:
         where = "is not that of the file" if has_servos(hand.description) else "is in no file"
-        what = f"joint stiffness {where}: {hand.stiffness.matrix[0, 0]:g} N·m/rad was passed for every joint"
+        unit = words.unit_of_joints(words.stiffness_unit, [name in hand.sliding for name in hand.joint_names])
+        what = f"joint stiffness {where}: {hand.stiffness.matrix[0, 0]:g} {unit} was passed for every joint"
         advice = "joint_stiffness as measured, by joint name or as a matrix"
         yield Doubt("hand", what, advice, "minor", "stiffness")
+    if hand.sliding:
+        yield from slide_doubts(hand.kinematics.facts, _by_joint(hand.stiffness, hand.joint_names))
     if hand.stiffness.stated:
         yield SERVO_DOUBT
         tips = [(name, frame, None) for name, frame in zip(hand.fingertips, hand.tips.frames, strict=True)]
         yield from weak_doubts(hand.kinematics, tips, hand.joint_compliance)
         yield from spring_doubts(hand.kinematics, hand.stiffness, hand.torque_limits)
+
+
+def _by_joint(stiffness: Elasticity, joints: Sequence[str]) -> dict[str, float]:
+    """Joint → its stiffness; nothing of a transmission that leaves some loose."""
+    try:
+        own = np.diagonal(stiffness.matrix)
+    except Unsupported:
+        return {}
+    return dict(zip(joints, own.tolist(), strict=True))
 
 
 def doubts_of(

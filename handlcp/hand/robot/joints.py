@@ -46,6 +46,11 @@ class JointFacts:
     effort_said: str = ""
     stated: Stated = NOTHING_STATED
 
+    @property
+    def slides(self) -> bool:
+        """Whether its positions are metres, and its efforts newtons."""
+        return self.kind == "prismatic"
+
 
 @dataclass(frozen=True, slots=True)
 class Coupling:
