@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,9 +72,30 @@ def torque(newton_metres: float) -> str:
     return _text(newton_metres * 1e3, " mN·m") if small else _text(newton_metres, " N·m")
 
 
+def effort_unit(slides: bool) -> str:
+    """What a joint pulls with: newton metres, or newtons where it slides."""
+    return "N" if slides else "N·m"
+
+
+def stiffness_unit(slides: bool) -> str:
+    """What a joint's spring is given in."""
+    return "N/m" if slides else "N·m/rad"
+
+
+def unit_of_joints(unit: Callable[[bool], str], sliding: Iterable[bool]) -> str:
+    """One of the two above for several joints: "N·m", "N", or "N·m, N of slides"."""
+    both = sorted(set(sliding))
+    return unit(both[0]) if len(both) == 1 else f"{unit(False)}, {unit(True)} of slides"
+
+
 def effort(size: float, unit: str) -> str:
     """Of a joint, in "N·m", or of one that slides, in "N"."""
     return force(size) if unit == "N" else torque(size)
+
+
+def efforts(sizes: Iterable[float], unit: str) -> list[str]:
+    """The same of several numbers of one joint; those in "N·m" with one prefix."""
+    return [force(size) for size in sizes] if unit == "N" else torques(sizes)
 
 
 def torques(newton_metres: Iterable[float]) -> list[str]:

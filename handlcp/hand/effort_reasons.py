@@ -102,9 +102,11 @@ def _nearest(kind: Kind, r: TorqueRow, unlimited: str = "") -> Reason:
     return Reason(kind.code, "note", unlimited or text, _values(kind, r))
 
 
-def unmade_reasons(names: Sequence[str], stiffness: Elasticity, command: Array) -> Iterator[Reason]:
-    """Of a command (nv,) of the joints [rad] that tendons, or servos, make only in part: what nothing makes of it
-    decides, where it is more than a hundredth.
+def unmade_reasons(
+    names: Sequence[str], stiffness: Elasticity, command: Array, sliding: Sequence[str] = ()
+) -> Iterator[Reason]:
+    """Of a command (nv,) of the joints [rad, m] that tendons, or servos, make only in part: what nothing makes of it
+    decides, where it is more than a hundredth. sliding : names of joints that slide.
     """
     left = stiffness.beyond(command)
     if not left.any():
@@ -118,19 +120,23 @@ def unmade_reasons(names: Sequence[str], stiffness: Elasticity, command: Array) 
         missing = abs(arms @ np.linalg.lstsq(arms, asked)[0] - asked).max()  # if tendons could push, too
         which = "more tendons" if missing > _LEFT * abs(asked).max() else "tendons that pull the other way"
         text = f"no tendons make this command by pulling: it takes {which}"
-    listed = words.listed([f"{name} with {words.torque(t)}" for name, t in needs])
+    listed = words.listed([f"{name} with {words.effort(t, words.effort_unit(name in sliding))}" for name, t in needs])
     values = {"joints": [name for name, _ in needs], "torques_Nm": [t for _, t in needs], "share": share}
     yield Reason("command_not_made", "decides" if share > _LEFT else "warning", f"{text} to turn {listed}", values)
 
 
-def closing_reasons(kind: Kind, names: Sequence[str], beyond: Sequence[Cause], drives: Drives) -> Iterator[Reason]:
-    """Of joints or tendons that closing took more of than their motors give; beyond : of other kinds, too."""
+def closing_reasons(
+    kind: Kind, names: Sequence[str], beyond: Sequence[Cause], drives: Drives, sliding: Sequence[str] = ()
+) -> Iterator[Reason]:
+    """Of joints or tendons that closing took more of than their motors give; beyond : of other kinds, too. sliding :
+    names of joints that slide.
+    """
     if its := [c for c in beyond if c.kind == kind.code]:
         at = [names.index(c.who) for c in its]
         closes = (drives.closes if kind is TENDON else drives.pulls(np.full(len(names), np.inf)))[at]
         taken = closes * np.array([1.0 - c.margin for c in its])
         both = list(zip([c.who for c in its], taken.tolist(), closes.tolist(), strict=True))
-        needs = [f"{name} needs {_of(kind, '', *each)}" for name, *each in both]
+        needs = [f"{name} needs {_of(kind, words.effort_unit(name in sliding), *each)}" for name, *each in both]
         rubs = " less dry friction" if kind is TENDON and drives.friction[at].any() else ""
         text = f"closing takes more than the motors give (peak{rubs}): {words.listed(needs)}"
         values = {f"{kind.who}s": [kind.values(*each) for each in both]}
@@ -139,8 +145,7 @@ def closing_reasons(kind: Kind, names: Sequence[str], beyond: Sequence[Cause], d
 
 def _of(kind: Kind, unit: str, effort: float, limit: float) -> str:
     """Such as "0.21 N·m of 0.2 N·m"."""
-    both = effort, limit
-    return " of ".join(map(words.force, both) if kind is TENDON or unit == "N" else words.torques(both))
+    return " of ".join(words.efforts((effort, limit), "N" if kind is TENDON else unit))
 
 
 def _values(kind: Kind, r: TorqueRow) -> dict[str, Any]:

@@ -30,11 +30,12 @@ def _springs(hand: HandModel, against: Array | None) -> Iterator[Line]:
     """Those that joints have beside actuators and tendons."""
     own, beside = hand.stiffness.own_springs, hand.stiffness.beside
     if (alone := own * (beside == 0.0)).any():
-        most = f"{float(alone.max()):.3g} N·m/rad"
+        largest = words.first_largest(alone)
+        most = f"{float(alone[largest]):.3g} {words.stiffness_unit(hand.joint_names[largest] in hand.sliding)}"
         yield "springs at joints", "K_p", True, f"{_some(hand, alone)}, up to {most}: part of K", ""
     if against is not None:
-        most = f"of the file, against which actuators give up to {words.torque(abs(against).max())}"
-        yield "springs beside actuators", "τ += k (q - θ)", True, most, ""
+        text = f"of the file, against which actuators give up to {_largest_effort(hand, abs(against))}"
+        yield "springs beside actuators", "τ += k (q - θ)", True, text, ""
 
 
 def _friction_of_joints(hand: HandModel) -> Iterator[Line]:
@@ -43,7 +44,7 @@ def _friction_of_joints(hand: HandModel) -> Iterator[Line]:
     of_motors = hand.dry_friction - hand.joint_friction
     for title, rubs in (("joint friction", hand.joint_friction), ("motor friction", of_motors)):
         if rubs.any():
-            yield title, law, True, f"up to {words.torque(float(rubs.max()))}, {_some(hand, rubs)}", FOLLOWED
+            yield title, law, True, f"up to {_largest_effort(hand, rubs)}, {_some(hand, rubs)}", FOLLOWED
 
 
 def _tendons(hand: HandModel) -> Iterator[Line]:
@@ -65,6 +66,12 @@ def _tendons(hand: HandModel) -> Iterator[Line]:
             f"up to {most} at {words.listed(drives.names(cables.names))}: before the cable, so that it changes no force"
         )
         yield "motor friction", "t_m = t ± f", True, f"{text}, but what motors close with and hold", ""
+
+
+def _largest_effort(hand: HandModel, efforts: Array) -> str:
+    """Of efforts (nv,), in the unit of its joint."""
+    largest = words.first_largest(efforts)
+    return words.effort(float(efforts[largest]), words.effort_unit(hand.joint_names[largest] in hand.sliding))
 
 
 def _some(hand: HandModel, values: Array) -> str:

@@ -195,7 +195,9 @@ class HandMechanism(Varied, Mechanism):
         if (command := command_of(spec.effects)) is not None and command.keeps:
             yield Reason("object_kept", "note", "the object is kept in place until the hand has closed")
         if command is not None:
-            yield from unmade_reasons(self.names, self.posture.hand.stiffness, command.command)
+            yield from unmade_reasons(
+                self.names, self.posture.hand.stiffness, command.command, self.posture.hand.sliding
+            )
         if text := weight_left_out(spec, weight_of(self.target, self.gravity, spec.reference)):
             yield Reason("weight_left_out", "note", text)
 
@@ -256,7 +258,7 @@ class HandMechanism(Varied, Mechanism):
 
         hand, all_of_them = self.posture.hand, tuple(beyond)
         if (drives := hand.torques.drives) is not None:
-            yield from closing_reasons(JOINT, self.names, all_of_them, drives)
+            yield from closing_reasons(JOINT, self.names, all_of_them, drives, hand.sliding)
         if isinstance(hand.stiffness, TendonStiffness) and (drives := hand.stiffness.drives) is not None:
             yield from closing_reasons(TENDON, hand.stiffness.cables.names, all_of_them, drives)
 
@@ -280,7 +282,7 @@ class HandMechanism(Varied, Mechanism):
     def pulling_reasons(self, spec: GraspSpec, torque: Array) -> Iterator[Reason]:
         """Of a closing torque."""
         if (found := self.pulling(spec, torque)) is not None:
-            yield from pulling_reasons(self.names, *found, spec.asked.closed.stuck)
+            yield from pulling_reasons(self.names, *found, spec.asked.closed.stuck, self.posture.hand.sliding)
 
     def elsewhere(self, spec: GraspSpec, shift: Array) -> GraspSpec | None:
         """The hand closes anew on its object, moved by shift (3,) [m]. None beside a command of the joints, which would

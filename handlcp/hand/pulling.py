@@ -57,14 +57,18 @@ class Pulling:
         return [j for j in most if shares[j] < KEEPS]
 
 
-def pulling_reasons(joints: Sequence[str], pulling: Pulling, shares: Array, stuck: bool) -> Iterator[Reason]:
+def pulling_reasons(
+    joints: Sequence[str], pulling: Pulling, shares: Array, stuck: bool, sliding: Sequence[str] = ()
+) -> Iterator[Reason]:
     """Of fingers that pull with less than asked for, (nv,) shares, once the hand has closed: they meet nothing, or
-    another finger would have to pull harder. stuck : steps of closing found no state in which they do.
+    another finger would have to pull harder. stuck : steps of closing found no state in which they do. sliding : names
+    of joints that slide.
     """
     if short := pulling.short(shares):
         asked = abs(pulling.asked)
-        both = [(joints[k], words.torques((float(shares[k] * asked[k]), float(asked[k])))) for k in short]
-        needs = [f"{joint} {' of '.join(each)}" for joint, each in both]
+        both = [(joints[k], (float(shares[k] * asked[k]), float(asked[k]))) for k in short]
+        units = {joint: words.effort_unit(joint in sliding) for joint, _ in both}
+        needs = [f"{joint} {' of '.join(words.efforts(each, units[joint]))}" for joint, each in both]
         text = f"where the hand has closed, fingers pull with less than the closing torque: {words.listed(needs)}"
         if beyond := [joints[k] for k in np.flatnonzero(shares > DRIVEN).tolist()]:
             whose = "its" if len(beyond) == 1 else "their"

@@ -124,7 +124,7 @@ class TorqueCheck(Record):
 
     def __iter__(self) -> Iterator[TorqueRow]:
         columns = (a.tolist() for a in (self.torque, self.limit, self.utilisation))
-        units = ["N" if joint in self.sliding else "N·m" for joint in self.joints]
+        units = [words.effort_unit(joint in self.sliding) for joint in self.joints]
         motors = (None,) * len(self) if self.drives is None else self.drives.of
         return map(TorqueRow, self.joints, *columns, self.known, units, motors)
 

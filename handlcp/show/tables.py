@@ -101,9 +101,10 @@ def hand_table(hands: Mapping[str, Hand]) -> Table:
     for name, hand in hands.items():
         joints, tips = hand.joint_names, hand.fingertips
         limits = ", ".join(f"{x:g}" for x in dict.fromkeys(hand.torque_limits.tolist()))
+        unit = words.unit_of_joints(words.effort_unit, [name in hand.sliding for name in joints])
         made.add_row(Text(name, style="bold"), f"{len(joints)} joints", Text(", ".join(joints)))
         made.add_row("", f"{len(tips)} fingertips", Text(", ".join(tips)))
-        made.add_row("", "torque limits", Text(f"{limits} N·m"))
+        made.add_row("", "torque limits", Text(f"{limits} {unit}"))
         made.add_section()
     return made
 

@@ -13,6 +13,7 @@
 | `tension_over_limit`, `tension`, `slack` | what tendons bear, and which of them hang slack |
 | `closing_torque` | fingers that pull with less than was asked for, once the hand has closed |
 | `overheats`, `closing_over_peak` | what motors of joints or tendons hold for a while; what closing takes beyond peak |
+| `limit_shared` | limits of motors that are those of no joint alone: whether motors hold is not known |
 | `hand_doubtful` | a serious doubt of the hand's audit that is not about torque limits |
 | `unplaced` | a sample of a study that is no grasp, such as one with a contact past an edge |
 | `rigid_tips` | fingertips without pads, where that may be why the object is lost |
@@ -48,6 +49,7 @@ _DECIDES = {
     "follow_stopped": UNDECIDED, "link_inside": UNDECIDED, "joint_range": UNDECIDED, "large_motion": UNDECIDED,
     "torque_over_limit": OVER_LIMIT, "tension_over_limit": OVER_LIMIT, "overheats": OVER_LIMIT,
     "closing_over_peak": OVER_LIMIT, "unplaced": UNDECIDED, "command_not_made": UNDECIDED,
+    "limit_shared": UNDECIDED,
 }  # fmt: skip
 _HEADS = {"warning": "Warning", "advice": "Advice"}
 

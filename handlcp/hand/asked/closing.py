@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from handlcp import words
 from handlcp.check import Array, Bools, array, dimensions, number, per_name, read_only
 from handlcp.errors import InputError, NotReached
 from handlcp.grasp.effects.joint_offset import JointOffset, command_of
@@ -93,7 +94,8 @@ def _check_drives(hand: HandModel, torque: Array) -> None:
         return
     for joint, motor, pull in zip(hand.joint_names, drives.of, abs(torque).tolist(), strict=True):
         if motor is not None and pull > 0.0 and not motor.friction < pull <= motor.at_peak * (1.0 + OVER):
-            expected = f"{_overcomes(motor)}at most the peak of its motor, {motor.at_peak:g} N·m at the joint"
+            unit = words.effort_unit(joint in hand.sliding)
+            expected = f"{_overcomes(motor)}at most the peak of its motor, {motor.at_peak:g} {unit} at the joint"
             raise InputError(f"closing_torque[{joint!r}]", expected, f"{pull:g}")
 
 

@@ -103,7 +103,8 @@ class RequiredTorque(Record):
         its motors, whose dry friction counts in what they give; None: none are known.
     verdicts : what `check()` says of each load, with `torque` as the limits. reasons : of each load that is not HELD,
         why; the answer is confirmed only where there is none.
-    tensions : of a hand with `Tendons`, what they pull with; None: it has none.
+    tensions : of a hand with `Tendons`, what they pull with; None: it has none. sliding : names of joints that slide,
+        whose torques are forces [N].
     fails : the largest share of the grip that was tried and does not hold; None: none was found, because less grip
         needs as much torque. lost : the load that this share does not hold, and why; where nothing holds, those of
         `grip`.
@@ -130,6 +131,7 @@ class RequiredTorque(Record):
     reasons: dict[str, str] = field(default_factory=dict)
     drives: Drives | None = None
     tensions: RequiredTension | None = None
+    sliding: tuple[str, ...] = ()
 
     @property
     def peak(self) -> Array:
@@ -191,8 +193,8 @@ class RequiredTorque(Record):
 
     @property
     def rows(self) -> tuple[tuple[str, ...], ...]:
-        """Of each joint, to print: name, peak, continuous and limit [N·m], share of the limit, what sizes the peak,
-        remark.
+        """Of each joint, to print: name, peak, continuous and limit [N·m], those of slides with their own unit where
+        others turn, share of the limit, what sizes the peak, remark.
         """
         peak, held, rows = words.column(self.peak), words.column(self.continuous), []
         used = self._largest if self.drives is None else self.held
@@ -200,13 +202,24 @@ class RequiredTorque(Record):
             finite = np.isfinite(limit)
             most = f"{limit:.4g}" if finite else "none" if self.known[k] else "unknown"
             share = words.percent(float(used[k] / limit)) if finite else "–"
-            rows.append((joint, peak[k], held[k], most, share, load, "over limit" if self._short[k] else ""))
+            own = " N" if joint in self.sliding and self.unit != "N" else ""
+            most += own if finite else ""
+            rows.append(
+                (joint, f"{peak[k]}{own}", f"{held[k]}{own}", most, share, load, "over limit" if self._short[k] else "")
+            )
         return tuple(rows)
+
+    @property
+    def unit(self) -> str:
+        """Of the columns of the table: "N" where all joints slide."""
+        return words.effort_unit(all(joint in self.sliding for joint in self.joints))
 
     @property
     def table(self) -> TextTable:
         """Joint by joint."""
-        heads = ("joint", "peak\nN·m", "continuous\nN·m", "limit\nN·m", "of limit", "sized by", "")
+        heads = (
+            "joint", *[f"{what}\n{self.unit}" for what in ("peak", "continuous", "limit")], "of limit", "sized by", "",
+        )  # fmt: skip
         return TextTable(heads, self.rows, "<>>>><<")
 
     def __str__(self) -> str:

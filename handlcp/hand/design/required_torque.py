@@ -200,6 +200,7 @@ def required_torque(
         read_only(best.torque), float(safety), limits.limits, limits.known,
         {name: v.word for name, v in verdicts.items()}, less, lost,
         {name: _why(v) for name, v in verdicts.items() if v.word != HELD}, limits.drives, tensions,
+        hand.posture.hand.sliding,
     )  # fmt: skip
 
 

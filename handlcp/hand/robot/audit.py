@@ -10,23 +10,26 @@ from typing import Any, overload
 import numpy as np
 
 from handlcp import words
-from handlcp.errors import HandLCPError, InputError
+from handlcp.errors import HandLCPError, InputError, Unsupported
 from handlcp.grasp.answer.verdict import Reason
+from handlcp.hand.elasticity.elasticity import Elasticity
 from handlcp.hand.robot.audit_joints import joint_doubts, range_doubts
 from handlcp.hand.robot.fingertips import candidates, obvious
-from handlcp.hand.robot.joints import SEVERITIES, Doubt, joint_facts
+from handlcp.hand.robot.joints import SEVERITIES, TOGETHER, Doubt, joint_facts
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, robot_of
 from handlcp.hand.robot.source.doubts import (
     friction_doubts,
     side_doubts,
+    slide_doubts,
     spring_doubts,
     stated_doubts,
     unlike_doubts,
     weak_doubts,
 )
 from handlcp.hand.robot.source.servos import file_stiffness, has_servos
-from handlcp.hand.robot.urdf import build_model, mesh_file, package_folders
+from handlcp.hand.robot.source.units import shape_doubts
+from handlcp.hand.robot.urdf import build_model, mesh_folders
 from handlcp.record import Record
 from handlcp.text_table import wrapped
 
@@ -98,14 +101,14 @@ def audit_urdf(path: Any, base: str | None = None, package_dirs: Any = None) -> 
     Raises URDFError for a file that is missing or not a URDF, UnknownName for an unknown base; Unsupported for an MJCF
     file without MuJoCo.
     """
-    root, file, found = robot_of("path", path, base, package_dirs=package_dirs)
-    name, folders = file.name if file is not None else root.get("name", ""), package_folders(package_dirs, file)
+    root, file, found, meshes = robot_of("path", path, base, package_dirs=package_dirs)
+    name, folders = file.name if file is not None else root.get("name", ""), mesh_folders(package_dirs, file)
     facts = joint_facts(root)
     try:
         kinematics = Kinematics(build_model("path", root, name), facts)
     except HandLCPError:  # what makes no hand has doubts, too
         kinematics = None
-    described = Description(name, kinematics and kinematics.model, facts, root, folders, (), found)
+    described = Description(name, kinematics and kinematics.model, facts, root, folders, (), found, meshes)
     return audit_of(name, file_doubts(described, kinematics))
 
 
@@ -116,7 +119,9 @@ def file_doubts(described: Description, kinematics: Kinematics | None) -> tuple[
 
 def _of_stiffness(described: Description, kinematics: Kinematics | None) -> Iterator[Doubt]:
     """Whether a file says how stiff its joints are, and whether it can be."""
-    advice = "joint_stiffness: N·m/rad, a number, a mapping by joint name or a matrix"
+    sliding = [f.slides for f in described.facts] or [False]
+    unit = words.unit_of_joints(words.stiffness_unit, sliding)
+    advice = f"joint_stiffness: {unit}, a number, a mapping by joint name or a matrix"
     try:
         stiffness = file_stiffness(described, kinematics) if kinematics is not None else None
     except InputError:
@@ -125,6 +130,7 @@ def _of_stiffness(described: Description, kinematics: Kinematics | None) -> Iter
         yield Doubt("hand", "the file says nothing of joint stiffness", advice, "minor", "stiffness")
         return
     yield SERVO_DOUBT
+    yield from slide_doubts(described.facts, _by_joint(stiffness, kinematics.joint_names))
     found = obvious(candidates(described))
     tips = [(c.name, kinematics.model.getFrameId(c.link), c.point) for c in found]
     yield from weak_doubts(kinematics, tips, stiffness.compliance(np.eye(kinematics.nv)))
@@ -136,14 +142,26 @@ def stiffness_doubts(hand: Any) -> Iterator[Doubt]:
     """Of the stiffness that a hand has: one number for all joints, or that of the file."""
     if hand.stiffness.uniform:
         where = "is not that of the file" if has_servos(hand.description) else "is in no file"
-        what = f"joint stiffness {where}: {hand.stiffness.matrix[0, 0]:g} N·m/rad was passed for every joint"
+        unit = words.unit_of_joints(words.stiffness_unit, [name in hand.sliding for name in hand.joint_names])
+        what = f"joint stiffness {where}: {hand.stiffness.matrix[0, 0]:g} {unit} was passed for every joint"
         advice = "joint_stiffness as measured, by joint name or as a matrix"
         yield Doubt("hand", what, advice, "minor", "stiffness")
+    if hand.sliding:
+        yield from slide_doubts(hand.kinematics.facts, _by_joint(hand.stiffness, hand.joint_names))
     if hand.stiffness.stated:
         yield SERVO_DOUBT
         tips = [(name, frame, None) for name, frame in zip(hand.fingertips, hand.tips.frames, strict=True)]
         yield from weak_doubts(hand.kinematics, tips, hand.joint_compliance)
         yield from spring_doubts(hand.kinematics, hand.stiffness, hand.torque_limits)
+
+
+def _by_joint(stiffness: Elasticity, joints: Sequence[str]) -> dict[str, float]:
+    """Joint → its stiffness; nothing of a transmission that leaves some loose."""
+    try:
+        own = np.diagonal(stiffness.matrix)
+    except Unsupported:
+        return {}
+    return dict(zip(joints, own.tolist(), strict=True))
 
 
 def doubts_of(
@@ -158,21 +176,25 @@ def doubts_of(
     ranges = range_doubts(described.facts, kinematics)
     stated, own = stated_doubts(described.facts), [f for f in described.facts if f.name not in set(limits_given)]
     unlike = (*friction_doubts(own), *side_doubts(own), *unlike_doubts(own, described.servos, kinematics))
-    return (*joints, *ranges, *stated, *unlike, *described.doubts, *geometry_doubts(described))
+    free = {f.name for f in own}
+    read = [d for d in described.doubts if d.about != TOGETHER or free.intersection(d.joint.split(", "))]
+    return (*joints, *ranges, *stated, *unlike, *read, *geometry_doubts(described))
 
 
 def doubt_reasons(doubts: Iterable[Doubt]) -> Iterator[Reason]:
-    """A warning for each serious doubt, to stand beside the verdict that rests on it."""
+    """A warning for each serious doubt, to stand beside the verdict that rests on it; without limits of motors there is
+    none.
+    """
     for d in doubts:
         if d.severity != "serious" or d.about in _SAID_ELSEWHERE:
             continue
         joints = d.joint.split(", ")
-        code = "limit_doubtful" if d.about == "torque limit" else "hand_doubtful"
-        yield Reason(code, "warning", d.sentence, {"joints": joints})
+        code = {"torque limit": "limit_doubtful", TOGETHER: "limit_shared"}.get(d.about, "hand_doubtful")
+        yield Reason(code, "decides" if d.about == TOGETHER else "warning", d.sentence, {"joints": joints})
 
 
 # ----------------------------------------------------------------
-# Doubts about the geometry of links: what is missing, and what that leaves unchecked. No mesh is loaded for them.
+# Doubts about the geometry of links: what is missing, what that leaves unchecked, and sizes that cannot be.
 
 _ADVICE = "a file with collision geometry, or tip_radius for the fingertips"
 
@@ -186,12 +208,12 @@ def geometry_doubts(described: Description) -> Iterator[Doubt]:
     elif bare := [name for name in seen if name not in solid]:
         what = "without collision geometry: not checked to be outside the object"
         yield Doubt(", ".join(bare), what, _ADVICE, "minor", "geometry")
-    if described.root is None:
-        return
     for kind, severity in ((COLLISION, "serious"), (VISUAL, "information")):
         if missing := _missing(described, kind):
             what = f"mesh files of {kind} geometry are not found: {words.listed(missing)}"
             yield Doubt("hand", what, "package_dirs with the folder that holds them", severity, "geometry")
+    if described.model is not None:
+        yield from shape_doubts(described.sizes, described.model)
 
 
 def tip_doubts(hand: Any) -> Iterator[Doubt]:
@@ -208,7 +230,6 @@ def tip_doubts(hand: Any) -> Iterator[Doubt]:
 
 def _missing(described: Description, kind: str) -> list[str]:
     """Addresses of meshes that are not found."""
-    assert described.root is not None
-    meshes = described.root.iterfind(f"link/{kind}/geometry/mesh")
-    missing = [mesh.get("filename", "") for mesh in meshes if mesh_file(mesh, described.folders) is None]
+    meshes = () if described.root is None else described.root.iterfind(f"link/{kind}/geometry/mesh")
+    missing = [mesh.get("filename", "") for mesh in meshes if not described.found(mesh)]
     return list(dict.fromkeys(missing))

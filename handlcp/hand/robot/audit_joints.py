@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from handlcp import words
 from handlcp.hand.elasticity.places import Pulley, Site
 from handlcp.hand.elasticity.route import Route
 from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
@@ -39,31 +40,42 @@ def together(
 
 
 def _efforts(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
-    advice, unknown = "torque_limits with the actuator's torque [N·m]", ("serious", "limit unknown")
-    yield from together((f for f in facts if f.effort == 0), "effort limit is zero, read as unknown", advice, *unknown)
-    endless = [f for f in facts if not math.isfinite(f.effort)]
-    yield from together(endless, "effort limit is absent or infinite, read as unknown", advice, *unknown)
-    negative = [f for f in facts if f.effort < 0]
-    yield from together(negative, "effort limit is negative, read as unknown", advice, *unknown)
+    unknown = ("serious", "limit unknown")
+    for these, what in (
+        ([f for f in facts if f.effort == 0], "effort limit is zero, read as unknown"),
+        ([f for f in facts if not math.isfinite(f.effort)], "effort limit is absent or infinite, read as unknown"),
+        ([f for f in facts if f.effort < 0], "effort limit is negative, read as unknown"),
+    ):
+        yield from together(these, what, f"torque_limits with {_of_actuator(these)} [{_unit(these)}]", *unknown)
     yield from _placeholders(facts)
+
+
+def _unit(facts: Sequence[JointFacts]) -> str:
+    """Of efforts of these joints."""
+    return words.unit_of_joints(words.effort_unit, [f.slides for f in facts] or [False])
+
+
+def _of_actuator(facts: Sequence[JointFacts]) -> str:
+    slide = bool(facts) and all(f.slides for f in facts)
+    return f"the actuator's {'force' if slide else 'torque'}"
 
 
 def _placeholders(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
     """Of efforts that are numbers, but hardly those of a motor."""
-    efforts, advice = {f.effort for f in facts}, "torque_limits with the torque of each actuator [N·m]"
-    serious = ("serious", "torque limit")
+    efforts, unit = {f.effort for f in facts}, _unit(facts)
+    size = "force" if unit == "N" else "torque"
+    advice, serious = f"torque_limits with the {size} of each actuator [{unit}]", ("serious", "torque limit")
     if len(facts) > 1 and len(efforts) == 1 and efforts <= PLACEHOLDERS:
-        what = f"every effort limit is {efforts.pop():g} N·m: one round number for all joints is often a placeholder"
+        what = f"every effort limit is {efforts.pop():g} {unit}: one round number for all joints is often a placeholder"
         yield from together(facts, what, advice, *serious)
         return
-    most = {f.name: LARGEST_FORCE if f.kind == "prismatic" else LARGEST_TORQUE for f in facts}
-    large = [f for f in facts if most[f.name] < f.effort < math.inf]
-    for effort in dict.fromkeys(f.effort for f in large):
-        what = f"an effort limit of {effort:g} is more than the joint of a finger has"
-        yield from together((f for f in large if f.effort == effort), what, advice, *serious)
+    large = [f for f in facts if (LARGEST_FORCE if f.slides else LARGEST_TORQUE) < f.effort < math.inf]
+    for effort, slides in dict.fromkeys((f.effort, f.slides) for f in large):
+        what = f"an effort limit of {effort:g} {words.effort_unit(slides)} is more than the joint of a finger has"
+        yield from together([f for f in large if (f.effort, f.slides) == (effort, slides)], what, advice, *serious)
     alike = len(facts) > 1 and len(efforts) == 1 and not large
     if alike and 0 < (effort := efforts.pop()) < math.inf:
-        what = f"every effort limit is {effort:g} N·m, though joints of a hand seldom have equal motors"
+        what = f"every effort limit is {effort:g} {unit}, though joints of a hand seldom have equal motors"
         yield from together(facts, what, advice, "minor", "torque limit")
 
 
@@ -129,8 +141,8 @@ def _written(f: JointFacts) -> Iterator[Doubt]:
         what = f"lower limit {f.lower:g} lies above the upper limit {f.upper:g}"
         advice = "a URDF with its limits in order"
     elif f.lower == f.upper:
-        what = f"the joint cannot move: both limits are {f.lower:g}"
-        advice, severity = "a URDF with a range, or a fixed joint", "minor"
+        what = f"the joint cannot move: both limits are {_end(f.lower)}"
+        advice, severity = "a URDF with a range, or a fixed joint", "serious" if f.mimic is None else "minor"
     elif not f.lower <= 0 <= f.upper and f.mimic is None:
         what = f"the neutral posture 0 lies outside the limits [{f.lower:g}, {f.upper:g}]"
         advice, severity = "q0 inside the limits (hand.neutral is)", "information"
@@ -151,11 +163,17 @@ def _narrowed(facts: Sequence[JointFacts], kinematics: Kinematics) -> Iterator[D
             what = f"no position is within its own limits and those of the joints that follow it: {_who(facts, name)}"
             yield Doubt(name, what, "a URDF whose limits fit its <mimic> tags", "serious", "range")
         elif lower > low + _narrower(low, high) or upper < high - _narrower(low, high):
-            what = (
-                f"its range [{low:.4g}, {high:.4g}] is narrowed to [{lower:.4g}, {upper:.4g}] by the limits of "
-                f"{_who(facts, name)}"
-            )
-            yield Doubt(name, what, "a URDF whose limits fit its <mimic> tags", "minor", "range")
+            by = f"by the limits of {_who(facts, name)}"
+            cut = f"its range [{low:.4g}, {high:.4g}] is narrowed to"
+            what, severity = f"{cut} [{_end(lower)}, {_end(upper)}] {by}", "minor"
+            if upper - lower <= _narrower(low, high):
+                what, severity = f"it cannot move: {cut} {_end(lower)} {by}", "serious"
+            yield Doubt(name, what, "a URDF whose limits fit its <mimic> tags", severity, "range")
+
+
+def _end(value: float) -> str:
+    """An end of a range, without the sign of zero."""
+    return f"{value + 0.0:.4g}"
 
 
 def _narrower(low: float, high: float) -> float:

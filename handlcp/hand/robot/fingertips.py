@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,7 +13,9 @@ import pinocchio as pin
 from handlcp.check import Array, array, read_only
 from handlcp.errors import HandLCPError, InputError, UnknownName
 from handlcp.hand.robot.link_surface import surface_points
-from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, Part
+from handlcp.hand.robot.linkages import linkage_bars
+from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description
+from handlcp.hand.robot.source.part import Part
 
 # ----------------------------------------------------------------
 # Where a link ends: the middle of the round end that its geometry has farthest from its joint.
@@ -78,19 +81,36 @@ class Candidate:
 
 
 def candidates(description: Description) -> tuple[Candidate, ...]:
-    """One or more for each chain of movable joints that ends, in Pinocchio's order of joints."""
+    """One or more for each chain of movable joints that ends, in Pinocchio's order of joints. Bars of linkages that end
+    at another link are none.
+    """
     model = description.model
     inner = {int(model.parents[j]) for j in range(1, model.njoints)}
     ends = [j for j in range(1, model.njoints) if j not in inner and model.joints[j].nv]
-    called = _called_tip(model)
+    called, bars = _called_tip(model), linkage_bars(description)
     out: list[Candidate] = []
     for joint in sorted({*ends, *(model.frames[i].parentJoint for i in called)}):
         names = [model.frames[i].name for i in called if model.frames[i].parentJoint == joint]
         if names:
-            out += [Candidate(name, name, None, 'its name ends in "tip"', True, True) for name in names]
-        else:
+            out += [Candidate(name, name, None, _said(name), True, True) for name in names]
+        elif joint not in bars:
             out += _of_end(description, joint)
     return tuple(out)
+
+
+# What may follow "tip" in the name of one: a word for what it is, a side, or a number.
+_AFTER_TIP = re.compile(r"[_\-. ]*(link|frame|site|body|pad|left|right|\d+|(?<=[_\-. ])[lr])$", re.IGNORECASE)
+
+
+def _is_called_tip(name: str) -> bool:
+    """Whether a name says that it is a fingertip's: "index_tip", "thumb_tip_link", "finger_tip_1"."""
+    while (shorter := _AFTER_TIP.sub("", name)) != name:
+        name = shorter
+    return name.lower().endswith("tip")
+
+
+def _said(name: str) -> str:
+    return 'its name ends in "tip"' if name.lower().endswith("tip") else "its name says that it is a fingertip"
 
 
 def obvious(found: Sequence[Candidate]) -> tuple[Candidate, ...]:
@@ -101,9 +121,9 @@ def obvious(found: Sequence[Candidate]) -> tuple[Candidate, ...]:
 
 
 def _called_tip(model: Any) -> list[int]:
-    """Leaf frames that a joint moves, and whose names end in "tip"."""
+    """Leaf frames that a joint moves, and whose names say that they are fingertips."""
     parents = {frame.parentFrame for frame in model.frames}
-    frames = [(i, f) for i, f in enumerate(model.frames) if i not in parents and f.name.lower().endswith("tip")]
+    frames = [(i, f) for i, f in enumerate(model.frames) if i not in parents and _is_called_tip(f.name)]
     return [i for i, f in frames if any(model.joints[j].nv for j in model.supports[f.parentJoint] if j)]
 
 

@@ -46,6 +46,11 @@ class JointFacts:
     effort_said: str = ""
     stated: Stated = NOTHING_STATED
 
+    @property
+    def slides(self) -> bool:
+        """Whether its positions are metres, and its efforts newtons."""
+        return self.kind == "prismatic"
+
 
 @dataclass(frozen=True, slots=True)
 class Coupling:
@@ -161,6 +166,7 @@ def _master(written: str, name: str, names: Sequence[str], ancestors: set[str]) 
 # ---------------------------------------------------------------- One doubt about a hand, and how much it weighs.
 
 SEVERITIES = ("serious", "minor", "information")  # most important first
+TOGETHER = "shared limit"  # what a doubt is about that leaves open what the motors hold
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,8 @@ from handlcp.check import Array, number, per_name, read_only
 from handlcp.errors import InputError, URDFError
 from handlcp.hand.robot.fingertips import TipFrames
 from handlcp.hand.robot.link_surface import hull
-from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description, Part
+from handlcp.hand.robot.source.description import COLLISION, VISUAL, Description
+from handlcp.hand.robot.source.part import Part
 
 _LARGEST = 0.5  # [m] no fingertip is larger
 

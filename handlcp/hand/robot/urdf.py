@@ -30,7 +30,7 @@ _NUMBERS = (
     ("sphere", "radius", 1, 0.0), ("cylinder", "radius", 1, 0.0), ("cylinder", "length", 1, 0.0),
     ("box", "size", 3, 0.0),
 )  # fmt: skip
-_BESIDE = ("material", "transmission", "ros2_control", "servo", "cable")  # what stands beside links and joints
+_BESIDE = ("material", "transmission", "ros2_control", "servo", "cable", "pin")  # what stands beside links and joints
 _stderr = threading.Lock()
 
 
@@ -116,10 +116,16 @@ def package_folders(package_dirs: Any, path: Path | None) -> tuple[Path, ...]:
     return (*folders, *(Path(p) for p in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if p))
 
 
+def mesh_folders(package_dirs: Any, path: Path | None) -> tuple[Path, ...]:
+    """Where meshes are looked up: as packages are; of a text, which has no folder, last in the working directory."""
+    return (*package_folders(package_dirs, path), *(() if path is not None else (Path.cwd(),)))
+
+
 def mesh_file(mesh: ET.Element, folders: Sequence[Path]) -> Path | None:
-    """The file that a <mesh> addresses; None where it is in none of the folders."""
+    """The file that a <mesh> addresses, or names whole; None where it is in none of the folders."""
     tail = mesh.get("filename", "").split("://", 1)[-1]
-    return next((p for p in (Path(tail), *(folder / tail for folder in folders)) if tail and not unreadable(p)), None)
+    places = [folder / tail for folder in folders] if tail and not Path(tail).is_absolute() else [Path(tail)]
+    return next((p for p in places if tail and not unreadable(p)), None)
 
 
 def resolve_meshes(element: ET.Element, folders: Sequence[Path]) -> None:

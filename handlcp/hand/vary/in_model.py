@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array
-from handlcp.hand.robot.source.description import Part
+from handlcp.hand.robot.source.part import Part
 from handlcp.hand.vary.stretch import Stretch
 
 Given = tuple[tuple[str, tuple[Part, ...]], ...]

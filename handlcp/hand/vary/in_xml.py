@@ -11,6 +11,7 @@ import pinocchio as pin
 
 from handlcp.check import Array
 from handlcp.hand.robot.source.description import COLLISION, VISUAL
+from handlcp.hand.robot.source.part import numbers_of, origin_of
 from handlcp.hand.robot.urdf import link_of
 from handlcp.hand.vary.stretch import Stretch
 
@@ -43,18 +44,18 @@ def stretch_links(root: ET.Element, model: Any, stretches: Mapping[int, Stretch]
             continue
         for element in link:
             if element.tag == "inertial":
-                _place(element, local.point(_origin(element)[1]))
+                _place(element, local.point(origin_of(element)[1]))
             elif element.tag in (COLLISION, VISUAL) and not _stretch_shape(element, local):
                 kept.append(link.get("name", ""))
     for joint in root.findall("joint"):
         if (local := own.get(link_of(joint, "parent"))) is not None:
-            _place(joint, local.point(_origin(joint)[1]))
+            _place(joint, local.point(origin_of(joint)[1]))
     return list(dict.fromkeys(kept))
 
 
 def _stretch_shape(element: ET.Element, stretch: Stretch) -> bool:
     """One <collision> or <visual>; False for a mesh that keeps its shape."""
-    R, p = _origin(element)
+    R, p = origin_of(element)
     for shape in element.iterfind("geometry/cylinder"):
         length = float(shape.get("length", 0.0))
         p, sizes = stretch.solid(R[:, [2]], p, np.array([length]))
@@ -62,12 +63,12 @@ def _stretch_shape(element: ET.Element, stretch: Stretch) -> bool:
         _place(element, p)
         return True
     for shape in element.iterfind("geometry/box"):
-        p, sizes = stretch.solid(R, p, _numbers(shape.get("size", "0 0 0")))
+        p, sizes = stretch.solid(R, p, numbers_of(shape.get("size", "0 0 0")))
         shape.set("size", _text(sizes))
         _place(element, p)
         return True
     for shape in element.iterfind("geometry/mesh"):
-        made = stretch.mesh(R, p, _numbers(shape.get("scale", "1 1 1")))
+        made = stretch.mesh(R, p, numbers_of(shape.get("scale", "1 1 1")))
         if made is not None:
             shape.set("scale", _text(made[1]))
             _place(element, made[0])
@@ -80,22 +81,9 @@ def _joint(root: ET.Element, name: str) -> ET.Element:
     return next(joint for joint in root.findall("joint") if joint.get("name") == name)
 
 
-def _origin(element: ET.Element) -> tuple[Array, Array]:
-    """Rotation (3, 3) and position (3,) [m]."""
-    origin = element.find("origin")
-    if origin is None:
-        return np.eye(3), np.zeros(3)
-    r, p, y = _numbers(origin.get("rpy", "0 0 0")).tolist()
-    return np.asarray(pin.rpy.rpyToMatrix(r, p, y)), _numbers(origin.get("xyz", "0 0 0"))
-
-
 def _place(element: ET.Element, position: Array) -> None:
     origin = element.find("origin")
     (ET.SubElement(element, "origin") if origin is None else origin).set("xyz", _text(position))
-
-
-def _numbers(text: str) -> Array:
-    return np.array([float(word) for word in text.split()])
 
 
 def _text(values: Array) -> str:

@@ -17,7 +17,8 @@ from handlcp.hand.robot.fingertips import TipFrames, TipPlace
 from handlcp.hand.robot.joints import Doubt, joint_facts
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.model import HandModel
-from handlcp.hand.robot.source.description import Description, check_units
+from handlcp.hand.robot.source.description import Description
+from handlcp.hand.robot.source.units import check_units
 from handlcp.hand.robot.tip_geometry import TipGeometry, read_radii
 from handlcp.hand.robot.urdf import build_model
 from handlcp.hand.vary import in_model, in_xml

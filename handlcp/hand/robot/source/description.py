@@ -4,43 +4,33 @@ from __future__ import annotations
 
 import copy
 import xml.etree.ElementTree as ET
-from collections.abc import Set
-from dataclasses import dataclass
+from collections.abc import Mapping, Set
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-import numpy as np
 import pinocchio as pin
 
-from handlcp.check import Array
 from handlcp.errors import InputError, URDFError
 from handlcp.hand.robot.joints import Doubt, JointFacts, joint_facts, model_facts
+from handlcp.hand.robot.source.part import COMPILED, CompiledMesh, Part, compiled_parts, numbers_of, parts_of
+from handlcp.hand.robot.source.robots import several_robots
 from handlcp.hand.robot.source.stated import Servo, check_friction, servos_of
+from handlcp.hand.robot.source.units import LinkSize, check_shapes, check_units, collada_unit, link_sizes
 from handlcp.hand.robot.urdf import (
     MOST_JOINTS,
     build_model,
     captured_stderr,
     check_robot,
     mesh_file,
+    mesh_folders,
     package_folders,
     resolve_meshes,
 )
+from handlcp.lazy import lazy
 
 COLLISION, VISUAL = "collision", "visual"
 _KINDS = {COLLISION: pin.GeometryType.COLLISION, VISUAL: pin.GeometryType.VISUAL}
-
-
-@dataclass(frozen=True, eq=False)
-class Part:
-    """One shape of a link. frame : number of the link's frame. shape : coal's. rotation (3, 3), position (3,) : in the
-    link's frame [m]. colour (3,) : red, green, blue from 0 to 1; None: the file says none.
-    """
-
-    frame: int
-    shape: Any
-    rotation: Array
-    position: Array
-    colour: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +39,8 @@ class Description:
 
     source : name of the file, or of the model. model : Pinocchio's, without mimic joints; None: not made.
     facts : of movable joints. root : the <robot>, None for a model. folders : where meshes are looked up.
-    given : parts by kind, of a model that came with geometry. doubts : found while reading.
+    given : parts by kind, of a model that came with geometry. doubts : found while reading. meshes : those that
+    MuJoCo compiled of an MJCF file, by name.
     """
 
     source: str
@@ -59,6 +50,7 @@ class Description:
     folders: tuple[Path, ...] = ()
     given: tuple[tuple[str, tuple[Part, ...]], ...] = ()
     doubts: tuple[Doubt, ...] = ()
+    meshes: Mapping[str, CompiledMesh] = field(default_factory=dict)
 
     @property
     def mjcf(self) -> bool:
@@ -77,7 +69,11 @@ class Description:
         """Names of the links with such geometry whose mesh files are all found."""
         links = () if self.root is None else self.root.findall("link")
         meshes = {link.get("name", ""): link.iterfind(f"{kind}/geometry/mesh") for link in links}
-        return {name for name in self.has(kind) if all(mesh_file(m, self.folders) for m in meshes.get(name, ()))}
+        return {name for name in self.has(kind) if all(self.found(m) for m in meshes.get(name, ()))}
+
+    def found(self, mesh: ET.Element) -> bool:
+        """Whether the corners of a <mesh> can be had: from memory, or from a file in one of the folders."""
+        return mesh.get(COMPILED) in self.meshes or mesh_file(mesh, self.folders) is not None
 
     @property
     def servos(self) -> tuple[Servo, ...]:
@@ -101,10 +97,29 @@ class Description:
         return found
 
     def parts(self, kind: str, links: Set[str] | None = None) -> tuple[Part, ...]:
-        """Shapes of these links, None: of all. Raises URDFError for meshes that are missing or cannot be read."""
+        """Shapes of these links, None: of all. Raises URDFError for meshes that are missing or cannot be read, and for
+        shapes that are far too large for the robot.
+        """
+        found = self._parts(kind, links)
+        check_shapes(link_sizes(found, self.model), self.model)
+        return found
+
+    @lazy
+    def sizes(self) -> dict[str, LinkSize]:
+        """How large the collision geometry of each link is whose mesh files are found; without those that cannot be
+        read.
+        """
+        try:
+            return link_sizes(self._parts(COLLISION, self.readable(COLLISION)), self.model)
+        except URDFError:
+            return {}
+
+    def _parts(self, kind: str, links: Set[str] | None) -> tuple[Part, ...]:
         if self.root is None:
             every = dict(self.given).get(kind, ())
             return tuple(p for p in every if links is None or self.model.frames[p.frame].name in links)
+        if self.mjcf:
+            return compiled_parts(self.root, self.model, self.meshes, kind, links)
         return self._loaded(self.root, kind, links)
 
     def _loaded(self, root: ET.Element, kind: str, links: Set[str] | None) -> tuple[Part, ...]:
@@ -114,6 +129,10 @@ class Description:
             for element in [e for e in link if e.tag in _KINDS and not (wanted and e.tag == kind)]:
                 link.remove(element)  # its meshes may be missing
         resolve_meshes(reduced, self.folders)
+        for mesh in reduced.iter("mesh"):
+            if (unit := collada_unit(Path(mesh.get("filename", "")))) != 1.0:
+                scale = unit * numbers_of(mesh.get("scale", "1 1 1"))
+                mesh.set("scale", " ".join(repr(v) for v in scale.tolist()))
         with captured_stderr() as messages:
             try:
                 text = ET.tostring(reduced, encoding="unicode")
@@ -129,40 +148,6 @@ class Description:
         return parts_of(self.model, found)
 
 
-def parts_of(model: Any, geometry: Any) -> tuple[Part, ...]:
-    """From a pinocchio.GeometryModel."""
-    found = []
-    for item in geometry.geometryObjects:
-        place = model.frames[item.parentFrame].placement.actInv(item.placement)
-        colour = np.array(item.meshColor).ravel()[:3] if item.overrideMaterial else None
-        frame = int(item.parentFrame)
-        found.append(Part(frame, item.geometry, place.rotation.copy(), place.translation.copy(), colour))
-    return tuple(found)
-
-
-# ----------------------------------------------------------------
-# Numbers that look as if they were in other units than metres and kilograms.
-
-_WIDEST, _HEAVIEST = 20.0, 2000.0  # [m, kg] no robot that carries a hand is larger
-
-
-def check_units(argument: str, model: Any) -> None:
-    """Raises URDFError for a robot that is wider than 20 m or heavier than 2 t, and says how to go on."""
-    data = model.createData()
-    pin.framesForwardKinematics(model, data, pin.neutral(model))
-    places = np.array([place.translation for place in data.oMf])
-    width = float(np.ptp(places, axis=0).max()) if np.isfinite(places).all() else 0.0
-    if width > _WIDEST:
-        expected = (
-            "lengths in metres (are they in millimetres? then multiply each xyz, size, radius and length by 0.001)"
-        )
-        raise URDFError(argument, expected, f"a robot {width:.3g} m wide")
-    mass = sum(float(inertia.mass) for inertia in model.inertias)
-    if mass > _HEAVIEST:
-        expected = "masses in kilograms (are they in grams? then multiply each mass and inertia by 0.001)"
-        raise URDFError(argument, expected, f"a robot of {mass:.3g} kg")
-
-
 # ----------------------------------------------------------------
 # The XML of a robot: from a path or a string to its <robot> element, a URDF's own or that of an MJCF file.
 
@@ -172,15 +157,25 @@ _ADVICE = {URDF: "Hand.from_urdf", MJCF: "Hand.from_mjcf"}
 _STRING = "the XML string"
 
 
+class RobotFile(NamedTuple):
+    """root : the <robot>. path : None for a text. doubts : what was read in a way worth knowing. meshes : those that
+    MuJoCo compiled.
+    """
+
+    root: ET.Element
+    path: Path | None
+    doubts: tuple[Doubt, ...]
+    meshes: Mapping[str, CompiledMesh]
+
+
 def robot_of(
     argument: str,
     source: Any,
     base: str | None = None,
     kinds: tuple[str, ...] = (URDF, MJCF),
     package_dirs: Any = None,
-) -> tuple[ET.Element, Path | None, tuple[Doubt, ...]]:
-    """The <robot> of a path, or of a string that starts with "<", below the link `base`; the path, None for a string;
-    and what was read in a way worth knowing.
+) -> RobotFile:
+    """The <robot> of a path, or of a string that starts with "<", below the link `base`.
 
     kinds : formats that are welcome, by the tag of the first element. Raises URDFError for what is missing, unreadable,
     not XML, of another kind, or too large; UnknownName for the base; InputError; Unsupported without what reads it.
@@ -189,20 +184,21 @@ def robot_of(
     if path is not None and path.suffix == ".xacro":
         from handlcp.hand.robot.source.xacro import expanded
 
-        text = expanded(argument, path, package_folders(package_dirs, None))
+        text = expanded(argument, path, text, package_folders(package_dirs, None))
     shown = _STRING if path is None else repr(str(path))
     root = _parsed(argument, text, shown)
     if root.tag not in kinds:
         raise URDFError(argument, _wanted(kinds, root.tag), f"<{root.tag}> in {shown}")
     if path is None and any("xacro" in tag for tag in {e.tag for e in root}):
         raise URDFError(argument, "a URDF, or the path of a xacro file, which is expanded", f"macros in {shown}")
-    doubts: tuple[Doubt, ...] = ()
+    doubts, meshes = tuple[Doubt, ...](), dict[str, CompiledMesh]()
     if root.tag == MJCF:
         _shallow(argument, root, shown)
         from handlcp.hand.robot.source.mjcf import urdf_of_mjcf
 
-        root, doubts = urdf_of_mjcf(text.decode() if path is None else "", path)
-    return check_robot(argument, root, base, shown), path, doubts
+        root, doubts, meshes = urdf_of_mjcf(text.decode() if path is None else "", path, base)
+    root = check_robot(argument, root, base, shown)
+    return RobotFile(root, path, (*doubts, *several_robots(root)), meshes)
 
 
 def content(argument: str, source: Any) -> tuple[bytes, Path | None]:
@@ -269,13 +265,13 @@ def describe_xml(
     Raises URDFError, UnknownName, InputError, and Unsupported for an MJCF file without MuJoCo, a xacro file without
     xacrodoc.
     """
-    root, path, doubts = robot_of(argument, source, base, kinds, package_dirs)
-    folders = package_folders(package_dirs, path)
+    root, path, doubts, meshes = robot_of(argument, source, base, kinds, package_dirs)
+    folders = mesh_folders(package_dirs, path)
     check_friction(argument, root)
     model = build_model(argument, root, str(path) if path is not None else _STRING)
     check_units(argument, model)
     short = path.name if path is not None else str(model.name)
-    return Description(short, model, joint_facts(root), root, folders, (), doubts)
+    return Description(short, model, joint_facts(root), root, folders, (), doubts, meshes)
 
 
 def describe_model(argument: str, source: Any) -> Description:

@@ -27,6 +27,7 @@ _PULLS = 0.1  # of the torque limit: springs that pull with less are not worth a
 _LOPSIDED = 0.5  # of the effort to the other side: with less, the direction matters
 _RUBS = 0.25  # of the effort limit: no good drive has as much
 _GRAVITY = 9.81  # [m/s²]
+MIN_SLIDE_STIFFNESS = 200.0  # [N/m] a drive gives way by less than 5 mm under 1 N
 _UNLIKE = 0.05  # of the larger number: less is rounding
 
 # ---------------------------------------------------------------- One joint at a time.
@@ -46,7 +47,8 @@ def stated_doubts(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
             yield Doubt(f.name, what, "an MJCF file whose ctrlrange fits the range", "minor", "range")
         if not 0.0 <= stated.friction < math.inf:
             what = f"its dry friction is {stated.friction:g}, which is no number ≥ 0"
-            yield Doubt(f.name, what, "a file with the friction of the drive [N·m]", "minor", "friction")
+            advice = f"a file with the friction of the drive [{words.effort_unit(f.slides)}]"
+            yield Doubt(f.name, what, advice, "minor", "friction")
         if stated.reduction is not None and not 0.0 < abs(stated.reduction) < math.inf:
             said = "no number" if math.isnan(stated.reduction) else f"{stated.reduction:g}"
             what = f"the reduction of its transmission is {said}"
@@ -75,17 +77,17 @@ def friction_doubts(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
 
 def side_doubts(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
     """Of joints that are driven to one side alone, or much harder than to the other."""
-    alike = defaultdict[tuple[float, float], list[str]](list)
+    alike = defaultdict[tuple[float, float, bool], list[str]](list)
     for f in facts:
         if f.mimic is None and f.stated.weaker is not None and f.stated.weaker < _LOPSIDED * f.effort < math.inf:
-            alike[f.stated.weaker, f.effort].append(f.name)
-    for (weaker, effort), names in alike.items():
+            alike[f.stated.weaker, f.effort, f.slides].append(f.name)
+    for (weaker, effort, slides), names in alike.items():
         other = f"with {weaker:g} alone" if weaker else "not at all"
         what = (
             f"actuators of the file drive the joint with {effort:g} to one side and {other} to the other; the larger "
             "side is the limit for both, also where the joint closes to the other"
         )
-        advice = "torque_limits with what closes the hand [N·m]"
+        advice = f"torque_limits with what closes the hand [{words.effort_unit(slides)}]"
         yield Doubt(", ".join(names), what, advice, "serious", "torque limit")
 
 
@@ -176,6 +178,19 @@ def weak_doubts(kinematics: Kinematics, tips: Sequence[tuple[str, int, Any]], co
         far = words.length(sags[worst])
         what = f"kp of the file is so small that a finger's own weight moves its tip by {far} ({worst})"
         yield Doubt(", ".join(sags), what, "joint_stiffness as measured: stiffness_from", "minor", "stiffness")
+
+
+def slide_doubts(facts: Sequence[JointFacts], stiffness: Mapping[str, float]) -> Iterator[Doubt]:
+    """Of slides as soft as no drive is: numbers of N·m/rad for N/m. stiffness : of each joint, by name."""
+    slides = {f.name for f in facts if f.slides}
+    soft = {name: k for name, k in stiffness.items() if name in slides and 0.0 < k < MIN_SLIDE_STIFFNESS}
+    if soft:
+        least = min(soft.values())
+        what = (
+            f"joint stiffness of {least:g} N/m lets a slide give way by {words.length(1.0 / least)} under 1 N, as if "
+            "N·m/rad were taken for N/m"
+        )
+        yield Doubt(", ".join(soft), what, "joint_stiffness of slides in N/m, 1e4 say", "serious", "stiffness")
 
 
 # ---------------------------------------------------------------- Springs whose rest angle is far from the posture.

@@ -1,7 +1,8 @@
 """An MJCF file, MuJoCo's format for robots, as the URDF that says the same.
 
-MuJoCo compiles the file, so that its defaults, angles and includes mean here what they mean there; the compiled model
-is written link by link. A free joint at the root is left out: the hand stands where the file puts it.
+MuJoCo compiles the file, so that its defaults, angles, includes and meshes mean here what they mean there; the compiled
+model is written link by link. A free joint at the root is left out: the hand stands where the file puts it. What of the
+file is no hand is left out and said (`mjcf_scene.py`).
 
 | MJCF | URDF |
 | --- | --- |
@@ -13,8 +14,10 @@ is written link by link. A free joint at the root is left out: the hand stands w
 | frictionloss | dynamics |
 | stiffness, springref, armature of a joint | passive, a tag of our own |
 | equality of two joints | mimic |
+| connect of two bodies | pin, a tag of our own, for what is a fingertip |
 | geom that collides | collision, and visual in the groups 0 to 2 |
 | geom that doesn't collide | visual |
+| mesh | mesh, with its compiled corners beside the URDF |
 """
 
 from __future__ import annotations
@@ -31,18 +34,26 @@ from handlcp.errors import URDFError
 from handlcp.extras import missing
 from handlcp.hand.robot.joints import Doubt
 from handlcp.hand.robot.source.mjcf_cables import write_cables
-from handlcp.hand.robot.source.mjcf_drives import couplings, efforts, reaches, write_passive, write_servos
-from handlcp.hand.robot.source.mjcf_parts import add, add_shapes, placed, rotation_of
+from handlcp.hand.robot.source.mjcf_drives import couplings, efforts, reaches, write_passive, write_pins, write_servos
+from handlcp.hand.robot.source.mjcf_meshes import compiled_meshes
+from handlcp.hand.robot.source.mjcf_parts import add, add_shapes, placed, soft_parts
+from handlcp.hand.robot.source.mjcf_scene import scene_parts
+from handlcp.hand.robot.source.part import CompiledMesh, rotation_of
 
 _UNBOUNDED = 1e3  # [m] the range of a slide without one
 
 
-def urdf_of_mjcf(source: str, path: Path | None) -> tuple[ET.Element, tuple[Doubt, ...]]:
-    """The <robot> that an MJCF text or file describes, and what of it a URDF cannot say.
+def urdf_of_mjcf(
+    source: str, path: Path | None, base: str | None = None
+) -> tuple[ET.Element, tuple[Doubt, ...], dict[str, CompiledMesh]]:
+    """The <robot> that an MJCF text or file describes, what of it a URDF cannot say, and its meshes.
 
-    Arguments and errors as of `compiled`; URDFError for ball joints, too.
+    base : the link that is asked for. Other arguments and errors as of `compiled`; URDFError for ball joints, too.
     """
-    return _Writer(compiled(source, path)).robot()
+    model = compiled(source, path)
+    root, doubts = _Writer(model, base).robot()
+    meshes, partial = compiled_meshes(model, path)
+    return root, (*doubts, *partial), meshes
 
 
 def compiled(source: str, path: Path | None) -> Any:
@@ -68,24 +79,28 @@ def compiled(source: str, path: Path | None) -> Any:
 class _Writer:
     """Writes one compiled model."""
 
-    def __init__(self, model: Any) -> None:
+    def __init__(self, model: Any, base: str | None) -> None:
         self.model, self.doubts = model, list[Doubt]()
         self.root = ET.Element("robot", name=_model_name(model), format="mjcf")
         self.bodies = [model.body(i).name or f"body_{i}" for i in range(model.nbody)]
         owners = model.jnt_bodyid
         self.joints = [model.joint(j).name or f"{self.bodies[owners[j]]}_joint_{j}" for j in range(model.njnt)]
-        sides, self.effort_said, found = efforts(model, self.joints)
+        self.scene = scene_parts(model, self.bodies, base)
+        self.follows, more = couplings(model, self.joints, self.scene.bodies)
+        sides, self.effort_said, found = efforts(model, self.joints, self.follows)
         self.weaker, self.effort = sides.T
         self.reaches = reaches(model)
-        self.follows, more = couplings(model, self.joints)
-        self.doubts += [*found, *more]
+        self.doubts += [*found, *more, *self.scene.said, *soft_parts(model)]
 
     def robot(self) -> tuple[ET.Element, tuple[Doubt, ...]]:
         """Everything."""
         for b in range(self.model.nbody):
-            self._body(b)
+            if b not in self.scene.bodies:
+                self._body(b)
         for s in range(self.model.nsite):
-            self._site(s)
+            if int(self.model.site_bodyid[s]) not in self.scene.bodies:
+                self._site(s)
+        write_pins(self.root, self.model, self.bodies, self.scene.bodies)
         servos = write_servos(self.root, self.model, self.joints)
         self.doubts += write_cables(self.root, self.model, servos)
         return self.root, tuple(self.doubts)
@@ -107,7 +122,8 @@ class _Writer:
         if model.body_mass[b] > 0:
             owner = link if carrier == name else next(e for e in self.root.findall("link") if e.get("name") == carrier)
             self._inertia(owner, b, at if carrier != name else np.zeros(3))
-        self.doubts += add_shapes(link, model, b)
+        if b or not self.scene.ground:
+            self.doubts += add_shapes(link, model, b)
 
     def _chain(self, b: int, moves: list[int], links: list[str]) -> None:
         """The joints from the parent's link to the body's, and the links between them."""

@@ -9,12 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from handlcp import words
 from handlcp.check import Array
-from handlcp.hand.robot.joints import Doubt
+from handlcp.hand.robot.joints import TOGETHER, Doubt
 from handlcp.hand.robot.source.mjcf_parts import MOVES_TENDON, add
+from handlcp.hand.robot.source.mjcf_scene import of_scene, tied
 
 _JOINT, _IN_PARENT = 0, 1  # what an actuator moves
 _OF_JOINTS, _WRAPS_JOINT = 2, 1  # an equality of joints; a tendon that is a sum of joint angles
+_CONNECTS, _BODY = 0, 1  # an equality in a point; of bodies, and not of sites
 _FIXED, _AFFINE = 0, 1  # gains and biases of actuators
 
 Follows = dict[int, tuple[int, float, float]]  # joint → the joint it follows, factor, offset
@@ -22,19 +25,25 @@ Follows = dict[int, tuple[int, float, float]]  # joint → the joint it follows,
 # ---------------------------------------------------------------- How hard actuators pull.
 
 
-def efforts(model: Any, names: list[str]) -> tuple[Array, list[str], list[Doubt]]:
+def efforts(model: Any, names: list[str], follows: Follows) -> tuple[Array, list[str], list[Doubt]]:
     """(joints, 2) torque or force of each joint's actuators to its smaller and to its larger side [N·m, N], inf where
-    the file says none; the word of the file that says it; and a doubt for each tendon that moves several joints.
+    the file says none; the word of the file that says it; and doubts about tendons that move several joints, and about
+    limits that no joint has on its own.
     """
     ends, said = np.zeros((model.njnt, 2)), [""] * model.njnt  # against and with the joint's axis
     free = np.ones(model.njnt, dtype=bool)
-    pulled = dict[str, dict[int, float]]()
+    pulled, limited = dict[str, dict[int, float]](), dict[str, list[int]]()
     for a in range(model.nu):
         own, word = _ends(model, a)
         arms = _moved(model, a)
+        target = int(model.actuator_trnid[a, 0])
+        if int(model.actuator_trntype[a]) == MOVES_TENDON and model.tendon_actfrclimited[target]:
+            cut = np.clip(np.sort(own), *model.tendon_actfrcrange[target])
+            own, word = (cut, "actuatorfrcrange") if (cut != np.sort(own)).any() else (own, word)
         if int(model.actuator_trntype[a]) == MOVES_TENDON and len(arms) > 1:
-            target = int(model.actuator_trnid[a, 0])
             pulled[model.tendon(target).name or f"tendon {target}"] = arms
+        if np.isfinite(own).any() and any(arms.values()):
+            limited[model.actuator(a).name or f"actuator {a}"] = [j for j, arm in arms.items() if arm]
         for j, arm in arms.items():
             ends[j] += np.sort(arm * own) if arm else 0.0
             said[j], free[j] = word, False
@@ -44,7 +53,8 @@ def efforts(model: Any, names: list[str]) -> tuple[Array, list[str], list[Doubt]
         if (cut != ends[j]).any():
             ends[j], said[j] = cut, "actuatorfrcrange"
     sides = np.sort(np.maximum(ends * (-1.0, 1.0), 0.0), axis=1)
-    return sides, said, _shared(pulled, names) if pulled else []
+    doubts = _shared(pulled, names) if pulled else []
+    return sides, said, [*doubts, *_together(limited, names, follows)]
 
 
 def _moved(model: Any, a: int) -> dict[int, float]:
@@ -82,6 +92,30 @@ def _shared(pulled: dict[str, dict[int, float]], names: list[str]) -> list[Doubt
     what = f"one actuator pulls several of them by a tendon ({', '.join(pulled)}); here each has a spring of its own"
     advice = f"joint_stiffness=Tendons(...) with {{{first!r}: {{{given}}}, …}}"
     return [Doubt(", ".join(dict.fromkeys(joints)), what, advice, "serious", "tendon")]
+
+
+def _together(limited: dict[str, list[int]], names: list[str], follows: Follows) -> list[Doubt]:
+    """Of limits that are those of actuators, and of no joint alone: where a joint has several actuators one of which
+    moves other joints, too, and where one drives a joint that follows another. limited : actuator → the joints that it
+    moves. Where one actuator alone moves several joints, it pulls no harder than the joint asks that asks for most.
+    """
+    reached = dict[int, list[str]]()
+    for actuator, joints in limited.items():
+        for j in joints:
+            reached.setdefault(j, []).append(actuator)
+    mixed = [a for a, joints in limited.items() if len(joints) > 1 and any(len(reached[j]) > 1 for j in joints)]
+    found = dict.fromkeys(mixed)
+    found |= dict.fromkeys([a for j, those in reached.items() if set(those) & set(mixed) for a in those])
+    found |= dict.fromkeys([a for a, joints in limited.items() if any(j in follows for j in joints)])
+    if not found:
+        return []
+    moved = dict.fromkeys([names[_leader(follows, j)] for a in found for j in limited[a]])
+    what = (
+        f"limits of actuators that move several joints, or one that follows another, are read joint by joint "
+        f"({words.listed(list(found))}): what the motors hold is not judged"
+    )
+    advice = "torque_limits of these joints, as large as the actuators can hold together"
+    return [Doubt(", ".join(moved), what, advice, "serious", TOGETHER)]
 
 
 # ----------------------------------------------------------------
@@ -131,13 +165,14 @@ def write_passive(joint: ET.Element, model: Any, j: int) -> None:
 # ---------------------------------------------------------------- Joints that follow others.
 
 
-def couplings(model: Any, names: list[str]) -> tuple[Follows, list[Doubt]]:
+def couplings(model: Any, names: list[str], scene: frozenset[int]) -> tuple[Follows, list[Doubt]]:
     """Joints that follow others, also one after the other, and doubts about constraints that are read in part or not at
-    all. Where an equality's first joint follows another already, the second one follows the first.
+    all. Where an equality's first joint follows another already, the second one follows the first. scene : bodies that
+    are no part of the hand, whose constraints are left out with them.
     """
     follows, doubts = Follows(), list[Doubt]()
     for e in range(model.neq):
-        if not model.eq_active0[e]:
+        if not model.eq_active0[e] or of_scene(model, e, scene):
             continue
         kind, name = int(model.eq_type[e]), model.eq(e).name or f"equality {e}"
         if kind != _OF_JOINTS or int(model.eq_obj2id[e]) < 0:
@@ -161,6 +196,19 @@ def couplings(model: Any, names: list[str]) -> tuple[Follows, list[Doubt]]:
             what = f"follows {names[two]} along a curve, of which the straight part alone is read"
             doubts.append(Doubt(names[one], what, "a posture near the file's reference posture", "serious"))
     return follows, doubts
+
+
+def write_pins(root: ET.Element, model: Any, bodies: list[str], scene: frozenset[int]) -> None:
+    """Write each constraint that connects two bodies in a point as a <pin>, with the point in the frame of each [m]."""
+    for e in range(model.neq):
+        own = tied(model, e)
+        if int(model.eq_type[e]) != _CONNECTS or not model.eq_active0[e] or len(own) != 2 or of_scene(model, e, scene):
+            continue
+        if int(model.eq_objtype[e]) == _BODY:
+            at, other = model.eq_data[e, :3], model.eq_data[e, 3:6]
+        else:
+            at, other = (model.site_pos[int(i)] for i in (model.eq_obj1id[e], model.eq_obj2id[e]))
+        add(root, "pin", link=bodies[own[0]], other=bodies[own[1]], at=at, at_other=other)
 
 
 def _leader(follows: Follows, j: int) -> int:

@@ -10,6 +10,8 @@ import pinocchio as pin
 
 from handlcp.check import Array
 from handlcp.hand.robot.joints import Doubt
+from handlcp.hand.robot.source.mjcf_meshes import mesh_name, mesh_path
+from handlcp.hand.robot.source.part import COMPILED, rotation_of
 
 _PLANE, _HFIELD, _SPHERE, _CAPSULE, _ELLIPSOID, _CYLINDER, _BOX, _MESH = range(8)
 MOVES_TENDON = 3  # what an actuator moves
@@ -26,19 +28,13 @@ def placed(element: ET.Element, R: Array, p: Array) -> None:
     add(element, "origin", xyz=p, rpy=pin.rpy.matrixToRpy(np.array(R)))
 
 
-def rotation_of(quaternion: Array) -> Array:
-    """(3, 3) of a unit quaternion w, x, y, z."""
-    w, x, y, z = (float(v) for v in quaternion)
-    return np.asarray(pin.Quaternion(w, x, y, z).normalized().toRotationMatrix())
-
-
 def add_shapes(link: ET.Element, model: Any, body: int) -> list[Doubt]:
     """Write the geoms of a body to its link; returns what of them a URDF cannot say."""
     left_out = list[str]()
     first = int(model.body_geomadr[body])
     for g in range(first, first + int(model.body_geomnum[body])):
         solid = bool(model.geom_contype[g] or model.geom_conaffinity[g])
-        if int(model.geom_type[g]) in (_PLANE, _HFIELD):
+        if int(model.geom_type[g]) in (_PLANE, _HFIELD) and not model.body_weldid[body]:
             continue  # the floor of a scene, no part of a hand
         kinds = [kind for kind, wanted in (("collision", solid), ("visual", _seen(model, g, solid))) if wanted]
         written = [_geom(link, kind, model, g) for kind in kinds]
@@ -47,7 +43,7 @@ def add_shapes(link: ET.Element, model: Any, body: int) -> list[Doubt]:
     if not left_out:
         return []
     what = f"geometry that a URDF cannot say is left out: {', '.join(left_out)}"
-    return [Doubt(link.get("name", ""), what, "boxes, balls, cylinders, capsules or mesh files", "minor")]
+    return [Doubt(link.get("name", ""), what, "boxes, balls, cylinders, capsules or meshes", "minor")]
 
 
 def _seen(model: Any, g: int, solid: bool) -> bool:
@@ -75,17 +71,23 @@ def _geom(link: ET.Element, kind: str, model: Any, g: int) -> bool:
 
 
 def _mesh(link: ET.Element, kind: str, model: Any, g: int, R: Array, p: Array) -> bool:
-    """A mesh as it is in its file: MuJoCo moves its vertices to their principal axes, which is undone here."""
+    """A mesh in the axes in which the file places it."""
     mesh = int(model.geom_dataid[g])
-    start = int(model.mesh_pathadr[mesh])
-    if start < 0:  # made of numbers in the MJCF file itself
-        return False
-    file = bytes(model.paths)[start:].split(b"\0", 1)[0].decode()
-    moved = rotation_of(model.mesh_quat[mesh])
-    R = R @ moved.T
+    R = R @ rotation_of(model.mesh_quat[mesh]).T
     p = p - R @ model.mesh_pos[mesh]
-    _shape(link, kind, R, p, _colour(model, g), "mesh", filename=file, scale=model.mesh_scale[mesh])
+    name, file = mesh_name(model, mesh), mesh_path(model, mesh)
+    _shape(link, kind, R, p, _colour(model, g), "mesh", filename=file or name, **{COMPILED: name})
     return True
+
+
+def soft_parts(model: Any) -> list[Doubt]:
+    """What deforms, of which nothing is read."""
+    found = {"skins": model.nskin, "flexible parts": model.nflex}
+    said = [f"{count} {what}" for what, count in found.items() if count]
+    if not said:
+        return []
+    what = f"what deforms is left out: {' and '.join(said)}"
+    return [Doubt("hand", what, "geoms of bodies, with pad_flexibility", "minor", "geometry")]
 
 
 def _shape(link: ET.Element, kind: str, R: Array, p: Array, colour: Array, tag: str, **attributes: Any) -> None:

@@ -14,7 +14,7 @@ import pinocchio as pin
 from handlcp.errors import InputError, Unsupported
 from handlcp.hand.elasticity.places import CYLINDER, SPHERE, Around, Pulley, Site
 from handlcp.hand.elasticity.route import Route
-from handlcp.hand.robot.source.mjcf_parts import rotation_of
+from handlcp.hand.robot.source.part import rotation_of
 
 _JOINT, _PULLEY, _SITE, _SPHERE, _CYLINDER = 1, 2, 3, 4, 5  # mjtWrap: what a tendon passes
 

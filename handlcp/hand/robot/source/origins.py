@@ -117,6 +117,7 @@ _Value = Callable[[JointFacts], Any]
 _RUBS = 'read; used with joint_friction="file"'
 _SPRINGS = 'used with joint_stiffness="file"'
 _RESTS = 'used with joint_stiffness="file", of joints that servos turn'
+_OF_SLIDES = {"N·m": "N", "N·m/rad": "N/m", "rad": "m", "kg·m²": "kg"}
 _STATED: tuple[tuple[str, str, str, str, _Value, str], ...] = (
     ("dry friction", "dynamics friction", "frictionloss", "N·m", lambda f: f.stated.friction or None, _RUBS),
     ("spring at the joint", "", "stiffness", "N·m/rad", lambda f: f.stated.stiffness or None, _SPRINGS),
@@ -130,10 +131,13 @@ _STATED: tuple[tuple[str, str, str, str, _Value, str], ...] = (
 def stated_rows(described: Description) -> Iterator[StatedRow]:
     """Of every joint, those that follow others among them; without what the file leaves out or is no number."""
     for what, urdf, xml, unit, value, used in _STATED:
-        found = {f.name: v for f in described.facts if (v := value(f)) is not None}
-        values = {name: v for name, v in found.items() if not isinstance(v, float) or not math.isnan(v)}
-        if values:
-            yield StatedRow(what, xml if described.mjcf else urdf, unit, values, used)
+        for slides in (False, True):
+            facts = [f for f in described.facts if f.slides is slides]
+            found = {f.name: v for f in facts if (v := value(f)) is not None}
+            values = {name: v for name, v in found.items() if not isinstance(v, float) or not math.isnan(v)}
+            if values:
+                own = _OF_SLIDES.get(unit, unit) if slides else unit
+                yield StatedRow(what, xml if described.mjcf else urdf, own, values, used)
 
 
 # ---------------------------------------------------------------- Both, printed.
