@@ -13,6 +13,7 @@ from handlcp.errors import InputError, unreadable
 from handlcp.hand.objects.object import Solid
 from handlcp.hand.robot.link_surface import hull, triangles_of
 from handlcp.hand.robot.source.part import tree_of
+from handlcp.hand.robot.source.units import collada_unit
 
 CONVEX = 1e-3  # a mesh is convex if its volume is that of its hull to this share
 HOW_TO_MESH = "an object: hl.Mesh(mesh, mass=...) of a mesh, which has no mass of its own"
@@ -78,8 +79,10 @@ def load_mesh(source: Any, scale: Array | None) -> Solid:
     or is too wide.
     """
     name = "the mesh" if isinstance(source, Surfaces) else repr(str(source))
-    size = np.ones(3) if scale is None else scale
-    tree = tree_of(source.vertices * size, source.faces) if isinstance(source, Surfaces) else _read(source, size)
+    if isinstance(source, Surfaces):
+        tree = tree_of(source.vertices * (np.ones(3) if scale is None else scale), source.faces)
+    else:
+        tree = _read(source, scale)
     if tree.num_tris > MOST:
         expected = f"a mesh of at most {MOST} triangles; simplify it, or take its convex hull"
         raise InputError("path", expected, f"{name} with {tree.num_tris}")
@@ -101,7 +104,8 @@ def _ask_for_metres(triangles: Array, name: str, units: Any) -> None:
         raise InputError("scale", f"{expected}, 1 to keep it", came)
 
 
-def _read(path: Any, scale: Array) -> Any:
+def _read(path: Any, scale: Array | None) -> Any:
+    """None: in the unit that a Collada file says, or metres."""
     try:
         file = Path(path)
     except TypeError:
@@ -109,7 +113,8 @@ def _read(path: Any, scale: Array) -> Any:
     if why := unreadable(file):
         raise InputError("path", "the path of a mesh file", f"{str(file)!r}, which {why}")
     try:
-        return coal.MeshLoader(coal.NODE_TYPE.BV_OBBRSS).load(str(file), scale)
+        size = collada_unit(file) * np.ones(3) if scale is None else scale
+        return coal.MeshLoader(coal.NODE_TYPE.BV_OBBRSS).load(str(file), size)
     except (ValueError, RuntimeError) as error:
         lines = [line.removeprefix("message:").strip() for line in str(error).splitlines()[3:5]]
         raise InputError("path", "a mesh file that coal can load", f"{str(file)!r}: {' '.join(lines)}") from None

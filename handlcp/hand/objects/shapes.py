@@ -73,7 +73,8 @@ class Ellipsoid(Object):
 
 class Mesh(Object):
     """A triangle mesh from a file (STL, OBJ, DAE, PLY …) or a `trimesh.Trimesh` or Scene, in metres after `scale` (a
-    number or (3,); None: 1, unless the mesh is wider than 5 m or says that its units are others, which is asked about).
+    number or (3,); None: the <unit> of a Collada file, else 1, unless the mesh is wider than 5 m or says that its units
+    are others, which is asked about).
 
     A Trimesh brings no mass: mass or density are given here.
 

@@ -36,8 +36,11 @@ def efforts(model: Any, names: list[str], follows: Follows) -> tuple[Array, list
     for a in range(model.nu):
         own, word = _ends(model, a)
         arms = _moved(model, a)
+        target = int(model.actuator_trnid[a, 0])
+        if int(model.actuator_trntype[a]) == MOVES_TENDON and model.tendon_actfrclimited[target]:
+            cut = np.clip(np.sort(own), *model.tendon_actfrcrange[target])
+            own, word = (cut, "actuatorfrcrange") if (cut != np.sort(own)).any() else (own, word)
         if int(model.actuator_trntype[a]) == MOVES_TENDON and len(arms) > 1:
-            target = int(model.actuator_trnid[a, 0])
             pulled[model.tendon(target).name or f"tendon {target}"] = arms
         if np.isfinite(own).any() and any(arms.values()):
             limited[model.actuator(a).name or f"actuator {a}"] = [j for j, arm in arms.items() if arm]
