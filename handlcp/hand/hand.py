@@ -57,21 +57,22 @@ class Hand(HandModel):
         source : path of the file, or of a URDF its text (a string that starts with "<").
         fingertips : names of links or frames, and points on links: ["thumb_tip", ("index_3", (0, 0, 0.03))], or with
             names of your own: {"thumb": "thumb_tip", "index": ("index_3", (0, 0, 0.03))}. Points in the link's frame
-            [m]. None: the leaf frames whose names end in "tip"; without such, the ends of the two to five chains of
-            joints, if what is the fingertip there is plain: a frame without geometry, or the far end of the last
-            link's geometry. `hand.describe()` shows what was taken, and why.
-        joint_stiffness : [N·m/rad] a number, a mapping by joint name, (nv,), or an SPD matrix (nv, nv); None or inf:
-            rigid. Or a transmission: `Tendons`, `Synergies`.
+            [m]. None: the leaf frames whose names say so, such as "index_tip" or "thumb_tip_link"; without such, the
+            ends of the two to five chains of joints, if what is the fingertip there is plain: a frame without geometry,
+            or the far end of the last link's geometry. `hand.describe()` shows what was taken, and why.
+        joint_stiffness : [N·m/rad, N/m of slides] a number, a mapping by joint name, (nv,), or an SPD matrix (nv, nv);
+            None or inf: rigid. Or a transmission: `Tendons`, `Synergies`.
         pad_flexibility : [m/N] a number, of every link that touches; (3,) along the tip frame's axes, (3, 3) PSD in
             tip axes, (n, 3, 3), of the fingertips; or a mapping by name of a fingertip or link of the first three
             (others: rigid), such as {"index_tip": 1e-4, "palm": 2e-5}.
-        torque_limits : [N·m] None: the file's efforts (zero, infinite or absent: unknown); a number, (nv,), or a
-            mapping by joint name over the file's; inf: no limit.
+        torque_limits : [N·m, N of slides] None: the file's efforts (zero, infinite or absent: unknown); a number,
+            (nv,), or a mapping by joint name over the file's; inf: no limit.
         base : only the links below this one are the hand, and its frame is the world frame.
         tip_radius : [m] a number, or a mapping by tip name: a sphere about the tip frame. None: the collision
             geometry of the link that is the tip frame or, if it has none, of the links fixed to it; if nothing there
             collides, what is drawn of them. Used when contacts are detected, and only then.
-        package_dirs : folders for package:// addresses of meshes, and for what a xacro file includes.
+        package_dirs : folders for package:// addresses of meshes, and for what a xacro file includes. Relative ones
+            are looked up beside the file, too; those of a text in the working directory.
         motors : a mapping of joints and tendons to `Motor`s (others: none); without tendons also one for all joints. It
             gives the torque limit of its joint, what it holds for good, and its stiffness where it says one.
         joint_friction : [N·m] dry friction at the joints, beside their springs: None: none; "file": what the file
@@ -109,7 +110,8 @@ class Hand(HandModel):
     ) -> Self:
         """Read a hand from an MJCF file, MuJoCo's format; arguments as of `from_urdf`.
 
-        Bodies and named sites are links. The world body is the base, and a free joint at the root is left out. Efforts
+        Bodies and named sites are links. The world body is the base, and a free joint at the root is left out. Of a
+        scene the hand alone is read; the audit says what is left out. Meshes are those that MuJoCo compiles. Efforts
         are those of the file's actuators; joints that an equality couples follow each other.
         joint_stiffness : "file": kp of the position actuators with their gear, and the joints' own springs; of one
             that pulls joints by a fixed tendon with coefficients a, kp a aᵀ, and what nothing else resists there as

@@ -89,7 +89,7 @@ class HandTable(Table):
     base: k.Text | None = None
     """only the links below this one are the hand; its frame is the scene's world frame"""
     fingertips: k.Names | None = None
-    """frame names of the fingertips; left out: the leaf frames whose names end in "tip", else the ends of two to five
+    """frame names of the fingertips; left out: the leaf frames named as tips, else the ends of two to five
     fingers where they are clear (`handlcp hands FILE` says which)"""
     joint_stiffness_Nm_per_rad: k.Stiffness | None = None
     """a URDF has no place for it: needed with urdf, unless there are tendons or synergies"""
