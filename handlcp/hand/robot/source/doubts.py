@@ -190,7 +190,7 @@ def slide_doubts(facts: Sequence[JointFacts], stiffness: Mapping[str, float]) ->
             f"joint stiffness of {least:g} N/m lets a slide give way by {words.length(1.0 / least)} under 1 N, as if "
             "N·m/rad were taken for N/m"
         )
-        yield Doubt(", ".join(soft), what, "joint_stiffness of slides in N/m, 1e4 say", "serious", "stiffness")
+        yield Doubt(", ".join(soft), what, "joint_stiffness of slides in N/m, 1e4 say", "serious", "slide")
 
 
 # ---------------------------------------------------------------- Springs whose rest angle is far from the posture.
