@@ -25,6 +25,8 @@ def _interrupted(*_: object) -> None:
     """End at once: an exception would be swallowed, or printed, wherever it happens to arrive."""
     if os.isatty(2):
         os.write(2, b"\x1b[?25h\n")  # a progress bar hides the cursor
+    if hasattr(signal, "SIGPIPE"):
+        signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # other threads may write to processes that are gone now
     children = getattr(sys.modules.get("multiprocessing"), "active_children", list)  # imported, where any were started
     for process in children():
         with suppress(OSError):  # it ended by itself
