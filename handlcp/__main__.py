@@ -5,8 +5,11 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import threading
+from contextlib import suppress
 
 INTERRUPTED = 130  # as a shell reports a program that Ctrl-C ended
+TIDYING = 1.0  # how long that may take at most [s]
 
 
 def main() -> None:
@@ -22,10 +25,28 @@ def _interrupted(*_: object) -> None:
     """End at once: an exception would be swallowed, or printed, wherever it happens to arrive."""
     if os.isatty(2):
         os.write(2, b"\x1b[?25h\n")  # a progress bar hides the cursor
+    if hasattr(signal, "SIGPIPE"):
+        signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # other threads may write to processes that are gone now
     children = getattr(sys.modules.get("multiprocessing"), "active_children", list)  # imported, where any were started
     for process in children():
-        process.kill()  # else it would compute on
+        with suppress(OSError):  # it ended by itself
+            os.kill(process.pid, getattr(signal, "SIGKILL", signal.SIGTERM))  # else it would compute on
+    if "multiprocessing.util" in sys.modules:
+        tidying = threading.Thread(target=_unlink_semaphores, daemon=True)
+        tidying.start()
+        tidying.join(TIDYING)
     os._exit(INTERRUPTED)
+
+
+def _unlink_semaphores() -> None:
+    """Unlink named semaphores of processes that compute, as the end of a program does; else the process that tracks
+    them says on stderr that they leaked. In a thread, because whoever was interrupted may hold a lock that this needs.
+    """
+    with suppress(Exception):
+        finalizers = sys.modules["multiprocessing.util"]._finalizer_registry
+        for finalizer in list(finalizers.values()):
+            if getattr(finalizer._callback, "__qualname__", "") == "SemLock._cleanup":
+                finalizer()
 
 
 if __name__ == "__main__":

@@ -23,10 +23,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
-from handlcp.errors import writing
 from handlcp.extras import missing
 from handlcp.version import VERSION
 from handlcp.views import view
+from handlcp.write_file import write_file
 
 UNITS = {
     "Nm_per_rad": "N·m/rad", "m_per_s2": "m/s²", "N_Nm": "N, N·m", "m_rad": "m, rad", "Nm": "N·m", "N": "N", "kg": "kg",
@@ -144,10 +144,7 @@ class Record:
         text = json_text(self.to_dict())
         if path is None:
             return text
-        file = Path(path)
-        with writing("path", file):
-            file.write_text(text + "\n", encoding="utf-8")
-        return file
+        return write_file("path", path, text + "\n")
 
     def _repr_html_(self) -> str:
         """What a notebook shows: what prints."""

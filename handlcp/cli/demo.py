@@ -15,6 +15,7 @@ from handlcp.cli.app import app, say_files
 from handlcp.cli.solve import solve
 from handlcp.errors import writing
 from handlcp.extras import pip_install
+from handlcp.write_file import write_file
 
 _SCENE = "cube_three_fingers.toml"  # of the examples at the top of the checkout
 _MORE = {"matplotlib": "a picture", "trimesh": "a page to turn"}  # library: what it makes
@@ -49,7 +50,7 @@ def _written(file: Path) -> Path:
     if not file.exists():
         with writing("FOLDER", file):
             file.parent.mkdir(parents=True, exist_ok=True)
-            file.write_bytes(_example().read_bytes())
+        write_file("FOLDER", file, _example().read_bytes())
     return file
 
 

@@ -11,12 +11,13 @@ from typing import Any, Self
 import numpy as np
 
 from handlcp.check import Array, array, dimensions, integer, number, read_only
-from handlcp.errors import InputError, writing
+from handlcp.errors import InputError
 from handlcp.grasp.friction import as_law
 from handlcp.hand.find.find import PINCH, check_closing
 from handlcp.hand.objects.object import Object
 from handlcp.keywords import helped
 from handlcp.study.payload.ask import SIX, check_orientations
+from handlcp.write_file import write_file
 
 WEIGHT = "weight"  # what the object's own weight is called among its loads
 _WRENCH = "force [N] and torque [N·m] beside the weight"
@@ -98,9 +99,7 @@ class Brief:
         except TypeError:
             raise InputError("path", "the name of a file", repr(path)[:80]) from None
         text = toml_text(self, file.parent)
-        with writing("path", file):
-            file.write_text(text, encoding="utf-8")
-        return file
+        return write_file("path", file, text)
 
     @property
     def closing(self) -> dict[str, Any]:

@@ -7,11 +7,8 @@ palm's, z = 0 where the fingers stand.
 
 from __future__ import annotations
 
-import os
-import tempfile
 from dataclasses import dataclass
 from math import cos, hypot, pi, sin
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from handlcp.check import integer
@@ -28,8 +25,9 @@ from handlcp.design.by_finger import (
     lengths,
     positive,
 )
-from handlcp.errors import InputError, writing
+from handlcp.errors import InputError
 from handlcp.hand.hand import Hand
+from handlcp.write_file import write_file
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -123,7 +121,7 @@ def finger_hand(
     _check_apart(made, "palm_radius" if angles is None else "angles")
     urdf = _urdf(name, made)
     if file is not None:
-        _write(file, urdf)
+        write_file("file", file, urdf)
     return Hand.from_urdf(
         urdf.decode(), joint_stiffness=joint_stiffness, pad_flexibility=pad_flexibility, torque_limits=torque_limits,
         motors=motors, joint_friction=joint_friction,
@@ -193,21 +191,3 @@ def _parts(finger: _Finger) -> tuple[list[Any], list[Any]]:
     links.append(tip(f"{finger.name}_tip", DENSITY["tip"] * 4 / 3 * pi * finger.tip**3, finger.tip))
     joints.append(mount(finger.name, parent, at))
     return links, joints
-
-
-def _write(file: Any, urdf: bytes) -> None:
-    """Whole or not at all. Raises InputError."""
-    try:
-        path = Path(file)
-    except TypeError:
-        raise InputError("file", "the path of a file", repr(file)[:80]) from None
-    with writing("file", path):
-        handle, beside = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=".urdf")
-        try:
-            with os.fdopen(handle, "wb") as out:
-                out.write(urdf)
-            os.chmod(beside, 0o644)  # who may read the folder may read it
-            os.replace(beside, path)
-        except BaseException:
-            os.unlink(beside)
-            raise

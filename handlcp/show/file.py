@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import os
+import io
 import re
-import stat
 import zipfile
 from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from handlcp.errors import InputError, writing
+from handlcp.errors import InputError
 from handlcp.extras import missing
+from handlcp.write_file import check_writable, write_file
 
 Figure = Any  # matplotlib's, which is imported only when something is drawn
 
@@ -29,29 +29,7 @@ def checked(path: Any) -> Path:
     file = Path(path)
     if file.suffix.lower() not in _FORMATS:
         raise InputError("plot", "a file name that ends in " + ", ".join(_FORMATS), repr(str(path)))
-    return writable("plot", file)
-
-
-def writable(argument: str, file: Path) -> Path:
-    """The same file, checked before a long computation. Raises InputError where it cannot be written.
-
-    What it holds stays as it is, and a file that did not exist does not exist afterwards.
-    """
-    try:
-        if not file.absolute().parent.is_dir():
-            raise InputError(argument, "a file in a folder that exists", repr(str(file)))
-        is_new = not file.exists()
-        with file.open("ab") as out:
-            if stat.S_ISCHR(os.fstat(out.fileno()).st_mode) and not out.isatty():
-                out.write(b"\n")  # /dev/full takes nothing, and such devices keep nothing
-        if is_new:
-            file.unlink()
-    except (OSError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
-        why = getattr(error, "strerror", None) or error
-        raise InputError(argument, "a file that can be written", f"{str(file)!r}: {why}") from None
-    return file
+    return check_writable("plot", file)
 
 
 def new_figure(**style: Any) -> Figure:
@@ -68,9 +46,9 @@ def drawn(path: Any, draw: Callable[..., Figure], *what: Any) -> Any:
     if path is None:
         return draw(*what)
     file = checked(path)
-    with writing("plot", file):
-        draw(*what).savefig(file, dpi=DPI, facecolor="white")
-    return file
+    made = io.BytesIO()
+    draw(*what).savefig(made, dpi=DPI, facecolor="white", format=file.suffix[1:].lower())
+    return write_file("plot", file, made.getvalue())
 
 
 # ----------------------------------------------------------------
@@ -109,4 +87,4 @@ def checked_page(path: Any) -> Path:
         raise InputError("page", "the name of a file that ends in .html", repr(path)[:80]) from None
     if file.suffix.lower() not in _PAGES:
         raise InputError("page", "a file name that ends in " + " or ".join(_PAGES), repr(str(path)))
-    return writable("page", file)
+    return check_writable("page", file)

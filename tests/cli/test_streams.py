@@ -11,6 +11,8 @@ import sys
 
 import pytest
 
+from tests.support.processes import hears_ctrl_c
+
 ROOT = pathlib.Path(__file__).parents[2]
 CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
 FULL = pathlib.Path("/dev/full")
@@ -22,9 +24,15 @@ def run(*arguments, **more):
     """(exit status, stdout, stderr)."""
     env = {k: v for k, v in os.environ.items() if k not in ("COLUMNS", "PYTHONIOENCODING")} | more.pop("env", {})
     words = [*HANDLCP, *arguments] if arguments[0] != "-c" else [sys.executable, *arguments]
-    done = subprocess.run(
-        words, **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "cwd": ROOT, "timeout": 120} | more, env=env
-    )
+    given = {
+        "stdout": subprocess.PIPE,
+        "stderr": subprocess.PIPE,
+        "cwd": ROOT,
+        "timeout": 120,
+        **hears_ctrl_c(),
+        **more,
+    }
+    done = subprocess.run(words, **given, env=env)
     return done.returncode, done.stdout, done.stderr
 
 
@@ -182,7 +190,8 @@ def test_ctrl_c_ends_the_processes_that_compute():
 def test_ctrl_c_during_a_solve_ends_quietly_with_130(kernels, tmp_path):
     env = os.environ | {"HANDLCP_KERNELS": kernels, "HANDLCP_CACHE_DIR": str(tmp_path)}
     command = [*HANDLCP, "accuracy", CUBE, "--seconds", "100"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=ROOT, env=env) as program:
+    to = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **hears_ctrl_c()}
+    with subprocess.Popen(command, cwd=ROOT, env=env, **to) as program:
         with pytest.raises(subprocess.TimeoutExpired):
             program.communicate(timeout=3.0)
         program.send_signal(signal.SIGINT)

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from tests.support import kernels as k
+from tests.support.processes import hears_ctrl_c
 
 ROOT = pathlib.Path(__file__).parents[2]
 PATIENCE = 60.0  # seconds, on a machine that does other things, too
@@ -154,7 +155,7 @@ def parent(folder, then):
     code = "import os\nos.sched_getaffinity = lambda pid: {0, 1}\n" + PARENT.format(then=then)
     started = subprocess.Popen(
         [sys.executable, "-c", code], cwd=ROOT, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-        text=True, start_new_session=True,
+        text=True, start_new_session=True, **hears_ctrl_c(),
     )  # fmt: skip
     return started, int(started.stdout.readline())
 

@@ -3,7 +3,8 @@
     study.parquet.rows      one line of JSON: what the sweep is; then one for each design, after a check sum of the line
 
 Lines are appended and handed to the disk at once. Whatever stops the program, at any byte, leaves whole lines and at
-most one that is torn, which is cut off when the sweep goes on. A line whose sum does not fit was damaged, and counts as
+most one that is torn, which is cut off when the sweep goes on. Lines that find no room on the disk are cut off at once,
+and nothing is left to be written when the file is closed. A line whose sum does not fit was damaged, and counts as
 not there. Numbers are written so that they are read as the same bits. A Parquet file cannot do this: it is unreadable
 until it is closed. One run writes at a time: it holds a lock of the operating system, which goes with it however it
 ends.
@@ -15,13 +16,15 @@ import json
 import os
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from types import TracebackType
-from typing import Any, BinaryIO
+from typing import Any, Self
 from weakref import WeakSet
 from zlib import crc32
 
 from handlcp.errors import InputError, writing
+from handlcp.write_file import write_all
 
 if sys.platform != "win32":
     import fcntl
@@ -68,18 +71,20 @@ class Journal:
         """
         self.file = file
         with writing("out", file):
-            self._out: BinaryIO = file.open("a+b")
+            self._out = file.open("a+b", buffering=0)
         try:
             self._lock()
             self._out.seek(0)
             before, self.rows, end = _parsed(file, self._out.read())
             self.sweep: Row = dict(sweep) if before is None else before
+            self._end = end  # of the whole lines [bytes]
             with writing("out", file):
                 self._out.truncate(end)
             if before is None:
                 self._write([json.dumps(self.sweep).encode()])
         except BaseException:
-            self._out.close()
+            with suppress(OSError):
+                self._out.close()
             raise
         _OPEN.add(self)
 
@@ -95,15 +100,18 @@ class Journal:
         except OSError:  # folders of a network that know no locks
             return
 
-    def __enter__(self) -> Journal:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self.close()
+        """Raises InputError where the file cannot be closed, but not in place of an error that is on its way."""
+        with nullcontext() if error is None else suppress(InputError):
+            self.close()
 
     def close(self) -> None:
-        """Let go of file and lock."""
-        self._out.close()
+        """Let go of file and lock. Raises InputError."""
+        with writing("out", self.file):
+            self._out.close()
 
     def append(self, rows: Sequence[Row]) -> None:
         """To the disk, before this returns. Raises InputError where that fails."""
@@ -112,10 +120,16 @@ class Journal:
         self.rows += rows
 
     def _write(self, lines: Sequence[bytes]) -> None:
+        data = b"".join(line + b"\n" for line in lines)
         with writing("out", self.file):
-            self._out.write(b"".join(line + b"\n" for line in lines))
-            self._out.flush()
-            os.fsync(self._out.fileno())
+            try:
+                write_all(self._out.fileno(), data)
+                os.fsync(self._out.fileno())
+            except BaseException:
+                with suppress(OSError):
+                    self._out.truncate(self._end)  # what comes next begins a line
+                raise
+        self._end += len(data)
 
 
 _OPEN = WeakSet[Journal]()

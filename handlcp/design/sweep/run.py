@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import threading
-import time
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Executor
@@ -16,6 +13,7 @@ from handlcp.design.evaluation import Evaluation
 from handlcp.design.sweep.work import DESIGN, Done, Heads, Row, Task, Values, packed, row_of, unpacked, work
 from handlcp.errors import InputError
 from handlcp.grasp.batch.run import Jobs
+from handlcp.grasp.batch.worker_pool import end_workers, worker_pool
 
 SERIAL = "serial"
 _LONG = 1.5  # seconds of a task: long beside the way there and back, and no more is lost when all is stopped [s]
@@ -47,9 +45,9 @@ def executor_for(given: Any) -> Iterator[Callable[[], Executor]]:
     """
     if given is None:
         try:
-            yield _processes
+            yield lambda: worker_pool(cores(None))
         except BaseException:
-            _processes().shutdown(wait=True, kill_workers=True)
+            end_workers()
             raise
     else:
         executor = _asked(given)
@@ -67,25 +65,6 @@ def _asked(given: Any) -> Executor:
         return made
     expected = 'a concurrent.futures.Executor, a Dask client, "serial", or None: processes on this machine'
     raise InputError("executor", expected, repr(given)[:80])
-
-
-def _processes() -> Any:
-    """One a core; the same as before, if these are all there."""
-    from joblib.externals.loky import get_reusable_executor  # starts under notebooks, and scripts without a guard
-
-    one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-    return get_reusable_executor(cores(None), initializer=_with_parent, initargs=(os.getpid(),), env=one_thread)
-
-
-def _with_parent(parent: int) -> None:
-    """This process ends within a second of the one that started it, also where that is killed."""
-
-    def watch() -> None:
-        while os.getppid() == parent:
-            time.sleep(1.0)
-        os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
 
 
 # ----------------------------------------------------------------

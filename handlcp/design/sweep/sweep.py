@@ -15,7 +15,7 @@ from handlcp.design.sweep.run import rows_of
 from handlcp.design.sweep.same import check_same, description
 from handlcp.design.sweep.table import checked_table, read_table, write_table
 from handlcp.design.sweep.work import DESIGN, ERROR, Maker, Row, Values, in_order, packed
-from handlcp.errors import InputError
+from handlcp.errors import InputError, writing
 from handlcp.progress import Progress, told
 
 
@@ -70,7 +70,8 @@ def sweep(
                 _run(maker, every, cells, executor, progress, found, journal.append)
                 write_table(file, same, in_order(found))
     if file is not None:
-        beside(file).unlink(missing_ok=True)
+        with writing("out", beside(file)):
+            beside(file).unlink(missing_ok=True)
     return Study(same, in_order(found), maker)
 
 

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
-import os
-import tempfile
 from collections.abc import Mapping, Sequence, Set
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from handlcp.errors import InputError, unreadable, writing
+from handlcp.errors import InputError, unreadable
 from handlcp.extras import missing
+from handlcp.write_file import write_file
 
 PARQUET, CSV = ".parquet", ".csv"
 _KEY = b"handlcp.sweep"
@@ -54,13 +54,16 @@ def write_table(file: Path, sweep: Mapping[str, Any], rows: Sequence[Mapping[str
     """Whole or not at all. Raises InputError."""
     columns, said = columns_of(rows), json.dumps(sweep)
     if file.suffix.lower() == CSV:
-        _whole(_described(file), lambda beside: beside.write_text(said + "\n", encoding="utf-8"))
-        _whole(file, lambda beside: _write_csv(beside, columns))
+        text = _csv_text(columns)
+        write_file("out", _described(file), said + "\n")
+        write_file("out", file, text)
         return
     arrow, parquet = _arrow()
     made = arrow.table({name: arrow.array(column) for name, column in columns.items()})
     made = made.replace_schema_metadata({_KEY: said.encode()})
-    _whole(file, lambda beside: parquet.write_table(made, beside))
+    out = arrow.BufferOutputStream()
+    parquet.write_table(made, out)
+    write_file("out", file, out.getvalue().to_pybytes())
 
 
 def read_table(file: Path) -> tuple[Row, list[Row]]:
@@ -103,11 +106,12 @@ def _described(file: Path) -> Path:
     return file.with_name(f"{file.name}.json")
 
 
-def _write_csv(file: Path, columns: Mapping[str, list[Any]]) -> None:
-    with file.open("w", encoding="utf-8", newline="") as out:
-        made = csv.writer(out)
-        made.writerow(columns)
-        made.writerows(zip(*[map(_cell, column) for column in columns.values()], strict=True))
+def _csv_text(columns: Mapping[str, list[Any]]) -> str:
+    out = io.StringIO(newline="")
+    made = csv.writer(out)
+    made.writerow(columns)
+    made.writerows(zip(*[map(_cell, column) for column in columns.values()], strict=True))
+    return out.getvalue()
 
 
 def _cell(value: Any) -> str:
@@ -137,17 +141,3 @@ def _values(cells: Sequence[str]) -> list[Any]:
         if len(found) == len(cells) and all(value is None or isinstance(value, bool | int | float) for value in found):
             return list(found)
     return [cell or None for cell in cells]
-
-
-def _whole(file: Path, write: Any) -> None:
-    """Through a file beside it, whatever stops the program. Raises InputError."""
-    with writing("out", file):
-        handle, beside = tempfile.mkstemp(dir=file.absolute().parent, prefix=".", suffix=file.suffix)
-        os.close(handle)
-        try:
-            write(Path(beside))
-            os.chmod(beside, 0o644)  # who may read the folder may read it
-            os.replace(beside, file)
-        except BaseException:
-            os.unlink(beside)
-            raise

@@ -25,6 +25,7 @@ from handlcp.grasp.batch.first_stage import (
     shards,
     solve_parcel,
 )
+from handlcp.grasp.batch.worker_pool import worker_pool
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
@@ -182,11 +183,7 @@ def on_cores(batch: Batch, workers: int) -> Found:
 
 def _with_processes(batch: Batch, queue: deque[int], rows: dict[int, Array], workers: int, size: int) -> Found:
     """The rest of the queue: this process goes on with it, while others start and take shards of so many grasps."""
-    # Loky's workers start under notebooks, pytest and scripts without a __main__ guard, and wait for the next batch
-    from joblib.externals.loky import get_reusable_executor
-
-    one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-    with Jobs[list[int]](get_reusable_executor(workers - 1, env=one_thread)) as jobs:
+    with Jobs[list[int]](worker_pool(workers - 1)) as jobs:
         while queue or len(jobs):
             while queue and len(jobs) < _AHEAD * (workers - 1):
                 at = [queue.pop() for _ in range(min(size, len(queue)))]

@@ -17,18 +17,20 @@ import contextlib
 import os
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 
 from handlcp.errors import InputError
 from handlcp.lcp.compiler.folders import destination
 
 # ----------------------------------------------------------------
-# What is said about compiling, on stderr: once a process, and again where it takes much longer than was said.
+# What is said about compiling, on stderr: once a program, and again where it takes much longer than was said. Of the
+# processes that a program starts to compute, one alone says it.
 
 _PATIENCE = 1.0  # what is compiled within this time is not worth a line [s]
 
 _said: dict[str, float] = {}  # what a line was about, and how long it said that takes [s]
+_permit: Callable[[], bool] | None = None  # gives this process leave to say it; None: it has that
 
 
 def hint(why: str) -> None:
@@ -56,12 +58,30 @@ def silent() -> None:
     _said["compiling"] = float("inf")
 
 
+def say_with(permit: Callable[[], bool]) -> None:
+    """Share what is said about compiling with other processes: say nothing until `permit` gives True, which it does to
+    one of them. It is asked when there is something to say, or at once where this process has said something.
+    """
+    global _permit
+    _permit = permit
+    if _said:
+        _is_permitted()
+
+
+def _is_permitted() -> bool:
+    global _permit
+    if _permit is not None and _permit():
+        _permit = None
+    return _permit is None
+
+
 def _say(text: str, seconds: float = 0.0) -> None:
     """A line on stderr, if there is one, unless one that begins with the same word was there before, and what it is
     about does not take more than twice as long as that one said.
     """
     kind = text.partition(",")[0].partition(" ")[0]
-    if sys.stderr is not None and (kind not in _said or seconds > 2.0 * _said[kind]):
+    is_new = kind not in _said or seconds > 2.0 * _said[kind]
+    if sys.stderr is not None and is_new and _is_permitted():
         _said[kind] = seconds
         with contextlib.suppress(OSError, ValueError):  # closed, or nobody listens any more
             print(f"handlcp: {text}", file=sys.stderr, flush=True)

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import csv
+import io
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from handlcp.errors import InputError, writing
+from handlcp.errors import InputError
 from handlcp.method.accuracy.methods import ROUNDING, microseconds, share
 from handlcp.record import Record, columns_of, data_frame
 from handlcp.text_table import wrapped
+from handlcp.write_file import write_file
 
 CERTIFIED, LOOSE, SPENT, FAILED = "certified", "loose", "budget spent", "not converged"
 OTHER, NOT_RUN = "another equilibrium", "not run: budget"
@@ -223,12 +225,11 @@ class AccuracyCost(Record):
 
     def to_csv(self, path: Any) -> Path:
         """Write `rows` under a heading; an empty cell is None. Raises InputError for a file that cannot be written."""
-        file = Path(path)
-        with writing("csv", file), file.open("w", newline="", encoding="utf-8") as out:
-            writer = csv.DictWriter(out, [f.name for f in fields(Row)])
-            writer.writeheader()
-            writer.writerows(asdict(r) for r in self.rows)
-        return file
+        out = io.StringIO(newline="")
+        writer = csv.DictWriter(out, [f.name for f in fields(Row)])
+        writer.writeheader()
+        writer.writerows(asdict(r) for r in self.rows)
+        return write_file("csv", path, out.getvalue())
 
 
 def _price(rows: list[Row], none: str) -> str:

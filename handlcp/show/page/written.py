@@ -11,8 +11,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from handlcp.errors import writing
 from handlcp.version import VERSION
+from handlcp.write_file import write_file
 
 
 def web_files(*names: str, package: str = "handlcp.show.page") -> list[str]:
@@ -29,9 +29,7 @@ def write(target: Path, frame: str, title: str, style: str, parts: Mapping[str, 
     style = web_files("style.css")[0] + style
     every = {"title": escape(title), "style": style, "made": f"handlcp {escape(VERSION)}", **parts}
     text = re.sub(r"\{\{(\w+)\}\}", lambda m: every[m[1]], frame)
-    with writing("page", target):
-        target.write_text(text, encoding="utf-8", newline="\n")
-    return target
+    return write_file("page", target, text)
 
 
 def data_of(found: Any) -> str:

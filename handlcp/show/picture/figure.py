@@ -8,14 +8,12 @@ collections by depth, and cannot draw over solids.
 from __future__ import annotations
 
 import io
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from handlcp import words
 from handlcp.check import Array, Bools
-from handlcp.errors import InputError
 from handlcp.grasp import Grasp, GraspSolution, Verdict
 from handlcp.hand import Candidate
 from handlcp.show.file import Figure, new_figure
@@ -154,11 +152,8 @@ FINE, _MARGIN = 110, 0.1  # dots an inch of those that are looked at one by one;
 _COLOURS = 128  # of the file: half the size, and no difference to the eye
 
 
-def contact_sheet(grasps: list[tuple[str, Candidate | None]], file: Path) -> None:
-    """Write a png with one picture for each named grasp, an empty place for None.
-
-    Raises InputError for a file that cannot be written; Unsupported without matplotlib.
-    """
+def contact_sheet(grasps: list[tuple[str, Candidate | None]]) -> bytes:
+    """A png with one picture for each named grasp, an empty place for None. Raises Unsupported without matplotlib."""
     rows = -(-len(grasps) // COLUMNS)
     wide, high = COLUMNS * CELL, rows * CELL
     figure = new_figure(figsize=(wide, high))
@@ -170,7 +165,7 @@ def contact_sheet(grasps: list[tuple[str, Candidate | None]], file: Path) -> Non
             _small(ax, _content(candidate), COARSE)
         where = (x + 0.5 * CELL) / wide, (y + CAPTION) / high
         figure.text(*where, name if candidate else f"{name}: none found", ha="center", va="center", fontsize=22)
-    _write(figure, file)
+    return _with_few_colours(figure)
 
 
 def alike(grasps: list[Candidate | None]) -> list[bytes]:
@@ -213,14 +208,13 @@ def _small(
         over.dot(p, shown.colours[i], bool(hidden[i]))
 
 
-def _write(figure: Any, file: Path) -> None:
-    """With few colours; Pillow comes with matplotlib."""
+def _with_few_colours(figure: Any) -> bytes:
+    """The figure as a png with few colours, which is half as large; Pillow comes with matplotlib."""
     from PIL import Image
 
-    drawn = io.BytesIO()
+    drawn, made = io.BytesIO(), io.BytesIO()
     figure.savefig(drawn, dpi=COARSE, facecolor="white", format="png")
     drawn.seek(0)
-    try:
-        Image.open(drawn).convert("RGB").quantize(_COLOURS, Image.Quantize.MAXCOVERAGE).save(file, optimize=True)
-    except OSError as error:
-        raise InputError("out", "a folder that can be written", f"{str(file)!r}: {error.strerror or error}") from None
+    few = Image.open(drawn).convert("RGB").quantize(_COLOURS, Image.Quantize.MAXCOVERAGE)
+    few.save(made, format="png", optimize=True)
+    return made.getvalue()

@@ -15,9 +15,10 @@ from handlcp.design.evaluation import Evaluation, ObjectCase
 from handlcp.errors import InputError
 from handlcp.hand import Hand
 from handlcp.progress import told
-from handlcp.show.file import new_figure, writable
+from handlcp.show.file import new_figure
 from handlcp.show.page.written import image, web_files, write
 from handlcp.show.report.told import SCALES, asked, best_of, better, differences
+from handlcp.write_file import check_writable
 
 _GOOD, _DOUBT = "HELD", "UNDECIDED"
 # Of each object: attribute of its case, its words, unit, and whether more is better
@@ -73,7 +74,7 @@ def _page(path: Any) -> Path:
         raise InputError("path", "the name of a file that ends in .html", repr(path)[:80]) from None
     if file.suffix.lower() not in (".html", ".htm"):
         raise InputError("path", "the name of a file that ends in .html", repr(str(path)))
-    return writable("path", file)
+    return check_writable("path", file)
 
 
 def _parts(hands: Mapping[str, Hand], brief: Brief, found: Mapping[str, Evaluation]) -> dict[str, str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -49,10 +48,7 @@ def picture(table: HandTable, hand: str) -> bytes:
     grasps = [(row["object"], found) for row in table.drawn(hand) if (found := _candidate(table, row)) is not None]
     if not grasps:
         return b""
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "sheet.png"
-        contact_sheet([(name.partition("_")[2].replace("_", " ") or name, one) for name, one in grasps], file)
-        return file.read_bytes()
+    return contact_sheet([(name.partition("_")[2].replace("_", " ") or name, one) for name, one in grasps])
 
 
 def _candidate(table: HandTable, row: dict[str, Any]) -> Candidate | None:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import json
 import math
-import os
 import time
 import zipfile
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from handlcp.check import Array
-from handlcp.errors import InputError, brief, writing
+from handlcp.errors import InputError, brief
 from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.mechanism import HandMechanism
@@ -27,6 +27,7 @@ from handlcp.study.reliability.outcome import SOLVE, WORDS, Outcomes, among, che
 from handlcp.study.reliability.place import Placer
 from handlcp.study.reliability.spread import WIDEST, Dimension
 from handlcp.version import VERSION
+from handlcp.write_file import write_file
 
 # ----------------------------------------------------------------
 # A file that keeps what is done, so that an interrupted run goes on where it was.
@@ -72,14 +73,9 @@ class Kept:
         """All that is done, at once: whoever reads the file sees the old one or the new one. Raises InputError."""
         if self.path is None:
             return
-        new = self.path.with_name(self.path.name + ".new")
-        with writing("resume", self.path):
-            with new.open("wb") as out:
-                arrays: dict[str, Any] = {name: getattr(done, name) for name in _FIELDS}
-                np.savez(out, question=np.array(json.dumps(self.question)), **arrays)
-                out.flush()
-                os.fsync(out.fileno())
-            new.replace(self.path)
+        out, arrays = io.BytesIO(), {name: getattr(done, name) for name in _FIELDS}
+        np.savez(out, question=np.array(json.dumps(self.question)), **arrays)
+        write_file("resume", self.path, out.getvalue())
 
 
 def _no_outcomes(name: str, array: Any, count: int, most: int) -> str:

@@ -1,0 +1,78 @@
+"""Processes of this machine that compute, for all calls of a program: one pool, which waits for the next call.
+
+They are loky's, which start under notebooks, pytest and scripts without a __main__ guard. Each computes with one
+thread. None hears Ctrl-C, whether or not this program does: it is for this program, which ends them. They also end when
+this program is killed.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Iterator
+from concurrent.futures import BrokenExecutor
+from contextlib import contextmanager, suppress
+from functools import cache, partial
+from typing import Any
+
+from handlcp.lcp.compiler import when
+
+_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+_LOOK = 1.0  # between two looks whether this program is still there [s]
+
+
+def worker_pool(count: int) -> Any:
+    """The executor with so many processes; the same as before, if these are all there."""
+    from joblib.externals.loky import get_reusable_executor
+
+    with _interrupts_held_back():
+        pool = get_reusable_executor(count, initializer=_begin, initargs=(os.getpid(), _permit()), env=_ONE_THREAD)
+        with suppress(BrokenExecutor):  # a process has just died: whoever sends work next hears it
+            pool.submit(os.getpid)  # which starts them
+    return pool
+
+
+def end_workers() -> None:
+    """End the processes, whatever they are at."""
+    from joblib.externals.loky import get_reusable_executor
+
+    get_reusable_executor(reuse=True).shutdown(wait=True, kill_workers=True)
+
+
+@cache
+def _permit() -> Any:
+    """The one permit of this program and its processes to say that they compile."""
+    from joblib.externals.loky import backend
+
+    permit = backend.get_context("loky").Semaphore(1)
+    when.say_with(partial(permit.acquire, False))
+    return permit
+
+
+def _begin(parent: int, permit: Any) -> None:
+    """In a new process, first of all."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    when.say_with(partial(permit.acquire, False))
+    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+
+
+def _end_with(parent: int) -> None:
+    """End this process soon after the one that started it, also where that is killed."""
+    while os.getppid() == parent:
+        time.sleep(_LOOK)
+    os._exit(1)
+
+
+@contextmanager
+def _interrupts_held_back() -> Iterator[None]:
+    """Ctrl-C arrives after this block. Processes that start in it, or by a thread that does, never hear it."""
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
