@@ -276,6 +276,8 @@ def _plain_value(event: Any) -> float | str:
 
 # ---------------------------------------------------------------- Arrays.
 
+_PICKLE = "a pickle, which can run anything and is not read; np.load(file, allow_pickle=True) reads one that you made yourself"
+
 
 def read_arrays(argument: str, file: Path, what: str, most: int, error: Refusal = InputError) -> dict[str, Any]:
     """The arrays of an .npz file by name; of an .npy file its only one, by "". Numbers, truth values and texts alone.
@@ -316,8 +318,7 @@ def _array(data: bytes) -> Any:
         warnings.simplefilter("ignore")  # of files that Python 2 wrote
         shape, by_column, dtype = headers[version](stream)
     if dtype.kind not in "biufU" or not dtype.itemsize:
-        raise ValueError(f"an array of {dtype}, of which only a pickle can say what it is" if dtype.hasobject else
-                         f"an array of {dtype}, which are no numbers")  # fmt: skip
+        raise ValueError(_PICKLE if dtype.hasobject else f"an array of {dtype}, which are no numbers")
     count, held = math.prod(shape), data[stream.tell() :]
     if min(shape, default=0) < 0 or count * dtype.itemsize != len(held):
         raise ValueError(f"{len(held)} bytes for an array of {dtype} of shape {shape}")

@@ -162,10 +162,6 @@ def _pose(name: str, numbers: Array) -> Any:
 # ---------------------------------------------------------------- Files.
 
 _ARRAYS, _YAML = (".npy", ".npz"), (".yaml", ".yml")
-_UNPICKLED = (
-    "a .npz file of arrays; a dictionary in a .npy file is a pickle, which can run anything. If you made it yourself: "
-    "read_postures(np.load(file, allow_pickle=True).item())"
-)
 
 
 def _read(path: Path) -> Any:
@@ -175,7 +171,9 @@ def _read(path: Path) -> Any:
         raise InputError("source", "a .npz or .yaml file", str(path))
     if kind in _YAML:
         return parse_yaml("source", read_text("source", path, "a YAML file", MOST_YAML), repr(str(path)))
-    found = read_arrays("source", path, _UNPICKLED, MOST_ARRAYS)
+    found = read_arrays("source", path, "an .npz file of arrays", MOST_ARRAYS)
     if "" in found:
-        raise InputError("source", _UNPICKLED, f"{str(path)!r}, one array of shape {found[''].shape}")
+        raise InputError(
+            "source", "an .npz file of arrays by name", f"{str(path)!r}, one array of shape {found[''].shape}"
+        )
     return found

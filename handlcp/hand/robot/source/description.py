@@ -170,6 +170,7 @@ def check_units(argument: str, model: Any) -> None:
 URDF, MJCF = "robot", "mujoco"  # tags of the first element
 _ADVICE = {URDF: "Hand.from_urdf", MJCF: "Hand.from_mjcf"}
 _STRING = "the XML string"
+_LONGEST_NAME = 4096  # letters of a path: what is longer is no path, on any system
 
 
 def robot_of(
@@ -216,6 +217,8 @@ def content(argument: str, source: Any) -> tuple[bytes, Path | None]:
     except TypeError:
         expected = "the path of a URDF file, or its text; Hand.from_model takes a pinocchio.Model"
         raise InputError(argument, expected, repr(source)[:80]) from None
+    if len(name := str(path)) > _LONGEST_NAME:
+        raise URDFError(argument, "the path of a URDF file", f"{name[:60]!r}…, a name of {len(name)} letters")
     return read_bytes(argument, path, "a URDF file", MOST_XML, URDFError), path
 
 
