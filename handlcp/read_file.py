@@ -214,11 +214,14 @@ class _YamlData:
     """Builds data from the events of a YAML parser. found : the documents so far."""
 
     def __init__(self, argument: str, shown: str, error: Refusal) -> None:
-        self._refused = lambda expected, came: error(argument, expected, f"{shown}, with {came}")
+        self._argument, self._shown, self._error = argument, shown, error
         self.found, self.count = list[Any](), 0
         self._open = list[tuple[Any, str | None, int]]()  # containers, their anchors, the count when they began
         self._keys = list[str | None]()  # of each container, the key whose value comes next
         self._anchors = dict[str, tuple[Any, int]]()  # anchor → value, and how much it counts
+
+    def _refused(self, expected: str, came: str) -> InputError:
+        return self._error(self._argument, expected, f"{self._shown}, with {came}")
 
     def take(self, event: Any) -> None:
         """The next event."""
@@ -266,7 +269,7 @@ class _YamlData:
 
 def _plain_value(event: Any) -> float | str:
     """A number where it is written as one, without quotes; else the words."""
-    if event.style is None:
+    if event.implicit[0]:  # without quotes
         try:
             return float(event.value)
         except ValueError:
@@ -276,7 +279,9 @@ def _plain_value(event: Any) -> float | str:
 
 # ---------------------------------------------------------------- Arrays.
 
-_PICKLE = "a pickle, which can run anything and is not read; np.load(file, allow_pickle=True) reads one that you made yourself"
+_PICKLE = (
+    "a pickle, which can run anything; of a file that you made yourself, np.load(file, allow_pickle=True) reads it"
+)
 
 
 def read_arrays(argument: str, file: Path, what: str, most: int, error: Refusal = InputError) -> dict[str, Any]:

@@ -80,10 +80,10 @@ def read_table(file: Path) -> tuple[Row, list[Row]]:
     _arrow()
     data = read_bytes("out", file, _TABLE, MOST_ROWS)
     try:
-        said, rows = _read_parquet(data)
+        described, rows = _read_parquet(data)
     except Exception:  # Arrow raises errors of its own and of Python's
         raise none_of_a_sweep(file) from None
-    return _sound(file, said, lambda words: rows)
+    return _sound(file, described, lambda words: rows)
 
 
 def none_of_a_sweep(file: Path) -> InputError:
