@@ -29,6 +29,7 @@ STARTS = 120.0  # s that a child may take to import and compile
 VALUES = [b"nan", b"inf", b"-inf", b"1e400", b"-1e300", b"1e300", b"0", b"-1", b"", b"x", b"1 2", b"0x10", b"1e-320",
           b"9" * 400, b"100000000", b"99999999999", b"true", b"null", b"[]", b"{}", b"''", b'"', b"2001-01-01",
           b"\xff\xfe", b"\x00", b"../../x", b"/dev/zero", b"[[[[[[[["]  # fmt: skip
+MARKS = [*[bytes([c]) for c in b"<>&[]{},:*'\"\n\0"], b"*a", b"&a ", b"\xef\xbb\xbf"]
 NUMBER = re.compile(rb"-?\d+\.?\d*(?:e-?\d+)?")
 WORD = re.compile(rb"[A-Za-z_]\w*")
 VICTIM = b"somebody's\n"
@@ -90,29 +91,11 @@ def no_line(rng, data):
 
 def noise(rng, data):
     i = rng.randrange(len(data))
-    new = [
-        b"<",
-        b">",
-        b"&",
-        b'"',
-        b"\x00",
-        b"[",
-        b"]",
-        b"{",
-        b"}",
-        b",",
-        b"\n",
-        b":",
-        b"*a",
-        b"&a ",
-        b"\xef\xbb\xbf",
-        b"'",
-    ]
-    return data[:i] + rng.choice(new) * rng.choice([1, 1, 1, 2000]) + data[i:]
+    return data[:i] + rng.choice(MARKS) * rng.choice([1, 1, 1, 2000]) + data[i:]
 
 
-MUTATIONS = (one_number, one_number, one_number, one_word, one_word, one_byte, one_bit, one_bit, truncated, without, twice,
-             lines_moved, line_twice, no_line, noise)  # fmt: skip
+MUTATIONS = (one_number, one_number, one_number, one_word, one_word, one_byte, one_bit, one_bit, truncated, without,
+             twice, lines_moved, line_twice, no_line, noise)  # fmt: skip
 
 
 @dataclass

@@ -9,8 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-import handlcp as hl
-
 ROOT = Path(__file__).parents[2]
 CORNERS = np.array([(0, 0, 0), (0.02, 0, 0), (0, 0.02, 0), (0, 0, 0.02)], dtype=float)
 FACES = np.array([(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
@@ -27,7 +25,8 @@ MJCF = """<mujoco model="two">
 <body name="right" pos="-0.03 0 0"><joint name="right_joint" axis="0 -1 0" range="-1 1" limited="true"/>
 <inertial pos="0 0 0.02" mass="0.02" diaginertia="1e-5 1e-5 1e-5"/>
 <body name="right_tip" pos="0 0 0.05"><geom type="mesh" mesh="tip"/></body></body></body></worldbody>
-<tendon><fixed name="both"><joint joint="left_joint" coef="0.01"/><joint joint="right_joint" coef="0.01"/></fixed></tendon>
+<tendon><fixed name="both"><joint joint="left_joint" coef="0.01"/>
+<joint joint="right_joint" coef="0.01"/></fixed></tendon>
 <actuator><position name="pull" joint="left_joint" kp="2" forcerange="-1 1"/><motor tendon="both" gear="1"/></actuator>
 <equality><joint joint1="left_joint" joint2="right_joint" polycoef="0 1 0 0 0"/></equality>
 <sensor><jointpos joint="left_joint"/></sensor></mujoco>
@@ -81,8 +80,10 @@ SWEEP = {"handlcp": "0", "space": SPACE, "sampling": "sobol", "samples": 3, "see
 
 def rows():
     """Of a sweep that nobody computed: two designs, and one that failed."""
-    good = {"error": None, "holds": True, "payload_kg": 1.5, "factor": 2.0, "gives_out": "a slips", "worst_object": "ball",
-            "force_N": 2.0, "torque_Nm": 0.3, "torque_used": 0.4, "motion_m": 1e-3, "objects.ball.word": "HELD"}  # fmt: skip
+    good = {
+        "error": None, "holds": True, "payload_kg": 1.5, "factor": 2.0, "gives_out": "a slips", "worst_object": "ball",
+        "force_N": 2.0, "torque_Nm": 0.3, "torque_used": 0.4, "motion_m": 1e-3, "objects.ball.word": "HELD",
+    }  # fmt: skip
     bad = {"design": 2, "x": 0.75, "kind": "hard", "error": "InputError: no"}
     return [{"design": k, "x": 0.25 * k, "kind": "soft", **good} for k in (0, 1)] + [bad]
 
@@ -136,10 +137,8 @@ def write_seeds(folder: Path) -> dict[str, list[Path]]:
         (folder / name).write_bytes(data)
     for file in (ROOT / "urdf").glob("*.urdf"):
         shutil.copy(file, folder / file.name)
-    numbers = {
-        "grasp_qpos": np.array([[0.0, 0, 0, 1, 0, 0, 0, 0.1, 0.2]]),
-        "obj_pose": np.array([0.0, 0, 0, 1, 0, 0, 0]),
-    }
+    pose = np.array([0.0, 0, 0, 1, 0, 0, 0])
+    numbers = {"grasp_qpos": np.array([[*pose, 0.1, 0.2]]), "obj_pose": pose}
     np.savez(folder / "grasps.npz", **numbers)
     np.savez_compressed(folder / "packed.npz", **numbers)
     np.save(folder / "numbers.npy", numbers["grasp_qpos"])
@@ -152,8 +151,8 @@ def write_seeds(folder: Path) -> dict[str, list[Path]]:
         shutil.copy(scene, folder / f"scene_{scene.name}")
     return {
         "urdf": [folder / "mesh.urdf", *sorted(folder.glob("*_finger.urdf"))], "mjcf": [folder / "hand.xml"],
-        "scene": sorted(folder.glob("scene_*.toml")), "brief": [folder / "brief.toml"], "study": [folder / "study.toml"],
-        "yaml": [folder / "grasps.yaml"],
+        "scene": sorted(folder.glob("scene_*.toml")), "brief": [folder / "brief.toml"],
+        "study": [folder / "study.toml"], "yaml": [folder / "grasps.yaml"],
         "npy": [folder / name for name in ("grasps.npz", "packed.npz", "numbers.npy", "pickled.npy")],
         "csv": [folder / "table.csv"], "parquet": [folder / "table.parquet"], "json": [folder / "table.csv.json"],
         "rows": [beside(folder / "begun.csv")],
@@ -184,11 +183,13 @@ def bombs(victim: Path) -> list[tuple[str, str, bytes]]:
             "</worldbody>", "</replicate></worldbody>"),
         "nested": "<mujoco><worldbody>" + '<replicate count="100">' * 5 + '<body><joint/><geom size="0.1"/></body>'
         + "</replicate>" * 5 + "</worldbody></mujoco>",
-        "picture": f'<mujoco><asset><texture type="2d" builtin="flat" width="99999" height="99999" name="t"/></asset>{body}',
+        "picture": '<mujoco><asset><texture type="2d" builtin="flat" width="99999" height="99999" name="t"/></asset>'
+        + body,
         "heights": f'<mujoco><asset><hfield name="h" nrow="99999" ncol="99999" size="1 1 1 1"/></asset>{body}',
-        "grid": '<mujoco><worldbody><flexcomp name="f" type="grid" count="99 99 99" spacing=".1 .1 .1"/></worldbody></mujoco>',
-        "steps": '<mujoco><compiler><lengthrange mode="all" inttotal="1e9" timestep="1e-9"/></compiler><worldbody><body>'
-        '<joint name="j"/><geom size="0.1"/></body></worldbody><actuator><muscle joint="j"/></actuator></mujoco>',
+        "grid": '<mujoco><worldbody><flexcomp name="f" type="grid" count="99 99 99" spacing=".1 .1 .1"/></worldbody>'
+        "</mujoco>",
+        "steps": '<mujoco><compiler><lengthrange mode="all" inttotal="1e9" timestep="1e-9"/></compiler><worldbody>'
+        '<body><joint name="j"/><geom size="0.1"/></body></worldbody><actuator><muscle joint="j"/></actuator></mujoco>',
         "sensor": f'{body[:-9]}<sensor><user dim="1000000000"/></sensor></mujoco>'.replace("<world", "<mujoco><world"),
         "itself": "<mujoco><include file='bomb_itself.xml'/></mujoco>", "attributes": f"<mujoco {many}>{body}",
     }  # fmt: skip
@@ -198,7 +199,8 @@ def bombs(victim: Path) -> list[tuple[str, str, bytes]]:
         ("yaml", "deep.yaml", b"[" * 100_000), ("yaml", "itself.yaml", b"grasps: &a {b: *a}"),
         ("yaml", "date.yaml", YAML.replace("0.9", "2001-99-99").replace("0.3", "2001-01-01").encode()),
         ("yaml", "long.yaml", YAML.replace("0.3", "9" * 400).encode()),
-        ("yaml", "nan.yaml", YAML.replace("0.3", ".nan").encode()), ("yaml", "nan2.yaml", YAML.replace("0.3", "nan").encode()),
+        ("yaml", "nan.yaml", YAML.replace("0.3", ".nan").encode()),
+        ("yaml", "nan2.yaml", YAML.replace("0.3", "nan").encode()),
         ("yaml", "run.yaml", b"!!python/object/apply:os.system ['touch VICTIM']".replace(b"VICTIM", bytes(victim))),
         ("mesh", "copies.dae", collada(30, 2).encode()), ("mesh", "circle.dae", collada(3, 2, True).encode()),
         ("mesh", "count.dae", collada().replace('count="12"', 'count="4000000000"').encode()),
@@ -234,10 +236,3 @@ def bombs(victim: Path) -> list[tuple[str, str, bytes]]:
 def _npy(header: str) -> bytes:
     """A file of this header, and no numbers."""
     return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header) + 1) + header.encode() + b"\n"
-
-
-def hand_numbers() -> tuple[str, ...]:
-    """Arguments of `finger_hand`."""
-    import inspect
-
-    return tuple(inspect.signature(hl.finger_hand).parameters)

@@ -15,8 +15,8 @@ from handlcp.design.sweep.work import Maker
 from handlcp.show.study.axes import parameter
 
 __all__ = [
-    "MOST", "BriefFrom", "HandFrom", "Space", "beside", "cells_of", "check_study", "journal_of", "main_effect", "not_beaten",
-    "parameter", "table_of", "write_table",
+    "MOST", "BriefFrom", "HandFrom", "Space", "beside", "cells_of", "check_study", "journal_of", "main_effect",
+    "not_beaten", "parameter", "table_of", "write_table",
 ]  # fmt: skip
 
 
