@@ -8,13 +8,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from handlcp.errors import InputError, unreadable
+from handlcp.hand.robot.check_ply import is_ply
 from handlcp.read_file import MOST_MESH, ElementCounter, Refusal, read_bytes, walk_xml
 
 FORMATS = (".stl", ".obj", ".dae", ".ply")
 KINDS = "an STL, OBJ, DAE or PLY file"
 _MOST_COPIES = 10_000  # nodes and geometries of a Collada scene, each counted as often as it stands there: 5 kB each
 _MATERIALS = re.compile(rb"^\s*mtllib\s+(.*?)\s*$", re.MULTILINE)
-_PLY_COUNT = re.compile(rb"^element\s+\S+\s+(\S+)", re.MULTILINE)
 _LISTED = ("instance_node", "instance_geometry", "instance_controller")
 
 
@@ -38,10 +38,8 @@ def check_mesh_file(argument: str, file: Path, error: Refusal = InputError) -> N
                     raise error(argument, "an OBJ file with files of materials", f"{shown}: {name!r}, which {why}")
             else:
                 read_bytes(argument, beside, "a file of materials", MOST_MESH, error)
-    elif kind == ".ply":
-        for count in _PLY_COUNT.findall(data[: data.find(b"end_header")]):
-            if not count.isdigit() or int(count[:20]) > len(data):
-                raise error(argument, "a PLY file", f"{shown}, which is too short for what it lists")
+    elif kind == ".ply" and not is_ply(data):
+        raise error(argument, "a PLY file", f"{shown}, which does not hold what its header lists")
 
 
 class _Scene(ElementCounter):
