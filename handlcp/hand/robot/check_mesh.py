@@ -15,6 +15,8 @@ FORMATS = (".stl", ".obj", ".dae", ".ply")
 KINDS = "an STL, OBJ, DAE or PLY file"
 _MOST_COPIES = 10_000  # nodes and geometries of a Collada scene, each counted as often as it stands there: 5 kB each
 _MATERIALS = re.compile(rb"^\s*mtllib\s+(.*?)\s*$", re.MULTILINE)
+_WHOLE = ("p", "v", "h", "vcount", "int_array")  # elements of Collada whose text is whole numbers
+_REAL = ("float_array", "matrix", "rotate", "translate", "scale", "lookat", "skew", "bind_shape_matrix")  # and numbers
 _LISTED = ("instance_node", "instance_geometry", "instance_controller")
 
 
@@ -50,6 +52,12 @@ class _Scene(ElementCounter):
         self._within = defaultdict[int, list[int | str]](list)  # node → nodes, and names of copies, in it
         self._called = defaultdict[str, list[int]](list)
         self._nodes, self._open, self._largest = 0, [0], 0
+        self._text: list[str] | None = None  # of the element that is open, where it has to be numbers
+
+    def data(self, text: str) -> None:
+        """Text in an element."""
+        if self._text is not None:
+            self._text.append(text)
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
         super().start(tag, attributes)
@@ -64,13 +72,29 @@ class _Scene(ElementCounter):
         elif name in _LISTED:
             self._within[self._open[-1]].append(attributes.get("url", "").lstrip("#"))
         for key in ("count", "offset", "stride"):
-            value = attributes.get(key, "")
-            self._largest = max(self._largest, int(value[:20]) if value.isdecimal() else 0)
+            if key in attributes:
+                self._check_numbers(attributes[key].split(), whole=True)
+                self._largest = max(self._largest, int(attributes[key][:20] or 0))
+        self._text = [] if name in _WHOLE or name in _REAL else None
 
     def end(self, tag: str) -> None:
         super().end(tag)
-        if tag.rpartition("}")[2] in ("node", "visual_scene"):
+        name = tag.rpartition("}")[2]
+        if name in ("node", "visual_scene"):
             self._open.pop()
+        if self._text is not None:
+            self._check_numbers("".join(self._text).split(), name in _WHOLE)
+            self._text = None
+
+    def _check_numbers(self, words: list[str], whole: bool) -> None:
+        """Raises the file's error for what is no number: assimp never comes past it."""
+        for word in words:
+            try:
+                if whole and not word.removeprefix("-").isdecimal():
+                    raise ValueError
+                float(word)
+            except ValueError:
+                raise self.refuse("a Collada file", f"with {word[:40]!r} in place of a number") from None
 
     def check(self, size: int) -> None:
         """Raises the file's error where nodes are copied into each other without end, or too often."""

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from handlcp.errors import URDFError
+from handlcp.errors import URDFError, unreadable
 from handlcp.read_file import MOST_MESH, MOST_XML, parse_xml, read_bytes
 
 MOST_BUILT = 10_000  # elements, those that are replicated counted each time; real hands have some hundred
@@ -88,7 +88,7 @@ class _Count:
         """How much the file that an element names builds; 0 where there is none, which MuJoCo says."""
         name = element.get("file", "")
         found = [f for folder in (self._folder, self._reading[-1].parent if self._reading else self._folder)
-                 if name and (f := (folder / name)).exists()]  # fmt: skip
+                 if name and _is_there(f := folder / name)]  # fmt: skip
         if not found:
             return 0.0
         file = found[0].resolve()
@@ -129,10 +129,15 @@ class _Count:
     def _check_file(self, name: str) -> None:
         """Raises URDFError for a mesh or picture that is too large, or is none."""
         for file in dict.fromkeys(f for folder in self._folders for f in (folder / name, folder / Path(name).name)):
-            if file.exists():
+            if _is_there(file):
                 data = read_bytes(self._argument, file, "a mesh or picture", MOST_MESH, URDFError)
                 if data[:8] == b"\x89PNG\r\n\x1a\n" and len(data) >= 24:
                     self._pixels += math.prod(struct.unpack(">II", data[16:24]))
+
+
+def _is_there(file: Path) -> bool:
+    """Whether there is something of this name, a file or not."""
+    return not (why := unreadable(file)) or why in ("is a folder", "is no file")
 
 
 def _numbers(text: str) -> Iterator[float]:
