@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -88,13 +88,12 @@ class _Scene(ElementCounter):
 
     def _check_numbers(self, words: list[str], whole: bool) -> None:
         """Raises the file's error for what is no number: assimp never comes past it."""
-        for word in words:
-            try:
-                if whole and not word.removeprefix("-").isdecimal():
-                    raise ValueError
-                float(word)
-            except ValueError:
-                raise self.refuse("a Collada file", f"with {word[:40]!r} in place of a number") from None
+        try:
+            if whole and not all(map(str.isdecimal, words)):
+                words = [word if word.removeprefix("-").isdecimal() else f"{word}?" for word in words]
+            deque(map(float, words), maxlen=0)
+        except ValueError as failure:
+            raise self.refuse("a Collada file of numbers", f"({str(failure)[:80]})") from None
 
     def check(self, size: int) -> None:
         """Raises the file's error where nodes are copied into each other without end, or too often."""
