@@ -172,31 +172,33 @@ def _state(folder: Path) -> dict[Path, tuple[int, int]]:
 def _read(listing: Path, first: int, own: Path, made: list[tuple[str, Path]], counts: Counts) -> int:
     """Reads from a number on until the child ends; returns the number to go on with."""
     command = [sys.executable, "-m", "tests.fuzz.read_files", str(listing), str(first), str(own), str(LIMIT)]
-    told = own / "stderr"
-    with told.open("wb") as errors:
-        child = subprocess.Popen(command, cwd=CHECKOUT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors,
-                                 text=True, env={**os.environ, "TMPDIR": str(own)})  # fmt: skip
-    lines = queue.Queue[str | None]()
-    threading.Thread(target=_pump, args=(child.stdout, lines), daemon=True).start()
-    at, patience = first, STARTS
-    try:
-        while (line := lines.get(timeout=patience)) is not None:
-            number, what, *_ = line.rstrip("\n").split("\t")
-            at, patience = int(number), 1.5 * LIMIT
-            if what != "begins":
-                _note(counts, made[at], ast.literal_eval(what))
-                at += 1
-        if child.wait() and at < len(made):
-            said = told.read_text(errors="replace")[-300:]
-            _note(counts, made[at], f"untyped: the process ended with {child.returncode}: {said}")
-            at += 1
-    except queue.Empty:
+    told, lines, at, patience = own / "stderr", queue.Queue[str | None](), first, STARTS
+    env, pipe = os.environ | {"TMPDIR": str(own)}, subprocess.PIPE
+    with (
+        told.open("wb") as errors,
+        subprocess.Popen(command, cwd=CHECKOUT, env=env, stdin=pipe, stdout=pipe, stderr=errors, text=True) as child,
+    ):
+        pump = threading.Thread(target=_pump, args=(child.stdout, lines), daemon=True)
+        pump.start()
+        try:
+            while (line := lines.get(timeout=patience)) is not None:
+                number, what, *_ = line.rstrip("\n").split("\t")
+                at, patience = int(number), 1.5 * LIMIT
+                if what != "begins":
+                    _note(counts, made[at], ast.literal_eval(what))
+                    at += 1
+            status = child.wait()
+        except queue.Empty:
+            child.kill()
+            status = None
+        pump.join()
+    if status is None:
         _note(counts, made[at], "hang")
-        at += 1
-    finally:
-        child.kill()
-        child.wait()
-    return at
+    elif status and at < len(made):
+        _note(counts, made[at], f"untyped: the process ended with {status}: {told.read_text(errors='replace')[-300:]}")
+    else:
+        return at
+    return at + 1
 
 
 def _pump(stream, lines) -> None:

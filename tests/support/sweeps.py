@@ -8,15 +8,15 @@ from handlcp.design.space import Space
 from handlcp.design.study import not_beaten
 from handlcp.design.sweep.cells import MOST, cells_of, points
 from handlcp.design.sweep.journal import Journal, beside
-from handlcp.design.sweep.study_file import BriefFrom, HandFrom, load
+from handlcp.design.sweep.study_file import DESIGN_NUMBERS, BriefFrom, HandFrom, load
 from handlcp.design.sweep.sweep import check_names
 from handlcp.design.sweep.table import write_table
 from handlcp.design.sweep.work import Maker
 from handlcp.show.study.axes import parameter
 
 __all__ = [
-    "MOST", "BriefFrom", "HandFrom", "Space", "beside", "cells_of", "check_study", "journal_of", "main_effect",
-    "not_beaten", "parameter", "table_of", "write_table",
+    "DESIGN_NUMBERS", "MOST", "BriefFrom", "HandFrom", "Space", "beside", "cells_of", "check_study", "journal_of",
+    "main_effect", "not_beaten", "parameter", "table_of", "write_table",
 ]  # fmt: skip
 
 

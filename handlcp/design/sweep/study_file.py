@@ -21,11 +21,11 @@ _BRIEF = "brief."  # begins the names of parameters of the brief
 _URDF = "urdf"  # key of [hand] for a file, beside which may stand:
 _BESIDE = ("joint_stiffness", "pad_flexibility", "tip_radius", "torque_limits", "base")
 # What a study may say of a hand from numbers and of its brief: numbers of a design, and nothing that names a file
-_OF_HAND = (
+DESIGN_NUMBERS = (
     "fingers", "link_lengths", "palm_radius", "link_radius", "tip_radius", "angles", "tilt", "ranges", "coupling",
     "joint_stiffness", "pad_flexibility", "torque_limits", "joint_friction",
 )  # fmt: skip
-_OF_BRIEF = (
+BRIEF_NUMBERS = (
     "friction", "orientations", "acceleration", "motion", "most_force", "safety", "kind", "squeeze", "grip_force",
     "closing_torque", "tries", "seed",
 )  # fmt: skip
@@ -78,9 +78,9 @@ class HandFrom:
         own = {name: value for name, value in values.items() if not name.startswith(_BRIEF)}
         if (hand := self.base) is None:
             said = {**self.numbers, **{name: own.pop(name) for name in list(own) if "." not in name}}
-            if unknown := [name for name in said if name not in _OF_HAND]:
+            if unknown := [name for name in said if name not in DESIGN_NUMBERS]:
                 where = "hand" if unknown[0] in self.numbers else "space"
-                raise UnknownName(where, "a number of finger_hand", unknown, _OF_HAND)
+                raise UnknownName(where, "a number of finger_hand", unknown, DESIGN_NUMBERS)
             hand = finger_hand(**said)
         return hand.vary({name: value for key, value in own.items() for name in _meant(hand, key)}) if own else hand
 
@@ -94,8 +94,8 @@ class BriefFrom:
     def __call__(self, **values: Any) -> Brief:
         """With these values. Raises InputError, UnknownName."""
         own = {name.removeprefix(_BRIEF): value for name, value in values.items() if name.startswith(_BRIEF)}
-        if unknown := [f"{_BRIEF}{name}" for name in own if name not in _OF_BRIEF]:
-            raise UnknownName("space", "a number of the brief", unknown, [f"{_BRIEF}{name}" for name in _OF_BRIEF])
+        if unknown := [f"{_BRIEF}{name}" for name in own if name not in BRIEF_NUMBERS]:
+            raise UnknownName("space", "a number of the brief", unknown, [f"{_BRIEF}{name}" for name in BRIEF_NUMBERS])
         return replace(self.base, **own)
 
 
