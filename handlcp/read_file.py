@@ -33,6 +33,7 @@ MOST_CELLS = 20_000_000  # rows times columns of such a table
 MOST_ELEMENTS = 100_000  # of XML and of TOML
 MOST_ATTRIBUTES = 100  # of one element of XML
 MOST_NODES = 1_000_000  # of YAML: values, those that an alias stands for counted again
+_MOST_SIGNS = 10_000  # of "=" between two "<", also in comments
 DEEPEST_XML = 200
 DEEPEST = 32  # arrays or tables in each other, of TOML and YAML; what a scene file needs is six
 _DOTS = 64  # in a key of TOML, whose parser takes time with their square
@@ -124,6 +125,8 @@ def walk_xml(data: bytes, counter: ElementCounter) -> Any:
     """Reads XML into the counter and returns what its `close` returns. Raises the counter's error, also for what is
     no XML.
     """
+    if max(part.count(b"=") for part in data.split(b"<")) > _MOST_SIGNS:  # expat takes seconds for all of them
+        raise counter.refuse(f"at most {MOST_ATTRIBUTES} attributes in an element", "with far more")
     parser = ET.XMLParser(target=counter)
     try:
         parser.feed(data)
