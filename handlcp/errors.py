@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 _LONGEST = 600  # characters of what came in a message
+_MOST_NAMES = 20  # that are not known, for which one that is near is looked for
 
 
 @contextmanager
@@ -76,7 +77,7 @@ class UnknownName(InputError):
     def __init__(self, argument: str, kind: str, names: Iterable[str], valid: Iterable[str]) -> None:
         self.names, self.valid = tuple(names), tuple(valid)
         listed = ", ".join(self.valid) or "none at all"
-        near = [m for n in self.names for m in get_close_matches(n, self.valid, 1, 0.6)]
+        near = [m for n in self.names[:_MOST_NAMES] for m in get_close_matches(n[:_LONGEST], self.valid, 1, 0.6)]
         hint = f"; did you mean {' and '.join(repr(m) for m in dict.fromkeys(near))}?" if near else ""
         super().__init__(argument, f"{kind} among [{listed}]", ", ".join(repr(n) for n in self.names) + hint or "none")
 

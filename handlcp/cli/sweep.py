@@ -32,7 +32,7 @@ def sweep(
     from handlcp.design.sweep.sweep import sweep as swept
 
     check_files(plot, page=page)
-    file = load(study, lambda path, base=None, **said: given(path, base, None, **said))
+    file = load(study, given)
     asked, executor = file.tables, "serial" if serial else None
     found = swept(
         file.make, asked.space, file.brief, asked.sampling, asked.samples, file.out, executor, seed=asked.seed

@@ -16,7 +16,7 @@ from handlcp.design.space import Space
 from handlcp.design.sweep.again import evaluations
 from handlcp.design.sweep.journal import beside, read
 from handlcp.design.sweep.same import check_same, digest
-from handlcp.design.sweep.table import checked_table, columns_of, read_table
+from handlcp.design.sweep.table import check_rows, checked_table, columns_of, read_table
 from handlcp.design.sweep.work import DESIGN, ERROR, Maker, Row, in_order
 from handlcp.errors import InputError, UnknownName, brief as shortly, keyed
 from handlcp.grasp.answer.verdict import HELD
@@ -57,13 +57,14 @@ class Study:
         """
         with keyed({"out": "path"}):
             file = checked_table(path)
-        if file.exists() or not beside(file).exists():
-            sweep, rows = read_table(file)
-        else:
-            begun, rows, _ = read(beside(file))
-            if begun is None:
-                raise InputError("path", "the table of a sweep", f"{str(path)!r}, which has only just begun")
-            sweep, rows = begun, [row for row in rows if DESIGN in row]
+            if file.exists() or not beside(file).exists():
+                sweep, rows = read_table(file)
+            else:
+                begun, rows, _ = read(beside(file))
+                if begun is None:
+                    raise InputError("path", "the table of a sweep", f"{str(path)!r}, which has only just begun")
+                sweep, rows = begun, [row for row in rows if DESIGN in row]
+                check_rows(beside(file), sweep, rows)
         if make is None or brief is None:
             return cls(sweep, in_order(rows))
         check_same(str(path), sweep, sweep | {"make": digest(make), "brief": digest(brief)})
@@ -131,6 +132,9 @@ class Study:
         for known in (bare, named.get(bare)):
             if known in self.columns:
                 return str(known)
+        if len(self.failed) == len(self):
+            came = f"{len(self)} that failed, most often: {self.why_failed}"
+            raise InputError("study", "designs that could be evaluated", came)
         raise UnknownName("by", "a column", [str(name)], self.columns)
 
     def _wanted(self, name: Any) -> Array:

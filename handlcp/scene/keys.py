@@ -21,6 +21,7 @@ from handlcp.errors import InputError, SceneFileError
 from handlcp.scene.kinds import SHAPES, Expected, MadeWhenRead, Table
 from handlcp.scene.scene_tables import SceneTables
 
+_MOST_ERRORS = 100  # of one file that are listed
 _BY_NAME = "a table by name of tables"  # whose keys are those of the table that is called as one of them
 
 
@@ -136,12 +137,14 @@ class SceneFileErrors(SceneFileError):
         self.each = tuple(each)
         first = each[0]
         super().__init__(first.argument, first.expected, first.got)
-        self.args = ("\n  ".join([f"{label}: {len(each)} errors", *(str(e) for e in each)]),)
+        more = "more than " if len(each) > _MOST_ERRORS else ""
+        told = [str(e) for e in each[:_MOST_ERRORS]]
+        self.args = ("\n  ".join([f"{label}: {more}{len(told)} errors", *told]),)
 
 
 def refused(label: str, error: ValidationError, model: type[Table]) -> SceneFileError:
     """One error to raise for all that does not follow the schema `model`, with the file's name in front."""
-    found = list(_each(error, (), keys(model)))
+    found = list(itertools.islice(_each(error, (), keys(model)), _MOST_ERRORS + 1))
     if len(found) > 1:
         return SceneFileErrors(label, found)
     found[0].args = (f"{label}: {found[0]}",)

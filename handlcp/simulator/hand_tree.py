@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array
-from handlcp.errors import Unsupported
+from handlcp.errors import InputError, Unsupported
 from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.robot.kinematics import columns
 from handlcp.hand.robot.model import HandModel
@@ -89,7 +89,10 @@ def axis_of(model: Any, i: int) -> tuple[str, Array]:
 
 def _add_inertia(body: ET.Element, inertia: Any) -> None:
     mass, I = max(float(inertia.mass), _LEAST_MASS), np.array(inertia.inertia)  # noqa: E741
-    least = max(float(np.linalg.eigvalsh(I)[0]), 0.0)
+    least = float(np.linalg.eigvalsh(I)[0])
+    if least <= -_LEAST_INERTIA:
+        came = f"{body.get('name')!r} with a principal moment of {least:.3g} kg·m²"
+        raise InputError("grasp", "links with inertias that a body can have, for MuJoCo", came)
     if least < _LEAST_INERTIA:
         I = I + _LEAST_INERTIA * np.eye(3)  # noqa: E741
     full = (I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2])

@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, read_only
+from handlcp.errors import Unsupported
 from handlcp.grasp import Grasp
 from handlcp.grasp.path.state import LET_GO
+from handlcp.hand.robot.source.mjcf_size import without_log_file
 from handlcp.simulator.object_body import OBJECT
 from handlcp.simulator.probe import Probe, Reading
 from handlcp.simulator.settings import SimulatorSettings, need_mujoco, of_a_hand
@@ -125,7 +127,11 @@ class Run:
     def __init__(self, grasp: Grasp, load: Array | None, settings: SimulatorSettings | None) -> None:
         self.mujoco = need_mujoco()
         xml, self.state = to_mujoco(grasp, settings)
-        self.model = self.mujoco.MjModel.from_xml_string(xml)
+        try:
+            with without_log_file(self.mujoco):
+                self.model = self.mujoco.MjModel.from_xml_string(xml)
+        except (ValueError, self.mujoco.FatalError) as error:
+            raise Unsupported(f"MuJoCo cannot have this grasp: {' '.join(str(error).split())}") from None
         # Sparse from 60 motions on, some four times as fast; the MJCF says dense because MuJoCo 4.0.0 errs there
         self.model.opt.jacobian = self.mujoco.mjtJacobian.mjJAC_AUTO
         self.data: Any = self.mujoco.MjData(self.model)

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import pickle
-
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -32,12 +29,24 @@ def test_a_pose_of_seven_numbers_turns_as_its_quaternion_says():
 
 def test_dexgraspbench_says_hand_and_object_in_the_world(tmp_path):
     """A hand turned by a quarter about z and 1 m along x: what is at y = 2 m in the world is at x = 2, y = 1 in it."""
-    file = tmp_path / "grasp.npy"
     held = {"grasp_qpos": np.array([[1.0, 0, 0, HALF, 0, 0, HALF, 0.1, 0.2]]), "squeeze_qpos": np.zeros((1, 9))}
-    np.save(file, held | {"obj_pose": np.array([0.0, 2.0, 0, 1, 0, 0, 0]), "obj_path": "mug"}, allow_pickle=True)
-    (one,) = hl.read_postures(file, joints=("thumb", "index"))
-    assert one.q == {"thumb": 0.1, "index": 0.2}
-    np.testing.assert_allclose(one.placement.translation, [2.0, 1.0, 0.0], atol=1e-12)
+    held |= {"obj_pose": np.array([0.0, 2.0, 0, 1, 0, 0, 0]), "obj_path": np.array("mug")}
+    np.savez(tmp_path / "grasp.npz", **held)
+    np.savez_compressed(tmp_path / "packed.npz", **held)
+    for source in (held, tmp_path / "grasp.npz", tmp_path / "packed.npz"):
+        (one,) = hl.read_postures(source, joints=("thumb", "index"))
+        assert one.q == {"thumb": 0.1, "index": 0.2}
+        np.testing.assert_allclose(one.placement.translation, [2.0, 1.0, 0.0], atol=1e-12)
+
+
+def test_the_message_about_its_own_files_says_what_reads_them(tmp_path):
+    file = tmp_path / "grasp.npy"
+    held = {"grasp_qpos": np.array([0.0, 0, 0, 1, 0, 0, 0, 0.1]), "obj_pose": np.array([0.0, 0, 0, 1, 0, 0, 0])}
+    np.save(file, held, allow_pickle=True)
+    with pytest.raises(hl.InputError, match=r"np\.load\(file, allow_pickle=True\)"):
+        hl.read_postures(file)
+    (one,) = hl.read_postures(np.load(file, allow_pickle=True).item())
+    assert one.q.tolist() == [0.1]
 
 
 def test_graspgen_says_the_gripper_in_the_object(tmp_path):
@@ -69,25 +78,13 @@ def test_what_was_read_is_grasped():
     np.testing.assert_allclose(again.forces, same.forces, atol=1e-12)
 
 
-class _Runs:
-    def __reduce__(self):
-        return (os.getcwd, ())
-
-
-def test_a_file_that_would_run_code_is_refused(tmp_path):
-    file = tmp_path / "evil.npy"
-    np.save(file, {"grasp_qpos": _Runs()}, allow_pickle=True)
-    with pytest.raises(hl.InputError, match="no plain data"):
-        hl.read_postures(file)
-    assert pickle.loads(pickle.dumps(_Runs())) == os.getcwd()  # it would have run
-
-
 @pytest.mark.parametrize(
     ("source", "options", "said"),
     [
         (3, {}, "source"),
-        ("grasps.txt", {}, ".npy or .yaml"),
-        ("no_such_file.npy", {}, "does not exist"),
+        ("grasps.txt", {}, ".npz or .yaml"),
+        ("no_such_file.npz", {}, "does not exist"),
+        ("no_such_file.yaml", {}, "does not exist"),
         ({"q": [0.0]}, {}, "placement missing"),
         ({"grasp_qpos": np.zeros(9)}, {}, "obj_pose missing"),
         ({"grasp_qpos": np.zeros(9), "obj_pose": np.zeros(7)}, {}, "length 1"),

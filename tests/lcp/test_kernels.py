@@ -224,6 +224,25 @@ def test_others_may_read_what_is_kept_and_a_folder_that_they_can_write_is_refuse
     assert "others can write there" in capfd.readouterr().err
 
 
+@pytest.mark.skipif(os.name != "posix", reason="modes of files are POSIX")
+@pytest.mark.parametrize(("mode", "loads"), [(0o777, 0), (0o1777, 1), (0o755, 1)])
+@pytest.mark.parametrize("linked", [False, True])
+def test_a_folder_below_one_that_anyone_can_write_is_refused(tmp_path, capfd, monkeypatch, mode, loads, linked):
+    """Whoever can write there can rename the folder, and put another in its place."""
+    k.said_afresh(monkeypatch, 60.0)
+    above = tmp_path / "above"
+    (above / "kept").mkdir(parents=True)
+    (tmp_path / "link").symlink_to(above / "kept")
+    with k.cached_in(tmp_path / "link" if linked else above / "kept"), k.automatic(), k.at_once():
+        run_small(k.anew(k.small()))
+        above.chmod(mode)
+        kernel = k.anew(k.small())
+        np.testing.assert_array_equal(run_small(kernel), [1.0, 2.0, 3.0])
+        assert k.loaded(kernel) == loads
+    assert ("others can write there or above" in capfd.readouterr().err) == (not loads)
+    above.chmod(0o755)
+
+
 def given_away(path, monkeypatch):
     """Let it belong to another user, or this process to one that it does not belong to."""
     if os.getuid() == 0:

@@ -2,16 +2,42 @@
 
 from __future__ import annotations
 
+from handlcp.cli.given_hand import given
 from handlcp.design.main_effects import main_effect
 from handlcp.design.space import Space
 from handlcp.design.study import not_beaten
-from handlcp.design.sweep.cells import MOST, cells_of
-from handlcp.design.sweep.journal import beside
-from handlcp.design.sweep.study_file import BriefFrom, HandFrom
+from handlcp.design.sweep.cells import MOST, cells_of, points
+from handlcp.design.sweep.journal import Journal, beside
+from handlcp.design.sweep.study_file import DESIGN_NUMBERS, BriefFrom, HandFrom, load
+from handlcp.design.sweep.sweep import check_names
 from handlcp.design.sweep.table import write_table
+from handlcp.design.sweep.work import Maker
 from handlcp.show.study.axes import parameter
 
 __all__ = [
-    "MOST", "BriefFrom", "HandFrom", "Space", "beside", "cells_of", "main_effect", "not_beaten", "parameter",
-    "write_table",
+    "DESIGN_NUMBERS", "MOST", "BriefFrom", "HandFrom", "Space", "beside", "cells_of", "check_study", "journal_of",
+    "main_effect", "not_beaten", "parameter", "table_of", "write_table",
 ]  # fmt: skip
+
+
+def check_study(path):
+    """What `handlcp sweep` does with a study file before it evaluates a design: it is loaded, and its first made."""
+    file = load(path, given)
+    room = Space(file.tables.space)
+    check_names(room)
+    cube = points(room, file.tables.sampling, file.tables.samples, file.tables.seed)
+    maker, values = Maker(file.make, file.brief), room.point(cube[0])
+    maker.check(values)
+    maker.hand(values)
+    maker.asked(values)
+
+
+def journal_of(table, sweep, rows):
+    """A journal beside a table that is not there."""
+    with Journal(beside(table), sweep) as journal:
+        journal.append(rows)
+
+
+def table_of(path):
+    """The table whose description, or journal, this file is."""
+    return path.with_name(path.name.removesuffix(".json").removesuffix(".rows"))

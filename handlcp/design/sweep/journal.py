@@ -24,6 +24,7 @@ from weakref import WeakSet
 from zlib import crc32
 
 from handlcp.errors import InputError, writing
+from handlcp.read_file import MOST_ROWS, parse_json, read_bytes
 from handlcp.write_file import write_all
 
 if sys.platform != "win32":
@@ -42,7 +43,7 @@ def read(file: Path) -> tuple[Row | None, list[Row], int]:
 
     Raises InputError for a file that is no journal.
     """
-    return _parsed(file, file.read_bytes())
+    return _parsed(file, read_bytes("out", file, "the journal of a sweep", MOST_ROWS))
 
 
 def _parsed(file: Path, text: bytes) -> tuple[Row | None, list[Row], int]:
@@ -50,12 +51,26 @@ def _parsed(file: Path, text: bytes) -> tuple[Row | None, list[Row], int]:
     first, *lines = whole.split(b"\n")
     if not whole:
         return None, [], 0
+    return (
+        _mapping(file, first, 1),
+        [
+            _mapping(file, row, k)
+            for k, (said, _, row) in enumerate([line.partition(b" ") for line in lines], 2)
+            if said == _sum(row)
+        ],
+        len(whole),
+    )
+
+
+def _mapping(file: Path, line: bytes, number: int) -> Row:
+    """What a line says. Raises InputError for anything but a mapping."""
     try:
-        sweep = dict(json.loads(first))
-    except (ValueError, TypeError):  # no JSON, or no dictionary
-        raise InputError("out", "the journal of a sweep", f"{str(file)!r}, damaged in line 1") from None
-    sums = [line.partition(b" ") for line in lines]
-    return sweep, [json.loads(row) for said, _, row in sums if said == _sum(row)], len(whole)
+        found = parse_json(line)
+    except ValueError:
+        found = None
+    if not isinstance(found, dict):
+        raise InputError("out", "the journal of a sweep", f"{str(file)!r}, damaged in line {number}")
+    return found
 
 
 def _sum(line: bytes) -> bytes:
@@ -74,8 +89,7 @@ class Journal:
             self._out = file.open("a+b", buffering=0)
         try:
             self._lock()
-            self._out.seek(0)
-            before, self.rows, end = _parsed(file, self._out.read())
+            before, self.rows, end = read(file)
             self.sweep: Row = dict(sweep) if before is None else before
             self._end = end  # of the whole lines [bytes]
             with writing("out", file):

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 from handlcp.design.brief import Brief
 from handlcp.design.finger_hand import finger_hand
-from handlcp.errors import InputError, UnknownName, keyed
+from handlcp.errors import InputError, UnknownName, keyed, unreadable
 from handlcp.hand.hand import Hand
 from handlcp.hand.vary.names import read_changes
 from handlcp.scene import kinds as k
@@ -21,6 +20,15 @@ from handlcp.scene.reading import checked, text_of
 _BRIEF = "brief."  # begins the names of parameters of the brief
 _URDF = "urdf"  # key of [hand] for a file, beside which may stand:
 _BESIDE = ("joint_stiffness", "pad_flexibility", "tip_radius", "torque_limits", "base")
+# What a study may say of a hand from numbers and of its brief: numbers of a design, and nothing that names a file
+DESIGN_NUMBERS = (
+    "fingers", "link_lengths", "palm_radius", "link_radius", "tip_radius", "angles", "tilt", "ranges", "coupling",
+    "joint_stiffness", "pad_flexibility", "torque_limits", "joint_friction",
+)  # fmt: skip
+BRIEF_NUMBERS = (
+    "friction", "orientations", "acceleration", "motion", "most_force", "safety", "kind", "squeeze", "grip_force",
+    "closing_torque", "tries", "seed",
+)  # fmt: skip
 
 _Hand = Annotated[str | dict[str, Any], k.Expected("a hand's name or file, or a table of numbers for finger_hand")]
 _Space = Annotated[dict[str, Any], k.Expected("a table of parameters")]
@@ -44,7 +52,7 @@ class StudyTables(Table):
     seed: k.Seed = 0
     """of the samples"""
     out: k.Text | None = None
-    """the table, .parquet or .csv; left out: none"""
+    """the table, .parquet or .csv, in the folder of the study or below it; left out: none"""
 
 
 class StudyFile(NamedTuple):
@@ -58,8 +66,8 @@ class StudyFile(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class HandFrom:
-    """Makes hands. base : a hand that is varied. numbers : without one, arguments of `finger_hand`, which parameters
-    of these names replace; other parameters vary what comes of it.
+    """Makes hands. base : a hand that is varied. numbers : without one, those arguments of `finger_hand` that are
+    numbers of a design, which parameters of these names replace; other parameters vary what comes of it.
     """
 
     base: Hand | None
@@ -69,11 +77,10 @@ class HandFrom:
         """With these values. Raises what `finger_hand` and `Hand.vary` raise; UnknownName."""
         own = {name: value for name, value in values.items() if not name.startswith(_BRIEF)}
         if (hand := self.base) is None:
-            known = tuple(inspect.signature(finger_hand).parameters)
             said = {**self.numbers, **{name: own.pop(name) for name in list(own) if "." not in name}}
-            if unknown := [name for name in said if name not in known]:
+            if unknown := [name for name in said if name not in DESIGN_NUMBERS]:
                 where = "hand" if unknown[0] in self.numbers else "space"
-                raise UnknownName(where, "an argument of finger_hand", unknown, known)
+                raise UnknownName(where, "a number of finger_hand", unknown, DESIGN_NUMBERS)
             hand = finger_hand(**said)
         return hand.vary({name: value for key, value in own.items() for name in _meant(hand, key)}) if own else hand
 
@@ -87,14 +94,13 @@ class BriefFrom:
     def __call__(self, **values: Any) -> Brief:
         """With these values. Raises InputError, UnknownName."""
         own = {name.removeprefix(_BRIEF): value for name, value in values.items() if name.startswith(_BRIEF)}
-        known = [field.name for field in fields(Brief)]
-        if unknown := [f"{_BRIEF}{name}" for name in own if name not in known]:
-            raise UnknownName("space", "a number of the brief", unknown, [f"{_BRIEF}{name}" for name in known])
+        if unknown := [f"{_BRIEF}{name}" for name in own if name not in BRIEF_NUMBERS]:
+            raise UnknownName("space", "a number of the brief", unknown, [f"{_BRIEF}{name}" for name in BRIEF_NUMBERS])
         return replace(self.base, **own)
 
 
 def load(path: Any, hand: Callable[..., Hand]) -> StudyFile:
-    """Of a file; others are found from its folder. hand : that of a name or a file, with what is said beside it. What
+    """Of a file; others are found from its folder. hand : that of a name or a file, as `cli.given_hand.given`. What
     a hand and a brief alone say is the same sweep as in Python. Raises InputError, and what `hand` raises.
     """
     text, file = text_of(path, "a study (TOML)")
@@ -105,8 +111,20 @@ def load(path: Any, hand: Callable[..., Hand]) -> StudyFile:
     made = _read(file, said, hand) if _URDF in said else None
     make = HandFrom(made, said)
     whole = made if plain and not any("*" in name for name in table.space) else None
-    out = None if table.out is None else file.parent / table.out
+    out = None if table.out is None else _beside(file, table.out)
     return StudyFile(whole or make, brief if plain else BriefFrom(brief), table, out)
+
+
+def _beside(study: Path, name: str) -> Path:
+    """The file that a study writes. Raises InputError for one outside of the study's folder, links followed."""
+    try:
+        file = study.parent / name
+        inside = file.resolve().is_relative_to(study.parent.resolve())
+    except (OSError, ValueError, RuntimeError):  # what no file can be called
+        inside = False
+    if not inside:
+        raise InputError("out", "a file in the folder of the study or below it", repr(name)[:200])
+    return file
 
 
 def _read(study: Path, said: Mapping[str, Any], hand: Callable[..., Hand]) -> Hand:
@@ -119,7 +137,8 @@ def _read(study: Path, said: Mapping[str, Any], hand: Callable[..., Hand]) -> Ha
     beside = study.parent / name
     try:
         with keyed({f"--{key.replace('_', '-')}": f"hand.{key}" for key in _BESIDE}):
-            return hand(beside if beside.is_file() else Path(name), **more)
+            base, numbers = more.get("base"), {key: more[key] for key in _BESIDE[:-1] if key in more}
+            return hand(Path(name) if unreadable(beside) else beside, base, None, **numbers)
     except InputError as error:
         if error.argument != "joint_stiffness":
             raise

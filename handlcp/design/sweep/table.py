@@ -5,17 +5,23 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Callable, Mapping, Sequence, Set
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from handlcp.errors import InputError, unreadable
+from handlcp.design.space import Space
+from handlcp.errors import InputError
 from handlcp.extras import missing
+from handlcp.read_file import MOST_CELLS, MOST_ROWS, parse_json, read_bytes, read_text
 from handlcp.write_file import write_file
 
 PARQUET, CSV = ".parquet", ".csv"
 _KEY = b"handlcp.sweep"
+_TABLE = "the table of a sweep"
+_DESCRIBED = "space", "sampling", "samples", "seed", "make", "brief"  # what is known of every sweep
+_NUMBERS = "payload_kg", "factor", "force_N", "torque_Nm", "torque_used", "motion_m"  # columns of nothing else
+_AS_JSON = {"": "null", "TRUE": "true", "FALSE": "false"}  # the last two as Excel writes them
 Row = dict[str, Any]
 
 
@@ -68,24 +74,76 @@ def write_table(file: Path, sweep: Mapping[str, Any], rows: Sequence[Mapping[str
 
 def read_table(file: Path) -> tuple[Row, list[Row]]:
     """What the sweep was, and its rows. Raises InputError for a file that is none of a sweep."""
-    if why := unreadable(file):
-        raise InputError("out", "the table of a sweep", f"{str(file)!r}, which {why}")
-    none = InputError("out", "the table of a sweep", f"{str(file)!r}, which is another file, or damaged")
     if file.suffix.lower() == CSV:
-        try:
-            sweep = json.loads(_described(file).read_text(encoding="utf-8"))
-            return sweep, _read_csv(file, {name for name, entry in sweep["space"].items() if _wordy(entry)})
-        except (OSError, ValueError):
-            raise none from None
-    arrow, parquet = _arrow()
+        text = read_text("out", file, _TABLE, MOST_ROWS)
+        said = read_text("out", _described(file), f"{_TABLE}, described in {_described(file).name!r}", MOST_ROWS)
+        if text.count(",") + text.count("\n") > MOST_CELLS:
+            raise InputError("out", f"a table of at most {MOST_CELLS} cells", f"{str(file)!r} with more")
+        return _sound(file, said, lambda words: _read_csv(text, words))
+    _arrow()
+    data = read_bytes("out", file, _TABLE, MOST_ROWS)
     try:
-        made = parquet.read_table(file)
-    except (OSError, arrow.ArrowException):
-        raise none from None
-    said = (made.schema.metadata or {}).get(_KEY)
-    if said is None:
-        raise none
-    return json.loads(said), made.to_pylist()
+        described, rows = _read_parquet(data)
+    except Exception:  # Arrow raises errors of its own and of Python's
+        raise none_of_a_sweep(file) from None
+    return _sound(file, described, lambda words: rows)
+
+
+def none_of_a_sweep(file: Path) -> InputError:
+    """The error for a file with something else in it."""
+    return InputError("out", _TABLE, f"{str(file)!r}, which is another file, or damaged")
+
+
+def check_rows(file: Path, sweep: Any, rows: Any) -> None:
+    """Raises InputError unless these are what a sweep was, and rows with a number each."""
+    try:
+        Space(sweep["space"])
+        sound = all(key in sweep for key in _DESCRIBED) and all(map(_is_row, rows))
+    except (InputError, TypeError, KeyError, IndexError):
+        sound = False
+    if not sound:
+        raise none_of_a_sweep(file)
+
+
+def _is_row(row: Any) -> bool:
+    """Whether it has a design's number, cells that are numbers and words, and numbers where it has to have them."""
+    for name, value in row.items():
+        whole = isinstance(value, int) and -(2**63) <= value < 2**63
+        if not (whole or value is None or isinstance(value, float | str)) or not isinstance(name, str):
+            return False
+        if name in _NUMBERS and isinstance(value, str | bool):
+            return False
+    number = row["design"]
+    return isinstance(number, int) and not isinstance(number, bool)
+
+
+def _sound(file: Path, said: str | bytes, read: Callable[[set[str]], list[Row]]) -> tuple[Row, list[Row]]:
+    """What the sweep was, and what is read of its rows, which needs the parameters that are words."""
+    try:
+        sweep = parse_json(said)
+        rows = read({name for name, entry in sweep["space"].items() if _wordy(entry)})
+    except (ValueError, TypeError, KeyError, IndexError, AttributeError, csv.Error):
+        raise none_of_a_sweep(file) from None
+    check_rows(file, sweep, rows)
+    return sweep, rows
+
+
+def _read_parquet(data: bytes) -> tuple[bytes, list[Row]]:
+    """What the sweep was, and the rows. Raises ValueError for more cells, or larger ones, than a sweep writes."""
+    _, parquet = _arrow()
+    import pyarrow
+
+    file = parquet.ParquetFile(pyarrow.BufferReader(data))
+    if file.metadata.num_rows * max(1, file.metadata.num_columns) > MOST_CELLS:
+        raise ValueError("too many cells")
+    rows, left = list[Row](), MOST_ROWS
+    each = max(1, min(65_536, MOST_ROWS // len(data)))  # a word is as long as the file at most, and may be in each row
+    for batch in file.iter_batches(each):
+        left -= batch.nbytes
+        if left < 0:
+            raise ValueError("too large when it is unpacked")
+        rows += batch.to_pylist()
+    return file.schema_arrow.metadata[_KEY], rows
 
 
 def _arrow() -> tuple[Any, Any]:
@@ -119,12 +177,11 @@ def _cell(value: Any) -> str:
     return "" if value is None else value if isinstance(value, str) else json.dumps(value)
 
 
-def _read_csv(file: Path, words: Set[str]) -> list[Row]:
+def _read_csv(text: str, words: Set[str]) -> list[Row]:
     """A column of which every cell is a number, or every cell true or false, is that; others are words. words : names
     of columns that are words in any case, such as "3" and "". Raises ValueError for rows of different lengths.
     """
-    with file.open(encoding="utf-8", newline="") as text:
-        names, *rows = csv.reader(text)
+    names, *rows = csv.reader(io.StringIO(text, newline=""))
     named = zip(names, zip(*rows, strict=True), strict=True)
     columns = [list(cells) if name in words else _values(cells) for name, cells in named]
     return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
@@ -137,7 +194,8 @@ def _wordy(entry: Any) -> bool:
 
 def _values(cells: Sequence[str]) -> list[Any]:
     with suppress(ValueError):
-        found = json.loads(f"[{','.join(cell or 'null' for cell in cells)}]")  # at once: ten times as fast as each
+        said = [_AS_JSON.get(cell, cell) for cell in cells]
+        found = parse_json(f"[{','.join(said)}]")  # at once: ten times as fast as each
         if len(found) == len(cells) and all(value is None or isinstance(value, bool | int | float) for value in found):
             return list(found)
     return [cell or None for cell in cells]

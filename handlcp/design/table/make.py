@@ -72,10 +72,13 @@ def loaded(out: Any) -> HandTable:
     if not file.is_file():
         raise InputError("out", "the folder of a table", repr(str(out)))
     said, rows, _ = read(file)
-    kinds = tuple(KINDS if said is None else said["kinds"])
-    names = dict.fromkeys(row["hand"] for row in rows)
-    sources = [source(name) if name in TABLE_HANDS else Source(name, "given", "yours") for name in names]
-    return HandTable(list(flat(rows, kinds)), sources)
+    try:
+        kinds = tuple(KINDS if said is None else said["kinds"])
+        names = dict.fromkeys(row["hand"] for row in rows)
+        sources = [source(name) if name in TABLE_HANDS else Source(name, "given", "yours") for name in names]
+        return HandTable(list(flat(rows, kinds)), sources)
+    except (KeyError, TypeError, AttributeError, IndexError):
+        raise InputError("out", "the folder of a table", f"{str(file)!r}, whose rows are none of a table") from None
 
 
 def _run(asked: Asked, pairs: Mapping[int, Any], journal: Journal, executor: Any, progress: Progress) -> None:

@@ -1,8 +1,7 @@
-"""Postures and placements from elsewhere: arrays, a dictionary, the YAML of GraspGen, the `.npy` of DexGraspBench."""
+"""Postures and placements from elsewhere: arrays, a dictionary, the YAML of GraspGen, the arrays of DexGraspBench."""
 
 from __future__ import annotations
 
-import pickle
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -10,9 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from handlcp.check import Array, array
-from handlcp.errors import InputError, Unsupported
+from handlcp.check import Array, array, dimensions, number
+from handlcp.errors import InputError
 from handlcp.hand.objects.object import read_placement
+from handlcp.read_file import MOST_ARRAYS, MOST_YAML, parse_yaml, read_arrays, read_text
 
 _WHICH = "pregrasp", "grasp", "squeeze"
 _UNIT = 1e-3  # a quaternion's length differs from 1 by no more
@@ -34,10 +34,12 @@ def read_postures(source: Any, joints: Sequence[str] | None = None, which: str =
 
     source : one of
         (q, placement) : q (nv,) or (n, nv); placement as in `Object`, or (7,), or n of these.
-        a mapping with `q` and `placement`, which are these.
-        a mapping of DexGraspBench, or the path of its .npy file: `grasp_qpos` (or another of `which`), (7 + nv,) or
-            (n, 7 + nv), pose of the hand's base and then its joints; `obj_pose` (7,) or (n, 7). Both poses are those of
-            the world; the object's scale is not read: `Mesh(scale=…)` takes it.
+        a mapping with `q` and `placement`, which are these, or the path of an .npz file of such arrays.
+        a mapping of DexGraspBench, or the path of an .npz file of its arrays: `grasp_qpos` (or another of `which`),
+            (7 + nv,) or (n, 7 + nv), pose of the hand's base and then its joints; `obj_pose` (7,) or (n, 7). Both poses
+            are those of the world; the object's scale is not read: `Mesh(scale=…)` takes it. Its own .npy files are
+            pickles, which can run anything and are not read. Of a file that you made yourself,
+            `np.load(file, allow_pickle=True).item()` is the mapping.
         a mapping of GraspGen and Isaac, or the path of its .yaml file: `grasps`, each with `position` (3,) and
             `orientation` {w, xyz} of the gripper in the object's frame, and `cspace_position` by joint name
             (`pregrasp_cspace_position` for "pregrasp").
@@ -63,9 +65,11 @@ def read_postures(source: Any, joints: Sequence[str] | None = None, which: str =
         _has(data, ("q", "placement"), "source")
         data = data["q"], data["placement"]
     if not (isinstance(data, tuple) and len(data) == 2):
-        raise InputError("source", "(q, placement), a mapping, or the path of a .npy or .yaml file", repr(source)[:80])
+        raise InputError("source", "(q, placement), a mapping, or the path of a .npz or .yaml file", _shown(source))
     q = _numbers("q", data[0])
     rows, given = np.atleast_2d(q), data[1]
+    if q.ndim == 2 and not isinstance(given, Sequence | np.ndarray):
+        raise InputError("placement", f"{len(rows)}, one for each posture", _shown(given))
     each = list(given) if q.ndim == 2 else [given]
     if len(each) != len(rows):
         raise InputError("placement", f"{len(rows)}, one for each posture", len(each))
@@ -90,7 +94,7 @@ def _of_dexgraspbench(data: Mapping[str, Any], joints: Sequence[str] | None, whi
 def _of_graspgen(grasps: Any, which: str) -> Iterator[GivenPosture]:
     key = "cspace_position" if which == "grasp" else f"{which}_cspace_position"
     if not isinstance(grasps, Mapping):
-        raise InputError("grasps", "a mapping by name", repr(grasps)[:80])
+        raise InputError("grasps", "a mapping by name", _shown(grasps))
     if not grasps:
         raise InputError("grasps", "at least one grasp", "none")
     for name, one in grasps.items():
@@ -100,7 +104,8 @@ def _of_graspgen(grasps: Any, which: str) -> Iterator[GivenPosture]:
         _has(one[key], (), f"{where}[{key!r}]")
         turn = [one["orientation"]["w"], *_numbers(f"{where} xyz", one["orientation"]["xyz"])]
         pose = _pose(where, np.concatenate([_numbers(f"{where} position", one["position"]), _numbers(where, turn)]))
-        yield GivenPosture({str(j): float(v) for j, v in one[key].items()}, pose.inverse(), str(name))
+        at = {str(j): number(f"{where}[{key!r}][{j!r}]", v) for j, v in one[key].items()}
+        yield GivenPosture(at, pose.inverse(), str(name))
 
 
 # ----------------------------------------------------------------
@@ -109,7 +114,7 @@ def _of_graspgen(grasps: Any, which: str) -> Iterator[GivenPosture]:
 def _has(data: Any, keys: Sequence[str], where: str) -> None:
     """Raises InputError for anything but a mapping with these keys."""
     if not isinstance(data, Mapping):
-        raise InputError(where, f"a mapping{' with ' if keys else ''}{', '.join(keys)}", repr(data)[:80])
+        raise InputError(where, f"a mapping{' with ' if keys else ''}{', '.join(keys)}", _shown(data))
     if missing := [key for key in keys if key not in data]:
         there = ", ".join(map(str, list(data)[:12])) or "nothing"
         raise InputError(where, f"the keys {', '.join(keys)}", f"{there}: {', '.join(missing)} missing")
@@ -118,11 +123,16 @@ def _has(data: Any, keys: Sequence[str], where: str) -> None:
 def _numbers(name: str, value: Any) -> Array:
     try:
         found = np.asarray(value, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(name, "numbers", repr(value)[:80]) from None
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(name, "numbers", _shown(value)) from None
     if found.ndim not in (1, 2) or not found.size or not np.isfinite(found).all():
         raise InputError(name, "finite numbers, (k,) or (n, k)", f"shape {found.shape}")
     return found
+
+
+def _shown(value: Any) -> str:
+    """A number or a word as it is, of anything larger its kind: its text may be without end."""
+    return repr(value)[:80] if isinstance(value, str | int | float | None) else f"a {type(value).__name__}"
 
 
 def _named(row: Array, joints: Sequence[str] | None) -> Any:
@@ -135,7 +145,7 @@ def _named(row: Array, joints: Sequence[str] | None) -> Any:
 
 def _placed(value: Any) -> Any:
     """As `Object` takes it, or of seven numbers."""
-    if not isinstance(value, pin.SE3) and np.shape(value) == (7,):
+    if not isinstance(value, pin.SE3) and dimensions(value) == 1 and len(value) == 7:
         return _pose("placement", _numbers("placement", value))
     return read_placement(value)
 
@@ -151,53 +161,19 @@ def _pose(name: str, numbers: Array) -> Any:
 
 # ---------------------------------------------------------------- Files.
 
+_ARRAYS, _YAML = (".npy", ".npz"), (".yaml", ".yml")
+
 
 def _read(path: Path) -> Any:
     """What a file holds. Raises InputError, Unsupported."""
-    if path.suffix not in (".npy", ".yaml", ".yml"):
-        raise InputError("source", "a .npy or .yaml file", str(path))
-    if not path.is_file():
-        raise InputError("source", "the path of a file", f"{str(path)!r}, which does not exist")
-    return _read_npy(path) if path.suffix == ".npy" else _read_yaml(path)
-
-
-def _read_yaml(path: Path) -> Any:
-    try:
-        import yaml
-    except ImportError:
-        raise Unsupported("files of GraspGen are YAML, which needs PyYAML: pip install pyyaml") from None
-    try:
-        return yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise InputError("source", "a YAML file", f"{str(path)!r}: {str(error).splitlines()[0]}") from None
-
-
-class _Plain(pickle.Unpickler):
-    """Reads dictionaries, lists, numbers and numpy's arrays, and nothing else: a pickle could run any code."""
-
-    def find_class(self, module: str, name: str) -> Any:
-        root = module.replace("numpy.core", "numpy._core")
-        known = {
-            ("numpy._core.multiarray", "_reconstruct"), ("numpy._core.multiarray", "scalar"), ("numpy", "ndarray"),
-            ("numpy", "dtype"), ("numpy._core.numeric", "_frombuffer"), ("_codecs", "encode"),
-        }  # fmt: skip
-        if (root, name) not in known:
-            raise pickle.UnpicklingError(f"{module}.{name} is no plain data")
-        return super().find_class(root, name)
-
-
-def _read_npy(path: Path) -> Any:
-    """The dictionary of a .npy file, read without running what may be in it."""
-    try:
-        with path.open("rb") as file:
-            version = np.lib.format.read_magic(file)
-            read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-            if not read(file)[2].hasobject:
-                raise InputError("source", "the .npy file of a dictionary", f"{str(path)!r}, an array of numbers")
-            held = _Plain(file).load()
-    except (ValueError, EOFError, pickle.UnpicklingError, AttributeError, ImportError) as error:
-        if isinstance(error, InputError):
-            raise
-        came = f"{str(path)!r}: {str(error)[:80]}"
-        raise InputError("source", "a .npy file with a dictionary of arrays", came) from None
-    return held.item() if isinstance(held, np.ndarray) and held.ndim == 0 else held
+    kind = path.suffix.lower()
+    if kind not in (*_ARRAYS, *_YAML):
+        raise InputError("source", "a .npz or .yaml file", str(path))
+    if kind in _YAML:
+        return parse_yaml("source", read_text("source", path, "a YAML file", MOST_YAML), repr(str(path)))
+    found = read_arrays("source", path, "an .npz file of arrays", MOST_ARRAYS)
+    if "" in found:
+        raise InputError(
+            "source", "an .npz file of arrays by name", f"{str(path)!r}, one array of shape {found[''].shape}"
+        )
+    return found

@@ -9,8 +9,9 @@ import coal
 import numpy as np
 
 from handlcp.check import Array, array, read_only
-from handlcp.errors import InputError, unreadable
+from handlcp.errors import InputError
 from handlcp.hand.objects.object import Solid
+from handlcp.hand.robot.check_mesh import check_mesh_file
 from handlcp.hand.robot.link_surface import hull, triangles_of
 from handlcp.hand.robot.source.part import tree_of
 from handlcp.hand.robot.source.units import collada_unit
@@ -110,12 +111,11 @@ def _read(path: Any, scale: Array | None) -> Any:
         file = Path(path)
     except TypeError:
         raise InputError("path", "the path of a mesh file, or a trimesh.Trimesh", repr(path)[:80]) from None
-    if why := unreadable(file):
-        raise InputError("path", "the path of a mesh file", f"{str(file)!r}, which {why}")
+    check_mesh_file("path", file)
     try:
         size = collada_unit(file) * np.ones(3) if scale is None else scale
         return coal.MeshLoader(coal.NODE_TYPE.BV_OBBRSS).load(str(file), size)
-    except (ValueError, RuntimeError) as error:
+    except (ValueError, RuntimeError, MemoryError) as error:
         lines = [line.removeprefix("message:").strip() for line in str(error).splitlines()[3:5]]
         raise InputError("path", "a mesh file that coal can load", f"{str(file)!r}: {' '.join(lines)}") from None
 

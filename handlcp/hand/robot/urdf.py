@@ -18,6 +18,7 @@ from typing import Any
 import pinocchio as pin
 
 from handlcp.errors import InputError, UnknownName, URDFError, unreadable
+from handlcp.hand.robot.check_mesh import check_mesh_file
 
 LARGEST_NUMBER = 1e6  # metres, kilograms, radians, ratios: no hand is larger
 MOST_ELEMENTS = 1500  # links, joints, materials of a robot: libraries below read them with one call inside another
@@ -28,7 +29,7 @@ _NUMBERS = (
     ("origin", "xyz", 3, -math.inf), ("origin", "rpy", 3, -math.inf), ("mass", "value", 1, 0.0),
     *(("inertia", name, 1, -math.inf) for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")),
     ("sphere", "radius", 1, 0.0), ("cylinder", "radius", 1, 0.0), ("cylinder", "length", 1, 0.0),
-    ("box", "size", 3, 0.0),
+    ("box", "size", 3, 0.0), ("mesh", "scale", 3, -math.inf),
 )  # fmt: skip
 _BESIDE = ("material", "transmission", "ros2_control", "servo", "cable", "pin")  # what stands beside links and joints
 _stderr = threading.Lock()
@@ -44,10 +45,6 @@ def check_robot(argument: str, root: ET.Element, base: str | None, shown: str) -
     if len(root) > MOST_ELEMENTS:
         expected = f"a robot of at most {MOST_ELEMENTS} links and joints"
         raise URDFError(argument, expected, f"{shown} with {len(root)}")
-    try:
-        ET.tostring(root)
-    except RecursionError:
-        raise URDFError(argument, "a URDF", f"{shown}, whose elements are nested thousands deep") from None
     root = root if base is None else _below(root, base)
     moving = sum(joint.get("type") != "fixed" for joint in root.findall("joint"))
     if moving > MOST_JOINTS:
@@ -95,7 +92,7 @@ def build_model(argument: str, root: ET.Element, label: str) -> Any:
     with captured_stderr() as messages:
         try:
             return pin.buildModelFromXML(ET.tostring(root, encoding="unicode"))
-        except ValueError as error:
+        except (ValueError, RuntimeError, MemoryError) as error:
             failure = str(error)
     details = [line.strip() for line in "".join(messages).splitlines() if not line.strip().startswith("at line")]
     raise URDFError(argument, "a URDF that describes a robot", f"{label}: {'; '.join(details) or failure}")
@@ -129,13 +126,19 @@ def mesh_file(mesh: ET.Element, folders: Sequence[Path]) -> Path | None:
 
 
 def resolve_meshes(element: ET.Element, folders: Sequence[Path]) -> None:
-    """Replace the address of each mesh below `element` by its full path. Raises URDFError for a missing file."""
+    """Replace the address of each mesh below `element` by its full path. Raises URDFError for a file that is missing,
+    or none of a mesh.
+    """
+    checked = set[Path]()
     for mesh in element.iter("mesh"):
         found = mesh_file(mesh, folders)
         if found is None:
             where = ", ".join(str(f) for f in folders) or "nowhere"
             expected = f"a folder that holds {mesh.get('filename', '')!r}"
             raise URDFError("package_dirs", expected, f"folders without it: {where}")
+        if found not in checked:
+            check_mesh_file("source", found, URDFError)
+            checked.add(found)
         mesh.set("filename", str(found.resolve()))
 
 

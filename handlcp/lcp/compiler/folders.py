@@ -6,6 +6,7 @@ import contextlib
 import hashlib
 import os
 import shutil
+import stat
 import sys
 import tempfile
 import threading
@@ -58,15 +59,26 @@ def _roots() -> list[Path]:
 
 
 def _trusted() -> list[Path]:
-    """Those of the folders that are ours or root's, and that nobody else can write: what lies there is run."""
+    """Those of the folders that are ours or root's, and that nobody else can write or replace: what lies there is
+    run.
+    """
     return [folder for folder in folders() if not _open_to_others(folder)]
 
 
 def _open_to_others(folder: Path) -> bool:
-    try:
-        return _others_write(folder.stat())
-    except OSError:
+    """Whether others can write there, or put another folder in its place: rename it, in a folder above that anyone can
+    write without the sticky bit of /tmp.
+    """
+    if os.name != "posix":
         return False
+    with contextlib.suppress(OSError):
+        if _others_write(folder.stat()):
+            return True
+    for above in {*folder.parents, *folder.resolve().parents}:  # of links, of what they stand for as well
+        with contextlib.suppress(OSError):
+            if above.stat().st_mode & (stat.S_IWOTH | stat.S_ISVTX) == stat.S_IWOTH:
+                return True
+    return False
 
 
 def _others_write(found: os.stat_result) -> bool:
@@ -130,7 +142,7 @@ def put(name: str, data: bytes) -> str | None:
     why = "its source cannot be read"
     for folder in folders():
         if _open_to_others(folder):
-            _unwritable[folder] = f"{folder}: others can write there, and what lies there is run"
+            _unwritable[folder] = f"{folder}: others can write there or above, and what lies there is run"
         if folder not in _unwritable:
             try:
                 with writing:

@@ -7,7 +7,6 @@ import io
 import json
 import math
 import time
-import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +22,7 @@ from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.lcp.compiler.when import soon
 from handlcp.progress import Progress, told
+from handlcp.read_file import MOST_ARRAYS, parse_json, read_arrays
 from handlcp.study.reliability.outcome import SOLVE, WORDS, Outcomes, among, checked, joined, solved
 from handlcp.study.reliability.place import Placer
 from handlcp.study.reliability.spread import WIDEST, Dimension
@@ -55,11 +55,11 @@ class Kept:
         if self.path is None or not self.path.exists():
             return None
         expected = "a file that an earlier run with resume= wrote, or a new one"
+        found = read_arrays("resume", self.path, expected, MOST_ARRAYS)
         try:
-            with np.load(self.path, allow_pickle=False) as found:
-                question = dict(json.loads(str(found["question"])))
-                arrays = [found[name] for name in _FIELDS]
-        except (OSError, ValueError, TypeError, KeyError, zipfile.BadZipFile, EOFError) as error:
+            question = dict(parse_json(str(found["question"])))
+            arrays = [found[name] for name in _FIELDS]
+        except (ValueError, TypeError, KeyError) as error:
             raise InputError("resume", expected, f"{str(self.path)!r}: {brief(error)}") from None
         names = [name for name in (*self.question, *question) if self.question.get(name) != question.get(name)]
         if others := list(dict.fromkeys(names)):

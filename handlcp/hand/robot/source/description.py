@@ -28,6 +28,7 @@ from handlcp.hand.robot.urdf import (
     resolve_meshes,
 )
 from handlcp.lazy import lazy
+from handlcp.read_file import MOST_XML, parse_xml, read_bytes
 
 COLLISION, VISUAL = "collision", "visual"
 _KINDS = {COLLISION: pin.GeometryType.COLLISION, VISUAL: pin.GeometryType.VISUAL}
@@ -137,7 +138,7 @@ class Description:
             try:
                 text = ET.tostring(reduced, encoding="unicode")
                 found = pin.buildGeomFromUrdfString(self.model, text, _KINDS[kind])
-            except (ValueError, RuntimeError) as error:
+            except (ValueError, RuntimeError, MemoryError) as error:
                 found, failure = None, str(error)
         detail = " ".join("".join(messages).split())
         if found is None:
@@ -152,9 +153,9 @@ class Description:
 # The XML of a robot: from a path or a string to its <robot> element, a URDF's own or that of an MJCF file.
 
 URDF, MJCF = "robot", "mujoco"  # tags of the first element
-_MOST_BYTES = 5_000_000
 _ADVICE = {URDF: "Hand.from_urdf", MJCF: "Hand.from_mjcf"}
 _STRING = "the XML string"
+_LONGEST_NAME = 4096  # letters of a path: what is longer is no path, on any system
 
 
 class RobotFile(NamedTuple):
@@ -186,14 +187,13 @@ def robot_of(
 
         text = expanded(argument, path, text, package_folders(package_dirs, None))
     shown = _STRING if path is None else repr(str(path))
-    root = _parsed(argument, text, shown)
+    root = parse_xml(argument, text, shown, URDFError)
     if root.tag not in kinds:
         raise URDFError(argument, _wanted(kinds, root.tag), f"<{root.tag}> in {shown}")
     if path is None and any("xacro" in tag for tag in {e.tag for e in root}):
         raise URDFError(argument, "a URDF, or the path of a xacro file, which is expanded", f"macros in {shown}")
     doubts, meshes = tuple[Doubt, ...](), dict[str, CompiledMesh]()
     if root.tag == MJCF:
-        _shallow(argument, root, shown)
         from handlcp.hand.robot.source.mjcf import urdf_of_mjcf
 
         root, doubts, meshes = urdf_of_mjcf(text.decode() if path is None else "", path, base)
@@ -205,45 +205,17 @@ def content(argument: str, source: Any) -> tuple[bytes, Path | None]:
     """Bytes, and the path that they are from."""
     if isinstance(source, str) and source.lstrip("\ufeff \t\r\n").startswith("<"):
         text = source.lstrip("\ufeff \t\r\n").encode(errors="replace")
-        if len(text) > _MOST_BYTES:
-            raise URDFError(argument, f"at most {_MOST_BYTES // 10**6} MB of XML", f"{len(text) / 1e6:.0f} MB")
+        if len(text) > MOST_XML:
+            raise URDFError(argument, f"at most {MOST_XML // 10**6} MB of XML", f"{len(text) / 1e6:.0f} MB")
         return text, None
     try:
         path = Path(source)
-        there, known = path.is_file(), path.exists()
     except TypeError:
         expected = "the path of a URDF file, or its text; Hand.from_model takes a pinocchio.Model"
         raise InputError(argument, expected, repr(source)[:80]) from None
-    except (OSError, ValueError) as error:  # a name that is too long, or holds a null byte
-        raise URDFError(argument, "the path of a URDF file", f"{str(source)[:60]!r}: {error}"[:200]) from None
-    shown = repr(str(path))
-    if not there:
-        raise URDFError(
-            argument, "the path of a URDF file", f"{shown}, which {'is no file' if known else 'does not exist'}"
-        )
-    try:
-        if (size := path.stat().st_size) > _MOST_BYTES:
-            raise URDFError(argument, f"at most {_MOST_BYTES // 10**6} MB of XML", f"{shown} of {size / 1e6:.0f} MB")
-        return path.read_bytes(), path
-    except OSError as error:
-        raise URDFError(argument, "a readable URDF file", f"{shown}: {error}") from None
-
-
-def _parsed(argument: str, text: bytes, shown: str) -> ET.Element:
-    try:
-        return ET.fromstring(text)
-    except ET.ParseError as error:
-        raise URDFError(argument, "well-formed XML", f"{shown}: {error}") from None
-    except (ValueError, LookupError) as error:
-        raise URDFError(argument, "a readable URDF file", f"{shown}: {error}") from None
-
-
-def _shallow(argument: str, root: ET.Element, shown: str) -> None:
-    """Raises URDFError where elements are nested deeper than a library below can follow."""
-    try:
-        ET.tostring(root)
-    except RecursionError:
-        raise URDFError(argument, "an MJCF file", f"{shown}, whose elements are nested thousands deep") from None
+    if len(name := str(path)) > _LONGEST_NAME:
+        raise URDFError(argument, "the path of a URDF file", f"{name[:60]!r}…, a name of {len(name)} letters")
+    return read_bytes(argument, path, "a URDF file", MOST_XML, URDFError), path
 
 
 def _wanted(kinds: tuple[str, ...], came: str) -> str:

@@ -38,8 +38,11 @@ from handlcp.hand.robot.source.mjcf_drives import couplings, efforts, reaches, w
 from handlcp.hand.robot.source.mjcf_meshes import compiled_meshes
 from handlcp.hand.robot.source.mjcf_parts import add, add_shapes, placed, soft_parts
 from handlcp.hand.robot.source.mjcf_scene import scene_parts
+from handlcp.hand.robot.source.mjcf_size import check_size, without_log_file
 from handlcp.hand.robot.source.part import CompiledMesh, rotation_of
+from handlcp.read_file import MOST_XML, read_bytes
 
+_MOST_PARTS = 3000  # that are written, before it is seen which of them are the hand
 _UNBOUNDED = 1e3  # [m] the range of a slide without one
 
 
@@ -51,6 +54,8 @@ def urdf_of_mjcf(
     base : the link that is asked for. Other arguments and errors as of `compiled`; URDFError for ball joints, too.
     """
     model = compiled(source, path)
+    if (parts := int(model.nbody + model.njnt)) > _MOST_PARTS:
+        raise URDFError("source", f"a model of at most {_MOST_PARTS} bodies and joints", f"one with {parts}")
     root, doubts = _Writer(model, base).robot()
     meshes, partial = compiled_meshes(model, path)
     return root, (*doubts, *partial), meshes
@@ -66,10 +71,13 @@ def compiled(source: str, path: Path | None) -> Any:
         import mujoco
     except ImportError:
         raise missing("no MJCF file is read without MuJoCo", "mujoco") from None
+    text = source.encode() if path is None else read_bytes("source", path, "an MJCF file", MOST_XML, URDFError)
+    check_size("source", text, path)
     try:
         read = mujoco.MjModel.from_xml_path if path is not None else mujoco.MjModel.from_xml_string
-        return read(source if path is None else str(path))
-    except (ValueError, TypeError, RuntimeError) as error:
+        with without_log_file(mujoco):
+            return read(source if path is None else str(path))
+    except (ValueError, TypeError, RuntimeError, MemoryError, mujoco.FatalError) as error:
         shown = "the XML string" if path is None else repr(str(path))
         raise URDFError(
             "source", "an MJCF file that MuJoCo compiles", f"{shown}: {' '.join(str(error).split())}"

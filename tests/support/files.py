@@ -1,0 +1,26 @@
+"""Smaller limits on what is read of a file, so that tests need no large files."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from unittest.mock import patch
+
+__all__ = ["read_limits"]
+
+_WHERE = {
+    "arrays": ("handlcp.hand.find.postures.MOST_ARRAYS",), "rows": ("handlcp.design.sweep.table.MOST_ROWS",),
+    "cells": ("handlcp.design.sweep.table.MOST_CELLS",),
+}  # fmt: skip
+
+
+@contextmanager
+def read_limits(**limits: int):
+    """While it lasts. limits : arrays and rows [bytes], cells."""
+    patches = [patch(place, limit) for name, limit in limits.items() for place in _WHERE[name]]
+    for one in patches:
+        one.start()
+    try:
+        yield
+    finally:
+        for one in patches:
+            one.stop()
