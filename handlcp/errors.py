@@ -32,6 +32,15 @@ def brief(value: object) -> str:
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 100]} [...] {text[-80:]}"
 
 
+def shown(value: object, most: int = 80) -> str:
+    """How the value is written, cut where it is longer than `most` characters; its type where it cannot be written."""
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # integers of 5000 digits, lists in lists
+        return f"a value of type {type(value).__name__} that is too long to print"
+    return text if len(text) <= most else f"{text[: most - 3]}..."
+
+
 def unreadable(path: Path) -> str:
     """Why a path is no file: "does not exist", "is a folder" …; "" where it is one."""
     try:
@@ -68,6 +77,16 @@ def keyed(keys: dict[str, str], prefix: str = "") -> Iterator[None]:
         if named != error.argument:
             error.argument, error.args = named, (f"{named}{str(error)[len(error.argument) :]}",)
         raise
+
+
+class WrongCall(InputError, TypeError):
+    """A call with a keyword that the function does not know, or with too few or too many arguments; it is a TypeError,
+    too, as Python's own.
+    """
+
+    def __init__(self, argument: str, message: str) -> None:
+        self.argument, self.expected, self.got = argument, message, ""
+        Exception.__init__(self, message)
 
 
 class UnknownName(InputError):

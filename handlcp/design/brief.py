@@ -15,7 +15,7 @@ from handlcp.errors import InputError, writing
 from handlcp.grasp.friction import as_law
 from handlcp.hand.find.find import PINCH, check_closing
 from handlcp.hand.objects.object import Object
-from handlcp.keywords import helped
+from handlcp.keywords import helped, helped_methods
 from handlcp.study.payload.ask import SIX, check_orientations
 
 WEIGHT = "weight"  # what the object's own weight is called among its loads
@@ -23,6 +23,7 @@ _WRENCH = "force [N] and torque [N·m] beside the weight"
 _CLOSING = ("squeeze", "grip_force", "closing_torque")  # arguments of `find_grasp` that say how hard the hand closes
 
 
+@helped_methods
 @dataclass(frozen=True, eq=False)
 class Brief:
     """What a hand must do, for `evaluate`. Immutable.

@@ -13,6 +13,7 @@ from handlcp.design.require import read, unmet
 from handlcp.errors import RequirementNotMet
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.hand.find.candidate import Candidate
+from handlcp.keywords import helped_methods
 from handlcp.record import Record
 from handlcp.text_table import TextTable, wrapped
 
@@ -77,6 +78,7 @@ class ObjectCase(Record):
         return f"{shown(self.payload, self.at_least)} kg"
 
 
+@helped_methods
 @dataclass(frozen=True, eq=False)
 class Evaluation(Record):
     """How well a hand does what a brief asks; made by `evaluate`. `to_dict` and `to_row` are plain numbers and words.

@@ -30,6 +30,7 @@ from handlcp.design.by_finger import (
 )
 from handlcp.errors import InputError, writing
 from handlcp.hand.hand import Hand
+from handlcp.keywords import helped
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -73,6 +74,7 @@ class _Finger:
         return ["proximal", *(["middle"] if inner == 1 else [f"middle_{i + 1}" for i in range(inner)]), "distal"]
 
 
+@helped()
 def finger_hand(
     fingers: int = 3,
     link_lengths: Any = LENGTHS,

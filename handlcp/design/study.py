@@ -20,6 +20,7 @@ from handlcp.design.sweep.table import checked_table, columns_of, read_table
 from handlcp.design.sweep.work import DESIGN, ERROR, Maker, Row, in_order
 from handlcp.errors import InputError, UnknownName, brief as shortly, keyed
 from handlcp.grasp.answer.verdict import HELD
+from handlcp.keywords import helped_methods
 from handlcp.record import data_frame, entry
 from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
@@ -36,6 +37,7 @@ _HEADS = {
 ALIASES = {"motor_torque": "torque_Nm"}
 
 
+@helped_methods
 class Study:
     """Designs of a sweep with their outcomes, in rows. Prints as a short table; iterates over rows, as dictionaries.
 

@@ -15,6 +15,7 @@ from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.questions import Questions
+from handlcp.keywords import helped_init, helped_methods
 
 if TYPE_CHECKING:
     from handlcp.grasp.analysis.explanation import Explanation
@@ -33,6 +34,8 @@ def _solving() -> tuple[Any, Any, Any]:
     return solve_with_advice, start_from, no_solution
 
 
+@helped_init
+@helped_methods
 class Grasp(Questions):
     """Fingers on an object under a load. Immutable.
 

@@ -10,6 +10,7 @@ from handlcp.errors import InputError, NoSolutionFound
 from handlcp.grasp.friction import Pyramid, Section, as_section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.keywords import helped_methods
 from handlcp.views import view
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from handlcp.grasp.path.follow import Loading
 
 
+@helped_methods
 class Questions(ABC):
     """Base of `Grasp`: what is asked of it, as `spec` (data) and `scene` (arrays) have it."""
 

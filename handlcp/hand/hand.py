@@ -14,7 +14,7 @@ from handlcp.hand.elasticity.stiffness import HOW_STIFF
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.source.description import COLLISION, Description
 from handlcp.hand.state import HandState
-from handlcp.keywords import helped, needed
+from handlcp.keywords import helped, helped_methods, needed
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 _STIFFNESS = f"{HOW_STIFF} (no URDF says it)"
 
 
+@helped_methods
 class Hand(HandModel):
     """A hand with elastic joints and fingertips, made by `Hand.from_urdf`, `from_mjcf` or `from_model`; what it
     promises is said at `HandModel`.

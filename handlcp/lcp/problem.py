@@ -10,6 +10,7 @@ import numpy as np
 
 from handlcp.check import Array, Bools, array, read_only
 from handlcp.errors import InputError
+from handlcp.keywords import helped_init, helped_methods
 from handlcp.lazy import lazy
 from handlcp.lcp.scaling import Units, equilibrate
 from handlcp.tolerances import LARGEST_RAW
@@ -55,6 +56,8 @@ class Scaled:
         self.M, self.q, self.free, self.units = M, q, free, units
 
 
+@helped_init
+@helped_methods
 class LCP:
     """Find z with w = M z + q, where w_i = 0 for free i, and 0 ≤ z_i ⟂ w_i ≥ 0 for the others.
 

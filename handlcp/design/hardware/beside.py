@@ -11,6 +11,7 @@ from handlcp.design.hardware.stated import Stated, stated
 from handlcp.errors import HandLCPError, InputError, UnknownName, brief
 from handlcp.hand.hand import Hand
 from handlcp.hand.library import example_hand
+from handlcp.keywords import helped, helped_methods
 from handlcp.progress import told
 from handlcp.record import Record, columns_of, data_frame
 from handlcp.text_table import TextTable, wrapped
@@ -37,6 +38,7 @@ class BesideRow(Record):
     why: str
 
 
+@helped_methods
 class Beside(Record, Sequence[BesideRow]):
     """What is stated beside what is computed; made by `beside_hardware`. Prints as a table and the reasons below it."""
 
@@ -79,6 +81,7 @@ class Beside(Record, Sequence[BesideRow]):
         return f"Beside({', '.join(f'{words.count(word)} {word}' for word in (INSIDE, OUTSIDE, OPEN))})"
 
 
+@helped()
 def beside_hardware(hands: Mapping[str, Hand] | None = None, tests: Sequence[str] | None = None) -> Beside:
     """Numbers that makers and papers state of hands, beside the same computed from the hands' files with an interval
     over what is not stated (posture, friction) and what the audit doubts (torque limits). Nothing is tuned.

@@ -21,12 +21,14 @@ from handlcp.design.table.result import HandTable
 from handlcp.errors import HandLCPError, InputError, UnknownName, writing
 from handlcp.hand.hand import Hand
 from handlcp.hand.objects.object import Object
+from handlcp.keywords import helped
 from handlcp.progress import Progress, told
 from handlcp.version import VERSION
 
 ROWS, PARQUET, JSON = "table.rows", "table.parquet", "table.json"  # in the folder of a table
 
 
+@helped()
 def table(
     hands: Any = None, objects: Any = None, out: Any = "table", executor: Any = None, *,
     kinds: Sequence[str] = KINDS, seconds: float = SECONDS, simulated: bool = True, progress: Progress = None,

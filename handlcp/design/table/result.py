@@ -16,6 +16,7 @@ from handlcp.errors import InputError
 from handlcp.hand.hand import Hand
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.object import Object
+from handlcp.keywords import helped_methods
 from handlcp.record import Record, data_frame
 from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
@@ -23,6 +24,7 @@ from handlcp.views import view
 _DRAWN = 5  # grasps in the picture of a hand
 
 
+@helped_methods
 class HandTable(Record, Sequence[Row]):
     """Rows of a table; made by `handlcp.table`. Prints a line for each hand; a sequence of dictionaries.
 

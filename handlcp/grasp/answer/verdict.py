@@ -35,6 +35,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from handlcp.keywords import helped_methods
 from handlcp.record import Record
 from handlcp.text_table import wrapped
 
@@ -66,6 +67,7 @@ class Reason:
     values: Mapping[str, Any] = field(default_factory=dict)
 
 
+@helped_methods
 @dataclass(frozen=True, slots=True)
 class Verdict(Record):
     """Does it hold? Prints as the word and the reasons, in lines of at most 80 columns.

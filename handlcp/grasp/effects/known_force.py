@@ -21,12 +21,14 @@ from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.kind import Placement
 from handlcp.grasp.model.limit import CONTACT_KEY, FileKey, Finite, From0, Limit, contact_number
 from handlcp.grasp.model.scene import Scene
+from handlcp.keywords import helped_init
 from handlcp.words import NOTHING, length
 
 _AXES = ("x", "y", "normal")
 _ONE_KNOWN = "three numbers or None (x, y, normal), one known at least"
 
 
+@helped_init
 @dataclass(frozen=True, init=False)
 class KnownForce(Effect):
     """Contact number `contact` (from 0) pushes with these components of its force [N], contact axes; None: not known.

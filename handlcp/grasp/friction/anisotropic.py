@@ -11,8 +11,11 @@ from typing import Any, ClassVar
 from handlcp.check import array, number
 from handlcp.grasp.friction.coulomb import Coulomb
 from handlcp.grasp.friction.law import FrictionLaw
+from handlcp.keywords import helped_init, helped_methods
 
 
+@helped_init
+@helped_methods
 @dataclass(frozen=True, init=False)
 class AnisotropicCoulomb(FrictionLaw):
     """Dry friction that differs with the direction, (r_x/μ_x)² + (r_y/μ_y)² ≤ r_N²; a sliding contact is on the ellipse

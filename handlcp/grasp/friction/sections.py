@@ -11,8 +11,11 @@ import numpy as np
 
 from handlcp.check import Array, integer, read_only
 from handlcp.errors import InputError
+from handlcp.keywords import helped_init, helped_methods
 
 
+@helped_init
+@helped_methods
 @dataclass(frozen=True, slots=True)
 class Pyramid:
     """A pyramid of `faces` ≥ 3 faces in place of the friction cone.

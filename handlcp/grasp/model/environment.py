@@ -20,8 +20,10 @@ from handlcp.check import Array, array, dimensions, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Contact
+from handlcp.keywords import helped_init
 
 
+@helped_init
 class Environment:
     """m contacts of the world with the object, for `Grasp(..., environment=...)` and `state.grasp(..., environment=)`.
 

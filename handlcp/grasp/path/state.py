@@ -15,6 +15,7 @@ from handlcp.grasp.path.events import Event
 from handlcp.grasp.path.geometry import Iterate, Where
 from handlcp.grasp.path.newton.numbers import Loads, Read
 from handlcp.grasp.path.pull import Pull
+from handlcp.keywords import helped_init
 
 # ----------------------------------------------------------------
 # What is done to a grasp, stage by stage: the hand closes, then the load comes; or any other order.
@@ -26,6 +27,7 @@ LET_GO = "let go"  # the stage in which an object is let go that was kept in pla
 _KNOWN = ("squeeze", "load", "together")
 
 
+@helped_init
 @dataclass(frozen=True, slots=True)
 class Stage:
     """One stage of loading, for `grasp.follow(order=[...])`; what is None stays as it is.

@@ -20,6 +20,7 @@ from handlcp.errors import UnknownName
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter import by_effort, named, present
 from handlcp.grasp.parameter.parameter import TENTH
+from handlcp.keywords import helped_methods
 from handlcp.record import plain
 from handlcp.text_table import TextTable, wrapped
 from handlcp.words import first_largest
@@ -77,6 +78,7 @@ class Sides(NamedTuple):
     derivative: Array
 
 
+@helped_methods
 class PathSensitivity:
     """Derivatives `<quantity>_by_<parameter>` of the end of a path: arrays in the shape of the quantity followed by
     that of the parameter, SI, as in `Sensitivity`, whose parameters these are. `all_friction`, `all_pads`,

@@ -19,6 +19,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, read_only, sealed
 from handlcp.grasp.model.mechanism import joint_flexibility
+from handlcp.keywords import helped_methods
 from handlcp.record import Record
 from handlcp.text_table import TextTable
 from handlcp.tolerances import SEMIDEFINITE
@@ -162,6 +163,7 @@ def spanned(motions: Array) -> Array:
     return read_only(U[:, s > SEMIDEFINITE])
 
 
+@helped_methods
 class Transmission:
     """What users pass in place of a joint stiffness where an actuator moves several joints."""
 

@@ -28,11 +28,14 @@ import numpy as np
 
 from handlcp.check import Array, number, per_name, read_only
 from handlcp.errors import InputError
+from handlcp.keywords import helped_init, helped_methods
 from handlcp.lazy import lazy
 
 CONTINUOUS, HOLDING = "continuous", "holding"  # which of the two a joint is held by
 
 
+@helped_init
+@helped_methods
 @dataclass(frozen=True)
 class Motor:
     """One motor with its gear, for `motors=` of a hand, or of `Tendons`: what is said of the joint is then said of the

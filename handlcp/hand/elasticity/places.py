@@ -12,12 +12,14 @@ import pinocchio as pin
 from handlcp.check import Array, array, dimensions, number, read_only, unit
 from handlcp.errors import InputError, Unsupported
 from handlcp.hand.elasticity.wrapping import ROUNDING
+from handlcp.keywords import helped_init
 
 CYLINDER, SPHERE = "cylinder", "sphere"
 
 _PLACEMENTS = "a pin.SE3 whose z is the axis, a point and a unit axis ((3,), (3,)), or of a sphere its centre (3,)"
 
 
+@helped_init
 @dataclass(frozen=True, eq=False)
 class Site:
     """A hole that the cable runs through, or an end that is knotted. link : that carries it. point : (3,) in the link's
@@ -36,6 +38,7 @@ class Site:
         return replace(self, point=point(self.link, self.point))
 
 
+@helped_init
 @dataclass(frozen=True, eq=False)
 class Pulley:
     """A loose pulley, from which a branch of its own begins. divisor : > 0, of the branch's length and tension: 2 for
@@ -48,6 +51,7 @@ class Pulley:
         object.__setattr__(self, "divisor", number("Pulley.divisor", self.divisor, above=0.0))
 
 
+@helped_init
 @dataclass(frozen=True, eq=False)
 class Around:
     """A round body that the cable lies on where it is in the way, between two sites outside it. No friction.

@@ -20,6 +20,7 @@ from handlcp.hand.elasticity.stiffness import (
     read_springs,
     read_stiffness,
 )
+from handlcp.keywords import helped_init
 from handlcp.tolerances import SEMIDEFINITE
 
 # ----------------------------------------------------------------
@@ -50,6 +51,7 @@ SYNERGIES = Description(
 _spring = partial(number, above=0.0, finite=False)
 
 
+@helped_init
 @dataclass(frozen=True, eq=False)
 class Synergies(Transmission):
     """Pass it as a hand's `joint_stiffness`.

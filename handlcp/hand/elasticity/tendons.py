@@ -23,6 +23,7 @@ from handlcp.hand.elasticity.stiffness import (
 )
 from handlcp.hand.elasticity.tendon_motors import read_tendon_motors
 from handlcp.hand.elasticity.tendon_stiffness import EQUATION, Made, RoutedStiffness, TendonStiffness
+from handlcp.keywords import helped_init, helped_methods
 
 # ----------------------------------------------------------------
 # Tendons: elastic cables over several joints, usually fewer of them than joints.
@@ -57,6 +58,8 @@ _limit = partial(number, above=0.0, finite=False)
 _ARMS = "Tendons.moment_arms"
 
 
+@helped_init
+@helped_methods
 @dataclass(frozen=True, eq=False)
 class Tendons(Transmission):
     """Pass it as a hand's `joint_stiffness`.

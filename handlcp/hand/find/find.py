@@ -17,12 +17,14 @@ from handlcp.hand.objects.shapes import Mesh, ask_for_metres
 from handlcp.hand.robot.convex import available
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
+from handlcp.keywords import helped
 from handlcp.progress import told as counted
 
 PINCH, POWER, ANY = "pinch", "power", "any"
 KINDS = PINCH, POWER, ANY
 
 
+@helped()
 @counted("looking for a grasp")
 def find_grasp(
     hand: HandModel,

@@ -13,6 +13,7 @@ import pinocchio as pin
 from handlcp.check import Array, array
 from handlcp.errors import InputError, Unsupported
 from handlcp.hand.objects.object import read_placement
+from handlcp.keywords import helped
 
 _WHICH = "pregrasp", "grasp", "squeeze"
 _UNIT = 1e-3  # a quaternion's length differs from 1 by no more
@@ -29,6 +30,7 @@ class GivenPosture(NamedTuple):
     name: str = ""
 
 
+@helped()
 def read_postures(source: Any, joints: Sequence[str] | None = None, which: str = "grasp") -> list[GivenPosture]:
     """Grasps that something else has found: of each the posture of the hand and the placement of the object.
 

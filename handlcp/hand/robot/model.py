@@ -18,12 +18,14 @@ from handlcp.hand.robot.joints import Doubt, TorqueLimits
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.description import Description
 from handlcp.hand.robot.tip_geometry import TipGeometry, TipShape
+from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
 
 if TYPE_CHECKING:
     from handlcp.hand.robot.link_surface import LinkSurface
 
 
+@helped_methods
 class HandModel:
     """The parts of a hand with elastic joints and fingertips. Immutable, safe to share between threads, picklable.
 

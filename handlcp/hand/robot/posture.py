@@ -10,6 +10,7 @@ import numpy as np
 from handlcp.check import Array, array, read_only
 from handlcp.hand.elasticity.stiffness import tip_flexibility
 from handlcp.hand.robot.model import HandModel
+from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
 
 GRAVITY = (0.0, 0.0, -9.81)  # m/s², world axes
@@ -23,6 +24,7 @@ _SPREAD[[6, 8], [5, 3]] = -1.0, 1.0  # b = (-ω_z, 0, ω_x)
 _SPREAD[[9, 10], [4, 3]] = 1.0, -1.0  # c = (ω_y, -ω_x, 0)
 
 
+@helped_methods
 class Posture:
     """Immutable; all arrays read-only, world axes, metres and radians.
 

@@ -18,6 +18,7 @@ from handlcp.grasp.limits.followed import followed_limit, sliding as sliding_to_
 from handlcp.grasp.limits.load_limit import is_followed, load_of
 from handlcp.grasp.path.follow import follow, sliding
 from handlcp.grasp.path.state import Stage
+from handlcp.keywords import helped, helped_methods
 from handlcp.lcp.compiler.when import at_once
 from handlcp.method.accuracy.methods import share
 from handlcp.record import Record
@@ -54,6 +55,7 @@ class PathRow(Record):
     estimate: float
 
 
+@helped_methods
 @dataclass(frozen=True, eq=False)
 class PathCost(Record):
     """What accuracy costs on a path of a grasp; made by `path_cost`.
@@ -110,6 +112,7 @@ def _milliseconds(seconds: float) -> str:
     return f"{1e3 * seconds:.0f}" if seconds >= 0.1 else f"{1e3 * seconds:.3g}"
 
 
+@helped()
 @at_once()
 def path_cost(
     grasp: Grasp, wrench: Any = None, *, geometry: str | None = None, faces: int | str | Pyramid = "cone",

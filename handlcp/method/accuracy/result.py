@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.errors import InputError, writing
+from handlcp.keywords import helped_methods
 from handlcp.method.accuracy.methods import ROUNDING, microseconds, share
 from handlcp.record import Record, columns_of, data_frame
 from handlcp.text_table import wrapped
@@ -124,6 +125,7 @@ class FaceLaw:
     faces: tuple[int, ...]
 
 
+@helped_methods
 @dataclass(frozen=True)
 class AccuracyCost(Record):
     """What accuracy costs in one scene; made by `accuracy_cost`.

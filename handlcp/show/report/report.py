@@ -14,6 +14,7 @@ from handlcp.design.evaluate import evaluate
 from handlcp.design.evaluation import Evaluation, ObjectCase
 from handlcp.errors import InputError
 from handlcp.hand import Hand
+from handlcp.keywords import helped
 from handlcp.progress import told
 from handlcp.show.file import new_figure, writable
 from handlcp.show.page.written import image, web_files, write
@@ -27,6 +28,7 @@ _OF_OBJECT = (
 )  # fmt: skip
 
 
+@helped()
 def report(hands: Any, brief: Brief, path: Any) -> Path:
     """Evaluate hands by a brief, and write one page (html) that shows them beside each other and needs no network.
 

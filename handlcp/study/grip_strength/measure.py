@@ -14,6 +14,7 @@ from handlcp.grasp.cause.judge import UNDECIDED
 from handlcp.hand import Cylinder, Hand, find_grasp
 from handlcp.hand.objects.shapes import ask_for_metres
 from handlcp.hand.pulling import KEEPS
+from handlcp.keywords import helped
 from handlcp.progress import told
 from handlcp.study.grip_strength.across import Around
 from handlcp.study.grip_strength.full_torque import Closed, ask_for_limits, closed
@@ -25,6 +26,7 @@ _TRIED = 4  # pinch grasps that are closed, of which the strongest counts
 _WEIGHTLESS = (0.0, 0.0, 0.0)
 
 
+@helped()
 def split_cylinder(
     hand: Hand, diameter: Any, *, length: Any = None, friction: Any = None, normal: Any = None,
     grasps: Sequence[str] = (POWER, PINCH), fingers: Sequence[str] | None = None, placement: Any = None,

@@ -16,6 +16,7 @@ from handlcp.grasp import GraspSolution, Verdict
 from handlcp.grasp.answer.small_motions import motions
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.grasp import Grasp
+from handlcp.keywords import helped_methods
 from handlcp.record import Record, data_frame
 from handlcp.study.reliability.interval import Chance, Influence, value_with
 from handlcp.study.reliability.outcome import WORDS, Outcomes
@@ -69,6 +70,7 @@ class Sample(Record):
         return wrapped(f"sample {self.number}, {self.word}: {self.cause}", "  ")
 
 
+@helped_methods
 @dataclass(frozen=True, eq=False)
 class Reliability(Record):
     """The answer of `hl.reliability`.
