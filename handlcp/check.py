@@ -84,7 +84,7 @@ def number(
     """A real number ≥ `minimum` and > `above`, at most `LARGEST` in size unless infinity is welcome."""
     bound = f" ≥ {minimum:g}" if minimum > -np.inf else f" > {above:g}" if above > -np.inf else ""
     expected = f"a {'finite ' if finite else ''}number{bound}"
-    if isinstance(value, _NO_NUMBERS) or (isinstance(value, np.ndarray) and value.ndim > 0):
+    if isinstance(value, _NO_NUMBERS) or (isinstance(value, np.ndarray) and (value.ndim or value.dtype.kind not in "iuf")):
         raise InputError(argument, expected, shown(value))
     try:
         x = float(value)

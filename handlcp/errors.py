@@ -41,6 +41,17 @@ def shown(value: object, most: int = 80) -> str:
     return text if len(text) <= most else f"{text[: most - 3]}..."
 
 
+def as_path(argument: str, value: Any, wanted: str = "the name of a file") -> Path:
+    """The path that a text or a path is. Raises InputError, also for a name that no file can have."""
+    try:
+        path = Path(value)
+    except TypeError:
+        raise InputError(argument, wanted, shown(value)) from None
+    if "\0" in str(path):
+        raise InputError(argument, wanted, f"{shown(str(path))}, with a zero byte in it")
+    return path
+
+
 def unreadable(path: Path) -> str:
     """Why a path is no file: "does not exist", "is a folder" …; "" where it is one."""
     try:

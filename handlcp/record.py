@@ -23,7 +23,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
-from handlcp.errors import Unsupported, writing
+from handlcp.errors import Unsupported, as_path, writing
 from handlcp.keywords import helped_methods
 from handlcp.version import VERSION
 from handlcp.views import view
@@ -145,7 +145,7 @@ class Record:
         text = json_text(self.to_dict())
         if path is None:
             return text
-        file = Path(path)
+        file = as_path("path", path)
         with writing("path", file):
             file.write_text(text + "\n", encoding="utf-8")
         return file

@@ -11,7 +11,7 @@ from typing import Any, Self
 import numpy as np
 
 from handlcp.check import Array, array, dimensions, integer, number, read_only
-from handlcp.errors import InputError, writing
+from handlcp.errors import InputError, as_path, writing
 from handlcp.grasp.friction import as_law
 from handlcp.hand.find.find import PINCH, check_closing
 from handlcp.hand.objects.object import Object
@@ -94,10 +94,7 @@ class Brief:
 
         if path is None:
             return toml_text(self, Path())
-        try:
-            file = Path(path)
-        except TypeError:
-            raise InputError("path", "the name of a file", repr(path)[:80]) from None
+        file = as_path("path", path)
         text = toml_text(self, file.parent)
         with writing("path", file):
             file.write_text(text, encoding="utf-8")

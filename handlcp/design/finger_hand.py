@@ -11,7 +11,6 @@ import os
 import tempfile
 from dataclasses import dataclass
 from math import cos, hypot, pi, sin
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from handlcp.check import integer
@@ -28,7 +27,7 @@ from handlcp.design.by_finger import (
     lengths,
     positive,
 )
-from handlcp.errors import InputError, writing
+from handlcp.errors import InputError, as_path, writing
 from handlcp.hand.hand import Hand
 from handlcp.keywords import helped
 
@@ -199,10 +198,7 @@ def _parts(finger: _Finger) -> tuple[list[Any], list[Any]]:
 
 def _write(file: Any, urdf: bytes) -> None:
     """Whole or not at all. Raises InputError."""
-    try:
-        path = Path(file)
-    except TypeError:
-        raise InputError("file", "the path of a file", repr(file)[:80]) from None
+    path = as_path("file", file, "the path of a file")
     with writing("file", path):
         handle, beside = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=".urdf")
         try:

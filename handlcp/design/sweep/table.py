@@ -11,7 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from handlcp.errors import InputError, Unsupported, unreadable, writing
+from handlcp.errors import InputError, Unsupported, as_path, unreadable, writing
 
 PARQUET, CSV = ".parquet", ".csv"
 _KEY = b"handlcp.sweep"
@@ -22,10 +22,7 @@ def checked_table(out: Any) -> Path:
     """The file of a table. Raises InputError for another kind of file, or a folder that is not there; Unsupported for
     Parquet without pyarrow.
     """
-    try:
-        file = Path(out)
-    except TypeError:
-        raise InputError("out", f"a file that ends in {PARQUET} or {CSV}", repr(out)[:80]) from None
+    file = as_path("out", out, f"a file that ends in {PARQUET} or {CSV}")
     if file.suffix.lower() not in (PARQUET, CSV):
         raise InputError("out", f"a file that ends in {PARQUET} or {CSV}", repr(str(out)))
     if not file.absolute().parent.is_dir():

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import coal
 import numpy as np
 
 from handlcp.check import Array, array, read_only
-from handlcp.errors import InputError, unreadable
+from handlcp.errors import InputError, as_path, unreadable
 from handlcp.hand.objects.object import Solid
 from handlcp.hand.robot.link_surface import hull, triangles_of
 
@@ -110,10 +109,7 @@ def _tree_of(mesh: Surfaces, scale: Array) -> Any:
 
 
 def _read(path: Any, scale: Array) -> Any:
-    try:
-        file = Path(path)
-    except TypeError:
-        raise InputError("path", "the path of a mesh file, or a trimesh.Trimesh", repr(path)[:80]) from None
+    file = as_path("path", path, "the path of a mesh file, or a trimesh.Trimesh")
     if why := unreadable(file):
         raise InputError("path", "the path of a mesh file", f"{str(file)!r}, which {why}")
     try:

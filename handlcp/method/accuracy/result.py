@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.errors import InputError, writing
+from handlcp.errors import InputError, as_path, writing
 from handlcp.keywords import helped_methods
 from handlcp.method.accuracy.methods import ROUNDING, microseconds, share
 from handlcp.record import Record, columns_of, data_frame
@@ -225,7 +225,7 @@ class AccuracyCost(Record):
 
     def to_csv(self, path: Any) -> Path:
         """Write `rows` under a heading; an empty cell is None. Raises InputError for a file that cannot be written."""
-        file = Path(path)
+        file = as_path("csv", path)
         with writing("csv", file), file.open("w", newline="", encoding="utf-8") as out:
             writer = csv.DictWriter(out, [f.name for f in fields(Row)])
             writer.writeheader()
