@@ -84,7 +84,9 @@ def number(
     """A real number ≥ `minimum` and > `above`, at most `LARGEST` in size unless infinity is welcome."""
     bound = f" ≥ {minimum:g}" if minimum > -np.inf else f" > {above:g}" if above > -np.inf else ""
     expected = f"a {'finite ' if finite else ''}number{bound}"
-    if isinstance(value, _NO_NUMBERS) or (isinstance(value, np.ndarray) and (value.ndim or value.dtype.kind not in "iuf")):
+    if isinstance(value, _NO_NUMBERS) or (
+        isinstance(value, np.ndarray) and (value.ndim > 0 or value.dtype.kind not in "iuf")
+    ):
         raise InputError(argument, expected, shown(value))
     try:
         x = float(value)
@@ -118,6 +120,18 @@ def yes_or_no(argument: str, value: Any) -> bool:
     if not isinstance(value, bool):
         raise InputError(argument, "True or False", repr(value)[:80])
     return value
+
+
+def several(argument: str, value: Any, expected: str) -> tuple[Any, ...]:
+    """What a sequence, a set or an array holds; a text, a mapping and a single number hold nothing. Raises InputError,
+    which says what is `expected`.
+    """
+    try:
+        if isinstance(value, (str, bytes, Mapping)):
+            raise TypeError
+        return tuple(value)
+    except TypeError:  # nor does an array without dimensions
+        raise InputError(argument, expected, shown(value)) from None
 
 
 def per_name(argument: str, values: Mapping[Any, Any], names: Sequence[str], kind: str) -> dict[str, Any]:

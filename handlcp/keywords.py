@@ -36,6 +36,9 @@ def helped(**elsewhere: str) -> Callable[[_F], _F]:
             for kind, value in zip(call.in_order, args, strict=False):
                 if kind is not None:
                     kind.check(value)
+            if call.rest is not None:
+                for value in args[len(call.in_order) :]:
+                    call.rest.check(value)
             for name, value in given.items():
                 if (kind := call.kinds.get(name)) is not None:
                     kind.check(value)
@@ -125,6 +128,12 @@ class _Call:
         named = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
         return [self.kinds.get(p.name) for p in self.signature.parameters.values() if p.kind in named]
 
+    @cached_property
+    def rest(self) -> _Kind | None:
+        """Of any number of arguments more."""
+        every = [p for p in self.signature.parameters.values() if p.kind is p.VAR_POSITIONAL]
+        return self.kinds.get(every[0].name) if every else None
+
     def check(self, args: tuple[Any, ...], given: dict[str, Any]) -> None:
         """Raises WrongCall where these arguments are not those of the function."""
         every = self.signature.parameters
@@ -167,8 +176,8 @@ def _of_alias(value: Any) -> tuple[type, ...]:
     if isinstance(value, UnionType) or typing.get_origin(value) is typing.Union:
         found = [_of_alias(one) for one in typing.get_args(value)]
         return tuple([kind for few in found for kind in few]) if all(found) else ()
-    if typing.get_origin(value) is Callable:
-        return (FunctionType,)
+    if typing.get_origin(value) in (Callable, dict):
+        return (FunctionType,) if typing.get_origin(value) is Callable else (Mapping,)
     if value in (bool, str, NoneType):
         return (value,)
     own = isinstance(value, type) and value.__module__.startswith("handlcp") and not getattr(value, "_is_protocol", 0)

@@ -10,7 +10,7 @@ from typing import Any, Self
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, Bools, integer
+from handlcp.check import Array, Bools, integer, several
 from handlcp.design.evaluation import Evaluation
 from handlcp.design.space import Space
 from handlcp.design.sweep.again import evaluations
@@ -148,7 +148,9 @@ class Study:
 
     def some(self, at: Iterable[Any], which: str = "") -> Self:
         """The designs in these rows, in this order. which : what they are called when they are printed."""
-        made, rows = type(self)(self.sweep, (), self._maker), list(at)
+        last = len(self) - 1
+        rows = [integer(f"at[{i}]", k, 0, last) for i, k in enumerate(several("at", at, "numbers of rows"))]
+        made = type(self)(self.sweep, (), self._maker)
         made._which = which
         made.columns = {name: [column[k] for k in rows] for name, column in self.columns.items()}
         return made

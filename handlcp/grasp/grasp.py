@@ -7,7 +7,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, Self, overload
 
 from handlcp.check import Array, number, read_only, yes_or_no
-from handlcp.errors import InputError
+from handlcp.errors import InputError, shown
 from handlcp.grasp.assembly.asked import Asked, alone, remade
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.effects import Effect
@@ -148,6 +148,8 @@ class Grasp(Questions):
         from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
         from handlcp.lcp import Auto
 
+        if not (chain is None or isinstance(chain, Auto)):
+            raise InputError("chain", "an Auto, or None", shown(chain))
         return (chain or Auto()).plan(GraspContactProblem(self.scene, self._section(faces), stamped(self.spec.effects)))
 
     def solve(

@@ -9,7 +9,9 @@ from typing import Any
 
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
+from handlcp.hand import Object
 from handlcp.hand.hand_grasp import grasp_of
+from handlcp.keywords import helped
 from handlcp.show.file import drawn
 from handlcp.show.html import html, table_html, text_html
 from handlcp.show.record import record
@@ -22,8 +24,13 @@ __all__ = [
 ]  # fmt: skip
 
 
+@helped()
 def plot(
-    solution: GraspSolution, path: Any = None, obj: Any = None, title: str = "", verdict: Verdict | None = None
+    solution: GraspSolution,
+    path: Any = None,
+    obj: Object | None = None,
+    title: str = "",
+    verdict: Verdict | None = None,
 ) -> Any:
     """See `GraspSolution.plot`."""
     from handlcp.show.loading.report import verdict_picture
@@ -35,8 +42,9 @@ def plot(
     return drawn(path, draw, _asked(solution), solution, obj, title, verdict)
 
 
+@helped()
 def page(
-    solution: GraspSolution, path: Any, obj: Any = None, title: str = "", verdict: Verdict | None = None,
+    solution: GraspSolution, path: Any, obj: Object | None = None, title: str = "", verdict: Verdict | None = None,
     loading: Loading | None = None,
 ) -> Path:  # fmt: skip
     """See `GraspSolution.page`."""

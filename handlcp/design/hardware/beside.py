@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from handlcp.check import several
 from handlcp.design.hardware.computed import COMPUTED, Computed, computed
 from handlcp.design.hardware.stated import Stated, stated
 from handlcp.errors import HandLCPError, InputError, UnknownName, brief
@@ -91,13 +92,14 @@ def beside_hardware(hands: Mapping[str, Hand] | None = None, tests: Sequence[str
         UnknownName.
     """
     given, names = dict(hands or {}), {one.hand for one in stated()}
-    if unknown := [name for name in given if name not in names]:
+    chosen = () if tests is None else several("tests", tests, f"tests, of {', '.join(COMPUTED)}")
+    if unknown := [str(name) for name in given if name not in names]:
         raise UnknownName("hands", "a hand of which something is stated", unknown, sorted(names))
     if wrong := [name for name, hand in given.items() if not isinstance(hand, Hand)]:
         raise InputError(f"hands[{wrong[0]!r}]", "a Hand", repr(given[wrong[0]])[:80])
-    if unknown := [test for test in tests or () if test not in COMPUTED]:
-        raise UnknownName("tests", "a test", unknown, COMPUTED)
-    asked = [one for one in stated() if tests is None or one.test in tests]
+    if unknown := [test for test in chosen if not isinstance(test, str) or test not in COMPUTED]:
+        raise UnknownName("tests", "a test", map(str, unknown), COMPUTED)
+    asked = [one for one in stated() if tests is None or one.test in chosen]
     with told("stated numbers", len(asked)) as done:
         rows = []
         for one in asked:

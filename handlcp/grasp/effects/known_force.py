@@ -63,7 +63,11 @@ class KnownForce(Effect):
 
     def __init__(self, contact: int, force: Any) -> None:
         object.__setattr__(self, "contact", integer("KnownForce.contact", contact, 0))
-        given = list(force) if isinstance(force, (tuple, list, np.ndarray)) else []
+        given = (
+            list(force)
+            if isinstance(force, (tuple, list, np.ndarray)) and np.ndim(np.array(force, dtype=object)) == 1
+            else []
+        )
         if len(given) != 3 or all(f is None for f in given):
             raise InputError("KnownForce.force", _ONE_KNOWN, repr(force))
         checked = [None if f is None else number(f"KnownForce.force[{k}]", f) for k, f in enumerate(given)]

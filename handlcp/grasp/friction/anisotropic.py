@@ -54,7 +54,7 @@ class AnisotropicCoulomb(FrictionLaw):
 
     def with_mu(self, mu: float) -> FrictionLaw:
         """The same ellipse, grown or shrunk until its larger half-axis is `mu`."""
-        x, y = self.scale
+        mu, (x, y) = number("mu", mu, minimum=0.0), self.scale
         return AnisotropicCoulomb(mu * x, mu * y, self.along) if mu * min(x, y) > 0.0 else Coulomb(0.0)
 
     def __repr__(self) -> str:

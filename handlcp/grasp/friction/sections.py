@@ -9,7 +9,7 @@ from typing import ClassVar, TypeAlias
 
 import numpy as np
 
-from handlcp.check import Array, integer, read_only
+from handlcp.check import Array, array, integer, read_only
 from handlcp.errors import InputError
 from handlcp.keywords import helped_init, helped_methods
 
@@ -51,7 +51,7 @@ class Pyramid:
 
     def limit(self, mu: Array) -> Array:
         """(n,) the same per newton of normal force [-]."""
-        return mu * self.share
+        return array("mu", mu) * self.share
 
     @property
     def name(self) -> str:

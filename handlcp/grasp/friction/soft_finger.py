@@ -56,4 +56,5 @@ class SoftFinger(FrictionLaw):
 
     def with_mu(self, mu: float) -> SoftFinger:
         """The same lever with another coefficient."""
+        mu = number("mu", mu, minimum=0.0)
         return SoftFinger(mu, mu * self.lever, self.torsional_flexibility)

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, number, read_only
 from handlcp.errors import UnknownName
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter import by_effort, named, present
@@ -139,6 +139,9 @@ class PathSensitivity:
         """By quantity, its change to first order when all entries of a parameter grow by a share of themselves; {}
         where they are all zero.
         """
+        share = number("share", share)
+        if parameter not in (names := [p.name for p in present(self._spec)]):
+            raise UnknownName("parameter", "a parameter", [str(parameter)], names)
         of = named(parameter)
         sizes = of.values(self._spec)
         largest = float(abs(sizes).max(initial=0.0))

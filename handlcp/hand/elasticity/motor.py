@@ -125,6 +125,7 @@ class Motor:
         """U [-] : what the motor gives for a torque at the joint [N·m], as a share of what it gives for good; 0 where
         friction or the gear carries all of it.
         """
+        torque = number("torque", torque)
         if abs(torque) <= (self.holding or 0.0):
             return 0.0
         return max(abs(torque) - self.friction, 0.0) / self.for_good

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, integer, number
+from handlcp.check import Array, integer, number, several
 from handlcp.doubled import MORE, SAFE
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
@@ -126,7 +126,7 @@ def path_cost(
     """
     if not isinstance(grasp, Grasp):
         raise InputError("grasp", "a Grasp", repr(grasp)[:80])
-    many = [number("times", x, above=0.0) for x in times]
+    many = [number("times", x, above=0.0) for x in several("times", times, "numbers that increase")]
     if len(many) < 2 or many != sorted(set(many)):
         raise InputError("times", "at least two numbers that increase", repr(list(times)))
     integer("repeats", repeats, 1, 1000)

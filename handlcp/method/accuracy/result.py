@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from handlcp.check import number
 from handlcp.errors import InputError, as_path, writing
 from handlcp.keywords import helped_methods
 from handlcp.method.accuracy.methods import ROUNDING, microseconds, share
@@ -161,6 +162,7 @@ class AccuracyCost(Record):
 
     def cheapest(self, error: float, method: str | None = None) -> Row | None:
         """The fastest setting whose force error is at most `error`, of one method or of all; None: there is none."""
+        error = number("error", error, minimum=0.0, finite=False)
         met = [r for r in self.rows if r.comparable and method in (None, r.method) and r.cost[1] <= error]
         return min(met, key=lambda r: r.cost, default=None)
 

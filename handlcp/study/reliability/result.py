@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, Ints
-from handlcp.errors import InputError
+from handlcp.check import Array, Ints, integer
 from handlcp.grasp import GraspSolution, Verdict
 from handlcp.grasp.answer.small_motions import motions
 from handlcp.grasp.answer.verdict import Reason
@@ -126,8 +125,7 @@ class Reliability(Record):
 
     def sample(self, k: int) -> Sample:
         """Sample k, 0 to `samples` - 1. Raises InputError."""
-        if not 0 <= k < self.samples:
-            raise InputError("k", f"a number from 0 to {self.samples - 1}", k)
+        k = integer("k", k, 0, self.samples - 1)
         row = values_at(self.placer.dimensions, self.blocks.points(k, k + 1))[0]
         values = dict(zip(self.names, row.tolist(), strict=True))
         word = WORDS[int(self.codes[k])]
