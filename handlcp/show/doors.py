@@ -26,12 +26,9 @@ __all__ = [
 
 @helped()
 def plot(
-    solution: GraspSolution,
-    path: Any = None,
-    obj: Object | None = None,
-    title: str = "",
+    solution: GraspSolution, path: Any = None, obj: Object | None = None, title: str = "",
     verdict: Verdict | None = None,
-) -> Any:
+) -> Any:  # fmt: skip
     """See `GraspSolution.plot`."""
     from handlcp.show.loading.report import verdict_picture
     from handlcp.show.picture import draw  # pictures alone need matplotlib

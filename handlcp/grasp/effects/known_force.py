@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, integer, number
+from handlcp.check import Array, integer, number, several
 from handlcp.errors import InputError
 from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.kind import Placement
@@ -63,11 +63,7 @@ class KnownForce(Effect):
 
     def __init__(self, contact: int, force: Any) -> None:
         object.__setattr__(self, "contact", integer("KnownForce.contact", contact, 0))
-        given = (
-            list(force)
-            if isinstance(force, (tuple, list, np.ndarray)) and np.ndim(np.array(force, dtype=object)) == 1
-            else []
-        )
+        given = several("KnownForce.force", force, _ONE_KNOWN)
         if len(given) != 3 or all(f is None for f in given):
             raise InputError("KnownForce.force", _ONE_KNOWN, repr(force))
         checked = [None if f is None else number(f"KnownForce.force[{k}]", f) for k, f in enumerate(given)]

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from handlcp.check import Array, array, dimensions, number, read_only, unit
-from handlcp.errors import InputError, Unsupported
+from handlcp.check import Array, array, dimensions, number, read_only, several, unit
+from handlcp.errors import InputError, Unsupported, shown
 from handlcp.hand.elasticity.wrapping import ROUNDING
 from handlcp.keywords import helped_init
 
@@ -123,7 +123,8 @@ def _placed(value: Any, shape: str) -> tuple[Array, Array]:
         return array(name, value.translation, (3,)), unit(name, value.rotation[:, 2], (3,))
     if shape == SPHERE and dimensions(value) == 1:
         return array(name, value, (3,), what="metres in the link's frame"), read_only(np.array([0.0, 0.0, 1.0]))
-    if not isinstance(value, (tuple, list, np.ndarray)) or len(value) != 2:
-        raise InputError(name, _PLACEMENTS, repr(value)[:80])
+    value = several(name, value, _PLACEMENTS)
+    if len(value) != 2:
+        raise InputError(name, _PLACEMENTS, shown(value))
     centre = array(f"{name}[0]", value[0], (3,), what="metres in the link's frame")
     return centre, unit(f"{name}[1]", value[1], (3,))

@@ -134,6 +134,9 @@ class Mesh(Object):
 _WIDE, _TIMES = 5.0, 20.0  # [m], and times the hand's size: what is wider was not given in metres
 
 
+_HEAVY, _TIMES_ITS_OWN = 50.0, 50.0  # kg, and hands' own mass: what is heavier is given in grams
+
+
 def ask_for_metres(argument: str, obj: Object, tips: Array) -> None:
     """Raises InputError for an object far wider than a hand with fingertips at (n, 3) [m]; a mesh was asked before."""
     size = float(np.sqrt((tips * tips).sum(axis=1)).max())
@@ -142,6 +145,13 @@ def ask_for_metres(argument: str, obj: Object, tips: Array) -> None:
     if wide > max(_WIDE, _TIMES * size) and not isinstance(obj, Mesh):
         came = f"{obj!r}, {wide:.3g} m wide in a hand of {size:.2g} m: are these millimetres?"
         raise InputError(argument, "an object in metres", came)
+
+
+def ask_for_kilograms(argument: str, obj: Object, hand: float) -> None:
+    """Raises InputError for an object that weighs far more than any hand lifts. hand : its own mass [kg]."""
+    if obj.mass > max(_HEAVY, _TIMES_ITS_OWN * hand):
+        own = f" for a hand of {hand:.3g} kg" if hand > 0.0 else ""
+        raise InputError(argument, "a mass in kilograms", f"{obj.mass:g} kg{own} (grams? {obj.mass / 1e3:g})")
 
 
 def far_from(argument: str, positions: Array, tips: Array) -> None:

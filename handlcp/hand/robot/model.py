@@ -94,6 +94,11 @@ class HandModel:
         return self.kinematics.moved_by(self.tips.support[:, 0, :])
 
     @lazy
+    def mass(self) -> float:
+        """[kg] of all its links; 0 where the file says none."""
+        return sum(float(inertia.mass) for inertia in self.kinematics.model.inertias)
+
+    @lazy
     def sliding(self) -> tuple[str, ...]:
         """Names of prismatic joints, whose torques are forces [N]."""
         return tuple([fact.name for fact in self.kinematics.facts if fact.kind == "prismatic"])
