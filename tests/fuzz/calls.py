@@ -16,7 +16,7 @@ import tempfile
 import time
 import warnings
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
@@ -119,9 +119,11 @@ def limited(seconds: float) -> Iterator[None]:
         signal.signal(signal.SIGALRM, before)
 
 
-def fuzz(many: int, seed: int, seconds: float = SECONDS) -> list[Outcome]:
-    """So many of the trials, drawn without putting them back, in a folder that is thrown away."""
-    every = trials()
+def fuzz(many: int, seed: int, seconds: float = SECONDS, among: Sequence[Trial] | None = None) -> list[Outcome]:
+    """So many of the trials, drawn without putting them back, in a folder that is thrown away. among : these trials;
+    None: all.
+    """
+    every = trials() if among is None else among
     drawn = random.Random(seed).sample(every, min(many, len(every)))
     here = os.getcwd()
     with tempfile.TemporaryDirectory() as folder:

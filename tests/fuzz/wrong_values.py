@@ -7,7 +7,6 @@ function, an object. It follows from the parameter's name where the annotation i
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from functools import cache
 
 import numpy as np
@@ -28,7 +27,7 @@ DEEP: list = []
 for _ in range(300):
     DEEP = [DEEP]
 
-# What converts to a number and is none: taking it is a fault, as well
+# What converts to a number, an array, or a truth value, and is none: taking it is a fault, as well
 NO_NUMBER = [NAN, True, False, "1", "nan", b"1", np.bool_(True), np.array("1"), "inf", np.float64("nan")]
 NUMBER = [*NO_NUMBER, *ODD, -1.0, 0.0, 1e300, -1e300, 1e-300, float("inf"), -float("inf"), [1.0, 2.0, 3.0], DEEP, 0.5]
 NO_ARRAY = [[NAN] * 3, [NAN] * 6, ["1", "2", "3"], [True, False, True], "1", NAN, True, ["nan"] * 6, {"a": NAN}]
@@ -52,41 +51,37 @@ SILENT = {"number": NO_NUMBER, "array": NO_ARRAY, "flag": NO_FLAG}
 # Parameters whose annotation says `Any`, or less than they are
 NAMED = {
     "number": """
-        acceleration accuracy clearance closing_torque confidence continuous density diameter divisor efficiency error
-        factor flexibility friction grip_force holding joint_friction joint_stiffness least length link_radius mass
-        max_gap most_force motion mu mu_torsion mu_x mu_y normal_force opening pad_flexibility palm_radius passive peak
-        preload pretension radius rated_payload reduction safety scale seconds share squeeze stiffness thermal_time
-        tilt tip_radius tolerance tol torque_limits torsional_flexibility turn weight search_work search_seconds
-        pivot_tolerance size limits torque angle x y budget samples orientations directions gap load_share
+        acceleration accuracy budget closing_torque density diameter directions friction grip_force joint_friction
+        joint_stiffness length limits link_radius mass max_gap most_force pad_flexibility palm_radius passive preload
+        pretension radius rated_payload samples scale seconds size squeeze stiffness tilt tip_radius torque_limits
+        weight
     """,
     "array": """
-        M along angles at axis base_point direction flexibility_matrix force forces forward frames gravity joint_offset
-        link_lengths load loads normal offset point points position positions q q0 radii ranges reference side start
-        tangent torques wrench jacobian root pads S moment_arms rotation plane free
+        M S along angle angles at direction flexibility force forces forward frames free gravity jacobian joint_offset
+        link_lengths load loads moment_arms normal offset opening pads plane point position positions q q0 radii ranges
+        reference root side tangent torque torques wrench
     """,
-    "word": "shape kind of which quantity parameter sampling by_word fingertip what name title method section text",
-    "flag": "held throw wrap hold_object polish inscribed measure left_out simulated mujoco proof",
-    "names": "fingers links joints names methods kinds tests faces tolerances times grasps",
-    "mapping": "space spread changes postures motors coupling motors start_design",
-    "path": "path out file source resume package_dirs",
-    "callable": "make progress",
-}  # fmt: skip
+    "word": "name shape",
+    "flag": "hold_object wrap",
+    "names": "fingers grasps kinds links",
+    "mapping": "changes coupling motors postures space spread",
+    "path": "out package_dirs path resume",
+    "callable": "make",
+}
 KINDS = {name: kind for kind, names in NAMED.items() for name in names.split()}
-_ANNOTATED = [
-    (r"^bool\b", "flag"), (r"^(float|int)\b", "number"), (r"^str\b", "word"), (r"^(Sequence|Iterable|tuple)\[str", "names"),
-    (r"^(Mapping|dict)", "mapping"), (r"Callable", "callable"), (r"^Array", "array"), (r"^Any", ""),
-]  # fmt: skip
+_ANNOTATED = {
+    r"^bool\b": "flag", r"^(float|int)\b": "number", r"^str\b": "word", r"^(Sequence|Iterable|tuple)\[str": "names",
+    r"^(Mapping|dict)": "mapping", r"Callable": "callable", r"^Array": "array",
+}  # fmt: skip
 
 
 @cache
 def kind_of(name: str, annotation: str) -> str:
     """The kind of a parameter."""
-    for pattern, kind in _ANNOTATED:
-        if kind and re.search(pattern, annotation):
+    for pattern, kind in _ANNOTATED.items():
+        if re.search(pattern, annotation):
             return kind
-    if annotation.startswith("Any") or not annotation:
-        return KINDS.get(name, "anything")
-    return KINDS.get(name, "object") if name in ("faces", "progress", "orientations") else "object"
+    return KINDS.get(name, "anything") if annotation.startswith("Any") else "object"
 
 
 def shown(value: object, most: int = 60) -> str:
@@ -96,6 +91,3 @@ def shown(value: object, most: int = 60) -> str:
     except (ValueError, RecursionError):
         return f"<{type(value).__name__}>"
     return text if len(text) <= most else f"{text[:most]}..."
-
-
-Make = Callable[[], object]
