@@ -1,7 +1,7 @@
 """Every public function, constructor and method, with arguments that it takes, small enough to end at once.
 
-`GIVEN` is what a call needs, by its name; what has no line there needs nothing. `HOOKS` are methods that are not called.
-A test holds that no class is missing.
+`GIVEN` is what a call needs, by its name; what has no line there needs nothing. `HOOKS` are methods that are not
+called. A test holds that no class is missing.
 """
 
 from __future__ import annotations

@@ -62,11 +62,13 @@ def test_too_few_and_too_many_arguments_are_named():
 
 
 def test_what_a_function_raises_itself_is_not_taken_for_a_wrong_call():
-    def broken(force):
+    def progress(done, total):
         raise TypeError("of the user's own")
 
+    contacts = [hl.Contact((x, 0, 0), (-x, 0, 0)) for x in (-1.0, 1.0)]
+    grasp = hl.Grasp(contacts, (0, 0, -1, 0, 0, 0), flexibility=1e-4, preload=1e-3)
     with pytest.raises(TypeError, match="of the user's own") as raised:
-        hl.optimise(broken, {"force": (0.5, 2.0)}, hl.Brief(hl.Sphere(0.03, mass=0.1)), executor="serial", budget=1)
+        hl.solve_many([grasp], progress=progress)
     assert not isinstance(raised.value, hl.InputError)
 
 
