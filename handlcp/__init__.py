@@ -14,6 +14,7 @@ The names are listed in `__init__.pyi`, by room; the rooms' own lists say which 
 its name is first asked for, with what it stands on and nothing else.
 """
 
+import os
 from importlib import import_module
 from typing import Any
 
@@ -22,6 +23,12 @@ from lazy_loader import attach_stub
 from handlcp.version import VERSION
 
 __version__ = VERSION
+
+for _descriptor in range(3):  # closed ones lead nowhere: a file opened in their place would get what C code prints
+    try:
+        os.fstat(_descriptor)
+    except OSError:
+        os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
 
 _named, _, __all__ = attach_stub(__name__, __file__)
 _ROOMS = ("errors", "grasp", "hand", "lcp", "simulator")

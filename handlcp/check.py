@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from handlcp.errors import InputError, UnknownName
+from handlcp.errors import InputError, UnknownName, shown
 from handlcp.tolerances import LARGEST, SEMIDEFINITE, SYMMETRY
 
 _FLOAT = np.dtype(float)
@@ -58,13 +58,13 @@ def array(
     except (TypeError, ValueError, OverflowError):
         a = None
     if a is None:
-        raise InputError(argument, f"{what} of shape {_names(shapes)}", _show(value))
+        raise InputError(argument, f"{what} of shape {_names(shapes)}", shown(value))
     if shapes and a.shape not in shapes and not any(_fits(a.shape, s) for s in shapes):
         raise InputError(argument, f"{what} of shape {_names(shapes)}", f"shape {a.shape}")
     size = abs(a)
     if not size.max(initial=0.0) <= largest:  # nor is it where one is not a number
         if not np.isfinite(a).all():
-            raise InputError(argument, what, f"{_show(value)} with {int((~np.isfinite(a)).sum())} entries not finite")
+            raise InputError(argument, what, f"{shown(value)} with {int((~np.isfinite(a)).sum())} entries not finite")
         raise InputError(argument, f"{what} up to {largest:g} in size", f"{size.max():.3g}")
     a[size < 1.0 / largest**2] = 0.0  # their reciprocals would overflow
     return read_only(a)
@@ -84,12 +84,14 @@ def number(
     """A real number ≥ `minimum` and > `above`, at most `LARGEST` in size unless infinity is welcome."""
     bound = f" ≥ {minimum:g}" if minimum > -np.inf else f" > {above:g}" if above > -np.inf else ""
     expected = f"a {'finite ' if finite else ''}number{bound}"
-    if isinstance(value, _NO_NUMBERS) or (isinstance(value, np.ndarray) and value.ndim > 0):
-        raise InputError(argument, expected, _show(value))
+    if isinstance(value, _NO_NUMBERS) or (
+        isinstance(value, np.ndarray) and (value.ndim > 0 or value.dtype.kind not in "iuf")
+    ):
+        raise InputError(argument, expected, shown(value))
     try:
         x = float(value)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(argument, expected, _show(value)) from None
+        raise InputError(argument, expected, shown(value)) from None
     if abs(x) < 1.0 / LARGEST**2:
         x = 0.0  # its reciprocal would overflow
     if LARGEST < abs(x) < np.inf:
@@ -104,7 +106,7 @@ def integer(argument: str, value: Any, least: int, most: int = 2**63 - 1) -> int
     """A whole number from `least` to `most`."""
     whole = isinstance(value, (int, np.integer)) and not isinstance(value, (bool, np.bool_))
     if not whole or not least <= int(value) <= most:
-        raise InputError(argument, f"an integer ≥ {least}{f' and ≤ {most}' if most < 2**63 - 1 else ''}", _show(value))
+        raise InputError(argument, f"an integer ≥ {least}{f' and ≤ {most}' if most < 2**63 - 1 else ''}", shown(value))
     return int(value)
 
 
@@ -118,6 +120,18 @@ def yes_or_no(argument: str, value: Any) -> bool:
     if not isinstance(value, bool):
         raise InputError(argument, "True or False", repr(value)[:80])
     return value
+
+
+def several(argument: str, value: Any, expected: str) -> tuple[Any, ...]:
+    """What a sequence, a set or an array holds; a text, a mapping and a single number hold nothing. Raises InputError,
+    which says what is `expected`.
+    """
+    try:
+        if isinstance(value, (str, bytes, Mapping)):
+            raise TypeError
+        return tuple(value)
+    except TypeError:  # nor does an array without dimensions
+        raise InputError(argument, expected, shown(value)) from None
 
 
 def per_name(argument: str, values: Mapping[Any, Any], names: Sequence[str], kind: str) -> dict[str, Any]:
@@ -174,11 +188,3 @@ def _fits(shape: tuple[int, ...], wanted: tuple[int, ...]) -> bool:
 
 def _names(shapes: Sequence[tuple[int, ...]]) -> str:
     return " or ".join(str(s).replace("-1", "n") for s in shapes) or "any"
-
-
-def _show(value: Any) -> str:
-    try:
-        text = repr(value)
-    except (ValueError, RecursionError):  # integers of 5000 digits, lists in lists
-        return f"a value of type {type(value).__name__} that is too long to print"
-    return text if len(text) <= 80 else f"{text[:77]}..."

@@ -33,6 +33,26 @@ def brief(value: object) -> str:
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 100]} [...] {text[-80:]}"
 
 
+def shown(value: object, most: int = 80) -> str:
+    """How the value is written, cut where it is longer than `most` characters; its type where it cannot be written."""
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # integers of 5000 digits, lists in lists
+        return f"a value of type {type(value).__name__} that is too long to print"
+    return text if len(text) <= most else f"{text[: most - 3]}..."
+
+
+def as_path(argument: str, value: Any, wanted: str = "the name of a file") -> Path:
+    """The path that a text or a path is. Raises InputError, also for a name that no file can have."""
+    try:
+        path = Path(value)
+    except TypeError:
+        raise InputError(argument, wanted, shown(value)) from None
+    if "\0" in str(path):
+        raise InputError(argument, wanted, f"{shown(str(path))}, with a zero byte in it")
+    return path
+
+
 def unreadable(path: Path) -> str:
     """Why a path is no file: "does not exist", "is a folder" …; "" where it is one."""
     try:
@@ -69,6 +89,16 @@ def keyed(keys: dict[str, str], prefix: str = "") -> Iterator[None]:
         if named != error.argument:
             error.argument, error.args = named, (f"{named}{str(error)[len(error.argument) :]}",)
         raise
+
+
+class WrongCall(InputError, TypeError):
+    """A call with a keyword that the function does not know, or with too few or too many arguments; it is a TypeError,
+    too, as Python's own.
+    """
+
+    def __init__(self, argument: str, message: str) -> None:
+        self.argument, self.expected, self.got = argument, message, ""
+        Exception.__init__(self, message)
 
 
 class UnknownName(InputError):

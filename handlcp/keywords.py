@@ -1,37 +1,77 @@
-"""Keywords that a call does not know, or lacks, with a word on what was meant."""
+"""What a public call takes: its keywords, as many arguments as it has, and the kinds that its annotations name.
+
+A public function has `@helped()`, a class that users make `@helped_init`, one with public methods `@helped_methods`.
+Numbers and arrays are checked by the functions themselves, which know bounds and shapes (`check.py`).
+"""
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+import re
+import typing
+from collections.abc import Callable, Mapping
 from difflib import get_close_matches
-from functools import wraps
-from typing import Any, TypeVar, cast
+from functools import cached_property, wraps
+from types import FunctionType, NoneType, UnionType
+from typing import Any, NamedTuple, TypeVar, cast
 
-from handlcp.errors import InputError
+from handlcp.errors import InputError, WrongCall, shown
 
 _F = TypeVar("_F", bound=Callable[..., Any])
+_C = TypeVar("_C", bound=type)
+_UNION = re.compile(r"\|(?![^\[]*\])")  # between the alternatives of an annotation, not within brackets
 
 
 def helped(**elsewhere: str) -> Callable[[_F], _F]:
-    """Decorates a function, or an `__init__`: TypeError for an unknown keyword says the nearest that it has, or where
-    `elsewhere` it belongs.
+    """Decorates a function, or a method. It raises WrongCall for a keyword that it does not know, with the nearest that
+    it has, or where `elsewhere` it belongs, and for too few or too many arguments. It raises InputError where the
+    annotation names a flag, a text, a mapping, a function or a class, and something else came.
     """
 
     def of(function: _F) -> _F:
-        known = [p.name for p in inspect.signature(function).parameters.values() if p.name != "self"]
-        called_as = function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
-        names = frozenset(known)
+        call = _Call(function, elsewhere)
 
         @wraps(function)
         def called(*args: Any, **given: Any) -> Any:
-            if not given.keys() <= names and (unknown := [name for name in given if name not in names]):
-                raise TypeError("; ".join(_word(called_as, name, known, elsewhere) for name in unknown))
-            return function(*args, **given)
+            for kind, value in zip(call.in_order, args, strict=False):
+                if kind is not None:
+                    kind.check(value)
+            if call.rest is not None:
+                for value in args[len(call.in_order) :]:
+                    call.rest.check(value)
+            for name, value in given.items():
+                if (kind := call.kinds.get(name)) is not None:
+                    kind.check(value)
+            try:
+                return function(*args, **given)
+            except TypeError:
+                call.check(args, given)
+                raise
 
+        called._is_helped = True  # type: ignore[attr-defined]
         return cast(_F, called)
 
     return of
+
+
+def helped_init(of: _C) -> _C:
+    """Decorates a class that users make: `@helped()` for its `__init__`, such as that of a dataclass."""
+    of.__init__ = helped()(of.__init__)  # type: ignore[misc]
+    return of
+
+
+def helped_methods(of: _C) -> _C:
+    """Decorates a class: `@helped()` for each public method of its own."""
+    for name, member in list(vars(of).items()):
+        if not name.startswith("_") and isinstance(member, FunctionType):
+            setattr(of, name, _helped_once(member))
+        elif not name.startswith("_") and isinstance(member, (classmethod, staticmethod)):
+            setattr(of, name, type(member)(_helped_once(member.__func__)))
+    return of
+
+
+def _helped_once(function: _F) -> _F:
+    return function if hasattr(function, "_is_helped") else helped()(function)
 
 
 def needed(name: str, expected: str, unless: str = "") -> Callable[[_F], _F]:
@@ -51,9 +91,114 @@ def needed(name: str, expected: str, unless: str = "") -> Callable[[_F], _F]:
     return of
 
 
+class _Kind(NamedTuple):
+    """What may come for a parameter. types : of the values. function : whether functions may. said : for refusals."""
+
+    name: str
+    types: tuple[type, ...]
+    function: bool
+    said: str
+
+    def check(self, value: object) -> None:
+        """Raises InputError."""
+        if not (isinstance(value, self.types) or (self.function and callable(value))):
+            raise InputError(self.name, self.said, shown(value))
+
+
+class _Call:
+    """What is known of a function that users call, looked up when it is first called."""
+
+    def __init__(self, function: Callable[..., Any], elsewhere: dict[str, str]) -> None:
+        self.function, self.elsewhere = function, elsewhere
+
+    @cached_property
+    def signature(self) -> inspect.Signature:
+        return inspect.signature(self.function)
+
+    @cached_property
+    def kinds(self) -> dict[str, _Kind]:
+        """By parameter; those that take anything are left out."""
+        known = inspect.unwrap(self.function).__globals__
+        found = {p.name: _kind(p, known) for p in self.signature.parameters.values()}
+        return {name: kind for name, kind in found.items() if kind is not None}
+
+    @cached_property
+    def in_order(self) -> list[_Kind | None]:
+        """Of what is passed without a name."""
+        named = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+        return [self.kinds.get(p.name) for p in self.signature.parameters.values() if p.kind in named]
+
+    @cached_property
+    def rest(self) -> _Kind | None:
+        """Of any number of arguments more."""
+        every = [p for p in self.signature.parameters.values() if p.kind is p.VAR_POSITIONAL]
+        return self.kinds.get(every[0].name) if every else None
+
+    def check(self, args: tuple[Any, ...], given: dict[str, Any]) -> None:
+        """Raises WrongCall where these arguments are not those of the function."""
+        every = self.signature.parameters
+        known = [p.name for p in every.values() if p.name not in ("self", "cls")]
+        called_as = self.function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
+        if not any(p.kind is p.VAR_KEYWORD for p in every.values()) and (new := [k for k in given if k not in every]):
+            raise WrongCall(new[0], "; ".join(_word(called_as, name, known, self.elsewhere) for name in new))
+        try:
+            self.signature.bind(*args, **given)
+        except TypeError as error:
+            name = next((name for name in known if repr(name) in str(error)), "")
+            raise WrongCall(name, f"{called_as}(): {error}; it takes {', '.join(known) or 'nothing'}") from None
+
+
+def _kind(parameter: inspect.Parameter, known: Mapping[str, Any]) -> _Kind | None:
+    """None: anything may come, as far as the annotation says."""
+    annotation = parameter.annotation
+    if not isinstance(annotation, str) or parameter.kind is parameter.VAR_KEYWORD:
+        return None
+    parts = _UNION.split(annotation.strip("'\""))
+    found = [_types(part.strip(), known) for part in parts]
+    if not all(found):
+        return None
+    types = {kind for few in found for kind in few}
+    if parameter.default is not parameter.empty:
+        types.add(type(parameter.default))  # such as ... for "not given"
+    said = _said(types)
+    return _Kind(parameter.name, tuple(types - {FunctionType}), FunctionType in types, said)
+
+
+def _types(part: str, known: Mapping[str, Any]) -> tuple[type, ...]:
+    """Those of one alternative of an annotation; () where values of it are checked by the function itself."""
+    plain = {"bool": bool, "str": str, "None": NoneType, "Mapping": Mapping, "dict": dict, "Callable": FunctionType}
+    head = part.partition("[")[0]
+    return (plain[head],) if head in plain else _of_alias(known.get(head))
+
+
+def _of_alias(value: Any) -> tuple[type, ...]:
+    """Of a class of the package, or of a union of such kinds that has a name."""
+    if isinstance(value, UnionType) or typing.get_origin(value) is typing.Union:
+        found = [_of_alias(one) for one in typing.get_args(value)]
+        return tuple([kind for few in found for kind in few]) if all(found) else ()
+    if typing.get_origin(value) in (Callable, dict):
+        return (FunctionType,) if typing.get_origin(value) is Callable else (Mapping,)
+    if value in (bool, str, NoneType):
+        return (value,)
+    own = isinstance(value, type) and value.__module__.startswith("handlcp") and not getattr(value, "_is_protocol", 0)
+    return (value,) if own else ()
+
+
+_SAID = {bool: "True or False", str: "a text", NoneType: "None", FunctionType: "a function", Mapping: "a mapping"}
+_OTHERWISE = (type(...), int, float, tuple)  # of defaults, which need no word
+
+
+def _said(types: set[type]) -> str:
+    """Such as "a text or None", for refusals."""
+    words = [_SAID.get(kind) or f"{'an' if kind.__name__[0] in 'AEIOU' else 'a'} {kind.__name__}"
+             for kind in types if kind not in _OTHERWISE]  # fmt: skip
+    words.sort(key=lambda word: (word == "None", word))
+    return " or ".join(part for part in (", ".join(words[:-1]), words[-1]) if part)
+
+
 def _word(function: str, name: str, known: list[str], elsewhere: dict[str, str]) -> str:
     text = f"{function}() takes no {name!r}"
     if name in elsewhere:
         return f"{text}: {elsewhere[name]}"
     near = get_close_matches(name, known, 1, 0.6)
-    return f"{text}; did you mean {near[0]!r}?" if near else f"{text}; it takes {', '.join(known)}"
+    return f"{text}; did you mean {near[0]!r}?" if near else f"{text}; it takes {', '.join(known) or 'nothing'}"

@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 from handlcp.extras import missing
+from handlcp.keywords import helped_methods
 from handlcp.version import VERSION
 from handlcp.views import view
 from handlcp.write_file import write_file
@@ -121,6 +122,7 @@ def versions(*packages: str) -> dict[str, str | None]:
     return found
 
 
+@helped_methods
 class Record:
     """Base of answers that are plain data. entries : one line for each of them, see the top of this file; None: every
     field of the dataclass, under its name.

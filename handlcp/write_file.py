@@ -22,7 +22,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from handlcp.errors import InputError, writing
+from handlcp.errors import InputError, as_path, writing
 
 _MOST_LINKS = 40  # symbolic links on the way to a file, as Linux has it
 _NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
@@ -36,7 +36,7 @@ def write_file(argument: str, file: Any, content: str | bytes) -> Path:
 
     Raises InputError where the file cannot be written; an earlier file is then as it was.
     """
-    path = _path_of(argument, file)
+    path = as_path(argument, file)
     data = content.encode("utf-8", "backslashreplace") if isinstance(content, str) else content
     with writing(argument, path):
         if (descriptor := _descriptor_of(path)) is not None:
@@ -55,7 +55,7 @@ def check_writable(argument: str, file: Any) -> Path:
 
     What the file holds stays as it is, and a file that did not exist does not exist afterwards. Raises InputError.
     """
-    path = _path_of(argument, file)
+    path = as_path(argument, file)
     with writing(argument, path):
         if not path.absolute().parent.is_dir():
             raise InputError(argument, "a file in a folder that exists", repr(str(path)))
@@ -67,17 +67,6 @@ def check_writable(argument: str, file: Any) -> Path:
             descriptor, beside = _new_beside(_target_of(path))
             os.close(descriptor)
             os.unlink(beside)
-    return path
-
-
-def _path_of(argument: str, file: Any) -> Path:
-    """Raises InputError for what is no path."""
-    try:
-        path = Path(file)
-    except TypeError:
-        raise InputError(argument, "the name of a file", repr(file)[:80]) from None
-    if "\0" in str(path):
-        raise InputError(argument, "the name of a file", f"{str(path)!r}, with a zero byte in it")
     return path
 
 

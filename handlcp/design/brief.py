@@ -11,11 +11,11 @@ from typing import Any, Self
 import numpy as np
 
 from handlcp.check import Array, array, dimensions, integer, number, read_only
-from handlcp.errors import InputError
+from handlcp.errors import InputError, as_path
 from handlcp.grasp.friction import as_law
 from handlcp.hand.find.find import PINCH, check_closing
 from handlcp.hand.objects.object import Object
-from handlcp.keywords import helped
+from handlcp.keywords import helped, helped_methods
 from handlcp.study.payload.ask import SIX, check_orientations
 from handlcp.write_file import write_file
 
@@ -24,6 +24,7 @@ _WRENCH = "force [N] and torque [N·m] beside the weight"
 _CLOSING = ("squeeze", "grip_force", "closing_torque")  # arguments of `find_grasp` that say how hard the hand closes
 
 
+@helped_methods
 @dataclass(frozen=True, eq=False)
 class Brief:
     """What a hand must do, for `evaluate`. Immutable.
@@ -94,10 +95,7 @@ class Brief:
 
         if path is None:
             return toml_text(self, Path())
-        try:
-            file = Path(path)
-        except TypeError:
-            raise InputError("path", "the name of a file", repr(path)[:80]) from None
+        file = as_path("path", path)
         text = toml_text(self, file.parent)
         return write_file("path", file, text)
 

@@ -32,7 +32,7 @@ def by_finger(
         named = per_name(argument, value, fingers, "a finger")
         every = zip(fingers, default, strict=True)
         return [read(f"{argument}[{f!r}]", named[f]) if f in named else own for f, own in every]
-    if not isinstance(value, (Sequence, np.ndarray)) or isinstance(value, str) or dimensions(value) == deep:
+    if not isinstance(value, (Sequence, np.ndarray)) or isinstance(value, str) or dimensions(value) in (0, deep):
         return [read(argument, value)] * len(fingers)
     if len(value) != len(fingers):
         raise InputError(

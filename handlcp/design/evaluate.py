@@ -14,11 +14,13 @@ from handlcp.errors import InputError
 from handlcp.hand.find.continued import continued
 from handlcp.hand.find.find import ANY
 from handlcp.hand.hand import Hand
+from handlcp.keywords import helped
 from handlcp.progress import told
 
 _FEWER = 8  # times fewer places are tried where a grasp is lost on the way from a neighbour
 
 
+@helped()
 @told("evaluating")
 def evaluate(hand: Hand, brief: Brief, near: Evaluation | None = None) -> Evaluation:
     """Find grasps of the brief's objects, and judge each by its loading followed in steps.

@@ -13,6 +13,7 @@ from handlcp.design.require import read, unmet
 from handlcp.errors import RequirementNotMet
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.hand.find.candidate import Candidate
+from handlcp.keywords import helped_methods
 from handlcp.record import Record
 from handlcp.text_table import TextTable, wrapped
 
@@ -77,6 +78,7 @@ class ObjectCase(Record):
         return f"{shown(self.payload, self.at_least)} kg"
 
 
+@helped_methods
 @dataclass(frozen=True, eq=False)
 class Evaluation(Record):
     """How well a hand does what a brief asks; made by `evaluate`. `to_dict` and `to_row` are plain numbers and words.
@@ -174,12 +176,23 @@ class Evaluation(Record):
         word = "every object is held" if self.holds else f"not every object is held: {self.worst_object} is the worst"
         return f"{word}. First gives out: {self.gives_out or 'nothing up to that'}"
 
+    @property
+    def _without_mass(self) -> str:
+        """Which objects have no mass, and what the verdict is about, in words; "" where all have one."""
+        found = {name: case.candidate for name, case in self.cases.items() if case.candidate is not None}
+        names = [name for name, one in found.items() if one.grasp.target is not None and not one.grasp.target.mass]
+        if not names:
+            return ""
+        loads = any(len(self.cases[name].factors) > 1 for name in names)
+        says = "payload and loads" if loads else "payload only"
+        return f"no mass was given of {words.all_of(names)}: the verdict is about {says}. "
+
     def _most(self, name: str) -> float:
         known = [value for case in self.cases.values() if not np.isnan(value := getattr(case, name))]
         return max(known, default=np.nan)
 
     def __str__(self) -> str:
-        head = wrapped(f"{self._in_all}.")
+        head = wrapped(f"{self._without_mass}{self._in_all}.")
         rows = [
             (name, case.word, case.times(), shown(case.payload, case.at_least), _of(case.force),
              _percent(case.torque_used), _of(1e3 * case.motion))

@@ -27,6 +27,7 @@ from handlcp.design.by_finger import (
 )
 from handlcp.errors import InputError
 from handlcp.hand.hand import Hand
+from handlcp.keywords import helped
 from handlcp.write_file import write_file
 
 if TYPE_CHECKING:
@@ -71,6 +72,7 @@ class _Finger:
         return ["proximal", *(["middle"] if inner == 1 else [f"middle_{i + 1}" for i in range(inner)]), "distal"]
 
 
+@helped()
 def finger_hand(
     fingers: int = 3,
     link_lengths: Any = LENGTHS,

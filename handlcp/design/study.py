@@ -10,7 +10,7 @@ from typing import Any, Self
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, Bools, integer
+from handlcp.check import Array, Bools, integer, several
 from handlcp.design.evaluation import Evaluation
 from handlcp.design.space import Space
 from handlcp.design.sweep.again import evaluations
@@ -20,6 +20,7 @@ from handlcp.design.sweep.table import check_rows, checked_table, columns_of, re
 from handlcp.design.sweep.work import DESIGN, ERROR, Maker, Row, in_order
 from handlcp.errors import InputError, UnknownName, brief as shortly, keyed
 from handlcp.grasp.answer.verdict import HELD
+from handlcp.keywords import helped_methods
 from handlcp.record import data_frame, entry
 from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
@@ -36,6 +37,7 @@ _HEADS = {
 ALIASES = {"motor_torque": "torque_Nm"}
 
 
+@helped_methods
 class Study:
     """Designs of a sweep with their outcomes, in rows. Prints as a short table; iterates over rows, as dictionaries.
 
@@ -150,7 +152,9 @@ class Study:
 
     def some(self, at: Iterable[Any], which: str = "") -> Self:
         """The designs in these rows, in this order. which : what they are called when they are printed."""
-        made, rows = type(self)(self.sweep, (), self._maker), list(at)
+        last = len(self) - 1
+        rows = [integer(f"at[{i}]", k, 0, last) for i, k in enumerate(several("at", at, "numbers of rows"))]
+        made = type(self)(self.sweep, (), self._maker)
         made._which = which
         made.columns = {name: [column[k] for k in rows] for name, column in self.columns.items()}
         return made

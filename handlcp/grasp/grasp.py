@@ -7,7 +7,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, Self, overload
 
 from handlcp.check import Array, number, read_only, yes_or_no
-from handlcp.errors import InputError
+from handlcp.errors import InputError, shown
 from handlcp.grasp.assembly.asked import Asked, alone, remade
 from handlcp.grasp.assembly.build import build
 from handlcp.grasp.effects import Effect
@@ -15,6 +15,7 @@ from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.questions import Questions
+from handlcp.keywords import helped_init, helped_methods
 
 if TYPE_CHECKING:
     from handlcp.grasp.analysis.explanation import Explanation
@@ -33,6 +34,8 @@ def _solving() -> tuple[Any, Any, Any]:
     return solve_with_advice, start_from, no_solution
 
 
+@helped_init
+@helped_methods
 class Grasp(Questions):
     """Fingers on an object under a load. Immutable.
 
@@ -145,6 +148,8 @@ class Grasp(Questions):
         from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
         from handlcp.lcp import Auto
 
+        if not (chain is None or isinstance(chain, Auto)):
+            raise InputError("chain", "an Auto, or None", shown(chain))
         return (chain or Auto()).plan(GraspContactProblem(self.scene, self._section(faces), stamped(self.spec.effects)))
 
     def solve(

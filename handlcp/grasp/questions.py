@@ -6,10 +6,11 @@ from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
 from handlcp.check import number
-from handlcp.errors import InputError, NoSolutionFound
+from handlcp.errors import InputError, NoSolutionFound, shown
 from handlcp.grasp.friction import Pyramid, Section, as_section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.keywords import helped_methods
 from handlcp.views import view
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from handlcp.grasp.path.follow import Loading
 
 
+@helped_methods
 class Questions(ABC):
     """Base of `Grasp`: what is asked of it, as `spec` (data) and `scene` (arrays) have it."""
 
@@ -43,12 +45,9 @@ class Questions(ABC):
 
         solution : of this grasp, solved with `faces`; None: solved now. Raises InputError.
         """
-        from handlcp.grasp.answer.solution import GraspSolution
         from handlcp.grasp.verdict.check import suggested
 
-        solution = self.solve(faces, throw=False) if solution is None else solution
-        if not isinstance(solution, GraspSolution) or len(solution.forces) != self.scene.n:
-            raise InputError("solution", "a solution of this grasp, or None", repr(solution)[:80])
+        solution = self._answer(faces, solution)
         number("least", least, minimum=0.0)
         verdict = solution.verdict if solution.verdict.ok else self.check(faces=faces, solution=solution)
         return suggested(self.spec, self._section(faces), solution, least, verdict)
@@ -121,8 +120,7 @@ class Questions(ABC):
         """
         from handlcp.grasp.verdict.check import check
 
-        one = self.solve(faces, throw=False) if solution is None else solution
-        return check(self.spec, self.scene, self._section(faces), order, one)
+        return check(self.spec, self.scene, self._section(faces), order, self._answer(faces, solution))
 
     def follow(
         self, load: Any = None, order: Any = ("squeeze", "load"), geometry: str | None = None,
@@ -208,8 +206,17 @@ class Questions(ABC):
         """
         from handlcp.grasp.margins.margins import margins_of
 
-        one = self.solve(faces, throw=False) if solution is None else solution
-        return margins_of(self.spec, self.scene, self._section(faces), one, length)
+        return margins_of(self.spec, self.scene, self._section(faces), self._answer(faces, solution), length)
+
+    def _answer(self, faces: int | str | Pyramid, solution: GraspSolution | None) -> GraspSolution:
+        """The solution that is given; None: solved now. Raises InputError for one that is of another grasp."""
+        from handlcp.grasp.answer.solution import GraspSolution
+
+        if solution is None:
+            return self.solve(faces, throw=False)
+        if not isinstance(solution, GraspSolution) or len(solution.forces) != self.scene.n:
+            raise InputError("solution", "a solution of this grasp, or None", shown(solution))
+        return solution
 
     def _section(self, faces: int | str | Pyramid) -> Section:
         return as_section(faces, planar=self.scene.kind.planar)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from copy import deepcopy
+from math import pi, radians
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -15,7 +16,7 @@ from handlcp.hand.elasticity.stiffness import HOW_STIFF
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.source.description import COLLISION, Description
 from handlcp.hand.state import HandState
-from handlcp.keywords import helped, needed
+from handlcp.keywords import helped, helped_methods, needed
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -24,9 +25,14 @@ if TYPE_CHECKING:
     from handlcp.hand.robot.audit import Audit
     from handlcp.hand.robot.describe import HandDescription
 
+# How far past its range a joint may stand: files' neutral postures lie 0.3 rad past it, measured ones drift, and files
+# narrow ranges for safety. What is farther is a mistake, mostly one of units.
+_PAST_TURN, _PAST_SLIDE = pi / 2.0, 0.1  # rad, m
+
 _STIFFNESS = f"{HOW_STIFF} (no URDF says it)"
 
 
+@helped_methods
 class Hand(HandModel):
     """A hand with elastic joints and fingertips, made by `Hand.from_urdf`, `from_mjcf` or `from_model`; what it
     promises is said at `HandModel`.
@@ -271,9 +277,23 @@ class Hand(HandModel):
     def at(self, q: Any) -> HandState:
         """The hand in a posture: q (nv,) [rad, m] in the order of `joint_names`, or a mapping that names all of them.
 
-        Positions outside the joint ranges are allowed. Raises InputError, UnknownName.
+        Positions outside the joint ranges are allowed, up to a quarter turn, or 0.1 m of a slide. Raises InputError,
+        UnknownName.
         """
-        return HandState(self, self.kinematics.posture("q", q))
+        return HandState(self, self._within("q", self.kinematics.posture("q", q)))
+
+    def _within(self, argument: str, q: Array) -> Array:
+        """The same positions (nv,). Raises InputError for the one that is farthest past its range, if it is too far."""
+        slides = np.isin(self.joint_names, self.sliding)
+        past = np.maximum(self.lower - q, q - self.upper) / np.where(slides, _PAST_SLIDE, _PAST_TURN)
+        k = int(past.argmax()) if len(past) else 0
+        if not len(past) or past[k] <= 1.0:
+            return q
+        low, high, name, at = self.lower[k], self.upper[k], self.joint_names[k], float(q[k])
+        unit, (other, meant) = ("m", ("millimetres", at / 1e3)) if slides[k] else ("rad", ("degrees", radians(at)))
+        guess = f" ({other}? {meant:.4g} {unit})" if low - 1e-3 <= meant <= high + 1e-3 else ""
+        expected = f"a position in its range, {low:.4g} to {high:.4g} {unit}, or near it"
+        raise InputError(f"{argument}[{name!r}]", expected, f"{at:g}{guess}")
 
     def close_on(
         self, obj: Object, q0: Any = None, *, fingers: Sequence[str] | None = None, squeeze: Any = 0.0,

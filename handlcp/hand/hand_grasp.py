@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Self, cast
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.errors import InputError, Unsupported
+from handlcp.errors import InputError, Unsupported, WrongCall
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
@@ -26,7 +26,7 @@ from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.solution import HandGraspSolution
-from handlcp.keywords import helped
+from handlcp.keywords import helped, helped_init, helped_methods
 from handlcp.lcp import Auto, ContactSolver, Solver
 from handlcp.tolerances import SEMIDEFINITE
 
@@ -35,12 +35,14 @@ if TYPE_CHECKING:
     from handlcp.grasp.analysis.explanation import Explanation
 
 
+@helped_init
+@helped_methods
 class HandGrasp(HandQuestions):
     """A `Grasp` that knows its hand. Made by `state.grasp(...)`; the attributes are read off its specification."""
 
-    def __init__(self, spec: GraspSpec | None = None, *others: Any) -> None:
+    def __init__(self, spec: Any = None, *others: Any) -> None:
         if others or not (isinstance(spec, GraspSpec) and isinstance(spec.mechanism, HandMechanism)):
-            raise TypeError("make a HandGrasp with hand.at(q).grasp(...)")
+            raise WrongCall("spec", "make a HandGrasp with hand.at(q).grasp(...)")
         super().__init__(spec)
 
     @property

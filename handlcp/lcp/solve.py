@@ -9,6 +9,7 @@ import numpy as np
 
 from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError, NoSolutionFound, Unsupported
+from handlcp.keywords import helped
 from handlcp.lcp.certify import certified, certify, farkas_vector
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.problem import LCP, LCPSolution, Proposal, Status, stage_line
@@ -19,6 +20,7 @@ from handlcp.lcp.solvers.base import ContactSolver, Solver
 AnySolver = Solver | ContactSolver | Auto | None
 
 
+@helped()
 def solve_lcp(
     problem: LCP | ContactProblem, solver: AnySolver = None, throw: bool = True, start: Array | None = None
 ) -> LCPSolution:

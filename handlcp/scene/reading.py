@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from handlcp.errors import InputError, SceneFileError
+from handlcp.errors import InputError, SceneFileError, as_path
 from handlcp.read_file import MOST_TOML, parse_toml, read_text
 from handlcp.scene.keys import refused
 from handlcp.scene.kinds import Table
@@ -18,10 +18,7 @@ Tables = TypeVar("Tables", bound=Table)
 def text_of(path: Any, kind: str) -> tuple[str, Path]:
     """What a file holds, and where it is. kind : of file, such as "a scene file". Raises InputError, SceneFileError."""
     wanted = f"the path of {kind}"
-    try:
-        file = Path(path)
-    except TypeError:
-        raise InputError("path", wanted, repr(path)) from None
+    file = as_path("path", path, wanted)
     if path == "":
         raise SceneFileError("path", wanted, "'', which is empty")
     return read_text("path", file, kind, MOST_TOML, SceneFileError), file

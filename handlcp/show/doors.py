@@ -9,7 +9,9 @@ from typing import Any
 
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
+from handlcp.hand import Object
 from handlcp.hand.hand_grasp import grasp_of
+from handlcp.keywords import helped
 from handlcp.show.file import drawn
 from handlcp.show.html import html, table_html, text_html
 from handlcp.show.record import record
@@ -22,9 +24,11 @@ __all__ = [
 ]  # fmt: skip
 
 
+@helped()
 def plot(
-    solution: GraspSolution, path: Any = None, obj: Any = None, title: str = "", verdict: Verdict | None = None
-) -> Any:
+    solution: GraspSolution, path: Any = None, obj: Object | None = None, title: str = "",
+    verdict: Verdict | None = None,
+) -> Any:  # fmt: skip
     """See `GraspSolution.plot`."""
     from handlcp.show.loading.report import verdict_picture
     from handlcp.show.picture import draw  # pictures alone need matplotlib
@@ -35,8 +39,9 @@ def plot(
     return drawn(path, draw, _asked(solution), solution, obj, title, verdict)
 
 
+@helped()
 def page(
-    solution: GraspSolution, path: Any, obj: Any = None, title: str = "", verdict: Verdict | None = None,
+    solution: GraspSolution, path: Any, obj: Object | None = None, title: str = "", verdict: Verdict | None = None,
     loading: Loading | None = None,
 ) -> Path:  # fmt: skip
     """See `GraspSolution.page`."""

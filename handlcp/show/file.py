@@ -10,7 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from handlcp.errors import InputError
+from handlcp.errors import InputError, as_path
 from handlcp.extras import missing
 from handlcp.write_file import check_writable, write_file
 
@@ -26,7 +26,7 @@ def checked(path: Any) -> Path:
     Raises InputError for an unknown format or a file that cannot be written; Unsupported without matplotlib.
     """
     new_figure()
-    file = Path(path)
+    file = as_path("plot", path, "a file name that ends in " + ", ".join(_FORMATS))
     if file.suffix.lower() not in _FORMATS:
         raise InputError("plot", "a file name that ends in " + ", ".join(_FORMATS), repr(str(path)))
     return check_writable("plot", file)
@@ -81,10 +81,7 @@ def checked_page(path: Any) -> Path:
     Raises InputError for another format, or a file that cannot be written; Unsupported without the viewer's package.
     """
     three_js()
-    try:
-        file = Path(path)
-    except TypeError:
-        raise InputError("page", "the name of a file that ends in .html", repr(path)[:80]) from None
+    file = as_path("page", path, "the name of a file that ends in .html")
     if file.suffix.lower() not in _PAGES:
         raise InputError("page", "a file name that ends in " + " or ".join(_PAGES), repr(str(path)))
     return check_writable("page", file)

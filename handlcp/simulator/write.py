@@ -18,6 +18,7 @@ from handlcp.hand import HandGrasp
 from handlcp.hand.objects.detect import nearest
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.squeeze import joint_by_joint
+from handlcp.keywords import helped
 from handlcp.simulator.hand_tree import Springs, add_hand, add_springs, full_names, told_beyond
 from handlcp.simulator.object_body import LOADED, OBJECT, add_object, add_supports
 from handlcp.simulator.routes import commands, has_routes
@@ -175,6 +176,7 @@ def _opened(grasp: HandGrasp) -> Array:
 # ----------------------------------------------------------------
 
 
+@helped()
 def to_mujoco(grasp: Grasp, settings: SimulatorSettings | None = None) -> tuple[str, SimulatorState]:
     """The same grasp for MuJoCo: MJCF, and the state to start from.
 

@@ -28,6 +28,7 @@ from handlcp.hand.objects.object import Object
 from handlcp.hand.state import HandState
 from handlcp.hand.vary.names import AXIS, LENGTH, POSITION, RADIUS, read_changes
 from handlcp.hand.vary.values import number_of, unit_of
+from handlcp.keywords import helped
 from handlcp.progress import told
 from handlcp.record import Record
 from handlcp.text_table import TextTable
@@ -38,6 +39,7 @@ _LITTLE = 0.01  # of what it would be in proportion to the number: a smaller der
 _KINK = 0.02  # of the largest derivative: as much as steps of two sizes, or both sides, may differ by
 
 
+@helped()
 def vary_grasp(grasp: HandGrasp, changes: Mapping[str, Any]) -> HandGrasp:
     """The same grasp by its hand with other numbers, by the names of `Hand.vary`. It is made again as it was asked for:
     a squeeze, a grip force or a joint offset is commanded anew.
@@ -112,6 +114,7 @@ class Slopes(Record):
         return f"{self.table}\nThe largest change of a normal force, of a torque, and of where the object is."
 
 
+@helped()
 def slopes(grasp: HandGrasp, names: Iterable[str], *, faces: int | str | Pyramid = "cone") -> Slopes:
     """Derivatives of forces, torques and the object's displacement by numbers of the hand, by the names of `Hand.vary`:
     "finger_1_distal.length", "index_tip.pad", "joint_stiffness", …; each one number above 0.

@@ -102,6 +102,30 @@ def test_closed_streams_are_no_crash():
     assert int(lines) > 50
 
 
+USED = """
+import handlcp as hl
+hand, ball = hl.example_hand("two_finger"), hl.Sphere(0.03, (0, 0, 0.08), mass=0.1)
+grasp = hand.at(hand.close_on(ball)).grasp(ball, 0.8, grip_force=5.0)
+grasp.solve().to_json("solution.json")
+print("lost")
+"""
+
+
+@posix
+def test_all_standard_descriptors_closed_are_no_crash_and_files_hold_what_is_theirs(tmp_path):
+    (tmp_path / "used.py").write_text(USED, encoding="utf-8")
+    script = (
+        f"'{sys.executable}' -m handlcp demo <&- >&- 2>&-; demo=$?; '{sys.executable}' -m handlcp nosuch <&- >&- 2>&-; "
+        f"nosuch=$?; '{sys.executable}' used.py <&- >&- 2>&-; echo $demo $nosuch $?"
+    )
+    where = os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(["sh", "-c", script], capture_output=True, text=True, cwd=tmp_path, env=where)
+    assert (done.stdout.split(), done.stderr) == (["0", "2", "0"], "")
+    assert json.loads((tmp_path / "solution.json").read_text(encoding="utf-8"))["status"] == "SOLVED"
+    assert (tmp_path / "handlcp_demo" / "cube.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    assert (tmp_path / "handlcp_demo" / "cube.png").read_bytes().startswith(b"\x89PNG")
+
+
 NOISY = """
 import ctypes, os, subprocess, sys
 from handlcp import cli, scene

@@ -6,11 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from handlcp.check import several
 from handlcp.design.hardware.computed import COMPUTED, Computed, computed
 from handlcp.design.hardware.stated import Stated, stated
 from handlcp.errors import HandLCPError, InputError, UnknownName, brief
 from handlcp.hand.hand import Hand
 from handlcp.hand.library import example_hand
+from handlcp.keywords import helped, helped_methods
 from handlcp.progress import told
 from handlcp.record import Record, columns_of, data_frame
 from handlcp.text_table import TextTable, wrapped
@@ -37,6 +39,7 @@ class BesideRow(Record):
     why: str
 
 
+@helped_methods
 class Beside(Record, Sequence[BesideRow]):
     """What is stated beside what is computed; made by `beside_hardware`. Prints as a table and the reasons below it."""
 
@@ -79,6 +82,7 @@ class Beside(Record, Sequence[BesideRow]):
         return f"Beside({', '.join(f'{words.count(word)} {word}' for word in (INSIDE, OUTSIDE, OPEN))})"
 
 
+@helped()
 def beside_hardware(hands: Mapping[str, Hand] | None = None, tests: Sequence[str] | None = None) -> Beside:
     """Numbers that makers and papers state of hands, beside the same computed from the hands' files with an interval
     over what is not stated (posture, friction) and what the audit doubts (torque limits). Nothing is tuned.
@@ -88,13 +92,14 @@ def beside_hardware(hands: Mapping[str, Hand] | None = None, tests: Sequence[str
         UnknownName.
     """
     given, names = dict(hands or {}), {one.hand for one in stated()}
-    if unknown := [name for name in given if name not in names]:
+    chosen = () if tests is None else several("tests", tests, f"tests, of {', '.join(COMPUTED)}")
+    if unknown := [str(name) for name in given if name not in names]:
         raise UnknownName("hands", "a hand of which something is stated", unknown, sorted(names))
     if wrong := [name for name, hand in given.items() if not isinstance(hand, Hand)]:
         raise InputError(f"hands[{wrong[0]!r}]", "a Hand", repr(given[wrong[0]])[:80])
-    if unknown := [test for test in tests or () if test not in COMPUTED]:
-        raise UnknownName("tests", "a test", unknown, COMPUTED)
-    asked = [one for one in stated() if tests is None or one.test in tests]
+    if unknown := [test for test in chosen if not isinstance(test, str) or test not in COMPUTED]:
+        raise UnknownName("tests", "a test", map(str, unknown), COMPUTED)
+    asked = [one for one in stated() if tests is None or one.test in chosen]
     with told("stated numbers", len(asked)) as done:
         rows = []
         for one in asked:

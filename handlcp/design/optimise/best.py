@@ -16,6 +16,7 @@ from handlcp.design.study import Study
 from handlcp.design.sweep.work import DESIGN, Maker
 from handlcp.errors import InputError
 from handlcp.hand.hand import Hand
+from handlcp.keywords import helped_methods
 from handlcp.record import Record
 from handlcp.text_table import TextTable, wrapped
 
@@ -37,6 +38,7 @@ class Kink(Record):
     behind: float
 
 
+@helped_methods
 @dataclass(frozen=True, eq=False)
 class Best(Record):
     """The designs that passed; made by `optimise`. Iterates over their parameters, the best first; prints as a table.

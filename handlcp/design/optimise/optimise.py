@@ -26,12 +26,14 @@ from handlcp.design.sweep.sweep import check_names
 from handlcp.design.sweep.table import checked_table, write_table
 from handlcp.design.sweep.work import Maker, packed, unpacked
 from handlcp.errors import InputError, keyed
+from handlcp.keywords import helped
 from handlcp.progress import Progress, told
 
 _TRIED = 10  # designs that are tried, the best first, until one passes
 _MOST = 10**9
 
 
+@helped()
 def optimise(
     make: Any, space: Mapping[str, Any], brief: Any, objectives: Any = "payload", constraints: Any = (),
     budget: Any = None, *, seconds: Any = None, start: Mapping[str, Any] | None = None, population: int = 24,

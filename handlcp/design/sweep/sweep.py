@@ -16,9 +16,11 @@ from handlcp.design.sweep.same import check_same, description
 from handlcp.design.sweep.table import checked_table, read_table, write_table
 from handlcp.design.sweep.work import DESIGN, ERROR, Maker, Row, Values, in_order, packed
 from handlcp.errors import InputError, writing
+from handlcp.keywords import helped
 from handlcp.progress import Progress, told
 
 
+@helped()
 def sweep(
     make: Any, space: Mapping[str, Any], brief: Any, sampling: str = SOBOL, samples: Any = None,
     out: Any = None, executor: Any = None, *, seed: int = 0, progress: Progress = None,

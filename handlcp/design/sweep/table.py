@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from handlcp.design.space import Space
-from handlcp.errors import InputError
+from handlcp.errors import InputError, as_path
 from handlcp.extras import missing
 from handlcp.read_file import MOST_CELLS, MOST_ROWS, parse_json, read_bytes, read_text
 from handlcp.write_file import write_file
@@ -29,10 +29,7 @@ def checked_table(out: Any) -> Path:
     """The file of a table. Raises InputError for another kind of file, or a folder that is not there; Unsupported for
     Parquet without pyarrow.
     """
-    try:
-        file = Path(out)
-    except TypeError:
-        raise InputError("out", f"a file that ends in {PARQUET} or {CSV}", repr(out)[:80]) from None
+    file = as_path("out", out, f"a file that ends in {PARQUET} or {CSV}")
     if file.suffix.lower() not in (PARQUET, CSV):
         raise InputError("out", f"a file that ends in {PARQUET} or {CSV}", repr(str(out)))
     if not file.absolute().parent.is_dir():

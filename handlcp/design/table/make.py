@@ -18,15 +18,17 @@ from handlcp.design.table import SECONDS
 from handlcp.design.table.catalogue import TABLE_HANDS, Source, object_of, source, table_objects
 from handlcp.design.table.pair import KINDS, Asked, flat, work
 from handlcp.design.table.result import HandTable
-from handlcp.errors import HandLCPError, InputError, UnknownName, writing
+from handlcp.errors import HandLCPError, InputError, UnknownName, as_path, writing
 from handlcp.hand.hand import Hand
 from handlcp.hand.objects.object import Object
+from handlcp.keywords import helped
 from handlcp.progress import Progress, told
 from handlcp.version import VERSION
 
 ROWS, PARQUET, JSON = "table.rows", "table.parquet", "table.json"  # in the folder of a table
 
 
+@helped()
 def table(
     hands: Any = None, objects: Any = None, out: Any = "table", executor: Any = None, *,
     kinds: Sequence[str] = KINDS, seconds: float = SECONDS, simulated: bool = True, progress: Progress = None,
@@ -68,7 +70,7 @@ def table(
 
 def loaded(out: Any) -> HandTable:
     """The table of a folder, as far as it has come. Raises InputError."""
-    file = Path(out) / ROWS
+    file = as_path("out", out, "the name of a folder") / ROWS
     if not file.is_file():
         raise InputError("out", "the folder of a table", repr(str(out)))
     said, rows, _ = read(file)
@@ -151,10 +153,7 @@ def _kinds(given: Any) -> tuple[str, ...]:
 
 
 def _folder(out: Any) -> Path:
-    try:
-        folder = Path(out)
-    except TypeError:
-        raise InputError("out", "the name of a folder", repr(out)[:80]) from None
+    folder = as_path("out", out, "the name of a folder")
     with writing("out", folder):
         folder.mkdir(parents=True, exist_ok=True)
     return folder

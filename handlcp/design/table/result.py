@@ -12,10 +12,11 @@ from handlcp.design.table.catalogue import TABLE_HANDS, Source, hand_of, object_
 from handlcp.design.table.doubts import FRICTION
 from handlcp.design.table.pair import FAILED, GIVEN_UP, HELD, Row
 from handlcp.design.table.recipe import Recipe
-from handlcp.errors import InputError
+from handlcp.errors import InputError, shown
 from handlcp.hand.hand import Hand
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.object import Object
+from handlcp.keywords import helped_methods
 from handlcp.record import Record, data_frame
 from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
@@ -23,6 +24,7 @@ from handlcp.views import view
 _DRAWN = 5  # grasps in the picture of a hand
 
 
+@helped_methods
 class HandTable(Record, Sequence[Row]):
     """Rows of a table; made by `handlcp.table`. Prints a line for each hand; a sequence of dictionaries.
 
@@ -76,9 +78,11 @@ class HandTable(Record, Sequence[Row]):
 
     def grasp(self, row: Row) -> HandGrasp:
         """The grasp of a row, made again: to check, to draw, to load otherwise. Raises InputError for one without."""
+        if not any(row is one or row == one for one in self.rows):
+            raise InputError("row", "a row of this table", shown(row))
         recipe = Recipe.from_row(row)
         if recipe is None:
-            raise InputError("row", "a row with a grasp", f"{row['verdict']}: {row['reason']}"[:80])
+            raise InputError("row", "a row with a grasp", f"{row['verdict']}: {row.get('reason')}"[:80])
         return recipe.grasp(self.hand(row["hand"]), self.object(row["object"]), FRICTION)
 
     def hand(self, name: str) -> Hand:

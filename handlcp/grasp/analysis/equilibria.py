@@ -30,6 +30,7 @@ from handlcp.grasp.search.over_modes import PER_SECOND, OverModes, coarse, first
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verify.capacity import overload
 from handlcp.grasp.verify.judge import judge
+from handlcp.keywords import helped_methods
 from handlcp.lcp import NSNGRK, Auto, Status, proposals
 from handlcp.lcp.kernels.lemke import lemke
 from handlcp.lcp.multipliers import WithMultipliers
@@ -86,6 +87,7 @@ _COLUMNS = ("equilibrium", "contact", "state", "normal_N", "friction_N", "fricti
 _APART = 1e-6  # of the largest force, or of the scene's: forces that differ by less are the same
 
 
+@helped_methods
 @dataclass(frozen=True, slots=True)
 class Equilibria(Record):
     """The equilibria of a grasp, every one certified: `for solution in equilibria`, `len(equilibria)`.

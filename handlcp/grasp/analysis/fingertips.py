@@ -11,10 +11,12 @@ from handlcp.errors import InputError
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.keywords import helped
 
 _ROUNDING = 1e-12  # of all that is added up
 
 
+@helped()
 def wrench_from_fingertip_forces(
     grasp: Any, forces: Any, torques: Any = None, *, positions: Any = None, frames: Any = None
 ) -> Array:

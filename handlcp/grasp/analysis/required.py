@@ -23,6 +23,7 @@ from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.solve.stages import BRIEF
 from handlcp.grasp.verify.capacity import overload
 from handlcp.grasp.verify.holdable import escaping_twist
+from handlcp.keywords import helped_methods
 from handlcp.lcp import Auto
 from handlcp.record import Record, data_frame
 from handlcp.text_table import wrapped
@@ -34,6 +35,7 @@ _FIRST = 2.0**-10  # of the natural size: the first step upwards
 _FRICTION = 10.0  # the largest coefficient that is tried
 
 
+@helped_methods
 @dataclass(frozen=True, slots=True)
 class Required(Record):
     """The smallest common value that holds.

@@ -11,6 +11,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.errors import InputError
+from handlcp.keywords import helped_methods
 from handlcp.record import Record, columns, data_frame
 from handlcp.text_table import TextTable, wrapped
 from handlcp.tolerances import CERTIFY
@@ -20,6 +21,7 @@ from handlcp.views import view
 # What an answer looks like: a picture, plain data. Made by `handlcp.show`, which stands above this room.
 
 
+@helped_methods
 class Shown(Record):
     """Base of solutions that can be looked at."""
 

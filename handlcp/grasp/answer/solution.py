@@ -15,6 +15,7 @@ from handlcp.grasp.friction import Pyramid, Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.verify.judge import Residuals
+from handlcp.keywords import helped_methods
 from handlcp.lcp.problem import Status
 from handlcp.record import Record
 from handlcp.tolerances import CERTIFY
@@ -100,6 +101,7 @@ class Deferred:
 # ----------------------------------------------------------------
 
 
+@helped_methods
 @dataclass(frozen=True)
 class GraspSolution(Shown, Deferred):
     """The certified answer to a grasp. Arrays are read-only; n contacts; NaN where there is no answer.

@@ -37,6 +37,7 @@ from dataclasses import dataclass, field
 from typing import Any, Self
 
 from handlcp.errors import RequirementNotMet
+from handlcp.keywords import helped_methods
 from handlcp.record import Record
 from handlcp.text_table import wrapped
 
@@ -69,6 +70,7 @@ class Reason:
     values: Mapping[str, Any] = field(default_factory=dict)
 
 
+@helped_methods
 @dataclass(frozen=True, slots=True)
 class Verdict(Record):
     """Does it hold? Prints as the word and the reasons, in lines of at most 80 columns; its `repr` is the word and what

@@ -17,6 +17,7 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.batch.columns import Group, groups_of
 from handlcp.grasp.batch.first_stage import STATUSES, Answers, Batch
 from handlcp.grasp.solve.compiled_answer import CompiledAnswer
+from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
 from handlcp.lcp import Status
 from handlcp.record import Record, data_frame
@@ -26,6 +27,7 @@ from handlcp.views import view
 _INSTEAD = "to_dict() has a column for each name, and solutions[k] the numbers of grasp k"
 
 
+@helped_methods
 class Solutions(Record, Sequence[GraspSolution]):
     """The solutions of `solve_many`, in the order of its m grasps, and what they say as arrays, read-only.
 

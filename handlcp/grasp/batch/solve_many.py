@@ -10,6 +10,7 @@ from handlcp.check import cores
 from handlcp.errors import InputError
 from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.grasp import Grasp
+from handlcp.keywords import helped
 from handlcp.lcp.compiler.when import soon
 from handlcp.progress import Progress, told
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 # Many grasps at once, over all cores or a cluster: for sweeps over loads, postures and designs.
 
 
+@helped()
 def solve_many(
     grasps: Iterable[Grasp], faces: int | str | Pyramid = "cone", solver: Solver | ContactSolver | Auto | None = None,
     *, workers: int | None = None, executor: Executor | None = None, progress: Progress = None, proof: bool = True,

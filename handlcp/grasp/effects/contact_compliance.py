@@ -21,8 +21,10 @@ from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.kind import Placement, block_diagonal
 from handlcp.grasp.model.limit import FileKey, From0, by_finger
 from handlcp.grasp.model.scene import Scene
+from handlcp.keywords import helped_init
 
 
+@helped_init
 @dataclass(frozen=True, init=False, eq=False)
 class ContactCompliance(Effect):
     """Flexibility of the object's surface at the contacts [m/N], contact axes (x, y tangents, z normal).

@@ -19,9 +19,11 @@ from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.kind import Placement
 from handlcp.grasp.model.limit import Above0, FileKey, Limit, by_finger
 from handlcp.grasp.model.scene import Scene
+from handlcp.keywords import helped_init
 from handlcp.words import NOTHING, length, listed
 
 
+@helped_init
 @dataclass(frozen=True, init=False)
 class FingerForceBound(Effect):
     """Upper bounds [N] > 0 on the normal forces: a number for every finger, or one for each; inf: none.

@@ -36,6 +36,7 @@ from handlcp.grasp.model.kind import Placement
 from handlcp.grasp.model.limit import FileKey
 from handlcp.grasp.model.mechanism import JointReading
 from handlcp.grasp.model.scene import Scene
+from handlcp.keywords import helped_init
 from handlcp.tolerances import SEMIDEFINITE
 
 _SHARE = 0.1  # of the largest motion: joints that move less are not what buckles
@@ -53,6 +54,7 @@ class Bent(NamedTuple):
     held: Array
 
 
+@helped_init
 @dataclass(frozen=True, eq=False)
 class GeometricStiffness(Effect):
     """Asked for on a hand's grasp, which knows the joints: `state.grasp(..., effects=[GeometricStiffness()])`.

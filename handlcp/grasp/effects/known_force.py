@@ -15,18 +15,20 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, integer, number
+from handlcp.check import Array, integer, number, several
 from handlcp.errors import InputError
 from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.kind import Placement
 from handlcp.grasp.model.limit import CONTACT_KEY, FileKey, Finite, From0, Limit, contact_number
 from handlcp.grasp.model.scene import Scene
+from handlcp.keywords import helped_init
 from handlcp.words import NOTHING, length
 
 _AXES = ("x", "y", "normal")
 _ONE_KNOWN = "three numbers or None (x, y, normal), one known at least"
 
 
+@helped_init
 @dataclass(frozen=True, init=False)
 class KnownForce(Effect):
     """Contact number `contact` (from 0) pushes with these components of its force [N], contact axes; None: not known.
@@ -61,7 +63,7 @@ class KnownForce(Effect):
 
     def __init__(self, contact: int, force: Any) -> None:
         object.__setattr__(self, "contact", integer("KnownForce.contact", contact, 0))
-        given = list(force) if isinstance(force, (tuple, list, np.ndarray)) else []
+        given = several("KnownForce.force", force, _ONE_KNOWN)
         if len(given) != 3 or all(f is None for f in given):
             raise InputError("KnownForce.force", _ONE_KNOWN, repr(force))
         checked = [None if f is None else number(f"KnownForce.force[{k}]", f) for k, f in enumerate(given)]

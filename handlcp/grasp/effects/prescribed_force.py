@@ -18,8 +18,10 @@ from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.kind import Placement
 from handlcp.grasp.model.limit import CONTACT_KEY, FileKey, Three, contact_number
 from handlcp.grasp.model.scene import Scene
+from handlcp.keywords import helped_init
 
 
+@helped_init
 @dataclass(frozen=True, init=False, eq=False)
 class PrescribedForce(Effect):
     """Contact number `contact` (from 0) pushes with `force` (3,) N in its contact axes (x, y, normal)."""

@@ -23,11 +23,13 @@ from handlcp.grasp.model.grasp_matrix import wrench_map
 from handlcp.grasp.model.kind import Placement
 from handlcp.grasp.model.limit import FileKey, Finite, From0, Three
 from handlcp.grasp.model.scene import Scene
+from handlcp.keywords import helped_init
 
 _Softness = From0 | Annotated[list[From0], Len(3, 3)]
 _Six = Annotated[list[Finite], Len(6, 6)]
 
 
+@helped_init
 @dataclass(frozen=True, init=False, eq=False)
 class SoftWrist(Effect):
     """Flexibility of the palm that carries all fingers of the grasp.

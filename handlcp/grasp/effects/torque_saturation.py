@@ -18,11 +18,13 @@ from handlcp.grasp.model.kind import Placement
 from handlcp.grasp.model.limit import FileKey, Limit
 from handlcp.grasp.model.mechanism import JointReading, Mechanism
 from handlcp.grasp.model.scene import Scene
+from handlcp.keywords import helped_init
 from handlcp.tolerances import ACTIVE, OVER
 
 _REACH = 1e-12  # of the longest lever: a joint with less moves no contact
 
 
+@helped_init
 @dataclass(frozen=True, eq=False)
 class TorqueSaturation(Effect):
     """Asked for on a hand's grasp, which knows the joints: `state.grasp(..., effects=[TorqueSaturation()])`."""

@@ -16,9 +16,11 @@ from handlcp.check import Array, number
 from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.limit import Above0, FileKey, Limit
 from handlcp.grasp.model.scene import Scene
+from handlcp.keywords import helped_init
 from handlcp.words import NOTHING, length
 
 
+@helped_init
 @dataclass(frozen=True, slots=True)
 class TotalForceBound(Effect):
     """Upper bound `limit` [N] > 0 (inf: none) on the sum of all unknown normal forces of fingers."""

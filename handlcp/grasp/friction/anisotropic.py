@@ -11,8 +11,11 @@ from typing import Any, ClassVar
 from handlcp.check import array, number
 from handlcp.grasp.friction.coulomb import Coulomb
 from handlcp.grasp.friction.law import FrictionLaw
+from handlcp.keywords import helped_init, helped_methods
 
 
+@helped_init
+@helped_methods
 @dataclass(frozen=True, init=False)
 class AnisotropicCoulomb(FrictionLaw):
     """Dry friction that differs with the direction, (r_x/μ_x)² + (r_y/μ_y)² ≤ r_N²; a sliding contact is on the ellipse
@@ -51,7 +54,7 @@ class AnisotropicCoulomb(FrictionLaw):
 
     def with_mu(self, mu: float) -> FrictionLaw:
         """The same ellipse, grown or shrunk until its larger half-axis is `mu`."""
-        x, y = self.scale
+        mu, (x, y) = number("mu", mu, minimum=0.0), self.scale
         return AnisotropicCoulomb(mu * x, mu * y, self.along) if mu * min(x, y) > 0.0 else Coulomb(0.0)
 
     def __repr__(self) -> str:

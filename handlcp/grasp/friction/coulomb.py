@@ -10,8 +10,11 @@ from typing import ClassVar
 
 from handlcp.check import number
 from handlcp.grasp.friction.law import FrictionLaw
+from handlcp.keywords import helped_init, helped_methods
 
 
+@helped_init
+@helped_methods
 @dataclass(frozen=True, slots=True)
 class Coulomb(FrictionLaw):
     """Dry friction, |r_T| ≤ μ r_N; a sliding contact is on the limit and pulls against its slip.

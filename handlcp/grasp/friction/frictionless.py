@@ -7,8 +7,11 @@ from typing import ClassVar
 
 from handlcp.grasp.friction.coulomb import Coulomb
 from handlcp.grasp.friction.law import FrictionLaw
+from handlcp.keywords import helped_init, helped_methods
 
 
+@helped_init
+@helped_methods
 @dataclass(frozen=True, slots=True)
 class Frictionless(FrictionLaw):
     """No tangential force, and therefore no tangential unknowns at all."""

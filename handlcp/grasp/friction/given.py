@@ -6,20 +6,28 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from handlcp.check import number, per_name
-from handlcp.errors import InputError
+from handlcp.errors import InputError, shown
 from handlcp.grasp.friction.coulomb import Coulomb
 from handlcp.grasp.friction.law import FrictionLaw, law_words
 
+_MOST = 10.0  # of a coefficient that is given as a number: soft rubber has 3, and sticky pads little more
+
 
 def as_law(value: Any, argument: str = "friction", instead: str = "") -> FrictionLaw:
-    """A law as it is; a number μ ≥ 0 as `Coulomb(μ)`. Raises InputError; instead : what else it may be, for that."""
+    """A law as it is; a number from 0 to 10 as `Coulomb` with that coefficient. instead : what else it may be, for the
+    InputError that it raises.
+    """
     if isinstance(value, FrictionLaw):
         return value
     try:
-        return Coulomb(number(argument, value, minimum=0.0))
+        mu = number(argument, value, minimum=0.0)
     except InputError:
         expected = f"a coefficient ≥ 0, {law_words()}{instead}"
-        raise InputError(argument, expected, repr(value)[:80]) from None
+        raise InputError(argument, expected, shown(value)) from None
+    if mu > _MOST:
+        expected = f"a coefficient of at most {_MOST:g}, or Coulomb({mu:g}) where that is meant"
+        raise InputError(argument, expected, f"{mu:g} (per cent? {mu / 100:g})")
+    return Coulomb(mu)
 
 
 def laws_by_name(value: Any, names: Sequence[str], others: Sequence[FrictionLaw]) -> list[FrictionLaw]:

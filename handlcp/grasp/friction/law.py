@@ -13,9 +13,12 @@ from __future__ import annotations
 
 from typing import Any, ClassVar, Self
 
+from handlcp.keywords import helped_methods
+
 _LAWS: dict[tuple[str, str], type[FrictionLaw]] = {}
 
 
+@helped_methods
 class FrictionLaw:
     """Friction of a point contact that is alike in all directions, unless a subclass says otherwise.
 

@@ -9,10 +9,13 @@ from typing import ClassVar, TypeAlias
 
 import numpy as np
 
-from handlcp.check import Array, integer, read_only
+from handlcp.check import Array, array, integer, read_only
 from handlcp.errors import InputError
+from handlcp.keywords import helped_init, helped_methods
 
 
+@helped_init
+@helped_methods
 @dataclass(frozen=True, slots=True)
 class Pyramid:
     """A pyramid of `faces` ≥ 3 faces in place of the friction cone.
@@ -48,7 +51,7 @@ class Pyramid:
 
     def limit(self, mu: Array) -> Array:
         """(n,) the same per newton of normal force [-]."""
-        return mu * self.share
+        return array("mu", mu) * self.share
 
     @property
     def name(self) -> str:

@@ -11,9 +11,12 @@ from typing import ClassVar
 from handlcp.check import number
 from handlcp.errors import InputError
 from handlcp.grasp.friction.law import FrictionLaw
+from handlcp.keywords import helped_init, helped_methods
 from handlcp.tolerances import STEEPEST
 
 
+@helped_init
+@helped_methods
 @dataclass(frozen=True, slots=True)
 class SoftFinger(FrictionLaw):
     """A patch instead of a point: it bears a moment r_τ about the normal as well, |r_T|²/μ² + r_τ²/μ_τ² ≤ r_N².
@@ -53,4 +56,5 @@ class SoftFinger(FrictionLaw):
 
     def with_mu(self, mu: float) -> SoftFinger:
         """The same lever with another coefficient."""
+        mu = number("mu", mu, minimum=0.0)
         return SoftFinger(mu, mu * self.lever, self.torsional_flexibility)

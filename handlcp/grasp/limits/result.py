@@ -15,6 +15,7 @@ from handlcp.grasp.cause.judge import Bind
 from handlcp.grasp.cause.wording import happens
 from handlcp.grasp.path.events import jump
 from handlcp.grasp.sensitivity.paths import PathSensitivity
+from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
 from handlcp.record import Record
 from handlcp.text_table import wrapped
@@ -90,6 +91,7 @@ class LimitPath:
     displacement: Array
 
 
+@helped_methods
 @dataclass(frozen=True, eq=False)
 class LoadLimit(Record):
     """The largest factor on a load that a grasp holds when the load grows slowly; made by `Grasp.load_limit`.

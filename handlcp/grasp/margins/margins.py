@@ -24,6 +24,7 @@ from handlcp.grasp.margins.closure import Closure, force_closure, form_closure
 from handlcp.grasp.margins.wrench_space import WrenchSpace, wrench_space
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
+from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
 from handlcp.record import Record, data_frame
 from handlcp.text_table import TextTable, wrapped
@@ -47,6 +48,7 @@ class Least(Record):
         return "who", f"amount_{self.unit.replace('·', '')} = amount", "share"
 
 
+@helped_methods
 @dataclass(frozen=True, eq=False)
 class Margins(Record):
     """Made by `Grasp.margins`; each number is worked out when it is first asked for.

@@ -9,8 +9,11 @@ import numpy as np
 from handlcp.check import Array, array, read_only, unit
 from handlcp.errors import InputError
 from handlcp.grasp.friction import Coulomb, FrictionLaw, as_law
+from handlcp.keywords import helped_init, helped_methods
 
 
+@helped_init
+@helped_methods
 class Contact:
     """A contact of a finger on the object.
 

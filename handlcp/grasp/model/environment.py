@@ -16,12 +16,14 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, dimensions, number, read_only
+from handlcp.check import Array, array, dimensions, number, read_only, several
 from handlcp.errors import InputError
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Contact
+from handlcp.keywords import helped_init
 
 
+@helped_init
 class Environment:
     """m contacts of the world with the object, for `Grasp(..., environment=...)` and `state.grasp(..., environment=)`.
 
@@ -64,11 +66,8 @@ class Environment:
 
 def joined(value: Any) -> Environment:
     """One environment of one or several, every contact with a name of its own. Raises InputError."""
-    parts = (value,) if isinstance(value, Environment) else value
-    if isinstance(parts, (str, bytes)) or not isinstance(parts, Iterable):
-        expected = "an Environment (of a Table: table.under(obj)), or a sequence of them"
-        raise InputError("environment", expected, repr(value)[:80])
-    parts = tuple(parts)
+    expected = "an Environment (of a Table: table.under(obj)), or a sequence of them"
+    parts = (value,) if isinstance(value, Environment) else several("environment", value, expected)
     for k, part in enumerate(parts):
         if not isinstance(part, Environment):
             raise InputError(f"environment[{k}]", "an Environment", repr(part)[:80])

@@ -15,6 +15,7 @@ from handlcp.check import Array, array, psd, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.model.kind import block_diagonal
 from handlcp.grasp.model.mechanism import joint_flexibility
+from handlcp.keywords import helped_init
 from handlcp.lazy import lazy
 
 T = TypeVar("T")
@@ -28,6 +29,7 @@ class Factor(NamedTuple):
     pads: Array
 
 
+@helped_init
 class Flexibility:
     """E = J K⁻¹ Jᵀ + P of n contacts, without the matrix; pass it as `flexibility=` of a `Grasp`.
 

@@ -35,6 +35,7 @@ from handlcp.grasp.path.watch import watch_of
 from handlcp.grasp.sensitivity.paths import PathSensitivity
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.solve.stages import certified
+from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
 from handlcp.progress import told
 from handlcp.record import Record, data_frame, pick, versions
@@ -45,6 +46,7 @@ _COARSER = 100.0  # times as wide as differences of one solve are those of whole
 TOLERANCE = 1e-9  # of the contacts' radii: how far the end of a step may be from where its geometry was taken
 
 
+@helped_methods
 @dataclass(frozen=True, eq=False)
 class Loading(Record):
     """What becomes of a grasp under loading in steps; made by `Grasp.follow`. Does it hold? `held` and `word` say so.

@@ -9,12 +9,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, array, number, read_only
-from handlcp.errors import InputError
+from handlcp.check import Array, array, number, read_only, several
+from handlcp.errors import InputError, shown
 from handlcp.grasp.path.events import Event
 from handlcp.grasp.path.geometry import Iterate, Where
 from handlcp.grasp.path.newton.numbers import Loads, Read
 from handlcp.grasp.path.pull import Pull
+from handlcp.keywords import helped_init
 
 # ----------------------------------------------------------------
 # What is done to a grasp, stage by stage: the hand closes, then the load comes; or any other order.
@@ -26,6 +27,7 @@ LET_GO = "let go"  # the stage in which an object is let go that was kept in pla
 _KNOWN = ("squeeze", "load", "together")
 
 
+@helped_init
 @dataclass(frozen=True, slots=True)
 class Stage:
     """One stage of loading, for `grasp.follow(order=[...])`; what is None stays as it is.
@@ -41,6 +43,18 @@ class Stage:
     weight: Any = None
     squeeze: Any = None
     joint_offset: Any = None
+
+    def __post_init__(self) -> None:
+        """Check what does not depend on the grasp."""
+        if not isinstance(self.name, str) or not self.name:
+            raise InputError("Stage.name", "a name", shown(self.name))
+        for name in ("weight", "squeeze"):
+            if (value := getattr(self, name)) is not None:
+                number(f"Stage.{name}", value, minimum=0.0)
+        if self.load is not None:
+            array("Stage.load", self.load, (6,))
+        if self.joint_offset is not None:
+            array("Stage.joint_offset", self.joint_offset, (-1,))
 
 
 class Controls(NamedTuple):
@@ -94,13 +108,12 @@ def read_stages(
     Raises InputError.
     """
     given = [order] if isinstance(order, (str, Stage)) else order
-    if not isinstance(given, Iterable):
-        raise InputError("order", f"stages: {', '.join(_KNOWN)}, or hl.Stage", repr(order)[:80])
+    given = several("order", given, f"stages: {', '.join(_KNOWN)}, or hl.Stage")
     path = _path(load, wrench)
     now = Controls(np.zeros(6), 0.0, 0.0, before)
     first, goals = now, list[Goal]()
     for k, stage in enumerate(given):
-        if stage == "load" and weighs and not now.weight and path[0].any():
+        if isinstance(stage, str) and stage == "load" and weighs and not now.weight and path[0].any():
             now = now._replace(weight=1.0)
             goals.append(Goal("weight", now))
         for goal in _goals(f"order[{k}]", stage, path, now, (before, command)):
@@ -132,6 +145,8 @@ def _path(load: Any, wrench: Array) -> Array:
 def _goals(argument: str, stage: Any, path: Array, now: Controls, commands: tuple[Array, Array]) -> Iterable[Goal]:
     if isinstance(stage, Stage):
         yield _own(argument, stage, now, commands)
+    elif not isinstance(stage, str):
+        raise InputError(argument, f"one of {', '.join(_KNOWN)}, or an hl.Stage", shown(stage))
     elif stage == "squeeze":
         yield Goal("squeeze", Controls(now.load, now.weight, 1.0, commands[1]))
     elif stage in ("load", "together"):
@@ -145,8 +160,6 @@ def _goals(argument: str, stage: Any, path: Array, now: Controls, commands: tupl
 
 def _own(argument: str, stage: Stage, now: Controls, commands: tuple[Array, Array]) -> Goal:
     before, command = commands
-    if not isinstance(stage.name, str) or not stage.name:
-        raise InputError(f"{argument}.name", "a name", repr(stage.name))
     load = now.load if stage.load is None else array(f"{argument}.load", stage.load, (6,))
     weight = now.weight if stage.weight is None else number(f"{argument}.weight", stage.weight, minimum=0.0)
     preload, commanded = now.preload, now.command

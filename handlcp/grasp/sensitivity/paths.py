@@ -15,11 +15,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, number, read_only
 from handlcp.errors import UnknownName
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.parameter import by_effort, named, present
 from handlcp.grasp.parameter.parameter import TENTH
+from handlcp.keywords import helped_methods
 from handlcp.record import plain
 from handlcp.text_table import TextTable, wrapped
 from handlcp.words import first_largest
@@ -77,6 +78,7 @@ class Sides(NamedTuple):
     derivative: Array
 
 
+@helped_methods
 class PathSensitivity:
     """Derivatives `<quantity>_by_<parameter>` of the end of a path: arrays in the shape of the quantity followed by
     that of the parameter, SI, as in `Sensitivity`, whose parameters these are. `all_friction`, `all_pads`,
@@ -137,6 +139,9 @@ class PathSensitivity:
         """By quantity, its change to first order when all entries of a parameter grow by a share of themselves; {}
         where they are all zero.
         """
+        share = number("share", share)
+        if parameter not in (names := [p.name for p in present(self._spec)]):
+            raise UnknownName("parameter", "a parameter", [str(parameter)], names)
         of = named(parameter)
         sizes = of.values(self._spec)
         largest = float(abs(sizes).max(initial=0.0))

@@ -16,6 +16,7 @@ from handlcp.grasp.sensitivity.respond import Response
 from handlcp.grasp.sensitivity.table import QUANTITIES, what_matters
 from handlcp.grasp.tangent.answer import Answer
 from handlcp.grasp.tangent.change import Change, Rates
+from handlcp.keywords import helped_methods
 from handlcp.record import Record, data_frame, plain
 from handlcp.tolerances import ACTIVE
 
@@ -33,6 +34,7 @@ class Along:
     behind: dict[str, Array]
 
 
+@helped_methods
 class Sensitivity(Record):
     """Derivatives of a solution, `<quantity>_by_<parameter>`: read-only arrays in the shape of the quantity followed by
     that of the parameter, SI. Made by `solution.sensitivity()`.

@@ -29,7 +29,7 @@ from handlcp.hand.mechanism import HandMechanism, mechanism_of, own_flexibility
 from handlcp.hand.objects.detect import touching
 from handlcp.hand.objects.meshes import HOW_TO_MESH, in_memory
 from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.shapes import ask_for_metres, far_from
+from handlcp.hand.objects.shapes import ask_for_kilograms, ask_for_metres, far_from
 from handlcp.hand.objects.table import surrounding
 from handlcp.hand.robot.posture import GRAVITY, Posture
 from handlcp.hand.sites.sited import by_site, sited
@@ -51,6 +51,7 @@ def found_on(
     """Numbers of the fingertips, their contacts with an object, and the signed gaps (k,) [m]. Raises NotReached."""
     tips = state.hand.tip_numbers("fingers", fingers)
     ask_for_metres("target", obj, state.tip_positions)
+    ask_for_kilograms("target.mass", obj, state.hand.mass)
     names = [state.hand.fingertips[i] for i in tips]
     if isinstance(friction, Mapping):
         friction = {
@@ -247,6 +248,7 @@ class HandAsked:
         if self.fingers is not None:
             raise InputError("fingers", "None beside links, which says what touches", repr(self.fingers)[:80])
         ask_for_metres("target", obj, self.state.tip_positions)
+        ask_for_kilograms("target.mass", obj, self.state.hand.mass)
         closed, state = None, self.state
         if self._moves_far:
             closed = closed_by(state, obj, self.joint_offset, self.closing_torque)

@@ -95,9 +95,8 @@ def _friction(asked: HandAsked, spec: GraspSpec, mechanism: HandMechanism, chang
     """What friction becomes; fingers that a mapping does not name keep theirs."""
     target, names = changes["target"], mechanism.fingertips
     old = [c.friction for c in spec.contacts[: len(names)]]
-    chosen = changes.get("fingers", asked.fingers)
     hand = mechanism.posture.hand
-    here = set(hand.fingertips if chosen is None else chosen)
+    here = {hand.fingertips[i] for i in hand.tip_numbers("fingers", changes.get("fingers", asked.fingers))}
     if "friction" not in changes:
         if "object" in changes and not isinstance(target, Object):
             return {"friction": None}  # contacts bring their own

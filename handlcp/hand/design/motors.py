@@ -21,6 +21,7 @@ from handlcp.hand.asked.load import weight_of
 from handlcp.hand.design.sizes import RequiredTension, at_peak, for_good, reductions
 from handlcp.hand.elasticity.motor import Drives, Motor
 from handlcp.hand.mechanism import hand_of
+from handlcp.keywords import helped_methods
 from handlcp.record import Record, columns, pick, plain, rows
 from handlcp.text_table import TextTable, wrapped
 
@@ -87,6 +88,7 @@ def _under(spec: GraspSpec, said: dict[str, Any], factor: float) -> GraspSpec:
 # ----------------------------------------------------------------
 
 
+@helped_methods
 @dataclass(frozen=True, slots=True, eq=False)
 class RequiredTorque(Record):
     """The torque that each joint needs so that every load of a brief, times the safety factor, holds.

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.grasp import Grasp
+from handlcp.keywords import helped_methods
 from handlcp.progress import told
 
 if TYPE_CHECKING:
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from handlcp.hand.design.motors import RequiredTorque
 
 
+@helped_methods
 class HandQuestions(Grasp):
     """Base of `HandGrasp`: questions about its motors, and about how hard it closes."""
 

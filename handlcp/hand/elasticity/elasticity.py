@@ -9,7 +9,7 @@ what the actuators hold: the joints stand at the commanded posture minus δq.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from typing import Any, Self
@@ -17,8 +17,9 @@ from typing import Any, Self
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, read_only, sealed
+from handlcp.check import Array, array, dimensions, read_only, sealed
 from handlcp.grasp.model.mechanism import joint_flexibility
+from handlcp.keywords import helped_methods
 from handlcp.record import Record
 from handlcp.text_table import TextTable
 from handlcp.tolerances import SEMIDEFINITE
@@ -167,6 +168,24 @@ def spanned(motions: Array) -> Array:
     return read_only(U[:, s > SEMIDEFINITE])
 
 
+def check_numbers(argument: str, value: Any, read: Callable[[str, Any], float]) -> None:
+    """Of a number for all, one for each, a mapping by name, or a matrix, what does not depend on how many there are.
+
+    read : checks one, from the argument's name and the value. Raises InputError.
+    """
+    if isinstance(value, Mapping):
+        for name, one in value.items():
+            check_numbers(f"{argument}[{name!r}]", one, read)
+    elif dimensions(value) == 0:
+        read(argument, value)
+    elif dimensions(value) == 1:
+        for k, one in enumerate(value):
+            read(f"{argument}[{k}]", one)
+    else:
+        array(argument, value, (-1, -1))
+
+
+@helped_methods
 class Transmission:
     """What users pass in place of a joint stiffness where an actuator moves several joints."""
 

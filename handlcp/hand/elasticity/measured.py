@@ -17,6 +17,7 @@ from scipy import stats
 from handlcp import words
 from handlcp.check import Array, array
 from handlcp.errors import InputError
+from handlcp.keywords import helped
 from handlcp.record import Record
 
 _LEAST = 3  # points: two have no scatter
@@ -67,6 +68,7 @@ class MeasuredStiffness(Record):
         return "\n".join((*said, bent, "measure about the load that the hand will have"))
 
 
+@helped()
 def stiffness_from(angle: Any, torque: Any) -> MeasuredStiffness:
     """The stiffness of a spring from readings: of a joint, or of a pad in the same way.
 

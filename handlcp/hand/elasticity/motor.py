@@ -28,11 +28,14 @@ import numpy as np
 
 from handlcp.check import Array, number, per_name, read_only
 from handlcp.errors import InputError
+from handlcp.keywords import helped_init, helped_methods
 from handlcp.lazy import lazy
 
 CONTINUOUS, HOLDING = "continuous", "holding"  # which of the two a joint is held by
 
 
+@helped_init
+@helped_methods
 @dataclass(frozen=True)
 class Motor:
     """One motor with its gear, for `motors=` of a hand, or of `Tendons`: what is said of the joint is then said of the
@@ -122,6 +125,7 @@ class Motor:
         """U [-] : what the motor gives for a torque at the joint [N·m], as a share of what it gives for good; 0 where
         friction or the gear carries all of it.
         """
+        torque = number("torque", torque)
         if abs(torque) <= (self.holding or 0.0):
             return 0.0
         return max(abs(torque) - self.friction, 0.0) / self.for_good

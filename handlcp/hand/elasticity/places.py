@@ -9,15 +9,17 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from handlcp.check import Array, array, dimensions, number, read_only, unit
-from handlcp.errors import InputError, Unsupported
+from handlcp.check import Array, array, dimensions, number, read_only, several, unit
+from handlcp.errors import InputError, Unsupported, shown
 from handlcp.hand.elasticity.wrapping import ROUNDING
+from handlcp.keywords import helped_init
 
 CYLINDER, SPHERE = "cylinder", "sphere"
 
 _PLACEMENTS = "a pin.SE3 whose z is the axis, a point and a unit axis ((3,), (3,)), or of a sphere its centre (3,)"
 
 
+@helped_init
 @dataclass(frozen=True, eq=False)
 class Site:
     """A hole that the cable runs through, or an end that is knotted. link : that carries it. point : (3,) in the link's
@@ -36,6 +38,7 @@ class Site:
         return replace(self, point=point(self.link, self.point))
 
 
+@helped_init
 @dataclass(frozen=True, eq=False)
 class Pulley:
     """A loose pulley, from which a branch of its own begins. divisor : > 0, of the branch's length and tension: 2 for
@@ -48,6 +51,7 @@ class Pulley:
         object.__setattr__(self, "divisor", number("Pulley.divisor", self.divisor, above=0.0))
 
 
+@helped_init
 @dataclass(frozen=True, eq=False)
 class Around:
     """A round body that the cable lies on where it is in the way, between two sites outside it. No friction.
@@ -119,7 +123,8 @@ def _placed(value: Any, shape: str) -> tuple[Array, Array]:
         return array(name, value.translation, (3,)), unit(name, value.rotation[:, 2], (3,))
     if shape == SPHERE and dimensions(value) == 1:
         return array(name, value, (3,), what="metres in the link's frame"), read_only(np.array([0.0, 0.0, 1.0]))
-    if not isinstance(value, (tuple, list, np.ndarray)) or len(value) != 2:
-        raise InputError(name, _PLACEMENTS, repr(value)[:80])
+    value = several(name, value, _PLACEMENTS)
+    if len(value) != 2:
+        raise InputError(name, _PLACEMENTS, shown(value))
     centre = array(f"{name}[0]", value[0], (3,), what="metres in the link's frame")
     return centre, unit(f"{name}[1]", value[1], (3,))

@@ -15,6 +15,7 @@ from handlcp.check import Array, Ints, read_only
 from handlcp.errors import InputError, UnknownName
 from handlcp.hand.elasticity.places import CYLINDER, Around, Pulley, Site
 from handlcp.hand.elasticity.strung import Posed, Strands, Strung, strung, turning
+from handlcp.keywords import helped_init
 
 _PLACES = "a sequence of Site, Around and Pulley, at least two of them"
 
@@ -44,6 +45,7 @@ class _Leg(NamedTuple):
     divisor: float
 
 
+@helped_init
 @dataclass(frozen=True, eq=False)
 class Route:
     """The places that a tendon passes, in their order.

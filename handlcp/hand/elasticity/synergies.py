@@ -12,7 +12,7 @@ import numpy as np
 from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.analysis.explanation import Description
-from handlcp.hand.elasticity.elasticity import TRANSMISSION, Effort, Elasticity, Transmission, spanned
+from handlcp.hand.elasticity.elasticity import TRANSMISSION, Effort, Elasticity, Transmission, check_numbers, spanned
 from handlcp.hand.elasticity.stiffness import (
     JointStiffness,
     given_rows,
@@ -20,6 +20,7 @@ from handlcp.hand.elasticity.stiffness import (
     read_springs,
     read_stiffness,
 )
+from handlcp.keywords import helped_init
 from handlcp.tolerances import SEMIDEFINITE
 
 # ----------------------------------------------------------------
@@ -50,6 +51,7 @@ SYNERGIES = Description(
 _spring = partial(number, above=0.0, finite=False)
 
 
+@helped_init
 @dataclass(frozen=True, eq=False)
 class Synergies(Transmission):
     """Pass it as a hand's `joint_stiffness`.
@@ -79,6 +81,8 @@ class Synergies(Transmission):
         if isinstance(self.joint_stiffness, Transmission):
             expected = "the springs of the joints themselves, or None where they are rigid"
             raise InputError("Synergies.joint_stiffness", expected, type(self.joint_stiffness).__name__)
+        if not (self.joint_stiffness is None or isinstance(self.joint_stiffness, Elasticity)):
+            check_numbers("Synergies.joint_stiffness", self.joint_stiffness, _spring)
 
     def for_joints(self, joints: Sequence[str], kinematics: Any = None) -> SynergyCompliance:
         """C over these joints."""

@@ -12,7 +12,7 @@ import numpy as np
 from handlcp.check import Array, array, dimensions, number, per_name, psd, read_only
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.analysis.explanation import Description
-from handlcp.hand.elasticity.elasticity import TRANSMISSION, Transmission
+from handlcp.hand.elasticity.elasticity import TRANSMISSION, Transmission, check_numbers
 from handlcp.hand.elasticity.laid import lays_of
 from handlcp.hand.elasticity.route import Route
 from handlcp.hand.elasticity.stiffness import (
@@ -23,6 +23,7 @@ from handlcp.hand.elasticity.stiffness import (
 )
 from handlcp.hand.elasticity.tendon_motors import read_tendon_motors
 from handlcp.hand.elasticity.tendon_stiffness import EQUATION, Made, RoutedStiffness, TendonStiffness
+from handlcp.keywords import helped_init, helped_methods
 
 # ----------------------------------------------------------------
 # Tendons: elastic cables over several joints, usually fewer of them than joints.
@@ -54,9 +55,12 @@ _tendon_spring = partial(number, above=0.0)
 _passive_spring = partial(number, minimum=0.0, finite=False)
 _pretension = partial(number, minimum=0.0, finite=False)
 _limit = partial(number, above=0.0, finite=False)
+_friction = partial(number, minimum=0.0)
 _ARMS = "Tendons.moment_arms"
 
 
+@helped_init
+@helped_methods
 @dataclass(frozen=True, eq=False)
 class Tendons(Transmission):
     """Pass it as a hand's `joint_stiffness`.
@@ -102,6 +106,8 @@ class Tendons(Transmission):
         if not isinstance(self.stiffness, Mapping):
             numbers = [str(i) for i in range(len(arms))]
             read_springs("Tendons.stiffness", self.stiffness, "tendon", numbers, _tendon_spring)
+        check_numbers("Tendons.passive", self.passive, _passive_spring)
+        check_numbers("Tendons.friction", self.friction, _friction)
         begun, _ = self._forces(self.names)
         read_tendon_motors(self.motors, self.names, begun)
 

@@ -21,6 +21,7 @@ from handlcp.hand.find.held import solved
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.object import Object
 from handlcp.hand.robot.posture import Posture
+from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
 from handlcp.record import Record, columns_of, data_frame, pick
 from handlcp.text_table import wrapped
@@ -230,6 +231,7 @@ _STOPPED = {  # what is said where no placement came as far
 }
 
 
+@helped_methods
 class Found(Record, Sequence[Candidate]):
     """Grasps, sorted by `Candidate.rank`, the best first. Each is checked, its verdict is HELD, and followed. Prints in
     lines of at most 80 columns, with the warnings of the best one's verdict.

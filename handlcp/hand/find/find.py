@@ -14,16 +14,18 @@ from handlcp.hand.find.pinch import Search
 from handlcp.hand.find.power import PowerSearch
 from handlcp.hand.objects.meshes import what_to_pass
 from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.shapes import Mesh, ask_for_metres
+from handlcp.hand.objects.shapes import Mesh, ask_for_kilograms, ask_for_metres
 from handlcp.hand.robot.convex import available
 from handlcp.hand.robot.model import HandModel
 from handlcp.hand.robot.posture import Posture
+from handlcp.keywords import helped
 from handlcp.progress import told as counted
 
 PINCH, POWER, ANY = "pinch", "power", "any"
 KINDS = PINCH, POWER, ANY
 
 
+@helped()
 @counted("looking for a grasp")
 def find_grasp(
     hand: HandModel,
@@ -78,6 +80,7 @@ def find_grasp(
     if not isinstance(obj, Object):
         raise InputError("obj", what_to_pass(obj), repr(obj)[:80])
     ask_for_metres("obj", obj, Posture(hand, hand.neutral).tip_positions)
+    ask_for_kilograms("obj.mass", obj, hand.mass)
     tips, tries, seed = hand.tip_numbers("fingers", fingers), integer("tries", tries, 1), integer("seed", seed, 0)
     yes_or_no("throw", throw)
     check_closing(kind, squeeze, grip_force, closing_torque, fingers)

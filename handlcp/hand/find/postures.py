@@ -12,6 +12,7 @@ import pinocchio as pin
 from handlcp.check import Array, array, dimensions, number
 from handlcp.errors import InputError
 from handlcp.hand.objects.object import read_placement
+from handlcp.keywords import helped
 from handlcp.read_file import MOST_ARRAYS, MOST_YAML, parse_yaml, read_arrays, read_text
 
 _WHICH = "pregrasp", "grasp", "squeeze"
@@ -29,6 +30,7 @@ class GivenPosture(NamedTuple):
     name: str = ""
 
 
+@helped()
 def read_postures(source: Any, joints: Sequence[str] | None = None, which: str = "grasp") -> list[GivenPosture]:
     """Grasps that something else has found: of each the posture of the hand and the placement of the object.
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import coal
 import numpy as np
 
 from handlcp.check import Array, array, read_only
-from handlcp.errors import InputError
+from handlcp.errors import InputError, as_path
 from handlcp.hand.objects.object import Solid
 from handlcp.hand.robot.check_mesh import check_mesh_file
 from handlcp.hand.robot.link_surface import hull, triangles_of
@@ -107,10 +106,7 @@ def _ask_for_metres(triangles: Array, name: str, units: Any) -> None:
 
 def _read(path: Any, scale: Array | None) -> Any:
     """None: in the unit that a Collada file says, or metres."""
-    try:
-        file = Path(path)
-    except TypeError:
-        raise InputError("path", "the path of a mesh file, or a trimesh.Trimesh", repr(path)[:80]) from None
+    file = as_path("path", path, "the path of a mesh file, or a trimesh.Trimesh")
     check_mesh_file("path", file)
     try:
         size = collada_unit(file) * np.ones(3) if scale is None else scale

@@ -12,6 +12,7 @@ import pinocchio as pin
 from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.analysis.explanation import Description
+from handlcp.keywords import helped
 from handlcp.lcp.kernels.dense import kernel
 
 # ----------------------------------------------------------------
@@ -210,6 +211,7 @@ class Object:
         """(3,) [m], world axes."""
         return read_only(np.asarray(self._placement.act(self._centre)))
 
+    @helped()
     def moved_to(self, placement: Any) -> Self:
         """The same object at another placement, given as on making it."""
         return self._like(read_placement(placement), self.mass)
@@ -228,6 +230,7 @@ class Object:
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
+    @helped()
     def weighing(self, mass: Any) -> Self:
         """The same object with another mass [kg]."""
         return self._like(self._placement, number("mass", mass, minimum=0.0))

@@ -15,8 +15,10 @@ from handlcp.hand.objects.object import BALL, BOX, CYLINDER, ELLIPSOID, Object, 
 from handlcp.hand.objects.solid import box_of
 from handlcp.hand.objects.surface import Closed, Hull
 from handlcp.hand.robot.convex import convex_parts
+from handlcp.keywords import helped_init
 
 
+@helped_init
 class Box(Object):
     """A box with edges `size` (3,) [m] along its axes, centred on its frame (a number: a cube)."""
 
@@ -28,6 +30,7 @@ class Box(Object):
         super().__init__(solid, placement, mass, density, (self.size,), (BOX, 0.5 * self.size))
 
 
+@helped_init
 class Sphere(Object):
     """A ball of `radius` [m]."""
 
@@ -39,6 +42,7 @@ class Sphere(Object):
         super().__init__(solid, placement, mass, density, (self.radius,), (BALL, np.full(3, self.radius)))
 
 
+@helped_init
 class Cylinder(Object):
     """A cylinder of `radius` and `length` [m] along its z axis, centred on its frame.
 
@@ -56,6 +60,7 @@ class Cylinder(Object):
         super().__init__(solid, placement, mass, density, (self.radius, self.length), (CYLINDER, sizes))
 
 
+@helped_init
 class Ellipsoid(Object):
     """An ellipsoid with semi-axes `radii` (3,) [m] along its axes.
 
@@ -71,6 +76,7 @@ class Ellipsoid(Object):
         super().__init__(solid, placement, mass, density, (self.radii,), (ELLIPSOID, np.array(self.radii)))
 
 
+@helped_init
 class Mesh(Object):
     """A triangle mesh from a file (STL, OBJ, DAE, PLY …) or a `trimesh.Trimesh` or Scene, in metres after `scale` (a
     number or (3,); None: the <unit> of a Collada file, else 1, unless the mesh is wider than 5 m or says that its units
@@ -129,6 +135,9 @@ class Mesh(Object):
 _WIDE, _TIMES = 5.0, 20.0  # [m], and times the hand's size: what is wider was not given in metres
 
 
+_HEAVY, _TIMES_ITS_OWN = 50.0, 50.0  # kg, and hands' own mass: what is heavier is given in grams
+
+
 def ask_for_metres(argument: str, obj: Object, tips: Array) -> None:
     """Raises InputError for an object far wider than a hand with fingertips at (n, 3) [m]; a mesh was asked before."""
     size = float(np.sqrt((tips * tips).sum(axis=1)).max())
@@ -137,6 +146,13 @@ def ask_for_metres(argument: str, obj: Object, tips: Array) -> None:
     if wide > max(_WIDE, _TIMES * size) and not isinstance(obj, Mesh):
         came = f"{obj!r}, {wide:.3g} m wide in a hand of {size:.2g} m: are these millimetres?"
         raise InputError(argument, "an object in metres", came)
+
+
+def ask_for_kilograms(argument: str, obj: Object, hand: float) -> None:
+    """Raises InputError for an object that weighs far more than any hand lifts. hand : its own mass [kg]."""
+    if obj.mass > max(_HEAVY, _TIMES_ITS_OWN * hand):
+        own = f" for a hand of {hand:.3g} kg" if hand > 0.0 else ""
+        raise InputError(argument, "a mass in kilograms", f"{obj.mass:g} kg{own} (grams? {obj.mass / 1e3:g})")
 
 
 def far_from(argument: str, positions: Array, tips: Array) -> None:

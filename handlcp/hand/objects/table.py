@@ -14,6 +14,7 @@ from handlcp.grasp.model.contact import Contact, frame
 from handlcp.grasp.model.environment import Environment, joined
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.shapes import Box, Cylinder, Ellipsoid, Mesh, Sphere
+from handlcp.keywords import helped_init, helped_methods
 
 # ----------------------------------------------------------------
 # Where an object meets a plane: the points that can touch it, and no more of them than are needed.
@@ -136,6 +137,8 @@ def _turn(a: Array, b: Array, c: Array) -> float:
 # ----------------------------------------------------------------
 
 
+@helped_init
+@helped_methods
 class Table:
     """A half-space: a table under the object, a wall beside it. Immutable.
 

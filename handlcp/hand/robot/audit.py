@@ -30,6 +30,7 @@ from handlcp.hand.robot.source.doubts import (
 from handlcp.hand.robot.source.servos import file_stiffness, has_servos
 from handlcp.hand.robot.source.units import shape_doubts
 from handlcp.hand.robot.urdf import build_model, mesh_folders
+from handlcp.keywords import helped, helped_methods
 from handlcp.record import Record
 from handlcp.text_table import wrapped
 
@@ -44,6 +45,7 @@ SERVO_DOUBT = Doubt(
 _SAID_ELSEWHERE = ("limit unknown", "geometry")  # a verdict has warnings of its own about these
 
 
+@helped_methods
 @dataclass(frozen=True, slots=True)
 class Audit(Record, Sequence[Doubt]):
     """The doubts about one hand, the most serious first; a sequence that is empty (false) when there are none. Prints
@@ -95,6 +97,7 @@ def audit_of(source: str, doubts: Iterable[Doubt]) -> Audit:
     return Audit(source, tuple(sorted(doubts, key=lambda d: SEVERITIES.index(d.severity))))
 
 
+@helped()
 def audit_urdf(path: Any, base: str | None = None, package_dirs: Any = None) -> Audit:
     """Audit a URDF or MJCF file (below link `base` if given) without building a hand from it.
 

@@ -43,6 +43,7 @@ from handlcp.hand.robot.source.origins import (
     tension_origins,
 )
 from handlcp.hand.robot.source.servos import file_stiffness
+from handlcp.keywords import helped, helped_methods
 from handlcp.record import Record, pick
 
 # ---------------------------------------------------------------- How large a hand is.
@@ -84,6 +85,7 @@ _ROWS = {
 }
 
 
+@helped_methods
 @dataclass(frozen=True)
 class HandDescription(Record):
     """A hand in words and numbers; iterates over its joints, prints in lines of at most 80 columns.
@@ -132,6 +134,7 @@ class HandDescription(Record):
         return text_of(self)
 
 
+@helped()
 def describe_urdf(path: Any, base: str | None = None, package_dirs: Any = None) -> HandDescription:
     """Describe a URDF or MJCF file, or its text, of which nothing is known yet; below link `base` if given.
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 import pinocchio as pin
 
-from handlcp.check import Array, read_only, sealed
+from handlcp.check import Array, array, integer, number, read_only, sealed
 from handlcp.errors import InputError, UnknownName
 from handlcp.hand.elasticity.elasticity import Elasticity
 from handlcp.hand.elasticity.stiffness import Pads
@@ -18,12 +18,14 @@ from handlcp.hand.robot.joints import Doubt, TorqueLimits
 from handlcp.hand.robot.kinematics import Kinematics
 from handlcp.hand.robot.source.description import Description
 from handlcp.hand.robot.tip_geometry import TipGeometry, TipShape
+from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
 
 if TYPE_CHECKING:
     from handlcp.hand.robot.link_surface import LinkSurface
 
 
+@helped_methods
 class HandModel:
     """The parts of a hand with elastic joints and fingertips. Immutable, safe to share between threads, picklable.
 
@@ -92,6 +94,11 @@ class HandModel:
         return self.kinematics.moved_by(self.tips.support[:, 0, :])
 
     @lazy
+    def mass(self) -> float:
+        """[kg] of all its links; 0 where the file says none."""
+        return sum(float(inertia.mass) for inertia in self.kinematics.model.inertias)
+
+    @lazy
     def sliding(self) -> tuple[str, ...]:
         """Names of prismatic joints, whose torques are forces [N]."""
         return tuple([fact.name for fact in self.kinematics.facts if fact.kind == "prismatic"])
@@ -134,15 +141,19 @@ class HandModel:
 
     def tip_kind(self, tip: int) -> str:
         """What contacts of the tip numbered `tip` are found on: "radius", "collision", "visual", or "" for nothing."""
-        return self._geometry.kind(tip)
+        return self._geometry.kind(self._tip(tip))
 
     def tip_shapes(self, tip: int) -> tuple[TipShape, ...]:
         """The geometry of the fingertip numbered `tip`, loaded when first asked for. Raises URDFError for none."""
-        return self._geometry.shapes(tip)
+        return self._geometry.shapes(self._tip(tip))
 
     def tip_links(self, tip: int) -> set[str]:
         """The links whose collision geometry is that of the tip numbered `tip`."""
-        return self._geometry.covers(tip)
+        return self._geometry.covers(self._tip(tip))
+
+    def _tip(self, tip: int) -> int:
+        """The number of a fingertip. Raises InputError."""
+        return integer("tip", tip, 0, len(self.fingertips) - 1)
 
     @lazy
     def doubts(self) -> tuple[Doubt, ...]:
@@ -169,12 +180,12 @@ class HandModel:
         """The same hand with springs as they are with joints at q (nv,), where tendons that run along routes have arms
         of their own.
         """
-        stiffness = self.stiffness.at(self.kinematics, q)
+        stiffness = self.stiffness.at(self.kinematics, array("q", q, (self.nv,)))
         return self if stiffness is self.stiffness else self.with_parts(stiffness=stiffness)
 
     def stiffer(self, factor: float) -> Self:
         """The same hand with springs that are so many times as stiff."""
-        return self.with_parts(stiffness=self.stiffness.stiffer(factor))
+        return self.with_parts(stiffness=self.stiffness.stiffer(number("factor", factor, above=0.0)))
 
     def with_parts(self, **parts: Any) -> Self:
         """The same hand with other parts, such as `stiffness` or `pads`."""

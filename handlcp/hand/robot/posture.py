@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, read_only
+from handlcp.check import Array, array, integer, read_only, several
+from handlcp.errors import InputError
 from handlcp.hand.elasticity.stiffness import tip_flexibility
 from handlcp.hand.robot.model import HandModel
+from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
 
 GRAVITY = (0.0, 0.0, -9.81)  # m/s², world axes
@@ -23,6 +25,7 @@ _SPREAD[[6, 8], [5, 3]] = -1.0, 1.0  # b = (-ω_z, 0, ω_x)
 _SPREAD[[9, 10], [4, 3]] = 1.0, -1.0  # c = (ω_y, -ω_x, 0)
 
 
+@helped_methods
 class Posture:
     """Immutable; all arrays read-only, world axes, metres and radians.
 
@@ -59,11 +62,15 @@ class Posture:
 
     def jacobian_at(self, points: Array, tips: tuple[int, ...]) -> Array:
         """(…, m, 3, nv) Jacobian v + ω × p of points (…, m, 3) that move with the tips numbered `tips`, world axes."""
-        J = np.dot(points, self._spread[1:]) + self._spread[0]
-        return self._independent(J.reshape(*points.shape[:-1], 3, -1), tips)
+        tips, at = self._tips(tips), array("points", points)
+        if at.ndim < 2 or at.shape[-2:] != (len(tips), 3):
+            raise InputError("points", f"finite numbers of shape (…, {len(tips)}, 3)", f"shape {at.shape}")
+        J = np.dot(at, self._spread[1:]) + self._spread[0]
+        return self._independent(J.reshape(*at.shape[:-1], 3, -1), tips)
 
     def turning(self, tips: tuple[int, ...]) -> Array:
-        """(m, 3, nv) angular Jacobian of the tips numbered `tips`, world axes [rad/rad]."""
+        """(m, 3, nv) angular Jacobian of the tips numbered `tips`, world axes [rad/rad]. Raises InputError."""
+        tips = self._tips(tips)
         _, a, b, _ = self._spread.reshape(4, 3, -1)
         omega = np.stack([b[2], -a[2], a[1]])
         return self._independent(np.tile(omega, (len(tips), 1, 1)), tips)
@@ -71,6 +78,14 @@ class Posture:
     def gravity_torque(self, gravity: Any = (0.0, 0.0, -9.81)) -> Array:
         """(nv,) torque g(q) that holds the fingers' own weight [N·m]; gravity (3,) [m/s²], world axes."""
         return self.hand.kinematics.gravity_torque(self.q, array("gravity", gravity, (3,)))
+
+    def _tips(self, tips: Any) -> tuple[int, ...]:
+        """Numbers of fingertips. Raises InputError."""
+        every = self.hand.tips.every
+        if isinstance(tips, tuple) and tips == every:
+            return every
+        given = several("tips", tips, "numbers of fingertips")
+        return tuple([integer(f"tips[{k}]", tip, 0, len(every) - 1) for k, tip in enumerate(given)])
 
     def _independent(self, J: Array, tips: tuple[int, ...]) -> Array:
         """(m, 3, nv) from columns (m, 3, joints): 0 where a joint moves no tip; mimic joints added to their masters."""

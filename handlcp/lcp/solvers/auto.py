@@ -18,6 +18,7 @@ import numpy as np
 
 from handlcp.check import Array, integer, number
 from handlcp.errors import InputError
+from handlcp.keywords import helped_init
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.multipliers import WithMultipliers
 from handlcp.lcp.problem import LCP, Proposal
@@ -42,6 +43,7 @@ _TRIES = 30  # other starts: most that help are among the first ten
 _NEWTON = SemismoothNewton(tol=FINE)
 
 
+@helped_init
 @dataclass(frozen=True, slots=True)
 class Auto:
     """Stages until the certifier is content; `plan` lists them for a problem, the solution's `trace` those that ran.

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, integer, number
+from handlcp.keywords import helped_init
 from handlcp.lcp.kernels.lemke import RAY, SOLVED, lemke
 from handlcp.lcp.kernels.newton import settled
 from handlcp.lcp.problem import Proposal, Scaled
@@ -14,6 +15,7 @@ from handlcp.lcp.reduce import reduce
 from handlcp.tolerances import PIVOT, SOLVE
 
 
+@helped_init
 @dataclass(frozen=True, slots=True)
 class Lemke:
     """Complementary pivoting with lexicographic ties and relative tolerances, compiled.

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, integer, number
+from handlcp.keywords import helped_init
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.kernels.newton import damped_newton, settled
 from handlcp.lcp.problem import Proposal, Scaled
@@ -14,6 +15,7 @@ from handlcp.lcp.solvers.base import run_contact
 from handlcp.tolerances import SOLVE
 
 
+@helped_init
 @dataclass(frozen=True, slots=True)
 class SemismoothNewton:
     """Damped semismooth Newton on the Fischer–Burmeister equations (De Luca, Facchinei & Kanzow 1996), compiled; on

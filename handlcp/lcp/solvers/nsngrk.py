@@ -8,6 +8,7 @@ import numpy as np
 
 from handlcp.check import Array, integer, number
 from handlcp.errors import InputError
+from handlcp.keywords import helped_init
 from handlcp.lcp.contact import ContactProblem
 from handlcp.lcp.kernels.dense import kernel, multiply_add
 from handlcp.lcp.kernels.kaczmarz import Rows, Seeds, kaczmarz
@@ -17,6 +18,7 @@ from handlcp.lcp.solvers.base import run_contact
 from handlcp.tolerances import SOLVE
 
 
+@helped_init
 @dataclass(frozen=True, slots=True)
 class NSNGRK:
     """Newton–subgradient non-smooth greedy randomized Kaczmarz (paper, Algorithm 2), compiled.

@@ -21,6 +21,7 @@ from handlcp.grasp.friction.sections import MOST_FACES
 from handlcp.grasp.model import validate
 from handlcp.grasp.parameter.friction import with_friction
 from handlcp.hand import HandGrasp
+from handlcp.keywords import helped
 from handlcp.lcp import Auto
 from handlcp.lcp.compiler.when import at_once
 from handlcp.method.accuracy.measure import Bench, Errors
@@ -130,6 +131,7 @@ _SHARE = 0.5  # of the time that its method has left: one setting takes no more
 _FEWEST = 100  # steps: a run cut shorter, and shorter than twice the last one, is not worth its time
 
 
+@helped()
 @at_once()
 def accuracy_cost(
     grasp: Grasp,

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, integer, number
+from handlcp.check import Array, integer, number, several
 from handlcp.doubled import MORE, SAFE
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
@@ -18,6 +18,7 @@ from handlcp.grasp.limits.followed import followed_limit, sliding as sliding_to_
 from handlcp.grasp.limits.load_limit import is_followed, load_of
 from handlcp.grasp.path.follow import follow, sliding
 from handlcp.grasp.path.state import Stage
+from handlcp.keywords import helped, helped_methods
 from handlcp.lcp.compiler.when import at_once
 from handlcp.method.accuracy.methods import share
 from handlcp.record import Record
@@ -54,6 +55,7 @@ class PathRow(Record):
     estimate: float
 
 
+@helped_methods
 @dataclass(frozen=True, eq=False)
 class PathCost(Record):
     """What accuracy costs on a path of a grasp; made by `path_cost`.
@@ -110,6 +112,7 @@ def _milliseconds(seconds: float) -> str:
     return f"{1e3 * seconds:.0f}" if seconds >= 0.1 else f"{1e3 * seconds:.3g}"
 
 
+@helped()
 @at_once()
 def path_cost(
     grasp: Grasp, wrench: Any = None, *, geometry: str | None = None, faces: int | str | Pyramid = "cone",
@@ -123,7 +126,7 @@ def path_cost(
     """
     if not isinstance(grasp, Grasp):
         raise InputError("grasp", "a Grasp", repr(grasp)[:80])
-    many = [number("times", x, above=0.0) for x in times]
+    many = [number("times", x, above=0.0) for x in several("times", times, "numbers that increase")]
     if len(many) < 2 or many != sorted(set(many)):
         raise InputError("times", "at least two numbers that increase", repr(list(times)))
     integer("repeats", repeats, 1, 1000)

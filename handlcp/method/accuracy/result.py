@@ -10,7 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from handlcp.check import number
 from handlcp.errors import InputError
+from handlcp.keywords import helped_methods
 from handlcp.method.accuracy.methods import ROUNDING, microseconds, share
 from handlcp.record import Record, columns_of, data_frame
 from handlcp.text_table import wrapped
@@ -126,6 +128,7 @@ class FaceLaw:
     faces: tuple[int, ...]
 
 
+@helped_methods
 @dataclass(frozen=True)
 class AccuracyCost(Record):
     """What accuracy costs in one scene; made by `accuracy_cost`.
@@ -161,6 +164,7 @@ class AccuracyCost(Record):
 
     def cheapest(self, error: float, method: str | None = None) -> Row | None:
         """The fastest setting whose force error is at most `error`, of one method or of all; None: there is none."""
+        error = number("error", error, minimum=0.0, finite=False)
         met = [r for r in self.rows if r.comparable and method in (None, r.method) and r.cost[1] <= error]
         return min(met, key=lambda r: r.cost, default=None)
 

@@ -10,6 +10,8 @@ from typing import Any, NamedTuple
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
 from handlcp.hand.hand_grasp import grasp_of
+from handlcp.hand.objects.object import Object
+from handlcp.keywords import helped
 from handlcp.record import plain
 from handlcp.show.file import checked_page, three_js
 from handlcp.show.loading.report import motion
@@ -48,7 +50,10 @@ def save(
     return document(target, title, told, content(drawn, shown, steps, escape_of(drawn)))
 
 
-def save_loading(loading: Loading, path: Any, title: str = "", obj: Any = None, verdict: Verdict | None = None) -> Path:
+@helped()
+def save_loading(
+    loading: Loading, path: Any, title: str = "", obj: Object | None = None, verdict: Verdict | None = None
+) -> Path:
     """Write the page of a loading alone, which begins at its last step. obj : as in `save`, where it stands at the
     start. verdict : of `check`; None: whether the loading holds the object. Raises as `save`.
     """

@@ -12,8 +12,9 @@ import numpy as np
 from handlcp.design.brief import Brief
 from handlcp.design.evaluate import evaluate
 from handlcp.design.evaluation import Evaluation, ObjectCase
-from handlcp.errors import InputError
+from handlcp.errors import InputError, as_path
 from handlcp.hand import Hand
+from handlcp.keywords import helped
 from handlcp.progress import told
 from handlcp.show.file import new_figure
 from handlcp.show.page.written import image, web_files, write
@@ -28,6 +29,7 @@ _OF_OBJECT = (
 )  # fmt: skip
 
 
+@helped()
 def report(hands: Any, brief: Brief, path: Any) -> Path:
     """Evaluate hands by a brief, and write one page (html) that shows them beside each other and needs no network.
 
@@ -68,10 +70,7 @@ def _named(hands: Any) -> dict[str, Hand]:
 
 
 def _page(path: Any) -> Path:
-    try:
-        file = Path(path)
-    except TypeError:
-        raise InputError("path", "the name of a file that ends in .html", repr(path)[:80]) from None
+    file = as_path("path", path, "the name of a file that ends in .html")
     if file.suffix.lower() not in (".html", ".htm"):
         raise InputError("path", "the name of a file that ends in .html", repr(str(path)))
     return check_writable("path", file)

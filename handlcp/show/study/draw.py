@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, Bools, Ints
+from handlcp.check import Array, Bools, Ints, several
 from handlcp.design.main_effects import MainEffect, main_effect
 from handlcp.design.space import Choices
 from handlcp.design.study import Study
@@ -26,6 +26,7 @@ _FAINT = "#B9BEC4"  # of designs that are not on the front
 
 def figure(study: Study, title: str, by: Sequence[str]) -> Figure:
     """With the front of two columns. Raises InputError, UnknownName; Unsupported without matplotlib."""
+    by = several("by", by, "two columns")
     if len(by) != 2:
         raise InputError("by", "two columns", f"{len(by)}")
     new_figure()

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import integer
+from handlcp.check import integer, several
 from handlcp.design.evaluation import Evaluation
 from handlcp.design.study import Study
 from handlcp.errors import InputError
@@ -33,6 +33,7 @@ def save(study: Study, path: Any, title: str, by: Sequence[str], most: int) -> P
     does not know how its hands are made, or without a grasp on its front; UnknownName; Unsupported without trimesh.
     """
     target = checked_page(path)
+    by = several("by", by, "two columns")
     if len(by) != 2:
         raise InputError("by", "two columns", f"{len(by)}")
     front = study.pareto(*by) if study.pareto(*by) else study.pareto(*by, held=False)

@@ -13,6 +13,7 @@ from handlcp.grasp import Grasp
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.model.validate import lift, wrench
 from handlcp.grasp.path.follow import geometry_of
+from handlcp.keywords import helped
 from handlcp.progress import Progress
 from handlcp.study.envelope.ask import FIXED, FOLLOWED, FORCE, WRENCH, Binds, Load, Question, load_of
 from handlcp.study.envelope.causes import Asked, read_directions
@@ -24,6 +25,7 @@ _ROUNDS = 2
 _FEW = 100  # directions: followed ones of these take seconds
 
 
+@helped()
 def envelope(
     grasp: Grasp, directions: Any = 362, *, of: str = FORCE, at: Any = None, geometry: str | None = None,
     faces: int | str | Pyramid = "cone", adaptive: int = _ROUNDS, motion: float | None = None,

@@ -10,6 +10,7 @@ import numpy as np
 
 from handlcp.check import Array, Ints, read_only
 from handlcp.grasp import Grasp
+from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
 from handlcp.record import Record, data_frame, pick, versions
 from handlcp.study.envelope.ask import Binds, Question
@@ -34,6 +35,7 @@ class Extreme:
     binds: Binds
 
 
+@helped_methods
 @dataclass(frozen=True, eq=False)
 class Envelope(Record):
     """How much a grasp holds in each of m directions; made by `envelope`.

@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, array, number
-from handlcp.errors import HandLCPError, InputError, NoGraspFound
+from handlcp.check import Array, array, number, several
+from handlcp.errors import HandLCPError, InputError, NoGraspFound, shown
 from handlcp.grasp.cause.judge import UNDECIDED
 from handlcp.hand import Cylinder, Hand, find_grasp
 from handlcp.hand.objects.shapes import ask_for_metres
 from handlcp.hand.pulling import KEEPS
+from handlcp.keywords import helped
 from handlcp.progress import told
 from handlcp.study.grip_strength.across import Around
 from handlcp.study.grip_strength.full_torque import Closed, ask_for_limits, closed
@@ -25,6 +26,7 @@ _TRIED = 4  # pinch grasps that are closed, of which the strongest counts
 _WEIGHTLESS = (0.0, 0.0, 0.0)
 
 
+@helped()
 def split_cylinder(
     hand: Hand, diameter: Any, *, length: Any = None, friction: Any = None, normal: Any = None,
     grasps: Sequence[str] = (POWER, PINCH), fingers: Sequence[str] | None = None, placement: Any = None,
@@ -52,8 +54,10 @@ def split_cylinder(
         raise InputError("hand", "a Hand", repr(hand)[:80])
     wide = number("diameter", diameter, above=0.0)
     long = _LONG * wide if length is None else number("length", length, above=0.0)
-    if isinstance(grasps, str) or not grasps or not set(grasps) <= {POWER, PINCH}:
-        raise InputError("grasps", '"power", "pinch", or both, in a sequence', repr(grasps)[:80])
+    both = '"power", "pinch", or both, in a sequence'
+    grasps = several("grasps", grasps, both)
+    if not grasps or not all(isinstance(kind, str) and kind in (POWER, PINCH) for kind in grasps):
+        raise InputError("grasps", both, shown(grasps))
     split = None if normal is None else array("normal", normal, (3,))
     ask_for_limits(hand)
     cylinder = Cylinder(0.5 * wide, long, placement, mass=0.0)

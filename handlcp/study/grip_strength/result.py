@@ -9,6 +9,7 @@ from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp.cause.judge import Cause
 from handlcp.hand import HandGrasp, HandGraspSolution
+from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
 from handlcp.record import Record
 from handlcp.study.grip_strength.across import Around
@@ -65,6 +66,7 @@ class Grip(Record):
         return f"{self.kind}: {words.force(self.force)} across the split ({turned}); {self.says}; {self.word}"
 
 
+@helped_methods
 @dataclass(frozen=True, eq=False)
 class SplitCylinder(Record):
     """What a split cylinder measures in a hand; made by `split_cylinder`.

@@ -12,6 +12,7 @@ from handlcp.check import Array
 from handlcp.grasp import LoadLimit
 from handlcp.grasp.cause.judge import UNDECIDED, Cause
 from handlcp.grasp.cause.wording import said
+from handlcp.keywords import helped_methods
 from handlcp.record import Record
 from handlcp.study.envelope.ask import Load
 from handlcp.study.envelope.printed import direction, geometry
@@ -73,6 +74,7 @@ class Orientation(Record):
         return self.limit.lost
 
 
+@helped_methods
 @dataclass(frozen=True, eq=False)
 class Payload(Record):
     """The largest mass that a grasp holds in several directions of gravity; made by `Grasp.payload`.

@@ -22,6 +22,7 @@ from handlcp.grasp.model.contact import Contact, frame
 from handlcp.hand import Box, Hand, HandGrasp, HandGraspSolution, HandState, Sphere
 from handlcp.hand.objects.detect import nearest
 from handlcp.hand.sites.wrap import bending
+from handlcp.keywords import helped
 from handlcp.progress import told
 from handlcp.study.published.finger_result import FingerForce, FingerStrength
 
@@ -33,6 +34,7 @@ _ROUNDS = 64  # tendons with a pretension come nearer by that share of their lim
 _STILL = 1e-6  # of the joints' levers: a tip that moves by less when its joints bend has no direction of its own
 
 
+@helped()
 def finger_strength(
     hand: Hand, fingers: Sequence[str] | None = None, *, postures: Mapping[str, Any] | None = None,
     direction: Any = None,

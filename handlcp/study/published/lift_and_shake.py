@@ -22,6 +22,7 @@ from handlcp.grasp import Loading, Stage, TorqueSaturation
 from handlcp.grasp.cause.judge import Limits, exceeded, limits_of, used
 from handlcp.hand import Box, Found, Hand, HandGrasp, Object, Sphere, find_grasp
 from handlcp.hand.objects.shapes import ask_for_metres
+from handlcp.keywords import helped
 from handlcp.progress import told
 from handlcp.study.grip_strength.full_torque import ask_for_limits, closed
 from handlcp.study.published.lift_result import LiftAndShake, Shaken
@@ -45,6 +46,7 @@ SPEEDING_UP = 4.0 * LIFT / LIFT_TIME**2
 SHAKING = AMPLITUDE * (2.0 * np.pi * FREQUENCY) ** 2
 
 
+@helped()
 def lift_and_shake(
     hand: Hand, rated_payload: Any, opening: Any, *, forward: Any = (0.0, 0.0, 1.0), friction: Any = None,
     fingers: Sequence[str] | None = None, tries: int = 64,

@@ -13,6 +13,7 @@ from handlcp.errors import InputError
 from handlcp.grasp import Grasp, LoadLimit, TorqueSaturation
 from handlcp.grasp.cause.judge import SLIDES, SLIPS
 from handlcp.hand import Hand, HandGrasp
+from handlcp.keywords import helped
 from handlcp.lazy import lazy
 from handlcp.record import Record
 from handlcp.study.grip_strength import split_cylinder
@@ -77,6 +78,7 @@ class SlipResistance(Record):
         return f"SlipResistance(force={self.force:.6g}, slips={self.slips})"
 
 
+@helped()
 def slip_resistance(
     held: Grasp | Hand, axis: Any = None, *, diameter: Any = None, friction: Any = None, length: Any = None,
     kind: str = POWER, accuracy: Any = None,

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, Ints
-from handlcp.errors import InputError
+from handlcp.check import Array, Ints, integer
 from handlcp.grasp import GraspSolution, Verdict
 from handlcp.grasp.answer.small_motions import motions
 from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.grasp import Grasp
+from handlcp.keywords import helped_methods
 from handlcp.record import Record, data_frame
 from handlcp.study.reliability.interval import Chance, Influence, value_with
 from handlcp.study.reliability.outcome import WORDS, Outcomes
@@ -69,6 +69,7 @@ class Sample(Record):
         return wrapped(f"sample {self.number}, {self.word}: {self.cause}", "  ")
 
 
+@helped_methods
 @dataclass(frozen=True, eq=False)
 class Reliability(Record):
     """The answer of `hl.reliability`.
@@ -124,8 +125,7 @@ class Reliability(Record):
 
     def sample(self, k: int) -> Sample:
         """Sample k, 0 to `samples` - 1. Raises InputError."""
-        if not 0 <= k < self.samples:
-            raise InputError("k", f"a number from 0 to {self.samples - 1}", k)
+        k = integer("k", k, 0, self.samples - 1)
         row = values_at(self.placer.dimensions, self.blocks.points(k, k + 1))[0]
         values = dict(zip(self.names, row.tolist(), strict=True))
         word = WORDS[int(self.codes[k])]

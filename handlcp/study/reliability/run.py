@@ -9,14 +9,13 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy.stats import qmc
 
 from handlcp.check import Array
-from handlcp.errors import InputError, brief
+from handlcp.errors import InputError, as_path, brief
 from handlcp.grasp.friction import Pyramid
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.mechanism import HandMechanism
@@ -48,7 +47,7 @@ class Kept:
     """
 
     def __init__(self, path: Any, question: dict[str, Any]) -> None:
-        self.path, self.question = None if path is None else Path(path), question
+        self.path, self.question = None if path is None else as_path("resume", path), question
 
     def read(self) -> Outcomes | None:
         """What was done before; None where there is no such file yet."""

@@ -10,6 +10,7 @@ from handlcp.check import cores, integer, number
 from handlcp.errors import InputError
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.grasp import Grasp
+from handlcp.keywords import helped
 from handlcp.progress import Progress
 from handlcp.study.reliability.by_number import placer_of
 from handlcp.study.reliability.interval import Chance, chance_of, influences
@@ -21,6 +22,7 @@ from handlcp.study.reliability.spread import read_spread
 _LOOKED_AT = 2**17  # samples from which is read off what matters
 
 
+@helped()
 def reliability(
     grasp: Grasp, spread: Any, samples: int = 10_000, *, seed: int = 0, faces: int | str | Pyramid = "cone",
     by: str = SOLVE, confidence: float = 0.95, decide: int = 200, workers: int | None = None,

@@ -9,8 +9,10 @@ from handlcp.hand.elasticity.route import Route
 from handlcp.hand.robot.source.description import content
 from handlcp.hand.robot.source.mjcf import compiled
 from handlcp.hand.robot.source.mjcf_routes import routes
+from handlcp.keywords import helped
 
 
+@helped()
 def tendon_routes(source: Any) -> dict[str, Route]:
     """The spatial tendons of an MJCF file as routes, by name, for `Tendons`; those that are sums of joint angles are
     left out.

@@ -1,0 +1,351 @@
+"""Every public function, constructor and method, with arguments that it takes, small enough to end at once.
+
+`GIVEN` is what a call needs, by its name; what has no line there needs nothing. `HOOKS` are methods that are not
+called. A test holds that no class is missing.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import handlcp as hl
+from tests.design import optima
+from tests.fuzz.public_objects import (
+    BALL,
+    LAWS,
+    MJCF,
+    PUSH,
+    SHAPES,
+    TENDONS,
+    URDF,
+    brief,
+    cost,
+    cube_file,
+    hand,
+    hard,
+    held,
+    lcp,
+    pinch,
+    receiver,
+    state,
+    three,
+)
+
+
+class Call(NamedTuple):
+    """A public call. name : such as "Grasp.solve". function : what is called. given : arguments that it takes."""
+
+    name: str
+    function: Callable[..., Any]
+    given: Callable[[], dict[str, Any]]
+
+    @property
+    def parameters(self) -> list[inspect.Parameter]:
+        """All but the receiver."""
+        return [p for p in inspect.signature(self.function).parameters.values() if p.name not in ("self", "cls")]
+
+    def prepare(self) -> None:
+        """Make the receiver of a method, which takes its own time."""
+        if isinstance(self.function, _Bound):
+            receiver(self.function.kind)
+
+
+# What a call is given; what is not named here has its default
+GIVEN: dict[str, Callable[[], dict[str, Any]]] = {
+    "AccuracyCost.cheapest": lambda: {"error": 1.0},
+    "AccuracyCost.from_json": lambda: {"text": cost().to_json()},
+    "AccuracyCost.front": lambda: {"method": "NSNGRK polished"},
+    "AccuracyCost.of": lambda: {"method": "NSNGRK polished"},
+    "AccuracyCost.to_csv": lambda: {"path": "cost.csv"},
+    "AnisotropicCoulomb": lambda: {"mu_x": 0.5, "mu_y": 0.2},
+    **{f"{law}.with_mu": lambda: {"mu": 0.4} for law in LAWS},
+    **{f"{shape}.moved_to": lambda: {"placement": (0, 0, 0.1)} for shape in SHAPES},
+    **{f"{shape}.weighing": lambda: {"mass": 0.1} for shape in SHAPES},
+    "Audit.about": lambda: {"joint": "finger_1_distal"},
+    "Around": lambda: {"link": "palm", "placement": ((0, 0, 0), (0, 0, 1)), "radius": 0.01},
+    "Box": lambda: {"size": 0.05},
+    "Brief": lambda: {"objects": BALL},
+    "Brief.from_toml": lambda: {"path": brief().to_toml("brief.toml")},
+    "Contact": lambda: {"position": (0.02, 0, 0), "normal": (-1.0, 0, 0)},
+    "Contact.named": lambda: {"name": "thumb"},
+    "Contact.with_friction": lambda: {"friction": hl.Coulomb(0.5)},
+    "ContactCompliance": lambda: {"flexibility": 1e-4},
+    "Coulomb": lambda: {"mu": 0.5},
+    "Cylinder": lambda: {"radius": 0.03, "length": 0.1},
+    "Ellipsoid": lambda: {"radii": (0.03, 0.02, 0.04)},
+    "Envelope.page": lambda: {"path": "envelope.html"},
+    "Environment": lambda: {"contacts": pinch().contacts},
+    "FingerForceBound": lambda: {"limits": 10.0},
+    "Flexibility": lambda: {
+        "jacobian": np.ones((6, 2)),
+        "root": np.eye(2),
+        "pads": np.tile(1e-4 * np.eye(3), (2, 1, 1)),
+    },
+    "Grasp": lambda: {"contacts": pinch().contacts, "wrench": PUSH, "flexibility": 1e-4, "preload": 1e-3},
+    "Grasp.follow": lambda: {"steps": 2},
+    "Grasp.equilibria": lambda: {"faces": 4, "seconds": 0.1},
+    "Grasp.payload": lambda: {"geometry": "fixed", "faces": 8},
+    "Grasp.required_friction": lambda: {"tolerance": 0.5},
+    "Grasp.required_preload": lambda: {"tolerance": 0.5},
+    "Grasp.required_stiffness": lambda: {"motion": 2e-3, "tolerance": 0.5},
+    "GraspSolution.page": lambda: {"path": "solution.html"},
+    "GraspStream": lambda: {"grasp": pinch()},
+    "GraspStream.update": lambda: {"wrench": PUSH},
+    "Hand.at": lambda: {"q": np.zeros(4)},
+    "Hand.close_on": lambda: {"obj": BALL},
+    "Hand.finger_joints": lambda: {"fingertip": "finger_1_tip"},
+    "Hand.from_mjcf": lambda: {"source": MJCF, "fingertips": {"tip": "bar"}, "joint_stiffness": 1.0},
+    "Hand.from_model": lambda: {"model": hand().model, "fingertips": ["finger_1_tip"], "joint_stiffness": 1.0},
+    "Hand.from_urdf": lambda: {"source": URDF, "fingertips": {"tip": ("bar", (0, 0, 0.05))}, "joint_stiffness": 1.0},
+    "Hand.in_parts": lambda: {},
+    "Hand.limited": lambda: {"torques": hand().torques},
+    "Hand.posed": lambda: {"q": np.zeros(4)},
+    "Hand.stiffer": lambda: {"factor": 2.0},
+    "Hand.tip_kind": lambda: {"tip": 0},
+    "Hand.tip_links": lambda: {"tip": 0},
+    "Hand.tip_shapes": lambda: {"tip": 0},
+    "Hand.tip_numbers": lambda: {"argument": "fingers", "fingers": ["finger_1_tip"]},
+    "Hand.vary": lambda: {"changes": {"finger_1_tip.radius": 0.01}},
+    "HandGrasp.follow": lambda: {"steps": 2},
+    "HandGrasp.equilibria": lambda: {"faces": 4, "seconds": 0.1},
+    "HandGrasp.geometric_change": lambda: {"solution": hard().solve()},
+    "HandGrasp.payload": lambda: {"geometry": "fixed", "faces": 8},
+    "HandGrasp.load_limit": lambda: {"wrench": PUSH, "geometry": "fixed"},
+    "HandGrasp.best_change": lambda: {"wrench": PUSH, "geometry": "fixed"},
+    "HandGrasp.required_friction": lambda: {"tolerance": 0.5},
+    "HandGrasp.required_grip": lambda: {"tolerance": 0.5},
+    "HandGrasp.required_preload": lambda: {"tolerance": 0.5},
+    "HandGrasp.required_squeeze": lambda: {"tolerance": 0.5},
+    "HandGrasp.required_stiffness": lambda: {"motion": 2e-3, "tolerance": 0.5},
+    "HandGrasp.required_torque": lambda: {"tolerance": 0.5},
+    "HandGraspSolution.page": lambda: {"path": "solution.html"},
+    "HandState.grasp": lambda: {"target": BALL},
+    "HandState.jacobian_at": lambda: {"points": state().tip_positions, "tips": (0, 1)},
+    "HandState.turning": lambda: {"tips": (0, 1)},
+    "HandTable.drawn": lambda: {"hand": "g1"},
+    "HandTable.grasp": lambda: {"row": {"hand": "g1", "object": "?", "verdict": "FAILED", "held": None}},
+    "HandTable.hand": lambda: {"name": "g1"},
+    "HandTable.object": lambda: {"name": "018_plum"},
+    "HandTable.of": lambda: {"hand": "g1"},
+    "HandTable.page": lambda: {"path": "table.html"},
+    "KnownForce": lambda: {"contact": 0, "force": (0, 0, 1.0)},
+    "LCP": lambda: {"M": np.eye(2), "q": [-1.0, 1.0]},
+    "Loading.page": lambda: {"path": "loading.html"},
+    "Mesh": lambda: {"path": cube_file()},
+    "Motor": lambda: {"continuous": 1.0},
+    "Motor.lasts": lambda: {"torque": 1.5},
+    "Motor.share": lambda: {"torque": 1.5},
+    "PathCost.of": lambda: {"question": "the load limit"},
+    "PathSensitivity.error": lambda: {"quantity": "forces", "parameter": "friction"},
+    "PathSensitivity.of": lambda: {"quantity": "forces", "parameter": "friction"},
+    "PathSensitivity.of_share": lambda: {"parameter": "friction", "share": 0.1},
+    "PathSensitivity.sides": lambda: {"quantity": "forces", "parameter": "friction"},
+    "PrescribedForce": lambda: {"contact": 0, "force": (0, 0, 1.0)},
+    "Pulley": lambda: {"divisor": 2.0},
+    "Pyramid": lambda: {"faces": 8},
+    "Pyramid.limit": lambda: {"mu": np.array([0.5])},
+    "Reliability.sample": lambda: {"k": 0},
+    "RequiredTorque.reductions": lambda: {"motor": hl.Motor(0.1)},
+    "Route": lambda: {"places": [hl.Site("palm", (0, 0, 0)), hl.Site("finger_1_distal", (0, 0, 0.01))]},
+    "Sensitivity.along": lambda: {"parameter": "friction", "direction": [1.0, 1.0]},
+    "Sensitivity.of": lambda: {"quantity": "forces", "parameter": "friction"},
+    "Sensitivity.to_frame": lambda: {"quantity": "forces", "parameter": "friction"},
+    "Site": lambda: {"link": "palm", "point": (0, 0, 0)},
+    "SoftFinger": lambda: {"mu": 0.5, "mu_torsion": 0.003},
+    "SoftWrist": lambda: {"flexibility": np.eye(6)},
+    "Sphere": lambda: {"radius": 0.03},
+    "Stage": lambda: {"name": "push", "load": PUSH},
+    "Study.column_of": lambda: {"name": "force"},
+    "Study.load": lambda: {"path": "no such file.parquet"},
+    "Study.page": lambda: {"path": "study.html"},
+    "Study.some": lambda: {"at": [0]},
+    "Study.wanted": lambda: {},
+    "Study.pareto": lambda: {},
+    "Synergies": lambda: {"S": {"a": {"finger_1_proximal": 1.0}}, "stiffness": 1.0},
+    "Table": lambda: {"point": (0, 0, 0)},
+    "Table.under": lambda: {"obj": BALL},
+    "Tendons": lambda: {"moment_arms": TENDONS, "stiffness": 1e3},
+    "Tendons.motored": lambda: {"motors": {}},
+    "TotalForceBound": lambda: {"limit": 10.0},
+    "Verdict.about": lambda: {"code": "torque"},
+    "YCB": lambda: {"name": "018_plum"},
+    "accuracy_cost": lambda: {
+        "grasp": pinch(),
+        "methods": ["NSNGRK polished"],
+        "faces": [8],
+        "tolerances": [1e-9],
+        "left_out": False,
+        "repeats": 1,
+    },
+    "audit_urdf": lambda: {"path": URDF},
+    "beside_hardware": lambda: {"hands": {}, "tests": ("payload",)},
+    "describe_urdf": lambda: {"path": URDF},
+    "envelope": lambda: {"grasp": pinch(), "directions": 6, "faces": 8, "adaptive": 0, "progress": False},
+    "evaluate": lambda: {"hand": hand(), "brief": brief()},
+    "example_hand": lambda: {"name": "two_finger"},
+    "find_grasp": lambda: {"hand": hand(), "obj": BALL, "tries": 2, "grip_force": 5.0},
+    "finger_hand": dict,
+    "finger_strength": lambda: {"hand": hand()},
+    "lift_and_shake": lambda: {"hand": three(), "rated_payload": 0.1, "opening": 0.08, "tries": 1},
+    "optimise": lambda: {
+        "make": optima.make,
+        "space": optima.SPACE,
+        "brief": optima.brief,
+        "budget": 1,
+        "executor": "serial",
+        "progress": False,
+    },
+    "path_cost": lambda: {"grasp": pinch(), "times": (0.5, 1), "repeats": 1},
+    "read_postures": lambda: {"source": [{"q": [0.0] * 4, "placement": [0.0] * 6}]},
+    "reliability": lambda: {
+        "grasp": pinch(),
+        "spread": {"friction": 0.2},
+        "samples": 64,
+        "workers": 1,
+        "progress": False,
+    },
+    "report": lambda: {"hands": {"one": hand(), "other": hand().stiffer(2.0)}, "brief": brief(), "path": "report.html"},
+    "slip_resistance": lambda: {"held": pinch(), "axis": (0, 0, 1)},
+    "slopes": lambda: {"grasp": held(), "names": ["finger_1_tip.pad"]},
+    "solve_lcp": lambda: {"problem": lcp()},
+    "solve_many": lambda: {"grasps": [pinch()], "progress": False},
+    "split_cylinder": lambda: {"hand": three(), "diameter": 0.05, "grasps": ["pinch"]},
+    "stiffness_from": lambda: {"angle": [0.0, 0.1, 0.2], "torque": [0.0, 0.5, 1.0]},
+    "sweep": lambda: {
+        "make": optima.make,
+        "space": optima.SPACE,
+        "brief": optima.brief,
+        "samples": 1,
+        "executor": "serial",
+        "progress": False,
+    },
+    "table": lambda: {
+        "hands": {"own": hand()},
+        "objects": {"ball": BALL},
+        "out": "table",
+        "executor": "serial",
+        "kinds": ["pinch"],
+        "seconds": 0.5,
+        "simulated": False,
+        "progress": False,
+    },
+    "tendon_routes": lambda: {"source": MJCF},
+    "to_mujoco": lambda: {"grasp": held()},
+    "vary_grasp": lambda: {"grasp": held(), "changes": {"finger_1_tip.pad": 1e-4}},
+    "wrench_from_fingertip_forces": lambda: {"grasp": pinch(), "forces": np.zeros((2, 3))},
+}
+
+# Methods that are not called: the package calls them with what it made itself, as docs/extend.md says; and those of an
+# answer that takes seconds, which are every record's
+HOOKS = {
+    "Auto": ["contact_stages", "first", "others", "plan", "search_end", "stages"],
+    "Lemke": ["propose"],
+    "NSNGRK": ["propose", "propose_contact"],
+    "SemismoothNewton": ["propose", "propose_contact"],
+    **{
+        law: ["from_file", "to_file", "toward"]
+        for law in ("AnisotropicCoulomb", "Coulomb", "Frictionless", "SoftFinger")
+    },
+    **{tip: ["bound", "moved"] for tip in ("Around", "Route", "Site")},
+    "Contact": ["moved", "placed"],
+    **{
+        shape: ["closest", "closest_all", "beyond"]
+        for shape in ("Box", "Cylinder", "Ellipsoid", "Mesh", "Sphere", "YCB")
+    },
+    "Flexibility": ["of", "any"],
+    "Residuals": ["of"],
+    "Tendons": ["for_joints"],
+    "Synergies": ["for_joints"],
+    "Hand": ["with_parts"],
+    "SoftWrist": ["carried"],
+    "TorqueSaturation": ["limited"],
+    "LiftAndShake": ["to_dict", "to_json", "to_row"],
+    "Payload": ["cause", "moving"],
+    "TorqueCheck": ["remark"],
+    "GraspSolution": ["deferred"],
+    "HandGraspSolution": ["deferred"],
+    "GraspProblem": ["back", "candidate", "complete", "lift", "natural"],
+}
+MADE_BY_USERS = {
+    "AnisotropicCoulomb",
+    "Around",
+    "Auto",
+    "Box",
+    "Brief",
+    "Contact",
+    "ContactCompliance",
+    "Coulomb",
+    "Cylinder",
+    "Ellipsoid",
+    "Environment",
+    "FingerForceBound",
+    "Flexibility",
+    "Frictionless",
+    "GeometricStiffness",
+    "Grasp",
+    "GraspStream",
+    "HandGrasp",
+    "KnownForce",
+    "LCP",
+    "Lemke",
+    "Mesh",
+    "Motor",
+    "NSNGRK",
+    "PrescribedForce",
+    "Pulley",
+    "Pyramid",
+    "Route",
+    "SemismoothNewton",
+    "Site",
+    "SoftFinger",
+    "SoftWrist",
+    "Sphere",
+    "Stage",
+    "Synergies",
+    "Table",
+    "Tendons",
+    "TorqueSaturation",
+    "TotalForceBound",
+    "YCB",
+}
+
+
+def calls() -> Iterator[Call]:
+    """All of them, in order of their names."""
+    for name in sorted(hl.__all__):
+        value = getattr(hl, name)
+        if not inspect.isclass(value):
+            yield Call(name, value, GIVEN.get(name, dict))
+        elif not issubclass(value, (Exception, hl.Status)):
+            yield from _of_class(name, value)
+
+
+def _of_class(name: str, kind: type) -> Iterator[Call]:
+    if name in MADE_BY_USERS:
+        yield Call(name, kind, GIVEN.get(name, dict))
+    hooks = (*HOOKS.get(name, ()), *(_EFFECT if issubclass(kind, hl.grasp.Effect) else ()))
+    for method, found in inspect.getmembers(kind, callable):
+        theirs = not method.startswith("_") and inspect.unwrap(getattr(found, "__func__", found)).__module__
+        if theirs and theirs.startswith("handlcp") and method not in hooks:
+            yield Call(f"{name}.{method}", _Bound(name, method), GIVEN.get(f"{name}.{method}", dict))
+
+
+_EFFECT = tuple(name for name in dir(hl.grasp.Effect) if not name.startswith("_"))
+
+
+class _Bound:
+    """A method of the object that `MADE` has, made when it is called."""
+
+    def __init__(self, kind: str, method: str) -> None:
+        self.kind, self.method = kind, method
+
+    @property
+    def __signature__(self) -> inspect.Signature:
+        return inspect.signature(getattr(getattr(hl, self.kind), self.method))
+
+    def __call__(self, *args: Any, **given: Any) -> Any:
+        return getattr(receiver(self.kind), self.method)(*args, **given)
