@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.errors import HandLCPError
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.batch.solve_many import solve_many
 from handlcp.hand.find.candidate import Candidate, candidate_of
 from handlcp.hand.find.chosen import Chooser, firmest
 from handlcp.hand.find.clear import Links, Place, end_of, free_ranges, size_of_object
+from handlcp.hand.find.refused import skipping_refused
 from handlcp.hand.find.touch import Asked, Touch, brought_together, normal_forces
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.inside import distances
@@ -204,14 +204,13 @@ class Search(Chooser):
         return sorted(found, key=lambda one: one.rank)
 
     def _grasp(self, touch: Touch, forces: Array) -> list[HandGrasp]:
-        """The grasp of a place, or none where no distance is confirmed there."""
+        """The grasp of a place, or none where no distance is confirmed there, or a finger is rigid."""
         asked = dict(self._asked)
         if asked["squeeze"] is None and asked["grip_force"] is None:
             asked["grip_force"] = forces
-        try:
+        with skipping_refused(self.rigid):
             return [HandState(self._hand, touch.place.q).grasp(touch.place.of(self._obj), **asked)]
-        except HandLCPError:
-            return []
+        return []
 
     def _holding(self, touch: Touch) -> Asked:
         """What the contacts are to hold; read off the first grasp, which is made as any other."""
