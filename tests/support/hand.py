@@ -12,7 +12,6 @@ from handlcp.hand import Hand, HandGrasp, HandState, Object, TorqueCheck
 from handlcp.hand.elasticity.motor import Drives
 from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
 from handlcp.hand.find import find as find_module
-from handlcp.hand.followed.flush import flush as _flush
 from handlcp.hand.library import SHIPPED, allegro, psyonic, urdf
 from handlcp.hand.objects.detect import nearest
 from handlcp.hand.objects.distance import distance
@@ -44,7 +43,6 @@ __all__ = [
     "doubt_reasons",
     "effort",
     "flat_corners",
-    "flush_corners",
     "elastic_flexibility",
     "find_module",
     "full_positions",
@@ -77,13 +75,6 @@ def shape_near(geometry: Any, rotation: np.ndarray, position: np.ndarray, obj: O
     """As `ball_near` for any shape of coal's, placed by rotation (3, 3) and position (3,) [m]."""
     shape = TipShape(geometry, np.eye(3), np.zeros(3), None)
     return nearest((shape,), position, rotation, obj)
-
-
-def flush_corners(geometry: Any, rotation: np.ndarray, position: np.ndarray, obj: Object, apart: float) -> int:
-    """Between how many corners a shape presses on an object, once it is placed; 1: at a point."""
-    shapes = (TipShape(geometry, np.eye(3), np.zeros(3), None),)
-    found = _flush(shapes, position, rotation, nearest(shapes, position, rotation, obj), obj, apart)
-    return 1 if found is None else len(found.corners)
 
 
 def link_gap(hand: Hand, q: Any, obj: Object) -> float:
