@@ -58,14 +58,18 @@ def test_an_object_in_millimetres_is_refused_before_anything_is_tried(hand, call
 
 
 def test_a_wrench_that_is_none_is_refused(hand):
-    with pytest.raises(InputError, match="^wrench"):
+    with pytest.raises(InputError, match=r"^wrench"):
         hl.find_grasp(hand, BALL, wrench=(0, 0, -1), tries=2, throw=False)
 
 
 @pytest.mark.parametrize(
-    "ask", [lambda hand: hl.find_grasp(hand, BALL, gravity=9.81), lambda hand: hand.at(hand.neutral).gravity_torque(9.81),
-            lambda hand: hand.at(hand.neutral).grasp(BALL, gravity=9.81, max_gap=1.0)],
-)  # fmt: skip
+    "ask",
+    [
+        lambda hand: hl.find_grasp(hand, BALL, gravity=9.81),
+        lambda hand: hand.at(hand.neutral).gravity_torque(9.81),
+        lambda hand: hand.at(hand.neutral).grasp(BALL, gravity=9.81, max_gap=1.0),
+    ],
+)
 def test_a_size_of_gravity_offers_a_vector(hand, ask):
     with pytest.raises(InputError, match=re.escape("got 9.81 (is (0, 0, -9.81) meant?)")):
         ask(hand)
