@@ -12,7 +12,7 @@ import numpy as np
 from handlcp.check import Array, array, dimensions, number, per_name, read_only
 from handlcp.errors import InputError, URDFError
 from handlcp.grasp.answer.verdict import Reason
-from handlcp.grasp.effects.joint_offset import Reach, command_of, joints_commanded, recommanded
+from handlcp.grasp.effects.joint_offset import TOUCHING, Reach, command_of, joints_commanded, recommanded
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.objects.inside import links_inside
 from handlcp.words import all_of, length
@@ -161,7 +161,6 @@ _DEEP = 0.1  # [m] no hand squeezes deeper: what is more was not given in metres
 _OPPOSED = 0.5  # of their number: normals whose sum is shorter say no way out
 _STILL = 0.5  # of an overlap: where joints miss more of it than that, they are not what made it
 _CLOSED = 2e-4  # [m] links that close until they touch overlap by less
-TOUCHING = 1e-6  # [m] overlaps up to this are what is left of touching
 
 
 def by_tip(argument: str, value: Any, names: Sequence[str]) -> Array:

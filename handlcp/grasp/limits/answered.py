@@ -21,6 +21,7 @@ from handlcp.grasp.cause.judge import (
     slipping,
 )
 from handlcp.grasp.cause.wording import moves, pressed_in, why, why_given_up
+from handlcp.grasp.effects.joint_offset import unsqueezed
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.result import Later, LimitEvent, LimitPath, LoadLimit, Reached, Rest
 from handlcp.grasp.model.spec import GraspSpec
@@ -275,7 +276,8 @@ def nothing(
         binds, text = _UNKNOWN, f"undecided: the {loading.lost_stage} alone was not followed to its end: {reason}"
     else:
         binds = slipping(spec.names, run.states[-1].kinds) if run.states[-1].loaded else (Cause(EQUILIBRIUM, OBJECT),)
-        text = f"{alone(str(loading.lost_stage))} is not held: {reason}"
+        first = f"{told}; " if (told := unsqueezed(spec)) else ""
+        text = f"{first}{alone(str(loading.lost_stage))} is not held: {reason}"
     none = np.zeros((0, spec.n, 3))
     nv = loading.steps.torques.shape[1]
     path = LimitPath(np.zeros(0), none, np.zeros((0, nv)), np.zeros((0, 6)))

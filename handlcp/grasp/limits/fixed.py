@@ -13,7 +13,7 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.cause.judge import EQUILIBRIUM, MOTION, OBJECT, RANGE, TORQUE, Bind
 from handlcp.grasp.cause.wording import why
 from handlcp.grasp.effects.finger_weight import FingerWeight
-from handlcp.grasp.effects.joint_offset import command_of
+from handlcp.grasp.effects.joint_offset import command_of, unsqueezed
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.answered import alone
 from handlcp.grasp.limits.followed import accurate_limit, resting_stage
@@ -191,7 +191,8 @@ def fixed_limit(
     if begun.place is None:
         none = TracedPath(system, wrench, np.zeros((0, 1)), None)
         binds: tuple[Bind, ...] = (Bind(EQUILIBRIUM, OBJECT),)
-        return LoadLimit(0.0, wrench, binds, "fixed", _later(begun.why, none, 0.0, 0.0, None, ()), accuracy=0.0)
+        text = f"{told}; {begun.why}" if (told := unsqueezed(spec)) else begun.why
+        return LoadLimit(0.0, wrench, binds, "fixed", _later(text, none, 0.0, 0.0, None, ()), accuracy=0.0)
     p, place = system.parts, begun.place
     watch = watch_from(system, place, most)
     log, points = np.empty((EVENTS, 3)), np.empty((EVENTS, 1 + len(p.E) + len(p.G) + len(p.rows)))

@@ -153,6 +153,8 @@ def missed(obj: Object, searches: Sequence[Search | PowerSearch]) -> str:
         return f"{why}; the best of these: {refused[0].doubt}"
     if rigid := [text for search in searches for text in search.rigid]:
         return f"{why}; they cannot be squeezed: {rigid[0]}"
+    if unheld := [text for search in pinches if (text := search.unheld)]:
+        return f"{why}; {unheld[0]}"
     if wraps and not tried["enclosing"]:
         return f"{why}: it may be too small or too large for this hand to close round it, which hand.describe() shows"
     return why
