@@ -1,4 +1,4 @@
-"""A hand that was told nothing that squeezes: said first, and no change is tried but a squeeze; no load comes first, too."""
+"""A hand that was told nothing that squeezes: said first, and only a squeeze is tried. No load is said first, too."""
 
 from __future__ import annotations
 
