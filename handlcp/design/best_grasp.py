@@ -129,7 +129,7 @@ class Best:
         """Take it where it is better than the best one."""
         known = Known(np.inf, self._brief.safety)  # loads need be followed no further
         case = judged(self._brief, self._obj, one, known)
-        if self.case is not None and _worth(case) <= _worth(self.case):
+        if self.case is not None and worth(case) <= worth(self.case):
             return False
         self.case = case
         return True
@@ -145,6 +145,6 @@ class Best:
         return weights + [(grasp.spec, load, least) for load in self._brief.loads.values()]
 
 
-def _worth(case: ObjectCase) -> tuple[bool, float]:
+def worth(case: ObjectCase) -> tuple[bool, float]:
     """What grasps are compared by, the larger the better."""
     return (True, case.payload) if case.word == HELD else (False, case.factor)

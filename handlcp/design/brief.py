@@ -13,8 +13,10 @@ import numpy as np
 from handlcp.check import Array, array, dimensions, integer, number, read_only
 from handlcp.errors import InputError, as_path
 from handlcp.grasp.friction import as_law
+from handlcp.hand.asked.closing import read_closing_torque
 from handlcp.hand.find.find import PINCH, check_closing
 from handlcp.hand.objects.object import Object
+from handlcp.hand.squeeze import by_tip
 from handlcp.keywords import helped, helped_methods
 from handlcp.study.payload.ask import SIX, check_orientations
 from handlcp.write_file import write_file
@@ -73,6 +75,7 @@ class Brief:
             put(name, None if value is None else above(name, value))
         put("safety", above("safety", self.safety))
         check_closing(self.kind, self.squeeze, self.grip_force, self.closing_torque)
+        _check_sizes(self.closing)
         put("tries", integer("tries", self.tries, 1))
         put("seed", integer("seed", self.seed, 0))
 
@@ -111,6 +114,17 @@ class Brief:
 
 
 Brief.__init__ = helped(mass="it is the object's: Box(..., mass=...)")(Brief.__init__)  # type: ignore[method-assign]
+
+
+def _check_sizes(closing: Mapping[str, Any]) -> None:
+    """Raises InputError for what says no force, depth or torque of any hand; names are the hand's to know."""
+    for argument, value in closing.items():
+        count = len(value) if dimensions(value) == 1 else 1
+        names = list(value) if isinstance(value, Mapping) else [str(k) for k in range(count)]
+        if argument == "closing_torque":
+            read_closing_torque(value, names)
+        else:
+            by_tip(argument, value, names)
 
 
 def _objects(given: Any) -> dict[str, Object]:

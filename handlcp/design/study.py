@@ -15,7 +15,7 @@ from handlcp.design.evaluation import Evaluation
 from handlcp.design.space import Space
 from handlcp.design.sweep.again import evaluations
 from handlcp.design.sweep.journal import beside, read
-from handlcp.design.sweep.same import check_same, digest
+from handlcp.design.sweep.same import check_same, digest, too_old
 from handlcp.design.sweep.table import check_rows, checked_table, columns_of, read_table
 from handlcp.design.sweep.work import DESIGN, ERROR, Maker, Row, in_order
 from handlcp.errors import InputError, UnknownName, brief as shortly, keyed
@@ -198,7 +198,8 @@ class Study:
         table = str(TextTable(heads, cells, "<" + "".join("<" if name == "verdict" else ">" for name in shown[1:])))
         more = f"\n… {len(self) - _SHOWN} more" if len(self) > _SHOWN else ""
         why = self.why_failed
-        head = f"{self.counts}." + (f" Most often: {why}" if why else "")
+        head = f"Beware: {old}. " if (old := too_old(self.sweep)) else ""
+        head += f"{self.counts}." + (f" Most often: {why}" if why else "")
         return wrapped(head) + (f"\n\n{table}{more}" if cells else "")
 
     @property

@@ -131,13 +131,14 @@ class Questions(ABC):
         lost and why.
 
         load : (6,) beside the object's weight at the end, about the reference; None: the grasp's own; (m, 6): one after
-        the other. order : stages "squeeze" (preload and joint offset), "load" (weight and load), "together", or
-        `Stage`s. geometry : "followed", contacts detected anew in every step; "fixed", those of this posture; None: the
-        first where hand and object are known. steps : of a stage, more where something happens. tolerance : how far a
-        step's end may be from where its contacts were taken, as a share of their radii; None: 1e-9. accuracy : relative
-        error of the forces at the end that is enough: steps are doubled until they change by no more; the loading's
-        `accuracy` is that change. faces : as in `problem`. Raises InputError, Unsupported (known forces; an accuracy
-        that is not reached); with `throw`, NoSolutionFound unless it is held.
+        the other. Of contacts without a hand it is all that loads them: their wrench is not added. order : stages
+        "squeeze" (preload and joint offset), "load" (weight and load), "together", or `Stage`s. geometry : "followed",
+        contacts detected anew in every step; "fixed", those of this posture; None: the first where hand and object are
+        known. steps : of a stage, more where something happens. tolerance : how far a step's end may be from where its
+        contacts were taken, as a share of their radii; None: 1e-9. accuracy : relative error of the forces at the end
+        that is enough: steps are doubled until they change by no more; the loading's `accuracy` is that change. faces :
+        as in `problem`. Raises InputError, Unsupported (known forces; an accuracy that is not reached); with `throw`,
+        NoSolutionFound unless it is held.
         """
         from handlcp.grasp.path.follow import follow
 
@@ -156,7 +157,9 @@ class Questions(ABC):
         joint at its limit yields, and the load grows on until something else gives out.
 
         wrench : (6,) force [N] and torque [N·m] beside the weight, about the reference, or (3,) of a planar grasp, as
-        in `Grasp`; None: the grasp's own. geometry : as in `follow`. faces : as in `problem`. motion, turn : how far
+        in `Grasp`; None: the grasp's own. Nobody knows what of the wrench of contacts without a hand is weight: all of
+        it stays on while another load grows, and a load of None is that wrench itself, from nothing. geometry : as in
+        `follow`. faces : as in `problem`. motion, turn : how far
         the object may move [m] and turn [rad] from where the load finds it; None: any distance. accuracy : relative
         error of the factor that is enough, where the geometry is followed: steps are doubled until it changes by no
         more. Raises InputError, Unsupported (known forces; an accuracy that is not reached).
@@ -188,10 +191,11 @@ class Questions(ABC):
 
         The hand closes as it does in this grasp, without the object's own mass or another load. Then the mass grows
         slowly, weight and inertia together, at the object's centre of mass, or at the reference for contacts without
-        an object. The fingers' weight turns with gravity, and is accelerated, where the grasp counts it
-        (`finger_weight`). An infinite mass means that nothing gives out. For repeated use design for `first_slip` of
-        the rows: beyond it a finger slides each time. Raises InputError, Unsupported (known forces; an accuracy that is
-        not reached).
+        an object. Contacts without a hand keep their wrench, which does not turn with gravity, and the mass comes
+        beside it: leave an object's own weight out of it, with replace(wrench=...). The fingers' weight turns with
+        gravity, and is accelerated, where the grasp counts it (`finger_weight`). An infinite mass means that nothing
+        gives out. For repeated use design for `first_slip` of the rows: beyond it a finger slides each time. Raises
+        InputError, Unsupported (known forces; an accuracy that is not reached).
         """
         return view("payload")(self, orientations, acceleration, geometry, faces, motion, turn, accuracy)
 

@@ -19,7 +19,7 @@ from handlcp.check import Array, Bools, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.assembly.asked import again, under
 from handlcp.grasp.effects import Effect
-from handlcp.grasp.effects.joint_offset import command_of, joints_commanded
+from handlcp.grasp.effects.joint_offset import TOUCHING, command_of, joints_commanded
 from handlcp.grasp.model.cables import Cables
 from handlcp.grasp.model.flexibility import Factor, Flexibility
 from handlcp.grasp.model.kind import MANY
@@ -37,7 +37,7 @@ from handlcp.hand.robot.joints import TorqueLimits
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.varied import Varied
 from handlcp.hand.solution import HandGraspSolution
-from handlcp.hand.squeeze import TOUCHING, overlaps
+from handlcp.hand.squeeze import overlaps
 from handlcp.lazy import lazy
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ import numpy as np
 from handlcp.check import Array, array, dimensions, number, per_name, read_only
 from handlcp.errors import InputError, URDFError
 from handlcp.grasp.answer.verdict import Reason
-from handlcp.grasp.effects.joint_offset import Reach, command_of, joints_commanded, recommanded
+from handlcp.grasp.effects.joint_offset import TOUCHING, Reach, command_of, joints_commanded, recommanded
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.hand.objects.inside import links_inside
 from handlcp.words import all_of, length
@@ -161,7 +161,6 @@ _DEEP = 0.1  # [m] no hand squeezes deeper: what is more was not given in metres
 _OPPOSED = 0.5  # of their number: normals whose sum is shorter say no way out
 _STILL = 0.5  # of an overlap: where joints miss more of it than that, they are not what made it
 _CLOSED = 2e-4  # [m] links that close until they touch overlap by less
-TOUCHING = 1e-6  # [m] overlaps up to this are what is left of touching
 
 
 def by_tip(argument: str, value: Any, names: Sequence[str]) -> Array:
@@ -246,16 +245,20 @@ def squeezing(tips: TipMotions, depth: Array, gaps: Array) -> tuple[Array, Reach
     return command, Reach("squeeze", tips.names, depth, read_only(missing), read_only(sideways), False)
 
 
+class RigidFinger(InputError):
+    """A finger that is asked for a force in a posture in which nothing lets it give way along its normal."""
+
+
 def gripping(tips: TipMotions, force: Array, flexibility: Array, root: Array, stand_off: Array) -> tuple[Array, Reach]:
     """δq (nv,) with which the tips press with normal forces (k,) [N] on an object that stays where it is and does not
     slip; and its reach. flexibility : (3k, 3k) E of the fingers. root : A of the joints' compliance K⁻¹ = A Aᵀ.
-    stand_off : (3k,) d. Raises InputError for a finger that nothing lets give way along its normal.
+    stand_off : (3k,) d. Raises RigidFinger.
     """
     E, size = flexibility, float(abs(flexibility).max(initial=0.0))
     for name, asked, give in zip(tips.names, force, np.diagonal(E)[2::3], strict=True):
         if asked > 0.0 and give <= 1e-12 * size:
             expected = "a finger that gives way along its normal, through its joints or its pad"
-            raise InputError("grip_force", expected, f"{name}, which is rigid there")
+            raise RigidFinger("grip_force", expected, f"{name}, which is rigid there")
     pressed = np.outer(force, (0.0, 0.0, 1.0)).reshape(-1)
     # Friction takes up what E asks for beyond the joints' motions
     along = np.ones(len(E), dtype=bool)

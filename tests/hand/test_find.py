@@ -149,7 +149,10 @@ def test_two_soft_fingers_hold_a_box_and_two_hard_ones_do_not():
     """Two points cannot bear a moment about the line between them: only a box hung exactly below it would stay."""
     hand, box = hl.example_hand("two_finger", joint_stiffness=5.0), hl.Box((0.04, 0.05, 0.08), mass=0.2)
     assert hl.find_grasp(hand, box, friction=hl.SoftFinger(0.6, mu_torsion=0.005))[0].verdict.ok
-    assert not hl.find_grasp(hand, box, tries=SMALL, throw=False)
+    none = hl.find_grasp(hand, box, tries=SMALL, throw=False)
+    assert not none
+    assert "two hard fingertips bear no moment about the line between them" in none.why
+    assert "with soft fingers, friction=SoftFinger(0.6, 0.00" in none.why  # which was tried
 
 
 def test_fingers_can_be_chosen():

@@ -15,6 +15,7 @@ from handlcp.hand.find import find as find_module
 from handlcp.hand.library import SHIPPED, allegro, psyonic, urdf
 from handlcp.hand.objects.detect import nearest
 from handlcp.hand.objects.distance import distance
+from handlcp.hand.objects.flat import corners as flat_corners
 from handlcp.hand.objects.inside import links_inside
 from handlcp.hand.objects.solid import beyond, support
 from handlcp.hand.objects.table import RIM, _needed as _points_needed
@@ -43,6 +44,7 @@ __all__ = [
     "effort",
     "elastic_flexibility",
     "find_module",
+    "flat_corners",
     "full_positions",
     "gaps",
     "is_one_spring_a_joint",

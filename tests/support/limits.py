@@ -8,14 +8,21 @@ import numpy as np
 
 import handlcp as hl
 from handlcp.grasp.limits.directions import Limits, limits_of
+from handlcp.grasp.limits.followed import followed_limit
 from tests.support.grasp import section_of
 
-__all__ = ["balanced", "limits_of_grasp"]
+__all__ = ["balanced", "limit_in_steps", "limits_of_grasp"]
 
 
 def limits_of_grasp(grasp: hl.Grasp, wrenches: Any, faces: Any = "cone", geometry: str = "fixed") -> Limits:
     """Limits of loads (m, 6) in one call."""
     return limits_of(grasp.spec, section_of(grasp, faces), wrenches, geometry)
+
+
+def limit_in_steps(grasp: hl.Grasp, wrench: Any, faces: Any = "cone") -> float:
+    """The factor that steps of loading find in one posture, in place of a path from event to event."""
+    load, far = np.array(wrench, dtype=float), (np.inf, np.inf)
+    return followed_limit(grasp.spec, section_of(grasp, faces), load, far, "fixed").factor
 
 
 def balanced(end: hl.Loading, load: Any) -> bool:

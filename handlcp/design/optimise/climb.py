@@ -6,7 +6,7 @@ one number more, and no kink there:
     most t    with t ≤ y_k(u) of each load k,    m(u) ≥ 0 of each requirement,    u in the cube
 
 in rounds, each in a box around the best design so far, with the grasps that this one started from. A round that brings
-nothing is tried in a smaller box, then the grasps are searched for anew.
+nothing is tried in a smaller box.
 """
 
 from __future__ import annotations
@@ -77,12 +77,8 @@ def _uphill(trials: Trials, aim: Aim, needs: Sequence[Requirement], best: int) -
             best = k
             continue
         boxes = boxes[1:]
-        if boxes:
-            continue
-        k = trials.tried(trials.points[best][None], {})[0]
-        if not _gains(trials, aim, needs, k, best):
+        if not boxes:
             return
-        best, boxes = k, list(_BOXES)
 
 
 def _gains(trials: Trials, aim: Aim, needs: Sequence[Requirement], k: int, best: int) -> bool:

@@ -20,7 +20,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.design.brief import WEIGHT, Brief
-from handlcp.design.evaluate import evaluate_worst
+from handlcp.design.evaluate import evaluate_along
 from handlcp.design.evaluation import Evaluation
 from handlcp.design.judged import unloaded
 from handlcp.design.sweep.work import FAILURES, Values, unpacked
@@ -59,8 +59,8 @@ def sample(maker: bytes, values: Values, near: bytes | None, wanted: Wanted) -> 
         hand, brief = made.hand(values), made.asked(values)
         found = dict(_held(hand, brief, start, wanted)) if wanted.aim and wanted.loads != () else {}
         if wanted.numbers:
-            whole = evaluate_worst(hand, brief, start)
-            lost = any(not case.continued for case in whole.cases.values())
+            whole = None if start is None else evaluate_along(hand, brief, start)
+            lost = whole is None or len(whole.cases) < len(brief.objects)
             found |= {name: np.nan if lost else getattr(whole, name) for name in wanted.numbers}
     except FAILURES:
         return {}

@@ -1,7 +1,7 @@
-"""The designs that an optimisation has tried: evaluated in any process, each from the grasps of one that lies near.
+"""The designs that an optimisation has tried: evaluated in any process, each beside the grasps of one that lies near.
 
-Grasps are searched for by the first designs, and where they are lost on the way. Each later design starts, object by
-object, from the grasp of the nearest design that searched for its own and makes the same choices. Designs that are
+Grasps are searched for by every design. Of each later design the grasps of the nearest design whose own search found
+them, object by object, and which makes the same choices, are candidates, too: it "starts" from these. Designs that are
 tried at once do not start from each other. So the rows hang on what is asked for alone, not on who does it when, and
 a design's grasps can be made again from its row.
 """

@@ -1,4 +1,4 @@
-"""The designs of a sweep, and which of them start from the same grasps: those of one cell, from the ones in its middle.
+"""The designs of a sweep, and which of them share grasps: those of one cell, from the ones in its middle.
 
 Words and whole numbers among the choices make another hand, such as one with a finger more, and no grasp can be brought
 from one to the other: each combination of them is a group for itself. Within it the cube is halved along the coordinate
@@ -18,7 +18,7 @@ from handlcp.design.space import Choices, Space, Value
 from handlcp.errors import InputError
 
 GRID, SOBOL, LHS = "grid", "sobol", "lhs"
-MOST = 256  # designs of a cell: searches for its heads then take a tenth of the time
+MOST = 256  # designs of a cell
 
 
 def points(space: Space, sampling: Any, samples: Any, seed: Any) -> Array:

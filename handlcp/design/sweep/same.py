@@ -20,6 +20,7 @@ from handlcp.hand.hand import Hand
 from handlcp.record import plain
 from handlcp.version import VERSION
 
+ROWS = "every design is searched"  # how rows come about; before, most began from other designs' grasps alone
 _MOST = 3  # parameters that a message names
 _DESCRIBED = "mass_kg", "size_m", "joints", "fingertips", "touching", "couplings", "tendons", "links"
 _SAID = {
@@ -32,12 +33,14 @@ def description(space: Mapping[str, Any], sampling: str, samples: Any, seed: int
     """Plain data. Of hands and briefs, and of functions that make them, a digest: of a function that of its own code,
     not of what it calls.
     """
-    kept = {"handlcp": VERSION, "space": space, "sampling": sampling, "samples": samples, "seed": seed}
+    kept = {"handlcp": VERSION, "rows": ROWS, "space": space, "sampling": sampling, "samples": samples, "seed": seed}
     return plain(kept | {"make": digest(make), "brief": digest(brief)})
 
 
 def check_same(file: str, before: Mapping[str, Any], now: Mapping[str, Any]) -> None:
-    """Raises InputError for another sweep than that of the file, with what differs."""
+    """Raises InputError for another sweep than that of the file, with what differs; for an old one that it is."""
+    if why := too_old(before):
+        raise InputError("out", "a new file, or that of the same sweep", f"{file!r}: {why}")
     if unlike := [key for key in _SAID if json.dumps(before.get(key)) != json.dumps(now[key])]:  # in the same order
         plainly = [key for key in unlike if key not in ("make", "brief")]
         told = [f"{_SAID[key]} ({_apart(before.get(key), now[key])})" for key in plainly]
@@ -45,6 +48,13 @@ def check_same(file: str, before: Mapping[str, Any], now: Mapping[str, Any]) -> 
         raise InputError(
             "out", "a new file, or that of the same sweep", f"{file!r}, which differs in {', '.join(told)}"
         )
+
+
+def too_old(sweep: Mapping[str, Any]) -> str:
+    """Why rows of what a sweep was are not like those of today, in words; "" where they are."""
+    if "handlcp" not in sweep or sweep.get("rows") == ROWS:
+        return ""
+    return "its rows are old: most began from other designs' grasps alone, and may be far too low; sweep anew"
 
 
 def _apart(before: Any, now: Any) -> str:

@@ -40,8 +40,9 @@ def sweep(
     progress : None: a line on the terminal once it takes long; False: none; True: a line that stays; a function: called
         with (designs done, all designs).
 
-    Most designs start from the grasps of others, as in `evaluate(…, near=…)`: the best of three in the middle of up to
-    256 that lie together. A design that fails, or ends its process, is a row with its reason in "error".
+    Every design is searched, as by `evaluate`. The grasps of the best designs in the middle of up to 256 that lie
+    together are candidates of the others, too, as in `evaluate(…, near=…)`: no row is worse than an evaluation of its
+    own. A design that fails, or ends its process, is a row with its reason in "error".
 
     Raises InputError, also for a file with another sweep in it, and says what differs, and for one that another run is
     writing; UnknownName; Unsupported without

@@ -2,8 +2,10 @@
 
 A cell is worked on in two steps, and the numbers hang on these alone, not on who does them when:
 
-    its heads       those in its middle, one after the other: the first searches for its grasps
-    the others      each from the best grasps of the heads, in any order
+    its heads       those in its middle, one after the other
+    the others      in any order
+
+Each searches for its grasps; the best grasps of the heads are candidates of the others, which "start" from them.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ from handlcp.errors import InputError, UnknownName, keyed
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.hand.hand import Hand
 
-MOST_HEADS = 8  # where none of so many grasps an object, the others of the cell search for themselves
+MOST_HEADS = 8  # where none of so many grasps an object, the others of the cell have no candidate of theirs
 DESIGN, ERROR = "design", "error"  # columns beside the parameters and what `Evaluation.to_row` has
 FAILURES = Exception, SystemExit  # what a design may raise, which then is its reason
 
@@ -169,8 +171,7 @@ def work(task: Task) -> Done:
 
 class Heads:
     """The first designs of a cell, whose grasps the others start from: of each object that with which a head holds
-    most, as the brief asks. The first searches; more follow, one by one, each from what there is, as long as an object
-    has no grasp.
+    most, as the brief asks. More follow the first, one by one, as long as an object has no grasp.
     """
 
     def __init__(self, cell: Sequence[int]) -> None:

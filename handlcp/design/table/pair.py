@@ -38,6 +38,7 @@ from handlcp.hand.find.candidate import Candidate, candidate_of
 from handlcp.hand.find.find import PINCH, POWER, missed, searches_of
 from handlcp.hand.find.pinch import Search
 from handlcp.hand.find.power import MOST, SHARE, PowerSearch
+from handlcp.hand.find.refused import skipping_refused
 from handlcp.hand.hand import Hand
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.object import Object
@@ -184,12 +185,11 @@ def _firm(hand: Hand, brief: Brief, grasp: HandGrasp, solution: Any) -> list[Hel
     times = float((allowed / np.maximum(abs(solution.torques), 1e-9)).min(initial=np.inf))
     if not _HARDER < times < np.inf:
         return []
-    try:
+    with skipping_refused():  # tips that no longer touch where they did
         closed = Recipe.of(PINCH, grasp).harder(times).grasp(hand, brief.objects["object"], brief.friction)
         solution = closed.solve(throw=False, proof=False)
-    except HandLCPError:  # tips that no longer touch where they did
-        return []
-    return [(closed, solution)] if solution.held else []
+        return [(closed, solution)] if solution.held else []
+    return []
 
 
 # ----------------------------------------------------------------

@@ -65,13 +65,13 @@ def reasons_of(s: Any) -> Iterator[Reason]:
     if not s.held:
         yield equilibrium_reason(s.status, s.diagnosis)
     elif s.spec is not None and s.scene is not None:
+        yield from no_load(s.spec)
         for e in s.spec.effects:  # which bounds are reached, and how far they give way
             for part in e.words(s.scene, s.names, s.extra):
                 yield Reason("effect", "note", part, {"effect": e.title})
         yield _contacts(s)
         yield from friction_reasons(s.names, s.friction_used, s.contact_state)
         yield motion_reason(s.object_displacement, s.scene.force, s.scene.units.length)
-        yield from no_load(s.spec)
         yield from open_reasons(s.uniqueness)
         yield from large_motion(motions(s))
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from handlcp.check import Array, read_only, sealed
 from handlcp.grasp.answer.printed import Shown
+from handlcp.grasp.effects.joint_offset import unsqueezed
 from handlcp.grasp.friction import Pyramid, Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
@@ -192,6 +193,8 @@ class GraspSolution(Shown, Deferred):
             return f"{text}; but {moved.sentence}" if moved is not None and moved.too_large else text
         if self.status is Status.NO_EQUILIBRIUM:
             squeeze = self.scene.offset[2 : 3 * self.scene.n : 3]
+            if self.spec is not None and unsqueezed(self.spec):
+                squeeze = np.maximum(squeeze, 0.0)
             return say.no_equilibrium(squeeze, self.required_preload, self.cause, self.bounds is not None)
         return UNDECIDED if self.certificate is None else say.not_holdable(self.certificate)
 

@@ -3,6 +3,7 @@
 | code | what it is about |
 | --- | --- |
 | `not_holdable`, `no_equilibrium` | no force within friction balances the load; no elastic equilibrium exists |
+| `no_squeeze` | nothing was said that closes the hand, and the load is not held without |
 | `lost` | the order of loading loses the object on its way |
 | `slides_through` | the object slides through, or snaps, on its way: how far it jumps is not for statics to say |
 | `steps_differ` | fewer and more steps of loading end differently |
@@ -45,8 +46,8 @@ HELD, OVER_LIMIT, UNDECIDED, NOT_HELD = "HELD", "OVER LIMIT", "UNDECIDED", "NOT 
 
 _RANK = (NOT_HELD, UNDECIDED, OVER_LIMIT)  # the first that a reason decides is the word
 _DECIDES = {
-    "not_holdable": NOT_HELD, "no_equilibrium": NOT_HELD, "lost": NOT_HELD, "slides_through": NOT_HELD,
-    "steps_differ": UNDECIDED, "solver_stopped": UNDECIDED,
+    "not_holdable": NOT_HELD, "no_equilibrium": NOT_HELD, "no_squeeze": NOT_HELD, "lost": NOT_HELD,
+    "slides_through": NOT_HELD, "steps_differ": UNDECIDED, "solver_stopped": UNDECIDED,
     "follow_stopped": UNDECIDED, "link_inside": UNDECIDED, "joint_range": UNDECIDED, "large_motion": UNDECIDED,
     "torque_over_limit": OVER_LIMIT, "tension_over_limit": OVER_LIMIT, "overheats": OVER_LIMIT,
     "closing_over_peak": OVER_LIMIT, "unplaced": UNDECIDED, "command_not_made": UNDECIDED,

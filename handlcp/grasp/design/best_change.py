@@ -122,7 +122,8 @@ def best_change(
         raise InputError("share", "a share below 1, such as 0.1", share)
     asked = beside_weight(spec) if wrench is None else wrench
     of_weight = wrench is None and not asked.any()
-    load = spec.wrench if of_weight else asked
+    grows = spec.mechanism is None and wrench is None  # contacts' own wrench, from nothing
+    load = None if grows else spec.wrench if of_weight else asked
     before = load_limit(spec, section, load, geometry, None, None)
     if np.isinf(before.factor):
         return BestChange(before.wrench, part, before, (), np.nan, ("", ""), of_weight)
@@ -135,7 +136,8 @@ def best_change(
     if tried and tried[0].factor > before.factor:
         most = min(tried[0].factor, 2.0 * before.factor or 1.0)
         between = 0.5 * (before.factor + most)
-        ends = [loaded(s, between * before.wrench) for s in (made[tried[0].what], spec)]
+        rests = spec.wrench if spec.mechanism is None and not grows else np.zeros(6)
+        ends = [loaded(s, rests + between * before.wrench) for s in (made[tried[0].what], spec)]
         changed = verdict_on(ends[0], section)
         verdicts = (changed.word, word(ends[1], section))
         why_not = "; ".join([r.sentence for r in changed.reasons if r.severity == "decides"])

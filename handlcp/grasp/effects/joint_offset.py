@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.words import force, length, listed, percent
 
 _SEEN = 1e-3  # shares below this are not worth a word
+TOUCHING = 1e-6  # [m] overlaps of a hand's fingertips up to this are what is left of touching
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,6 +90,17 @@ def _spread(values: Array, say: Callable[[float], str]) -> str:
 def command_of(effects: Iterable[Effect]) -> JointOffset | None:
     """The command among these effects; None: there is none."""
     return next((e for e in effects if isinstance(e, JointOffset)), None)
+
+
+def unsqueezed(spec: Any) -> str:
+    """Of the `GraspSpec` of a hand that was told nothing that squeezes the object: that, and what to pass, in words; ""
+    of others. Overlaps that are left of touching squeeze nothing.
+    """
+    apart = spec.offset[: spec.of_hand] * (1.0, 1.0, -1.0)
+    pressed = (apart[:, 2] > TOUCHING).any() or (abs(apart[:, :2]) > TOUCHING).any()
+    if spec.mechanism is None or pressed or command_of(spec.effects) or any(e.prescribed() for e in spec.effects):
+        return ""
+    return "no squeeze was given: pass grip_force=, or squeeze=, joint_offset= or closing_torque="
 
 
 def joints_commanded(effects: Iterable[Effect], nv: int) -> Array:

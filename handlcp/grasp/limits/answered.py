@@ -21,6 +21,7 @@ from handlcp.grasp.cause.judge import (
     slipping,
 )
 from handlcp.grasp.cause.wording import moves, pressed_in, why, why_given_up
+from handlcp.grasp.effects.joint_offset import unsqueezed
 from handlcp.grasp.friction import Section
 from handlcp.grasp.limits.result import Later, LimitEvent, LimitPath, LoadLimit, Reached, Rest
 from handlcp.grasp.model.spec import GraspSpec
@@ -149,7 +150,8 @@ def answer(f: Followed) -> LoadLimit:
 
     def sentence() -> str:
         if f.slid is not None:
-            return f"the weight alone is not held: the object slides through from {words.percent(f.slid[0])} of it on"
+            rests = alone("weight" if f.spec.mechanism is not None else OWN_WRENCH)
+            return f"{rests} is not held: the object slides through from {words.percent(f.slid[0])} of it on"
         if early is not None:
             return f"held up to {factor:.4g} times the load, and undecided beyond: {early.why}"
         if gave_up:
@@ -251,6 +253,15 @@ def _solution(f: Followed, number: int, factor: float) -> GraspSolution:
     return solution_of(f.stepper.grasp, state, f.section)
 
 
+OWN_WRENCH = "own wrench"  # the stage in which the wrench of contacts without a hand comes
+
+
+def alone(stage: str) -> str:
+    """What a stage brings, in words, where that is not even held without a load."""
+    own = {LET_GO: "the closed hand, let go, alone", OWN_WRENCH: "its own wrench alone"}
+    return own.get(stage, f"the {stage} alone")
+
+
 def nothing(
     spec: GraspSpec, wrench: Array, run: Run, geometry: str, loading: Loading, closing: tuple[Cause, ...] = ()
 ) -> LoadLimit:
@@ -265,8 +276,8 @@ def nothing(
         binds, text = _UNKNOWN, f"undecided: the {loading.lost_stage} alone was not followed to its end: {reason}"
     else:
         binds = slipping(spec.names, run.states[-1].kinds) if run.states[-1].loaded else (Cause(EQUILIBRIUM, OBJECT),)
-        alone = "the closed hand, let go," if loading.lost_stage == LET_GO else f"the {loading.lost_stage}"
-        text = f"{alone} alone is not held: {reason}"
+        first = f"{told}; " if (told := unsqueezed(spec)) else ""
+        text = f"{first}{alone(str(loading.lost_stage))} is not held: {reason}"
     none = np.zeros((0, spec.n, 3))
     nv = loading.steps.torques.shape[1]
     path = LimitPath(np.zeros(0), none, np.zeros((0, nv)), np.zeros((0, 6)))

@@ -13,9 +13,10 @@ from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.cause.judge import EQUILIBRIUM, MOTION, OBJECT, RANGE, TORQUE, Bind
 from handlcp.grasp.cause.wording import why
 from handlcp.grasp.effects.finger_weight import FingerWeight
-from handlcp.grasp.effects.joint_offset import command_of
+from handlcp.grasp.effects.joint_offset import command_of, unsqueezed
 from handlcp.grasp.friction import Section
-from handlcp.grasp.limits.followed import accurate_limit
+from handlcp.grasp.limits.answered import alone
+from handlcp.grasp.limits.followed import accurate_limit, resting_stage
 from handlcp.grasp.limits.further import largest_held
 from handlcp.grasp.limits.kernels.happens import GIVES_UP, LOST, REACHED, TURNS, Watch
 from handlcp.grasp.limits.kernels.onward import faces_reached, onward
@@ -85,11 +86,12 @@ def _start_of(system: System) -> Start:
     free = watch._replace(rows=watch.rows[:0], level=watch.level[:0])
     log, path = np.empty((EVENTS, 3)), np.empty((EVENTS, width))
     status, factor, *_ = trace(p, squeezed.place, w, 1.0, free, none_known(p), log, path)
+    rests = resting_stage(system.spec)
     if status in (GIVES_UP, TURNS):
-        return _followed(system, ("squeeze", Stage("weight", weight=1.0)))
+        return _followed(system, ("squeeze", rests))
     if status != REACHED:
         share = f"{factor:.0%}" if factor > 0.0 else "nothing"
-        return Start(None, f"the weight alone is not held: the grasp holds {share} of it")
+        return Start(None, f"{alone(rests.name)} is not held: the grasp holds {share} of it")
     return squeezed
 
 
@@ -114,7 +116,7 @@ def _followed(system: System, order: tuple[str | Stage, ...]) -> Start:
     scene = system.scene
     loading = follow(system.spec, system.section, np.zeros(6), order, "fixed", 40, None)
     if not loading.reached:
-        return Start(None, f"the {loading.lost_stage} alone is not held: {loading.why.partition(': ')[2]}")
+        return Start(None, f"{alone(str(loading.lost_stage))} is not held: {loading.why.partition(': ')[2]}")
     last = loading.last
     forces = np.concatenate([last.read.forces.reshape(-1), last.read.torsion[list(scene.soft)]])
     return Start(_place(system, scene.lawful(forces), last.where.pose, {}), "")
@@ -189,7 +191,8 @@ def fixed_limit(
     if begun.place is None:
         none = TracedPath(system, wrench, np.zeros((0, 1)), None)
         binds: tuple[Bind, ...] = (Bind(EQUILIBRIUM, OBJECT),)
-        return LoadLimit(0.0, wrench, binds, "fixed", _later(begun.why, none, 0.0, 0.0, None, ()), accuracy=0.0)
+        text = f"{told}; {begun.why}" if (told := unsqueezed(spec)) else begun.why
+        return LoadLimit(0.0, wrench, binds, "fixed", _later(text, none, 0.0, 0.0, None, ()), accuracy=0.0)
     p, place = system.parts, begun.place
     watch = watch_from(system, place, most)
     log, points = np.empty((EVENTS, 3)), np.empty((EVENTS, 1 + len(p.E) + len(p.G) + len(p.rows)))

@@ -11,7 +11,7 @@ from handlcp.check import Array
 from handlcp.doubled import doubled
 from handlcp.grasp.cause.judge import Limits, limits_of, over_closing, used
 from handlcp.grasp.friction import Section
-from handlcp.grasp.limits.answered import Followed, answer as answered, kinds_near, nothing
+from handlcp.grasp.limits.answered import OWN_WRENCH, Followed, answer as answered, kinds_near, nothing
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.advance import PATIENT, Leg, Open, Patience, advance
@@ -23,11 +23,15 @@ from handlcp.grasp.path.watch import watch_of
 from handlcp.grasp.verify.bound import bound_of
 from handlcp.tolerances import OVER
 
-_ORDER = ("squeeze", Stage("weight", weight=1.0), "load")
 _STEPS = 8  # of squeeze and weight
 _FIRST = 0.1  # of the load that is as large as the forces before it: the first step
 _BEYOND = 1e-9  # relative: what is followed up to a limit of others goes on by so much, and is no tie
 _RAY = 1e4  # times that load: nothing binds that has not bound by then
+
+
+def resting_stage(spec: GraspSpec) -> Stage:
+    """What comes on the object before a load grows: its weight, or the wrench of contacts without a hand."""
+    return Stage("weight", weight=1.0) if spec.mechanism is not None else Stage(OWN_WRENCH, load=spec.resting)
 
 
 def followed_limit(
@@ -40,8 +44,8 @@ def followed_limit(
 
 class Before:
     """What comes before a load grows, followed once: squeeze, weight, and `beside` (6,), a load that is there already
-    besides the weight. tolerance : of steps, as in `Stepper`. patience : as in `advance`. Other arguments as in
-    `followed_limit`.
+    besides the weight; of contacts without a hand always their own wrench. tolerance : of steps, as in `Stepper`.
+    patience : as in `advance`. Other arguments as in `followed_limit`.
     """
 
     def __init__(
@@ -50,8 +54,11 @@ class Before:
     ) -> None:  # fmt: skip
         self._body, self._most, self._patience = geometry_of(spec, geometry), most, patience
         self._spec, self._section, self._geometry, self._finer, self._beside = spec, section, geometry, finer, beside
+        if spec.mechanism is None:
+            self._beside = spec.resting
         path = np.stack([beside, beside]) if beside.any() else STILL
-        first, self._goals, self._stepper = begun(spec, section, self._body, tolerance, _ORDER, path)
+        order = ("squeeze", resting_stage(spec), "load")
+        first, self._goals, self._stepper = begun(spec, section, self._body, tolerance, order, path)
         self._watch, count = watch_of(spec, self._body), max(int(np.ceil(finer * _STEPS)), 1)
         self._run = advance(self._stepper, self._watch, first, self._goals[:-1], count, patience)
         self._closing = over_closing(spec.mechanism, lambda: closing_efforts(self._run.states))

@@ -30,20 +30,27 @@ def is_followed(spec: GraspSpec, geometry: Any) -> bool:
     return geometry != "fixed" and geometry_of(spec, geometry).follows
 
 
-def load_of(spec: GraspSpec, wrench: Any) -> Array:
-    """(6,) the load beside the weight, given as `Grasp` takes it; None: the grasp's own. Raises InputError."""
+def load_of(spec: GraspSpec, wrench: Any) -> tuple[GraspSpec, Array]:
+    """The grasp with what rests on it alone, and the load (6,) that grows beside that, given as `Grasp` takes it; None:
+    the grasp's own, of contacts without a hand from nothing. Raises InputError.
+    """
     if wrench is not None:
         height = validate.lift(spec.positions, spec.reference, spec.plane)
         given = validate.wrench(wrench, spec.plane, height)
         if not given.any():
             raise InputError("wrench", "a load that is not zero", given.tolist())
-        return given
+        return spec, given
     own = spec.wrench.copy()
     if spec.mechanism is not None:
-        own -= spec.mechanism.weight_of_object(spec.reference)
+        own -= spec.resting
     if not abs(own).max() > 1e-12 * abs(spec.wrench).max():
         raise InputError("wrench", _LOAD + _down(spec.wrench), wrench)
-    return read_only(own)
+    return without_wrench(spec), read_only(own)
+
+
+def without_wrench(spec: GraspSpec) -> GraspSpec:
+    """Contacts without a hand before their wrench comes; a hand's grasp as it is."""
+    return spec if spec.mechanism is not None else spec.replace(wrench=read_only(np.zeros(6)), asked=spec.asked)
 
 
 _LOAD = "the load that is to grow, force [N] and torque [N·m], as this grasp has none of its own"
@@ -73,13 +80,15 @@ def load_limit(
     """See `Grasp.load_limit`."""
     follows, most = is_followed(spec, geometry), (tolerance("motion", motion), tolerance("turn", turn))
     near = None if accuracy is None else number("accuracy", accuracy, above=0.0)
-    return _Question(spec, section, load_of(spec, wrench), follows, most, near).limit()
+    _, load = load_of(spec, wrench)
+    return _Question(spec, section, load, follows, most, near, wrench is None).limit()
 
 
 @dataclass(frozen=True, eq=False)
 class _Question:
     """What was asked: a load (6,) beside the weight, whether the geometry is followed, motion [m] and turn [rad] that
-    are allowed. A load limit is pickled as this, and found again.
+    are allowed. own : whether the load is the grasp's own, which grows from nothing; another one grows beside the
+    wrench of contacts without a hand. A load limit is pickled as this, and found again.
     """
 
     spec: GraspSpec
@@ -88,6 +97,7 @@ class _Question:
     follows: bool
     most: tuple[float, float]
     accuracy: float | None = None
+    own: bool = False
 
     def limit(self) -> LoadLimit:
         """The answer."""
@@ -95,6 +105,7 @@ class _Question:
 
     def varied(self, spec: GraspSpec, wrench: Array) -> LoadLimit:
         """The same of another grasp, or of another load."""
+        spec = without_wrench(spec) if self.own else spec
         if self.follows:
             found = accurate_limit(spec, self.section, wrench, self.most, "followed", self.accuracy)
         else:
@@ -105,7 +116,8 @@ class _Question:
 
     def bound(self) -> float:
         """See `LoadLimit.bound`."""
-        return float(bound_of(self.spec, self.section, self.wrench[None]).factors[0])
+        spec = without_wrench(self.spec) if self.own else self.spec
+        return float(bound_of(spec, self.section, self.wrench[None]).factors[0])
 
     def sensitivity(self) -> PathSensitivity:
         """See `LoadLimit.sensitivity`."""

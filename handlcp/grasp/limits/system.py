@@ -29,9 +29,9 @@ from handlcp.grasp.path.geometry import supports
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """spec : the grasp, with the flexibility and the effects that count in one posture. scene : of it. weight (6,) : of
-    the object, about the reference. limits : that give way, in the order of their unknowns. watched : (kind, name) of
-    each row of `watch`. sets : of friction.
+    """spec : the grasp, with the flexibility and the effects that count in one posture. scene : of it. weight (6,) :
+    what rests on the object, as `GraspSpec.resting`. limits : that give way, in the order of their unknowns. watched :
+    (kind, name) of each row of `watch`. sets : of friction.
     """
 
     spec: GraspSpec
@@ -72,7 +72,7 @@ def system_of(spec: GraspSpec, section: Section, wrench: Array | None) -> System
         names = ", ".join(type(e).__name__ for e in foreign)
         raise Unsupported(f"a load limit knows no unknowns but forces and limits that give way ({names})")
     effects = tuple([e for e in spec.effects if not isinstance(e, GeometricStiffness)])
-    weight = np.zeros(6) if spec.mechanism is None else spec.mechanism.weight_of_object(spec.reference)
+    weight = spec.resting
     E = spec.flexibility.copy()
     E[3 * spec.of_hand :, 3 * spec.of_hand :] = supports(spec)
     spec = spec.replace(flexibility=read_only(E), effects=effects, wrench=read_only(weight))

@@ -65,6 +65,13 @@ class GraspSpec(Placement):
         return self.replace(offset=read_only(offset))
 
     @property
+    def resting(self) -> Array:
+        """(6,) what is on the object before another load grows, about the reference [N, N·m]: its weight, where a hand
+        knows it; of contacts without a hand the whole wrench, of which nobody knows what is weight.
+        """
+        return self.wrench if self.mechanism is None else self.mechanism.weight_of_object(self.reference)
+
+    @property
     def free_fingers(self) -> list[int]:
         """Numbers of the fingers whose force is not prescribed: those that a squeeze acts on."""
         known = {i for e in self.effects for i in e.prescribed()}

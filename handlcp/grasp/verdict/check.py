@@ -14,6 +14,7 @@ from handlcp.grasp.answer.reasons import equilibrium_reason
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.answer.verdict import HELD, OVER_LIMIT, UNDECIDED, Reason, Verdict, verdict_of
 from handlcp.grasp.assembly.build import build
+from handlcp.grasp.effects.joint_offset import unsqueezed
 from handlcp.grasp.friction import Section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
@@ -69,7 +70,8 @@ def _suggestion(r: Reason) -> Suggestion:
 
 # ----------------------------------------------------------------
 
-_OF_ONE_PATH = "lost", "slides_through", "no_equilibrium", "not_holdable"  # which another number of steps contradicts
+# Which another number of steps contradicts
+_OF_ONE_PATH = "no_squeeze", "lost", "slides_through", "no_equilibrium", "not_holdable"
 _CHAIN = Auto(search_seconds=0.0)
 _ONE_SOLVE = "one solve, with squeeze and load at once in this posture"
 STEPS = 8  # of a stage; where something happens there are more
@@ -88,7 +90,8 @@ def check(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution:
         built = build(changed)
         return judged(changed, built, section, order, solve_spec(changed, section, _CHAIN, proof=False))
 
-    return verdict_of([*verdict.reasons, *advice(spec, section, order, over, holdable, of)], verdict.loading)
+    kinds = ("squeeze",) if verdict.about("no_squeeze") else ()
+    return verdict_of([*verdict.reasons, *advice(spec, section, order, over, holdable, of, kinds)], verdict.loading)
 
 
 def judged(
@@ -149,6 +152,8 @@ def _reasons(
             text = f"{_ONE_SOLVE}, finds no equilibrium: the grasp holds as it moves"
             yield Reason("only_followed", "warning", text, {"status": solution.status.name})
         return
+    if solution.status is not Status.NOT_HOLDABLE and (text := unsqueezed(spec)):
+        yield Reason("no_squeeze", "decides", text)
     if solution.status in (Status.NO_EQUILIBRIUM, Status.NOT_HOLDABLE):
         yield equilibrium_reason(solution.status, _without_advice(solution).diagnosis)
     yield slides_reason(path) if path.reached else lost_reason(path)

@@ -79,6 +79,7 @@ def rigid_reasons(spec: GraspSpec) -> Iterator[Reason]:
 def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Reason]:
     """Of a loading whose end is reached: torques and postures at its end, what slid, how far the object moved."""
     last, mechanism = path.last, spec.mechanism
+    yield from no_load(spec)
     if mechanism is not None:
         before = [*mechanism.command_reasons(spec), *place_reasons(spec, path)]
         known = {_about(reason) for reason in before}
@@ -113,7 +114,6 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     k = spec.of_hand
     if text := pressed_in(last.where.give[:k], last.iterate.frames[:k, :, 2], spec.names):
         yield Reason("pressed_in", "warning", text)
-    yield from no_load(spec)
     if end.held:
         yield from () if mechanism is None else mechanism.open_reasons(end)
         yield from open_reasons(end.uniqueness)

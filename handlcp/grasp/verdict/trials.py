@@ -30,10 +30,16 @@ _FOLLOWED = 3  # loadings followed for one kind of change, at most
 
 
 def advice(
-    spec: GraspSpec, section: Section, order: Any, over: bool, holdable: bool, judged: Callable[[GraspSpec], Verdict]
+    spec: GraspSpec,
+    section: Section,
+    order: Any,
+    over: bool,
+    holdable: bool,
+    judged: Callable[[GraspSpec], Verdict],
+    kinds: tuple[str, ...] = (),
 ) -> Iterator[Reason]:
     """What would hold, one sentence for each kind of change; or that nothing tried does. judged : the verdict on a
-    grasp, without advice.
+    grasp, without advice. kinds : names of the parameters that alone are tried, where the reason is plain; () : all.
 
     over : whether the grasp holds but for its torque limits. holdable : whether any force within friction balances the
     load; if not, friction alone can help.
@@ -41,7 +47,8 @@ def advice(
     why = TORQUE if over else FORCES if holdable else BALANCE
     limited = spec.mechanism is not None and bool(np.isfinite(spec.mechanism.limits).any())
     within, found, tried = " within the torque limits" if limited else "", False, list[str]()
-    for trials in (list(_moved_out(spec)), *(list(p.trials(spec, why)) for p in by_effort()), list(_moved(spec))):
+    changes = [list(p.trials(spec, why)) for p in by_effort() if p.name in kinds or not kinds]
+    for trials in changes if kinds else (list(_moved_out(spec)), *changes, list(_moved(spec))):
         if trials:
             tried.append(trials[-1].text)
         judgements = ((t, judged(t.spec)) for t in _followed(trials, section, order))
@@ -50,7 +57,7 @@ def advice(
             values = {"change": trial.change, "value": trial.value}
             yield Reason("advice", "advice", f"{trial.text} would hold it{within}{_snaps(verdict)}", values)
             found = True
-    if tried and not found:
+    if tried and not found and not kinds:
         text = f"nothing that was tried would hold it{within}, not even {words.either(tried)}"
         yield Reason("advice", "advice", text, {"tried": tried})
 

@@ -188,13 +188,11 @@ def bound_of(
 ) -> Bounds:
     """The bounds of wrenches (k, 6) about the grasp's reference [N, N·m], in place of the grasp's own load.
 
-    base (6,) : the wrench that is there beside them; None: the object's weight, where it is known apart from
-    the load. torques : whether joints' torque limits count, whether joints yield there or not.
-    In a plane only what acts in it counts.
+    base (6,) : the wrench that is there beside them; None: what rests on the object, as `GraspSpec.resting`. torques :
+    whether joints' torque limits count, whether joints yield there or not. In a plane only what acts in it counts.
     """
     scene = build(spec)
-    if base is None:
-        base = np.zeros(6) if spec.mechanism is None else spec.mechanism.weight_of_object(spec.reference)
+    base = spec.resting if base is None else base
     capacity = capacity_of(scene, section, spec.effects, torques)
     own, given = _natural(spec, scene, np.array([spec.wrench, base]))
     there = scene.natural.w - own + given  # prescribed forces are part of it

@@ -9,7 +9,7 @@ from typing import Any, cast
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, array, number, per_name, read_only, yes_or_no
+from handlcp.check import Array, number, per_name, read_only, yes_or_no
 from handlcp.errors import InputError, NotReached
 from handlcp.grasp.assembly.asked import again, as_asked, fastened
 from handlcp.grasp.effects import Effect
@@ -31,7 +31,7 @@ from handlcp.hand.objects.meshes import HOW_TO_MESH, in_memory
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.shapes import ask_for_kilograms, ask_for_metres, far_from
 from handlcp.hand.objects.table import surrounding
-from handlcp.hand.robot.posture import GRAVITY, Posture
+from handlcp.hand.robot.posture import GRAVITY, Posture, read_gravity
 from handlcp.hand.sites.sited import by_site, sited
 from handlcp.hand.sites.touchers import TIPS
 from handlcp.hand.sites.wrap import bending
@@ -101,7 +101,6 @@ _BY_SIZE = {
     "grip_force": ("grip force", "N"), "closing_torque": ("closing torque", "N·m"),
     "joint_offset": ("joint offset", ""),
 }  # fmt: skip
-_GRAVITY = "an acceleration [m/s²], such as (0, 0, -9.81) or (0, 0, 0): finite numbers"
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +174,7 @@ class HandAsked:
             contacts = validate.contacts((*contacts, *around.contacts))
         positions, frames, normal = validate.placed(self.plane, contacts)
         positions, frames, planar = read_only(positions), read_only(frames), normal is not None
-        g = array("gravity", self.gravity, (3,), what=_GRAVITY)
+        g = read_gravity(self.gravity)
         mechanism = mechanism_of(self.state, tips, positions[:k], frames[:k], obj, g, read_only(np.zeros((k, 3))))
         given = self.flexibility
         E = own_flexibility(mechanism) if given is None else validate.flexibility(matrix_of(given), k, planar)

@@ -7,7 +7,7 @@ finds its own way.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -122,14 +122,20 @@ def _overcomes(motor: Motor) -> str:
 
 
 def _pulls(hand: HandModel, way: Array, value: Any) -> Array:
-    if dimensions(value) == 0 and not isinstance(value, Mapping):
-        return np.asarray(number("closing_torque", value, minimum=0.0) * np.sign(way))
+    torque = read_closing_torque(value, hand.joint_names)
+    signed = np.sign(way) * torque
+    return np.where(way != 0.0, signed, torque) if isinstance(value, Mapping) else signed
+
+
+def read_closing_torque(value: Any, joints: Sequence[str]) -> Array:
+    """(nv,) [N·m] from a number ≥ 0, (nv,), or a mapping by joint name (others: 0). Raises InputError, UnknownName."""
     if isinstance(value, Mapping):
-        named = per_name("closing_torque", value, hand.joint_names, "a joint")
+        named = per_name("closing_torque", value, joints, "a joint")
         given = {joint: number(f"closing_torque[{joint!r}]", v) for joint, v in named.items()}
-        torque = np.array([given.get(joint, 0.0) for joint in hand.joint_names])
-        return np.where(way != 0.0, np.sign(way) * torque, torque)
-    return np.asarray(np.sign(way) * array("closing_torque", value, (hand.nv,)))
+        return np.array([given.get(joint, 0.0) for joint in joints])
+    if dimensions(value) == 0:
+        return np.full(len(joints), number("closing_torque", value, minimum=0.0))
+    return array("closing_torque", value, (len(joints),))
 
 
 def carries(state: Posture, q: Array, obj: Object) -> Bools:

@@ -23,13 +23,15 @@ _WORTH = 0.5  # of the best: what holds no more is not followed any further
 
 class Chooser:
     """Of both kinds of search. tried : how many places, and grasps, came how far. refused : the grasps that one solve
-    holds and the check does not, or not surely. found : those that were followed so far, in that order.
+    holds and the check does not, or not surely. found : those that were followed so far, in that order. rigid : why no
+    grasp could be made of fingers that give way nowhere.
     """
 
     def __init__(self, sampled: int) -> None:
         self.tried: Counter[str] = Counter(sampled=sampled)
         self.refused: list[Candidate] = []
         self.found: list[Candidate] = []
+        self.rigid: list[str] = []
 
     def checked(self, some: Sequence[Candidate], most: int) -> list[Candidate]:
         """Those from the first one on that the check is sure of; none where it is of none of the first so many."""

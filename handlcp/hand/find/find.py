@@ -9,6 +9,10 @@ from typing import Any
 from handlcp.check import integer, yes_or_no
 from handlcp.errors import InputError, NoGraspFound
 from handlcp.extras import pip_install
+from handlcp.grasp.friction import laws_by_name
+from handlcp.grasp.model import validate
+from handlcp.hand.asked.asked import DEFAULT
+from handlcp.hand.asked.closing import read_closing_torque
 from handlcp.hand.find.candidate import Found, stopped, told
 from handlcp.hand.find.pinch import Search
 from handlcp.hand.find.power import PowerSearch
@@ -17,7 +21,9 @@ from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.shapes import Mesh, ask_for_kilograms, ask_for_metres
 from handlcp.hand.robot.convex import available
 from handlcp.hand.robot.model import HandModel
-from handlcp.hand.robot.posture import Posture
+from handlcp.hand.robot.posture import Posture, read_gravity
+from handlcp.hand.sites.touchers import link_names
+from handlcp.hand.squeeze import by_tip
 from handlcp.keywords import helped
 from handlcp.progress import told as counted
 
@@ -79,8 +85,6 @@ def find_grasp(
         raise InputError("hand", "a Hand", repr(hand))
     if not isinstance(obj, Object):
         raise InputError("obj", what_to_pass(obj), repr(obj)[:80])
-    ask_for_metres("obj", obj, Posture(hand, hand.neutral).tip_positions)
-    ask_for_kilograms("obj.mass", obj, hand.mass)
     tips, tries, seed = hand.tip_numbers("fingers", fingers), integer("tries", tries, 1), integer("seed", seed, 0)
     yes_or_no("throw", throw)
     check_closing(kind, squeeze, grip_force, closing_torque, fingers)
@@ -109,7 +113,12 @@ def searches_of(
 ) -> list[Search | PowerSearch]:  # fmt: skip
     """One for each kind of grasp. asked : what `find_grasp` passes on to `state.grasp`, without the fingers; of what
     closes the hand each search takes its own. tips : numbers of the fingertips that a pinch touches with.
+
+    Raises InputError, UnknownName: what a search passes on is checked before it begins.
     """
+    ask_for_metres("obj", obj, Posture(hand, hand.neutral).tip_positions)
+    ask_for_kilograms("obj.mass", obj, hand.mass)
+    _check_asked(hand, kind, asked, tips)
     load = {name: asked.get(name) for name in ("friction", "wrench", "gravity")}
     searches = list[Search | PowerSearch]()
     if kind != POWER:
@@ -122,6 +131,21 @@ def searches_of(
     return searches
 
 
+def _check_asked(hand: HandModel, kind: str, asked: Mapping[str, Any], tips: tuple[int, ...]) -> None:
+    """Raises InputError for what no grasp can be asked with, UnknownName for fingers, links and joints."""
+    names = [hand.fingertips[i] for i in tips]
+    if (friction := asked.get("friction")) is not None:
+        known = names if kind == PINCH else list(dict.fromkeys((*hand.fingertips, *link_names(hand))))
+        laws_by_name(friction, known, [DEFAULT] * len(known))
+    validate.wrench(asked.get("wrench"), None)
+    read_gravity(asked.get("gravity"))
+    for name in ("squeeze", "grip_force"):
+        if (value := asked.get(name)) is not None:
+            by_tip(name, value, names)
+    if (torque := asked.get("closing_torque")) is not None:
+        read_closing_torque(torque, hand.joint_names)
+
+
 def missed(obj: Object, searches: Sequence[Search | PowerSearch]) -> str:
     """That nothing was found, why the best did not serve, and then how far the searches came."""
     tried = sum((search.tried for search in searches), Counter[str]())
@@ -130,6 +154,10 @@ def missed(obj: Object, searches: Sequence[Search | PowerSearch]) -> str:
     by = "the whole hand" if wraps else f"all of {', '.join(pinches[0].fingers)}"
     if refused := [one for search in searches for one in search.refused]:
         why = f"the best that was tried: {refused[0].doubt}"
+    elif rigid := [text for search in searches for text in search.rigid]:
+        why = f"they cannot be squeezed: {rigid[0]}"
+    elif unheld := [text for search in pinches if (text := search.unheld)]:
+        why = unheld[0]
     elif wraps and not tried["enclosing"]:
         why = "it may be too small or too large for this hand to close round it, which hand.describe() shows"
     else:

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from itertools import permutations
 from typing import Any
 
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.errors import HandLCPError
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.batch.solve_many import solve_many
+from handlcp.grasp.friction import SoftFinger
 from handlcp.hand.find.candidate import Candidate, candidate_of
 from handlcp.hand.find.chosen import Chooser, firmest
 from handlcp.hand.find.clear import Links, Place, end_of, free_ranges, size_of_object
-from handlcp.hand.find.touch import Asked, Touch, brought_together, normal_forces
+from handlcp.hand.find.refused import skipping_refused
+from handlcp.hand.find.touch import RESERVE, Asked, Touch, brought_together, normal_forces
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.inside import distances
 from handlcp.hand.objects.object import Object
@@ -102,6 +104,7 @@ _CHECKED, _FOLLOWED = 8, 4  # grasps of a round that are checked, and those of t
 _RECHECKED = 2  # grasps of each round of refinement, which are checked and followed
 _LEAST = 0.5  # of the load, shared by the fingers: what each presses with at least
 _FIRM = 1.0  # [N] the load of an object that weighs less
+_TORSIONS, _SOFT = (0.002, 0.005), 8  # [m] of soft fingers, and at how many places, where hard ones hold nothing
 
 
 def place_of(grasp: HandGrasp) -> Place:
@@ -127,6 +130,7 @@ class Search(Chooser):
         self._links = Links(hand, tips)
         self._size = size_of_object(obj)
         self._limits: Asked | None = None
+        self._touches: list[Touch] = []  # places where all fingers touch
 
     @property
     def fingers(self) -> list[str]:
@@ -161,6 +165,53 @@ class Search(Chooser):
                 return found
         return []
 
+    @property
+    def unheld(self) -> str:
+        """Why nothing is held where all fingers touch, and what would hold, tried; "" where something is, or none
+        touch.
+        """
+        if self.tried["held"] or not self.tried["touching"]:
+            return ""
+        if not self.tried["balanced"]:
+            why = f"no forces within {100 * RESERVE:.0f} % of friction balance the load at any of these"
+        elif not self.tried["clear"]:
+            return "links are in each other at all of these"
+        else:
+            why = "one solve holds none of these"
+        if not self._hard:
+            return why
+        if len(self._tips) == 2:
+            why = f"{why}: two hard fingertips bear no moment about the line between them"
+        for torsion in _TORSIONS:
+            some, of = self._with_soft(torsion)
+            if some:
+                law = f"friction=SoftFinger({self._mu:g}, {torsion:g})"
+                return f"{why}; with soft fingers, {law}, {some} of the {of} that were tried are held"
+        return f"{why}, and soft fingers would not help, either"
+
+    @property
+    def _hard(self) -> bool:
+        """Whether no fingertip bears a moment."""
+        return self._limits is not None and not self._limits.levers.any()
+
+    @property
+    def _mu(self) -> float:
+        """The least coefficient of the fingers."""
+        return 0.0 if self._limits is None else float(self._limits.mu.min())
+
+    def _with_soft(self, torsion: float) -> tuple[int, int]:
+        """How many of the places that were tried first one solve holds with soft fingers, and of how many."""
+        asked = self._limits
+        if asked is None or self._mu == 0.0:
+            return 0, 0
+        law = SoftFinger(self._mu, torsion)
+        soft = replace(asked, levers=np.full_like(asked.mu, law.lever), mu=np.full_like(asked.mu, law.mu))
+        grasps, some = [], self._touches[:_SOFT]
+        for touch in some:
+            forces = normal_forces(touch, touch.place.of(self._obj).center_of_mass, soft)
+            grasps += [] if forces is None else [g.replace(friction=law) for g in self._grasp(touch, forces)]
+        return sum(one.held for one in solve_many(grasps, "cone", workers=1, proof=False)), len(some)
+
     def places(self, tries: int) -> list[Place]:
         """So many to begin with, the most promising first."""
         return guesses(self._hand, self._tips, self._links, self._home, tries, self._seed)
@@ -176,6 +227,7 @@ class Search(Chooser):
                 continue
             self.tried["touching"] += 1
             forces = normal_forces(touch, touch.place.of(self._obj).center_of_mass, self._holding(touch))
+            self._touches.append(touch)
             if forces is None:
                 continue
             self.tried["balanced"] += 1
@@ -204,14 +256,13 @@ class Search(Chooser):
         return sorted(found, key=lambda one: one.rank)
 
     def _grasp(self, touch: Touch, forces: Array) -> list[HandGrasp]:
-        """The grasp of a place, or none where no distance is confirmed there."""
+        """The grasp of a place, or none where no distance is confirmed there, or a finger is rigid."""
         asked = dict(self._asked)
         if asked["squeeze"] is None and asked["grip_force"] is None:
             asked["grip_force"] = forces
-        try:
+        with skipping_refused(self.rigid):
             return [HandState(self._hand, touch.place.q).grasp(touch.place.of(self._obj), **asked)]
-        except HandLCPError:
-            return []
+        return []
 
     def _holding(self, touch: Touch) -> Asked:
         """What the contacts are to hold; read off the first grasp, which is made as any other."""

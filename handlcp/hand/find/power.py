@@ -10,7 +10,6 @@ from typing import Any, ParamSpec
 import numpy as np
 
 from handlcp.check import Array, Bools
-from handlcp.errors import InputError, NotReached, Unsupported
 from handlcp.grasp.batch.solve_many import solve_many
 from handlcp.hand.asked.asked import HandAsked
 from handlcp.hand.asked.closing import closing_torques
@@ -18,6 +17,7 @@ from handlcp.hand.find.candidate import Candidate, candidate_of
 from handlcp.hand.find.chosen import Chooser, firmest
 from handlcp.hand.find.clear import Links
 from handlcp.hand.find.palm import LAID, Laid, laid, settled
+from handlcp.hand.find.refused import skipping_refused
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.objects.inside import links_inside
 from handlcp.hand.objects.object import Object
@@ -41,15 +41,9 @@ def _none_where_refused(grasps: Callable[P, list[HandGrasp]]) -> Callable[P, lis
 
     @wraps(grasps)
     def made(*args: P.args, **kwargs: P.kwargs) -> list[HandGrasp]:
-        try:
+        with skipping_refused():
             return grasps(*args, **kwargs)
-        except (NotReached, Unsupported):
-            return []
-        except InputError as error:
-            # A link deep in the object, too many that touch, or joints that all stop before anything presses
-            if error.argument not in ("target", "links", "hold_object"):
-                raise
-            return []
+        return []
 
     return made
 

@@ -8,7 +8,7 @@ import coal
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.errors import HandLCPError
+from handlcp.errors import Unsupported
 from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand.find.clear import Links, Place, free_ranges, size_of_object
 from handlcp.hand.objects.detect import Proximity, nearest
@@ -123,7 +123,7 @@ def brought_together(
         posture = Posture(hand, place.q.copy())
         try:
             near = [_near(posture, tip, home, place, exact) for tip in tips]
-        except HandLCPError:
+        except Unsupported:
             return None  # a distance that nobody can compute
         gaps = np.array([p.gap for p in near])
         if not (abs(gaps) < 10 * size).all():

@@ -18,7 +18,7 @@ import numpy as np
 
 from handlcp.check import Array, Bools
 from handlcp.hand.objects.detect import Proximity
-from handlcp.hand.objects.flat import TILT, corners, tilted
+from handlcp.hand.objects.flat import TILT, corners, is_wide, tilted
 from handlcp.hand.objects.object import Object
 
 _WIDTH = 0.5 * TILT  # of the corners' distance: one that weighs something is found, whichever way it lies
@@ -64,7 +64,7 @@ def flush(tip: tuple[Any, ...], at: Array, own: Array, near: Proximity, obj: Obj
     middle = points.mean(axis=0)
     axes = np.linalg.svd(points - middle)[2]
     flat = (points - middle) @ axes[:2].T
-    if np.ptp(flat[:, 0]) <= apart:
+    if not is_wide(flat[:, 0], apart):
         return None
     chosen = corners(flat, apart)
     n, x = near.normal, opposite[chosen]
@@ -72,6 +72,6 @@ def flush(tip: tuple[Any, ...], at: Array, own: Array, near: Proximity, obj: Obj
     gaps += near.gap - gaps.min()
     arms = x - at
     rates = -np.hstack([np.tile(n, (len(x), 1)), np.cross(arms, n)])
-    wide = axes[: 1 + int(np.ptp(flat[:, 1]) > apart)]
+    wide = axes[: 1 + int(is_wide(flat[:, 1], apart))]
     between = np.linalg.norm(points[chosen, None] - points[chosen], axis=2)
     return Flush(x, gaps, rates, np.eye(3) - wide.T @ wide, _WIDTH * float(between[between > 0.0].min()))

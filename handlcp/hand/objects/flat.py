@@ -59,14 +59,23 @@ def across_in(R: Array, normal: Array) -> Array:
     return np.asarray(x / np.sqrt(x @ x))
 
 
+def is_wide(along: Array, apart: float = SPREAD) -> bool:
+    """Whether points at (m,) along an axis [m] are farther apart than those of a curved surface, which touches at a
+    point.
+    """
+    return bool(np.ptp(along) > apart)
+
+
 def corners(flat: Array, apart: float = SPREAD) -> list[int]:
-    """Numbers of up to four of points (m, 2) that span what all do, the farthest from those before first; nearer than
-    `apart` [m] two are one. Of those that are as far but for rounding, the first.
+    """Numbers of two to four of points (m, 2) that span what all do, the farthest from those before first; none but
+    the first two are nearer to each other than `apart` [m]. Of those that are as far but for rounding, the first.
+
+    The points are more than `apart` wide, or one is enough, which `is_wide` says: no other measure decides it here.
     """
     chosen = [first_largest(np.linalg.norm(flat, axis=1))]
     while len(chosen) < 4:
         away = np.linalg.norm(flat[:, None] - flat[chosen], axis=2).min(axis=1)
-        if away.max() <= apart:
+        if away.max() <= (apart if len(chosen) > 1 else 0.0):
             break
         chosen.append(first_largest(away))
     return chosen

@@ -15,6 +15,16 @@ from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
 
 GRAVITY = (0.0, 0.0, -9.81)  # m/s², world axes
+_ACCELERATION = "an acceleration [m/s²], such as (0, 0, -9.81) or (0, 0, 0): finite numbers"
+
+
+def read_gravity(value: Any) -> Array:
+    """(3,) [m/s²] as a user gives it, world axes. Raises InputError, which offers a vector for a size alone."""
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and 0.0 < abs(value) < np.inf:
+        came = f"{value:g} (is (0, 0, {-abs(value):g}) meant?)"
+        raise InputError("gravity", f"{_ACCELERATION} of shape (3,)", came)
+    return array("gravity", value, (3,), what=_ACCELERATION)
+
 
 # A joint moves a point p = (x, y, z) of its finger by v + ω × p = v + x a + y b + z c. `_SPREAD` maps (v; ω) to
 # (v; a; b; c).
@@ -77,7 +87,7 @@ class Posture:
 
     def gravity_torque(self, gravity: Any = (0.0, 0.0, -9.81)) -> Array:
         """(nv,) torque g(q) that holds the fingers' own weight [N·m]; gravity (3,) [m/s²], world axes."""
-        return self.hand.kinematics.gravity_torque(self.q, array("gravity", gravity, (3,)))
+        return self.hand.kinematics.gravity_torque(self.q, read_gravity(gravity))
 
     def _tips(self, tips: Any) -> tuple[int, ...]:
         """Numbers of fingertips. Raises InputError."""

@@ -16,7 +16,7 @@ import numpy as np
 from handlcp.check import Array, Bools, read_only
 from handlcp.grasp.model.contact import frame as axes_of
 from handlcp.hand.objects.detect import Proximity
-from handlcp.hand.objects.flat import across_in, corners, tilted
+from handlcp.hand.objects.flat import across_in, corners, is_wide, tilted
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.solid import beyond, size_of, support
 from handlcp.hand.robot.tip_geometry import Swept, TipShape
@@ -66,11 +66,10 @@ def spanning(points: Array, near: Proximity, R: Array, apart: float) -> list[int
     the frame of the shape, R (3, 3), so that rounding changes no order.
     """
     along = in_plane(points, near)
-    length = np.ptp(along, axis=0)
-    if length[0] <= apart:
+    if not is_wide(along[:, 0], apart):
         return [0]
     chosen = corners(along, apart)
-    if length[1] <= apart:
+    if not is_wide(along[:, 1], apart):
         chosen = [int(along[:, 0].argmin()), int(along[:, 0].argmax())]
     x = across_in(R, near.normal)
     y = np.cross(near.normal, x)

@@ -19,7 +19,7 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.grasp.model.contact import frame as axes_of
 from handlcp.hand.objects.detect import Proximity, nearest
-from handlcp.hand.objects.flat import SPREAD, TILT, tilted
+from handlcp.hand.objects.flat import SPREAD, TILT, is_wide, tilted
 from handlcp.hand.objects.object import Object
 from handlcp.hand.objects.solid import size_of, support
 from handlcp.hand.robot.tip_geometry import Swept, TipShape
@@ -42,12 +42,12 @@ def patch(shape: TipShape, p: Array, R: Array, obj: Object) -> tuple[tuple[TipSh
     if (cornered := _at_corners(shape, p, R, obj, near)) is not None:
         return cornered
     points, _ = tilted((shape,), p, R, obj, near)
-    length = np.ptp(in_plane(points, near), axis=0)
-    if length[0] <= SPREAD:
+    along = in_plane(points, near)
+    if not is_wide(along[:, 0]):
         made = _at_point(shape, R.T @ (near.tip_point - p), R.T @ near.normal)
         return ((made, near.gap),)
     chosen = spanning(points, near, R, SPREAD)
-    found = [_on_rim(shape, p, R, near, points, k, chosen, bool(length[1] <= SPREAD)) for k in chosen]
+    found = [_on_rim(shape, p, R, near, points, k, chosen, not is_wide(along[:, 1])) for k in chosen]
     return tuple([(made, nearest((made,), p, R, obj).gap) for made in found])
 
 

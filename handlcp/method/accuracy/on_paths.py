@@ -130,8 +130,10 @@ def path_cost(
     if len(many) < 2 or many != sorted(set(many)):
         raise InputError("times", "at least two numbers that increase", repr(list(times)))
     integer("repeats", repeats, 1, 1000)
-    spec, section = grasp.spec, as_section(faces, planar=grasp.scene.kind.planar)
-    load, how = load_of(spec, wrench), "followed" if is_followed(spec, geometry) else "fixed"
+    section = as_section(faces, planar=grasp.scene.kind.planar)
+    spec, load = load_of(grasp.spec, wrench)
+    how = "followed" if is_followed(spec, geometry) else "fixed"
+    rests = np.zeros(6) if spec.mechanism is not None else spec.resting
 
     def limit(finer: float) -> _Answer:
         found = followed_limit(spec, section, load, _ANY, how, finer)
@@ -143,7 +145,7 @@ def path_cost(
 
     def end(finer: float) -> _Answer:
         count = max(int(np.ceil(_STEPS * finer)), 1)
-        found = follow(spec, section, _HELD * best * load, _ORDER, how, count, None)
+        found = follow(spec, section, rests + _HELD * best * load, _ORDER, how, count, None)
         return np.asarray(found.steps.forces[-1]), len(found.steps.states), sliding(found)
 
     rows = [*_rows(FOLLOW, end, many, repeats), *_rows(LIMIT, limit, many, repeats)]

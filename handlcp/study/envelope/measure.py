@@ -39,7 +39,8 @@ def envelope(
     of : "force": a force on the object, factors in N. "torque": a torque, in N·m. "gravity": the largest mass of the
         object, in kg, where gravity points in this direction, seen from the hand; the mass that the object has is left
         out, and its fingers' weight turns with gravity if the grasp counts it (`finger_weight=`). Forces and torques
-        come after the squeeze and the weight, in place of the grasp's other load.
+        come after the squeeze and the weight, in place of the grasp's other load. Contacts without a hand keep their
+        wrench, of which nobody knows what is weight: everything comes beside it.
     at : (3,) where the force acts [m]; None: at the grasp's reference, the object's centre of mass unless said
         otherwise.
     geometry : "fixed": contact points and normals of this posture. "followed": hand and object move under the load, and
