@@ -105,7 +105,7 @@ class UnknownName(InputError):
     """A joint, frame or finger name that does not exist; `valid` lists those that do."""
 
     def __init__(self, argument: str, kind: str, names: Iterable[str], valid: Iterable[str]) -> None:
-        self.names, self.valid = tuple(names), tuple(valid)
+        self.names, self.valid = tuple(map(str, names)), tuple(map(str, valid))
         listed = ", ".join(self.valid) or "none at all"
         near = [m for n in self.names[:_MOST_NAMES] for m in get_close_matches(n[:_LONGEST], self.valid, 1, 0.6)]
         hint = f"; did you mean {' and '.join(repr(m) for m in dict.fromkeys(near))}?" if near else ""

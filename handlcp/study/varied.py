@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, read_only
-from handlcp.errors import InputError, NoGraspFound, Unsupported, keyed
+from handlcp.check import Array, read_only, several
+from handlcp.errors import InputError, NoGraspFound, Unsupported, keyed, shown
 from handlcp.grasp.answer.solution import GraspSolution
 from handlcp.grasp.assembly.asked import again
 from handlcp.grasp.friction import Pyramid
@@ -125,9 +125,10 @@ def slopes(grasp: HandGrasp, names: Iterable[str], *, faces: int | str | Pyramid
     """
     if not isinstance(grasp, HandGrasp):
         raise InputError("grasp", "a hand's grasp", repr(grasp)[:80])
-    asked = (names,) if isinstance(names, str) else tuple(names) if isinstance(names, Iterable) else ()
+    expected = "names of numbers of the hand, at least one, and each once"
+    asked = (names,) if isinstance(names, str) else several("names", names, expected)
     if not asked or len(set(map(str, asked))) < len(asked):
-        raise InputError("names", "names of numbers of the hand, at least one, and each once", repr(names)[:80])
+        raise InputError("names", expected, shown(names))
     hand, kinks, columns = grasp.state.hand, list[str](), list[Array]()
     with keyed({"changes": "names"}):
         values = [number_of(hand, name) for name in asked]

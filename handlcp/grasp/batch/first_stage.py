@@ -10,7 +10,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from handlcp.check import Array, Bools, Ints, read_only, yes_or_no
+from handlcp.check import Array, Bools, Ints, read_only, several, yes_or_no
 from handlcp.errors import InputError
 from handlcp.grasp.friction import Pyramid, Section, as_section
 from handlcp.grasp.grasp import Grasp
@@ -51,9 +51,7 @@ class Batch:
 
 def batch_of(grasps: Iterable[Grasp], faces: int | str | Pyramid, solver: AnySolver, proof: bool) -> Batch:
     """The batch with everything checked. Raises InputError."""
-    if isinstance(grasps, Grasp) or not isinstance(grasps, Iterable):
-        raise InputError("grasps", "several Grasps, such as a list", repr(grasps)[:80])
-    every = tuple(grasps)
+    every = several("grasps", grasps, "several Grasps, such as a list")
     for k, g in enumerate(every):
         if not isinstance(g, Grasp):
             raise InputError(f"grasps[{k}]", "a Grasp", repr(g)[:80])

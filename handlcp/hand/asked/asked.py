@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, number, per_name, read_only, yes_or_no
+from handlcp.check import Array, number, per_name, read_only, several, yes_or_no
 from handlcp.errors import InputError, NotReached
 from handlcp.grasp.assembly.asked import again, as_asked, fastened
 from handlcp.grasp.effects import Effect
@@ -81,11 +81,11 @@ def given_by(
         if missing := [name for name in fingers if name not in target]:
             raise InputError("contacts", f"a Contact for {', '.join(missing)}", f"only {sorted(target)}")
         contacts = validate.contacts(target[name] for name in fingers)
-    elif not isinstance(target, Iterable) or isinstance(target, (str, bytes)):
-        expected = "an object (Box, Sphere, …), contacts, or a mapping of fingertips to contacts"
-        raise InputError("target", expected, repr(target))
     else:
-        tips, contacts = hand.tip_numbers("fingers", fingers), validate.contacts(target)
+        given = several(
+            "target", target, "an object (Box, Sphere, …), contacts, or a mapping of fingertips to contacts"
+        )
+        tips, contacts = hand.tip_numbers("fingers", fingers), validate.contacts(given)
     if len(contacts) != len(tips):
         names = ", ".join(hand.fingertips[i] for i in tips)
         raise InputError("contacts", f"{len(tips)}, one for each of {names}", f"{len(contacts)}")

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, dimensions, number, read_only, unit
+from handlcp.check import Array, array, dimensions, number, read_only, several, unit
 from handlcp.errors import InputError, NotReached
 from handlcp.grasp.friction import Coulomb, FrictionLaw, Frictionless, as_law
 from handlcp.grasp.model.contact import Contact, frame
@@ -220,10 +220,9 @@ class Table:
 
 def surrounding(value: Any, obj: Object | None) -> Environment:
     """The environment meant by an `Environment`, a `Table`, or a sequence of them. Raises InputError, NotReached."""
-    if isinstance(value, (str, bytes)) or not isinstance(value, (Environment, Table, Iterable)):
-        raise InputError("environment", "a Table, an Environment, or a sequence of them", repr(value)[:80])
+    alone, expected = isinstance(value, (Environment, Table)), "a Table, an Environment, or a sequence of them"
     parts = []
-    for k, part in enumerate([value] if isinstance(value, (Environment, Table)) else value):
+    for k, part in enumerate([value] if alone else several("environment", value, expected)):
         if isinstance(part, Table):
             if obj is None:
                 expected = "an Environment where contacts are given: a Table finds its contacts with an object"

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, integer, number, read_only
+from handlcp.check import Array, integer, number, read_only, several
 from handlcp.errors import InputError, UnknownName, Unsupported
 from handlcp.grasp import Effect, GeometricStiffness, Grasp, GraspSolution
 from handlcp.grasp.effects.finger_weight import FingerWeight
@@ -260,6 +260,7 @@ def _checked(
 
 
 def _several(argument: str, value: Any, what: str) -> tuple[Any, ...]:
-    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable) or not (found := tuple(value)):
-        raise InputError(argument, f"a list of {what}, not empty", repr(value))
+    expected = f"a list of {what}, not empty"
+    if not (found := several(argument, value, expected)):
+        raise InputError(argument, expected, repr(value))
     return found
