@@ -374,8 +374,7 @@ def test_an_array_that_is_larger_than_its_file_is_refused(tmp_path, monkeypatch)
 
 @proves("Numbers and words, of a design each row.")
 @pytest.mark.parametrize(("file", "old", "new"), [
-    ("table.csv.json", "{", "null#"), ("table.csv.json", '"sobol"', "[" * 100_000 + "]" * 100_000),
-    ("table.csv.json", '"sampling"', '"other"'), ("table.csv.json", '"low": 0.0', '"low": "x"'),
+    ("table.csv.json", "{", "null#"), ("table.csv.json", '"sobol"', "[" * 100_000 + "]" * 100_000), ("table.csv.json", '"low": 0.0', '"low": "x"'),
     ("table.csv", "soft", "a" * 131_073), ("table.csv", "design", "number"), ("table.csv", "\n0,", "\nx,"),
     ("table.csv", "\n0,", "\n[0],"), ("table.csv", "0.001", "word"), ("table.csv", "1.5", "9" * 400),
 ])  # fmt: skip
@@ -386,6 +385,14 @@ def test_damaged_tables_are_refused(seeds, tmp_path, file, old, new):
     path.write_text(text.replace(old, new) if new != "null#" else "null", encoding="utf-8")
     with pytest.raises(hl.InputError, match=r"^path: .*another file, or damaged"):
         hl.Study.load(tmp_path / "table.csv")
+
+
+def test_a_table_that_does_not_say_all_of_its_sweep_makes_no_hands_again(tmp_path):
+    said = {name: value for name, value in seed_files.SWEEP.items() if name != "sampling"}
+    write_table(tmp_path / "table.csv", said, seed_files.rows())
+    assert len(hl.Study.load(tmp_path / "table.csv")) == 3
+    with pytest.raises(hl.InputError, match="says all of its sweep"):
+        hl.Study.load(tmp_path / "table.csv", hl.finger_hand(2), hl.Brief(hl.Sphere(0.03, mass=0.1)))
 
 
 def test_a_table_that_excel_saved_is_the_same(seeds, tmp_path):

@@ -16,7 +16,7 @@ from handlcp.design.space import Space
 from handlcp.design.sweep.again import evaluations
 from handlcp.design.sweep.journal import beside, read
 from handlcp.design.sweep.same import check_same, digest, too_old
-from handlcp.design.sweep.table import check_rows, checked_table, columns_of, read_table
+from handlcp.design.sweep.table import DESCRIBED, check_rows, checked_table, columns_of, read_table
 from handlcp.design.sweep.work import DESIGN, ERROR, Maker, Row, in_order
 from handlcp.errors import InputError, UnknownName, brief as shortly, keyed
 from handlcp.grasp.answer.verdict import HELD
@@ -69,6 +69,8 @@ class Study:
                 check_rows(beside(file), sweep, rows)
         if make is None or brief is None:
             return cls(sweep, in_order(rows))
+        if not all(key in sweep for key in DESCRIBED):
+            raise InputError("path", "a table that says all of its sweep, to make hands again", repr(str(path)))
         check_same(str(path), sweep, sweep | {"make": digest(make), "brief": digest(brief)})
         return cls(sweep, in_order(rows), Maker(make, brief))
 

@@ -19,7 +19,7 @@ from handlcp.write_file import write_file
 PARQUET, CSV = ".parquet", ".csv"
 _KEY = b"handlcp.sweep"
 _TABLE = "the table of a sweep"
-_DESCRIBED = "space", "sampling", "samples", "seed", "make", "brief"  # what is known of every sweep
+DESCRIBED = "space", "sampling", "samples", "seed", "make", "brief"  # what is known of every sweep
 _NUMBERS = "payload_kg", "factor", "force_N", "torque_Nm", "torque_used", "motion_m"  # columns of nothing else
 _AS_JSON = {"": "null", "TRUE": "true", "FALSE": "false"}  # the last two as Excel writes them
 Row = dict[str, Any]
@@ -73,7 +73,9 @@ def read_table(file: Path) -> tuple[Row, list[Row]]:
     """What the sweep was, and its rows. Raises InputError for a file that is none of a sweep."""
     if file.suffix.lower() == CSV:
         text = read_text("out", file, _TABLE, MOST_ROWS)
-        said = read_text("out", _described(file), f"{_TABLE}, described in {_described(file).name!r}", MOST_ROWS)
+        if unreadable(_described(file)):
+            raise none_of_a_sweep(file)
+        said = read_text("out", _described(file), _TABLE, MOST_ROWS)
         if text.count(",") + text.count("\n") > MOST_CELLS:
             raise InputError("out", f"a table of at most {MOST_CELLS} cells", f"{str(file)!r} with more")
         return _sound(file, said, lambda words: _read_csv(text, words))
@@ -95,7 +97,7 @@ def check_rows(file: Path, sweep: Any, rows: Any) -> None:
     """Raises InputError unless these are what a sweep was, and rows with a number each."""
     try:
         Space(sweep["space"])
-        sound = all(key in sweep for key in _DESCRIBED) and all(map(_is_row, rows))
+        sound = all(map(_is_row, rows))
     except (InputError, TypeError, KeyError, IndexError):
         sound = False
     if not sound:
