@@ -374,7 +374,8 @@ def test_an_array_that_is_larger_than_its_file_is_refused(tmp_path, monkeypatch)
 
 @proves("Numbers and words, of a design each row.")
 @pytest.mark.parametrize(("file", "old", "new"), [
-    ("table.csv.json", "{", "null#"), ("table.csv.json", '"sobol"', "[" * 100_000 + "]" * 100_000), ("table.csv.json", '"low": 0.0', '"low": "x"'),
+    ("table.csv.json", "{", "null#"), ("table.csv.json", '"sobol"', "[" * 100_000 + "]" * 100_000),
+    ("table.csv.json", '"low": 0.0', '"low": "x"'),
     ("table.csv", "soft", "a" * 131_073), ("table.csv", "design", "number"), ("table.csv", "\n0,", "\nx,"),
     ("table.csv", "\n0,", "\n[0],"), ("table.csv", "0.001", "word"), ("table.csv", "1.5", "9" * 400),
 ])  # fmt: skip

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -148,3 +150,13 @@ def test_an_object_that_nothing_holds_is_lost_at_once():
     assert not end.held
     assert end.lost_stage == "load"
     assert end.lost_at < 0.1
+
+
+def test_an_inertia_that_no_body_has_is_refused_by_its_link():
+    """MuJoCo refuses it, too, with an error of its own."""
+    text = (Path(__file__).parents[2] / "urdf" / "three_finger.urdf").read_text(encoding="utf-8")
+    hand = hl.Hand.from_urdf(re.sub('ixy="[^"]*"', 'ixy="0.9"', text), joint_stiffness=4.0, tip_radius=0.008)
+    ball = hl.Sphere(0.03, (0, 0, 0.09), mass=0.1)
+    grasp = hand.at(hand.close_on(ball, hand.neutral)).grasp(ball, squeeze=0.002)
+    with pytest.raises(hl.InputError, match="'finger_1_proximal' with a principal moment of -0.9"):
+        hl.to_mujoco(grasp)
