@@ -158,5 +158,5 @@ def test_an_inertia_that_no_body_has_is_refused_by_its_link():
     hand = hl.Hand.from_urdf(re.sub('ixy="[^"]*"', 'ixy="0.9"', text), joint_stiffness=4.0, tip_radius=0.008)
     ball = hl.Sphere(0.03, (0, 0, 0.09), mass=0.1)
     grasp = hand.at(hand.close_on(ball, hand.neutral)).grasp(ball, squeeze=0.002)
-    with pytest.raises(hl.InputError, match="'finger_1_proximal' with a principal moment of -0.9"):
+    with pytest.raises(hl.InputError, match=r"'finger_1_proximal' with a principal moment of -0\.9"):
         hl.to_mujoco(grasp)
