@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from handlcp.design.space import Space
-from handlcp.errors import InputError, as_path
+from handlcp.errors import InputError, as_path, unreadable
 from handlcp.extras import missing
 from handlcp.read_file import MOST_CELLS, MOST_ROWS, parse_json, read_bytes, read_text
 from handlcp.write_file import write_file
