@@ -179,7 +179,7 @@ class HandGrasp(HandQuestions):
 
     def solve(
         self, faces: int | str | Pyramid = "cone", solver: Solver | ContactSolver | Auto | None = None,
-        throw: bool = True, accuracy: float | None = None, start: GraspSolution | None = None, proof: bool = True,
+        throw: bool = True, accuracy: float | None = None, start: Any = None, proof: bool = True,
     ) -> HandGraspSolution:  # fmt: skip
         """As `Grasp.solve`, with torques. Raises InputError for an accuracy beside `GeometricStiffness`, too."""
         if accuracy is not None and force_dependent(self.spec):

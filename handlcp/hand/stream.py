@@ -102,7 +102,11 @@ class GraspStream:
     """
 
     def __init__(
-        self, grasp: Grasp, faces: int | str | Pyramid = "cone", seed: int = 0, start: GraspSolution | None = None
+        self,
+        grasp: Grasp,
+        faces: int | str | Pyramid = "cone",
+        seed: int = 0,
+        start: GraspSolution | GraspUpdate | None = None,
     ) -> None:
         if not isinstance(grasp, Grasp):
             raise InputError("grasp", "a Grasp", repr(grasp)[:80])
