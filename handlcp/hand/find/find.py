@@ -35,7 +35,7 @@ KINDS = PINCH, POWER, ANY
 @counted("looking for a grasp")
 def find_grasp(
     hand: HandModel,
-    obj: Object,
+    obj: Any,
     *,
     kind: str = PINCH,
     friction: Any = None,
