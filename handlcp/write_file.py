@@ -50,7 +50,7 @@ def write_file(argument: str, file: Any, content: str | bytes) -> Path:
     return path
 
 
-def check_writable(argument: str, file: Any) -> Path:
+def check_destination(argument: str, file: Any) -> Path:
     """The path of a file, checked before a long computation: that `write_file` can write it, as far as can be known.
 
     What the file holds stays as it is, and a file that did not exist does not exist afterwards. Raises InputError.

@@ -16,7 +16,7 @@ from handlcp.errors import NoSolutionFound
 from handlcp.hand import HandGrasp
 from handlcp.progress import steps
 from handlcp.show import tables
-from handlcp.write_file import check_writable
+from handlcp.write_file import check_destination
 
 # ----------------------------------------------------------------
 # `handlcp accuracy`: what accuracy costs in a scene.
@@ -41,7 +41,7 @@ def accuracy(
     file = scenes.load(scene)
     check_files(plot)
     if csv is not None:
-        check_writable("csv", csv)
+        check_destination("csv", csv)
     grasp = file.build()
     try:
         with steps() as progress:

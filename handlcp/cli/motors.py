@@ -35,7 +35,7 @@ from handlcp.hand.design.sizes import RequiredTension
 from handlcp.hand.elasticity.motor import Motor
 from handlcp.record import plain
 from handlcp.show import tables
-from handlcp.write_file import check_writable
+from handlcp.write_file import check_destination
 
 _WAYS = {
     "x up": (-1.0, 0.0, 0.0), "x down": (1.0, 0.0, 0.0), "y up": (0.0, -1.0, 0.0), "y down": (0.0, 1.0, 0.0),
@@ -224,7 +224,7 @@ def reliability(
         raise InputError("--friction, --mass, …", "at least one of what varies", "none")
     check_files(plot)
     if resume is not None:
-        check_writable("resume", resume)
+        check_destination("resume", resume)
     file = scenes.load(scene)
     sides = sides_of(file.solve_with.faces, faces)
     found = study.reliability(

@@ -12,7 +12,7 @@ from typing import Any
 
 from handlcp.errors import InputError, as_path
 from handlcp.extras import missing
-from handlcp.write_file import check_writable, write_file
+from handlcp.write_file import check_destination, write_file
 
 Figure = Any  # matplotlib's, which is imported only when something is drawn
 
@@ -29,7 +29,7 @@ def checked(path: Any) -> Path:
     file = as_path("plot", path, "a file name that ends in " + ", ".join(_FORMATS))
     if file.suffix.lower() not in _FORMATS:
         raise InputError("plot", "a file name that ends in " + ", ".join(_FORMATS), repr(str(path)))
-    return check_writable("plot", file)
+    return check_destination("plot", file)
 
 
 def new_figure(**style: Any) -> Figure:
@@ -84,4 +84,4 @@ def checked_page(path: Any) -> Path:
     file = as_path("page", path, "the name of a file that ends in .html")
     if file.suffix.lower() not in _PAGES:
         raise InputError("page", "a file name that ends in " + " or ".join(_PAGES), repr(str(path)))
-    return check_writable("page", file)
+    return check_destination("page", file)

@@ -14,7 +14,7 @@ from handlcp.check import Array, read_only
 from handlcp.errors import Unsupported
 from handlcp.grasp import Grasp
 from handlcp.grasp.path.state import LET_GO
-from handlcp.hand.robot.source.mjcf_size import without_log_file
+from handlcp.hand.robot.source.mujoco_log import without_mujoco_log
 from handlcp.simulator.object_body import OBJECT
 from handlcp.simulator.probe import Probe, Reading
 from handlcp.simulator.settings import SimulatorSettings, need_mujoco, of_a_hand
@@ -128,7 +128,7 @@ class Run:
         self.mujoco = need_mujoco()
         xml, self.state = to_mujoco(grasp, settings)
         try:
-            with without_log_file(self.mujoco):
+            with without_mujoco_log():
                 self.model = self.mujoco.MjModel.from_xml_string(xml)
         except (ValueError, self.mujoco.FatalError) as error:
             raise Unsupported(f"MuJoCo cannot have this grasp: {' '.join(str(error).split())}") from None
@@ -217,7 +217,8 @@ class Run:
             self.model.dof_armature[self._own] = self._slows * (kept - self._damped)
         self._choose_contacts()
         began = perf_counter()
-        self.mujoco.mj_step(self.model, self.data, _READ)
+        with without_mujoco_log():
+            self.mujoco.mj_step(self.model, self.data, _READ)
         self.seconds += perf_counter() - began
         reading = self.probe.read()
         self.slip += self.period * reading.slipping
@@ -233,7 +234,8 @@ class Run:
         """
         options, off = self.model.opt, int(self.mujoco.mjtDisableBit.mjDSBL_MULTICCD)
         options.disableflags &= ~off
-        self.mujoco.mj_collision(self.model, self.data)
+        with without_mujoco_log():
+            self.mujoco.mj_collision(self.model, self.data)
         if self.probe.coincide():
             options.disableflags |= off
 

@@ -17,6 +17,7 @@ from handlcp.grasp.model.kind import cross_rows
 from handlcp.hand import HandGrasp
 from handlcp.hand.objects.detect import nearest
 from handlcp.hand.robot.posture import Posture
+from handlcp.hand.robot.source.mujoco_log import without_mujoco_log
 from handlcp.hand.squeeze import joint_by_joint
 from handlcp.keywords import helped
 from handlcp.simulator.hand_tree import Springs, add_hand, add_springs, full_names, told_beyond
@@ -64,7 +65,8 @@ class SimulatorState:
         for name, value in self.positions.items():
             data.qpos[model.jnt_qposadr[model.joint(name).id]] = value
         self.drive(model, data, squeeze, load)
-        mujoco.mj_forward(model, data)
+        with without_mujoco_log():
+            mujoco.mj_forward(model, data)
 
     def drive(
         self, model: Any, data: Any, squeeze: float, load: float, wrench: Array | None = None, sag: float = 1.0

@@ -1,12 +1,23 @@
-"""Programs that tests start: what they hear, and what disks they see."""
+"""Programs that tests start, and processes that compute: what they hear, and how much room they have on the disk."""
 
 from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
+from pathlib import Path
 from typing import Any
 
-__all__ = ["hears_ctrl_c"]
+from handlcp.grasp.batch.worker_pool import worker_pool
+
+__all__ = ["hears_ctrl_c", "on_a_full_disk", "worker_pool"]
+
+_ROOT = Path(__file__).parents[2]
+_FULL = """
+import resource
+resource.setrlimit(resource.RLIMIT_FSIZE, ({room}, resource.RLIM_INFINITY))
+"""
 
 
 def hears_ctrl_c() -> dict[str, Any]:
@@ -20,3 +31,16 @@ def hears_ctrl_c() -> dict[str, Any]:
 def _hear() -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+
+
+def on_a_full_disk(program: str, room: int) -> str:
+    """What a program of Python prints in whose files there is room for so many bytes [B], in a process of its own.
+
+    `fill()` in the program is where this begins: a write that needs more takes a part, and then fails. Needs no rights.
+    """
+    code = program.replace("fill()", _FULL.format(room=room))
+    own = os.environ | {"PYTHONPATH": os.pathsep.join([str(_ROOT), os.environ.get("PYTHONPATH", "")])}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=own, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == "", "nothing is said past the errors that are caught"
+    return done.stdout

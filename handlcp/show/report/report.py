@@ -19,7 +19,7 @@ from handlcp.progress import told
 from handlcp.show.file import new_figure
 from handlcp.show.page.written import image, web_files, write
 from handlcp.show.report.told import SCALES, asked, best_of, better, differences
-from handlcp.write_file import check_writable
+from handlcp.write_file import check_destination
 
 _GOOD, _DOUBT = "HELD", "UNDECIDED"
 # Of each object: attribute of its case, its words, unit, and whether more is better
@@ -73,7 +73,7 @@ def _page(path: Any) -> Path:
     file = as_path("path", path, "the name of a file that ends in .html")
     if file.suffix.lower() not in (".html", ".htm"):
         raise InputError("path", "the name of a file that ends in .html", repr(str(path)))
-    return check_writable("path", file)
+    return check_destination("path", file)
 
 
 def _parts(hands: Mapping[str, Hand], brief: Brief, found: Mapping[str, Evaluation]) -> dict[str, str]:

@@ -38,7 +38,8 @@ from handlcp.hand.robot.source.mjcf_drives import couplings, efforts, reaches, w
 from handlcp.hand.robot.source.mjcf_meshes import compiled_meshes
 from handlcp.hand.robot.source.mjcf_parts import add, add_shapes, placed, soft_parts
 from handlcp.hand.robot.source.mjcf_scene import scene_parts
-from handlcp.hand.robot.source.mjcf_size import check_size, without_log_file
+from handlcp.hand.robot.source.mjcf_size import check_size
+from handlcp.hand.robot.source.mujoco_log import without_mujoco_log
 from handlcp.hand.robot.source.part import CompiledMesh, rotation_of
 from handlcp.read_file import MOST_XML, read_bytes
 
@@ -75,7 +76,7 @@ def compiled(source: str, path: Path | None) -> Any:
     check_size("source", text, path)
     try:
         read = mujoco.MjModel.from_xml_path if path is not None else mujoco.MjModel.from_xml_string
-        with without_log_file(mujoco):
+        with without_mujoco_log():
             return read(source if path is None else str(path))
     except (ValueError, TypeError, RuntimeError, MemoryError, mujoco.FatalError) as error:
         shown = "the XML string" if path is None else repr(str(path))

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import math
 import struct
-import threading
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 from handlcp.errors import URDFError, unreadable
 from handlcp.read_file import MOST_MESH, MOST_XML, parse_xml, read_bytes
@@ -148,20 +145,3 @@ def _numbers(text: str) -> Iterator[float]:
         except ValueError:
             continue
         yield value if value == value else math.inf
-
-
-_logging = threading.Lock()
-
-
-@contextmanager
-def without_log_file(mujoco: Any) -> Iterator[None]:
-    """MuJoCo writes its warnings into MUJOCO_LOG.TXT of the working folder: not while this lasts."""
-    with _logging:
-        asked = mujoco.MjLogConfig.get()
-        before, asked.logto_file = asked.logto_file, False
-        asked.set()
-        try:
-            yield
-        finally:
-            asked.logto_file = before
-            asked.set()
