@@ -1,6 +1,6 @@
 """Imports run one way: cli → method → show → design → study → scene → simulator → hand → grasp → lcp → check → record,
-text_table, words, views, doubled, lazy, keywords, progress, read_file, extras, errors, tolerances, version. Answers
-reach their pictures and pages through `views`, by name, when they are asked for.
+text_table, words, views, doubled, lazy, keywords, progress, read_file, extras, write_file, errors, tolerances, version.
+Answers reach their pictures and pages through `views`, by name, when they are asked for.
 
 Every import counts, wherever it stands: on top of a file, inside a function, or for type checkers alone.
 """
@@ -19,6 +19,7 @@ ORDER = [
     "version",
     "tolerances",
     "errors",
+    "write_file",
     "extras",
     "read_file",
     "progress",

@@ -24,15 +24,8 @@ def run(*arguments, **more):
     """(exit status, stdout, stderr)."""
     env = {k: v for k, v in os.environ.items() if k not in ("COLUMNS", "PYTHONIOENCODING")} | more.pop("env", {})
     words = [*HANDLCP, *arguments] if arguments[0] != "-c" else [sys.executable, *arguments]
-    given = {
-        "stdout": subprocess.PIPE,
-        "stderr": subprocess.PIPE,
-        "cwd": ROOT,
-        "timeout": 120,
-        **hears_ctrl_c(),
-        **more,
-    }
-    done = subprocess.run(words, **given, env=env)
+    usual = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "cwd": ROOT, "timeout": 120, **hears_ctrl_c()}
+    done = subprocess.run(words, **usual | more, env=env)
     return done.returncode, done.stdout, done.stderr
 
 
@@ -207,6 +200,49 @@ def test_ctrl_c_ends_quietly_where_python_swallows_exceptions():
 def test_ctrl_c_ends_the_processes_that_compute():
     """They have the same stdout, which ends with the last of them."""
     assert run("-c", WORKERS, timeout=30)[0] == 130
+
+
+POOL = """
+import os, runpy, signal, sys, time
+from handlcp import scene
+from tests.support.processes import worker_pool
+def load(file):
+    pool = worker_pool(2)
+    assert pool.submit(os.getpid).result() != os.getpid()
+    pool.submit(time.sleep, 1000)
+    time.sleep(0.5)
+    os.killpg(0, signal.SIGINT)
+scene.load = load
+sys.argv[1:] = ["solve", "x"]
+runpy.run_module("handlcp", run_name="__main__")
+"""
+
+
+@posix
+def test_ctrl_c_in_a_terminal_ends_a_pool_of_processes_and_nobody_says_a_word():
+    """A terminal sends it to all of them. Semaphores that nobody unlinks are a warning on stderr."""
+    assert run("-c", POOL, timeout=60, start_new_session=True) == (130, b"", b"")
+
+
+COMPILES = """
+import time
+from tests.support.messages import hint
+from tests.support.processes import worker_pool
+def slowly(k):
+    hint(f"process {k}")
+    time.sleep(0.3)
+if __name__ == "__main__":
+    before
+    list(worker_pool(2).map(slowly, range(6)))
+    hint("this process")
+"""
+
+
+@posix
+@pytest.mark.parametrize("before", ["pass", "hint('first')"])
+def test_of_a_program_and_its_processes_one_says_that_it_compiles(before):
+    status, _, err = run("-c", COMPILES.replace("before", before), timeout=60)
+    assert (status, err.count(b"compiled code is not kept")) == (0, 1)
 
 
 @posix

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from handlcp.lcp.compiler.when import silent
+from handlcp.lcp.compiler.when import hint, silent
 
-__all__ = ["silent", "without_compiling"]
+__all__ = ["hint", "silent", "without_compiling"]
 
 
 def without_compiling(said: str) -> str:
