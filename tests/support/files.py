@@ -1,11 +1,13 @@
-"""Smaller limits on what is read of a file, so that tests need no large files."""
+"""How the package writes files, and smaller limits on what it reads of one, so that tests need no large files."""
 
 from __future__ import annotations
 
 from contextlib import contextmanager
 from unittest.mock import patch
 
-__all__ = ["read_limits"]
+from handlcp.write_file import check_destination, write_file
+
+__all__ = ["check_destination", "read_limits", "write_file"]
 
 _WHERE = {
     "arrays": ("handlcp.hand.find.postures.MOST_ARRAYS",), "rows": ("handlcp.design.sweep.table.MOST_ROWS",),

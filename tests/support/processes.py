@@ -14,9 +14,10 @@ from handlcp.grasp.batch.worker_pool import worker_pool
 __all__ = ["hears_ctrl_c", "on_a_full_disk", "worker_pool"]
 
 _ROOT = Path(__file__).parents[2]
-_FULL = """
+_LIMIT = """
 import resource
-resource.setrlimit(resource.RLIMIT_FSIZE, ({room}, resource.RLIM_INFINITY))
+def room(most):
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most, resource.RLIM_INFINITY))
 """
 
 
@@ -33,14 +34,13 @@ def _hear() -> None:
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
 
 
-def on_a_full_disk(program: str, room: int) -> str:
-    """What a program of Python prints in whose files there is room for so many bytes [B], in a process of its own.
-
-    `fill()` in the program is where this begins: a write that needs more takes a part, and then fails. Needs no rights.
+def on_a_full_disk(program: str) -> str:
+    """What a program of Python prints, in a process of its own, in which `room(most)` says how large a file may become
+    [B]: a write that needs more takes a part, and then fails, as on a disk that fills up. Needs no rights.
     """
-    code = program.replace("fill()", _FULL.format(room=room))
     own = os.environ | {"PYTHONPATH": os.pathsep.join([str(_ROOT), os.environ.get("PYTHONPATH", "")])}
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=own, timeout=120)
+    command = [sys.executable, "-c", _LIMIT + program]
+    done = subprocess.run(command, capture_output=True, text=True, env=own, timeout=120)
     assert done.returncode == 0, done.stderr
     assert done.stderr == "", "nothing is said past the errors that are caught"
     return done.stdout
