@@ -31,7 +31,6 @@ EVERY = """
 from pathlib import Path
 import handlcp as hl
 from handlcp.method.accuracy import accuracy_cost
-from handlcp.study import reliability
 from tests.support.sweeps import write_table
 
 folder = Path({folder!r})
@@ -50,10 +49,9 @@ writers = {{
     "table.csv": lambda file: write_table(file, sweep, rows),
     "table.parquet": lambda file: write_table(file, sweep, rows),
     "a.png": solution.plot,
-    "a.svg": solution.plot,
     "a.pdf": solution.plot,
     "a.html": solution.page,
-    "a.npz": lambda file: (file.unlink(missing_ok=True), reliability(grasp, dict(mass=0.1), 8, resume=file)),
+    "a.npz": lambda file: (file.unlink(missing_ok=True), hl.reliability(grasp, dict(friction=0.1), 64, workers=1, resume=file)),
 }}
 for name, write in writers.items():
     write(folder / name)
@@ -83,7 +81,7 @@ def test_a_full_disk_leaves_the_earlier_file_of_every_kind_and_says_which(tmp_pa
     for package in ("matplotlib", "trimesh", "pyarrow"):
         pytest.importorskip(package)
     said = on_a_full_disk(EVERY.format(folder=str(tmp_path)))
-    kinds = ["a.json", "a.toml", "a.urdf", "a.csv", "table.csv", "table.parquet", "a.png", "a.svg", "a.pdf", "a.html"]
+    kinds = ["a.json", "a.toml", "a.urdf", "a.csv", "table.csv", "table.parquet", "a.png", "a.pdf", "a.html"]
     assert said.split() == [*kinds, "a.npz"]
 
 
