@@ -51,7 +51,9 @@ writers = {{
     "a.png": solution.plot,
     "a.pdf": solution.plot,
     "a.html": solution.page,
-    "a.npz": lambda file: (file.unlink(missing_ok=True), hl.reliability(grasp, dict(friction=0.1), 64, workers=1, resume=file)),
+    "a.npz": lambda file: (
+        file.unlink(missing_ok=True), hl.reliability(grasp, dict(friction=0.1), 64, workers=1, resume=file)
+    ),
 }}
 for name, write in writers.items():
     write(folder / name)
