@@ -22,14 +22,15 @@ _C = TypeVar("_C", bound=type)
 _UNION = re.compile(r"\|(?![^\[]*\])")  # between the alternatives of an annotation, not within brackets
 
 
-def helped(**elsewhere: str) -> Callable[[_F], _F]:
+def helped(*told: str, **elsewhere: str) -> Callable[[_F], _F]:
     """Decorates a function, or a method. It raises WrongCall for a keyword that it does not know, with the nearest that
     it has, or where `elsewhere` it belongs, and for too few or too many arguments. It raises InputError where the
-    annotation names a flag, a text, a mapping, a function or a class, and something else came.
+    annotation names a flag, a text, a mapping, a function or a class, and something else came. told : parameters that
+    the function itself checks, in words that help more.
     """
 
     def of(function: _F) -> _F:
-        call = _Call(function, elsewhere)
+        call = _Call(function, told, elsewhere)
 
         @wraps(function)
         def called(*args: Any, **given: Any) -> Any:
@@ -108,8 +109,8 @@ class _Kind(NamedTuple):
 class _Call:
     """What is known of a function that users call, looked up when it is first called."""
 
-    def __init__(self, function: Callable[..., Any], elsewhere: dict[str, str]) -> None:
-        self.function, self.elsewhere = function, elsewhere
+    def __init__(self, function: Callable[..., Any], told: tuple[str, ...], elsewhere: dict[str, str]) -> None:
+        self.function, self.told, self.elsewhere = function, told, elsewhere
 
     @cached_property
     def signature(self) -> inspect.Signature:
@@ -117,9 +118,9 @@ class _Call:
 
     @cached_property
     def kinds(self) -> dict[str, _Kind]:
-        """By parameter; those that take anything are left out."""
+        """By parameter; those that take anything, or are checked by the function, are left out."""
         known = inspect.unwrap(self.function).__globals__
-        found = {p.name: _kind(p, known) for p in self.signature.parameters.values()}
+        found = {p.name: _kind(p, known) for p in self.signature.parameters.values() if p.name not in self.told}
         return {name: kind for name, kind in found.items() if kind is not None}
 
     @cached_property

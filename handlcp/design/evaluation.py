@@ -13,7 +13,7 @@ from handlcp.design.require import read, unmet
 from handlcp.errors import RequirementNotMet
 from handlcp.grasp.answer.verdict import HELD
 from handlcp.hand.find.candidate import Candidate
-from handlcp.keywords import helped_methods
+from handlcp.keywords import helped, helped_methods
 from handlcp.record import Record
 from handlcp.text_table import TextTable, wrapped
 
@@ -148,6 +148,7 @@ class Evaluation(Record):
         """The farthest that an object moves under its weight [m]."""
         return self._most("motion")
 
+    @helped("texts")
     def require(self, *texts: str) -> Self:
         """This evaluation, where every object is held as the brief asks, and requirements are met such as
         "payload>=1.5" [kg] or "torque_used<=0.8": payload, factor, force, torque, torque_used or motion beside a limit,

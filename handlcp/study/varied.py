@@ -39,7 +39,7 @@ _LITTLE = 0.01  # of what it would be in proportion to the number: a smaller der
 _KINK = 0.02  # of the largest derivative: as much as steps of two sizes, or both sides, may differ by
 
 
-@helped()
+@helped("changes")
 def vary_grasp(grasp: HandGrasp, changes: Mapping[str, Any]) -> HandGrasp:
     """The same grasp by its hand with other numbers, by the names of `Hand.vary`. It is made again as it was asked for:
     a squeeze, a grip force or a joint offset is commanded anew.

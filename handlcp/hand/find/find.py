@@ -31,11 +31,11 @@ PINCH, POWER, ANY = "pinch", "power", "any"
 KINDS = PINCH, POWER, ANY
 
 
-@helped()
+@helped("hand", "obj")
 @counted("looking for a grasp")
 def find_grasp(
     hand: HandModel,
-    obj: Any,
+    obj: Object,
     *,
     kind: str = PINCH,
     friction: Any = None,
