@@ -64,7 +64,18 @@ def unreadable(path: Path) -> str:
 
 
 class HandLCPError(Exception):
-    """Base of every error raised by handlcp."""
+    """Base of every error raised by handlcp. It passes from one process to another with all that it carries."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Without calling `__init__` again, which takes other arguments than the message that it made."""
+        return (_restored, (type(self), self.args, self.__dict__))
+
+
+def _restored(kind: type[HandLCPError], args: tuple[Any, ...], carried: dict[str, Any]) -> HandLCPError:
+    """An error of another process."""
+    error = kind.__new__(kind, *args)
+    error.__dict__.update(carried)
+    return error
 
 
 class InputError(HandLCPError, ValueError):

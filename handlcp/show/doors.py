@@ -7,7 +7,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from handlcp.errors import InputError
+from handlcp.errors import InputError, shown
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
 from handlcp.hand import Object
 from handlcp.hand.hand_grasp import grasp_of
@@ -39,7 +39,7 @@ def plot(
     return drawn(path, draw, _asked(solution), solution, obj, title, verdict)
 
 
-@helped()
+@helped("obj")  # anything with a surface of triangles is drawn
 def page(
     solution: GraspSolution, path: Any, obj: Object | None = None, title: str = "", verdict: Verdict | None = None,
     loading: Loading | None = None,
@@ -47,6 +47,8 @@ def page(
     """See `GraspSolution.page`."""
     from handlcp.show.page.document import save  # pages alone need the viewer
 
+    if obj is not None and not hasattr(obj, "triangles"):
+        raise InputError("obj", "an object, such as hl.Sphere(0.03)", shown(obj))
     return save(_asked(solution), solution, path, obj, title, verdict, loading)
 
 

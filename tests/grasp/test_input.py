@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -200,3 +202,20 @@ def test_nothing_stands_beside_a_specification(more):
     grasp = hl.Grasp([hl.Contact((x, 0, 0), (-x, 0, 0)) for x in (-1, 1)], flexibility=1e-4)
     with pytest.raises(hl.InputError, match="a GraspSpec, which says all"):
         hl.Grasp(grasp.spec, **more)
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        hl.InputError("friction", "a number", "abc"),
+        hl.UnknownName("joint", "a joint", ["thumb"], ["thumb_1"]),
+        hl.NotReached("target", "fingers that touch", {"index": 0.01}),
+        hl.RequirementNotMet(["payload 1 kg, 2 kg asked for"]),
+        hl.NoGraspFound("none", {"sampled": 3}),
+        hl.Unsupported("known forces"),
+    ],
+    ids=lambda error: type(error).__name__,
+)
+def test_an_error_comes_out_of_another_process_as_it_was(error):
+    copy = pickle.loads(pickle.dumps(error))
+    assert (type(copy), str(copy), vars(copy)) == (type(error), str(error), vars(error))
