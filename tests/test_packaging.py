@@ -86,14 +86,6 @@ def test_the_conda_recipe_asks_for_what_the_package_asks_for():
         assert f"{CONDA.get(name, name)} >={least}" in run
 
 
-def test_what_error_messages_say_to_install_is_in_an_extra_with_the_same_bound():
-    asked = {r for extra in PROJECT["optional-dependencies"].values() for r in extra}
-    text = (PACKAGE / "extras.py").read_text(encoding="utf-8")
-    said = set(re.findall(r'^    "\w+": "([^"]+)",$', text, re.M))
-    assert len(said) > 6
-    assert said <= asked
-
-
 def test_every_extra_is_tried_alone_by_the_command_for_that():
     tried = re.findall(r"^  (\w+)\)", text(".ci", "extras"), re.M)
     assert sorted(tried) == sorted(PROJECT["optional-dependencies"])
