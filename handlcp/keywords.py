@@ -1,6 +1,6 @@
 """What a public call takes: its keywords, as many arguments as it has, and the kinds that its annotations name.
 
-A public function has `@helped()`, a class that users make `@helped_init`, one with public methods `@helped_methods`.
+A public function has `@helped()`, a class that users make `@helped_init()`, one with public methods `@helped_methods`.
 Numbers and arrays are checked by the functions themselves, which know bounds and shapes (`check.py`).
 """
 
@@ -55,10 +55,14 @@ def helped(*told: str, **elsewhere: str) -> Callable[[_F], _F]:
     return of
 
 
-def helped_init(of: _C) -> _C:
-    """Decorates a class that users make: `@helped()` for its `__init__`, such as that of a dataclass."""
-    of.__init__ = helped()(of.__init__)  # type: ignore[misc]
-    return of
+def helped_init(*told: str) -> Callable[[_C], _C]:
+    """Decorates a class that users make: `@helped(*told)` for its `__init__`, such as that of a dataclass."""
+
+    def decorated(of: _C) -> _C:
+        of.__init__ = helped(*told)(of.__init__)  # type: ignore[misc]
+        return of
+
+    return decorated
 
 
 def helped_methods(of: _C) -> _C:

@@ -34,7 +34,7 @@ def _solving() -> tuple[Any, Any, Any]:
     return solve_with_advice, start_from, no_solution
 
 
-@helped_init
+@helped_init()
 @helped_methods
 class Grasp(Questions):
     """Fingers on an object under a load. Immutable.

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from handlcp.grasp.analysis.explanation import Explanation
 
 
-@helped_init
+@helped_init()
 @helped_methods
 class HandGrasp(HandQuestions):
     """A `Grasp` that knows its hand. Made by `state.grasp(...)`; the attributes are read off its specification."""

@@ -83,7 +83,7 @@ class MovingHand:
 # ----------------------------------------------------------------
 
 
-@helped_init
+@helped_init()
 @helped_methods
 class GraspStream:
     """Follows one grasp: `update` takes what moved and returns certified forces, slips, motion and joint torques.

@@ -56,7 +56,7 @@ class Scaled:
         self.M, self.q, self.free, self.units = M, q, free, units
 
 
-@helped_init
+@helped_init()
 @helped_methods
 class LCP:
     """Find z with w = M z + q, where w_i = 0 for free i, and 0 ≤ z_i ⟂ w_i ≥ 0 for the others.

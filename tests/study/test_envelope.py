@@ -272,7 +272,7 @@ def test_the_bound_of_torques_alone_is_the_force_polytope_of_the_finger():
     state = hand.at({name: 0.4 for name in hand.joint_names})
     tip = hand.fingertips[1]
     p = state.tip_positions[1]
-    grasp = state.grasp({tip: hl.Contact(p, (1, 0, 0), 1e4)}, reference=p)
+    grasp = state.grasp({tip: hl.Contact(p, (1, 0, 0), hl.Coulomb(1e4))}, reference=p)
     J = state.jacobian[3:6]
     own = np.flatnonzero(abs(J).max(axis=0) > 1e-9)
     found = polytope.force_polytope(J[:, own], 0.7 * np.ones(len(own)), -0.7 * np.ones(len(own)))

@@ -24,7 +24,7 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.keywords import helped_init
 
 
-@helped_init
+@helped_init()
 @dataclass(frozen=True, init=False, eq=False)
 class ContactCompliance(Effect):
     """Flexibility of the object's surface at the contacts [m/N], contact axes (x, y tangents, z normal).

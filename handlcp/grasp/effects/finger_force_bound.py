@@ -23,7 +23,7 @@ from handlcp.keywords import helped_init
 from handlcp.words import NOTHING, length, listed
 
 
-@helped_init
+@helped_init()
 @dataclass(frozen=True, init=False)
 class FingerForceBound(Effect):
     """Upper bounds [N] > 0 on the normal forces: a number for every finger, or one for each; inf: none.

@@ -54,7 +54,7 @@ class Bent(NamedTuple):
     held: Array
 
 
-@helped_init
+@helped_init()
 @dataclass(frozen=True, eq=False)
 class GeometricStiffness(Effect):
     """Asked for on a hand's grasp, which knows the joints: `state.grasp(..., effects=[GeometricStiffness()])`.

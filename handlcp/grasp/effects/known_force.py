@@ -28,7 +28,7 @@ _AXES = ("x", "y", "normal")
 _ONE_KNOWN = "three numbers or None (x, y, normal), one known at least"
 
 
-@helped_init
+@helped_init()
 @dataclass(frozen=True, init=False)
 class KnownForce(Effect):
     """Contact number `contact` (from 0) pushes with these components of its force [N], contact axes; None: not known.

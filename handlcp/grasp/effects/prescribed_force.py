@@ -21,7 +21,7 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.keywords import helped_init
 
 
-@helped_init
+@helped_init()
 @dataclass(frozen=True, init=False, eq=False)
 class PrescribedForce(Effect):
     """Contact number `contact` (from 0) pushes with `force` (3,) N in its contact axes (x, y, normal)."""

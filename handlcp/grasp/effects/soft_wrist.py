@@ -29,7 +29,7 @@ _Softness = From0 | Annotated[list[From0], Len(3, 3)]
 _Six = Annotated[list[Finite], Len(6, 6)]
 
 
-@helped_init
+@helped_init()
 @dataclass(frozen=True, init=False, eq=False)
 class SoftWrist(Effect):
     """Flexibility of the palm that carries all fingers of the grasp.

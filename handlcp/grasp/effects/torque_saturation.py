@@ -24,7 +24,7 @@ from handlcp.tolerances import ACTIVE, OVER
 _REACH = 1e-12  # of the longest lever: a joint with less moves no contact
 
 
-@helped_init
+@helped_init()
 @dataclass(frozen=True, eq=False)
 class TorqueSaturation(Effect):
     """Asked for on a hand's grasp, which knows the joints: `state.grasp(..., effects=[TorqueSaturation()])`."""

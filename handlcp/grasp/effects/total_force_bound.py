@@ -20,7 +20,7 @@ from handlcp.keywords import helped_init
 from handlcp.words import NOTHING, length
 
 
-@helped_init
+@helped_init()
 @dataclass(frozen=True, slots=True)
 class TotalForceBound(Effect):
     """Upper bound `limit` [N] > 0 (inf: none) on the sum of all unknown normal forces of fingers."""

@@ -10,7 +10,7 @@ from handlcp.grasp.friction.law import FrictionLaw
 from handlcp.keywords import helped_init, helped_methods
 
 
-@helped_init
+@helped_init()
 @helped_methods
 @dataclass(frozen=True, slots=True)
 class Frictionless(FrictionLaw):

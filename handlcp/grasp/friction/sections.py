@@ -14,7 +14,7 @@ from handlcp.errors import InputError
 from handlcp.keywords import helped_init, helped_methods
 
 
-@helped_init
+@helped_init()
 @helped_methods
 @dataclass(frozen=True, slots=True)
 class Pyramid:

@@ -15,7 +15,7 @@ from handlcp.keywords import helped_init, helped_methods
 from handlcp.tolerances import STEEPEST
 
 
-@helped_init
+@helped_init()
 @helped_methods
 @dataclass(frozen=True, slots=True)
 class SoftFinger(FrictionLaw):

@@ -12,7 +12,7 @@ from handlcp.grasp.friction import Coulomb, FrictionLaw, as_law
 from handlcp.keywords import helped_init, helped_methods
 
 
-@helped_init
+@helped_init()
 @helped_methods
 class Contact:
     """A contact of a finger on the object.

@@ -23,7 +23,7 @@ from handlcp.grasp.model.contact import Contact
 from handlcp.keywords import helped_init
 
 
-@helped_init
+@helped_init()
 class Environment:
     """m contacts of the world with the object, for `Grasp(..., environment=...)` and `state.grasp(..., environment=)`.
 

@@ -29,7 +29,7 @@ class Factor(NamedTuple):
     pads: Array
 
 
-@helped_init
+@helped_init()
 class Flexibility:
     """E = J K⁻¹ Jᵀ + P of n contacts, without the matrix; pass it as `flexibility=` of a `Grasp`.
 

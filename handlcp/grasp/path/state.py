@@ -27,7 +27,7 @@ LET_GO = "let go"  # the stage in which an object is let go that was kept in pla
 _KNOWN = ("squeeze", "load", "together")
 
 
-@helped_init
+@helped_init()
 @dataclass(frozen=True, slots=True)
 class Stage:
     """One stage of loading, for `grasp.follow(order=[...])`; what is None stays as it is.

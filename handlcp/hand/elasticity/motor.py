@@ -34,7 +34,7 @@ from handlcp.lazy import lazy
 CONTINUOUS, HOLDING = "continuous", "holding"  # which of the two a joint is held by
 
 
-@helped_init
+@helped_init()
 @helped_methods
 @dataclass(frozen=True)
 class Motor:

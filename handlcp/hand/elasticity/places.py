@@ -19,7 +19,7 @@ CYLINDER, SPHERE = "cylinder", "sphere"
 _PLACEMENTS = "a pin.SE3 whose z is the axis, a point and a unit axis ((3,), (3,)), or of a sphere its centre (3,)"
 
 
-@helped_init
+@helped_init("link")
 @dataclass(frozen=True, eq=False)
 class Site:
     """A hole that the cable runs through, or an end that is knotted. link : that carries it. point : (3,) in the link's
@@ -38,7 +38,7 @@ class Site:
         return replace(self, point=point(self.link, self.point))
 
 
-@helped_init
+@helped_init()
 @dataclass(frozen=True, eq=False)
 class Pulley:
     """A loose pulley, from which a branch of its own begins. divisor : > 0, of the branch's length and tension: 2 for
@@ -51,7 +51,7 @@ class Pulley:
         object.__setattr__(self, "divisor", number("Pulley.divisor", self.divisor, above=0.0))
 
 
-@helped_init
+@helped_init()
 @dataclass(frozen=True, eq=False)
 class Around:
     """A round body that the cable lies on where it is in the way, between two sites outside it. No friction.

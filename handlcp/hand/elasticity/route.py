@@ -45,7 +45,7 @@ class _Leg(NamedTuple):
     divisor: float
 
 
-@helped_init
+@helped_init()
 @dataclass(frozen=True, eq=False)
 class Route:
     """The places that a tendon passes, in their order.

@@ -51,7 +51,7 @@ SYNERGIES = Description(
 _spring = partial(number, above=0.0, finite=False)
 
 
-@helped_init
+@helped_init()
 @dataclass(frozen=True, eq=False)
 class Synergies(Transmission):
     """Pass it as a hand's `joint_stiffness`.

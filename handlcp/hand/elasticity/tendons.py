@@ -59,7 +59,7 @@ _friction = partial(number, minimum=0.0)
 _ARMS = "Tendons.moment_arms"
 
 
-@helped_init
+@helped_init()
 @helped_methods
 @dataclass(frozen=True, eq=False)
 class Tendons(Transmission):

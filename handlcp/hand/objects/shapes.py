@@ -18,7 +18,7 @@ from handlcp.hand.robot.convex import convex_parts
 from handlcp.keywords import helped_init
 
 
-@helped_init
+@helped_init()
 class Box(Object):
     """A box with edges `size` (3,) [m] along its axes, centred on its frame (a number: a cube)."""
 
@@ -30,7 +30,7 @@ class Box(Object):
         super().__init__(solid, placement, mass, density, (self.size,), (BOX, 0.5 * self.size))
 
 
-@helped_init
+@helped_init()
 class Sphere(Object):
     """A ball of `radius` [m]."""
 
@@ -42,7 +42,7 @@ class Sphere(Object):
         super().__init__(solid, placement, mass, density, (self.radius,), (BALL, np.full(3, self.radius)))
 
 
-@helped_init
+@helped_init()
 class Cylinder(Object):
     """A cylinder of `radius` and `length` [m] along its z axis, centred on its frame.
 
@@ -60,7 +60,7 @@ class Cylinder(Object):
         super().__init__(solid, placement, mass, density, (self.radius, self.length), (CYLINDER, sizes))
 
 
-@helped_init
+@helped_init()
 class Ellipsoid(Object):
     """An ellipsoid with semi-axes `radii` (3,) [m] along its axes.
 
@@ -76,7 +76,7 @@ class Ellipsoid(Object):
         super().__init__(solid, placement, mass, density, (self.radii,), (ELLIPSOID, np.array(self.radii)))
 
 
-@helped_init
+@helped_init()
 class Mesh(Object):
     """A triangle mesh from a file (STL, OBJ, DAE, PLY …) or a `trimesh.Trimesh` or Scene, in metres after `scale` (a
     number or (3,); None: the <unit> of a Collada file, else 1, unless the mesh is wider than 5 m or says that its units

@@ -137,7 +137,7 @@ def _turn(a: Array, b: Array, c: Array) -> float:
 # ----------------------------------------------------------------
 
 
-@helped_init
+@helped_init()
 @helped_methods
 class Table:
     """A half-space: a table under the object, a wall beside it. Immutable.

@@ -22,7 +22,7 @@ _CORNERS = 120  # directions whose furthest points become the corners of a hull
 _SCANS = "stl_files"
 
 
-@helped_init
+@helped_init()
 class YCB(Mesh):
     """An object of the YCB set, such as "plum", "tomato_soup_can" or "018_plum": the convex hull of its scan [m], about
     the mean of the hull's corners. Handles of mugs and the like are filled. It brings no mass.

@@ -43,7 +43,7 @@ _TRIES = 30  # other starts: most that help are among the first ten
 _NEWTON = SemismoothNewton(tol=FINE)
 
 
-@helped_init
+@helped_init()
 @dataclass(frozen=True, slots=True)
 class Auto:
     """Stages until the certifier is content; `plan` lists them for a problem, the solution's `trace` those that ran.

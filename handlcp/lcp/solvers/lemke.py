@@ -15,7 +15,7 @@ from handlcp.lcp.reduce import reduce
 from handlcp.tolerances import PIVOT, SOLVE
 
 
-@helped_init
+@helped_init()
 @dataclass(frozen=True, slots=True)
 class Lemke:
     """Complementary pivoting with lexicographic ties and relative tolerances, compiled.

@@ -15,7 +15,7 @@ from handlcp.lcp.solvers.base import run_contact
 from handlcp.tolerances import SOLVE
 
 
-@helped_init
+@helped_init()
 @dataclass(frozen=True, slots=True)
 class SemismoothNewton:
     """Damped semismooth Newton on the Fischer–Burmeister equations (De Luca, Facchinei & Kanzow 1996), compiled; on

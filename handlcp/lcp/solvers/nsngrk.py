@@ -18,7 +18,7 @@ from handlcp.lcp.solvers.base import run_contact
 from handlcp.tolerances import SOLVE
 
 
-@helped_init
+@helped_init()
 @dataclass(frozen=True, slots=True)
 class NSNGRK:
     """Newton–subgradient non-smooth greedy randomized Kaczmarz (paper, Algorithm 2), compiled.
