@@ -139,3 +139,26 @@ def test_what_is_there_when_it_is_interrupted_is_kept(tmp_path):
     assert not out.exists()
     assert bits(run_without_hands(out)) == bits(run_without_hands(None))
     assert not beside(out).exists()
+
+
+_GROWS = """
+import time, warnings
+from tests.support.processes import worker_pool
+
+GROW = "globals().setdefault('held', bytearray(b'x' * 500_000_000)) and __import__('time').sleep(2)"
+warnings.simplefilter("error")
+pool = worker_pool(2)
+for job in [pool.submit(time.sleep, 1.2) for _ in range(4)]:
+    job.result()  # from here on growth is measured
+jobs = [pool.submit(eval, GROW), *[pool.submit(time.sleep, 1.5) for _ in range(8)]]
+for job in jobs:
+    job.result(timeout=30)
+print("all done")
+"""
+
+
+def test_a_process_that_is_replaced_for_its_size_holds_nothing_up_where_warnings_are_errors():
+    pytest.importorskip("psutil", reason="without it loky measures no size")
+    own = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
+    done = subprocess.run([sys.executable, "-c", _GROWS], capture_output=True, text=True, env=own, timeout=110)
+    assert done.stdout == "all done\n", done.stderr[-2000:]

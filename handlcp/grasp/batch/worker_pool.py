@@ -11,6 +11,7 @@ import os
 import signal
 import threading
 import time
+import warnings
 from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor
 from contextlib import contextmanager, suppress
@@ -20,13 +21,19 @@ from typing import Any
 from handlcp.lcp.compiler import when
 
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+_REPLACED = "A worker stopped while some jobs were given"  # loky's, of a process that it replaces, such as a large one
 _LOOK = 1.0  # between two looks whether this program is still there [s]
 
 
 def worker_pool(count: int) -> Any:
-    """The executor with so many processes; the same as before, if these are all there."""
+    """The executor with so many processes; the same as before, if these are all there.
+
+    A process that is replaced is nothing to act on. loky warns of it in a thread of its own, which would end where
+    warnings are errors, and every call would wait for ever.
+    """
     from joblib.externals.loky import get_reusable_executor
 
+    warnings.filterwarnings("ignore", _REPLACED, UserWarning)
     with _interrupts_held_back():
         pool = get_reusable_executor(count, initializer=_begin, initargs=(os.getpid(), _permit()), env=_ONE_THREAD)
         with suppress(BrokenExecutor):  # a process has just died: whoever sends work next hears it
