@@ -153,7 +153,7 @@ def test_of_several_objectives_none_of_the_designs_beats_another():
 
 def test_without_pymoo_several_objectives_say_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "pymoo", None)
-    with pytest.raises(hl.Unsupported, match=r"handlcp\[optimise\]"):
+    with pytest.raises(hl.Unsupported, match=r"pip install .pymoo"):
         run(["payload", "-torque"])
 
 

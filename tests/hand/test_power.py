@@ -188,7 +188,7 @@ def ring():
 
 def test_a_mesh_that_is_not_convex_is_refused_without_its_parts_and_the_error_says_what_to_do(hand, ring, monkeypatch):
     monkeypatch.setattr(find_module, "available", lambda: False)
-    with pytest.raises(hl.InputError, match=r"handlcp\[convex\].*convex_hull"):
+    with pytest.raises(hl.InputError, match=r"pip install 'coacd\S*'.*convex_hull"):
         hl.find_grasp(hand, ring, kind="power")
 
 

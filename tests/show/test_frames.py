@@ -108,5 +108,5 @@ def test_without_pandas_the_extra_is_named(monkeypatch):
 
     monkeypatch.delitem(sys.modules, "pandas")
     monkeypatch.setattr(builtins, "__import__", hidden)
-    with pytest.raises(hl.Unsupported, match=r"handlcp\[table\]"):
+    with pytest.raises(hl.Unsupported, match=r"pip install .pandas"):
         s.to_frame()

@@ -130,7 +130,7 @@ def test_bad_input_is_refused(cube, tmp_path):
 
 def test_without_matplotlib_the_message_says_what_to_install(cube, monkeypatch):
     patches.without_module(monkeypatch, "matplotlib")
-    with pytest.raises(Unsupported, match=r"handlcp\[plot\]"):
+    with pytest.raises(Unsupported, match=r"pip install .matplotlib"):
         draw(cube)
 
 
