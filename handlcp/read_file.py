@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import json
 import math
+import sys
 import tomllib
 import warnings
 import xml.etree.ElementTree as ET
@@ -332,4 +333,6 @@ def _array(data: bytes) -> Any:
         raise ValueError(f"{len(held)} bytes for an array of {dtype} of shape {shape}")
     if dtype.kind == "b" and held.strip(b"\0\1"):
         raise ValueError("truth values other than 0 and 1")
+    if dtype.kind == "U" and (np.frombuffer(held, dtype.byteorder + "u4") > sys.maxunicode).any():
+        raise ValueError("texts of letters that do not exist")
     return np.frombuffer(held, dtype, count).reshape(shape, order="F" if by_column else "C")

@@ -369,6 +369,16 @@ def test_an_array_that_is_larger_than_its_file_is_refused(tmp_path, monkeypatch)
         hl.read_postures(tmp_path / "packed.npz")
 
 
+def test_arrays_of_texts_are_no_numbers_and_texts_of_no_letters_are_refused(tmp_path):
+    np.savez(tmp_path / "texts.npz", q=np.array(["1", "2", "3"]), placement=np.zeros(7))
+    with pytest.raises(hl.InputError, match="q: expected numbers, got an array of <U1"):
+        hl.read_postures(tmp_path / "texts.npz")
+    with open(tmp_path / "letters.npz", "wb") as out:
+        np.savez(out, q=np.frombuffer(b"\xff" * 12, "<U1"), placement=np.zeros(7))
+    with pytest.raises(hl.InputError, match="texts of letters that do not exist"):
+        hl.read_postures(tmp_path / "letters.npz")
+
+
 # ---------------------------------------------------------------- Tables of sweeps.
 
 
@@ -378,6 +388,7 @@ def test_an_array_that_is_larger_than_its_file_is_refused(tmp_path, monkeypatch)
     ("table.csv.json", '"low": 0.0', '"low": "x"'),
     ("table.csv", "soft", "a" * 131_073), ("table.csv", "design", "number"), ("table.csv", "\n0,", "\nx,"),
     ("table.csv", "\n0,", "\n[0],"), ("table.csv", "0.001", "word"), ("table.csv", "1.5", "9" * 400),
+    ("table.csv", "\n1,", "\n0,"), ("table.csv", "true", "NaN"),
 ])  # fmt: skip
 def test_damaged_tables_are_refused(seeds, tmp_path, file, old, new):
     path = tmp_path / file

@@ -21,6 +21,7 @@ _KEY = b"handlcp.sweep"
 _TABLE = "the table of a sweep"
 DESCRIBED = "space", "sampling", "samples", "seed", "make", "brief"  # what is known of every sweep
 _NUMBERS = "payload_kg", "factor", "force_N", "torque_Nm", "torque_used", "motion_m"  # columns of nothing else
+_HOLDS = "holds"  # a column of true and false
 _AS_JSON = {"": "null", "TRUE": "true", "FALSE": "false"}  # the last two as Excel writes them
 Row = dict[str, Any]
 
@@ -112,6 +113,8 @@ def _is_row(row: Any) -> bool:
             return False
         if name in _NUMBERS and isinstance(value, str | bool):
             return False
+        if name == _HOLDS and not isinstance(value, bool | None):
+            return False
     number = row["design"]
     return isinstance(number, int) and not isinstance(number, bool)
 
@@ -124,6 +127,8 @@ def _sound(file: Path, said: str | bytes, read: Callable[[set[str]], list[Row]])
     except (ValueError, TypeError, KeyError, IndexError, AttributeError, csv.Error):
         raise none_of_a_sweep(file) from None
     check_rows(file, sweep, rows)
+    if len({row["design"] for row in rows}) < len(rows):
+        raise none_of_a_sweep(file)
     return sweep, rows
 
 

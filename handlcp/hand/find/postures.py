@@ -123,6 +123,8 @@ def _has(data: Any, keys: Sequence[str], where: str) -> None:
 
 
 def _numbers(name: str, value: Any) -> Array:
+    if isinstance(value, np.ndarray) and value.dtype.kind not in "iuf":
+        raise InputError(name, "numbers", f"an array of {value.dtype}")
     try:
         found = np.asarray(value, dtype=float)
     except (TypeError, ValueError, OverflowError):
