@@ -294,7 +294,7 @@ def test_unknown_methods_are_listed_with_those_there_are():
         hl.accuracy_cost(example(3).grasp, methods=["Gauss"])
     with pytest.raises(InputError) as wrong:
         hl.accuracy_cost("cube")
-    assert (wrong.value.argument, wrong.value.got) == ("grasp", "str")
+    assert (wrong.value.argument, wrong.value.got) == ("grasp", "'cube'")
     assert "Grasp" in wrong.value.expected
 
 
