@@ -286,11 +286,12 @@ class Hand(HandModel):
     def _within(self, argument: str, q: Array) -> Array:
         """The same positions (nv,). Raises InputError for the one that is farthest past its range, if it is too far."""
         slides = np.isin(self.joint_names, self.sliding)
-        past = np.maximum(self.lower - q, q - self.upper) / np.where(slides, _PAST_SLIDE, _PAST_TURN)
+        lower, upper = np.minimum(self.lower, self.upper), np.maximum(self.lower, self.upper)  # some are written reversed
+        past = np.maximum(lower - q, q - upper) / np.where(slides, _PAST_SLIDE, _PAST_TURN)
         k = int(past.argmax()) if len(past) else 0
         if not len(past) or past[k] <= 1.0:
             return q
-        low, high, name, at = self.lower[k], self.upper[k], self.joint_names[k], float(q[k])
+        low, high, name, at = lower[k], upper[k], self.joint_names[k], float(q[k])
         unit, (other, meant) = ("m", ("millimetres", at / 1e3)) if slides[k] else ("rad", ("degrees", radians(at)))
         guess = f" ({other}? {meant:.4g} {unit})" if low - 1e-3 <= meant <= high + 1e-3 else ""
         expected = f"a position in its range, {low:.4g} to {high:.4g} {unit}, or near it"
