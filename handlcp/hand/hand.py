@@ -286,7 +286,7 @@ class Hand(HandModel):
     def _within(self, argument: str, q: Array) -> Array:
         """The same positions (nv,). Raises InputError for the one that is farthest past its range, if it is too far."""
         slides = np.isin(self.joint_names, self.sliding)
-        lower, upper = np.minimum(self.lower, self.upper), np.maximum(self.lower, self.upper)  # some are written reversed
+        lower, upper = np.minimum(self.lower, self.upper), np.maximum(self.lower, self.upper)  # of reversed ones
         past = np.maximum(lower - q, q - upper) / np.where(slides, _PAST_SLIDE, _PAST_TURN)
         k = int(past.argmax()) if len(past) else 0
         if not len(past) or past[k] <= 1.0:
