@@ -84,14 +84,18 @@ def test_an_object_without_squeeze_and_support_is_lost_under_its_weight():
         ({"geometry": "moving"}, "geometry"),
         ({"steps": 0}, "steps"),
         ({"tolerance": 0.0}, "tolerance"),
-        ({"order": [hl.Stage("", load=np.zeros(6))]}, "order[0].name"),
-        ({"order": [hl.Stage("a", squeeze=-1.0)]}, "order[0].squeeze"),
         ({"order": [hl.Stage("a", joint_offset=[1.0])]}, "order[0].joint_offset"),
     ],
 )
 def test_bad_arguments_are_named(words, named):
     with pytest.raises(hl.InputError, match=f"^{re.escape(named)}:"):
         cube().follow(**words)
+
+
+@pytest.mark.parametrize(("words", "named"), [({"name": ""}, "name"), ({"name": "a", "squeeze": -1.0}, "squeeze")])
+def test_a_stage_refuses_what_no_grasp_could_mean(words, named):
+    with pytest.raises(hl.InputError, match=rf"^Stage\.{named}:"):
+        hl.Stage(**words)
 
 
 def test_a_grasp_without_a_hand_is_followed_in_its_first_posture_alone():
