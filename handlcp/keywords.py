@@ -201,9 +201,16 @@ def _said(types: set[type]) -> str:
     return " or ".join(part for part in (", ".join(words[:-1]), words[-1]) if part)
 
 
+# What other books and programs call parameters of ours
+_OTHERS_SAY = {
+    "mu": ("friction",), "friction_coefficient": ("friction",), "load": ("wrench",), "force": ("wrench", "load"),
+    "object": ("target",), "angles": ("q",), "posture": ("q",), "stiffness": ("joint_stiffness",),
+}  # fmt: skip
+
+
 def _word(function: str, name: str, known: list[str], elsewhere: dict[str, str]) -> str:
     text = f"{function}() takes no {name!r}"
     if name in elsewhere:
         return f"{text}: {elsewhere[name]}"
-    near = get_close_matches(name, known, 1, 0.6)
+    near = [word for word in _OTHERS_SAY.get(name, ()) if word in known] or get_close_matches(name, known, 1, 0.6)
     return f"{text}; did you mean {near[0]!r}?" if near else f"{text}; it takes {', '.join(known) or 'nothing'}"

@@ -10,7 +10,7 @@ from handlcp.errors import InputError, NoSolutionFound, shown
 from handlcp.grasp.friction import Pyramid, Section, as_section
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.spec import GraspSpec
-from handlcp.keywords import helped_methods
+from handlcp.keywords import helped, helped_methods
 from handlcp.views import view
 
 if TYPE_CHECKING:
@@ -109,6 +109,7 @@ class Questions(ABC):
 
         return equilibria(self.spec, self._section(faces), number("seconds", seconds, above=0.0))
 
+    @helped(most_force="what an object bears is asked by required_grip(most_force=...)")
     def check(
         self, order: Any = ("squeeze", "load"), faces: int | str | Pyramid = "cone",
         solution: GraspSolution | None = None,

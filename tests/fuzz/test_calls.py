@@ -58,6 +58,17 @@ def test_an_unknown_keyword_is_an_input_error_and_a_type_error(call):
     assert refused.value.argument == "continous"
 
 
+def test_words_of_other_books_lead_to_ours():
+    hand = hl.example_hand("three_finger")
+    state = hand.at((hand.lower + hand.upper) / 2)
+    with pytest.raises(hl.InputError, match="did you mean 'friction'"):
+        state.grasp(hl.Sphere(0.03), mu=0.5)
+    ends = [hl.Contact((x, 0, 0), (-x / 0.02, 0, 0), 0.6) for x in (-0.02, 0.02)]
+    grasp = hl.Grasp(ends, flexibility=1e-4)
+    with pytest.raises(hl.InputError, match=r"required_grip\(most_force=\.\.\.\)"):
+        grasp.check(most_force=3.0)
+
+
 def test_too_few_and_too_many_arguments_are_named():
     with pytest.raises(hl.InputError, match="missing a required argument: 'objects'"):
         hl.Brief()

@@ -40,6 +40,12 @@ def test_a_load_limit_of_nothing_says_it_first(touching, geometry):
     assert found.why.startswith(SAID)
 
 
+def test_a_payload_of_nothing_says_it_too(touching):
+    found = touching.payload(geometry="fixed")
+    assert found.mass < 1e-6
+    assert found.says.startswith(SAID)
+
+
 @pytest.mark.parametrize("squeeze", [{"grip_force": 1e-3}, {"squeeze": 1e-5}, {"preload": 1e-5}])
 def test_a_squeeze_that_is_too_small_is_another_reason(touching, squeeze):
     verdict = touching.state.grasp(BALL, **squeeze).check()

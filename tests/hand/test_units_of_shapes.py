@@ -125,6 +125,22 @@ def test_the_unit_of_a_collada_file_counts_and_its_up_axis_does_not(tmp_path, un
     assert not [d for d in hand.audit() if d.about == "shape"]
 
 
+@pytest.mark.parametrize("metres", ["nan", "-1", "0", "mm", "1e30"])
+def test_a_unit_that_is_no_length_is_refused(tmp_path, metres):
+    (tmp_path / "tip.dae").write_text(dae(f'<unit meter="{metres}"/>'))
+    with pytest.raises(hl.InputError, match=r"unit of 1e-09 to 1000 m in <unit meter"):
+        hl.Mesh(tmp_path / "tip.dae")
+
+
+@pytest.mark.parametrize("scale", ["0 1 1", "1e-300 1 1", "1e30 1 1", "nan 1 1"])
+def test_a_scale_that_leaves_nothing_of_a_mesh_is_refused_with_what_may_be(tmp_path, scale):
+    (tmp_path / "tip.dae").write_text(dae(""))
+    with pytest.raises(hl.URDFError, match=r"3 numbers of at most ±1e\+06, at least ±1e-09, in <mesh scale=…>"):
+        hl.Hand.from_urdf(
+            written(tmp_path, f'<mesh filename="tip.dae" scale="{scale}"/>'), ["l", "r"], joint_stiffness=3.0
+        )
+
+
 def test_an_object_from_a_collada_file_has_its_unit_unless_a_scale_is_passed(tmp_path):
     (tmp_path / "tip.dae").write_text(dae('<unit meter="0.001"/>'))
     volume = 20e-3 * 10e-3 * 40e-3 / 6

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import defaultdict, deque
 from collections.abc import Iterator
@@ -17,6 +18,7 @@ _MOST_COPIES = 10_000  # nodes and geometries of a Collada scene, each counted a
 _MATERIALS = re.compile(rb"^\s*mtllib\s+(.*?)\s*$", re.MULTILINE)
 _WHOLE = ("p", "v", "h", "vcount", "int_array")  # elements of Collada whose text is whole numbers
 _REAL = ("float_array", "matrix", "rotate", "translate", "scale", "lookat", "skew", "bind_shape_matrix")  # and numbers
+_UNITS = 1e-9, 1e3  # metres of one: from nanometres to kilometres
 _LISTED = ("instance_node", "instance_geometry", "instance_controller")
 
 
@@ -71,6 +73,8 @@ class _Scene(ElementCounter):
                     self._called[called].append(self._nodes)
         elif name in _LISTED:
             self._within[self._open[-1]].append(attributes.get("url", "").lstrip("#"))
+        if name == "unit" and "meter" in attributes:
+            self._check_unit(attributes["meter"])
         for key in ("count", "offset", "stride"):
             if key in attributes:
                 self._check_numbers(attributes[key].split(), whole=True)
@@ -85,6 +89,15 @@ class _Scene(ElementCounter):
         if self._text is not None:
             self._check_numbers("".join(self._text).split(), name in _WHOLE)
             self._text = None
+
+    def _check_unit(self, text: str) -> None:
+        try:
+            metres = float(text)
+        except ValueError:
+            metres = math.nan
+        if not _UNITS[0] <= metres <= _UNITS[1]:
+            expected = f'a Collada file with a unit of {_UNITS[0]:g} to {_UNITS[1]:g} m in <unit meter="…">'
+            raise self.refuse(expected, f"with {text[:40]!r}")
 
     def _check_numbers(self, words: list[str], whole: bool) -> None:
         """Raises the file's error for what is no number: assimp never comes past it."""

@@ -21,6 +21,7 @@ from handlcp.errors import InputError, UnknownName, URDFError, unreadable
 from handlcp.hand.robot.check_mesh import check_mesh_file
 
 LARGEST_NUMBER = 1e6  # metres, kilograms, radians, ratios: no hand is larger
+LEAST_SCALE = 1e-9  # of meshes: nanometres
 MOST_ELEMENTS = 1500  # links, joints, materials of a robot: libraries below read them with one call inside another
 MOST_JOINTS = 150  # that move: Pinocchio's data take 32 bytes times their cube
 
@@ -73,18 +74,21 @@ def _check_numbers(argument: str, root: ET.Element) -> None:
     for owner in root:
         for tag, attribute, count, least in _NUMBERS:
             for text in (element.get(attribute) for element in owner.iter(tag)):
-                if text is not None and not _are_numbers(text, count, least):
-                    bound = " ≥ 0" if least == 0.0 else ""
-                    expected = f"{count} finite number{'s' if count > 1 else ''}{bound} in <{tag} {attribute}=…>"
+                if text is not None and not _are_numbers(text, count, least, LEAST_SCALE * (attribute == "scale")):
+                    bound = f"from 0 to {LARGEST_NUMBER:g}" if least == 0.0 else f"of at most ±{LARGEST_NUMBER:g}"
+                    bound += f", at least ±{LEAST_SCALE:g}," if attribute == "scale" else ""
+                    expected = f"{count} number{'s' if count > 1 else ''} {bound} in <{tag} {attribute}=…>"
                     raise URDFError(argument, f"{expected} of {owner.tag} {owner.get('name')!r}", repr(text))
 
 
-def _are_numbers(text: str, count: int, least: float) -> bool:
+def _are_numbers(text: str, count: int, least: float, smallest: float) -> bool:
+    """Whether they lie between `least` and the largest number, each of a magnitude of at least `smallest`."""
     try:
         values = [float(word) for word in text.split()]
     except ValueError:
         return False
-    return len(values) == count and all(max(least, -LARGEST_NUMBER) <= v <= LARGEST_NUMBER for v in values)
+    low = max(least, -LARGEST_NUMBER)
+    return len(values) == count and all(low <= v <= LARGEST_NUMBER and abs(v) >= smallest for v in values)
 
 
 def build_model(argument: str, root: ET.Element, label: str) -> Any:

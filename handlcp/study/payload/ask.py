@@ -26,6 +26,7 @@ from handlcp.grasp import Grasp
 from handlcp.grasp.assembly.asked import again
 from handlcp.grasp.cause.judge import OBJECT, UNDECIDED, Cause
 from handlcp.grasp.cause.wording import said
+from handlcp.grasp.effects.joint_offset import unsqueezed
 from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.limits.directions import AXES
 from handlcp.grasp.limits.load_limit import load_limit
@@ -41,6 +42,7 @@ from handlcp.study.payload.result import Orientation, Payload
 
 ANY, SIX = "any", 6
 _IN_PLANE = 1e-9
+_NOTHING = 1e-6  # [kg]: overlaps of rounding hold micrograms
 
 
 def payload(
@@ -129,7 +131,8 @@ class _Pull:
         mass, binds = limit.factor, limit.binds
         if np.isinf(mass) and np.isfinite(limit.bound):
             mass, binds = np.nan, (Cause(UNDECIDED, OBJECT),)
-        return Orientation(read_only(d.copy()), mass, binds, said(binds, spec), s, limit)
+        says = (unsqueezed(spec) if mass < _NOTHING else "") or said(binds, spec)
+        return Orientation(read_only(d.copy()), mass, binds, says, s, limit)
 
 
 def pulls_of(grasp: Grasp, acceleration: float) -> list[tuple[GraspSpec, Array]]:
