@@ -229,3 +229,27 @@ def test_rigid_fingers_that_overlap_the_object_are_named():
     soft = hl.Grasp(squeezed, (0, 0, -1, 0, 0, 0), preload=1e-3, flexibility=1e-4)
     assert jammed(g)
     assert not any(jammed(x) for x in (touching, aside, soft))
+
+
+@pytest.mark.parametrize("slide", [1e-3, 1.0, 1e3, 1e6, 1e9])
+def test_no_slide_is_long_enough_to_excuse_an_overlap(slide):
+    """A load 1 % beyond what the squeeze can hold: forces 1 % larger than the springs give are no answer, however far
+    the object slides meanwhile.
+    """
+    load = 5.0 * 1.01  # 2 fingers · 10 N · 0.25
+    line = [((-0.01, 0, 0), (1, 0, 0)), ((0.01, 0, 0), (-1, 0, 0))]
+    contacts = [hl.Contact(p, z, hl.Coulomb(0.25), tangent=(0, 0, 1)) for p, z in line]
+    g = hl.Grasp(contacts, (0, 0, -load, 0, 0, 0), flexibility=1e-4, preload=1e-3)
+    f = np.array([[load / 2, 0, 10.1], [load / 2, 0, 10.1]])
+    assert not judged_with(g, hl.Pyramid(4, inscribed=False), f, (0, 0, -slide, 0, 0, 0)).passes
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_contacts_at_one_point_have_no_size_made_of_rounding(seed):
+    """Their mean may differ from that point by the last bit, which is no length to measure moments with."""
+    at = np.random.default_rng(seed).uniform(-0.1, 0.1, 3)
+    z = [(0, 0, 1), (0, 0.6, 0.8), (0.6, 0, 0.8)]
+    f = np.array([0.1, 0.2, -1.3])
+    g = hl.Grasp([hl.Contact(at, a) for a in z], np.r_[f, np.cross(at, f)], flexibility=1e-4)
+    assert g.solve(throw=False).held
+    assert arrays(g).units.length > 1e-3

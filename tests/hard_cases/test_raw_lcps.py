@@ -13,7 +13,6 @@ import pytest
 import handlcp as hl
 from tests.hard_cases.scenes import count
 from tests.oracle import every_solution
-from tests.support.lcp import pivoted
 
 ENOUGH = 1e-7
 
@@ -78,14 +77,6 @@ def test_cited_problems_with_a_solution_give_one_of_the_enumeration(problem, sol
 def test_cited_problems_that_end_in_a_ray_are_infeasible_and_proven_so(problem):
     assert every_solution(*problem) == []
     assert judged(*problem) == "infeasible"
-
-
-def test_murty_2_11_ends_in_a_ray_with_his_covering_vector_and_is_solved_with_ones():
-    M, q = (np.array(a, float) for a in MURTY_2_11)
-    assert pivoted(M, q, np.array([5.0, 16.0]), 100)[0] == "ray"
-    ending, _, z = pivoted(M, q, np.ones(2), 100)
-    assert ending == "solved"
-    assert missed(M, q, np.zeros(2, bool), z) < 1e-12
 
 
 @pytest.mark.parametrize("n", [2, 5, 10, 20])

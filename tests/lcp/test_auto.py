@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.lcp import ContactProblem
+from handlcp.lcp import ContactProblem, proposals
 from tests.grasp.scenes import pinch, ring as make_ring
 from tests.lcp.problems import random_p, random_psd
+from tests.support.grasp import contact_problem
 from tests.support.lcp import (
     OtherStarts,
     certified,
@@ -174,3 +175,12 @@ def test_a_method_that_knows_contacts_only_says_so_on_a_plain_lcp():
     with pytest.raises(hl.Unsupported) as caught:
         hl.solve_lcp(hl.LCP([[1.0]], [-1.0]), _ContactsAlone())
     same("lcp/test_auto: contacts only", str(caught.value), "_ContactsAlone")
+
+
+def test_stalled_kaczmarz_steps_end_within_their_budget():
+    """Steps that make no progress must not be asked for in batches that double until an integer overflows."""
+    from tests.hard_cases.test_flexibility import apart
+
+    case = list(apart(4, 30))[29]
+    for name, proposal in proposals(contact_problem(case.grasp(), 4)):
+        assert proposal.iterations < 10**7, name

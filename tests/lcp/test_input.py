@@ -79,3 +79,9 @@ def test_problems_are_read_only():
 
 def test_an_empty_problem_is_solved():
     assert hl.solve_lcp(hl.LCP(np.zeros((0, 0)), [])).status is hl.Status.SOLVED
+
+
+def test_units_in_which_a_problem_overflows_are_refused():
+    units = Units(np.full(1, 1e150), np.full(1, 1e-150))
+    with pytest.raises(hl.InputError, match="units"):
+        hl.LCP([[1e150]], [1.0], units=units)

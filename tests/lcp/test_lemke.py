@@ -72,3 +72,11 @@ def test_a_direction_that_touches_nothing_is_held_at_zero():
     M = np.diag([1.0, 2.0, 0.0])
     s = hl.solve_lcp(hl.LCP(M, [-1.0, -2.0, 0.0], [False, True, True]), hl.Lemke())
     np.testing.assert_allclose(s.z, [1, 1, 0], atol=1e-12)
+
+
+def test_murty_2_11_ends_in_a_ray_with_his_covering_vector_and_is_solved_with_ones():
+    M, q = np.array([[-1.5, 2], [-4, 4]]), np.array([-5.0, 17.0])
+    assert pivoted(M, q, np.array([5.0, 16.0]), 100)[0] == "ray"
+    ending, _, z = pivoted(M, q, np.ones(2), 100)
+    assert ending == "solved"
+    np.testing.assert_allclose(np.minimum(z, M @ z + q), 0, atol=1e-11)

@@ -9,6 +9,7 @@ import handlcp as hl
 from tests.grasp.scenes import ring
 from tests.support.grasp import contact_problem
 from tests.support.lcp import ModeSearch, misses_patch, nearest_point, patches
+from tests.support.search import searched
 
 
 @pytest.mark.parametrize(("tangents", "faces"), [(1, 2), (2, 3), (2, 4), (2, 5), (2, 8), (2, 16), (2, 0), (3, 0)])
@@ -60,3 +61,12 @@ def test_a_search_in_small_pieces_ends_like_one_in_one_piece(faces):
         work += 1e3
         list(pieces.candidates(work))
     assert (whole.exhausted, whole.none, whole.nodes) == (pieces.exhausted, pieces.none, pieces.nodes)
+
+
+@pytest.mark.parametrize("faces", [16, "cone"])
+def test_the_search_finds_an_equilibrium_that_the_stages_miss(faces):
+    """16 faces have 45 million choices of modes."""
+    from tests.hard_cases.test_no_pads import FAMILIES
+
+    case = list(FAMILIES["no pads: a mixture"](faces, 34))[33]
+    assert searched(case.grasp(), faces).outcome == "solution"

@@ -7,6 +7,7 @@ import pytest
 
 import handlcp as hl
 from tests.lcp.problems import random_p
+from tests.support.kernels import compiled
 from tests.support.lcp import Kaczmarz, uniform_numbers
 from tests.support.texts import same, without_numbers
 
@@ -111,3 +112,12 @@ def test_one_that_cannot_converge_says_so():
 def test_bad_settings_are_refused_by_name(settings, name):
     with pytest.raises(hl.InputError, match=name):
         hl.NSNGRK(**settings)
+
+
+@pytest.mark.parametrize("tol", [1, np.float32(1e-3), np.int8(1)])
+def test_a_setting_of_another_number_type_compiles_nothing_anew(tol):
+    p = hl.LCP(np.eye(2), [-1.0, 1.0])
+    hl.solve_lcp(p, hl.NSNGRK(tol=1e-3), throw=False)
+    before = compiled()
+    hl.solve_lcp(p, hl.NSNGRK(tol=tol), throw=False)
+    assert compiled() == before > 0
