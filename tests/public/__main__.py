@@ -17,11 +17,10 @@ def main() -> int:
         return 2
     now = surface()
     found = differences(kept() if FILE.exists() else {}, now)
-    print("\n".join(found) or "nothing differs")
     if sys.argv[1:]:
         FILE.write_text(written(now), encoding="utf-8")
-        return 0
-    return int(bool(found))
+    print("\n".join(found) or "nothing differs")
+    return int(bool(found) and not sys.argv[1:])
 
 
 if __name__ == "__main__":

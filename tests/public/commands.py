@@ -1,22 +1,39 @@
-"""The commands of `handlcp`, with what each of them takes."""
+"""The commands of `handlcp`, with what each of them takes, and the keys of the files that they read."""
 
 from __future__ import annotations
 
+import json
 import types
 import typing
 from typing import Any
 
 import typer
+from typer.testing import CliRunner
 
 from handlcp.cli import app
 
-__all__ = ["commands"]
+__all__ = ["commands", "file_keys"]
 
 
 def commands() -> dict[str, dict[str, str]]:
     """{command: {its arguments in capitals, its options by their names: what they take}}; "handlcp" is the program."""
     program: Any = typer.main.get_command(app)
     return {"handlcp": takes(program)} | {name: takes(command) for name, command in sorted(program.commands.items())}
+
+
+def file_keys() -> dict[str, dict[str, str]]:
+    """{"scene" or "brief": {key: whether it is needed, else its default, and whether its table may come several times}}."""
+    found = {}
+    for file, options in (("scene", []), ("brief", ["--brief"])):
+        keys = json.loads(CliRunner().invoke(app, ["keys", "--json", *options]).stdout)["keys"]
+        found[file] = {f"{key['table']}.{key['key']}".lstrip("."): words_of(key) for key in keys}
+    return found
+
+
+def words_of(key: dict[str, Any]) -> str:
+    """Such as "needed" or "default 0.6"."""
+    words = ["needed"] if key["required"] else [f"default {key['default'] or 'none'}"]
+    return ", ".join(words + ["several"] * bool(key["many"]))
 
 
 def takes(command: Any) -> dict[str, str]:

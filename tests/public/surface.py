@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.public.answers import ANSWERS, COMMANDS, answer_keys, json_keys
-from tests.public.commands import commands
+from tests.public.commands import commands, file_keys
 from tests.public.names import public_names
 
 __all__ = ["FILE", "differences", "kept", "surface", "written"]
@@ -22,6 +22,7 @@ def surface() -> dict[str, Any]:
         "answers": {name: answer_keys(name) for name in ANSWERS},
         "json": {name: json_keys(name) for name in COMMANDS},
         "commands": commands(),
+        "files": file_keys(),
     }
 
 

@@ -10,7 +10,7 @@ import copy
 import pytest
 
 from tests.public.answers import ANSWERS, COMMANDS, answer_keys, json_keys
-from tests.public.commands import commands
+from tests.public.commands import commands, file_keys
 from tests.public.names import public_names
 from tests.public.surface import FILE, differences, kept, written
 
@@ -36,6 +36,10 @@ def test_a_command_prints_json_with_the_keys_that_it_had(name):
 
 def test_commands_take_what_they_took():
     same(kept()["commands"], commands())
+
+
+def test_files_have_the_keys_that_they_had():
+    same(kept()["files"], file_keys())
 
 
 def test_the_file_has_the_answers_that_are_asked_and_no_others_and_reads_as_it_was_written():
