@@ -22,7 +22,7 @@ def commands() -> dict[str, dict[str, str]]:
 
 
 def file_keys() -> dict[str, dict[str, str]]:
-    """{"scene" or "brief": {key: whether it is needed, else its default, and whether its table may come several times}}."""
+    """{"scene" or "brief": {key: "needed" or its default, and "several" where its table may come several times}}."""
     found = {}
     for file, options in (("scene", []), ("brief", ["--brief"])):
         keys = json.loads(CliRunner().invoke(app, ["keys", "--json", *options]).stdout)["keys"]
