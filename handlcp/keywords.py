@@ -105,8 +105,9 @@ class _Kind(NamedTuple):
     said: str
 
     def check(self, value: object) -> None:
-        """Raises InputError."""
-        if not (isinstance(value, self.types) or (self.function and callable(value))):
+        """Raises InputError; a class, which makes things where it is called, is no function."""
+        called = self.function and callable(value) and not isinstance(value, type)
+        if not (isinstance(value, self.types) or called):
             raise InputError(self.name, self.said, shown(value))
 
 

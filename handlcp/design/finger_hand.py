@@ -25,7 +25,7 @@ from handlcp.design.by_finger import (
     lengths,
     positive,
 )
-from handlcp.errors import InputError
+from handlcp.errors import InputError, shown
 from handlcp.hand.hand import Hand
 from handlcp.keywords import helped
 from handlcp.write_file import write_file
@@ -113,8 +113,8 @@ def finger_hand(
     Masses follow from 3000 kg/m³ for links with their motors, 1300 kg/m³ for the palm, 20 mm high, and 1400 kg/m³ for
     fingertips. Raises InputError, also for fingers that overlap on the palm; UnknownName.
     """
-    if not isinstance(name, str) or not name.strip():
-        raise InputError("name", "a name", repr(name))
+    if not isinstance(name, str) or not name.strip() or not name.isprintable():
+        raise InputError("name", "a name of printable characters", shown(name))
     given = {
         "link_lengths": link_lengths, "palm_radius": palm_radius, "link_radius": link_radius, "tip_radius": tip_radius,
         "angles": angles, "tilt": tilt, "ranges": ranges, "coupling": coupling,

@@ -127,7 +127,7 @@ def slopes(grasp: HandGrasp, names: Iterable[str], *, faces: int | str | Pyramid
         raise InputError("grasp", "a hand's grasp", repr(grasp)[:80])
     expected = "names of numbers of the hand, at least one, and each once"
     asked = (names,) if isinstance(names, str) else several("names", names, expected)
-    if not asked or len(set(map(str, asked))) < len(asked):
+    if not asked or not all(isinstance(name, str) for name in asked) or len(set(asked)) < len(asked):
         raise InputError("names", expected, shown(names))
     hand, kinks, columns = grasp.state.hand, list[str](), list[Array]()
     with keyed({"changes": "names"}):

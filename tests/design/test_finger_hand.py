@@ -110,6 +110,7 @@ def test_the_file_is_the_same_hand_and_is_written_whole_or_not_at_all(tmp_path):
     ({"angles": (0, 120, 240)}, r"angles\[1\]: expected an angle in radians .*\(if degrees are meant, 2.094\)"),
     ({"tilt": 20}, "tilt: .*radians"), ({"ranges": (0, 90)}, "ranges: .*radians"),
     ({"name": ""}, "name"),
+    ({"name": "hand\x00"}, "name"),
     ({"file": 3}, "file"),
     ({"joint_stiffness": -1.0}, "joint_stiffness"),
 ])  # fmt: skip

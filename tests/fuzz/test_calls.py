@@ -58,6 +58,15 @@ def test_an_unknown_keyword_is_an_input_error_and_a_type_error(call):
     assert refused.value.argument == "continous"
 
 
+def test_a_class_is_no_function_and_lists_are_no_names():
+    hand = hl.example_hand("three_finger")
+    grasp = hand.at((hand.lower + hand.upper) / 2).grasp(hl.Sphere(0.03), max_gap=1.0)
+    with pytest.raises(hl.InputError, match=r"^progress: "):
+        hl.envelope(grasp, progress=float)
+    with pytest.raises(hl.InputError, match=r"^names: "):
+        hl.slopes(grasp, [[1, [2, 3]]])
+
+
 def test_words_of_other_books_lead_to_ours():
     hand = hl.example_hand("three_finger")
     state = hand.at((hand.lower + hand.upper) / 2)

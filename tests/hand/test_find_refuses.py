@@ -75,6 +75,11 @@ def test_a_size_of_gravity_offers_a_vector(hand, ask):
         ask(hand)
 
 
+def test_a_gravity_beyond_all_floating_point_numbers_is_refused(hand):
+    with pytest.raises(InputError, match=r"^gravity: expected an acceleration"):
+        hand.at(hand.neutral).gravity_torque(10**400)
+
+
 @pytest.mark.parametrize(
     "line", ['grip_force_N = { finger_9 = 3.0 }', "grip_force_N = -1.0", "squeeze_m = 3.0", "squeeze_m = nan",
              'kind = "power"\nclosing_torque_Nm = { thumb = 1.0 }', "grip_force_N = true"],

@@ -13,6 +13,7 @@ from handlcp.hand.elasticity.stiffness import tip_flexibility
 from handlcp.hand.robot.model import HandModel
 from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
+from handlcp.tolerances import LARGEST
 
 GRAVITY = (0.0, 0.0, -9.81)  # m/s², world axes
 _ACCELERATION = "an acceleration [m/s²], such as (0, 0, -9.81) or (0, 0, 0): finite numbers"
@@ -20,7 +21,7 @@ _ACCELERATION = "an acceleration [m/s²], such as (0, 0, -9.81) or (0, 0, 0): fi
 
 def read_gravity(value: Any) -> Array:
     """(3,) [m/s²] as a user gives it, world axes. Raises InputError, which offers a vector for a size alone."""
-    if isinstance(value, (int, float)) and not isinstance(value, bool) and 0.0 < abs(value) < np.inf:
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and 0.0 < abs(value) <= LARGEST:
         came = f"{value:g} (is (0, 0, {-abs(value):g}) meant?)"
         raise InputError("gravity", f"{_ACCELERATION} of shape (3,)", came)
     return array("gravity", value, (3,), what=_ACCELERATION)
