@@ -12,7 +12,7 @@ import pytest
 import handlcp as hl
 from handlcp.method.paper import example
 from handlcp.scene import load
-from tests.benchmarks.force_truth import force_error, refine
+from tests.grasp.force_truth import force_error, refine
 from tests.grasp.scenes import cube_example, pinch, ring
 from tests.hard_cases.scenes import around, backwards, fingers
 from tests.support import patches

@@ -9,7 +9,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.errors import InputError, Unsupported
-from tests.benchmarks.force_bounds import NEAR, examine, grasps, outside
+from tests.grasp.force_bounds_oracle import NEAR, examine, grasps, outside
 from tests.grasp.scenes import pinch
 from tests.grasp.test_equilibria import Pushed
 from tests.support.grasp import arrays, changed
