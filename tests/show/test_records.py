@@ -97,7 +97,7 @@ EXAMPLES = {
     "Audit": lambda: hand().audit(),
     "HandDescription": lambda: hand().describe(),
     "HandDescription, of joints that follow": lambda: hl.describe_urdf(MIMIC),
-    "Found Candidate": lambda: hl.find_grasp(hand(), hl.Sphere(0.03, mass=0.1), friction=0.8, seed=0),
+    "Found Candidate": lambda: hl.find_grasp(hand(), hl.Sphere(0.03, mass=0.1), friction=0.8, tries=8),
     "Reliability Sample": lambda: hl.reliability(pinch(), {"friction": 0.2, "load": 0.1}, 64, workers=1),
     "Envelope": lambda: hl.envelope(held(), directions=6, geometry="fixed", faces=8),
     "Payload Orientation": lambda: held().payload(geometry="fixed", faces=8),
@@ -105,7 +105,7 @@ EXAMPLES = {
     "FingerStrength FingerForce": lambda: hl.finger_strength(hand()),
     "SlipResistance": lambda: hl.slip_resistance(pinch(), (0, 0, 1)),
     "LiftAndShake Shaken": lifted,
-    "Evaluation ObjectCase": lambda: hl.evaluate(hand(), hl.Brief({"ball": hl.Sphere(0.03, mass=0.1)}, tries=16)),
+    "Evaluation ObjectCase": lambda: hl.evaluate(hand(), hl.Brief({"ball": hl.Sphere(0.03, mass=0.1)}, tries=2)),
     "Best Kink": lambda: replace(optima.run(budget=2), kinks=(hl.Kink("force", "payload by force …", 1.0, 2.0),)),
     "Envelope, of wrenches": lambda: hl.envelope(pinch(), np.eye(6)),
     "AccuracyCost": lambda: accuracy_cost(

@@ -192,9 +192,9 @@ def test_bad_questions_are_refused():
 
 # ---------------------------------------------------------------- as data and as a picture
 def test_what_prints_fits_the_line_and_names_mass_direction_and_cause():
-    text = str(of_cube(6, 5.0))
+    p = of_cube()
+    text = str(p)
     assert max(map(len, text.splitlines())) <= 80
-    p = of_cube(6, 5.0)
     same("study/test_payload: what prints", text, f"{p.mass:.3g} kg", "along -x", "all 3 fingers slip")
 
 
