@@ -8,7 +8,7 @@ import pytest
 import handlcp as hl
 from tests.design.hands import cube_grasp, pinch
 from tests.hand.levers import MU, L
-from tests.support.texts import same, without_numbers
+from tests.support.texts import says, without_numbers
 
 LOAD = 1.0
 EXACT = LOAD / (2 * MU)  # normal force of a pinch that just carries it
@@ -31,9 +31,7 @@ def test_no_grip_holds_an_object_that_bears_less_than_its_weight_over_twice_the_
     r = grasp.required_grip(tolerance=1e-3, most_force=bears)
     assert r.value is None
     assert r.fails < EXACT, "which loses the object"
-    same(
-        "design/test_most_force: no grip", without_numbers(r.hint), "not held", "presses with # N, and the object bears"
-    )
+    says(without_numbers(r.hint), "not held", "presses with # N, and the object bears")
     motors = grasp.required_torque(safety=1.0, most_force=bears)
     assert not motors.holds
     assert f"the object bears {bears:.4g} N" in motors.lost[1]

@@ -13,7 +13,7 @@ from handlcp.errors import InputError, UnknownName
 from tests.design.hands import G, cube_grasp, pinch
 from tests.hand.levers import MU, L
 from tests.support.hand import Drives
-from tests.support.texts import same
+from tests.support.texts import says
 
 BRIEF = {"lift": {}, "push": (0, 3, 0, 0, 0, 0), "heavy, upside down": {"gravity": (0, 0, G), "mass": 0.8}}
 SAFETY = 1.5
@@ -270,6 +270,6 @@ def test_progress_is_told_with_every_grip_that_is_tried(tmp_path):
 
 def test_it_prints_and_becomes_data(tmp_path):
     r = pinch(tmp_path, limits=0.1).required_torque({"down": (0, 0, -1, 0, 0, 0), "up": (0, 0, 1, 0, 0, 0)})
-    same("design/test_required_torque: a pinch", str(r), "left_joint", "over limit", "is lost")
+    says(str(r), "left_joint", "over limit", "is lost")
     assert max(map(len, str(r).splitlines())) <= 80
     assert r.to_dict()["joints"][0]["by_load_Nm"].keys() == {"down", "up"}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -22,10 +23,10 @@ from tests.hand.conftest import MIMIC
 from tests.support.published import gripper
 from tests.support.records import described, doc_of, kinds, plain, within
 from tests.support.table import HandTable, source
-from tests.support.texts import same
 
 BOX = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
 PUSH = (1.0, 0, 0, 0, 0, 0)
+CONTRACT = tomllib.loads(Path(__file__).with_name("records.toml").read_text(encoding="utf-8"))
 ONE_BY_ONE = ("Sensitivity", "Solutions")  # their dictionaries are made of what was asked for
 
 
@@ -143,7 +144,7 @@ def test_a_record_is_plain_data_that_json_brings_back(example):
     assert names[0] == "Solutions" or plain(told) == told
     assert json.loads(found.to_json()) == plain(told)
     assert not [v for v in found.to_row().values() if isinstance(v, dict)]
-    same(f"show/test_records: keys of {what}", ", ".join(told))
+    assert ", ".join(told) == CONTRACT["keys"][what]
 
 
 def test_tables_have_the_columns_that_they_had(example):
@@ -151,7 +152,7 @@ def test_tables_have_the_columns_that_they_had(example):
     if not hasattr(found, "to_frame") or names[0] == "Sensitivity":
         pytest.skip("it is no table, or one of each derivative")
     pytest.importorskip("pandas")
-    same(f"show/test_records: columns of {what}", ", ".join(found.to_frame()))
+    assert ", ".join(found.to_frame()) == CONTRACT["columns"][what]
 
 
 def test_what_is_in_a_record_has_the_shape_and_the_unit_that_it_is_described_with(example):

@@ -13,7 +13,7 @@ from scipy.spatial import ConvexHull
 import handlcp as hl
 from tests.support.envelope import without_limits
 from tests.support.squeezed import MU, G, K, N, R, cube, pinch
-from tests.support.texts import same
+from tests.support.texts import says
 
 
 @cache
@@ -251,7 +251,7 @@ def test_no_direction_holds_more_than_its_bound():
     assert (env.factors <= env.bound * (1 + 1e-6)).all()
     c = env.compliance
     said = next(line for line in str(env).replace("\n  ", " ").splitlines() if "alone" in line)
-    same("study/test_envelope: what compliance gives away", said, f"{c.least:.0%}".replace("%", " %"))
+    says(said, f"{c.least:.0%}".replace("%", " %"))
     kept = env.factors / env.bound
     assert c.least == kept.min() == kept[c.number]
     assert c.least < c.median < 1.0

@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 import handlcp as hl
 from tests.hand.levers import L, lever_hand, lever_pinch
 from tests.support.grip_strength import Around, closed
-from tests.support.texts import same
+from tests.support.texts import says
 
 R, N, MU, K = 0.025, 3.0, 0.5, 1e-3  # radius [m], grip [N], friction, flexibility [m/N]
 Z, ORIGIN = (0, 0, 1), (0, 0, 0)
@@ -184,7 +184,7 @@ def test_what_prints_has_the_force_its_range_and_the_cause():
     text = str(found)
     assert max(map(len, text.splitlines())) <= 80
     facts = [f"{x:.3g} N" for x in (found.pinch.force, found.pinch.least, found.pinch.largest)]
-    same("study/test_split_cylinder: what prints", text, *facts, found.pinch.binds[0].who)
+    says(text, *facts, found.pinch.binds[0].who)
 
 
 @pytest.mark.long
