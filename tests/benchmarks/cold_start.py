@@ -1,6 +1,6 @@
 """What a new user waits for: a page's blocks of Python in a fresh process, with nothing compiled before and otherwise.
 
-    python -m tests.benchmarks.cold_start [--page README.md] [--ways cold again interpreted warm]
+    python -m tests.benchmarks.cold_start [--page README.md] [--ways cold again interpreted warm] [--blocks 2]
 
 cold: an empty cache. again: another process with what the first one left there. interpreted: nothing is ever compiled.
 warm: after `handlcp warm`. Seconds of the wall and, in brackets, of the processor that the process itself computed;
@@ -9,7 +9,6 @@ each block once, in the order of the page.
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import pathlib
@@ -17,8 +16,9 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 
-from tests.benchmarks.report import conditions, opened, plain_table
+from tests.benchmarks.measure import options, print_table
 from tests.docs.blocks import blocks_of
 from tests.docs.files import write_all
 
@@ -59,14 +59,14 @@ def warmed(cache: pathlib.Path) -> None:
     subprocess.run([sys.executable, "-m", "handlcp", "warm"], check=True, cwd=ROOT, env=environment)
 
 
-def main() -> None:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def main(arguments: Sequence[str] | None = None) -> dict[str, list[list[float]]]:
+    """Measure, print, and return (wall, processor) seconds of each block and of all, by way."""
+    parser = options(__doc__)
     parser.add_argument("--page", type=pathlib.Path, default=ROOT / "README.md")
     parser.add_argument("--ways", nargs="+", choices=WAYS, default=list(WAYS))
-    asked = parser.parse_args()
-    found = [b for b in blocks_of(asked.page.read_text(encoding="utf-8")) if b.language == "python"]
-    console = opened(100)
+    parser.add_argument("--blocks", type=int, help="the first few of the blocks")
+    asked = parser.parse_args(arguments)
+    found = [b for b in blocks_of(asked.page.read_text(encoding="utf-8")) if b.language == "python"][: asked.blocks]
     took: dict[str, list[list[float]]] = {}
     with tempfile.TemporaryDirectory() as first, tempfile.TemporaryDirectory() as second:
         for way in sorted(asked.ways, key=list(WAYS).index):
@@ -75,12 +75,10 @@ def main() -> None:
                 warmed(cache)
             each, whole = run([b.text for b in found], WAYS[way], cache)
             took[way] = [*each, [whole, sum(cpu for _, cpu in each)]]
-    caption = f"asked: no block over {MOST} s"
-    table = plain_table(f"{asked.page.name}, block by block [s]", "block", *took, caption=caption)
-    for k, name in enumerate([*(f"line {b.line}: {_last(b.text)}" for b in found), "all, with start and end"]):
-        table.add_row(name, *(f"{wall:.1f} ({cpu:.1f})" for wall, cpu in (times[k] for times in took.values())))
-    console.print(table)
-    console.print(conditions())
+    names = [*(f"line {b.line}: {_last(b.text)}" for b in found), "all, with start and end"]
+    rows = [(n, *(f"{t[k][0]:.1f} ({t[k][1]:.1f})" for t in took.values())) for k, n in enumerate(names)]
+    print_table(f"{asked.page.name}, block by block [s]; asked: no block over {MOST} s", ("block", *took), rows)
+    return took
 
 
 def _last(text: str) -> str:

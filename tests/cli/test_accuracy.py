@@ -14,7 +14,7 @@ from handlcp.cli import app
 from handlcp.method.accuracy import METHODS
 from tests.support import patches
 from tests.support.messages import without_compiling
-from tests.support.texts import same
+from tests.support.texts import says
 
 ROOT = pathlib.Path(__file__).parents[2]
 CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
@@ -30,7 +30,7 @@ def test_a_scene_prints_tables_and_one_sentence_and_exits_0(tmp_path, monkeypatc
     done = run(CUBE, "--seconds", "1", "--csv", tmp_path / "rows.csv", "--plot", tmp_path / "cost.png")
     assert done.exit_code == 0, done.output
     titles = [a for a, b in pairwise(done.stdout.splitlines()) if a[:1].strip() and not b.strip()]
-    same("cli/test_accuracy: titles", "; ".join(line.strip() for line in titles))
+    says("; ".join(line.strip() for line in titles), "friction")
     assert {m for m in METHODS if m not in done.stdout} == set()
     assert max(map(len, done.stdout.splitlines())) <= 80 + len(str(tmp_path))
     assert without_compiling(done.stderr) == "", "no bar without a terminal"
@@ -62,7 +62,7 @@ def test_a_scene_that_does_not_hold_exits_1_and_says_why(tmp_path):
     assert answer["status"] == "NOT_HOLDABLE"
     said = " ".join(done.stderr.split())
     assert answer["diagnosis"] in said
-    same("cli/test_accuracy: nothing to compare with", said.replace(answer["diagnosis"], "…"))
+    says(said.replace(answer["diagnosis"], "…"), "Nothing")
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from handlcp.method.catalogue import Cost, entries
 from tests.support import patches
 from tests.support.hand import urdf
 from tests.support.messages import without_compiling
-from tests.support.texts import same, without_numbers
+from tests.support.texts import same, says, without_numbers
 
 ROOT = pathlib.Path(__file__).parents[2]
 CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
@@ -72,7 +72,7 @@ def test_a_held_scene_prints_the_verdict_then_contacts_and_torques_and_exits_0()
     assert "sticking" in done.stdout
     assert "Coulomb friction" not in done.stdout, "effects are told with --explain"
     titles = [a for a, b in pairwise(done.stdout.splitlines()) if a[:1].strip() and not (b.strip() or a.endswith("."))]
-    same("cli/test_cli: a held scene, titles", "; ".join(line.strip() for line in titles))
+    says("; ".join(line.strip() for line in titles), "squeezed")
     same("cli/test_cli: a held scene, verdict", verdict_of(done.stdout, "HELD"), "finger_2_proximal", "38 % of 0.8 N·m")
 
 
@@ -80,7 +80,7 @@ def test_explain_prints_each_effects_share_of_the_time_and_json_has_it(tmp_path,
     patches.shares_of_a_quarter(monkeypatch)
     done = run("solve", CUBE, "--explain")
     assert done.exit_code == 0, done.output
-    same("cli/test_cli: heading of shares", heading_of(done.stdout))
+    says(heading_of(done.stdout), "unknowns")
     assert "soft finger" in done.stdout, "which is off"
     (flexible,) = (line for line in done.stdout.splitlines() if "finger flexibility" in line)
     assert flexible.rstrip().endswith("25 %")
@@ -95,7 +95,7 @@ def test_explain_prints_each_effects_share_of_the_time_and_json_has_it(tmp_path,
     assert plain["problem"]["solve_s"] is None
     none = run("solve", scene(tmp_path, SMOOTH), "--explain")
     assert none.exit_code == 1
-    same("cli/test_cli: no shares without an answer", none.stdout.splitlines()[-1])
+    says(none.stdout.splitlines()[-1], "measured")
 
 
 def test_a_scene_that_does_not_hold_exits_1_and_says_which_way_the_object_goes(tmp_path):
@@ -110,7 +110,7 @@ def test_motors_that_are_too_weak_exit_1(tmp_path):
     assert done.exit_code == 1
     same("cli/test_cli: motors too weak", verdict_of(done.stdout, "OVER LIMIT"), "finger_2_proximal", "0.2 N·m")
     (row,) = (line for line in done.stdout.splitlines() if line.startswith(" finger_2_proximal"))
-    same("cli/test_cli: motors too weak, the joint's row", re.split("[█·]", row)[-1].strip())
+    says(re.split("[█·]", row)[-1].strip(), "limit")
 
 
 def test_a_bad_scene_exits_2_with_one_message_on_stderr(tmp_path):
@@ -218,7 +218,7 @@ def test_audit_lists_doubts(tmp_path):
     assert "finger_1_distal" in done.stdout
     doubts = strict(run("audit", file, "--json").stdout)["doubts"]
     (said,) = (d["what"] for d in doubts if "finger_1_distal" in d["joint"])
-    same("cli/test_cli: a doubt about a joint", said)
+    says(said, "unknown")
     assert {word for word in said.split() if word not in done.stdout} == set()
 
 
@@ -308,7 +308,7 @@ def test_an_accuracy_is_asked_for_in_place_of_faces():
     assert done.exit_code == 0
     (said,) = (line for line in done.stdout.splitlines() if "1.0e-03" in line)
     but_for_the_time = said.rpartition(",")[0]
-    same("cli/test_cli: an accuracy is reached", without_numbers(but_for_the_time), "exact cone")
+    says(without_numbers(but_for_the_time), "exact cone")
     reached = strict(run("solve", CUBE, "--accuracy", "1e-3", "--json").stdout)["accuracy"]
     assert (reached["asked"], reached["met"], reached["setting"]) == (1e-3, True, "exact cone")
     assert 0 < reached["error"] < 1e-9

@@ -15,7 +15,7 @@ from handlcp.cli import app
 from tests.support.envelope import Question
 
 CUBE = str(pathlib.Path(__file__).parents[2] / "examples" / "cube_three_fingers.toml")
-FEW = ("--directions", "12", "--adaptive", "0", "--faces", "8")
+FEW = ("--directions", "12", "--adaptive", "0", "--faces", "8", "--fixed")
 
 
 def run(*arguments):
@@ -27,7 +27,7 @@ def test_it_prints_what_the_envelope_says_writes_pictures_and_a_page_and_exits_0
     files = [tmp_path / name for name in ("a.png", "b.png", "c.html")]
     done = run(CUBE, *FEW, "--plot", files[0], "--polar", files[1], "--page", files[2])
     assert done.exit_code == 0, done.output
-    env = hl.envelope(scenes.load(CUBE).build(), 12, adaptive=0, faces=8)
+    env = hl.envelope(scenes.load(CUBE).build(), 12, adaptive=0, faces=8, geometry="fixed")
     assert str(env) in done.stdout
     assert max(len(line) for line in done.stdout.splitlines() if str(tmp_path) not in line) <= 80
     assert all(file.stat().st_size > 10_000 for file in files)

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 import handlcp as hl
 from handlcp.cli import app
 from tests.support.hand import allegro, psyonic, urdf
-from tests.support.texts import same
+from tests.support.texts import says
 
 MJCF = """<mujoco model="claw"><worldbody>
 <body name="l" pos="0.02 0 0"><joint name="a" axis="0 1 0" range="-60 60" limited="true"/>
@@ -65,7 +65,7 @@ def test_mjcf_files_are_described_and_audited(tmp_path):
     file.write_text(MJCF)
     done = run("hands", file)
     assert done.exit_code == 0
-    same("cli/test_hand_files: an MJCF file", done.stdout, "claw", "far end")
+    says(done.stdout, "claw", "far end")
     assert "effort limit" in run("audit", file).stdout
 
 

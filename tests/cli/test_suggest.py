@@ -8,7 +8,7 @@ import pathlib
 from typer.testing import CliRunner
 
 from handlcp.cli import app
-from tests.support.texts import same
+from tests.support.texts import same, says
 
 SCENE = "examples/allegro_pinch.toml"
 
@@ -20,7 +20,7 @@ def run(*words):
 def test_it_prints_what_matters_and_what_does_not():
     plain, said = run().stdout, run("--suggest").stdout
     assert said.startswith(plain)
-    same("cli/test_suggest: what is left out", " ".join(said.removeprefix(plain).split()), "finger weight", "joint_5.0")
+    says(" ".join(said.removeprefix(plain).split()), "finger weight", "joint_5.0")
 
 
 def test_a_scene_that_fails_is_told_what_would_hold_it(tmp_path):

@@ -10,7 +10,7 @@ import pytest
 import handlcp as hl
 from handlcp.scene import keys, read
 from tests.support.design import BriefTables, as_law, digest
-from tests.support.texts import same
+from tests.support.texts import says
 
 BALL = '[objects.ball]\nshape = "sphere"\nradius_m = 0.03\nmass_kg = 0.15\n'
 WHOLE = {
@@ -121,7 +121,7 @@ def test_an_unknown_key_gets_the_closest_valid_one(text, key, fact, tmp_path):
     errors = refusal(text, tmp_path)
     (unknown,) = [e for e in getattr(errors, "each", (errors,)) if e.argument == key]
     assert str(errors).startswith("brief.toml: ")
-    same(f"design/test_brief_file: an unknown key, {key}", unknown.got, fact)
+    says(unknown.got, fact)
 
 
 @pytest.mark.parametrize(

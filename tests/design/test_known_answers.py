@@ -24,7 +24,7 @@ def made(length=1.0, force=1.0, stiffness=4.0, distal=0.04):
 def brief(force=1.0):
     return hl.Brief(
         objects=hl.Sphere(0.03, mass=0.1 * force), loads={"twist": (0, 0, 0, 0, 0, 0.02 * force)}, friction=0.6,
-        grip_force=5.0 * force, tries=8,
+        grip_force=5.0 * force, tries=2,
     )  # fmt: skip
 
 
@@ -42,7 +42,7 @@ def grasp_of(hand, length=1.0, **closing):
     return hand.at(found.q).grasp(ball, friction=0.6, **(closing or {"grip_force": 5.0}))
 
 
-@pytest.mark.parametrize("times", [0.2, 3.0, 40.0])
+@pytest.mark.parametrize("times", [0.2, 40.0])
 def test_forces_of_another_scale_hold_as_many_times_as_much_with_the_same_motion(times):
     """Loads, grip, stiffness and 1 / pads times a: nothing in the equations knows a unit of force."""
     there = hl.evaluate(made(force=times), brief(times))

@@ -10,7 +10,7 @@ from handlcp.errors import InputError
 from tests.design.hands import PAD, STIFF, cube_grasp, pinch
 from tests.hand.levers import MU, L
 from tests.support.least import believes_less, lost_above
-from tests.support.texts import same
+from tests.support.texts import says
 
 LOAD = 1.0
 EXACT = LOAD / (2 * MU)  # normal force of a pinch that just carries it
@@ -87,7 +87,7 @@ def test_a_joint_over_its_limit_is_said_beside_the_least_friction(tmp_path):
     r = grasp.required_friction()
     assert r.value == pytest.approx(LOAD / (2 * 2.0), rel=2e-3)
     assert r.verdict == "OVER LIMIT"
-    same("design/test_least: friction, over limit", str(r), "OVER LIMIT")
+    says(str(r), "OVER LIMIT")
 
 
 def test_an_object_that_falls_on_the_palm_without_friction_is_not_called_held_where_it_was_gripped():
@@ -190,4 +190,4 @@ def test_why_less_stiffness_is_not_enough_is_said(tmp_path):
 
 def test_a_stiffness_prints(tmp_path):
     r = pushed(tmp_path).required_stiffness(PUSH * C / 4)
-    same("design/test_least: stiffness", str(r), "as stiff")
+    says(str(r), "as stiff")

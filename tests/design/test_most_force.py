@@ -8,7 +8,7 @@ import pytest
 import handlcp as hl
 from tests.design.hands import cube_grasp, pinch
 from tests.hand.levers import MU, L
-from tests.support.texts import same, without_numbers
+from tests.support.texts import says, without_numbers
 
 LOAD = 1.0
 EXACT = LOAD / (2 * MU)  # normal force of a pinch that just carries it
@@ -18,11 +18,11 @@ EXACT = LOAD / (2 * MU)  # normal force of a pinch that just carries it
 @pytest.mark.parametrize("bears", [1.02 * EXACT, 3.0 * EXACT])
 def test_a_grip_that_the_object_bears_is_the_one_without_that_question(tmp_path, bears):
     grasp = pinch(tmp_path)
-    r = grasp.required_grip(tolerance=1e-3, most_force=bears)
-    assert r.value == pytest.approx(EXACT, rel=1.1e-3)
+    r = grasp.required_grip(tolerance=1e-2, most_force=bears)
+    assert r.value == pytest.approx(EXACT, rel=1.1e-2)
     assert r.verdict == "HELD"
-    motors = grasp.required_torque(safety=1.0, most_force=bears)
-    np.testing.assert_allclose(motors.torque, L * EXACT, rtol=0.011)
+    motors = grasp.required_torque(safety=1.0, tolerance=0.02, most_force=bears)
+    np.testing.assert_allclose(motors.torque, L * EXACT, rtol=0.021)
     assert motors.confirmed
 
 
@@ -31,9 +31,7 @@ def test_no_grip_holds_an_object_that_bears_less_than_its_weight_over_twice_the_
     r = grasp.required_grip(tolerance=1e-3, most_force=bears)
     assert r.value is None
     assert r.fails < EXACT, "which loses the object"
-    same(
-        "design/test_most_force: no grip", without_numbers(r.hint), "not held", "presses with # N, and the object bears"
-    )
+    says(without_numbers(r.hint), "not held", "presses with # N, and the object bears")
     motors = grasp.required_torque(safety=1.0, most_force=bears)
     assert not motors.holds
     assert f"the object bears {bears:.4g} N" in motors.lost[1]
@@ -59,7 +57,7 @@ def test_a_push_counts_as_well_as_the_grip(tmp_path):
 # ---------------------------------------------------------------- by contact, and on the way
 def test_forces_may_be_given_by_contact():
     grasp = cube_grasp()
-    free = grasp.required_grip(tolerance=1e-2)
+    free = grasp.required_grip(tolerance=0.05)
     path = grasp.replace(grip_force=free.value).follow()
     largest = path.steps.forces[:, :, 2].max(axis=0)
     thumb = grasp.fingertips[int(np.argmax(largest))]

@@ -10,7 +10,7 @@ import pytest
 
 import handlcp as hl
 from tests.support.design import NOT_FOUND, UNITS, ObjectCase, read
-from tests.support.texts import same
+from tests.support.texts import says
 
 FACTORS = {"weight": 4.0, "pull": 9.0}
 BOX = ObjectCase("HELD", dict.fromkeys(FACTORS, "HELD"), FACTORS, 0.8, "the thumb slips", "pinch", False,
@@ -50,20 +50,20 @@ def test_what_is_met_gives_the_evaluation_back():
 def test_what_is_not_met_is_said_of_the_worst_object_with_how_much_and_what_gives_out(text, worst):
     said, one = unmet(DONE, text), read(text)
     apart = abs(getattr(DONE.cases[worst], one.name) - one.limit)
-    same(f"design/test_require: {text}", said, worst, f"{apart:.4g}", UNITS[one.name], DONE.cases[worst].gives_out)
+    says(said, worst, f"{apart:.4g}", UNITS[one.name], DONE.cases[worst].gives_out)
 
 
 def test_an_object_without_a_grasp_meets_no_limit_from_above():
     done = hl.Evaluation({"box": BOX, "ball": LOST})
     assert done.motion == BOX.motion, "which is all that is known"
-    same("design/test_require: no grasp", unmet(done, "motion<=0.002", "payload>0.1"), "ball", LOST.gives_out)
+    says(unmet(done, "motion<=0.002", "payload>0.1"), "ball", LOST.gives_out)
     assert LOST.gives_out in unmet(done)
 
 
 def test_an_object_that_is_pressed_harder_than_it_bears_meets_nothing():
     pressed = replace(BOX, word="NOT HELD", gives_out="the object bears 3 N, and is pressed with 8.5 N")
     done = hl.Evaluation({"ball": BALL, "box": pressed})
-    same("design/test_require: pressed", unmet(done, "payload>=0.1"), "box is NOT HELD", "pressed with 8.5 N")
+    says(unmet(done, "payload>=0.1"), "box is NOT HELD", "pressed with 8.5 N")
     assert done.worst_object == "box", "although the ball is held fewer times"
     assert (done.factor, done.gives_out) == (2.0, pressed.gives_out)
 

@@ -13,9 +13,9 @@ from handlcp.errors import InputError, UnknownName
 from tests.design.hands import G, cube_grasp, pinch
 from tests.hand.levers import MU, L
 from tests.support.hand import Drives
-from tests.support.texts import same
+from tests.support.texts import says
 
-BRIEF = {"lift": {}, "push": (0, 3, 0, 0, 0, 0), "upside down": {"gravity": (0, 0, G)}, "heavy": {"mass": 0.8}}
+BRIEF = {"lift": {}, "push": (0, 3, 0, 0, 0, 0), "heavy, upside down": {"gravity": (0, 0, G), "mass": 0.8}}
 SAFETY = 1.5
 
 
@@ -23,7 +23,7 @@ SAFETY = 1.5
 def cube():
     """Grasp and answer."""
     grasp = cube_grasp()
-    return grasp, grasp.required_torque(BRIEF, SAFETY)
+    return grasp, grasp.required_torque(BRIEF, SAFETY, tolerance=0.05)
 
 
 def under(grasp, name, grip, limits, safety=SAFETY):
@@ -139,12 +139,12 @@ def test_what_counts_are_shares_of_the_limits_where_all_joints_have_one():
 
 
 def test_the_hands_own_limits_are_enough_or_the_weak_joints_are_named(tmp_path):
-    strong, weak = (pinch(tmp_path, limits=limit).required_torque() for limit in (0.2, 0.1))
+    strong, weak = (pinch(tmp_path, limits=limit).required_torque(tolerance=0.1) for limit in (0.2, 0.1))
     assert strong.enough
     assert strong.weak == ()
     assert not weak.enough
     assert weak.weak == ("left_joint", "right_joint")
-    assert not pinch(tmp_path, limits={"left_joint": 0.2, "right_joint": 0.05}).required_torque().enough
+    assert not pinch(tmp_path, limits={"left_joint": 0.2, "right_joint": 0.05}).required_torque(tolerance=0.1).enough
 
 
 @pytest.mark.long
@@ -179,9 +179,7 @@ def test_the_peak_is_what_drives_pull_with_against_dry_friction_at_the_joints(tm
     assert carried.weak == ("left_joint", "right_joint")
 
 
-@pytest.mark.parametrize(
-    ("at_joints", "of_drive", "peak"), [(0.0, 0.03, 0.012), (0.0, 0.03, 0.04), (RUBS, 0.0, 0.04), (RUBS, 0.03, 0.012)]
-)
+@pytest.mark.parametrize(("at_joints", "of_drive", "peak"), [(0.0, 0.03, 0.04), (RUBS, 0.03, 0.012)])
 def test_a_motor_with_the_reduction_that_is_said_closes_and_holds_and_with_less_does_not(
     tmp_path, at_joints, of_drive, peak
 ):
@@ -239,10 +237,11 @@ def test_known_forces_cannot_be_followed(tmp_path):
         grasp.required_torque()
 
 
+@pytest.mark.long
 def test_where_check_does_not_say_held_the_answer_is_not_confirmed_and_says_why():
     hand = hl.example_hand("three_finger", joint_stiffness=60.0)
     box = hl.Box((0.05, 0.05, 0.13), (0.0, 0.0, 0.05), mass=0.1)  # down through the palm
-    r = hand.at(hand.close_on(box)).grasp(box, friction=0.8).required_torque({"lift": {}})
+    r = hand.at(hand.close_on(box)).grasp(box, friction=0.8).required_torque({"lift": {}}, tolerance=0.1)
     assert r.holds
     assert not r.confirmed
     assert not r.enough
@@ -255,7 +254,7 @@ def test_where_check_does_not_say_held_the_answer_is_not_confirmed_and_says_why(
 
 
 def test_a_finger_that_need_not_press_is_said_to_touch_alone(tmp_path):
-    r = dataclasses.replace(pinch(tmp_path).required_torque(), grip={"left_tip": 0.0, "right_tip": 1.0})
+    r = dataclasses.replace(pinch(tmp_path).required_torque(tolerance=0.1), grip={"left_tip": 0.0, "right_tip": 1.0})
     said = " ".join(str(r).split())
     assert "With a grip of 0 N (left_tip), 1 N (right_tip)" in said
     assert "0 N is to touch without pressing: load and other fingers press the object against left_tip." in said
@@ -264,13 +263,13 @@ def test_a_finger_that_need_not_press_is_said_to_touch_alone(tmp_path):
 
 def test_progress_is_told_with_every_grip_that_is_tried(tmp_path):
     told = []
-    pinch(tmp_path).required_torque(progress=told.append)
+    pinch(tmp_path).required_torque(tolerance=0.1, progress=told.append)
     assert told == list(range(1, len(told) + 1))
     assert told
 
 
 def test_it_prints_and_becomes_data(tmp_path):
     r = pinch(tmp_path, limits=0.1).required_torque({"down": (0, 0, -1, 0, 0, 0), "up": (0, 0, 1, 0, 0, 0)})
-    same("design/test_required_torque: a pinch", str(r), "left_joint", "over limit", "is lost")
+    says(str(r), "left_joint", "over limit", "is lost")
     assert max(map(len, str(r).splitlines())) <= 80
     assert r.to_dict()["joints"][0]["by_load_Nm"].keys() == {"down", "up"}

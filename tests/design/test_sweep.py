@@ -61,7 +61,7 @@ def test_grasps_of_a_cells_first_designs_are_candidates_of_the_others(study):
 def test_no_row_is_worse_than_an_evaluation_of_its_own():
     """The grasp of the longer fingers, brought to the shorter ones, holds three times less than what they can."""
     lengths = [0.05, 0.044]
-    asked = hl.Brief({"ball": hl.Sphere(0.03, mass=0.1)}, friction=0.7, tries=8)
+    asked = hl.Brief({"ball": hl.Sphere(0.03, mass=0.1)}, friction=0.7, tries=4)
 
     def fingers(length):
         return hl.finger_hand(3, (length, 0.04), joint_stiffness=3.5)

@@ -15,7 +15,7 @@ from handlcp.method.paper import Example, example, table
 from handlcp.scene import load
 from tests.support.grasp import arrays
 from tests.support.study import Mark, rows_of
-from tests.support.texts import same
+from tests.support.texts import says
 
 PAPER = pathlib.Path(__file__).parents[2] / "examples" / "paper"
 E_T, E_N, MU, WEIGHT = 6e-6, 1.5e-6, 0.6, 5.0
@@ -49,7 +49,7 @@ def test_each_scene_is_held_by_a_small_motion(file):
     assert s.residuals.worst < 1e-8
     assert len(v.warnings) == (s.uniqueness.loose_motions > 0), "no warning of a large motion or of other forces"
     for warning in v.warnings:
-        same(f"examples/test_paper_scenes: loose motions, {s.uniqueness.loose_motions}", warning.sentence)
+        says(warning.sentence, "smallest")
 
 
 @pytest.mark.parametrize(
@@ -134,7 +134,7 @@ def test_hard_fingers_in_their_place_let_the_cube_swing_down():
         hard, (0, 0, -WEIGHT, 0, 0, 0), flexibility=(E_T, E_T, E_N), preload=3e-5, reference=grasp.reference
     ).solve("cone", throw=False)
     assert swung.status is hl.Status.NOT_HOLDABLE
-    same("examples/test_paper_scenes: the cube swings down", swung.diagnosis, "fingers 1 and 2")
+    says(swung.diagnosis, "fingers 1 and 2")
 
 
 def test_the_bounded_total_is_reached_and_opens_every_finger_alike():

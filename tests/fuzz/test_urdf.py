@@ -19,7 +19,7 @@ import pytest
 from tests.support.messages import without_compiling
 
 HARD = os.environ.get("HANDLCP_HARD") == "1"
-COUNT = 3000 if HARD else 200
+COUNT = 3000 if HARD else 120
 HANGS = 3600  # s: whoever has not come back by then never will
 SHIPPED = Path(__file__).parents[2] / "urdf"
 CHECKOUT = Path(__file__).parents[2]

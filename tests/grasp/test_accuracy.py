@@ -12,12 +12,12 @@ import pytest
 import handlcp as hl
 from handlcp.method.paper import example
 from handlcp.scene import load
-from tests.benchmarks.force_truth import force_error, refine
+from tests.grasp.force_truth import force_error, refine
 from tests.grasp.scenes import cube_example, pinch, ring
 from tests.hard_cases.scenes import around, backwards, fingers
 from tests.support import patches
 from tests.support.grasp import arrays, claimed_force_error
-from tests.support.texts import same, without_numbers
+from tests.support.texts import says, without_numbers
 
 pytestmark = pytest.mark.skipif(
     np.finfo(np.longdouble).eps > 1e-18, reason="no extended precision on this machine to know the truth with"
@@ -114,7 +114,7 @@ def test_claims_hold_with_effects_that_were_asked_for():
 def test_any_solver_that_knows_cones_takes_the_cone(solver):
     grasp = cube_example()
     s = grasp.solve(accuracy=1e-10, solver=solver)
-    same("grasp/test_accuracy: the setting of the cone", s.accuracy.setting)
+    says(s.accuracy.setting, "exact")
     assert near(grasp, s) <= 2 * s.accuracy.error
 
 
@@ -166,14 +166,14 @@ def test_estimates_know_that_levers_far_from_the_origin_are_rounded():
 def test_a_solver_that_knows_no_cones_is_refused_where_there_is_one():
     with pytest.raises(hl.Unsupported) as caught:
         cube_example().solve(accuracy=1e-3, solver=hl.Lemke())
-    same("grasp/test_accuracy: a solver without cones", str(caught.value), "Lemke")
+    says(str(caught.value), "Lemke")
 
 
 def test_flat_and_frictionless_scenes_need_no_pyramids_whatever_the_solver():
-    for grasp, name in ((planar(), "in a plane"), (smooth(), "without friction")):
+    for grasp, word in ((planar(), "planar"), (smooth(), "no friction")):
         a = grasp.solve(accuracy=1e-9, solver=hl.Lemke()).accuracy
         assert a.solves == 1
-        same(f"grasp/test_accuracy: the setting {name}", a.setting)
+        says(a.setting, "exact", word)
 
 
 def test_a_coarse_answer_on_the_cone_is_refined_only_when_asked_to():
@@ -183,7 +183,7 @@ def test_a_coarse_answer_on_the_cone_is_refined_only_when_asked_to():
     assert loose.accuracy.solves == 1
     assert loose.accuracy.error > 1e-11
     assert tight.accuracy.solves == 2
-    same("grasp/test_accuracy: the setting of the cone refined", tight.accuracy.setting)
+    says(tight.accuracy.setting, "Newton")
     assert near(grasp, loose) <= 2 * loose.accuracy.error
     assert near(grasp, tight) <= 2 * tight.accuracy.error <= 2e-12
 
@@ -197,7 +197,7 @@ class _ConesAlone:
 
 def test_a_solver_of_cones_alone_is_enough():
     a = cube_example().solve(accuracy=1e-9, solver=_ConesAlone()).accuracy
-    same("grasp/test_accuracy: the setting of the cone", a.setting)
+    says(a.setting, "exact")
     assert near(cube_example(), cube_example().solve(accuracy=1e-9, solver=_ConesAlone())) <= 2 * a.error
 
 
@@ -214,7 +214,7 @@ class _BlindOnCones:
 def test_the_cone_is_reached_from_a_pyramid_where_the_solver_does_not_find_it():
     grasp = cube_example()
     a = grasp.solve(accuracy=1e-6, solver=_BlindOnCones()).accuracy
-    same("grasp/test_accuracy: the setting of the cone from a pyramid", a.setting, "4-face")
+    says(a.setting, "4-face")
     assert a.met
     assert a.solves == 3
 
@@ -229,7 +229,7 @@ def test_without_an_equilibrium_on_the_cone_nothing_is_claimed(monkeypatch):
     with pytest.raises(hl.NoSolutionFound) as caught:
         cube_example().solve(accuracy=0.5, solver=solver)
     assert np.isnan(caught.value.solution.accuracy.error)
-    same("grasp/test_accuracy: nothing on the cone", without_numbers(str(caught.value).partition("\n")[0]))
+    says(without_numbers(str(caught.value).partition("\n")[0]), "UNDECIDED")
 
 
 # ---------------------------------------------------------------- what no setting keeps
@@ -238,7 +238,7 @@ def test_a_request_that_no_setting_keeps_raises_with_what_there_is():
     with pytest.raises(hl.NoSolutionFound) as caught:
         grasp.solve(accuracy=asked)
     s = caught.value.solution
-    same(f"grasp/test_accuracy: no setting keeps {asked}", without_numbers(str(caught.value).partition("\n")[0]))
+    says(without_numbers(str(caught.value).partition("\n")[0]), "setting")
     assert s.held
     assert not s.accuracy.met
     again = grasp.solve(accuracy=asked, throw=False)
@@ -283,7 +283,7 @@ def test_solutions_say_what_they_cost_and_can_be_pickled():
     assert s.accuracy.seconds > 0
     assert s.trace[-1] == f"accuracy: {s.accuracy}"
     assert (s.accuracy.solves, s.accuracy.asked, s.accuracy.met) == (1, 1e-3, True)
-    same("grasp/test_accuracy: what was asked for and reached", without_numbers(str(s.accuracy)), s.accuracy.setting)
+    says(without_numbers(str(s.accuracy)), s.accuracy.setting)
     copy = pickle.loads(pickle.dumps(s))
     assert copy.accuracy.error == s.accuracy.error
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.benchmarks.admm import equilibrium
+from tests.grasp.admm import equilibrium
 from tests.grasp.scenes import ring
 
 

@@ -13,7 +13,7 @@ from tests.support import patches
 from tests.support.effects import compliances, has_an_equation_of_its_own, softened, stamps
 from tests.support.grasp import arrays, changed
 from tests.support.study import left_out
-from tests.support.texts import same
+from tests.support.texts import says
 
 RNG = np.random.default_rng(11)
 ROOT = RNG.normal(size=(6, 6)) * np.array([1e-2] * 3 + [1e-1] * 3)[:, None]
@@ -141,10 +141,10 @@ def test_compliances_bring_no_unknowns_and_explain_lists_them_with_why():
     for title in ("contact compliance", "soft wrist"):
         assert lines[title].on
         assert lines[title].cost == 0
-        same(f"grasp/test_compliance: why {title} is on", lines[title].why)
+        says(lines[title].why, "asked")
     off = {e.title: e.why for e in contacts.explain("cone").effects if not e.on}
     assert off["contact compliance"] == off["soft wrist"]
-    same("grasp/test_compliance: why a compliance is off", off["soft wrist"])
+    says(off["soft wrist"], "asked")
     assert stamps(*g.effects) == ()
     assert len(g.effects) == 2
 
@@ -281,7 +281,7 @@ def test_rigid_fingers_are_told_apart_from_the_compliance_asked_for():
     g = hl.Grasp(contacts, (0, 0, -1, 0, 0, 0), preload=1e-3, effects=[hl.ContactCompliance(1e-4)])
     lines = {line.title: line for line in g.explain().effects}
     assert not lines["finger flexibility"].on
-    same("grasp/test_compliance: why the flexibility of rigid fingers is off", lines["finger flexibility"].why)
+    says(lines["finger flexibility"].why, "rigid")
     assert lines["contact compliance"].on
 
 
@@ -290,4 +290,4 @@ def test_a_prescribed_force_out_of_the_plane_is_refused():
     effects = [hl.PrescribedForce(2, (0.1, 0.1, 1))]
     with pytest.raises(hl.InputError) as caught:
         hl.Grasp(contacts, (0.1, -1, 0.002), flexibility=1e-4, preload=5e-4, effects=effects)
-    same("grasp/test_compliance: a prescribed force out of the plane", str(caught.value), caught.value.argument)
+    says(str(caught.value), caught.value.argument)

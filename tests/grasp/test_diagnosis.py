@@ -8,7 +8,7 @@ import pytest
 import handlcp as hl
 from tests.grasp.scenes import pinch
 from tests.support.grasp import describe_motion, diagnose, diagnosed
-from tests.support.texts import same
+from tests.support.texts import same, says
 
 PAIR = np.array([[-0.01, 0, 0], [0.01, 0, 0]])
 NAMES = ("finger 1", "finger 2")
@@ -24,7 +24,7 @@ def way(twist, p=PAIR, c=ZERO, names=NAMES):
 
 def test_a_translation_names_its_direction_whatever_the_reference():
     down = way((0, 0, -3, 0, 0, 0))
-    same(f"{KEY}: a translation", down, "(0, 0, -1)")
+    says(down, "(0, 0, -1)")
     assert way((0, 0, -3, 0, 0, 0), c=(5, 6, 7)) == down
     assert way((0, 0, -1, 0, 0.001, 0)) == down, "a thousandth of a turn over 1 cm is nothing"
 
@@ -33,15 +33,15 @@ def test_a_translation_names_its_direction_whatever_the_reference():
 def test_a_rotation_names_its_axis_and_a_point_whatever_the_reference(c):
     axis, foot = np.array([0, 0, 1.0]), np.array([0.02, 0.03, 0])
     twist = np.r_[np.cross(axis, np.array(c) - foot), axis]
-    same(f"{KEY}: a rotation", way(twist, c=c), "(0, 0, 1)", "(0.02, 0.03, 0) m")
+    says(way(twist, c=c), "(0, 0, 1)", "(0.02, 0.03, 0) m")
     through = np.r_[np.cross(axis, np.array(c) - PAIR[1]), axis]
-    same(f"{KEY}: a rotation through a contact", way(through, c=c), "(0, 0, 1)", "finger 2")
+    says(way(through, c=c), "(0, 0, 1)", "finger 2")
     line = np.r_[np.cross((1, 0, 0), np.array(c)), 1, 0, 0]
-    same(f"{KEY}: a rotation through two contacts", way(line, c=c), "fingers 1 and 2")
+    says(way(line, c=c), "fingers 1 and 2")
 
 
 def test_a_screw_names_both():
-    same(f"{KEY}: a screw", way((0, 0, -0.01, 0, 0, 1)), "(0, 0, 1)", "(0, 0, 0) m", "(0, 0, -1)")
+    says(way((0, 0, -0.01, 0, 0, 1)), "(0, 0, 1)", "(0, 0, 0) m", "(0, 0, -1)")
 
 
 def test_not_holdable_says_where_the_object_goes():
@@ -52,12 +52,12 @@ def test_not_holdable_says_where_the_object_goes():
 
 def test_a_held_pinch_still_spins_about_its_line():
     g = pinch()
-    same(f"{KEY}: a held pinch", diagnosed(g, g.solve()), "left and right")
+    says(diagnosed(g, g.solve()), "left and right")
 
 
 def test_states_are_told_by_name():
     g = pinch(load=(25.0, 0, 0))
-    same(f"{KEY}: a finger that does not push", diagnosed(g, g.solve()), "left")
+    says(diagnosed(g, g.solve()), "left")
     text = diagnose(
         hl.Status.SOLVED,
         ("finger 1", "finger 2", "finger 3"),
@@ -75,7 +75,7 @@ def test_several_loose_directions_are_counted():
     text = diagnose(
         hl.Status.SOLVED, NAMES, PAIR, reference=ZERO, states=("sliding",) * 2, loose=loose, forces_determined=False
     )
-    same(f"{KEY}: several loose directions and undetermined forces", text, " 2 ")
+    says(text, " 2 ")
     untouched = pinch(squeeze=-1e-3, load=(0, 0, 0))
     same(f"{KEY}: an object nobody touches", diagnosed(untouched, untouched.solve()))
 
@@ -92,9 +92,9 @@ def test_no_equilibrium_names_who_is_without_preload_and_what_would_hold():
     )
     same(f"{KEY}: nobody squeezes", none, "4.3 µm")
     same(f"{KEY}: one does not squeeze", one, "finger 2", "4.3 µm")
-    same(f"{KEY}: all squeeze too little", both, "4.3 µm")
+    says(both, "4.3 µm")
     far = no_equilibrium((0, 0), bounds=(1.1e4, 6.9))
-    same(f"{KEY}: none within bounds", far)
+    says(far, "no finger squeezes")
     assert not any(c.isdigit() for c in far), "no newtons and metres that nobody asked for"
 
 
@@ -105,8 +105,8 @@ def test_what_is_called_enough_is_rounded_up():
 
 def test_what_is_not_known_is_not_said():
     nobody, both = no_equilibrium((0, 0)), no_equilibrium((1e-6, 1e-6))
-    same(f"{KEY}: nobody squeezes, and what would hold is not known", nobody)
-    same(f"{KEY}: all squeeze, and what would hold is not known", both)
+    says(nobody, "no finger squeezes")
+    says(both, "although")
     assert not any(c.isdigit() for c in nobody + both), "no squeeze that would hold, no bounds"
     text = diagnose(hl.Status.UNDECIDED, NAMES, PAIR, reference=ZERO, offset=np.zeros((2, 3)), required_preload=1e-3)
     same(f"{KEY}: undecided", text)
@@ -122,13 +122,13 @@ def test_many_names_are_cut_short():
         reference=ZERO,
         states=[*["sliding"] * 7, "sticking"],
     )
-    same(f"{KEY}: many slide", text, "fingers 1, 2, 3, 4")
+    says(text, "fingers 1, 2, 3, 4")
 
 
 def test_fingers_without_friction_are_not_said_to_slide():
     contacts = [hl.Contact(p, (-np.sign(p[0]), 0, 0), hl.Frictionless()) for p in PAIR]
     text = hl.Grasp(contacts, flexibility=1e-4, preload=1e-3).solve().diagnosis
-    same(f"{KEY}: nobody has friction", text, " 5 ")
+    says(text, " 5 ")
     one = diagnose(
         hl.Status.SOLVED,
         ("finger 1", "finger 2", "finger 3"),
@@ -137,13 +137,13 @@ def test_fingers_without_friction_are_not_said_to_slide():
         forces=np.array([[0, 0, 2.0], [1.0, 0, 2.0], [0, 0, 0]]),
         states=("sliding", "sliding", "separated"),
     )
-    same(f"{KEY}: one slides, one is smooth, one is apart", one, "finger 1", "finger 2", "finger 3")
+    says(one, "finger 1", "finger 2", "finger 3")
 
 
 def test_no_contact_force_is_measured_against_the_scene():
     """A contact is separated when its force is nothing beside the scene's; rounding does not make it one."""
     noise = {"forces": np.full((2, 3), 1e-16), "states": ("separated",) * 2}
-    same(f"{KEY}: no force but rounding", diagnose(hl.Status.SOLVED, NAMES, PAIR, reference=ZERO, **noise))
+    says(diagnose(hl.Status.SOLVED, NAMES, PAIR, reference=ZERO, **noise), "no finger pushes")
     held = {"forces": np.full((2, 3), 1e-16), "states": ("sticking",) * 2}
     same(f"{KEY}: all stick", diagnose(hl.Status.SOLVED, NAMES, PAIR, reference=ZERO, **held))
 
@@ -151,10 +151,10 @@ def test_no_contact_force_is_measured_against_the_scene():
 def test_fingers_of_one_name_are_told_apart():
     contacts = [hl.Contact(p, (-np.sign(p[0]), 0, 0), hl.Coulomb(0.5), name="a") for p in PAIR]
     text = hl.Grasp(contacts, flexibility=1e-4, preload=1e-3).solve().diagnosis
-    same(f"{KEY}: fingers of one name", text, "finger 1 (a)", "finger 2 (a)")
+    says(text, "finger 1 (a)", "finger 2 (a)")
 
 
 def test_where_no_cause_is_known_the_preload_is_ruled_out():
     why = {"bounds": (1.0, 2.0), "cause": "so it is"}
-    same(f"{KEY}: a cause beside preload", no_equilibrium((1e-6, 1e-6), **why), "so it is")
-    same(f"{KEY}: a cause beside one without preload", no_equilibrium((1e-6, 0), **why), "finger 2", "so it is")
+    says(no_equilibrium((1e-6, 1e-6), **why), "so it is")
+    says(no_equilibrium((1e-6, 0), **why), "finger 2", "so it is")

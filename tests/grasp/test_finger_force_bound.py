@@ -13,7 +13,7 @@ from tests.grasp.scenes import pinch, ring
 from tests.support import patches
 from tests.support.grasp import arrays, at_centre, judged
 from tests.support.search import is_overload, overload
-from tests.support.texts import same
+from tests.support.texts import says
 
 C, SQUEEZE = 1e-4, 1e-3  # m/N and m of the pinch: 10 N a finger where nothing is bounded
 SECTIONS = [4, 8, "cone"]
@@ -127,7 +127,7 @@ def test_no_bound_is_no_effect_bit_for_bit(faces):
     np.testing.assert_allclose(t.forces, s.forces, atol=1e-12 * abs(s.forces).max())
     assert t.extra == {}
     (line,) = (e for e in neutral.explain(faces).effects if e.title == hl.FingerForceBound.title)
-    same("grasp/test_finger_force_bound: why a bound of infinity does nothing", line.why)
+    says(line.why, "finite")
 
 
 @pytest.mark.parametrize("effects", [[], [hl.TotalForceBound(8.0)]])
@@ -180,7 +180,7 @@ def test_bounds_too_low_for_the_load_are_proven_so(faces):
     s = g.solve(faces, throw=False)
     assert s.status is hl.Status.NO_EQUILIBRIUM
     assert s.required_preload is None
-    same("grasp/test_finger_force_bound: bounds too low", s.diagnosis, hl.FingerForceBound.title)
+    says(s.diagnosis, hl.FingerForceBound.title)
     proof = overload(g, faces)
     assert is_overload(g, faces, proof)
     assert not is_overload(g, faces, -proof)
@@ -220,11 +220,11 @@ def test_as_many_bounds_as_contacts():
         pinch(effects=[hl.FingerForceBound([1.0, 2.0, 3.0])])
     assert e.value.argument == "effects[0].limits"
     assert "2" in e.value.expected
-    same("grasp/test_finger_force_bound: three bounds for two fingers", str(e.value), "effects[0].limits: ", "3")
+    says(str(e.value), "effects[0].limits: ", "3")
     with pytest.raises(InputError) as e:
         pinch(effects=[hl.FingerForceBound(1.0), hl.FingerForceBound(2.0)])
     assert e.value.argument == "effects[1]"
-    same("grasp/test_finger_force_bound: an effect twice", str(e.value), "FingerForceBound")
+    says(str(e.value), "FingerForceBound")
 
 
 def test_replaced_pickled_and_solved_in_numbers_it_stays():

@@ -7,7 +7,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.scene import read
-from tests.support.texts import same
+from tests.support.texts import says
 
 
 def pinch(*known, mu=0.5, load=1.0):
@@ -113,10 +113,10 @@ def test_bad_readings_are_refused_by_name(known, named):
 def test_a_prescribed_force_is_not_known_once_more():
     with pytest.raises(hl.InputError) as caught:
         pinch(hl.PrescribedForce(0, (0, 0, 1)), hl.KnownForce(0, (None, None, 1.0)))
-    same("grasp/test_known_force: prescribed and known", str(caught.value), caught.value.argument)
+    says(str(caught.value), caught.value.argument)
 
 
 def test_no_tangential_reading_where_there_is_no_friction():
     with pytest.raises(hl.InputError) as caught:
         pinch(hl.KnownForce(0, (0.1, None, None)), mu=0.0).solve()
-    same("grasp/test_known_force: a tangential reading without friction", str(caught.value), caught.value.argument)
+    says(str(caught.value), caught.value.argument)

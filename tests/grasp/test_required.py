@@ -18,7 +18,7 @@ from tests.support.grasp import (
     with_friction,
     with_preload,
 )
-from tests.support.texts import same
+from tests.support.texts import says
 
 C = 1e-4  # m/N, the pinch's flexibility
 
@@ -66,13 +66,13 @@ def test_example_4_needs_a_few_micrometres_on_all_fingers(faces):
 def test_nothing_needed_nothing_enough_and_a_limit():
     enough = required_preload(pinch(squeeze=1e-3))
     assert (enough.value, enough.fails) == (0.0, None)
-    same("grasp/test_required: enough as it is", str(enough))
+    says(str(enough), "check()")
     smooth = [hl.Contact((s, 0, 0), (-s, 0, 0), hl.Frictionless()) for s in (-1.0, 1.0)]
     never = hl.Grasp(smooth, (0, 0, -1, 0, 0, 0), flexibility=C)
     for r in (required_preload(never), required_friction(never)):
         assert r.value is None
         assert r.proven
-        same("grasp/test_required: no value holds, proven", str(r))
+        says(str(r), "balances")
     along = hl.Grasp(smooth, (1, 0, 0, 0, 0, 0), flexibility=C)
     assert required_friction(along).value == 0.0
     short = required_preload(pinch(squeeze=0.0), limit=1e-6)
@@ -141,8 +141,8 @@ def test_without_preload_the_search_for_friction_says_that_this_is_missing():
     loose, firm = (required_friction(pinch(squeeze=s), **short) for s in (0.0, 1e-3))
     assert loose.hint
     assert not firm.hint
-    same("grasp/test_required: no friction is enough without preload", " ".join(str(loose).split()), "10", loose.hint)
-    same("grasp/test_required: no friction is enough", str(firm), "10")
+    says(" ".join(str(loose).split()), "10", loose.hint)
+    says(str(firm), "10")
 
 
 def test_changed_grasps_keep_everything_else():

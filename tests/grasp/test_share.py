@@ -12,7 +12,7 @@ from tests.grasp.scenes import cube_example, pinch, ring
 from tests.support import patches
 from tests.support.clocks import a_quarter_less
 from tests.support.steps import best_times, shares
-from tests.support.texts import same
+from tests.support.texts import says
 
 
 def flat():
@@ -126,8 +126,8 @@ def test_explain_measures_when_asked_and_says_so(monkeypatch):
         (line.title for line in g.explain().effects if line.on and line.title not in ALWAYS), 0.25
     )
     assert {line.share for line in e.effects if not line.on or line.title in ALWAYS} == {None}
-    same("grasp/test_share: the last line", str(e).splitlines()[-1], "2000000 µs")
-    same("grasp/test_share: an effect's line", line_of(e, "soft wrist"), "25 %")
+    says(str(e).splitlines()[-1], "2000000 µs")
+    says(line_of(e, "soft wrist"), "25 %")
     assert g.explain().rcond is None, "nothing is eliminated on the cone"
     assert f"{1.0 / g.explain(8).rcond:.1e}" in str(g.explain(8))
 

@@ -20,7 +20,7 @@ from tests.support.search import (
     saturation,
     searched,
 )
-from tests.support.texts import same, without_numbers
+from tests.support.texts import says, without_numbers
 
 C = 1e-4  # m/N
 SECTIONS = [4, 8, "cone"]
@@ -66,7 +66,7 @@ def test_a_bounded_pair_holds_as_much_as_its_bound_and_the_squeeze_of_the_other_
     assert s.status is hl.Status.NO_EQUILIBRIUM
     assert s.bounds[0] >= 1000
     # Forces within the bound would do, so it is not to blame
-    same(f"{KEY}: bounds that are not to blame, {faces}", without_numbers(s.diagnosis))
+    says(without_numbers(s.diagnosis), "squeeze is too small")
     assert hl.FingerForceBound.title not in s.diagnosis
     assert beyond.replace(preload=np.repeat([3e-4, 1e-3], 2)).solve(faces).held
 
@@ -230,7 +230,7 @@ def test_a_hook_whose_stuck_finger_is_bounded_still_has_three_equilibria():
     )
     found = bounded.equilibria()
     assert found.complete
-    same(f"{KEY}: all choices were solved", found.why, "32")
+    says(found.why, "32")
     by_force = sorted(found, key=lambda s: s.normal_force[0])
     assert [s.normal_force[0] for s in by_force] == pytest.approx([0.0, 17 / 35, 0.7], abs=1e-9)
     assert [s.extra["z̄_i"][0] for s in by_force] == pytest.approx([0.0, 0.0, 0.057e-3], abs=1e-12)
@@ -255,17 +255,17 @@ def test_only_limits_that_stand_in_the_way_are_named(faces):
         return s.diagnosis
 
     each = diagnosed(hl.TotalForceBound(1e3), hl.FingerForceBound(0.9))
-    same(f"{KEY}: the bound of each is in the way", each, hl.FingerForceBound.title)
+    says(each, hl.FingerForceBound.title)
     total = diagnosed(hl.TotalForceBound(1.0), hl.FingerForceBound(9.0))
-    same(f"{KEY}: the bound of all is in the way", without_numbers(total))
+    says(without_numbers(total), "total normal force")
     assert " 1 N" in total
     weak = pinch(squeeze=0.0, effects=[hl.TotalForceBound(1e3)]).solve(faces, throw=False)
     assert weak.required_preload is not None
     assert hl.TotalForceBound.title not in weak.diagnosis
-    same(f"{KEY}: no squeeze within bounds that would do", without_numbers(weak.diagnosis))
+    says(without_numbers(weak.diagnosis), "no finger squeezes")
     rigid = {"flexibility": 0.0, "load": (0, 0, -3.0)}
     unbounded = pinch(**rigid, effects=[hl.FingerForceBound(np.inf)]).solve(faces, throw=False)
-    same(f"{KEY}: rigid fingers", unbounded.diagnosis)
+    says(unbounded.diagnosis, "rigid fingers")
     assert pinch(**rigid, effects=[hl.FingerForceBound(7.0)]).solve(faces).held
 
 
@@ -281,4 +281,4 @@ def test_two_limits_that_are_too_low_only_together_are_named_together():
     assert all(overload(g(e), 8) is None for e in effects)
     s = g(*effects).solve(throw=False)
     assert s.status is hl.Status.NO_EQUILIBRIUM
-    same(f"{KEY}: two bounds together", s.diagnosis, hl.TotalForceBound.title, hl.FingerForceBound.title)
+    says(s.diagnosis, hl.TotalForceBound.title, hl.FingerForceBound.title)

@@ -14,7 +14,7 @@ from handlcp import Contact, Coulomb
 from handlcp.errors import UnknownName, URDFError
 from handlcp.hand import Audit, Hand, Sphere, audit_urdf, example_hand
 from tests.support.hand import SHIPPED, allegro, psyonic, urdf
-from tests.support.texts import same
+from tests.support.texts import says
 
 from .conftest import MIMIC
 
@@ -51,8 +51,8 @@ def about(found: Audit, name: str) -> str:
 def test_shipped_hands_leave_one_doubt(name: str) -> None:
     """Only that a URDF has no place for joint stiffness; a stiffness by name answers it."""
     (only,) = audit_urdf(urdf(name))
-    same("hand/test_audit: no stiffness", only.what)
-    same("hand/test_audit: the advice where there is no stiffness", only.advice, "joint_stiffness")
+    says(only.what, "stiffness")
+    says(only.advice, "joint_stiffness")
     hand = example_hand(name)
     assert [d.joint for d in hand.audit()] == ["hand"]
     assert not example_hand(name, joint_stiffness=dict.fromkeys(hand.joint_names, 2.0)).audit()
@@ -62,8 +62,8 @@ def test_allegro_s_fifteen_newton_metres_are_a_placeholder() -> None:
     """All sixteen joints at 15 N·m; passing torque limits answers it. joint_12.0 cannot stand at zero."""
     file, _ = allegro()
     found = audit_urdf(file)
-    same("hand/test_audit: a placeholder", about(found, "joint_3.0"), "15 N·m")
-    same("hand/test_audit: a joint that cannot stand at zero", about(found, "joint_12.0"), "15 N·m", "0.263")
+    says(about(found, "joint_3.0"), "15 N·m")
+    says(about(found, "joint_12.0"), "15 N·m", "0.263")
     assert "torque_limits" in str(found)
     assert "15 N·m" not in str(example_hand("allegro").audit())
     assert "15 N·m" in str(example_hand("allegro", torque_limits=None).audit())
@@ -91,7 +91,7 @@ def test_mimic_tags_are_reported_with_how_they_are_read() -> None:
     file, _ = psyonic()
     found = audit_urdf(file, base="LeftPsyonicAbilityBaseLink")
     (tag,) = found.about("Left_index_q2")
-    same("hand/test_audit: a mimic tag", str(tag), "'index_q1'", "1.05851", "Left_index_q1", "0.723498")
+    says(str(tag), "'index_q1'", "1.05851", "Left_index_q1", "0.723498")
     assert tag.severity == "minor"
     assert "Right_" not in str(found)
     with pytest.raises(UnknownName, match="LeftPsyonicAbilityBaseLink"):
@@ -136,7 +136,7 @@ def test_each_kind_of_doubt(write: Callable[[str], Path]) -> None:
     assert not found.about("fine")
     for name in names:
         assert found.about(name), name
-        same(f"hand/test_audit: each kind of doubt, {name}", about(found, name), facts.get(name, ""))
+        says(about(found, name), facts.get(name, ""))
     assert all(d.advice for d in found)
     assert len(found) == len(list(found)) == len(found[:])
 
@@ -152,10 +152,10 @@ def test_placeholders_are_equal_and_round(write: Callable[[str], Path]) -> None:
         return [(d.what, d.severity) for d in found if d.about == "torque limit" and "every" in d.what]
 
     ((what, severity),) = doubts(100, 100)
-    same("hand/test_audit: two equal round efforts", what, "100 N·m")
+    says(what, "100 N·m")
     assert severity == "serious"
     ((what, severity),) = doubts(3.7, 3.7)
-    same("hand/test_audit: two equal efforts", what, "3.7 N·m")
+    says(what, "3.7 N·m")
     assert severity == "minor"
     for others in ((100, 90), (3.7, 3.8), (100,)):
         assert not doubts(*others), others
@@ -165,7 +165,7 @@ def test_audit_of_a_hand_from_a_model(write: Callable[[str], Path]) -> None:
     """A Pinocchio model is audited as far as it knows."""
     model = Hand.from_urdf(write(MIMIC), joint_stiffness=1.0).model
     found = Hand.from_urdf(model, joint_stiffness=1.0).audit()
-    same("hand/test_audit: a limit that a model does not have", about(found, "w"))
+    says(about(found, "w"), "infinite")
 
 
 def test_an_audit_prints_the_same_everywhere() -> None:
@@ -178,7 +178,7 @@ def test_an_audit_prints_the_same_everywhere() -> None:
     Console(file=out, width=120).print(audit_urdf(allegro()[0]))
     assert "torque_limits" in out.getvalue()
     assert out.getvalue().strip() == str(audit_urdf(allegro()[0]))
-    same("hand/test_audit: no doubts", str(Audit("some.urdf", ())), "some.urdf")
+    says(str(Audit("some.urdf", ())), "some.urdf")
 
 
 def test_files_that_are_no_urdf_are_refused(write: Callable[[str], Path], tmp_path: Path) -> None:
@@ -207,7 +207,7 @@ def test_a_verdict_warns_of_limits_that_no_motor_of_a_finger_has(
     assert len(named) == 2 * doubtful
     assert all(r.severity == "warning" for r in v.about("limit_doubtful"))
     if doubtful:
-        same(f"hand/test_audit: a limit of {max(efforts):g}, {doubtful}", v.about("limit_doubtful")[0].sentence)
+        says(v.about("limit_doubtful")[0].sentence, "finger_1_proximal")
 
 
 # ---------------------------------------------------------------- how much a doubt weighs
@@ -227,14 +227,14 @@ def test_the_most_serious_doubts_come_first(write: Callable[[str], Path]) -> Non
     assert text.index("Serious") < text.index("Minor") < text.index("Information")
     assert max(map(len, text.splitlines())) <= 80
     assert found.serious == tuple(d for d in found if d.severity == "serious")
-    same("hand/test_audit: the summary", found.summary)
+    says(found.summary, "1 information")
 
 
 def test_a_mimic_tag_that_is_right_is_no_doubt(write: Callable[[str], Path]) -> None:
     """It is read as it is written: information. One that leads nowhere is serious."""
     (right,) = audit(write, joint("lead", LEAD), joint("after", AFTER)).about("after")
     assert right.severity == "information"
-    same("hand/test_audit: a mimic tag that is right", right.what)
+    says(right.what, "follow")
     (wrong,) = (d for d in audit(write, joint("after", AFTER)).about("after") if d.about == "coupling")
     assert wrong.severity == "serious"
 
@@ -254,7 +254,7 @@ def test_ranges_that_a_follower_narrows_are_doubts(
     found = [d for d in hand.audit().about("lead") if d.about == "range"]
     assert [d.severity for d in found] == ([severity] if severity else [])
     if severity == "minor":
-        same("hand/test_audit: a range narrowed by a mimic joint", found[0].what, "after", "-0.25, 0.25")
+        says(found[0].what, "after", "-0.25, 0.25")
 
 
 def test_what_geometry_lacks_is_a_doubt(tmp_path: Path) -> None:
@@ -270,12 +270,12 @@ def test_what_geometry_lacks_is_a_doubt(tmp_path: Path) -> None:
 
     assert doubts(text) == {"serious": [], "minor": []}
     none = doubts(collision.sub("", text))
-    same("hand/test_audit: no collision geometry", none["serious"][0])
+    says(none["serious"][0], "collision")
     one = doubts(collision.sub("", text, count=1))
-    same("hand/test_audit: a link without collision geometry", one["minor"][0])
+    says(one["minor"][0], "collision")
     mesh = '<collision><geometry><mesh filename="package://no/where.stl"/></geometry></collision>'
     lost = doubts(collision.sub(mesh, text, count=1))
-    same("hand/test_audit: a mesh that is missing", lost["serious"][0], "package://no/where.stl")
+    says(lost["serious"][0], "package://no/where.stl")
 
 
 def test_serious_doubts_stand_beside_the_verdict(write: Callable[[str], Path]) -> None:
@@ -288,10 +288,10 @@ def test_serious_doubts_stand_beside_the_verdict(write: Callable[[str], Path]) -
     ball = Sphere(0.5 * np.ptp(tips[:, 0]) - 0.008, (0, 0, tips[0, 2]))
     v = hand.at(np.zeros(4)).grasp(ball, preload=1e-3).solve(throw=False).verdict
     (doubtful,) = v.about("hand_doubtful")
-    same("hand/test_audit: a serious doubt beside a verdict", doubtful.sentence, "1.6")
+    says(doubtful.sentence, "1.6")
     (blind,) = v.about("link_inside")
     assert {doubtful.severity, blind.severity} == {"warning"}
-    same("hand/test_audit: links that nobody sees", blind.sentence)
+    says(blind.sentence, "collision")
 
 
 def test_a_shipped_hand_s_verdict_has_no_doubts() -> None:

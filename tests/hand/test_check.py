@@ -10,7 +10,7 @@ import pytest
 
 import handlcp as hl
 from tests.hand.levers import MU, C, L, lever_hand, lever_pinch
-from tests.support.texts import same, without_numbers
+from tests.support.texts import same, says, without_numbers
 
 Write = Callable[[str], pathlib.Path]
 SQUEEZE = 5.0 * C  # [m] of each lever finger: 5 N
@@ -68,9 +68,9 @@ def test_a_soft_hand_that_one_solve_calls_held_drops_the_ball(case):
     assert one.held
     v = grasp.check(solution=one)
     assert v.word == "NOT HELD"
-    same(f"hand/test_check: dropped, {case}", without_numbers("; ".join(r.sentence for r in v.about("lost"))))
+    says(without_numbers("; ".join(r.sentence for r in v.about("lost"))), "runs away")
     (note,) = v.about("followed_forces")
-    same("hand/test_check: one solve finds an equilibrium", note.sentence)
+    says(note.sentence, "equilibrium")
 
 
 def test_the_end_of_the_path_is_compared_with_one_solve():

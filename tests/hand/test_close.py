@@ -12,7 +12,7 @@ from handlcp.errors import InputError, NotReached, UnknownName
 from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, Mesh, Sphere, example_hand
 from tests.support.grasp import arrays
 from tests.support.hand import gaps
-from tests.support.texts import same
+from tests.support.texts import says
 
 from .test_objects import box_file
 
@@ -103,11 +103,7 @@ def test_two_points_on_one_finger_are_said_to_share_its_joints() -> None:
         hand.close_on(Sphere(0.02, (0.0, 0.0, 0.09)))
     assert "finger_1_proximal_link" in caught.value.gaps
     without = re.sub(r", got .*", "", str(caught.value))
-    same(
-        "hand/test_close: two points on one finger",
-        without,
-        "no joint moves finger_1_proximal_link without finger_1_tip",
-    )
+    says(without, "no joint moves finger_1_proximal_link without finger_1_tip")
     with pytest.raises(NotReached) as alone:  # fingers with joints of their own are out of reach, and nothing else
         hand.close_on(Sphere(0.01, (1.0, 0.0, 0.0)), fingers=["finger_2_tip"])
     assert "without" not in str(alone.value)

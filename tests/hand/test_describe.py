@@ -10,7 +10,7 @@ import pytest
 import handlcp as hl
 from handlcp.hand import HANDS
 from tests.support.hand import allegro, psyonic, urdf
-from tests.support.texts import same
+from tests.support.texts import says
 
 from .conftest import MIMIC
 
@@ -38,7 +38,7 @@ def test_descriptions_fit_80_columns(name: str) -> None:
 
 def test_a_description_is_text_to_read() -> None:
     """The whole of it, so that a change of wording is seen."""
-    same("hand/test_describe: a shipped hand", str(hl.describe_urdf(urdf("two_finger"))), "two_finger", "finger_1_tip")
+    says(str(hl.describe_urdf(urdf("two_finger"))), "two_finger", "finger_1_tip")
 
 
 def test_size_and_mass_are_those_of_the_links() -> None:
@@ -97,4 +97,4 @@ def test_named_fingertips_are_said_to_be_named() -> None:
     (taken,) = (t for t in described.fingertips if t.taken)
     assert taken[:4] == ("thumb", "finger_1_tip", (0.0, 0.0, 0.002), True)
     assert [t.name for t in described.fingertips if not t.taken] == ["finger_2_tip"]
-    same("hand/test_describe: a named fingertip", str(described), "thumb: on finger_1_tip, point (0.0, 0.0, 2.0) mm")
+    says(str(described), "thumb: on finger_1_tip, point (0.0, 0.0, 2.0) mm")

@@ -10,7 +10,7 @@ import pytest
 
 import handlcp as hl
 from tests.support.hand import psyonic, urdf
-from tests.support.texts import same
+from tests.support.texts import says
 
 Writer = Callable[[str], Path]
 
@@ -76,7 +76,7 @@ def test_what_is_drawn_makes_the_tip_where_nothing_collides_and_the_audit_says_s
     np.testing.assert_allclose(grasp.spec.positions[:, 2], [0.015, -0.015], atol=1e-9)
     (doubt,) = (d for d in hand.audit() if "f_2" in d.joint)
     assert doubt.severity == "minor"
-    same("hand/test_fingertips: contacts on what is drawn", doubt.what)
+    says(doubt.what, "collides")
     assert not hand_of(two(BOX, "visual"), tip_radius=0.005).audit().about("f_2")
 
 
@@ -105,7 +105,7 @@ def test_one_finger_or_six_are_proposed_and_not_taken(count):
         hand_of(robot(*fingers))
     assert caught.value.valid == tuple(f"f{i}_2" for i in range(count))
     if count == 1:
-        same("hand/test_fingertips: candidates in the error", str(caught.value), "f0_2", "mm", "far end")
+        says(str(caught.value), "f0_2", "mm", "far end")
 
 
 def test_links_without_any_geometry_are_proposed():

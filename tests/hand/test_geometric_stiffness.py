@@ -33,7 +33,7 @@ from tests.support import patches
 from tests.support.grasp import arrays, at_centre, judged
 from tests.support.hand import curvature, full_positions, jacobian_at, under_load
 from tests.support.scene_texts import BOX_IN_TWO_FINGERS
-from tests.support.texts import same, without_numbers
+from tests.support.texts import says, without_numbers
 
 from .chains import A, B, chain_hand
 from .conftest import MIMIC, inside
@@ -268,9 +268,7 @@ def test_a_finger_that_buckles_is_no_answer(write: Writer) -> None:
         assert s.status is Status.UNDECIDED
         assert np.isnan(s.forces).all()
         assert np.isnan(s.torques).all()
-        same(
-            f"hand/test_geometric_stiffness: no answer at {pull} N", without_numbers(s.trace[-1]), "geometric stiffness"
-        )
+        says(without_numbers(s.trace[-1]), "geometric stiffness")
         assert ("left_joint, right_joint" in s.trace[-1]) == (pull > 10)
         with pytest.raises(NoSolutionFound) as caught:
             g.solve(solver=QUICK)
@@ -285,7 +283,7 @@ def test_forces_that_have_not_settled_are_no_answer(monkeypatch: pytest.MonkeyPa
     patches.no_solve_takes_more_than(monkeypatch, 2)
     s = g.solve(throw=False)
     assert s.status is Status.UNDECIDED
-    same("hand/test_geometric_stiffness: forces that have not settled", s.trace[-1], "geometric stiffness", "2")
+    says(s.trace[-1], "geometric stiffness", "2")
 
 
 def test_flexibility_that_is_not_the_joints_is_refused() -> None:

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 import handlcp as hl
-from tests.support.texts import same
+from tests.support.texts import says
 
 TURN = pin.SE3(pin.exp3(np.array([0.3, -1.1, 0.7])), np.array([0.1, 0.2, 0.3]))
 AT = (0, 0, 0.08)
@@ -64,7 +64,7 @@ def test_other_matrices_are_refused(what, bad):
     error = refused(lambda: hl.Box(0.05, bad))
     assert error.argument == "placement"
     if what in ("a scale", "a mirror", "transposed", "a quaternion"):
-        same(f"hand/test_given: {what}", str(error))
+        says(str(error), "got")
 
 
 # ---------------------------------------------------------------- normals
@@ -118,8 +118,8 @@ def test_a_trimesh_that_is_not_convex_keeps_its_triangles_and_travels():
 def test_a_trimesh_has_no_mass_of_its_own(hand):
     given = trimesh.creation.box((0.05,) * 3)
     assert hl.Mesh(given).mass == 0.0
-    same("hand/test_given: a trimesh as it is", str(refused(lambda: hand.at(hand.neutral).grasp(given))), "mass=")
-    same("hand/test_given: closing on one", str(refused(lambda: hand.close_on(given))), "hl.Mesh")
+    says(str(refused(lambda: hand.at(hand.neutral).grasp(given))), "mass=")
+    says(str(refused(lambda: hand.close_on(given))), "hl.Mesh")
 
 
 # ---------------------------------------------------------------- millimetres
@@ -132,11 +132,11 @@ def test_a_wide_mesh_is_asked_about_unless_its_scale_is_given(tmp_path):
         assert "60 m wide" in str(error)
         assert hl.Mesh(source, 0.001).volume == pytest.approx(24e-6)
         assert hl.Mesh(source, scale=1).volume == pytest.approx(24e3)
-    same("hand/test_given: a wide mesh", str(refused(lambda: hl.Mesh(big))), "0.001", "1 to keep it")
+    says(str(refused(lambda: hl.Mesh(big))), "0.001", "1 to keep it")
     small = trimesh.creation.box((4.0, 4.0, 4.0))
     assert hl.Mesh(small).volume == pytest.approx(64.0)
     small.units = "mm"
-    same("hand/test_given: a mesh that says its units", str(refused(lambda: hl.Mesh(small))), "'mm'")
+    says(str(refused(lambda: hl.Mesh(small))), "'mm'")
     small.units = "meters"
     assert hl.Mesh(small).volume == pytest.approx(64.0)
 
@@ -146,10 +146,10 @@ def test_lengths_far_beyond_the_hand_are_asked_about(hand):
     for obj in (hl.Sphere(35), hl.Box((60, 30, 30)), hl.Cylinder(20, 80), hl.Ellipsoid((30, 20, 20))):
         assert refused(lambda obj=obj: hand.close_on(obj)).argument == "obj"
         assert refused(lambda obj=obj: state.grasp(obj)).argument == "target"
-    same("hand/test_given: a wide ball", str(refused(lambda: hand.close_on(hl.Sphere(35)))), "70 m", "millimetres")
+    says(str(refused(lambda: hand.close_on(hl.Sphere(35)))), "70 m", "millimetres")
     contacts = [hl.Contact((30 * x, 0, 80), (-x, 0, 0)) for x in (-1.0, 1.0)]
     error = refused(lambda: state.grasp(dict(zip(hand.fingertips, contacts, strict=False))))
-    same("hand/test_given: contacts far away", str(error), "millimetres")
+    says(str(error), "millimetres")
     assert hl.Grasp(contacts, flexibility=1e-4, preload=1e-3).solve().held, "without a hand any length may be meant"
 
 
@@ -158,5 +158,5 @@ def test_an_overlap_is_not_called_a_distance(hand):
     error = refused(lambda: hand.close_on(hl.Sphere(0.2, (0, 0, 0.1))))
     assert isinstance(error, hl.NotReached)
     assert min(error.gaps.values()) < 0.0
-    same("hand/test_given: an overlap", str(error), "overlaps by")
+    says(str(error), "overlaps by")
     assert "-" not in str(error).split("got")[1]

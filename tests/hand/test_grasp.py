@@ -12,7 +12,7 @@ from handlcp.errors import HandLCPError, InputError, UnknownName
 from handlcp.hand import Box, Cylinder, Hand, HandGrasp, Sphere, TorqueCheck, example_hand
 from tests.support.grasp import arrays
 from tests.support.hand import jacobian_at, torque_check_of
-from tests.support.texts import same, without_numbers
+from tests.support.texts import says, without_numbers
 
 from .conftest import inside
 
@@ -163,7 +163,7 @@ def test_the_ring_grasps_in_its_plane() -> None:
     assert a.torque_check.binding == "finger_1_distal"
     with pytest.raises(InputError) as caught:
         state.grasp(disc, plane=(0, 0, 1))
-    same("hand/test_grasp: weight across the plane", str(caught.value), caught.value.argument)
+    says(str(caught.value), caught.value.argument)
 
 
 def test_a_plane_may_miss_the_reference() -> None:
@@ -182,10 +182,10 @@ def test_a_plane_may_miss_the_reference() -> None:
     with pytest.raises(InputError, match=r"0\.1 m ") as caught:
         state.grasp(disc, wrench=(0.3, 0.1, 0, 0, 0, 0.002), reference=(0, 0, -0.1), **flat)
     on_the_side = Cylinder(0.03, 0.02, (0, 0, 0.005), mass=0.1)
-    same("hand/test_grasp: a load off the plane", caught.value.expected)
+    says(caught.value.expected, "reference")
     with pytest.raises(InputError, match=r"0\.005 m ") as caught:
         state.grasp(on_the_side, gravity=(0, -9.81, 0), plane=(0, 0, 1))
-    same("hand/test_grasp: weight off the plane", caught.value.expected)
+    says(caught.value.expected, "centre")
 
 
 def test_no_solution_leaves_nan_torques(five: Hand) -> None:
@@ -214,8 +214,8 @@ def test_torque_check_names_the_binding_joint(held: HandGrasp) -> None:
     assert [r.joint for r in check] == list(hand.joint_names)
     text = str(solution)
     (marked,) = (line for line in text.splitlines() if line.strip().startswith("finger_3_distal") and "%" in line)
-    same("hand/test_grasp: the row of the joint that binds", without_numbers(marked))
-    same("hand/test_grasp: a joint that is too weak", check.verdict, "finger_3_distal")
+    says(without_numbers(marked), "finger_3_distal")
+    says(check.verdict, "finger_3_distal")
     assert check.verdict in str(check)
     assert held.solve().torque_check.ok
     with pytest.raises(UnknownName, match="finger_1_distal"):
@@ -229,7 +229,7 @@ def test_torque_check_without_limits_claims_nothing() -> None:
     assert check.unknown == ("a",)
     assert not check.ok
     assert check.binding == "b"  # the first of two that use nothing of their limits
-    same("hand/test_grasp: limits that are not known", check.verdict, "a")
+    says(check.verdict, "a")
     assert check.verdict in str(check)
     assert torque_check_of(("a",), [1.0], [np.inf]).ok
     nothing = torque_check_of(("a",), [1.0], [np.inf], (False,))

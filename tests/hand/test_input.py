@@ -16,7 +16,7 @@ import handlcp as hl
 from handlcp.errors import HandLCPError, InputError, UnknownName, URDFError
 from handlcp.hand import Hand, Sphere, example_hand
 from tests.support.hand import psyonic, urdf
-from tests.support.texts import same
+from tests.support.texts import says
 
 from .conftest import MIMIC
 
@@ -253,4 +253,4 @@ def test_torques_of_an_undecided_grasp_claim_nothing():
     assert not s.held
     assert np.isnan(s.torques).all()
     assert not s.torque_check.ok
-    same("hand/test_input: torques of an undecided grasp", s.torque_check.verdict)
+    says(s.torque_check.verdict, "torques")

@@ -11,7 +11,7 @@ from handlcp.grasp import Contact
 from handlcp.hand import Box, Cylinder, Hand, Sphere, example_hand
 from tests.support.grasp import said_of_contacts
 from tests.support.show import hand_bodies, tip_shapes
-from tests.support.texts import same
+from tests.support.texts import says
 
 # A flat palm, its upper face at z = 0, and a bar beside it that a hinge tilts over it
 FLAT = """
@@ -283,20 +283,20 @@ def test_where_an_object_begins_inside_links_the_verdict_says_how_deep_and_it_ca
     (begins,) = grasp.solve(throw=False).verdict.about("link_inside")
     assert begins.severity == "warning"
     assert [(link["link"], link["depth_m"]) for link in begins.values["links"]] == [("palm", pytest.approx(2e-3))]
-    same("hand/test_links: an object begins inside", begins.sentence, "2 mm inside palm")
+    says(begins.sentence, "2 mm inside palm")
     assert "the object begins 2 mm inside palm" in str(grasp.payload(geometry="fixed"))
     assert not grasp.out_of_reach
     text, depth, made = grasp.mechanism.moved_out(grasp.spec)
     assert depth == pytest.approx(2e-3)
     np.testing.assert_allclose(made.mechanism.target.placement.translation, (0, 0, 0.02), atol=1e-5)
     assert not [*made.mechanism.begins_reasons(made)]
-    same("hand/test_links: an object moved out", text, "palm")
+    says(text, "palm")
 
 
 def test_a_link_that_links_leaves_out_is_said_to_be_left_out():
     grasp = on_palm(Box(0.04, (0.03, 0, 0.017), mass=0.2), links=["bar"])
     (inside,) = grasp.solve(throw=False).verdict.about("link_inside")
-    same("hand/test_links: a link that is left out", inside.sentence, "palm", "links=")
+    says(inside.sentence, "palm", "links=")
 
 
 def test_hundreds_of_contacts_are_refused():

@@ -7,7 +7,7 @@ import pytest
 
 import handlcp as hl
 from tests.support.grasp import arrays, with_friction
-from tests.support.texts import same
+from tests.support.texts import says
 
 SOFT = hl.SoftFinger(0.6, 0.006, 2.0)
 BOX = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
@@ -99,7 +99,7 @@ def test_a_flexibility_below_that_of_the_joints_is_refused():
     with pytest.raises(hl.InputError) as caught:
         held().replace(flexibility=1e-6)
     assert caught.value.argument == "flexibility"
-    same("hand/test_soft_fingers: less flexible than the joints", caught.value.expected)
+    says(caught.value.expected, "beside")
     rigid = arrays(held().replace(flexibility=0.0)).flexibility
     np.testing.assert_array_equal(np.diag(rigid)[:9], 0.0)
     assert np.diag(rigid)[9:].all()  # the pads' own

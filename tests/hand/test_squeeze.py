@@ -15,7 +15,7 @@ from handlcp.errors import InputError, UnknownName
 from handlcp.hand import Box, Hand, HandGrasp, Sphere, example_hand
 from tests.support.differences import kinematics
 from tests.support.hand import gaps
-from tests.support.texts import same
+from tests.support.texts import says
 
 from .chains import A, B, chain_hand
 from .levers import PAD, C, K, L, lever_hand
@@ -113,7 +113,7 @@ def test_an_overlap_that_no_joint_came_by_is_named(write: Writer) -> None:
     (wedge,) = grasp.out_of_reach
     assert (wedge.what, wedge.carried) == ("overlap", True)
     np.testing.assert_allclose(wedge.missing, 2e-3, rtol=1e-9)
-    same("hand/test_squeeze: an overlap", str(wedge), "2 mm", "left_tip", "100 %")
+    says(str(wedge), "2 mm", "left_tip", "100 %")
 
 
 # ---------------------------------------------------------------- against the forward kinematics
@@ -332,14 +332,14 @@ def test_what_is_out_of_reach_is_said(write: Writer, three: Hand) -> None:
     said = " ".join(str(state.grasp(CUBE, preload=5e-3).explain()).split())  # lines are wrapped
     (wedge,) = state.grasp(CUBE, preload=5e-3).out_of_reach
     assert str(wedge) in said
-    same("hand/test_squeeze: a wedge", str(wedge), "finger_2_tip", "2.5 mm", "50 %")
+    says(str(wedge), "finger_2_tip", "2.5 mm", "50 %")
     lines = {line.title: line.why for line in state.grasp(CUBE, squeeze=5e-3).explain().effects}
-    same("hand/test_squeeze: a squeeze", lines["commanded joint offset"], "5 mm", "finger_2_tip", "finger_1_proximal")
+    says(lines["commanded joint offset"], "5 mm", "finger_2_tip", "finger_1_proximal")
     across = leaning(write, 85.0, squeeze=1e-3, preload=1e-3)
-    same("hand/test_squeeze: all of it", str(leaning(write, 90.0, grip_force=2.0).out_of_reach[0]), "2 N", "100 %")
+    says(str(leaning(write, 90.0, grip_force=2.0).out_of_reach[0]), "2 N", "100 %")
     assert [r.what for r in across.out_of_reach] == ["preload"]
     gripped = {line.title: line.why for line in state.grasp(CUBE, grip_force=3.0).explain().effects}
-    same("hand/test_squeeze: a grip force", gripped["commanded joint offset"], "3 N", "finger_2_tip", "1.73 N")
+    says(gripped["commanded joint offset"], "3 N", "finger_2_tip", "1.73 N")
 
 
 @pytest.mark.parametrize(

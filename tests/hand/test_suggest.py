@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.support.texts import same, without_numbers
+from tests.support.texts import says, without_numbers
 
 BOX = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
 
@@ -70,7 +70,7 @@ def test_fingers_that_buckle_are_an_endless_change():
     g = held(stiffness=0.3, preload=0.1)
     assert judged(g.suggest())["geometric stiffness"] == np.inf
     (bent,) = (s for s in g.suggest() if s.effect == "geometric stiffness")
-    same("hand/test_suggest: fingers that buckle", without_numbers(bent.words))
+    says(without_numbers(bent.words), "equilibrium")
     assert bent.words in " ".join(str(g.suggest()).split())
 
 
@@ -80,7 +80,7 @@ def test_a_grasp_without_a_hand_is_told_of_the_cone_alone():
     assert set(judged(g.suggest(faces=8, least=0.0))) == {"exact friction cone"}
     assert not judged(g.suggest(least=0.0)), "solved on the cone already"
     assert not len(g.suggest(faces=8))
-    same("hand/test_suggest: nothing to suggest", without_numbers(str(g.suggest(faces=8))))
+    says(without_numbers(str(g.suggest(faces=8))), "normal-force")
 
 
 def test_a_grasp_that_fails_is_told_what_was_tried_and_holds_it():
@@ -102,7 +102,7 @@ def test_what_nothing_helps_says_what_was_tried_in_vain():
     contacts = [hl.Contact((s * 0.01, 0, 0), (-s, 0, 0), hl.Frictionless()) for s in (-1.0, 1.0)]
     lost = hl.Grasp(contacts, (0, 0, -1.0, 0, 0, 0), flexibility=1e-3, preload=1e-3).suggest()
     assert (len(lost), lost.word) == (0, "NOT HELD")
-    same("hand/test_suggest: nothing helps", str(lost))
+    says(str(lost), "nothing")
     beyond = [hl.Contact((s * 0.01, 0, 0), (-s, 0, 0), hl.Coulomb(0.1)) for s in (-1.0, 1.0)]
     some = hl.Grasp(beyond, (0, 0, -1e4, 0, 0, 0), flexibility=1e-3, preload=1e-3).suggest()
     assert some.tried

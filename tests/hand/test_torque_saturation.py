@@ -17,7 +17,7 @@ from tests.support import patches
 from tests.support.grasp import arrays, at_centre, judged
 from tests.support.scene_texts import BOX_IN_TWO_FINGERS
 from tests.support.show import record
-from tests.support.texts import same, without_numbers
+from tests.support.texts import says, without_numbers
 
 from .levers import MASS, MU, PAD, C, K, L, lever_hand, lever_pinch
 
@@ -55,11 +55,11 @@ def test_the_joint_that_yields_holds_its_limit_and_the_other_carries_the_rest(wr
     row = s.torque_check["right_joint"]
     assert (row.utilisation, s.torque_check.binding, s.torque_check.yielding) == (1.0, "right_joint", ("right_joint",))
     assert s.torque_check.ok
-    same("hand/test_torque_saturation: a joint that yields", s.torque_check.verdict, "right_joint")
+    says(s.torque_check.verdict, "right_joint")
     table = str(s.torque_check).removesuffix(s.torque_check.verdict)
     assert table != str(s.torque_check)
     (row,) = (line for line in table.splitlines() if "right_joint" in line)
-    same("hand/test_torque_saturation: its row", without_numbers(row))
+    says(without_numbers(row), "right_joint")
     assert s.uniqueness.forces_determined  # type: ignore[union-attr]
     # virtual work, nothing slides: w·u = r·(E r + d) + τ_max s
     r = s.forces.ravel()
@@ -207,7 +207,7 @@ def test_limits_too_low_for_the_load_are_proven_so(write: Writer, faces: int | s
     hand = lever_hand(write, torque_limits=0.6)
     s = saturating(hand, force=(0, 0, -1.01 * 2 * MU * 0.6 / L)).solve(faces, throw=False)
     assert s.status is Status.NO_EQUILIBRIUM
-    same("hand/test_torque_saturation: limits too low", without_numbers(s.diagnosis))
+    says(without_numbers(s.diagnosis), "torque limits")
     assert np.isnan(s.torques).all()
     assert np.isnan(s.joint_yield).all()
     assert not s.torque_check.yielding
@@ -225,7 +225,7 @@ def test_a_squeeze_too_weak_for_the_load_is_proven_so_within_limits_that_would_d
     assert s.bounds is not None
     assert s.bounds[0] >= 1000
     text = without_numbers(s.diagnosis.replace("µm", "mm"))
-    same("hand/test_torque_saturation: too weak a squeeze within limits", text)
+    says(text, "squeeze is too small")
     assert saturating(hand, preload=weak, force=(0, 0, -4.9 * np.cos(np.pi / 4))).solve(faces).held
 
 
@@ -257,7 +257,7 @@ def test_the_verdict_and_the_record_name_the_joint(write: Writer) -> None:
     v = s.verdict
     assert v.word == "HELD"
     said = [part for part in v.text.split("; ") if "right_joint" in part]
-    same("hand/test_torque_saturation: the verdict on a joint that yields", without_numbers("; ".join(said)))
+    says(without_numbers("; ".join(said)), "right_joint")
     rows = {r["joint"]: r["yield_rad"] for r in record(g, s, g.explain())["torques"]}
     assert rows["left_joint"] == 0.0
     assert rows["right_joint"] == pytest.approx(s.joint_yield[1])

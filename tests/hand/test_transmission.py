@@ -16,7 +16,7 @@ from handlcp.errors import InputError, UnknownName, Unsupported
 from handlcp.hand import Hand, HandGraspSolution, example_hand
 from tests.support.hand import deflection, effort, full_positions
 from tests.support.show import record
-from tests.support.texts import same
+from tests.support.texts import says
 
 from .chains import A, B, chain_hand
 from .conftest import MIMIC
@@ -221,7 +221,7 @@ def test_explanation_audit_and_record_say_it(write: Writer) -> None:
     g = lever_pinch(fingers, preload=5e-3)
     line = next(x for x in g.explain().effects if x.title == "transmission")
     assert (line.on, line.cost) == (True, 0)
-    same("hand/test_transmission: why it is on", line.why, "1 ", "2 ")
+    says(line.why, "1 ", "2 ")
     s = g.solve()
     assert record(g, s, g.explain())["actuators"]["each"] == {"synergy 1": pytest.approx(s.torques.sum())}
 

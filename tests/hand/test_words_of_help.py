@@ -9,7 +9,7 @@ import trimesh
 
 import handlcp as hl
 from tests.support.show import html
-from tests.support.texts import same
+from tests.support.texts import same, says
 
 BOX = hl.Box(0.05, (0, 0, 0.08), 0.2)
 
@@ -72,10 +72,10 @@ def test_an_object_that_is_metres_away_is_asked_about(state):
 
 
 def test_a_load_of_the_wrong_length_is_told_what_the_numbers_are(state):
-    same("hand/test_words_of_help: three numbers", refused(lambda: state.grasp(BOX, wrench=(0, 5, 0))), "[N·m]")
+    says(refused(lambda: state.grasp(BOX, wrench=(0, 5, 0))), "[N·m]")
     for gravity in (9.81, 0):
         said = refused(lambda g=gravity: state.grasp(BOX, gravity=g))
-    same("hand/test_words_of_help: a number for gravity", said, "(0, 0, -9.81)")
+    says(said, "(0, 0, -9.81)")
 
 
 @pytest.mark.parametrize("digits", [5, 6, 12])

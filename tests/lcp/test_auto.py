@@ -16,7 +16,7 @@ from tests.support.lcp import (
     in_units_of_limits,
     solves_contact,
 )
-from tests.support.texts import same
+from tests.support.texts import says
 
 AUTO = hl.Auto(restarts=2)
 
@@ -58,7 +58,7 @@ def test_a_grasp_is_solved_as_planned(name, faces):
     grasp = GRASPS[name]
     chain = hl.Auto(search_work=1e8, search_seconds=9.0)
     plan = grasp.plan(faces, chain)
-    same("lcp/test_auto: the first stage", plan[0], "NSNGRK")
+    says(plan[0], "NSNGRK")
     assert plan[1:3] == ("holdability", "search, briefly")
     assert plan[-1] == "search, 100 million multiply-adds or 9 s at most"
     assert follows(grasp.solve(faces, chain, throw=False).trace, plan)
@@ -160,7 +160,7 @@ def test_a_start_is_tried_first():
     M, q = random_psd(np.random.default_rng(2), 8)
     p = hl.LCP(M, q).scaled
     z = hl.NSNGRK().propose(p).z
-    same("lcp/test_auto: the first start", OtherStarts().propose(p, z).outcome, "converged", "1")
+    says(OtherStarts().propose(p, z).outcome, "converged", "1")
 
 
 class _ContactsAlone:
@@ -174,7 +174,7 @@ def test_a_method_that_knows_contacts_only_says_so_on_a_plain_lcp():
     """It is refused by name, not by an attribute that is missing."""
     with pytest.raises(hl.Unsupported) as caught:
         hl.solve_lcp(hl.LCP([[1.0]], [-1.0]), _ContactsAlone())
-    same("lcp/test_auto: contacts only", str(caught.value), "_ContactsAlone")
+    says(str(caught.value), "_ContactsAlone")
 
 
 def test_stalled_kaczmarz_steps_end_within_their_budget():

@@ -9,7 +9,7 @@ import handlcp as hl
 from tests.lcp.problems import random_p
 from tests.support.kernels import compiled
 from tests.support.lcp import Kaczmarz, uniform_numbers
-from tests.support.texts import same, without_numbers
+from tests.support.texts import says, without_numbers
 
 
 def phi(M, q, free, z):
@@ -100,7 +100,7 @@ def test_one_that_cannot_converge_says_so():
     assert s.status in (hl.Status.SOLVED, hl.Status.UNDECIDED)
     s = hl.solve_lcp(hl.LCP([[-1]], [-1]), hl.NSNGRK(max_iterations=50), throw=False)
     assert s.status is hl.Status.INFEASIBLE
-    same("lcp/test_nsngrk: one that cannot converge", without_numbers(s.trace[0]))
+    says(without_numbers(s.trace[0]), "iterations")
     assert " 50 " in s.trace[0]
 
 

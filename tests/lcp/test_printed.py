@@ -11,7 +11,7 @@ from handlcp.method.nsngrk import AsPrinted
 from handlcp.method.paper import example
 from tests.lcp.problems import random_p
 from tests.oracle import every_solution
-from tests.support.texts import same
+from tests.support.texts import says
 
 H = 1e-6
 
@@ -79,7 +79,7 @@ def test_where_both_of_a_pair_vanish_differences_stop_short_of_what_subgradients
     both = np.maximum(abs(ours.z), abs(p.M @ ours.z + p.q))
     assert (both < 1e-7).sum() == 1, "one pair of zeros: there a difference over 1e-6 is no subgradient"
     assert printed.iterations == 60_000
-    same("lcp/test_printed: steps spent", printed.outcome, "60000")
+    says(printed.outcome, "60000")
     assert 1e-8 < np.linalg.norm(phi(p, printed.z)) < 10 * H
 
 

@@ -6,7 +6,7 @@ import pytest
 import handlcp as hl
 from tests.support.limits import balanced
 from tests.support.squeezed import cube
-from tests.support.texts import same
+from tests.support.texts import says
 
 KINDS = (
     "plain", "frictionless", "one", "gaps", "rigid", "small", "large", "soft", "anisotropic", "planar", "table",
@@ -136,10 +136,10 @@ def test_a_grasp_without_a_load_is_told_which_way_its_weight_acts():
     grasp = cube()
     with pytest.raises(hl.InputError) as caught:
         grasp.load_limit()
-    same("limits/test_hostile: no load", str(caught.value), "wrench", "(0, 0, -1, 0, 0, 0)")
+    says(str(caught.value), "wrench", "(0, 0, -1, 0, 0, 0)")
     with pytest.raises(hl.InputError) as caught:
         grasp.replace(mass=0).load_limit()
-    same("limits/test_hostile: no load and no weight", str(caught.value), "wrench")
+    says(str(caught.value), "wrench")
 
 
 @pytest.mark.parametrize("given", [{"motion": 0.0}, {"motion": -1.0}, {"turn": np.nan}, {"geometry": "soft"}])

@@ -73,6 +73,7 @@ def test_a_fingertip_of_several_shapes_touches_with_whichever_is_near():
     assert np.linalg.norm(end.forces_world, axis=1).min() > 0.1
 
 
+@pytest.mark.long
 def test_an_open_hand_closes_and_links_touch_in_the_same_order():
     found = closing.order(0)
     assert not found.swapped

@@ -359,7 +359,7 @@ def test_a_density_stands_for_a_mass():
     with pytest.raises(InputError) as caught:
         read(CUBE.replace("mass_kg = 0.2", "mass_kg = 0.2\ndensity_kg_per_m3 = 1600.0")).build()
     assert caught.value.argument == "object.density_kg_per_m3"
-    texts.same("scene/test_building: a density beside a mass", caught.value.expected)
+    texts.says(caught.value.expected, "given")
 
 
 TWO = f"""

@@ -7,7 +7,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.scene import read
-from tests.support.texts import same
+from tests.support.texts import says
 
 PINCH = """
 [[contact]]
@@ -98,4 +98,4 @@ force_N = [0.0, 0.0, 1.0]
 def test_a_misspelt_finger_is_told_the_nearest_name():
     with pytest.raises(hl.InputError) as caught:
         scene("{thump = 0.5}")
-    same("scene/test_friction_laws: a misspelt finger", str(caught.value), "'thump'", "'thumb'")
+    says(str(caught.value), "'thump'", "'thumb'")

@@ -16,7 +16,7 @@ from handlcp.method.paper import example
 from tests.lcp.problems import random_p
 from tests.support import patches
 from tests.support.show import convergence_figure
-from tests.support.texts import same, without_numbers
+from tests.support.texts import says, without_numbers
 
 draw, save = convergence_figure.draw, convergence_figure.save
 GIVEN, NATURAL, UNIFORM = convergence_figure.GIVEN, convergence_figure.NATURAL, convergence_figure.UNIFORM
@@ -88,12 +88,12 @@ def test_it_claims_convergence_only_of_runs_that_converged():
     whole, short = draw(found("3")), draw(found("cut short"))
     titles = [f.axes[0].get_title("left") for f in (whole, short)]
     assert titles[0] != titles[1]
-    same("show/test_convergence: title, every run converges", titles[0])
-    same("show/test_convergence: title, some do not", titles[1])
+    says(titles[0], "converges")
+    says(titles[1], "Natural")
     remarks = [{t.get_text() for t in f.axes[0].texts} for f in (whole, short)]
-    same("show/test_convergence: not there", without_numbers("; ".join(sorted(remarks[1] - remarks[0]))))
+    says(without_numbers("; ".join(sorted(remarks[1] - remarks[0]))), "dashed")
     ends = [{t.get_text() for t in f.axes[2].texts} for f in (whole, short)]
-    same("show/test_convergence: where all end", without_numbers("; ".join(sorted(ends[0] - ends[1]))))
+    says(without_numbers("; ".join(sorted(ends[0] - ends[1]))), "natural")
 
 
 def test_a_picture_is_written_and_shows_something(tmp_path):
@@ -111,7 +111,7 @@ def test_a_format_or_place_that_cannot_be_written_is_refused(tmp_path):
         save(found("3"), tmp_path / "c.doc")
     with pytest.raises(hl.InputError) as wrong:
         save(found("3"), tmp_path / "no" / "c.png")
-    same("show/test_convergence: no such folder", str(wrong.value).replace(str(tmp_path), "…"))
+    says(str(wrong.value).replace(str(tmp_path), "…"), "exists")
 
 
 def test_without_matplotlib_the_message_says_what_to_install(monkeypatch):

@@ -29,7 +29,7 @@ def pinch(directions=42, **more):
 
 @cache
 def cube():
-    return hl.envelope(squeezed.cube(), 42, faces=8, adaptive=1)
+    return hl.envelope(squeezed.cube(), 42, faces=8, adaptive=1, geometry="fixed")
 
 
 def texts(figure):

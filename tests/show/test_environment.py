@@ -16,7 +16,7 @@ from tests.show.test_picture import contacts_only, volume
 from tests.show.test_tables import printed
 from tests.support.grasp import arrays
 from tests.support.show import draw, environment_bodies, record, stub_bodies, tables
-from tests.support.texts import same, without_numbers
+from tests.support.texts import says, without_numbers
 
 EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
 
@@ -44,13 +44,13 @@ def below(table):
 def test_the_tables_heading_is_contact_where_not_all_are_fingers(box):
     grasp, _ = box
     text = printed(tables.contact_table(grasp.solve(8)))
-    same("show/test_environment: under the table of contacts", below(text))
+    says(below(text), "friction")
     assert "contact  " in text
     assert "table 4" in text
     assert "finger " not in text
     grasp = contacts_only()
     text = printed(tables.contact_table(grasp.solve(8)))
-    same("show/test_environment: under the table of fingers", below(text))
+    says(below(text), "friction")
     assert "finger  " in text
     assert "contact " not in text
 
@@ -58,11 +58,11 @@ def test_the_tables_heading_is_contact_where_not_all_are_fingers(box):
 def test_the_verdict_speaks_of_contacts():
     grasp = on_a_table()
     s = grasp.solve()
-    same("show/test_environment: the wall lets go", s.verdict.text, "wall")
+    says(s.verdict.text, "wall")
     fingers = contacts_only()
     stuck = replace(s, contact_state=("sticking",) * len(s.names))
-    same("show/test_environment: contacts stick", stuck.verdict.text, "contacts")
-    same("show/test_environment: fingers stick", fingers.solve().verdict.text, "fingers")
+    says(stuck.verdict.text, "contacts")
+    says(fingers.solve().verdict.text, "fingers")
 
 
 def test_a_record_says_which_contacts_are_the_environments(box):
@@ -87,5 +87,5 @@ def test_contacts_in_one_plane_share_a_slab_below_it():
 def test_the_picture_names_the_tables_contacts(box):
     words = [t.get_text() for t in draw(*box).findobj(Text)]
     assert any("table 3" in w for w in words)
-    same("show/test_environment: legend", "; ".join(w for w in words if "force" in w), "contact", "sticking")
+    says("; ".join(w for w in words if "force" in w), "contact", "sticking")
     assert not any("finger" in w and "force" in w for w in words)

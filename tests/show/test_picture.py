@@ -13,7 +13,7 @@ from handlcp.errors import InputError, Unsupported
 from handlcp.scene import load
 from tests.support import patches
 from tests.support.show import camera_of, draw, facing, fill, nice, rim, save, shapes
-from tests.support.texts import same
+from tests.support.texts import says
 
 EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
 
@@ -91,7 +91,7 @@ def test_a_format_or_place_that_cannot_be_written_is_refused(tmp_path):
         save(grasp, s, tmp_path / "a.doc")
     with pytest.raises(InputError) as wrong:
         save(grasp, s, tmp_path / "no" / "a.png")
-    same("show/test_picture: no such folder", str(wrong.value).replace(str(tmp_path), "…"))
+    says(str(wrong.value).replace(str(tmp_path), "…"), "exists")
 
 
 def test_without_matplotlib_the_message_says_what_to_install(monkeypatch):

@@ -12,7 +12,7 @@ from rich.console import Console
 from handlcp import Contact, Coulomb, Frictionless, Grasp
 from handlcp.hand import Box, example_hand
 from tests.support.show import tables, units
-from tests.support.texts import same
+from tests.support.texts import says
 
 
 def printed(table, width=80):
@@ -88,7 +88,7 @@ def test_an_overloaded_joint_stands_out():
     rows = {line.split()[0]: line for line in printed(tables.torque_table(s.torque_check)).splitlines() if "%" in line}
     over = {r.joint for r in s.torque_check if r.utilisation > 1}
     (remark,) = {re.split("[█·]", rows[joint])[-1].strip() for joint in over}
-    same("show/test_tables: over its limit", remark)
+    says(remark, "limit")
     assert {joint for joint, row in rows.items() if remark in row} == over
 
 

@@ -20,7 +20,7 @@ from handlcp.method.paper import example
 from tests.support import patches
 from tests.support.show import all_tables, work_precision_figure
 from tests.support.study import NOT_RUN
-from tests.support.texts import same
+from tests.support.texts import says
 
 ENOUGH = 3600.0  # s, a budget that no busy machine spends
 draw, save, STYLE = work_precision_figure.draw, work_precision_figure.save, work_precision_figure.STYLE
@@ -97,7 +97,7 @@ def test_scenes_without_pyramids_or_effects_left_out_have_no_panel_for_them(cube
     titles = [[ax.get_title(loc="left") for ax in draw(c).axes] for c in (cube, planar, replace(cube, left_out=()))]
     time, faces, _ = titles[0]
     assert titles[1:] == [[time], [time, faces]]
-    same("show/test_work_precision: titles of panels", "; ".join(titles[0]))
+    says("; ".join(titles[0]), "against")
 
 
 def test_methods_differ_in_marker_and_colour():
@@ -116,7 +116,7 @@ def test_a_study_in_which_nothing_ran_is_drawn_and_says_so(cube):
     nothing = tuple(Row(r.method, r.section, r.faces, r.tolerance, NOT_RUN) for r in cube.rows)
     figure = draw(replace(cube, rows=nothing, left_out=()))
     (said,) = {t.get_text() for t in figure.axes[0].texts} - {t.get_text() for t in draw(cube).axes[0].texts}
-    same("show/test_work_precision: nothing ran", said)
+    says(said, "nothing")
 
 
 def test_bad_input_is_refused(cube, tmp_path):

@@ -19,7 +19,7 @@ from tests.grasp.scenes import ring
 from tests.support import patches
 from tests.support.grasp import arrays
 from tests.support.study import CERTIFIED, LOOSE, NOT_RUN, OTHER, UNDETERMINED, left_out, planned_rows
-from tests.support.texts import same
+from tests.support.texts import says
 
 ENOUGH = 3600.0  # s, a budget that no busy machine spends
 SMALL = {"faces": [4, 8], "tolerances": [1e-3, 1e-10], "repeats": 1, "seconds": ENOUGH}
@@ -86,7 +86,7 @@ def test_where_no_finger_is_at_its_limit_every_pyramid_is_exact():
     found = cost(ball(), methods=["grasp.solve()", "Lemke", "Newton"])
     assert all(r.status == CERTIFIED and r.force_error < 1e-12 and r.torque_error < 1e-12 for r in found.rows)
     assert found.law() is None
-    same("study/test_accuracy_cost: every pyramid is exact", str(found).partition(" in ")[0], "8 faces")
+    says(str(found).partition(" in ")[0], "8 faces")
 
 
 def test_as_printed_stops_content_with_forces_and_slips_that_are_wrong(cube):
@@ -120,7 +120,7 @@ def test_rows_that_reach_another_equilibrium_are_marked_and_not_scored(monkeypat
         marked = [r for r in found.rows if r.status == OTHER]
         assert len(found.notes) == bool(marked)
         if marked:
-            same("study/test_accuracy_cost: more than one equilibrium", *found.notes)
+            says(*found.notes, "equilibrium")
         for r in marked:
             assert r.force_error > math.pi / r.faces
             assert r not in found.front(r.method)

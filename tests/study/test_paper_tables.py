@@ -7,7 +7,7 @@ import pytest
 
 from handlcp.method.paper import compare, example, table
 from tests.support.study import NUMBERS, Mark, Miss, compatibility, mark_of, signed_forces
-from tests.support.texts import same
+from tests.support.texts import says
 
 
 def misses(number: int, equation: str) -> list[Miss]:
@@ -21,7 +21,7 @@ def test_golden_tables_to_every_printed_digit(number: int) -> None:
     c = compare(number)
     assert c.golden
     assert {r.mark for r in c.golden_rows} == {Mark.DIGITS}
-    same(f"study/test_paper_tables: verdict on table {number}", c.verdict)
+    says(c.verdict, "reproduced to every printed digit")
 
 
 @pytest.mark.parametrize(("number", "last", "residue"), [(2, 2, 6), (8, 5, 0)])
@@ -43,7 +43,7 @@ def test_golden_fails_when_a_force_is_off(number: int) -> None:
 def test_the_others_are_not_solutions_and_say_so(number: int) -> None:
     c = compare(number)
     assert c.level == "not a solution"
-    same(f"study/test_paper_tables: verdict on table {number}", c.verdict)
+    says(c.verdict, "not a solution", "misses")
     assert c.solution.held
     assert c.solution.residuals.worst < 1e-8
 

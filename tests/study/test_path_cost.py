@@ -19,13 +19,13 @@ def cube():
 
 @cache
 def cost():
-    return hl.path_cost(cube(), ASIDE, times=(1, 4, 16), repeats=1)
+    return hl.path_cost(cube(), ASIDE, times=(1, 4), repeats=1)
 
 
 def test_with_twice_the_steps_errors_fall_by_about_two_and_are_no_larger_than_is_estimated():
     for question in ("follow", "load_limit"):
         rows = cost().of(question)
-        assert len(rows) == 3
+        assert len(rows) == 2
         errors = np.array([r.error for r in rows])
         assert (errors[1:] < 0.7 * errors[:-1]).all()
         assert all(r.error <= r.estimate for r in rows[1:])
@@ -44,10 +44,10 @@ def test_the_error_that_follow_was_asked_for_is_kept_where_steps_are_short_for_o
 
 def test_it_prints_and_draws(tmp_path):
     said = str(cost())
-    assert "the estimate is below the true error in 0 of 4 rows" in " ".join(said.split())
+    assert "the estimate is below the true error in 0 of 2 rows" in " ".join(said.split())
     assert max(map(len, said.splitlines())) <= 80
     assert cost().plot(tmp_path / "cost.png", title="A cube").stat().st_size > 20_000
-    assert [r.question for r in cost().rows] == ["follow"] * 3 + ["load_limit"] * 3
+    assert [r.question for r in cost().rows] == ["follow"] * 2 + ["load_limit"] * 2
 
 
 def test_in_one_posture_steps_come_near_the_limit_that_is_found_from_event_to_event():

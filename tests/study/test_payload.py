@@ -15,7 +15,7 @@ from tests.hand.levers import L
 from tests.support.patches import contacts_take_long
 from tests.support.paths import give_up_beyond
 from tests.support.squeezed import MU, G, K, N, R, cube, pinch
-from tests.support.texts import same
+from tests.support.texts import says
 
 AXES = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
 
@@ -152,7 +152,7 @@ def test_where_paths_take_long_the_worst_direction_is_found_in_this_posture_and_
     np.testing.assert_array_equal(p.by_orientation[-1].direction, fixed.by_orientation[-1].direction)
     worst = cube().replace(mass=0.0).load_limit((*(G * fixed.by_orientation[-1].direction), 0, 0, 0))
     assert p.by_orientation[-1].mass == pytest.approx(worst.factor, rel=1e-6)
-    same("study/test_payload: where the direction was looked for", p.asked, str(p.tried))
+    says(p.asked, str(p.tried))
 
 
 # ---------------------------------------------------------------- what is asked
@@ -192,10 +192,10 @@ def test_bad_questions_are_refused():
 
 # ---------------------------------------------------------------- as data and as a picture
 def test_what_prints_fits_the_line_and_names_mass_direction_and_cause():
-    text = str(of_cube(6, 5.0))
+    p = of_cube()
+    text = str(p)
     assert max(map(len, text.splitlines())) <= 80
-    p = of_cube(6, 5.0)
-    same("study/test_payload: what prints", text, f"{p.mass:.3g} kg", "along -x", "all 3 fingers slip")
+    says(text, f"{p.mass:.3g} kg", "along -x", "all 3 fingers slip")
 
 
 def test_the_record_has_a_row_for_each_orientation_and_pickles():

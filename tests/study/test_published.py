@@ -10,7 +10,7 @@ from tests.design.hands import pinch as levers
 from tests.hand.levers import L
 from tests.support.published import SHAKING, SPEEDING_UP, gripper, shaken
 from tests.support.squeezed import MU, G, K, N, R, pinch as two_points
-from tests.support.texts import same
+from tests.support.texts import says
 
 DOWN = np.array([0.0, 0.0, 1.0])
 FORCE, WIDE, PAD = 10.0, 0.05, 1e-5  # of the jaws [N]; of the ball [m]; of the jaws' pads [m/N]
@@ -211,10 +211,10 @@ def test_bad_questions_are_refused(tmp_path):
 
 def test_what_prints_has_the_forces_the_masses_and_what_gives_out(tmp_path):
     found = hl.finger_strength(three(), ["finger_1_tip"])
-    same("study/test_published: finger strength", str(found), "finger_1_proximal", f"{found.weakest.force:.3g}")
+    says(str(found), "finger_1_proximal", f"{found.weakest.force:.3g}")
     pulled = hl.slip_resistance(two_points(), DOWN)
-    same("study/test_published: slip resistance", str(pulled), f"{2 * MU * N:.3g} N")
+    says(str(pulled), f"{2 * MU * N:.3g} N")
     row = shaken(ball(tmp_path, 0.4), "sphere", WIDE, DOWN)
-    same("study/test_published: a ball that is shaken", str(row), "0.4 kg", "held", "0.771 kg")
+    says(str(row), "0.4 kg", "held", "0.771 kg")
     for text in (str(found), str(pulled)):
         assert max(map(len, text.splitlines())) <= 80

@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 import handlcp as hl
 from tests.hand.levers import L, lever_hand, lever_pinch
 from tests.support.grip_strength import Around, closed
-from tests.support.texts import same
+from tests.support.texts import says
 
 R, N, MU, K = 0.025, 3.0, 0.5, 1e-3  # radius [m], grip [N], friction, flexibility [m/N]
 Z, ORIGIN = (0, 0, 1), (0, 0, 0)
@@ -140,7 +140,7 @@ def test_a_motor_with_half_the_torque_presses_half_as_hard():
     """In the same grasp; a search by a weaker hand may find another one."""
     hand = hl.example_hand("three_finger", joint_stiffness=200.0)  # stiff: the motions are small
     cylinder = hl.Cylinder(0.025, 0.15, mass=0.0)
-    found = hl.find_grasp(hand, cylinder, gravity=(0, 0, 0), tries=32)[0]
+    found = hl.find_grasp(hand, cylinder, gravity=(0, 0, 0), tries=6)[0]
     grip, pressed = np.array(found.grasp.spec.asked.grip_force), []
     for limits in (hand.torque_limits, 0.5 * hand.torque_limits):
         grasp = hand.replace(torque_limits=limits).at(found.q).grasp(found.object, gravity=(0, 0, 0), grip_force=grip)
@@ -159,6 +159,7 @@ def test_bad_questions_are_refused():
             hl.split_cylinder(hand, asked.pop("diameter"), **asked)
 
 
+@pytest.mark.long
 def test_a_cylinder_that_no_hand_pinches_is_said():
     hand = hl.example_hand("three_finger", joint_stiffness=6.0)
     with pytest.raises(hl.NoGraspFound, match="no pinch grasp"):
@@ -183,9 +184,10 @@ def test_what_prints_has_the_force_its_range_and_the_cause():
     text = str(found)
     assert max(map(len, text.splitlines())) <= 80
     facts = [f"{x:.3g} N" for x in (found.pinch.force, found.pinch.least, found.pinch.largest)]
-    same("study/test_split_cylinder: what prints", text, *facts, found.pinch.binds[0].who)
+    says(text, *facts, found.pinch.binds[0].who)
 
 
+@pytest.mark.long
 def test_the_normal_that_is_given_is_measured_across():
     found, hand = of_hand("three_finger"), hl.example_hand("three_finger", joint_stiffness=6.0)
     n = np.cross(found.pinch.around.axis, found.pinch.normal)

@@ -1,17 +1,8 @@
-"""Least and largest forces against an oracle of its own, and against members that other solvers and seeds find.
-
-python -m tests.benchmarks.force_bounds [grasps]
-"""
+"""Least and largest forces against an oracle of its own, and against members that other solvers and seeds find."""
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
 import itertools
-import sys
-import time
 from collections import Counter
 from collections.abc import Iterator
 from functools import cache
@@ -24,7 +15,7 @@ from scipy import sparse
 import handlcp as hl
 from tests.support.grasp import arrays, changed
 
-__all__ = ["examine", "grasps", "main"]
+__all__ = ["NEAR", "examine", "grasps", "outside"]
 
 NEAR = 1e-6  # of the forces: what an oracle and a perturbed solver may be off by
 _REST = 1e-7
@@ -264,20 +255,3 @@ def _others(grasp: Any, faces: Any, rng: np.random.Generator) -> Iterator[hl.Gra
     for _ in range(3):
         more = np.diag(size * 10.0 ** rng.uniform(-1, 1, len(E)))
         yield changed(grasp, flexibility=E + more).solve(faces, throw=False)
-
-
-def main(count: int = 200) -> None:
-    """Prints what was compared, and how long the bounds took."""
-    total, spent = Counter[str](), 0.0
-    for seed in range(count):
-        for faces in ("cone", 8):
-            start = time.process_time()
-            total += examine(grasps(seed), faces, seed)
-            spent += time.process_time() - start
-    print(f"{count} grasps, on the cone and on pyramids, in {spent:.0f} s of one core")
-    for what, how_many in sorted(total.items()):
-        print(f"{what}: {how_many}")
-
-
-if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
