@@ -20,9 +20,7 @@ Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 
 
-_NO_NUMBERS = (
-    str, bytes, bool, complex, np.complexfloating, np.bool_, list, tuple, dict, set, np.ma.MaskedArray
-)  # fmt: skip
+_NO_NUMBERS = (str, bytes, bool, complex, np.complexfloating, np.bool_, list, tuple, dict, set, np.ma.MaskedArray)
 
 
 def read_only(a: Array) -> Array:

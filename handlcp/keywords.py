@@ -195,17 +195,26 @@ _OTHERWISE = (type(...), int, float, tuple)  # of defaults, which need no word
 
 def _said(types: set[type]) -> str:
     """Such as "a text or None", for refusals."""
-    words = [_SAID.get(kind) or f"{'an' if kind.__name__[0] in 'AEIOU' else 'a'} {kind.__name__}"
-             for kind in types if kind not in _OTHERWISE]  # fmt: skip
+    words = [
+        _SAID.get(kind) or f"{'an' if kind.__name__[0] in 'AEIOU' else 'a'} {kind.__name__}"
+        for kind in types
+        if kind not in _OTHERWISE
+    ]
     words.sort(key=lambda word: (word == "None", word))
     return " or ".join(part for part in (", ".join(words[:-1]), words[-1]) if part)
 
 
 # What other books and programs call parameters of ours
 _OTHERS_SAY = {
-    "mu": ("friction",), "friction_coefficient": ("friction",), "load": ("wrench",), "force": ("wrench", "load"),
-    "object": ("target",), "angles": ("q",), "posture": ("q",), "stiffness": ("joint_stiffness",),
-}  # fmt: skip
+    "mu": ("friction",),
+    "friction_coefficient": ("friction",),
+    "load": ("wrench",),
+    "force": ("wrench", "load"),
+    "object": ("target",),
+    "angles": ("q",),
+    "posture": ("q",),
+    "stiffness": ("joint_stiffness",),
+}
 
 
 def _word(function: str, name: str, known: list[str], elsewhere: dict[str, str]) -> str:

@@ -32,7 +32,7 @@ clock = time.monotonic
 @contextmanager
 def told(
     what: str, total: int | None = None, asked: Any = None, begun: int | None = None
-) -> Iterator[Callable[[int], None]]:  # fmt: skip
+) -> Iterator[Callable[[int], None]]:
     """Around a long call, or a decorator of one: a function to call with how many more are done.
 
     what : is counted, or done, such as "directions". total : how many there are; None: not known.

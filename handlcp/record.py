@@ -30,9 +30,17 @@ from handlcp.views import view
 from handlcp.write_file import write_file
 
 UNITS = {
-    "Nm_per_rad": "N·m/rad", "m_per_s2": "m/s²", "N_Nm": "N, N·m", "m_rad": "m, rad", "Nm": "N·m", "N": "N", "kg": "kg",
-    "rad": "rad", "m": "m", "s": "s",
-}  # fmt: skip
+    "Nm_per_rad": "N·m/rad",
+    "m_per_s2": "m/s²",
+    "N_Nm": "N, N·m",
+    "m_rad": "m, rad",
+    "Nm": "N·m",
+    "N": "N",
+    "kg": "kg",
+    "rad": "rad",
+    "m": "m",
+    "s": "s",
+}
 _ENTRY = re.compile(r"(?P<key>\S+)(?: \((?P<shape>[^)]*)\))?(?: = (?P<path>\S+))?")
 _UNIT = re.compile(rf"_({'|'.join(UNITS)})$")
 

@@ -195,13 +195,15 @@ def say(out: Console, word: str, style: str, sentence: str) -> None:
 # ----------------------------------------------------------------
 # Where the output goes: pipes that close, full disks, terminals without UTF-8, and libraries that print.
 
-# What the package's words and tables use beyond ASCII, for terminals that cannot show it
-_SPELT = {
-    "–": "-", "—": "-", "−": "-", "…": "...", "·": ".", "•": "*", "█": "#", "─": "-", "━": "-", "│": "|", "┃": "|",
-    "×": "x", "÷": "/", "±": "+-", "≈": "~", "∝": "~", "∼": "~", "≤": "<=", "≥": ">=", "≠": "!=", "≪": "<<", "≫": ">>",
-    "∞": "inf", "√": "sqrt ", "Σ": "sum ", "°": " deg", "µ": "u", "‖": "|", "⟂": "_|_", "→": "->", "←": "<-", "↑": "^",
-    "↓": "v", "✓": "ok", "✗": "no", "∈": "in", "∂": "d", "“": '"', "”": '"', "‘": "'", "’": "'", "„": '"', "ß": "ss",
-}  # fmt: skip
+# What the package's words and tables use beyond ASCII, for terminals that cannot show it: a spelling, and after it the
+# characters that are written so
+_SPELLINGS = """
+    - –—−─━   ... …   . ·    * •     # █     | │┃‖   x ×   / ÷   +- ±   ~ ≈∝∼   <= ≤   >= ≥   != ≠   << ≪   >> ≫   inf ∞
+    u µ       _|_ ⟂   -> →   <- ←    ^ ↑     v ↓     ok ✓  no ✗  in ∈   d ∂     " “”„  ' ‘’   ss ß
+"""
+_WORDS = iter(_SPELLINGS.split())
+_SPELT = {"√": "sqrt ", "Σ": "sum ", "°": " deg"}
+_SPELT |= {character: plain for plain, every in zip(_WORDS, _WORDS, strict=True) for character in every}
 
 
 def open_streams() -> None:

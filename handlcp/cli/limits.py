@@ -161,9 +161,16 @@ def envelope(
         got = directions if flat else "a planar scene, whose directions lie in its plane; --polar draws these"
         raise InputError("--page", "directions all around, which the page can turn", got)
     found = envelope_of(
-        grasp, asked, of=of, geometry=geometry_of(followed), faces=sides, adaptive=adaptive, motion=motion, turn=turn,
+        grasp,
+        asked,
+        of=of,
+        geometry=geometry_of(followed),
+        faces=sides,
+        adaptive=adaptive,
+        motion=motion,
+        turn=turn,
         accuracy=accuracy,
-    )  # fmt: skip
+    )
     for path, draw in ((plot, found.plot), (polar, found.polar), (page, found.page)):
         if path is not None:
             draw(path, title=read.title)

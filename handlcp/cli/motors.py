@@ -38,9 +38,13 @@ from handlcp.show import tables
 from handlcp.write_file import check_destination
 
 _WAYS = {
-    "x up": (-1.0, 0.0, 0.0), "x down": (1.0, 0.0, 0.0), "y up": (0.0, -1.0, 0.0), "y down": (0.0, 1.0, 0.0),
-    "z up": (0.0, 0.0, -1.0), "z down": (0.0, 0.0, 1.0),
-}  # fmt: skip
+    "x up": (-1.0, 0.0, 0.0),
+    "x down": (1.0, 0.0, 0.0),
+    "y up": (0.0, -1.0, 0.0),
+    "y down": (0.0, 1.0, 0.0),
+    "z up": (0.0, 0.0, -1.0),
+    "z down": (0.0, 0.0, 1.0),
+}
 
 
 @app.command()
@@ -187,10 +191,12 @@ def _spread_as_options(command: Any) -> Any:
     own = inspect.signature(command, eval_str=True)
     scene, *others = [p.replace(kind=p.KEYWORD_ONLY) for p in own.parameters.values() if p.kind != p.VAR_KEYWORD]
     spread = [
-        inspect.Parameter(p.spread, scene.kind, default=None,
-                          annotation=Annotated[float | None, typer.Option(help=p.uncertain)])
-        for p in parameters() if p.spread
-    ]  # fmt: skip
+        inspect.Parameter(
+            p.spread, scene.kind, default=None, annotation=Annotated[float | None, typer.Option(help=p.uncertain)]
+        )
+        for p in parameters()
+        if p.spread
+    ]
     command.__signature__ = own.replace(parameters=[scene, *spread, *others])
     command.__annotations__ = {p.name: p.annotation for p in command.__signature__.parameters.values()}
     return command
@@ -228,9 +234,15 @@ def reliability(
     file = scenes.load(scene)
     sides = sides_of(file.solve_with.faces, faces)
     found = study.reliability(
-        file.build(), varies, samples, seed=seed, faces=sides, by="check" if check else "solve", confidence=confidence,
+        file.build(),
+        varies,
+        samples,
+        seed=seed,
+        faces=sides,
+        by="check" if check else "solve",
+        confidence=confidence,
         resume=resume,
-    )  # fmt: skip
+    )
     if plot is not None:
         found.plot(plot, title=file.title)
     if json:

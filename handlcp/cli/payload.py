@@ -55,9 +55,13 @@ def payload(
     grasp = file.build()
     check_allowed(grasp, motion)
     found = grasp.payload(
-        "any" if every else 6, acceleration, geometry=geometry_of(followed),
-        faces=sides_of(file.solve_with.faces, faces), motion=motion, accuracy=accuracy,
-    )  # fmt: skip
+        "any" if every else 6,
+        acceleration,
+        geometry=geometry_of(followed),
+        faces=sides_of(file.solve_with.faces, faces),
+        motion=motion,
+        accuracy=accuracy,
+    )
     if plot is not None:
         found.plot(plot, title=file.title)
     if json:

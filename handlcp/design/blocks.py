@@ -109,18 +109,30 @@ def tip(name: str, mass: float, radius: float) -> Any:
 
 
 def revolute(
-    name: str, parent: str, origin: Array, axis: Vector, effort: float, speed: float, ends: tuple[float, float],
+    name: str,
+    parent: str,
+    origin: Array,
+    axis: Vector,
+    effort: float,
+    speed: float,
+    ends: tuple[float, float],
     follows: tuple[str, float] | None = None,
-) -> Any:  # fmt: skip
+) -> Any:
     """A joint that carries the link of its own name. ends : of its range [rad]. follows : another joint, and how far
     this one turns for each radian of that.
     """
     mimic = None if follows is None else u.Mimic(joint=follows[0], multiplier=follows[1])
     limit = u.Limit(effort=effort, velocity=speed, lower=ends[0], upper=ends[1])
     return u.Joint(
-        name=name, type="revolute", parent=parent, child=f"{name}_link", origin=origin, axis=np.array(axis),
-        limit=limit, mimic=mimic,
-    )  # fmt: skip
+        name=name,
+        type="revolute",
+        parent=parent,
+        child=f"{name}_link",
+        origin=origin,
+        axis=np.array(axis),
+        limit=limit,
+        mimic=mimic,
+    )
 
 
 def mount(finger: str, parent: str, origin: Array) -> Any:

@@ -76,10 +76,19 @@ class BriefTables(Table):
 
 # Arguments of a brief, and the keys that they come from
 _KEYS = {
-    "friction": "friction", "orientations": "orientations", "acceleration": "acceleration_m_per_s2",
-    "motion": "motion_m", "most_force": "most_force_N", "safety": "safety", "kind": "kind", "squeeze": "squeeze_m",
-    "grip_force": "grip_force_N", "closing_torque": "closing_torque_Nm", "tries": "tries", "seed": "seed",
-}  # fmt: skip
+    "friction": "friction",
+    "orientations": "orientations",
+    "acceleration": "acceleration_m_per_s2",
+    "motion": "motion_m",
+    "most_force": "most_force_N",
+    "safety": "safety",
+    "kind": "kind",
+    "squeeze": "squeeze_m",
+    "grip_force": "grip_force_N",
+    "closing_torque": "closing_torque_Nm",
+    "tries": "tries",
+    "seed": "seed",
+}
 
 
 def loaded(path: Any, make: Callable[..., Made]) -> Made:

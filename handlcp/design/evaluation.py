@@ -38,9 +38,20 @@ class ObjectCase(Record):
     """
 
     entries = (
-        "word", "verdicts", "factors", "payload_kg", "factor", "gives_out", "at_least", "kind", "continued", "force_N",
-        "torque_Nm", "torque_used", "motion_m",
-    )  # fmt: skip
+        "word",
+        "verdicts",
+        "factors",
+        "payload_kg",
+        "factor",
+        "gives_out",
+        "at_least",
+        "kind",
+        "continued",
+        "force_N",
+        "torque_Nm",
+        "torque_used",
+        "motion_m",
+    )
 
     word: str
     verdicts: Mapping[str, str]
@@ -89,9 +100,17 @@ class Evaluation(Record):
     """
 
     entries = (
-        "holds", "payload_kg", "factor", "gives_out", "worst_object", "force_N", "torque_Nm", "torque_used", "motion_m",
+        "holds",
+        "payload_kg",
+        "factor",
+        "gives_out",
+        "worst_object",
+        "force_N",
+        "torque_Nm",
+        "torque_used",
+        "motion_m",
         "objects = cases",
-    )  # fmt: skip
+    )
 
     cases: Mapping[str, ObjectCase]
 
@@ -195,10 +214,17 @@ class Evaluation(Record):
     def __str__(self) -> str:
         head = wrapped(f"{self._without_mass}{self._in_all}.")
         rows = [
-            (name, case.word, case.times(), shown(case.payload, case.at_least), _of(case.force),
-             _percent(case.torque_used), _of(1e3 * case.motion))
+            (
+                name,
+                case.word,
+                case.times(),
+                shown(case.payload, case.at_least),
+                _of(case.force),
+                _percent(case.torque_used),
+                _of(1e3 * case.motion),
+            )
             for name, case in self.cases.items()
-        ]  # fmt: skip
+        ]
         heads = "object", "verdict", "times\nits loads", "payload\nkg", "force\nN", "torque\nused", "moves\nmm"
         return f"{head}\n\n{TextTable(heads, tuple(rows), '<<>>>>>')}"
 

@@ -116,18 +116,28 @@ def finger_hand(
     if not isinstance(name, str) or not name.strip():
         raise InputError("name", "a name", repr(name))
     given = {
-        "link_lengths": link_lengths, "palm_radius": palm_radius, "link_radius": link_radius, "tip_radius": tip_radius,
-        "angles": angles, "tilt": tilt, "ranges": ranges, "coupling": coupling,
-    }  # fmt: skip
+        "link_lengths": link_lengths,
+        "palm_radius": palm_radius,
+        "link_radius": link_radius,
+        "tip_radius": tip_radius,
+        "angles": angles,
+        "tilt": tilt,
+        "ranges": ranges,
+        "coupling": coupling,
+    }
     made = _read(integer("fingers", fingers, 1, MOST), given)
     _check_apart(made, "palm_radius" if angles is None else "angles")
     urdf = _urdf(name, made)
     if file is not None:
         write_file("file", file, urdf)
     return Hand.from_urdf(
-        urdf.decode(), joint_stiffness=joint_stiffness, pad_flexibility=pad_flexibility, torque_limits=torque_limits,
-        motors=motors, joint_friction=joint_friction,
-    )  # fmt: skip
+        urdf.decode(),
+        joint_stiffness=joint_stiffness,
+        pad_flexibility=pad_flexibility,
+        torque_limits=torque_limits,
+        motors=motors,
+        joint_friction=joint_friction,
+    )
 
 
 def _read(n: int, given: Mapping[str, Any]) -> list[_Finger]:

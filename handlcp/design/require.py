@@ -15,8 +15,11 @@ from handlcp.grasp.answer.verdict import HELD
 
 UNITS = {"payload": "kg", "factor": "", "force": "N", "torque": "N·m", "torque_used": "", "motion": "m"}
 _COMPARED: dict[str, Callable[[Any, Any], bool]] = {
-    ">=": operator.ge, "<=": operator.le, ">": operator.gt, "<": operator.lt
-}  # fmt: skip
+    ">=": operator.ge,
+    "<=": operator.le,
+    ">": operator.gt,
+    "<": operator.lt,
+}
 _WRITTEN = re.compile(r"\s*(\w+)\s*(>=|<=|>|<)\s*([^=<>\s]\S*)\s*")
 
 
