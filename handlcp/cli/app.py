@@ -18,7 +18,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 from rich.console import Console
@@ -31,6 +31,9 @@ from handlcp.grasp import Grasp
 from handlcp.record import json_text
 from handlcp.show.file import checked, checked_page
 from handlcp.version import VERSION
+
+if TYPE_CHECKING:
+    from handlcp.scene import SceneFile
 
 
 class _Commands(TyperGroup):
@@ -135,6 +138,13 @@ def print_tables(out: Console, tables: Iterable[Table]) -> None:
         out.print(table)
         if table.caption:
             out.print()
+
+
+def load_scene(path: Path) -> SceneFile:
+    """The scene of a file. Raises SceneFileError."""
+    from handlcp import scene  # pydantic, a third of a second that other commands do not pay
+
+    return scene.load(path)
 
 
 def sides_of(own: Any, faces: str | None) -> Any:

@@ -21,6 +21,7 @@ from handlcp.cli.app import (
     check_files,
     follow_option,
     geometry_of,
+    load_scene,
     print_json,
     say,
     say_files,
@@ -31,6 +32,7 @@ from handlcp.errors import InputError, brief
 from handlcp.grasp.cause.wording import said
 from handlcp.grasp.limits.result import LoadLimit, told
 from handlcp.record import versions
+from handlcp.show.limit import limit_table, size, way
 
 _Wrench = tuple[float, float, float, float, float, float]
 _AXES = {"+x": 0, "-x": 1, "+y": 2, "-y": 3, "+z": 4, "-z": 5}
@@ -56,11 +58,9 @@ def limits(
 
     Exit status 0 where it holds its weight, 1 where squeeze or weight alone are too much, 2 bad input.
     """
-    from handlcp import scene as scenes
-
     check_files(plot)
     loads = _loads(wrench, direction)
-    file = scenes.load(scene)
+    file = load_scene(scene)
     grasp, sides = file.build(), sides_of(file.solve_with.faces, faces)
     check_allowed(grasp, motion)
     geometry = "fixed" if fixed else None
@@ -101,8 +101,6 @@ def _direction(text: str) -> Array:
 
 def _print(found: list[LoadLimit], least: LoadLimit, title: str, plot: Path | None) -> None:
     """The table, what happens on the way to the least of the limits, and the picture's name."""
-    from handlcp.show.limit import limit_table, size, way
-
     out = titled(title)
     if found[0].factor == 0.0:
         say(out, "NOT HELD", "bold red", found[0].why)
@@ -146,14 +144,13 @@ def envelope(
 
     The load comes slowly, after squeeze and weight. Exit status 0, 1 if it does not hold without a load, 2 bad input.
     """
-    from handlcp import scene as scenes
     from handlcp.study.envelope import envelope as envelope_of
     from handlcp.study.envelope.causes import read_directions
 
     check_files(plot, polar, page=page)
     asked = _asked(directions)
     flat = read_directions(asked).plane is not None  # raises before any work is done
-    read = scenes.load(scene)
+    read = load_scene(scene)
     sides = sides_of(read.solve_with.faces, faces)
     grasp = read.build()
     check_allowed(grasp, motion, turn)

@@ -20,6 +20,7 @@ from handlcp.cli.app import (
     Scene,
     app,
     check_files,
+    load_scene,
     print_json,
     print_tables,
     say,
@@ -79,10 +80,8 @@ def motors(
     at each fingertip, in place of what the file says. Exit status 0 such a grip was found and check() says HELD of
     every load, 1 otherwise, 2 bad input.
     """
-    from handlcp import scene as scenes
-
     bought = None if motor is None else _motor(motor, efficiency)
-    read = scenes.load(scene)
+    read = load_scene(scene)
     grasp = read.build()
     if not isinstance(grasp, HandGrasp):
         raise InputError("scene", "a scene with a [hand], whose joints need motors", "one without")
@@ -222,7 +221,6 @@ def reliability(
 
     Exit status 0, 2 for bad input.
     """
-    from handlcp import scene as scenes
     from handlcp.study import reliability as study
 
     varies = {name: value for name, value in spread.items() if value is not None}
@@ -231,7 +229,7 @@ def reliability(
     check_files(plot)
     if resume is not None:
         check_destination("resume", resume)
-    file = scenes.load(scene)
+    file = load_scene(scene)
     sides = sides_of(file.solve_with.faces, faces)
     found = study.reliability(
         file.build(),

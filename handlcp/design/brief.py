@@ -94,7 +94,7 @@ class Brief:
 
         Raises InputError for what a file has no key for, such as a mesh from memory, and one that cannot be written.
         """
-        from handlcp.design.brief_file import toml_text
+        from handlcp.design.brief_file import toml_text  # pydantic, as above
 
         if path is None:
             return toml_text(self, Path())

@@ -7,9 +7,10 @@ palm's, z = 0 where the fingers stand.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import cos, hypot, pi, sin
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from handlcp.check import integer
 from handlcp.design.by_finger import (
@@ -29,9 +30,6 @@ from handlcp.errors import InputError
 from handlcp.hand.hand import Hand
 from handlcp.keywords import helped
 from handlcp.write_file import write_file
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
 
 LENGTHS: Row = (0.05, 0.04)  # [m]
 RANGES = (-0.5, 1.6), (0.0, 1.9)  # [rad] of the first joint of a finger, and of those beyond it
