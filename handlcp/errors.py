@@ -17,7 +17,7 @@ _MOST_NAMES = 20  # that are not known, for which one that is near is looked for
 
 @contextmanager
 def writing(argument: str, file: Path) -> Iterator[None]:
-    """Around what writes a file. Raises InputError where it cannot be written."""
+    """Around statements that write a file: raise InputError where it cannot be written."""
     try:
         yield
     except OSError as error:
@@ -72,14 +72,14 @@ class HandLCPError(Exception):
 
 
 def _restored(kind: type[HandLCPError], args: tuple[Any, ...], carried: dict[str, Any]) -> HandLCPError:
-    """An error of another process."""
+    """Make an error that was raised in another process again, with all that it carries."""
     error = kind.__new__(kind, *args)
     error.__dict__.update(carried)
     return error
 
 
 class InputError(HandLCPError, ValueError):
-    """A bad argument: which one, what was expected, what came."""
+    """A bad argument, with its name, what was expected and what came."""
 
     def __init__(self, argument: str, expected: str, got: object) -> None:
         self.argument, self.expected, self.got = argument, expected, got
@@ -152,7 +152,7 @@ class NoGraspFound(HandLCPError):
         super().__init__(message, self.tried, self.candidates)
 
     def __str__(self) -> str:
-        """The message."""
+        """The message that the error was raised with."""
         return str(self.args[0])
 
 
@@ -166,12 +166,12 @@ class RequirementNotMet(HandLCPError):
         super().__init__(self.unmet)
 
     def __str__(self) -> str:
-        """All of them."""
+        """What is not met, one sentence a line."""
         return "\n".join(self.unmet)
 
 
 def _where(gap: float) -> str:
-    """Of a gap [mm]; below 0 it is an overlap."""
+    """A gap [mm] in words; below 0 it is an overlap."""
     return f"overlaps by {-gap:.3g} mm" if gap < 0.0 else f"{gap:.3g} mm away"
 
 
@@ -194,5 +194,5 @@ class NoSolutionFound(HandLCPError):
         return (NoSolutionFound, (str(self), None, self.solution))
 
     def __str__(self) -> str:
-        """The message."""
+        """The message; where it is a function, it is made now."""
         return self.message if isinstance(self.message, str) else self.message()

@@ -82,11 +82,11 @@ class ElementCounter:
         self.count = self.depth = 0
 
     def refuse(self, expected: str, came: str) -> InputError:
-        """The error of this file."""
+        """The error to raise, which names this file."""
         return self._error(self._argument, expected, f"{self._shown} {came}")
 
     def start(self, tag: str, attributes: dict[str, str]) -> Any:
-        """An element begins."""
+        """Count an element that begins, and its attributes."""
         self.count, self.depth = self.count + 1, self.depth + 1
         if self.count > MOST_ELEMENTS:
             raise self.refuse(f"at most {MOST_ELEMENTS} elements", "with more")
@@ -97,16 +97,16 @@ class ElementCounter:
             raise self.refuse(f"elements nested at most {DEEPEST_XML} deep", "with deeper ones")
 
     def end(self, tag: str) -> Any:
-        """An element ends."""
+        """Leave an element that ends."""
         self.depth -= 1
 
     def doctype(self, name: str, public: str | None, system: str | None) -> None:
-        """A DOCTYPE begins."""
+        """Refuse a DOCTYPE, which may define entities."""
         raise self.refuse("XML without a DOCTYPE", "with one")
 
 
 class _TreeBuilder(ElementCounter):
-    """Builds the tree as it counts."""
+    """Builds the tree of elements while it counts them."""
 
     def __init__(self, argument: str, shown: str, error: Refusal) -> None:
         super().__init__(argument, shown, error)
@@ -141,7 +141,12 @@ def walk_xml(data: bytes, counter: ElementCounter) -> Any:
 
 
 def parse_xml(argument: str, data: bytes, shown: str, error: Refusal = InputError) -> ET.Element:
-    """The root element. shown : what to call the file in messages. Raises `error` beyond the limits of this file."""
+    """The root element of an XML file, read within the limits that stand at the top of this module.
+
+    argument : what the caller calls the file. shown : what to call it in messages.
+
+    Raises `error` for what is no XML, and beyond the limits.
+    """
     root: ET.Element = walk_xml(data, _TreeBuilder(argument, shown, error))
     return root
 
@@ -228,7 +233,7 @@ class _YamlData:
         return self._error(self._argument, expected, f"{self._shown}, with {came}")
 
     def take(self, event: Any) -> None:
-        """The next event."""
+        """Add what the next event of the parser brings."""
         anchor, kind = getattr(event, "anchor", None), type(event).__name__
         if kind == "ScalarEvent":
             value = event.value if self._expects_key() else _plain_value(event)

@@ -46,8 +46,12 @@ _UNIT = re.compile(rf"_({'|'.join(UNITS)})$")
 
 
 class Entry(NamedTuple):
-    """One line of a record. key : in dictionaries. unit : SI, "" for a word or a bare number. shape : of an array, by
-    letters and numbers; () for anything else. path : the attribute.
+    """One entry of a record, read off its line.
+
+    key : in dictionaries.
+    unit : SI, "" for a word or a bare number.
+    shape : of an array, by letters and numbers; () for anything else.
+    path : the attribute, with dots.
     """
 
     key: str
@@ -56,7 +60,7 @@ class Entry(NamedTuple):
     path: str
 
     def of(self, source: Any) -> Any:
-        """Its value, as it stands there; None where something on the way is None."""
+        """The value of this entry in a record, as it stands there; None where something on the way is None."""
         for name in self.path.split("."):
             if source is not None:
                 source = source[int(name)] if name.isdigit() else getattr(source, name)
@@ -65,7 +69,7 @@ class Entry(NamedTuple):
 
 @cache
 def entry(line: str) -> Entry:
-    """Read off its line."""
+    """The entry that a line describes."""
     found = _ENTRY.fullmatch(line)
     assert found is not None, line  # a test reads them all
     unit = _UNIT.search(found["key"])
@@ -75,7 +79,7 @@ def entry(line: str) -> Entry:
 
 
 def pick(source: Any, *lines: str) -> dict[str, Any]:
-    """Of anything with these attributes, as plain data."""
+    """The entries that these lines describe, of anything with these attributes, as plain data."""
     found: dict[str, Any] = {}
     for one in map(entry, lines):
         *outer, key = one.key.split(".")
@@ -108,7 +112,7 @@ def plain(value: Any) -> Any:
 
 
 def twist(motion: Any) -> dict[str, Any] | None:
-    """A motion (6,) [m, rad]; None where there is none."""
+    """A motion (6,) [m, rad] as a dictionary of its two halves; None where there is none."""
     return None if motion is None else {"linear_m": plain(motion[:3]), "angular_rad": plain(motion[3:])}
 
 
@@ -118,7 +122,7 @@ def json_text(value: Any, ascii_only: bool = False) -> str:
 
 
 def versions(*packages: str) -> dict[str, str | None]:
-    """Of handlcp, of Python and of these packages; None for one that is not installed."""
+    """The versions of handlcp, of Python and of these packages; None for one that is not installed."""
     from importlib.metadata import PackageNotFoundError, version  # for JSON alone
 
     found: dict[str, str | None] = {"handlcp": VERSION, "python": platform.python_version()}
@@ -144,12 +148,13 @@ class Record:
         return pick(self, *self._lines())
 
     def to_row(self) -> dict[str, Any]:
-        """The same without dictionaries in it, for a row of a table: keys within keys are joined by dots."""
+        """`to_dict` without dictionaries in it, for a row of a table: keys within keys are joined by dots."""
         return dict(_flat("", self.to_dict()))
 
     def to_json(self, path: Any = None) -> str | Path:
-        """The same as JSON: the text, or the file that it was written to. Raises InputError for a file that cannot be
-        written.
+        """What `to_dict` gives as JSON: the text, or the file that it was written to.
+
+        path : of the file; None: the text is returned. Raises InputError for a file that cannot be written.
         """
         text = json_text(self.to_dict())
         if path is None:
@@ -157,12 +162,12 @@ class Record:
         return write_file("path", path, text + "\n")
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: what prints."""
+        """What a notebook shows is what prints."""
         text: str = view("text_html")(self)
         return text
 
     def __rich__(self) -> Any:
-        """What rich shows: what prints, brackets and all."""
+        """What rich shows is what prints, brackets and all."""
         from rich.text import Text
 
         return Text(str(self))

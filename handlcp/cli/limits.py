@@ -87,7 +87,7 @@ def _loads(wrench: _Wrench | None, directions: list[str] | None) -> Array:
 
 
 def _direction(text: str) -> Array:
-    """(3,) unit vector. Raises InputError."""
+    """The direction that a text means, such as "-z" or "1,0,0.5": a unit vector (3,). Raises InputError."""
     if text in _AXES:
         return np.asarray(_WAYS[_AXES[text]])
     try:
@@ -181,7 +181,7 @@ def envelope(
 
 
 def _asked(text: str) -> Any:
-    """A count, a plane, or both. Raises InputError."""
+    """The directions that a text asks for: a count, a plane, or both as (plane, count). Raises InputError."""
     plane, _, count = text.partition(",")
     if not count and not plane.isdecimal():
         return plane

@@ -93,7 +93,7 @@ def hands(
     package_dir: PackageDirs = None,
     json: Json = False,
 ) -> None:
-    """Describe a hand: joints, fingertips, couplings. Without a file or a name: list the hands to use by name."""
+    """Describe a hand's joints, fingertips and couplings; without a file or a name, list the hands to use by name."""
     if urdf is not None:
         hand = named(urdf, base, package_dir)
         described = describe_urdf(urdf, base, package_dir or None) if hand is None else hand.describe()

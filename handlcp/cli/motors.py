@@ -123,7 +123,7 @@ def _numbers(text: str) -> list[float] | None:
 
 
 def _motor(text: str, efficiency: float) -> Motor:
-    """From CONTINUOUS, CONTINUOUS,PEAK or CONTINUOUS,PEAK,FRICTION. Raises InputError."""
+    """The motor of the text CONTINUOUS, CONTINUOUS,PEAK or CONTINUOUS,PEAK,FRICTION. Raises InputError."""
     values = _numbers(text)
     if values is None or len(values) not in (1, 2, 3):
         expected = "CONTINUOUS,PEAK or CONTINUOUS,PEAK,FRICTION in N·m, such as 0.02,0.06"
@@ -162,7 +162,7 @@ def _tendons(found: RequiredTension) -> Table:
 
 
 def _gears(found: RequiredTorque, motor: Motor) -> list[Table]:
-    """Of the joints that no tendon with a motor moves, and of the tendons."""
+    """Tables of the gears that joints without a tendon motor need, and that tendons need."""
     made = list[Table]()
     note = "the least with which the motor gives peak and continuous torque"
     least = found.reductions(motor)

@@ -102,12 +102,16 @@ def _sides(own: Any, faces: str | None, accuracy: float | None) -> Any:
 
 
 def _suggested(grasp: Grasp, solution: GraspSolution, sides: Any, judged: Verdict) -> Suggestions:
-    """As `grasp.suggest`, of the verdict that is known."""
+    """What `grasp.suggest` returns, without finding the verdict again."""
     return suggested(grasp.spec, as_section(sides, planar=grasp.scene.kind.planar), solution, 0.05, judged)
 
 
 class _Shown(NamedTuple):
-    """What tables are of. when : for their titles. whole : whether slips are of the whole way."""
+    """The solution that the tables show.
+
+    when : what their titles add.
+    whole : whether slips are those of the whole loading.
+    """
 
     solution: GraspSolution
     when: str = ""

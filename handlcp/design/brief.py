@@ -128,7 +128,7 @@ def _check_sizes(closing: Mapping[str, Any]) -> None:
 
 
 def _objects(given: Any) -> dict[str, Object]:
-    """By name. Raises InputError."""
+    """The objects of a brief by name, from what a user gives for them. Raises InputError."""
     expected = "an object such as Sphere(0.03), a sequence of them, or a mapping of names to them; at least one"
     if isinstance(given, Object):
         return {"object": given}
@@ -147,7 +147,7 @@ def _objects(given: Any) -> dict[str, Object]:
 
 
 def _loads(given: Any) -> dict[str, Array]:
-    """By name. Raises InputError."""
+    """The loads of a brief by name, (6,) each [N, N·m], from what a user gives for them. Raises InputError."""
     if given is None:
         return {}
     if isinstance(given, Mapping):

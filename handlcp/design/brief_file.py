@@ -92,7 +92,10 @@ _KEYS = {
 
 
 def loaded(path: Any, make: Callable[..., Made]) -> Made:
-    """The brief of a file. make : it from its arguments. See `Brief.from_toml`."""
+    """Read the brief of a TOML file; see `Brief.from_toml`.
+
+    make : what makes a brief of its arguments, such as the class `Brief`.
+    """
     text, file = text_of(path, "a brief (TOML)")
     table = checked(BriefTables, text, file.name)
     try:

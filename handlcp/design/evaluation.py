@@ -22,7 +22,7 @@ NOT_FOUND = "NOT FOUND"  # beside the words of a verdict
 
 @dataclass(frozen=True, eq=False)
 class ObjectCase(Record):
-    """One object.
+    """How well a hand holds one object of a brief.
 
     word : the worst of `verdicts`, or "NOT FOUND" where no grasp was. verdicts : "HELD", "OVER LIMIT", "NOT HELD" or
     "UNDECIDED" for the weight and each load, with the safety that was asked for. factors : how many times the weight in
@@ -121,7 +121,7 @@ class Evaluation(Record):
 
     @property
     def verdicts(self) -> dict[str, dict[str, str]]:
-        """Object → load → word."""
+        """The word of each object under each load: object → load → word."""
         return {name: dict(case.verdicts) for name, case in self.cases.items()}
 
     @property
@@ -234,7 +234,10 @@ class Evaluation(Record):
 
 
 def shown(value: float, more: bool) -> str:
-    """A number that is held, as it is printed. more : it may be more."""
+    """A mass or factor that is held, as it is printed.
+
+    more : whether it may be more, since nothing gave out.
+    """
     return "any" if value == np.inf else f"{'≥ ' if more else ''}{value:.3g}"
 
 

@@ -42,8 +42,15 @@ MOST = 30  # fingers
 
 @dataclass(frozen=True, slots=True)
 class _Finger:
-    """One finger. lengths (k,) of its links, radius of these, tip, and where it stands: out from the palm's axis [m];
-    angle about it, tilt outward [rad]. ranges : of its k joints [rad]. follow (k - 1,) : of those beyond the first.
+    """The numbers of one finger with k links.
+
+    lengths : (k,) of its links [m].
+    radius, tip : of its links and of its fingertip [m].
+    out : distance of its base from the palm's axis [m].
+    angle : about that axis, from +x [rad].
+    tilt : by which it leans outward [rad].
+    ranges : (lower, upper) of each of its k joints [rad].
+    follow : (k - 1,) turns of each joint beyond the first for each turn of the one before; None: they are free.
     """
 
     name: str
@@ -58,7 +65,7 @@ class _Finger:
 
     @property
     def place(self) -> tuple[float, float]:
-        """X and y on the palm [m]."""
+        """Where the finger stands on the palm: x and y [m], axes of the palm."""
         return self.out * cos(self.angle), self.out * sin(self.angle)
 
     @property
@@ -139,7 +146,7 @@ def finger_hand(
 
 
 def _read(n: int, given: Mapping[str, Any]) -> list[_Finger]:
-    """N fingers, from arguments of `finger_hand`. Raises InputError, UnknownName."""
+    """The n fingers that the arguments of `finger_hand` describe. Raises InputError, UnknownName."""
     names = [f"finger_{i + 1}" for i in range(n)]
 
     def each(argument: str, default: Sequence[T], read: Read[T], deep: int = 0) -> list[T]:

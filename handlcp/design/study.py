@@ -83,7 +83,7 @@ class Study:
 
     @property
     def failed(self) -> Self:
-        """Those that could not be evaluated, with the reason in "error"."""
+        """The designs that could not be evaluated, with the reason in "error"."""
         return self.some(np.flatnonzero([error is not None for error in self.columns.get(ERROR, ())]))
 
     @property
@@ -173,9 +173,12 @@ class Study:
         return evaluations(self.sweep, self._maker, self.columns[DESIGN])
 
     def plot(self, path: Any = None, title: str = "", by: Sequence[str] = (PAYLOAD, TORQUE)) -> Any:
-        """The figure: designs and their front, by two columns as in `pareto`; the designs as lines across all
-        parameters; and the mean of the first column along each parameter, with the share of its variance that this
-        explains. path : a file to write, .png, .svg, .pdf or .jpg. Raises InputError; Unsupported without matplotlib.
+        """A figure of the designs and their front, of all parameters as lines, and of what each parameter explains.
+
+        The front is by two columns as in `pareto`. Below it stands the mean of the first column along each parameter,
+        with the share of its variance that this explains.
+
+        path : a file to write, .png, .svg, .pdf or .jpg. Raises InputError; Unsupported without matplotlib.
         """
         return view("study_plot")(self, path, title, by)
 
@@ -188,7 +191,7 @@ class Study:
 
     @property
     def space(self) -> Space:
-        """That of the sweep."""
+        """The space of parameters that the sweep drew its designs from."""
         return Space(self.sweep["space"])
 
     def __str__(self) -> str:

@@ -26,7 +26,10 @@ class SceneFile(SceneTables):
     """The tables of a scene file, and the grasp that they describe. Immutable."""
 
     def build(self) -> Grasp:
-        """The grasp: a `HandGrasp` when there is a [hand], else a `Grasp`. Raises InputError, naming the key."""
+        """Build the grasp that the file describes: a `HandGrasp` when there is a [hand], else a `Grasp`.
+
+        Raises InputError, naming the key.
+        """
         return build(self)
 
     def shape(self) -> Object | None:
@@ -45,7 +48,7 @@ def load(path: Any) -> SceneFile:
 
 
 def read(text: str, folder: Any = ".", label: str = "scene") -> SceneFile:
-    """The same from a string; relative paths start at `folder`, errors start with `label`."""
+    """Read a scene from a string; relative paths start at `folder`, errors start with `label`."""
     scene = checked(SceneFile, text, label)
     scene._folder = Path(folder)
     return scene

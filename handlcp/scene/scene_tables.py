@@ -108,7 +108,7 @@ _COMMANDS = ("squeeze_m", "grip_force_N", "joint_offset_rad", "closing_torque_Nm
 
 
 class SceneTables(Table):
-    """A scene: a hand in a posture around an object, or contacts one by one; the load; how to solve."""
+    """A scene is a hand in a posture around an object, or contacts one by one; the load; and how to solve."""
 
     title: k.Text = ""
     """one line for tables and pictures"""
