@@ -24,7 +24,7 @@ _NO_NUMBERS = (str, bytes, bool, complex, np.complexfloating, np.bool_, list, tu
 
 
 def read_only(a: Array) -> Array:
-    """The same array with writing switched off."""
+    """Switch writing to an array off, and return it."""
     a.setflags(write=False)
     return a
 
@@ -33,12 +33,12 @@ _NOTHING = read_only(np.zeros(0))
 
 
 def nothing() -> Array:
-    """(0,) read-only, the default of fields that most scenes leave empty."""
+    """An empty read-only array (0,), the default of fields that most scenes leave empty."""
     return _NOTHING
 
 
 def sealed(state: dict[str, Any]) -> dict[str, Any]:
-    """The same attributes, their arrays read-only: those that were pickled come back open."""
+    """Make the arrays of an object's attributes read-only: those that were pickled come back writable."""
     for value in state.values():
         if isinstance(value, np.ndarray):
             value.flags.writeable = False
@@ -69,7 +69,7 @@ def array(
 
 
 def dimensions(value: Any) -> int:
-    """How many an array of it has; -1 for lists of different lengths, which make none."""
+    """How many dimensions an array of the value has; -1 for lists of different lengths, which make no array."""
     try:
         return int(np.ndim(value))
     except ValueError:

@@ -67,7 +67,7 @@ class HandLCPError(Exception):
     """Base of every error raised by handlcp. It passes from one process to another with all that it carries."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Without calling `__init__` again, which takes other arguments than the message that it made."""
+        """Pickle without calling `__init__` again, which takes other arguments than the message that it made."""
         return (_restored, (type(self), self.args, self.__dict__))
 
 
@@ -144,7 +144,8 @@ class NotReached(InputError):
 class NoGraspFound(HandLCPError):
     """No placement of an object found in which a hand holds it.
 
-    tried : how many placements came how far, by name. candidates : those that one solve holds and the check does not.
+    tried : how many placements came how far, by name.
+    candidates : those that one solve holds and the check does not.
     """
 
     def __init__(self, message: str, tried: dict[str, int], candidates: tuple[Any, ...] = ()) -> None:
@@ -157,8 +158,9 @@ class NoGraspFound(HandLCPError):
 
 
 class RequirementNotMet(HandLCPError):
-    """A hand or a grasp that does less than was required of it, by `Evaluation.require` or `Verdict.require`. unmet :
-    what, by how much, and what gives out, in sentences.
+    """A hand or a grasp does less than was required of it, by `Evaluation.require` or `Verdict.require`.
+
+    unmet : what, by how much, and what gives out, in sentences.
     """
 
     def __init__(self, unmet: Iterable[str]) -> None:

@@ -153,7 +153,7 @@ class _Call:
         return self.kinds.get(every[0].name) if every else None
 
     def check(self, args: tuple[Any, ...], given: dict[str, Any]) -> None:
-        """Raises WrongCall where these arguments are not those of the function."""
+        """Check that the function takes these arguments. Raises WrongCall."""
         every = self.signature.parameters
         known = [p.name for p in every.values() if p.name not in ("self", "cls")]
         called_as = self.function.__qualname__.removesuffix(".__init__").rpartition(".")[2]

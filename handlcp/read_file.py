@@ -43,7 +43,10 @@ Refusal = type[InputError]
 
 
 def read_bytes(argument: str, file: Path, what: str, most: int, error: Refusal = InputError) -> bytes:
-    """The contents of a file. what : kind of file, such as "a scene file". most : bytes.
+    """The contents of a file.
+
+    what : kind of file, such as "a scene file".
+    most : bytes.
 
     Raises `error` for a file that is missing, is a folder or a device, cannot be read, or is larger.
     """
@@ -61,7 +64,7 @@ def read_bytes(argument: str, file: Path, what: str, most: int, error: Refusal =
 
 
 def read_text(argument: str, file: Path, what: str, most: int, error: Refusal = InputError) -> str:
-    """The same as text in UTF-8, without the mark (BOM) that some editors write before it."""
+    """The contents of a file as text in UTF-8, without the mark (BOM) that some editors write before it."""
     try:
         return read_bytes(argument, file, what, most, error).decode("utf-8-sig")
     except UnicodeDecodeError as failure:
@@ -197,7 +200,7 @@ def _longest_run(text: str) -> int:
 
 
 def _within(value: Any) -> Iterable[Any]:
-    """What an array or a table holds."""
+    """The values that an array or a table holds."""
     return value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
 
 
@@ -220,7 +223,10 @@ def parse_yaml(argument: str, text: str, shown: str, error: Refusal = InputError
 
 
 class _YamlData:
-    """Builds data from the events of a YAML parser. found : the documents so far."""
+    """Builds data from the events of a YAML parser.
+
+    found : the documents so far.
+    """
 
     def __init__(self, argument: str, shown: str, error: Refusal) -> None:
         self._argument, self._shown, self._error = argument, shown, error
@@ -322,7 +328,7 @@ def _unpacked(data: bytes, most: int) -> Iterator[tuple[str, Any]]:
 
 
 def _array(data: bytes) -> Any:
-    """From the bytes of an .npy file; its header alone is parsed. Raises ValueError, and what numpy's header raises."""
+    """The array of an .npy file from its bytes; only the header is parsed. Raises ValueError, and what numpy raises."""
     stream = io.BytesIO(data)
     version = np.lib.format.read_magic(stream)
     headers = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}

@@ -136,8 +136,9 @@ def versions(*packages: str) -> dict[str, str | None]:
 
 @helped_methods
 class Record:
-    """Base of answers that are plain data. entries : one line for each of them, see the top of this file; None: every
-    field of the dataclass, under its name.
+    """Base of answers that are plain data.
+
+    entries : one line for each of them, see the top of this file; None: every field of the dataclass, under its name.
     """
 
     __slots__ = ()

@@ -16,7 +16,10 @@ _NO_FRICTION = 5e-4  # of the normal force: less is not written
 
 @dataclass(frozen=True, slots=True)
 class LengthUnit:
-    """One unit for a whole column. size : in metres."""
+    """A unit of length for a whole column.
+
+    size : of the unit [m].
+    """
 
     name: str
     size: float
@@ -146,7 +149,7 @@ def percent(share: float) -> str:
 
 
 def listed(names: Sequence[str]) -> str:
-    """At most four names, and how many more there are."""
+    """A list of at most four names, and how many more there are."""
     names = list(names)
     return ", ".join(names[:_MOST]) + (f" and {len(names) - _MOST} more" if len(names) > _MOST else "")
 
@@ -160,7 +163,10 @@ def all_of(names: Sequence[str]) -> str:
 
 
 def by_link(names: Sequence[str], links: Mapping[str, str]) -> list[str]:
-    """The names, several of one link as one: "3 contacts of palm". links : by name; names without one stay."""
+    """The names, several of one link as one: "3 contacts of palm".
+
+    links : name → its link; names without one stay.
+    """
     groups = dict[str, list[str]]()
     for name in names:
         groups.setdefault(links.get(name, name), []).append(name)
@@ -168,7 +174,7 @@ def by_link(names: Sequence[str], links: Mapping[str, str]) -> list[str]:
 
 
 def first_largest(values: NDArray[np.float64]) -> int:
-    """The number of the largest, of those that differ by rounding alone the first: ties go the same way everywhere."""
+    """The index of the largest value, the first of those that differ by rounding alone, so that no machine picks another."""
     largest = values.max()
     return int((values >= largest - _ALIKE * abs(largest)).argmax())
 

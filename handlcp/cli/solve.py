@@ -95,7 +95,10 @@ def solve(
 
 
 def _sides(own: Any, faces: str | None, accuracy: float | None) -> Any:
-    """Faces of the friction pyramids, or "cone". own : the scene file's. Raises InputError."""
+    """Faces of the friction pyramids, or "cone". Raises InputError.
+
+    own : the scene file's.
+    """
     if accuracy is not None and faces is not None:
         raise InputError("--accuracy", "nothing where --faces is given: it chooses them", f"{accuracy:g}")
     return "cone" if accuracy is not None else sides_of(own, faces)

@@ -117,7 +117,7 @@ Brief.__init__ = helped(mass="it is the object's: Box(..., mass=...)")(Brief.__i
 
 
 def _check_sizes(closing: Mapping[str, Any]) -> None:
-    """Raises InputError for what says no force, depth or torque of any hand; names are the hand's to know."""
+    """Check that values are forces, depths or torques; the names of the hand are not known yet. Raises InputError."""
     for argument, value in closing.items():
         count = len(value) if dimensions(value) == 1 else 1
         names = list(value) if isinstance(value, Mapping) else [str(k) for k in range(count)]

@@ -24,17 +24,24 @@ NOT_FOUND = "NOT FOUND"  # beside the words of a verdict
 class ObjectCase(Record):
     """How well a hand holds one object of a brief.
 
-    word : the worst of `verdicts`, or "NOT FOUND" where no grasp was. verdicts : "HELD", "OVER LIMIT", "NOT HELD" or
-    "UNDECIDED" for the weight and each load, with the safety that was asked for. factors : how many times the weight in
-    the worst orientation, and each load, is held, infinite for what nothing ends. A load that holds more than the
-    safety, and than what gives out first, is not followed on: its factor is that up to which it was. payload : [kg]
-    held in every orientation, 0 without a grasp. factor : the smallest of the factors. gives_out : what gives out
-    there, in words, or why no grasp was found; "" where nothing gives out up to `payload` and `factor`: `at_least`.
-    kind : of the grasp, "pinch" or "power". continued : whether it is the grasp of another design, brought along.
-    force : the largest normal force at a contact while the hand closes and the loads come [N]. torque : the largest
-    of a joint at the end of that [N·m, N], and torque_used : the largest share of a torque limit [-]. motion : how far
-    the object moves under its weight [m]. candidate : the grasp; None without one. masses : [kg]
-    held in each orientation, or at least.
+    word : the worst of `verdicts`, or "NOT FOUND" where no grasp was.
+    verdicts : "HELD", "OVER LIMIT", "NOT HELD" or "UNDECIDED" for the weight and each load, with the safety that was
+        asked for.
+    factors : how many times the weight in the worst orientation, and each load, is held; infinite for what nothing
+        ends. A load that holds more than the safety, and than what gives out first, is not followed on: its factor is
+        that up to which it was.
+    factor : the smallest of the factors.
+    payload : [kg] held in every orientation, 0 without a grasp.
+    gives_out : what gives out there, in words, or why no grasp was found; "" where nothing gives out up to `payload`
+        and `factor`, which are then at least what they say: `at_least`.
+    kind : of the grasp, "pinch" or "power".
+    continued : whether it is the grasp of another design, brought along.
+    force : the largest normal force at a contact while the hand closes and the loads come [N].
+    torque : the largest of a joint at the end of that [N·m, N].
+    torque_used : the largest share of a torque limit at the end of that [-].
+    motion : how far the object moves under its weight [m].
+    candidate : the grasp; None without one.
+    masses : [kg] held in each orientation, or at least.
     """
 
     entries = (

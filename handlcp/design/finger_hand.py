@@ -103,17 +103,22 @@ def finger_hand(
     whose others have the default. Joints are called finger_1_proximal, finger_1_middle (of four links and more
     finger_1_middle_1, …) and finger_1_distal, their links finger_1_proximal_link, …, fingertips finger_1_tip.
 
-    fingers : how many. link_lengths : [m] (k,), from one joint to the next, the last to the fingertip's centre; or such
-        a row for each finger, also of other numbers of links. palm_radius : [m] of the circle on which fingers stand.
-    link_radius : [m]. tip_radius : [m] None: as the links. angles : [rad] where the fingers stand on the circle; None:
-        evenly, from +x on. tilt : [rad] by which they lean outward.
+    fingers : how many.
+    link_lengths : [m] (k,), from one joint to the next, the last to the fingertip's centre; or such a row for each
+        finger, also of other numbers of links.
+    palm_radius : [m] of the circle on which fingers stand.
+    link_radius : [m].
+    tip_radius : [m] None: as the links.
+    angles : [rad] where the fingers stand on the circle; None: evenly, from +x on.
+    tilt : [rad] by which they lean outward.
     ranges : [rad] (lower, upper) of all joints of all fingers; or for each finger such a pair, or one for each joint.
         None: -0.5 to 1.6 for first joints, 0 to 1.9 for others.
     coupling : how far each joint beyond the first turns for each radian of the one before, a mimic joint; for each
         finger such a number, None, or one for each of these joints. None: they turn as they like.
     joint_stiffness, pad_flexibility, torque_limits, motors, joint_friction : as of `Hand.from_urdf`. Torque limits of
         the URDF are 0.8 N·m for first joints, 0.4 N·m for others.
-    name : of the robot. file : where the URDF is written as well; None: nowhere.
+    name : of the robot.
+    file : where the URDF is written as well; None: nowhere.
 
     Masses follow from 3000 kg/m³ for links with their motors, 1300 kg/m³ for the palm, 20 mm high, and 1400 kg/m³ for
     fingertips. Raises InputError, also for fingers that overlap on the palm; UnknownName.
@@ -170,7 +175,7 @@ def _read(n: int, given: Mapping[str, Any]) -> list[_Finger]:
 
 
 def _check_apart(fingers: Sequence[_Finger], argument: str) -> None:
-    """Raises InputError for fingers that overlap where they stand."""
+    """Check that fingers do not overlap where they stand. Raises InputError."""
     for i, one in enumerate(fingers):
         for other in fingers[:i]:
             (x, y), (a, b) = one.place, other.place

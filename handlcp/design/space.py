@@ -28,7 +28,7 @@ Value = bool | int | float | str
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """From low to high, in equal steps or, with log, equal ratios."""
+    """A range from low to high, in equal steps or, with log, equal ratios."""
 
     low: float
     high: float
@@ -75,12 +75,15 @@ class Choices:
 class Space:
     """Where the parameters of a design may be. Immutable.
 
-    names : of all parameters, in their order. free : those with a range or choices, d of them, one coordinate of the
-    unit cube each. fixed : the others, with their values. Points of the cube are arrays (n, d).
+    names : of all parameters, in their order.
+    free : those with a range or choices, d of them, one coordinate of the unit cube each.
+    fixed : the others, with their values.
+
+    Points of the cube are arrays (n, d).
     """
 
     def __init__(self, given: Mapping[str, Any]) -> None:
-        """From name → entry, as the top of this file has them. Raises InputError, which names the entry."""
+        """Read a space from name → entry, as the top of this file has them. Raises InputError, naming the entry."""
         if not isinstance(given, Mapping) or not given:
             raise InputError("space", f"a mapping of names to {_ENTRY}; at least one", repr(given)[:80])
         for name in given:

@@ -49,7 +49,7 @@ class Key:
 
     @property
     def path(self) -> str:
-        """Such as "object.radius_m"."""
+        """The key with its table, such as "object.radius_m"."""
         return f"{self.table}.{self.key}" if self.table else self.key
 
 
