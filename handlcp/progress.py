@@ -101,7 +101,7 @@ def within(seconds: float) -> Iterator[None]:
 
 @contextmanager
 def uncounted() -> Iterator[None]:
-    """Keep what this block computes out of the time of `within`, such as compiling, which is done once for all calls."""
+    """Keep what this block computes out of the time of `within`, such as compiling, which serves all calls."""
     before = _counted()
     try:
         yield
@@ -171,7 +171,7 @@ class _Count:
         return f"{self.what} {self.done}" if self.done else self.what
 
     def _pace(self) -> str:
-        """The time each takes and the time left, such as ", 0.42 s each, 0:12:30 left"; "" where not known or asked for."""
+        """The time of each and what is left, such as ", 0.42 s each, 0:12:30 left"; "" where not known or asked for."""
         if self.begun is None or self.total is None or self.done <= self.begun:
             return ""
         each = (clock() - self.since) / (self.done - self.begun)

@@ -174,7 +174,7 @@ def by_link(names: Sequence[str], links: Mapping[str, str]) -> list[str]:
 
 
 def first_largest(values: NDArray[np.float64]) -> int:
-    """The index of the largest value, the first of those that differ by rounding alone, so that no machine picks another."""
+    """The index of the largest value, the first of those that differ by rounding alone, so that ties are safe."""
     largest = values.max()
     return int((values >= largest - _ALIKE * abs(largest)).argmax())
 
