@@ -79,7 +79,7 @@ def dimensions(value: Any) -> int:
 def number(
     argument: str, value: Any, *, minimum: float = -np.inf, above: float = -np.inf, finite: bool = True
 ) -> float:
-    """A real number ≥ `minimum` and > `above`, at most `LARGEST` in size unless infinity is welcome."""
+    """A real number ≥ `minimum` and > `above`, of a size that floats can square, unless infinity is welcome."""
     bound = f" ≥ {minimum:g}" if minimum > -np.inf else f" > {above:g}" if above > -np.inf else ""
     expected = f"a {'finite ' if finite else ''}number{bound}"
     if isinstance(value, _NO_NUMBERS) or (
@@ -161,7 +161,7 @@ def symmetric(argument: str, a: Array) -> Array:
 
 
 def psd(argument: str, a: Array) -> Array:
-    """A symmetric positive semidefinite matrix (smallest eigenvalue ≥ -SEMIDEFINITE × the largest)."""
+    """A symmetric positive semidefinite matrix: no eigenvalue is below 0 but for rounding."""
     a = symmetric(argument, a)
     if a.size:
         eig = np.linalg.eigvalsh(a)

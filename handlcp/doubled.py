@@ -41,7 +41,7 @@ def doubled(
 
 
 def insisted(off: float, accuracy: float, what: str) -> None:
-    """Check that the estimated error of what `doubled` found is no more than the accuracy. Raises Unsupported.
+    """Check that the estimated error of an answer is no more than the accuracy. Raises Unsupported.
 
     off, accuracy : relative.
     what : was found, in words, such as "the limit".

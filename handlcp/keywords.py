@@ -1,7 +1,7 @@
 """What a public call takes: its keywords, as many arguments as it has, and the kinds that its annotations name.
 
-A public function has `@helped()`, a class that users make `@helped_init()`, one with public methods `@helped_methods`.
-Numbers and arrays are checked by the functions themselves, which know bounds and shapes (`check.py`).
+Public functions, classes that users make, and classes with public methods have a decorator of this file each. Numbers
+and arrays are checked by the functions themselves, which know bounds and shapes (`check.py`).
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def helped(*told: str, **elsewhere: str) -> Callable[[_F], _F]:
 
 
 def helped_init(*told: str) -> Callable[[_C], _C]:
-    """Decorate a class that users make, such as a dataclass: `@helped(*told)` for its `__init__`."""
+    """Decorate a class that users make, such as a dataclass, so that calls of it are checked as those of a function."""
 
     def decorate(kind: _C) -> _C:
         kind.__init__ = helped(*told)(kind.__init__)  # type: ignore[misc]
@@ -70,7 +70,7 @@ def helped_init(*told: str) -> Callable[[_C], _C]:
 
 
 def helped_methods(kind: _C) -> _C:
-    """Decorate each public method of a class with `@helped()`; inherited ones stay."""
+    """Decorate a class so that calls of its public methods are checked; inherited methods stay as they are."""
     for name, member in list(vars(kind).items()):
         if not name.startswith("_") and isinstance(member, FunctionType):
             setattr(kind, name, _helped_once(member))

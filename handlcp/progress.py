@@ -1,6 +1,6 @@
 """How far a long call has come: one line on the terminal, the same for Python and for commands.
 
-It appears where stderr is a terminal and a call takes longer than PATIENCE, and it is gone when the call ends. Calls
+It appears where stderr is a terminal and a call takes longer than two seconds, and it is gone when the call ends. Calls
 inside calls share the line of the outermost one. `HANDLCP_PROGRESS=off` silences all of them; so does `progress=False`
 where a call has that argument. The line is drawn in the thread that computes, between its steps: a thread of its own
 would disturb times that are measured.
@@ -85,12 +85,12 @@ _BETWEEN = 0.02  # [s] between two looks at a thread's computing time, which cos
 
 
 class OutOfTime(Exception):
-    """A call took longer than `within` allows."""
+    """A call took longer than its time budget allows."""
 
 
 @contextmanager
 def within(seconds: float) -> Iterator[None]:
-    """Calls in this block end with OutOfTime at their first step after so much computing time of this thread [s]."""
+    """End calls in this block at their first step after so much computing time of this thread [s], with an error."""
     outer = getattr(_here, "until", _NEVER)
     _here.until, _here.look = min(outer, _counted() + seconds), 0.0
     try:
@@ -101,7 +101,7 @@ def within(seconds: float) -> Iterator[None]:
 
 @contextmanager
 def uncounted() -> Iterator[None]:
-    """Keep what this block computes out of the time of `within`, such as compiling, which serves all calls."""
+    """Keep what this block computes out of the time budget, such as compiling, which serves all calls."""
     before = _counted()
     try:
         yield
@@ -119,7 +119,7 @@ def tick(detail: str) -> None:
 
     detail : how far it has come, such as "stage 'load' at 40 %".
 
-    Raises OutOfTime where the time that `within` allows is used up.
+    Raises an error where the time budget of the calls around it is used up.
     """
     until = getattr(_here, "until", _NEVER)
     if until < _NEVER and (now := time.perf_counter()) >= _here.look:
@@ -154,7 +154,10 @@ def _calling(function: Callable[[int, int], None], total: int, begun: int | None
 
 
 class _Count:
-    """How many of something are done. begun : as of `told`."""
+    """How many of something are done.
+
+    begun : how many were done before, in a call that goes on with another's work; None: it does not.
+    """
 
     def __init__(self, what: str, total: int | None, begun: int | None = None) -> None:
         self.what, self.total, self.done = what, total, begun or 0

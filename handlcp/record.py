@@ -5,7 +5,7 @@ A record lists its `entries`, one line each, in words such as
     "load_N_Nm (6,) = wrench"
 
 the key; the shape, where it is an array; the attribute, where its name is not the key without the unit. The end of the
-key is the unit, always SI (`UNITS`). In a shape a letter stands for a number that is the same all over the record, and
+key is the unit, always SI. In a shape a letter stands for a number that is the same all over the record, and
 `twist` for a motion (6,), which is told apart as linear_m and angular_rad. A key with dots lies within another, an
 attribute with dots, or with the number of one of several, within another's. Entries that are records tell their own.
 """

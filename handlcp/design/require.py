@@ -26,7 +26,7 @@ _WRITTEN = re.compile(r"\s*(\w+)\s*(>=|<=|>|<)\s*([^=<>\s]\S*)\s*")
 class Requirement(NamedTuple):
     """A number of an evaluation and the limit that it must keep.
 
-    name : of the number, one of `UNITS`.
+    name : of the number, such as "payload".
     comparison : ">=", "<=", ">" or "<".
     limit : in the unit of that number.
     """
