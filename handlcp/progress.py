@@ -47,10 +47,11 @@ def told(
     """
     if not (asked is None or isinstance(asked, bool) or callable(asked)):
         raise InputError("progress", "True, False, None, or a function of (done, total)", repr(asked)[:80])
-    outer = getattr(_here, "line", None)
+    outer: _Line | None = getattr(_here, "line", None)
     if outer is not None and not callable(asked):
         inner = _Count(what, total, begun)
-        yield lambda more: outer.tick(str(inner.plus(more)))
+        line = outer
+        yield lambda more: line.tick(str(inner.plus(more)))
         return
     line = _Line(_Count(what, total, begun), _NEVER if callable(asked) else _after(asked), asked is True)
     _here.line = line
@@ -126,7 +127,8 @@ def tick(detail: str) -> None:
         _here.look = now + _BETWEEN
         if _counted() > until:
             raise OutOfTime
-    if (line := getattr(_here, "line", None)) is not None:
+    line: _Line | None = getattr(_here, "line", None)
+    if line is not None:
         line.tick(detail)
 
 
