@@ -33,7 +33,7 @@ from handlcp.lcp import Auto
 from handlcp.show import tables
 from handlcp.show.doors import plot as draw_grasp
 from handlcp.show.file import drawn
-from handlcp.show.loading import picture as end_picture, report
+from handlcp.show.loading import report
 from handlcp.show.loading.report import solution_tables
 from handlcp.show.loading.series import solution_at_end
 from handlcp.show.record import record
@@ -193,7 +193,9 @@ def follow(
     if plot is not None:
         found.plot(plot, title=read.title)
     if picture is not None:
-        drawn(picture, end_picture, found, read.title, read.shape())
+        from handlcp.show.loading import picture as at_end
+
+        drawn(picture, at_end, found, read.title, read.shape())
     if page is not None:
         found.page(page, obj=read.shape(), title=read.title)
     if json:
