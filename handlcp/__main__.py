@@ -22,7 +22,7 @@ def main() -> None:
 
 
 def _interrupted(*_: object) -> None:
-    """End at once: an exception would be swallowed, or printed, wherever it happens to arrive."""
+    """End this program at once; an exception would be swallowed, or printed, wherever it happens to arrive."""
     if os.isatty(2):
         os.write(2, b"\x1b[?25h\n")  # a progress bar hides the cursor
     if hasattr(signal, "SIGPIPE"):

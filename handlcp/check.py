@@ -20,13 +20,11 @@ Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 
 
-_NO_NUMBERS = (
-    str, bytes, bool, complex, np.complexfloating, np.bool_, list, tuple, dict, set, np.ma.MaskedArray
-)  # fmt: skip
+_NO_NUMBERS = (str, bytes, bool, complex, np.complexfloating, np.bool_, list, tuple, dict, set, np.ma.MaskedArray)
 
 
 def read_only(a: Array) -> Array:
-    """The same array with writing switched off."""
+    """Switch writing to an array off, and return it."""
     a.setflags(write=False)
     return a
 
@@ -35,12 +33,12 @@ _NOTHING = read_only(np.zeros(0))
 
 
 def nothing() -> Array:
-    """(0,) read-only, the default of fields that most scenes leave empty."""
+    """An empty read-only array (0,), the default of fields that most scenes leave empty."""
     return _NOTHING
 
 
 def sealed(state: dict[str, Any]) -> dict[str, Any]:
-    """The same attributes, their arrays read-only: those that were pickled come back open."""
+    """Make the arrays of an object's attributes read-only: those that were pickled come back writable."""
     for value in state.values():
         if isinstance(value, np.ndarray):
             value.flags.writeable = False
@@ -71,7 +69,7 @@ def array(
 
 
 def dimensions(value: Any) -> int:
-    """How many an array of it has; -1 for lists of different lengths, which make none."""
+    """How many dimensions an array of the value has; -1 for lists of different lengths, which make no array."""
     try:
         return int(np.ndim(value))
     except ValueError:
@@ -81,7 +79,7 @@ def dimensions(value: Any) -> int:
 def number(
     argument: str, value: Any, *, minimum: float = -np.inf, above: float = -np.inf, finite: bool = True
 ) -> float:
-    """A real number ≥ `minimum` and > `above`, at most `LARGEST` in size unless infinity is welcome."""
+    """A real number ≥ `minimum` and > `above`, of a size that floats can square, unless infinity is welcome."""
     bound = f" ≥ {minimum:g}" if minimum > -np.inf else f" > {above:g}" if above > -np.inf else ""
     expected = f"a {'finite ' if finite else ''}number{bound}"
     if isinstance(value, _NO_NUMBERS) or (
@@ -163,7 +161,7 @@ def symmetric(argument: str, a: Array) -> Array:
 
 
 def psd(argument: str, a: Array) -> Array:
-    """A symmetric positive semidefinite matrix (smallest eigenvalue ≥ -SEMIDEFINITE × the largest)."""
+    """A symmetric positive semidefinite matrix: no eigenvalue is below 0 but for rounding."""
     a = symmetric(argument, a)
     if a.size:
         eig = np.linalg.eigvalsh(a)

@@ -17,12 +17,15 @@ T = TypeVar("T")
 def doubled(
     answer: Callable[[int], T], apart: Callable[[T, T], float], steps: Callable[[T], int], accuracy: float
 ) -> tuple[T, float]:
-    """The first answer whose error is estimated to be no more than `accuracy`, or the last one that is tried; and that
-    estimate, from the change since an answer with about half the steps.
+    """Double the steps until the answer is accurate: the answer, and its estimated relative error.
 
-    answer : asked for so many times as many steps. steps : that an answer took and that matter, which may be hardly
-    more than before where steps are short for other reasons. apart : how far two are from each other,
-    relative.
+    That is the first answer whose error is estimated to be no more than `accuracy`, or the last one that is tried. The
+    estimate comes from the change since an answer with about half the steps.
+
+    answer : makes an answer with so many times as many steps.
+    apart : relative difference of two answers.
+    steps : that an answer took and that matter; hardly more than before where steps are short for other reasons.
+    accuracy : relative error that will do.
     """
     last = found = answer(1)
     off = float("inf")
@@ -38,7 +41,11 @@ def doubled(
 
 
 def insisted(off: float, accuracy: float, what: str) -> None:
-    """Raises Unsupported where what `doubled` found is farther off. what : is found, such as "the limit"."""
+    """Check that the estimated error of an answer is no more than the accuracy. Raises Unsupported.
+
+    off, accuracy : relative.
+    what : was found, in words, such as "the limit".
+    """
     if off > accuracy:
         raise Unsupported(
             f"with {2**_MOST} times as many steps {what} is still estimated to be off by {off:.2g}, more than "

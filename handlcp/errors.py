@@ -17,7 +17,7 @@ _MOST_NAMES = 20  # that are not known, for which one that is near is looked for
 
 @contextmanager
 def writing(argument: str, file: Path) -> Iterator[None]:
-    """Around what writes a file. Raises InputError where it cannot be written."""
+    """Around statements that write a file: raise InputError where it cannot be written."""
     try:
         yield
     except OSError as error:
@@ -67,19 +67,19 @@ class HandLCPError(Exception):
     """Base of every error raised by handlcp. It passes from one process to another with all that it carries."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Without calling `__init__` again, which takes other arguments than the message that it made."""
+        """Pickle without calling `__init__` again, which takes other arguments than the message that it made."""
         return (_restored, (type(self), self.args, self.__dict__))
 
 
 def _restored(kind: type[HandLCPError], args: tuple[Any, ...], carried: dict[str, Any]) -> HandLCPError:
-    """An error of another process."""
+    """Make an error that was raised in another process again, with all that it carries."""
     error = kind.__new__(kind, *args)
     error.__dict__.update(carried)
     return error
 
 
 class InputError(HandLCPError, ValueError):
-    """A bad argument: which one, what was expected, what came."""
+    """A bad argument, with its name, what was expected and what came."""
 
     def __init__(self, argument: str, expected: str, got: object) -> None:
         self.argument, self.expected, self.got = argument, expected, got
@@ -144,7 +144,8 @@ class NotReached(InputError):
 class NoGraspFound(HandLCPError):
     """No placement of an object found in which a hand holds it.
 
-    tried : how many placements came how far, by name. candidates : those that one solve holds and the check does not.
+    tried : how many placements came how far, by name.
+    candidates : those that one solve holds and the check does not.
     """
 
     def __init__(self, message: str, tried: dict[str, int], candidates: tuple[Any, ...] = ()) -> None:
@@ -152,13 +153,14 @@ class NoGraspFound(HandLCPError):
         super().__init__(message, self.tried, self.candidates)
 
     def __str__(self) -> str:
-        """The message."""
+        """The message that the error was raised with."""
         return str(self.args[0])
 
 
 class RequirementNotMet(HandLCPError):
-    """A hand or a grasp that does less than was required of it, by `Evaluation.require` or `Verdict.require`. unmet :
-    what, by how much, and what gives out, in sentences.
+    """A hand or a grasp does less than was required of it, by `Evaluation.require` or `Verdict.require`.
+
+    unmet : what, by how much, and what gives out, in sentences.
     """
 
     def __init__(self, unmet: Iterable[str]) -> None:
@@ -166,12 +168,12 @@ class RequirementNotMet(HandLCPError):
         super().__init__(self.unmet)
 
     def __str__(self) -> str:
-        """All of them."""
+        """What is not met, one sentence a line."""
         return "\n".join(self.unmet)
 
 
 def _where(gap: float) -> str:
-    """Of a gap [mm]; below 0 it is an overlap."""
+    """A gap [mm] in words; below 0 it is an overlap."""
     return f"overlaps by {-gap:.3g} mm" if gap < 0.0 else f"{gap:.3g} mm away"
 
 
@@ -194,5 +196,5 @@ class NoSolutionFound(HandLCPError):
         return (NoSolutionFound, (str(self), None, self.solution))
 
     def __str__(self) -> str:
-        """The message."""
+        """The message; where it is a function, it is made now."""
         return self.message if isinstance(self.message, str) else self.message()

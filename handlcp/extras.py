@@ -27,7 +27,10 @@ def pip_install(library: str) -> str:
 
 
 def missing(what: str, library: str, beside: str = "") -> Unsupported:
-    """That something needs a library, and the command that brings it. what : with its verb, such as "pictures need
-    matplotlib". beside : follows the command.
+    """The error that something needs a library, with the command that brings it.
+
+    what : needs it, with its verb, such as "pictures need matplotlib".
+    library : its import name.
+    beside : follows the command.
     """
     return Unsupported(f"{what}: {pip_install(library)}{beside}")

@@ -1,7 +1,7 @@
 """What a public call takes: its keywords, as many arguments as it has, and the kinds that its annotations name.
 
-A public function has `@helped()`, a class that users make `@helped_init()`, one with public methods `@helped_methods`.
-Numbers and arrays are checked by the functions themselves, which know bounds and shapes (`check.py`).
+Public functions, classes that users make, and classes with public methods have a decorator of this file each. Numbers
+and arrays are checked by the functions themselves, which know bounds and shapes (`check.py`).
 """
 
 from __future__ import annotations
@@ -23,17 +23,21 @@ _UNION = re.compile(r"\|(?![^\[]*\])")  # between the alternatives of an annotat
 
 
 def helped(*told: str, **elsewhere: str) -> Callable[[_F], _F]:
-    """Decorates a function, or a method. It raises WrongCall for a keyword that it does not know, with the nearest that
-    it has, or where `elsewhere` it belongs, and for too few or too many arguments. It raises InputError where the
-    annotation names a flag, a text, a mapping, a function or a class, and something else came. told : parameters that
-    the function itself checks, in words that help more.
+    """Decorate a function or method so that calls which do not fit it are refused in words that help.
+
+    WrongCall is raised for a keyword that it does not know, with the nearest that it has, or with where it belongs; and
+    for too few or too many arguments. InputError is raised where the annotation names a flag, a text, a mapping, a
+    function or a class, and something else came.
+
+    told : parameters that the function itself checks, in words that help more.
+    elsewhere : keyword that it does not know → where what it means belongs.
     """
 
-    def of(function: _F) -> _F:
+    def decorate(function: _F) -> _F:
         call = _Call(function, told, elsewhere)
 
         @wraps(function)
-        def called(*args: Any, **given: Any) -> Any:
+        def checked_function(*args: Any, **given: Any) -> Any:
             for kind, value in zip(call.in_order, args, strict=False):
                 if kind is not None:
                     kind.check(value)
@@ -49,30 +53,30 @@ def helped(*told: str, **elsewhere: str) -> Callable[[_F], _F]:
                 call.check(args, given)
                 raise
 
-        called._is_helped = True  # type: ignore[attr-defined]
-        return cast(_F, called)
+        checked_function._is_helped = True  # type: ignore[attr-defined]
+        return cast(_F, checked_function)
 
-    return of
+    return decorate
 
 
 def helped_init(*told: str) -> Callable[[_C], _C]:
-    """Decorates a class that users make: `@helped(*told)` for its `__init__`, such as that of a dataclass."""
+    """Decorate a class that users make, such as a dataclass, so that calls of it are checked as those of a function."""
 
-    def decorated(of: _C) -> _C:
-        of.__init__ = helped(*told)(of.__init__)  # type: ignore[misc]
-        return of
+    def decorate(kind: _C) -> _C:
+        kind.__init__ = helped(*told)(kind.__init__)  # type: ignore[misc]
+        return kind
 
-    return decorated
+    return decorate
 
 
-def helped_methods(of: _C) -> _C:
-    """Decorates a class: `@helped()` for each public method of its own."""
-    for name, member in list(vars(of).items()):
+def helped_methods(kind: _C) -> _C:
+    """Decorate a class so that calls of its public methods are checked; inherited methods stay as they are."""
+    for name, member in list(vars(kind).items()):
         if not name.startswith("_") and isinstance(member, FunctionType):
-            setattr(of, name, _helped_once(member))
+            setattr(kind, name, _helped_once(member))
         elif not name.startswith("_") and isinstance(member, (classmethod, staticmethod)):
-            setattr(of, name, type(member)(_helped_once(member.__func__)))
-    return of
+            setattr(kind, name, type(member)(_helped_once(member.__func__)))
+    return kind
 
 
 def _helped_once(function: _F) -> _F:
@@ -80,24 +84,33 @@ def _helped_once(function: _F) -> _F:
 
 
 def needed(name: str, expected: str, unless: str = "") -> Callable[[_F], _F]:
-    """Decorates a function with a required keyword: InputError that says what is expected where it is left out. unless
-    : another keyword, which may say the same.
+    """Decorate a function with a required keyword: leaving it out raises InputError, which says what is expected.
+
+    name : the keyword.
+    expected : in words.
+    unless : another keyword, which may say the same; "": there is none.
     """
 
-    def of(function: _F) -> _F:
+    def decorate(function: _F) -> _F:
         @wraps(function)
-        def called(*args: Any, **given: Any) -> Any:
+        def checked_function(*args: Any, **given: Any) -> Any:
             if name not in given and unless not in given:
                 raise InputError(name, expected, "none")
             return function(*args, **given)
 
-        return cast(_F, called)
+        return cast(_F, checked_function)
 
-    return of
+    return decorate
 
 
 class _Kind(NamedTuple):
-    """What may come for a parameter. types : of the values. function : whether functions may. said : for refusals."""
+    """The values that a parameter takes.
+
+    name : of the parameter.
+    types : of the values.
+    function : whether functions may come.
+    said : what is expected, in words, for refusals.
+    """
 
     name: str
     types: tuple[type, ...]
@@ -105,7 +118,7 @@ class _Kind(NamedTuple):
     said: str
 
     def check(self, value: object) -> None:
-        """Raises InputError; a class, which makes things where it is called, is no function."""
+        """Check that a value is one of them; a class, which makes things where called, is no function. Raises InputError."""
         called = self.function and callable(value) and not isinstance(value, type)
         if not (isinstance(value, self.types) or called):
             raise InputError(self.name, self.said, shown(value))
@@ -123,25 +136,25 @@ class _Call:
 
     @cached_property
     def kinds(self) -> dict[str, _Kind]:
-        """By parameter; those that take anything, or are checked by the function, are left out."""
+        """Values that parameters take, by name; those that take anything, or that the function checks, are left out."""
         known = inspect.unwrap(self.function).__globals__
         found = {p.name: _kind(p, known) for p in self.signature.parameters.values() if p.name not in self.told}
         return {name: kind for name, kind in found.items() if kind is not None}
 
     @cached_property
     def in_order(self) -> list[_Kind | None]:
-        """Of what is passed without a name."""
+        """Values of the parameters that may be passed without a name, in their order."""
         named = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
         return [self.kinds.get(p.name) for p in self.signature.parameters.values() if p.kind in named]
 
     @cached_property
     def rest(self) -> _Kind | None:
-        """Of any number of arguments more."""
+        """Values of the parameter that takes any number of arguments more, such as `*texts`; None: there is none."""
         every = [p for p in self.signature.parameters.values() if p.kind is p.VAR_POSITIONAL]
         return self.kinds.get(every[0].name) if every else None
 
     def check(self, args: tuple[Any, ...], given: dict[str, Any]) -> None:
-        """Raises WrongCall where these arguments are not those of the function."""
+        """Check that the function takes these arguments. Raises WrongCall."""
         every = self.signature.parameters
         known = [p.name for p in every.values() if p.name not in ("self", "cls")]
         called_as = self.function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
@@ -155,7 +168,7 @@ class _Call:
 
 
 def _kind(parameter: inspect.Parameter, known: Mapping[str, Any]) -> _Kind | None:
-    """None: anything may come, as far as the annotation says."""
+    """The values that a parameter's annotation allows; None where it allows anything."""
     annotation = parameter.annotation
     if not isinstance(annotation, str) or parameter.kind is parameter.VAR_KEYWORD:
         return None
@@ -171,14 +184,14 @@ def _kind(parameter: inspect.Parameter, known: Mapping[str, Any]) -> _Kind | Non
 
 
 def _types(part: str, known: Mapping[str, Any]) -> tuple[type, ...]:
-    """Those of one alternative of an annotation; () where values of it are checked by the function itself."""
+    """The types that one alternative of an annotation names; () where the function itself checks its values."""
     plain = {"bool": bool, "str": str, "None": NoneType, "Mapping": Mapping, "dict": dict, "Callable": FunctionType}
     head = part.partition("[")[0]
     return (plain[head],) if head in plain else _of_alias(known.get(head))
 
 
 def _of_alias(value: Any) -> tuple[type, ...]:
-    """Of a class of the package, or of a union of such kinds that has a name."""
+    """The types that a name in an annotation stands for: a class of the package, or a union of such kinds."""
     if isinstance(value, UnionType) or typing.get_origin(value) is typing.Union:
         found = [_of_alias(one) for one in typing.get_args(value)]
         return tuple([kind for few in found for kind in few]) if all(found) else ()
@@ -195,21 +208,31 @@ _OTHERWISE = (type(...), int, float, tuple)  # of defaults, which need no word
 
 
 def _said(types: set[type]) -> str:
-    """Such as "a text or None", for refusals."""
-    words = [_SAID.get(kind) or f"{'an' if kind.__name__[0] in 'AEIOU' else 'a'} {kind.__name__}"
-             for kind in types if kind not in _OTHERWISE]  # fmt: skip
+    """The types in words for refusals, such as "a text or None"."""
+    words = [
+        _SAID.get(kind) or f"{'an' if kind.__name__[0] in 'AEIOU' else 'a'} {kind.__name__}"
+        for kind in types
+        if kind not in _OTHERWISE
+    ]
     words.sort(key=lambda word: (word == "None", word))
     return " or ".join(part for part in (", ".join(words[:-1]), words[-1]) if part)
 
 
 # What other books and programs call parameters of ours
 _OTHERS_SAY = {
-    "mu": ("friction",), "friction_coefficient": ("friction",), "load": ("wrench",), "force": ("wrench", "load"),
-    "object": ("target",), "angles": ("q",), "posture": ("q",), "stiffness": ("joint_stiffness",),
-}  # fmt: skip
+    "mu": ("friction",),
+    "friction_coefficient": ("friction",),
+    "load": ("wrench",),
+    "force": ("wrench", "load"),
+    "object": ("target",),
+    "angles": ("q",),
+    "posture": ("q",),
+    "stiffness": ("joint_stiffness",),
+}
 
 
 def _word(function: str, name: str, known: list[str], elsewhere: dict[str, str]) -> str:
+    """What is said of a keyword that a function does not know: where it belongs, the nearest, or all there are."""
     text = f"{function}() takes no {name!r}"
     if name in elsewhere:
         return f"{text}: {elsewhere[name]}"

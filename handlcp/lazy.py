@@ -1,4 +1,4 @@
-"""Values computed when first asked for."""
+"""Properties that are computed when they are first asked for."""
 
 from __future__ import annotations
 

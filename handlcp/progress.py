@@ -1,6 +1,6 @@
 """How far a long call has come: one line on the terminal, the same for Python and for commands.
 
-It appears where stderr is a terminal and a call takes longer than PATIENCE, and it is gone when the call ends. Calls
+It appears where stderr is a terminal and a call takes longer than two seconds, and it is gone when the call ends. Calls
 inside calls share the line of the outermost one. `HANDLCP_PROGRESS=off` silences all of them; so does `progress=False`
 where a call has that argument. The line is drawn in the thread that computes, between its steps: a thread of its own
 would disturb times that are measured.
@@ -32,10 +32,13 @@ clock = time.monotonic
 @contextmanager
 def told(
     what: str, total: int | None = None, asked: Any = None, begun: int | None = None
-) -> Iterator[Callable[[int], None]]:  # fmt: skip
-    """Around a long call, or a decorator of one: a function to call with how many more are done.
+) -> Iterator[Callable[[int], None]]:
+    """Show how far a long call has come, around it or as its decorator.
 
-    what : is counted, or done, such as "directions". total : how many there are; None: not known.
+    Yields a function to call with how many more are done.
+
+    what : is counted, or done, such as "directions".
+    total : how many there are; None: not known.
     asked : the `progress` that a user gave: None: a line as this file has it; False: nothing; True: a line on stderr
         from the beginning on, be it a terminal or not, that stays; a function: called with (done, total), in place of a
         line. Raises InputError for anything else.
@@ -44,10 +47,11 @@ def told(
     """
     if not (asked is None or isinstance(asked, bool) or callable(asked)):
         raise InputError("progress", "True, False, None, or a function of (done, total)", repr(asked)[:80])
-    outer = getattr(_here, "line", None)
+    outer: _Line | None = getattr(_here, "line", None)
     if outer is not None and not callable(asked):
         inner = _Count(what, total, begun)
-        yield lambda more: outer.tick(str(inner.plus(more)))
+        line = outer
+        yield lambda more: line.tick(str(inner.plus(more)))
         return
     line = _Line(_Count(what, total, begun), _NEVER if callable(asked) else _after(asked), asked is True)
     _here.line = line
@@ -63,8 +67,11 @@ def told(
 
 @contextmanager
 def steps(patience: float = PATIENCE) -> Iterator[Callable[[int, int | None, str], None]]:
-    """A function to call with how many steps of a study are done, of how many, and what is done next. Nothing is drawn
-    within a step, which may be measuring times. patience : how long it may take without a line [s].
+    """Show how many steps of a study are done: yields what to call with that number, of how many, and what comes next.
+
+    Nothing is drawn within a step, which may be measuring times.
+
+    patience : how long the study may take without a line [s].
     """
     outer, line = getattr(_here, "line", None), _Line(_Count("", None), _after(None, patience), False)
     _here.line = _Line(_Count("", None), _NEVER, False)
@@ -79,12 +86,12 @@ _BETWEEN = 0.02  # [s] between two looks at a thread's computing time, which cos
 
 
 class OutOfTime(Exception):
-    """A call took longer than `within` allows."""
+    """A call took longer than its time budget allows."""
 
 
 @contextmanager
 def within(seconds: float) -> Iterator[None]:
-    """Calls in this block end with OutOfTime at their first step after so much computing time of this thread [s]."""
+    """End calls in this block at their first step after so much computing time of this thread [s], with an error."""
     outer = getattr(_here, "until", _NEVER)
     _here.until, _here.look = min(outer, _counted() + seconds), 0.0
     try:
@@ -95,7 +102,7 @@ def within(seconds: float) -> Iterator[None]:
 
 @contextmanager
 def uncounted() -> Iterator[None]:
-    """What this block computes counts for no `within`: whoever comes first does it for all, as compiling."""
+    """Keep what this block computes out of the time budget, such as compiling, which serves all calls."""
     before = _counted()
     try:
         yield
@@ -109,18 +116,24 @@ def _counted() -> float:
 
 
 def tick(detail: str) -> None:
-    """A step of whatever is going on is done; detail : how far it has come, such as "stage 'load' at 40 %"."""
+    """Say that a step of whatever is going on is done.
+
+    detail : how far it has come, such as "stage 'load' at 40 %".
+
+    Raises an error where the time budget of the calls around it is used up.
+    """
     until = getattr(_here, "until", _NEVER)
     if until < _NEVER and (now := time.perf_counter()) >= _here.look:
         _here.look = now + _BETWEEN
         if _counted() > until:
             raise OutOfTime
-    if (line := getattr(_here, "line", None)) is not None:
+    line: _Line | None = getattr(_here, "line", None)
+    if line is not None:
         line.tick(detail)
 
 
 def _after(asked: bool | None, patience: float = PATIENCE) -> float:
-    """How long a call may take until there is a line [s]. Raises InputError for a variable that says nothing."""
+    """How long a call may take until there is a line [s]. Raises InputError for a wrong HANDLCP_PROGRESS."""
     said = os.environ.get("HANDLCP_PROGRESS") or "auto"
     if said not in ("auto", "off"):
         raise InputError("HANDLCP_PROGRESS", '"auto" or "off"', repr(said))
@@ -143,14 +156,17 @@ def _calling(function: Callable[[int, int], None], total: int, begun: int | None
 
 
 class _Count:
-    """So many of something are done. begun : as of `told`."""
+    """How many of something are done.
+
+    begun : how many were done before, in a call that goes on with another's work; None: it does not.
+    """
 
     def __init__(self, what: str, total: int | None, begun: int | None = None) -> None:
         self.what, self.total, self.done = what, total, begun or 0
         self.begun, self.since = begun, clock()
 
     def plus(self, more: int) -> _Count:
-        """So many more are done."""
+        """Add so many that are done."""
         self.done += more
         return self
 
@@ -160,7 +176,7 @@ class _Count:
         return f"{self.what} {self.done}" if self.done else self.what
 
     def _pace(self) -> str:
-        """Such as ", 0.42 s each, 0:12:30 left"; "" where it is not known or not asked for."""
+        """The time of each and what is left, such as ", 0.42 s each, 0:12:30 left"; "" where not known or asked for."""
         if self.begun is None or self.total is None or self.done <= self.begun:
             return ""
         each = (clock() - self.since) / (self.done - self.begun)
@@ -169,7 +185,11 @@ class _Count:
 
 
 class _Line:
-    """The line of one call. after : how long the call may take without one [s]. stays : when the call has ended."""
+    """The line of one call.
+
+    after : how long the call may take without one [s].
+    stays : whether it stays when the call has ended.
+    """
 
     def __init__(self, count: _Count, after: float, stays: bool) -> None:
         self.count, self.stays, self.detail = count, stays, ""
@@ -177,22 +197,22 @@ class _Line:
         self.bar: Any = None
 
     def say(self, more: int) -> None:
-        """So many more are done."""
+        """Draw that so many more are done."""
         self.count.plus(more)
         self._draw()
 
     def at(self, done: int, total: int | None, what: str) -> None:
-        """So many are done, of so many, and what is next."""
+        """Draw how many are done, of how many, and what is next."""
         self.count.done, self.count.total, self.count.what = done, total, what
         self._draw()
 
     def tick(self, detail: str) -> None:
-        """A part of what is counted has come so far."""
+        """Draw how far the current one has come."""
         self.detail = detail
         self._draw()
 
     def end(self) -> None:
-        """The call has ended."""
+        """End the line with its call."""
         if self.stays and self.due < _NEVER:
             self.due = 0.0
             self._draw()

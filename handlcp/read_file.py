@@ -43,7 +43,10 @@ Refusal = type[InputError]
 
 
 def read_bytes(argument: str, file: Path, what: str, most: int, error: Refusal = InputError) -> bytes:
-    """The contents of a file. what : kind of file, such as "a scene file". most : bytes.
+    """The contents of a file.
+
+    what : kind of file, such as "a scene file".
+    most : bytes.
 
     Raises `error` for a file that is missing, is a folder or a device, cannot be read, or is larger.
     """
@@ -61,7 +64,7 @@ def read_bytes(argument: str, file: Path, what: str, most: int, error: Refusal =
 
 
 def read_text(argument: str, file: Path, what: str, most: int, error: Refusal = InputError) -> str:
-    """The same as text in UTF-8, without the mark (BOM) that some editors write before it."""
+    """The contents of a file as text in UTF-8, without the mark (BOM) that some editors write before it."""
     try:
         return read_bytes(argument, file, what, most, error).decode("utf-8-sig")
     except UnicodeDecodeError as failure:
@@ -82,11 +85,11 @@ class ElementCounter:
         self.count = self.depth = 0
 
     def refuse(self, expected: str, came: str) -> InputError:
-        """The error of this file."""
+        """The error to raise, which names this file."""
         return self._error(self._argument, expected, f"{self._shown} {came}")
 
     def start(self, tag: str, attributes: dict[str, str]) -> Any:
-        """An element begins."""
+        """Count an element that begins, and its attributes."""
         self.count, self.depth = self.count + 1, self.depth + 1
         if self.count > MOST_ELEMENTS:
             raise self.refuse(f"at most {MOST_ELEMENTS} elements", "with more")
@@ -97,16 +100,16 @@ class ElementCounter:
             raise self.refuse(f"elements nested at most {DEEPEST_XML} deep", "with deeper ones")
 
     def end(self, tag: str) -> Any:
-        """An element ends."""
+        """Leave an element that ends."""
         self.depth -= 1
 
     def doctype(self, name: str, public: str | None, system: str | None) -> None:
-        """A DOCTYPE begins."""
+        """Refuse a DOCTYPE, which may define entities."""
         raise self.refuse("XML without a DOCTYPE", "with one")
 
 
 class _TreeBuilder(ElementCounter):
-    """Builds the tree as it counts."""
+    """Builds the tree of elements while it counts them."""
 
     def __init__(self, argument: str, shown: str, error: Refusal) -> None:
         super().__init__(argument, shown, error)
@@ -141,7 +144,12 @@ def walk_xml(data: bytes, counter: ElementCounter) -> Any:
 
 
 def parse_xml(argument: str, data: bytes, shown: str, error: Refusal = InputError) -> ET.Element:
-    """The root element. shown : what to call the file in messages. Raises `error` beyond the limits of this file."""
+    """The root element of an XML file, read within the limits that stand at the top of this module.
+
+    argument : what the caller calls the file. shown : what to call it in messages.
+
+    Raises `error` for what is no XML, and beyond the limits.
+    """
     root: ET.Element = walk_xml(data, _TreeBuilder(argument, shown, error))
     return root
 
@@ -192,7 +200,7 @@ def _longest_run(text: str) -> int:
 
 
 def _within(value: Any) -> Iterable[Any]:
-    """What an array or a table holds."""
+    """The values that an array or a table holds."""
     return value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
 
 
@@ -215,7 +223,10 @@ def parse_yaml(argument: str, text: str, shown: str, error: Refusal = InputError
 
 
 class _YamlData:
-    """Builds data from the events of a YAML parser. found : the documents so far."""
+    """Builds data from the events of a YAML parser.
+
+    found : the documents so far.
+    """
 
     def __init__(self, argument: str, shown: str, error: Refusal) -> None:
         self._argument, self._shown, self._error = argument, shown, error
@@ -228,7 +239,7 @@ class _YamlData:
         return self._error(self._argument, expected, f"{self._shown}, with {came}")
 
     def take(self, event: Any) -> None:
-        """The next event."""
+        """Add what the next event of the parser brings."""
         anchor, kind = getattr(event, "anchor", None), type(event).__name__
         if kind == "ScalarEvent":
             value = event.value if self._expects_key() else _plain_value(event)
@@ -317,7 +328,7 @@ def _unpacked(data: bytes, most: int) -> Iterator[tuple[str, Any]]:
 
 
 def _array(data: bytes) -> Any:
-    """From the bytes of an .npy file; its header alone is parsed. Raises ValueError, and what numpy's header raises."""
+    """The array of an .npy file from its bytes; only the header is parsed. Raises ValueError, and what numpy raises."""
     stream = io.BytesIO(data)
     version = np.lib.format.read_magic(stream)
     headers = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}

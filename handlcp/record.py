@@ -5,7 +5,7 @@ A record lists its `entries`, one line each, in words such as
     "load_N_Nm (6,) = wrench"
 
 the key; the shape, where it is an array; the attribute, where its name is not the key without the unit. The end of the
-key is the unit, always SI (`UNITS`). In a shape a letter stands for a number that is the same all over the record, and
+key is the unit, always SI. In a shape a letter stands for a number that is the same all over the record, and
 `twist` for a motion (6,), which is told apart as linear_m and angular_rad. A key with dots lies within another, an
 attribute with dots, or with the number of one of several, within another's. Entries that are records tell their own.
 """
@@ -30,16 +30,28 @@ from handlcp.views import view
 from handlcp.write_file import write_file
 
 UNITS = {
-    "Nm_per_rad": "N·m/rad", "m_per_s2": "m/s²", "N_Nm": "N, N·m", "m_rad": "m, rad", "Nm": "N·m", "N": "N", "kg": "kg",
-    "rad": "rad", "m": "m", "s": "s",
-}  # fmt: skip
+    "Nm_per_rad": "N·m/rad",
+    "m_per_s2": "m/s²",
+    "N_Nm": "N, N·m",
+    "m_rad": "m, rad",
+    "Nm": "N·m",
+    "N": "N",
+    "kg": "kg",
+    "rad": "rad",
+    "m": "m",
+    "s": "s",
+}
 _ENTRY = re.compile(r"(?P<key>\S+)(?: \((?P<shape>[^)]*)\))?(?: = (?P<path>\S+))?")
 _UNIT = re.compile(rf"_({'|'.join(UNITS)})$")
 
 
 class Entry(NamedTuple):
-    """One line of a record. key : in dictionaries. unit : SI, "" for a word or a bare number. shape : of an array, by
-    letters and numbers; () for anything else. path : the attribute.
+    """One entry of a record, read off its line.
+
+    key : in dictionaries.
+    unit : SI, "" for a word or a bare number.
+    shape : of an array, by letters and numbers; () for anything else.
+    path : the attribute, with dots.
     """
 
     key: str
@@ -48,7 +60,7 @@ class Entry(NamedTuple):
     path: str
 
     def of(self, source: Any) -> Any:
-        """Its value, as it stands there; None where something on the way is None."""
+        """The value of this entry in a record, as it stands there; None where something on the way is None."""
         for name in self.path.split("."):
             if source is not None:
                 source = source[int(name)] if name.isdigit() else getattr(source, name)
@@ -57,7 +69,7 @@ class Entry(NamedTuple):
 
 @cache
 def entry(line: str) -> Entry:
-    """Read off its line."""
+    """The entry that a line describes."""
     found = _ENTRY.fullmatch(line)
     assert found is not None, line  # a test reads them all
     unit = _UNIT.search(found["key"])
@@ -67,7 +79,7 @@ def entry(line: str) -> Entry:
 
 
 def pick(source: Any, *lines: str) -> dict[str, Any]:
-    """Of anything with these attributes, as plain data."""
+    """The entries that these lines describe, of anything with these attributes, as plain data."""
     found: dict[str, Any] = {}
     for one in map(entry, lines):
         *outer, key = one.key.split(".")
@@ -100,7 +112,7 @@ def plain(value: Any) -> Any:
 
 
 def twist(motion: Any) -> dict[str, Any] | None:
-    """A motion (6,) [m, rad]; None where there is none."""
+    """A motion (6,) [m, rad] as a dictionary of its two halves; None where there is none."""
     return None if motion is None else {"linear_m": plain(motion[:3]), "angular_rad": plain(motion[3:])}
 
 
@@ -110,7 +122,7 @@ def json_text(value: Any, ascii_only: bool = False) -> str:
 
 
 def versions(*packages: str) -> dict[str, str | None]:
-    """Of handlcp, of Python and of these packages; None for one that is not installed."""
+    """The versions of handlcp, of Python and of these packages; None for one that is not installed."""
     from importlib.metadata import PackageNotFoundError, version  # for JSON alone
 
     found: dict[str, str | None] = {"handlcp": VERSION, "python": platform.python_version()}
@@ -124,8 +136,9 @@ def versions(*packages: str) -> dict[str, str | None]:
 
 @helped_methods
 class Record:
-    """Base of answers that are plain data. entries : one line for each of them, see the top of this file; None: every
-    field of the dataclass, under its name.
+    """Base of answers that are plain data.
+
+    entries : one line for each of them, see the top of this file; None: every field of the dataclass, under its name.
     """
 
     __slots__ = ()
@@ -136,12 +149,13 @@ class Record:
         return pick(self, *self._lines())
 
     def to_row(self) -> dict[str, Any]:
-        """The same without dictionaries in it, for a row of a table: keys within keys are joined by dots."""
+        """`to_dict` without dictionaries in it, for a row of a table: keys within keys are joined by dots."""
         return dict(_flat("", self.to_dict()))
 
     def to_json(self, path: Any = None) -> str | Path:
-        """The same as JSON: the text, or the file that it was written to. Raises InputError for a file that cannot be
-        written.
+        """What `to_dict` gives as JSON: the text, or the file that it was written to.
+
+        path : of the file; None: the text is returned. Raises InputError for a file that cannot be written.
         """
         text = json_text(self.to_dict())
         if path is None:
@@ -149,12 +163,12 @@ class Record:
         return write_file("path", path, text + "\n")
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: what prints."""
+        """What a notebook shows is what prints."""
         text: str = view("text_html")(self)
         return text
 
     def __rich__(self) -> Any:
-        """What rich shows: what prints, brackets and all."""
+        """What rich shows is what prints, brackets and all."""
         from rich.text import Text
 
         return Text(str(self))

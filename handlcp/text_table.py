@@ -12,8 +12,11 @@ _GAP, _LEAST = "  ", 8  # between columns; the narrowest that the first one beco
 
 @dataclass(frozen=True, slots=True)
 class TextTable:
-    """heads : of the columns; a unit stands in a second line. rows : as many cells each. align : "<" or ">" for each
-    column. Prints within 80 columns: where the first column is too wide its words go on in further lines.
+    """A table that prints as plain text within 80 columns; a first column that is too wide goes on in further lines.
+
+    heads : of the columns; a unit stands in a second line.
+    rows : as many cells each.
+    align : "<" or ">" for each column.
     """
 
     heads: tuple[str, ...]
@@ -39,6 +42,9 @@ class TextTable:
 
 
 def wrapped(text: str, indent: str = "", first: str = "") -> str:
-    """The text in lines of at most 80 columns; indent : of all lines but the first; too long words are cut."""
+    """The text in lines of at most 80 columns; words that are longer are cut.
+
+    first, indent : what the first line begins with, and all others.
+    """
     short = textwrap.TextWrapper(WIDTH, initial_indent=first, subsequent_indent=indent, break_on_hyphens=False)
     return "\n".join(short.wrap(text))

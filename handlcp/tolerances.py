@@ -12,7 +12,7 @@ SOLVE = 1e-10
 # ... and where friction limits of 1e-6 ask more of a residual than the rest does.
 FINE = SOLVE * 1e-2
 
-# What a certifier accepts as SOLVED: the worst residual relative to the scene. Two decades above SOLVE, because the
+# What a certifier accepts as SOLVED: the worst residual relative to the scene. Two decades above the solvers' aim: the
 # certifier measures other quantities than the solver (physics instead of the scaled complementarity problem).
 CERTIFY = 1e-8
 
@@ -24,12 +24,12 @@ GROWTH = 1e3
 ACTIVE = 1e-7
 
 # A joint is over its torque limit, or past the end of its range, and an object farther than it may be, where it uses
-# more than 1 + this of what there is. A limit that an answer or a path was led to is met to about CERTIFY; motors and
+# more than 1 + this of what there is. A limit that an answer or a path was led to is met to about 1e-8; motors and
 # gears are known to no more than 1e-3.
 OVER = 1e-6
 
 # Free unknowns are eliminated when the estimated reciprocal condition of their block exceeds this: eliminating
-# costs about eps / rcond in accuracy, which must stay well under CERTIFY.
+# costs about eps / rcond in accuracy, which must stay well under what a certifier accepts.
 ELIMINATE_RCOND = 1e-7
 
 # Forces that come out of a problem made of themselves: solved again until they change by no more than this share.
@@ -51,11 +51,11 @@ LARGEST = 1e60
 LARGEST_RAW = 1e150
 
 # A soft finger's moment is worked with as a force at the lever μ_τ/μ, and its flexibility grows as the lever squared.
-# Beyond this many sizes of the grasp rounding alone is more than a solver aims for: 2e-16 · LEVER² > SOLVE.
+# Beyond this many sizes of the grasp rounding alone is more than a solver aims for: 2e-16 · lever² > 1e-10.
 LEVER = 1e3
 
 # Friction coefficients of soft fingers: beyond it, where the moment matters at all, the lever is so short that it falls
-# below what counts as zero (RANK), and a proof would overlook the moment.
+# below what counts as zero, and a proof would overlook the moment.
 STEEPEST = 1e4
 
 # Length of a normal may differ from one by this (absolute: a normal has no unit).
@@ -64,10 +64,10 @@ UNIT_NORMAL = 1e-6
 # Relative: how closely a limit in one posture is found, from event to event
 EVENTS_END = 1e-6
 
-# An object slides through where no contact that presses sticks any more and it gives way faster than `FASTER` times as
-# fast as while something stuck, once that has led it `RUNS` farther (of the contacts' distances, turns in radians:
-# 0.6 mm or 1.1° on a cube of 50 mm); a snap counts with all its way. It snaps where it goes `JUMPS` times farther than
-# it was about to, and by more than `NO_SNAP`.
+# An object slides through where no contact that presses sticks any more and it gives way faster than so many times its
+# speed while something stuck, once that has led it so much farther (of the contacts' distances, turns in radians:
+# 0.6 mm or 1.1° on a cube of 50 mm); a snap counts with all its way. It snaps where it goes so many times farther than
+# it was about to, and by more than the last number.
 FASTER = 10.0
 RUNS = 0.02
 JUMPS = 5.0

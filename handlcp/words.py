@@ -16,7 +16,10 @@ _NO_FRICTION = 5e-4  # of the normal force: less is not written
 
 @dataclass(frozen=True, slots=True)
 class LengthUnit:
-    """One unit for a whole column. size : in metres."""
+    """A unit of length for a whole column.
+
+    size : of the unit [m].
+    """
 
     name: str
     size: float
@@ -38,14 +41,14 @@ def length_unit(metres: Iterable[float]) -> LengthUnit:
 
 
 def length(metres: float) -> str:
-    """Such as "0.42 mm", "12 µm", "24 m"."""
+    """A length as text, such as "0.42 mm", "12 µm", "24 m"."""
     if abs(metres) >= 1.0:
         return _text(metres, " m", 2)
     return _text(metres * 1e6, " µm", 2) if NOTHING <= abs(metres) < 1e-4 else _text(metres * 1e3, " mm", 2)
 
 
 def lengths(metres: Iterable[float]) -> list[str]:
-    """Such as ["0.014 mm", "0.17 mm"]: what stands in one sentence has one unit."""
+    """Lengths of one sentence in one unit, such as ["0.014 mm", "0.17 mm"]."""
     values = list(metres)
     largest = max((abs(m) for m in values if np.isfinite(m)), default=0.0)
     name, size = ("m", 1.0) if largest >= 1.0 else ("µm", 1e-6) if NOTHING <= largest < 1e-4 else ("mm", 1e-3)
@@ -53,12 +56,12 @@ def lengths(metres: Iterable[float]) -> list[str]:
 
 
 def force(newtons: float) -> str:
-    """Such as "1.53 N"."""
+    """A force as text, such as "1.53 N"."""
     return _text(newtons, " N")
 
 
 def push(normal: float, friction: float) -> str:
-    """Such as "1.53 + 0.4 N": the force of a contact, normal and along the surface; the second only where it counts."""
+    """The force of a contact as text, such as "1.53 + 0.4 N": normal, and along the surface where that counts."""
     if friction <= _NO_FRICTION * abs(normal):
         return force(normal)
     one, two = force(normal), force(friction)
@@ -67,7 +70,7 @@ def push(normal: float, friction: float) -> str:
 
 
 def torque(newton_metres: float) -> str:
-    """Such as "0.142 N·m", "3.1 mN·m"."""
+    """A torque as text, such as "0.142 N·m", "3.1 mN·m"."""
     small = 0 < abs(newton_metres) < 0.01
     return _text(newton_metres * 1e3, " mN·m") if small else _text(newton_metres, " N·m")
 
@@ -83,23 +86,23 @@ def stiffness_unit(slides: bool) -> str:
 
 
 def unit_of_joints(unit: Callable[[bool], str], sliding: Iterable[bool]) -> str:
-    """One of the two above for several joints: "N·m", "N", or "N·m, N of slides"."""
+    """The unit of several joints, by `effort_unit` or `stiffness_unit`: "N·m", "N", or "N·m, N of slides"."""
     both = sorted(set(sliding))
     return unit(both[0]) if len(both) == 1 else f"{unit(False)}, {unit(True)} of slides"
 
 
 def effort(size: float, unit: str) -> str:
-    """Of a joint, in "N·m", or of one that slides, in "N"."""
+    """The effort of a joint as text, in "N·m", or in "N" where it slides."""
     return force(size) if unit == "N" else torque(size)
 
 
 def efforts(sizes: Iterable[float], unit: str) -> list[str]:
-    """The same of several numbers of one joint; those in "N·m" with one prefix."""
+    """Several efforts of one joint as texts; those in "N·m" have one prefix."""
     return [force(size) for size in sizes] if unit == "N" else torques(sizes)
 
 
 def torques(newton_metres: Iterable[float]) -> list[str]:
-    """Such as ["0.21 N·m", "0.2 N·m"], with one unit; a limit that is infinite is "∞"."""
+    """Torques as texts with one unit, such as ["0.21 N·m", "0.2 N·m"]; a limit that is infinite is "∞"."""
     values = list(newton_metres)
     small = 0 < max((abs(t) for t in values if np.isfinite(t)), default=0.0) < 0.01
     size, unit = (1e-3, " mN·m") if small else (1.0, " N·m")
@@ -125,7 +128,7 @@ def column(values: Iterable[float]) -> list[str]:
 
 
 def duration(seconds: float) -> str:
-    """Such as "0.4 s", "12 s", "3 min" or "2 h"."""
+    """A time as text, such as "0.4 s", "12 s", "3 min" or "2 h"."""
     for size, unit in ((3600.0, "h"), (60.0, "min")):
         if seconds >= 2.0 * size:
             return f"{seconds / size:.2g} {unit}"
@@ -133,12 +136,12 @@ def duration(seconds: float) -> str:
 
 
 def angle(radians: float) -> str:
-    """Such as "0.58°"."""
+    """An angle as text in degrees, such as "0.58°"."""
     return _text(float(np.degrees(radians)), "°", 2)
 
 
 def percent(share: float) -> str:
-    """Whole percents; one digit more below ten."""
+    """A share as text in whole percents; one digit more below ten."""
     value = 100 * share
     if not np.isfinite(value):
         return "–"
@@ -146,13 +149,13 @@ def percent(share: float) -> str:
 
 
 def listed(names: Sequence[str]) -> str:
-    """At most four names, and how many more there are."""
+    """A list of at most four names, and how many more there are."""
     names = list(names)
     return ", ".join(names[:_MOST]) + (f" and {len(names) - _MOST} more" if len(names) > _MOST else "")
 
 
 def all_of(names: Sequence[str]) -> str:
-    """In a sentence: "a, b and c", "a, b, c and 2 more"."""
+    """The names as a sentence has them: "a, b and c", or "a, b, c and 2 more"."""
     told, more = (names, 0) if len(names) <= _MOST else (names[: _MOST - 1], len(names) - _MOST + 1)
     if more:
         return f"{', '.join(told)} and {more} more"
@@ -160,7 +163,10 @@ def all_of(names: Sequence[str]) -> str:
 
 
 def by_link(names: Sequence[str], links: Mapping[str, str]) -> list[str]:
-    """The names, several of one link as one: "3 contacts of palm". links : by name; names without one stay."""
+    """The names, several of one link as one: "3 contacts of palm".
+
+    links : name → its link; names without one stay.
+    """
     groups = dict[str, list[str]]()
     for name in names:
         groups.setdefault(links.get(name, name), []).append(name)
@@ -168,7 +174,7 @@ def by_link(names: Sequence[str], links: Mapping[str, str]) -> list[str]:
 
 
 def first_largest(values: NDArray[np.float64]) -> int:
-    """The number of the largest, of those that differ by rounding alone the first: ties go the same way everywhere."""
+    """The index of the largest value, the first of those that differ by rounding alone, so that ties are safe."""
     largest = values.max()
     return int((values >= largest - _ALIKE * abs(largest)).argmax())
 
@@ -179,7 +185,7 @@ def distinct(names: Sequence[str]) -> list[str]:
 
 
 def either(parts: Sequence[str]) -> str:
-    """Such as "a, b or c"."""
+    """Alternatives as a sentence has them, such as "a, b or c"."""
     return " or ".join(part for part in (", ".join(parts[:-1]), parts[-1]) if part)
 
 

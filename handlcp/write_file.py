@@ -173,7 +173,7 @@ def _is_special(file: Path) -> bool:
 
 
 def _check_device(file: Path) -> None:
-    """Raises OSError for a device that takes nothing, as /dev/full. Pipes are not opened: their readers would end."""
+    """Check that a device takes data, unlike /dev/full. Raises OSError. Opening a pipe would end its reader."""
     if stat.S_ISCHR(os.stat(file).st_mode):
         with file.open("ab", buffering=0) as out:
             if not out.isatty():

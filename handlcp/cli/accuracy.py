@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from handlcp.cli.app import Json, app, check_files, print_json, say, say_files, titled
+from handlcp.cli.app import Json, app, check_files, load_scene, print_json, say, say_files, titled
 from handlcp.errors import NoSolutionFound
 from handlcp.hand import HandGrasp
 from handlcp.progress import steps
@@ -85,10 +85,9 @@ def compare(
 
     Exit status 0 where both hold the object, 1 where one of them does not, 2 bad input or nothing that MuJoCo can have.
     """
-    from handlcp import scene as scenes
     from handlcp.simulator import compare as side_by_side
 
-    file = scenes.load(scene)
+    file = load_scene(scene)
     grasp = file.build()
     order: Any = "together" if together else ("squeeze", "load")
     found = side_by_side(grasp, None, order, steps=steps, seconds=seconds)

@@ -18,7 +18,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 from rich.console import Console
@@ -31,6 +31,9 @@ from handlcp.grasp import Grasp
 from handlcp.record import json_text
 from handlcp.show.file import checked, checked_page
 from handlcp.version import VERSION
+
+if TYPE_CHECKING:
+    from handlcp.scene import SceneFile
 
 
 class _Commands(TyperGroup):
@@ -112,7 +115,7 @@ def common(
 
 
 def print_json(value: dict[str, Any]) -> None:
-    """One object on stdout; numbers that are not finite become null. In ASCII where stdout has no other characters."""
+    """Print one JSON object on stdout; numbers that are not finite become null. ASCII where stdout has nothing else."""
     text = json_text(value)
     try:
         text.encode(getattr(sys.stdout, "encoding", None) or "utf-8")
@@ -130,11 +133,21 @@ def titled(title: str) -> Console:
 
 
 def print_tables(out: Console, tables: Iterable[Table]) -> None:
-    """One below the other, with an empty line after each, which a table without a caption brings itself."""
+    """Print tables one below the other, with an empty line after each.
+
+    A table without a caption brings its empty line itself.
+    """
     for table in tables:
         out.print(table)
         if table.caption:
             out.print()
+
+
+def load_scene(path: Path) -> SceneFile:
+    """The scene of a file. Raises SceneFileError."""
+    from handlcp import scene  # pydantic, a third of a second that other commands do not pay
+
+    return scene.load(path)
 
 
 def sides_of(own: Any, faces: str | None) -> Any:
@@ -147,7 +160,10 @@ def sides_of(own: Any, faces: str | None) -> Any:
 
 
 def follow_option(neither: str) -> Any:
-    """--followed/--fixed; neither : what happens without either, as the help says it."""
+    """The option --followed/--fixed, which says whether contacts follow hand and object.
+
+    neither : what happens where neither is given, as the help says it.
+    """
     sentence = "Follow hand and object as they move, or leave contacts where they are; neither"
     return typer.Option("--followed/--fixed", help=f"{sentence}: {neither}.")
 
@@ -158,8 +174,12 @@ def geometry_of(followed: bool | None) -> str | None:
 
 
 def check_allowed(grasp: Grasp, motion: float | None, turn: float | None = None) -> None:
-    """That --motion is less than the grasp is wide, and --turn less than half a turn. Raises InputError, which asks
-    whether millimetres or degrees were meant.
+    """Check that --motion is less than the size of the grasp, and --turn no more than half a turn.
+
+    motion : [m]; None: not given.
+    turn : [rad]; None: not given.
+
+    Raises InputError, which asks whether millimetres or degrees were meant.
     """
     size = grasp.scene.units.length
     if motion is not None and motion > size:
@@ -171,7 +191,7 @@ def check_allowed(grasp: Grasp, motion: float | None, turn: float | None = None)
 
 
 def check_files(*pictures: Path | None, page: Path | None = None) -> None:
-    """Before a long computation, whether what is asked for can be written. Raises InputError, Unsupported."""
+    """Check before a long computation that pictures and page can be written. Raises InputError, Unsupported."""
     for file in pictures:
         if file is not None:
             checked(file)
@@ -180,7 +200,7 @@ def check_files(*pictures: Path | None, page: Path | None = None) -> None:
 
 
 def say_files(out: Console, **written: Sequence[Path | None]) -> None:
-    """Which files there are now, by what they are."""
+    """Print which files were written, by what they are, such as Picture=[...]."""
     for what, files in written.items():
         for file in files:
             if file is not None:
@@ -195,13 +215,15 @@ def say(out: Console, word: str, style: str, sentence: str) -> None:
 # ----------------------------------------------------------------
 # Where the output goes: pipes that close, full disks, terminals without UTF-8, and libraries that print.
 
-# What the package's words and tables use beyond ASCII, for terminals that cannot show it
-_SPELT = {
-    "–": "-", "—": "-", "−": "-", "…": "...", "·": ".", "•": "*", "█": "#", "─": "-", "━": "-", "│": "|", "┃": "|",
-    "×": "x", "÷": "/", "±": "+-", "≈": "~", "∝": "~", "∼": "~", "≤": "<=", "≥": ">=", "≠": "!=", "≪": "<<", "≫": ">>",
-    "∞": "inf", "√": "sqrt ", "Σ": "sum ", "°": " deg", "µ": "u", "‖": "|", "⟂": "_|_", "→": "->", "←": "<-", "↑": "^",
-    "↓": "v", "✓": "ok", "✗": "no", "∈": "in", "∂": "d", "“": '"', "”": '"', "‘": "'", "’": "'", "„": '"', "ß": "ss",
-}  # fmt: skip
+# What the package's words and tables use beyond ASCII, for terminals that cannot show it: a spelling, and after it the
+# characters that are written so
+_SPELLINGS = """
+    - –—−─━   ... …   . ·    * •     # █     | │┃‖   x ×   / ÷   +- ±   ~ ≈∝∼   <= ≤   >= ≥   != ≠   << ≪   >> ≫   inf ∞
+    u µ       _|_ ⟂   -> →   <- ←    ^ ↑     v ↓     ok ✓  no ✗  in ∈   d ∂     " “”„  ' ‘’   ss ß
+"""
+_WORDS = iter(_SPELLINGS.split())
+_SPELT = {"√": "sqrt ", "Σ": "sum ", "°": " deg"}
+_SPELT |= {character: plain for plain, every in zip(_WORDS, _WORDS, strict=True) for character in every}
 
 
 def open_streams() -> None:
@@ -230,7 +252,10 @@ def open_streams() -> None:
 
 
 def full(descriptor: int) -> bool:
-    """Whether a device takes nothing, as /dev/full does. Asked before the work; of a disk that is known afterwards."""
+    """Whether a descriptor leads to a device that takes nothing, such as /dev/full.
+
+    This is asked before the work; whether a disk is full is known afterwards.
+    """
     if not stat.S_ISCHR(os.fstat(descriptor).st_mode) or os.isatty(descriptor):
         return False
     try:
@@ -249,7 +274,7 @@ def lost(why: str = "No space left on device") -> None:
 
 
 def spelt(error: UnicodeError) -> tuple[str, int]:
-    """For `codecs.register_error`: characters that an encoding lacks, as a typewriter has them."""
+    """Spell characters that an encoding lacks in ASCII: an error handler as `codecs.register_error` takes it."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
     return "".join(_ascii(c) for c in error.object[error.start : error.end]), error.end

@@ -20,8 +20,9 @@ def evaluate(
     brief: Annotated[Path, typer.Argument(help="A brief (TOML); `handlcp keys --brief` lists what it may hold.")],
     require: Annotated[
         list[str] | None,
-        typer.Option(help='Such as "payload>=1.5"; payload, factor, force, torque, torque_used or motion, SI; '
-                     "may be repeated."),
+        typer.Option(
+            help='Such as "payload>=1.5"; payload, factor, force, torque, torque_used or motion, SI; may be repeated.'
+        ),
     ] = None,
     joint_stiffness: Annotated[float | None, typer.Option(help="Of each joint, in N·m/rad.")] = None,
     pad_flexibility: Annotated[float | None, typer.Option(help="Of each pad, in m/N.")] = None,
@@ -30,7 +31,7 @@ def evaluate(
     base: Annotated[str | None, typer.Option(help="Only the links below this one are the hand.")] = None,
     package_dir: PackageDirs = None,
     json: Json = False,
-) -> None:  # fmt: skip
+) -> None:
     """Find grasps of a brief's objects, and say what the hand holds, what gives out first, and what is not enough.
 
     Exit status 0 where every object is held and every requirement met, 1 otherwise, 2 bad input.
@@ -42,9 +43,14 @@ def evaluate(
     with keyed({"requirement": "--require"}):
         asked = [read(text) for text in require or ()]
     the_hand = given(
-        hand, base, package_dir, joint_stiffness=joint_stiffness, pad_flexibility=pad_flexibility,
-        tip_radius=tip_radius, torque_limits=torque_limits,
-    )  # fmt: skip
+        hand,
+        base,
+        package_dir,
+        joint_stiffness=joint_stiffness,
+        pad_flexibility=pad_flexibility,
+        tip_radius=tip_radius,
+        torque_limits=torque_limits,
+    )
     found = evaluated(the_hand, Brief.from_toml(brief))
     sentences = unmet(asked, found.cases)
     if json:

@@ -21,6 +21,7 @@ from handlcp.cli.app import (
     check_files,
     follow_option,
     geometry_of,
+    load_scene,
     print_json,
     say,
     say_files,
@@ -31,6 +32,7 @@ from handlcp.errors import InputError, brief
 from handlcp.grasp.cause.wording import said
 from handlcp.grasp.limits.result import LoadLimit, told
 from handlcp.record import versions
+from handlcp.show.limit import limit_table, size, way
 
 _Wrench = tuple[float, float, float, float, float, float]
 _AXES = {"+x": 0, "-x": 1, "+y": 2, "-y": 3, "+z": 4, "-z": 5}
@@ -56,11 +58,9 @@ def limits(
 
     Exit status 0 where it holds its weight, 1 where squeeze or weight alone are too much, 2 bad input.
     """
-    from handlcp import scene as scenes
-
     check_files(plot)
     loads = _loads(wrench, direction)
-    file = scenes.load(scene)
+    file = load_scene(scene)
     grasp, sides = file.build(), sides_of(file.solve_with.faces, faces)
     check_allowed(grasp, motion)
     geometry = "fixed" if fixed else None
@@ -87,7 +87,7 @@ def _loads(wrench: _Wrench | None, directions: list[str] | None) -> Array:
 
 
 def _direction(text: str) -> Array:
-    """(3,) unit vector. Raises InputError."""
+    """The direction that a text means, such as "-z" or "1,0,0.5": a unit vector (3,). Raises InputError."""
     if text in _AXES:
         return np.asarray(_WAYS[_AXES[text]])
     try:
@@ -101,8 +101,6 @@ def _direction(text: str) -> Array:
 
 def _print(found: list[LoadLimit], least: LoadLimit, title: str, plot: Path | None) -> None:
     """The table, what happens on the way to the least of the limits, and the picture's name."""
-    from handlcp.show.limit import limit_table, size, way
-
     out = titled(title)
     if found[0].factor == 0.0:
         say(out, "NOT HELD", "bold red", found[0].why)
@@ -146,14 +144,13 @@ def envelope(
 
     The load comes slowly, after squeeze and weight. Exit status 0, 1 if it does not hold without a load, 2 bad input.
     """
-    from handlcp import scene as scenes
     from handlcp.study.envelope import envelope as envelope_of
     from handlcp.study.envelope.causes import read_directions
 
     check_files(plot, polar, page=page)
     asked = _asked(directions)
     flat = read_directions(asked).plane is not None  # raises before any work is done
-    read = scenes.load(scene)
+    read = load_scene(scene)
     sides = sides_of(read.solve_with.faces, faces)
     grasp = read.build()
     check_allowed(grasp, motion, turn)
@@ -161,9 +158,16 @@ def envelope(
         got = directions if flat else "a planar scene, whose directions lie in its plane; --polar draws these"
         raise InputError("--page", "directions all around, which the page can turn", got)
     found = envelope_of(
-        grasp, asked, of=of, geometry=geometry_of(followed), faces=sides, adaptive=adaptive, motion=motion, turn=turn,
+        grasp,
+        asked,
+        of=of,
+        geometry=geometry_of(followed),
+        faces=sides,
+        adaptive=adaptive,
+        motion=motion,
+        turn=turn,
         accuracy=accuracy,
-    )  # fmt: skip
+    )
     for path, draw in ((plot, found.plot), (polar, found.polar), (page, found.page)):
         if path is not None:
             draw(path, title=read.title)
@@ -177,7 +181,7 @@ def envelope(
 
 
 def _asked(text: str) -> Any:
-    """A count, a plane, or both. Raises InputError."""
+    """The directions that a text asks for: a count, a plane, or both as (plane, count). Raises InputError."""
     plane, _, count = text.partition(",")
     if not count and not plane.isdecimal():
         return plane

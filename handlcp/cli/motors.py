@@ -20,6 +20,7 @@ from handlcp.cli.app import (
     Scene,
     app,
     check_files,
+    load_scene,
     print_json,
     print_tables,
     say,
@@ -38,9 +39,13 @@ from handlcp.show import tables
 from handlcp.write_file import check_destination
 
 _WAYS = {
-    "x up": (-1.0, 0.0, 0.0), "x down": (1.0, 0.0, 0.0), "y up": (0.0, -1.0, 0.0), "y down": (0.0, 1.0, 0.0),
-    "z up": (0.0, 0.0, -1.0), "z down": (0.0, 0.0, 1.0),
-}  # fmt: skip
+    "x up": (-1.0, 0.0, 0.0),
+    "x down": (1.0, 0.0, 0.0),
+    "y up": (0.0, -1.0, 0.0),
+    "y down": (0.0, 1.0, 0.0),
+    "z up": (0.0, 0.0, -1.0),
+    "z down": (0.0, 0.0, 1.0),
+}
 
 
 @app.command()
@@ -75,10 +80,8 @@ def motors(
     at each fingertip, in place of what the file says. Exit status 0 such a grip was found and check() says HELD of
     every load, 1 otherwise, 2 bad input.
     """
-    from handlcp import scene as scenes
-
     bought = None if motor is None else _motor(motor, efficiency)
-    read = scenes.load(scene)
+    read = load_scene(scene)
     grasp = read.build()
     if not isinstance(grasp, HandGrasp):
         raise InputError("scene", "a scene with a [hand], whose joints need motors", "one without")
@@ -120,7 +123,7 @@ def _numbers(text: str) -> list[float] | None:
 
 
 def _motor(text: str, efficiency: float) -> Motor:
-    """From CONTINUOUS, CONTINUOUS,PEAK or CONTINUOUS,PEAK,FRICTION. Raises InputError."""
+    """The motor of the text CONTINUOUS, CONTINUOUS,PEAK or CONTINUOUS,PEAK,FRICTION. Raises InputError."""
     values = _numbers(text)
     if values is None or len(values) not in (1, 2, 3):
         expected = "CONTINUOUS,PEAK or CONTINUOUS,PEAK,FRICTION in N·m, such as 0.02,0.06"
@@ -159,7 +162,7 @@ def _tendons(found: RequiredTension) -> Table:
 
 
 def _gears(found: RequiredTorque, motor: Motor) -> list[Table]:
-    """Of the joints that no tendon with a motor moves, and of the tendons."""
+    """Tables of the gears that joints without a tendon motor need, and that tendons need."""
     made = list[Table]()
     note = "the least with which the motor gives peak and continuous torque"
     least = found.reductions(motor)
@@ -187,10 +190,12 @@ def _spread_as_options(command: Any) -> Any:
     own = inspect.signature(command, eval_str=True)
     scene, *others = [p.replace(kind=p.KEYWORD_ONLY) for p in own.parameters.values() if p.kind != p.VAR_KEYWORD]
     spread = [
-        inspect.Parameter(p.spread, scene.kind, default=None,
-                          annotation=Annotated[float | None, typer.Option(help=p.uncertain)])
-        for p in parameters() if p.spread
-    ]  # fmt: skip
+        inspect.Parameter(
+            p.spread, scene.kind, default=None, annotation=Annotated[float | None, typer.Option(help=p.uncertain)]
+        )
+        for p in parameters()
+        if p.spread
+    ]
     command.__signature__ = own.replace(parameters=[scene, *spread, *others])
     command.__annotations__ = {p.name: p.annotation for p in command.__signature__.parameters.values()}
     return command
@@ -216,7 +221,6 @@ def reliability(
 
     Exit status 0, 2 for bad input.
     """
-    from handlcp import scene as scenes
     from handlcp.study import reliability as study
 
     varies = {name: value for name, value in spread.items() if value is not None}
@@ -225,12 +229,18 @@ def reliability(
     check_files(plot)
     if resume is not None:
         check_destination("resume", resume)
-    file = scenes.load(scene)
+    file = load_scene(scene)
     sides = sides_of(file.solve_with.faces, faces)
     found = study.reliability(
-        file.build(), varies, samples, seed=seed, faces=sides, by="check" if check else "solve", confidence=confidence,
+        file.build(),
+        varies,
+        samples,
+        seed=seed,
+        faces=sides,
+        by="check" if check else "solve",
+        confidence=confidence,
         resume=resume,
-    )  # fmt: skip
+    )
     if plot is not None:
         found.plot(plot, title=file.title)
     if json:

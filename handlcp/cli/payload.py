@@ -17,6 +17,7 @@ from handlcp.cli.app import (
     check_files,
     follow_option,
     geometry_of,
+    load_scene,
     print_json,
     say_files,
     sides_of,
@@ -48,16 +49,18 @@ def payload(
     The hand closes as in the scene, then the mass grows. Exit status 0, 1 if the scene does not hold without a mass,
     2 bad input.
     """
-    from handlcp import scene as scenes
-
     check_files(plot)
-    file = scenes.load(scene)
+    file = load_scene(scene)
     grasp = file.build()
     check_allowed(grasp, motion)
     found = grasp.payload(
-        "any" if every else 6, acceleration, geometry=geometry_of(followed),
-        faces=sides_of(file.solve_with.faces, faces), motion=motion, accuracy=accuracy,
-    )  # fmt: skip
+        "any" if every else 6,
+        acceleration,
+        geometry=geometry_of(followed),
+        faces=sides_of(file.solve_with.faces, faces),
+        motion=motion,
+        accuracy=accuracy,
+    )
     if plot is not None:
         found.plot(plot, title=file.title)
     if json:

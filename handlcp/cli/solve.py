@@ -17,6 +17,7 @@ from handlcp.cli.app import (
     Scene,
     app,
     check_files,
+    load_scene,
     print_json,
     print_tables,
     say,
@@ -30,7 +31,9 @@ from handlcp.grasp.friction import as_section
 from handlcp.grasp.verdict.check import suggested
 from handlcp.lcp import Auto
 from handlcp.show import tables
+from handlcp.show.doors import plot as draw_grasp
 from handlcp.show.file import drawn
+from handlcp.show.loading import report
 from handlcp.show.loading.report import solution_tables
 from handlcp.show.loading.series import solution_at_end
 from handlcp.show.record import record
@@ -64,10 +67,8 @@ def solve(
     The hand is followed while it squeezes and is loaded, and the tables are of the end. Where that is not reached, or
     with --accuracy, they are of one solve, squeeze and load at once.
     """
-    from handlcp import scene as scenes
-
     check_files(plot, page=page)
-    file = scenes.load(scene)
+    file = load_scene(scene)
     sides = _sides(file.solve_with.faces, faces, accuracy)
     solver = Auto(seed=file.solve_with.seed if seed is None else seed)
     grasp = file.build()
@@ -76,9 +77,7 @@ def solve(
     judged = grasp.check(faces=sides, solution=solution)
     shown = _shown(solution, judged)
     if plot is not None:
-        from handlcp.show.doors import plot as draw
-
-        draw(solution, plot, file.shape(), file.title, judged)
+        draw_grasp(solution, plot, file.shape(), file.title, judged)
     if page is not None:
         from handlcp.show.page.document import save
 
@@ -96,19 +95,26 @@ def solve(
 
 
 def _sides(own: Any, faces: str | None, accuracy: float | None) -> Any:
-    """Faces of the friction pyramids, or "cone". own : the scene file's. Raises InputError."""
+    """Faces of the friction pyramids, or "cone". Raises InputError.
+
+    own : the scene file's.
+    """
     if accuracy is not None and faces is not None:
         raise InputError("--accuracy", "nothing where --faces is given: it chooses them", f"{accuracy:g}")
     return "cone" if accuracy is not None else sides_of(own, faces)
 
 
 def _suggested(grasp: Grasp, solution: GraspSolution, sides: Any, judged: Verdict) -> Suggestions:
-    """As `grasp.suggest`, of the verdict that is known."""
+    """What `grasp.suggest` returns, without finding the verdict again."""
     return suggested(grasp.spec, as_section(sides, planar=grasp.scene.kind.planar), solution, 0.05, judged)
 
 
 class _Shown(NamedTuple):
-    """What tables are of. when : for their titles. whole : whether slips are of the whole way."""
+    """The solution that the tables show.
+
+    when : what their titles add.
+    whole : whether slips are those of the whole loading.
+    """
 
     solution: GraspSolution
     when: str = ""
@@ -179,10 +185,8 @@ def follow(
 
     The hand is followed as it moves, contacts are detected anew in every step.
     """
-    from handlcp import scene as scenes
-
     check_files(plot, picture, page=page)
-    read = scenes.load(scene)
+    read = load_scene(scene)
     sides = sides_of(read.solve_with.faces, faces)
     stages = tuple([name.strip() for name in order.split(",")])
     found = read.build().follow(order=stages, geometry="fixed" if fixed else None, faces=sides, steps=steps)
@@ -203,8 +207,6 @@ def follow(
 
 def _print_loading(found: Loading, title: str, files: list[Path | None], page: Path | None) -> None:
     """The outcome, the object's motion, what happens on the way, contacts and joints at the end."""
-    from handlcp.show.loading import report
-
     out = titled(title)
     say(out, found.word, f"bold {_COLOURS.get(found.word, 'red')}", found.sentence)
     say(out, "Motion", "bold", report.motion(found))

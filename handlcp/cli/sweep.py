@@ -36,7 +36,7 @@ def sweep(
     asked, executor = file.tables, "serial" if serial else None
     found = swept(
         file.make, asked.space, file.brief, asked.sampling, asked.samples, file.out, executor, seed=asked.seed
-    )  # fmt: skip
+    )
     known = len(found.failed) < len(found)
     first = found.best(best, by) if known else found.failed
     if plot is not None and known:

@@ -52,12 +52,12 @@ def cylinder_inertia(mass: float, radius: float, length: float) -> Vector:
 
 
 def cylinder(radius: float, length: float) -> Any:
-    """Along z, about its centre."""
+    """A cylinder along z, about its centre; radius and length [m]."""
     return u.Geometry(cylinder=u.Cylinder(radius=radius, length=length))
 
 
 def ball(radius: float) -> Any:
-    """About the origin."""
+    """A ball about the origin; radius [m]."""
     return u.Geometry(sphere=u.Sphere(radius=radius))
 
 
@@ -73,15 +73,19 @@ def _seen(at: Array, shape: Any, material: Any) -> Any:
 
 
 def palm(mass: float, radius: float, height: float, middle: float) -> Any:
-    """A disc across z, its middle so far below the origin."""
+    """A palm is a disc across z, its middle so far below the origin; mass [kg], lengths [m]."""
     at, disc = pose((0.0, 0.0, -middle)), cylinder(radius, height)
     moments = inertial(mass, cylinder_inertia(mass, radius, height), at)
     return u.Link(name="palm", inertial=moments, visuals=[_seen(at, disc, GREY)], collisions=[_touches(at, disc)])
 
 
 def link(name: str, mass: float, radius: float, length: float, direction: str, rounded: bool = False) -> Any:
-    """A finger link: a cylinder, with a ball at its joint that is drawn. rounded : and touches, too; what comes next on
-    the finger brings the ball at the other end of such a capsule, which URDFs do not have.
+    """A finger link is a cylinder from its joint on, with a ball at the joint.
+
+    mass : [kg]. radius, length : [m].
+    direction : axis of the finger, "x" or "z".
+    rounded : whether the ball touches, too; else it is only drawn. The next part of the finger brings the ball at the
+        other end of such a capsule, a shape that URDFs do not have.
     """
     middle = pose(along(direction, length / 2), (0.0, pi / 2 if direction == "x" else 0.0, 0.0))
     shaft = cylinder(radius, length)
@@ -95,7 +99,7 @@ def link(name: str, mass: float, radius: float, length: float, direction: str, r
 
 
 def tip(name: str, mass: float, radius: float) -> Any:
-    """A fingertip: a rubber ball about its frame."""
+    """A fingertip is a rubber ball about its frame; mass [kg], radius [m]."""
     moment = 0.4 * mass * radius**2
     return u.Link(
         name=name,
@@ -109,18 +113,34 @@ def tip(name: str, mass: float, radius: float) -> Any:
 
 
 def revolute(
-    name: str, parent: str, origin: Array, axis: Vector, effort: float, speed: float, ends: tuple[float, float],
+    name: str,
+    parent: str,
+    origin: Array,
+    axis: Vector,
+    effort: float,
+    speed: float,
+    ends: tuple[float, float],
     follows: tuple[str, float] | None = None,
-) -> Any:  # fmt: skip
-    """A joint that carries the link of its own name. ends : of its range [rad]. follows : another joint, and how far
-    this one turns for each radian of that.
+) -> Any:
+    """A revolute joint that carries the link of its own name.
+
+    parent : name of the link that it is on.
+    origin : (4, 4) placement in the parent's frame. axis : (3,) in its own frame.
+    effort : [N·m]. speed : [rad/s]. ends : of its range [rad].
+    follows : another joint, and how far this one turns for each radian of that; None: it is free.
     """
     mimic = None if follows is None else u.Mimic(joint=follows[0], multiplier=follows[1])
     limit = u.Limit(effort=effort, velocity=speed, lower=ends[0], upper=ends[1])
     return u.Joint(
-        name=name, type="revolute", parent=parent, child=f"{name}_link", origin=origin, axis=np.array(axis),
-        limit=limit, mimic=mimic,
-    )  # fmt: skip
+        name=name,
+        type="revolute",
+        parent=parent,
+        child=f"{name}_link",
+        origin=origin,
+        axis=np.array(axis),
+        limit=limit,
+        mimic=mimic,
+    )
 
 
 def mount(finger: str, parent: str, origin: Array) -> Any:
@@ -161,5 +181,5 @@ def text(made: Any, written_by: str) -> bytes:
 
 
 def _tidy(number: str) -> str:
-    """Twelve decimals: the same text from every libm, and no -0.0."""
+    """The number rounded to twelve decimals, so that every libm gives the same text, without -0.0."""
     return f"{round(float(number), 12) + 0.0:.12g}"

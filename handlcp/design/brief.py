@@ -94,7 +94,7 @@ class Brief:
 
         Raises InputError for what a file has no key for, such as a mesh from memory, and one that cannot be written.
         """
-        from handlcp.design.brief_file import toml_text
+        from handlcp.design.brief_file import toml_text  # pydantic, as above
 
         if path is None:
             return toml_text(self, Path())
@@ -117,7 +117,7 @@ Brief.__init__ = helped(mass="it is the object's: Box(..., mass=...)")(Brief.__i
 
 
 def _check_sizes(closing: Mapping[str, Any]) -> None:
-    """Raises InputError for what says no force, depth or torque of any hand; names are the hand's to know."""
+    """Check that values are forces, depths or torques; the names of the hand are not known yet. Raises InputError."""
     for argument, value in closing.items():
         count = len(value) if dimensions(value) == 1 else 1
         names = list(value) if isinstance(value, Mapping) else [str(k) for k in range(count)]
@@ -128,7 +128,7 @@ def _check_sizes(closing: Mapping[str, Any]) -> None:
 
 
 def _objects(given: Any) -> dict[str, Object]:
-    """By name. Raises InputError."""
+    """The objects of a brief by name, from what a user gives for them. Raises InputError."""
     expected = "an object such as Sphere(0.03), a sequence of them, or a mapping of names to them; at least one"
     if isinstance(given, Object):
         return {"object": given}
@@ -147,7 +147,7 @@ def _objects(given: Any) -> dict[str, Object]:
 
 
 def _loads(given: Any) -> dict[str, Array]:
-    """By name. Raises InputError."""
+    """The loads of a brief by name, (6,) each [N, N·m], from what a user gives for them. Raises InputError."""
     if given is None:
         return {}
     if isinstance(given, Mapping):

@@ -76,14 +76,26 @@ class BriefTables(Table):
 
 # Arguments of a brief, and the keys that they come from
 _KEYS = {
-    "friction": "friction", "orientations": "orientations", "acceleration": "acceleration_m_per_s2",
-    "motion": "motion_m", "most_force": "most_force_N", "safety": "safety", "kind": "kind", "squeeze": "squeeze_m",
-    "grip_force": "grip_force_N", "closing_torque": "closing_torque_Nm", "tries": "tries", "seed": "seed",
-}  # fmt: skip
+    "friction": "friction",
+    "orientations": "orientations",
+    "acceleration": "acceleration_m_per_s2",
+    "motion": "motion_m",
+    "most_force": "most_force_N",
+    "safety": "safety",
+    "kind": "kind",
+    "squeeze": "squeeze_m",
+    "grip_force": "grip_force_N",
+    "closing_torque": "closing_torque_Nm",
+    "tries": "tries",
+    "seed": "seed",
+}
 
 
 def loaded(path: Any, make: Callable[..., Made]) -> Made:
-    """The brief of a file. make : it from its arguments. See `Brief.from_toml`."""
+    """Read the brief of a TOML file; see `Brief.from_toml`.
+
+    make : what makes a brief of its arguments, such as the class `Brief`.
+    """
     text, file = text_of(path, "a brief (TOML)")
     table = checked(BriefTables, text, file.name)
     try:

@@ -21,8 +21,14 @@ Pairs = tuple[tuple[float, float], ...]
 def by_finger(
     argument: str, value: Any, fingers: Sequence[str], default: Sequence[T], read: Read[T], deep: int
 ) -> list[T]:
-    """One for each finger. default : of those that a mapping leaves out; None: of all. read : checks that of one
-    finger. deep : how many dimensions the plainest of them has, such as 0 of a number.
+    """One value for each finger, from one for all, a sequence of as many, or a mapping by name.
+
+    argument : what the caller calls the value, for messages.
+    value : what the user gave; None: `default`.
+    fingers : (n,) names.
+    default : (n,) values of fingers that a mapping leaves out.
+    read : checks the value of one finger.
+    deep : number of dimensions that one finger's plainest value has, such as 0 for a number.
 
     Raises InputError, UnknownName.
     """
@@ -42,7 +48,7 @@ def by_finger(
 
 
 def positive(argument: str, value: Any) -> float:
-    """A length [m]. Raises InputError."""
+    """A length above 0 [m], refused where millimetres seem to be meant. Raises InputError."""
     length = number(argument, value, above=0.0)
     if length > _LONGEST:
         expected = f"a length in metres of at most {_LONGEST:g} (if millimetres are meant, {length / 1e3:g})"
@@ -51,7 +57,7 @@ def positive(argument: str, value: Any) -> float:
 
 
 def angle(argument: str, value: Any) -> float:
-    """[rad] Raises InputError."""
+    """An angle of at most one turn [rad], refused where degrees seem to be meant. Raises InputError."""
     turn = number(argument, value)
     if abs(turn) > 2.0 * pi:
         expected = f"an angle in radians of at most one turn (if degrees are meant, {radians(turn):.4g})"
@@ -60,7 +66,7 @@ def angle(argument: str, value: Any) -> float:
 
 
 def lengths(argument: str, value: Any) -> Row:
-    """(k,) of the links of a finger [m], k ≥ 1. Raises InputError."""
+    """Lengths (k,) of the k ≥ 1 links of a finger [m]. Raises InputError."""
     row = array(argument, value, (-1,), what="lengths of the links of a finger [m]")
     if not len(row):
         raise InputError(argument, "lengths of the links of a finger [m], at least one", "none")
@@ -76,8 +82,9 @@ def ends(argument: str, value: Any) -> Pairs:
 
 
 def followed(argument: str, value: Any) -> Row | None:
-    """How far each joint beyond the first of a finger turns for each radian of the one before, one number of all of
-    them; None: as it likes. Raises InputError.
+    """How far each joint beyond the first turns for each radian of the one before [-], or one number for all of them.
+
+    None: these joints are free. Raises InputError.
     """
     if value is None:
         return None

@@ -48,9 +48,10 @@ def evaluate(hand: Hand, brief: Brief, near: Evaluation | None = None) -> Evalua
 
 
 def evaluate_worst(hand: Hand, brief: Brief, near: Evaluation | None = None) -> Evaluation:
-    """The same for comparing many hands: payload and factor are those of `evaluate`, as are verdicts and what gives out
-    first. Objects that hold more than the worst are followed no further than that, or the safety: their own numbers
-    are at least what they say. Arguments as in `evaluate`.
+    """Evaluate a hand for comparing many: payload, factor, verdicts and what gives out first are those of `evaluate`.
+
+    Objects that hold more than the worst are followed no further than that, or the safety: their own numbers are at
+    least what they say. Arguments as in `evaluate`.
     """
     known, cases = Known(), dict[str, ObjectCase]()
     for name in sorted(brief.objects, key=lambda name: _factor(near, name)):  # what was the worst nearby comes first
@@ -60,13 +61,14 @@ def evaluate_worst(hand: Hand, brief: Brief, near: Evaluation | None = None) -> 
 
 
 def _factor(near: Evaluation | None, name: str) -> float:
-    """Of an object in another evaluation."""
+    """How many times an object was held in another evaluation, infinite where that is not known."""
     return np.inf if near is None or name not in near.cases else near.cases[name].factor
 
 
 def evaluate_along(hand: Hand, brief: Brief, near: Evaluation) -> Evaluation:
-    """With the grasps of `near` alone, as differences between hands need, otherwise as `evaluate_worst`. An object
-    whose grasp is lost on the way is left out.
+    """Judge the grasps of `near` alone, otherwise as `evaluate_worst`: differences between hands need the same grasps.
+
+    An object whose grasp is lost on the way is left out.
     """
     known, cases = Known(), dict[str, ObjectCase]()
     for name in sorted(brief.objects, key=lambda name: _factor(near, name)):
@@ -77,7 +79,7 @@ def evaluate_along(hand: Hand, brief: Brief, near: Evaluation) -> Evaluation:
 
 
 def _case(hand: Hand, brief: Brief, name: str, near: Evaluation | None, known: Known) -> ObjectCase:
-    """Of one object: what the search finds, or the grasp of `near` where that does better."""
+    """Judge the grasp that the search finds for one object, or that of `near` where it does better."""
     found = best_grasp(hand, brief, brief.objects[name], known)
     brought = None if near is None else _brought(hand, brief, name, near, known)
     return found if brought is None or worth(brought) <= worth(found) else brought

@@ -22,25 +22,43 @@ NOT_FOUND = "NOT FOUND"  # beside the words of a verdict
 
 @dataclass(frozen=True, eq=False)
 class ObjectCase(Record):
-    """One object.
+    """How well a hand holds one object of a brief.
 
-    word : the worst of `verdicts`, or "NOT FOUND" where no grasp was. verdicts : "HELD", "OVER LIMIT", "NOT HELD" or
-    "UNDECIDED" for the weight and each load, with the safety that was asked for. factors : how many times the weight in
-    the worst orientation, and each load, is held, infinite for what nothing ends. A load that holds more than the
-    safety, and than what gives out first, is not followed on: its factor is that up to which it was. payload : [kg]
-    held in every orientation, 0 without a grasp. factor : the smallest of the factors. gives_out : what gives out
-    there, in words, or why no grasp was found; "" where nothing gives out up to `payload` and `factor`: `at_least`.
-    kind : of the grasp, "pinch" or "power". continued : whether it is the grasp of another design, brought along.
-    force : the largest normal force at a contact while the hand closes and the loads come [N]. torque : the largest
-    of a joint at the end of that [N·m, N], and torque_used : the largest share of a torque limit [-]. motion : how far
-    the object moves under its weight [m]. candidate : the grasp; None without one. masses : [kg]
-    held in each orientation, or at least.
+    word : the worst of `verdicts`, or "NOT FOUND" where no grasp was.
+    verdicts : "HELD", "OVER LIMIT", "NOT HELD" or "UNDECIDED" for the weight and each load, with the safety that was
+        asked for.
+    factors : how many times the weight in the worst orientation, and each load, is held; infinite for what nothing
+        ends. A load that holds more than the safety, and than what gives out first, is not followed on: its factor is
+        that up to which it was.
+    factor : the smallest of the factors.
+    payload : [kg] held in every orientation, 0 without a grasp.
+    gives_out : what gives out there, in words, or why no grasp was found; "" where nothing gives out up to `payload`
+        and `factor`, which are then at least what they say: `at_least`.
+    kind : of the grasp, "pinch" or "power".
+    continued : whether it is the grasp of another design, brought along.
+    force : the largest normal force at a contact while the hand closes and the loads come [N].
+    torque : the largest of a joint at the end of that [N·m, N].
+    torque_used : the largest share of a torque limit at the end of that [-].
+    motion : how far the object moves under its weight [m].
+    candidate : the grasp; None without one.
+    masses : [kg] held in each orientation, or at least.
     """
 
     entries = (
-        "word", "verdicts", "factors", "payload_kg", "factor", "gives_out", "at_least", "kind", "continued", "force_N",
-        "torque_Nm", "torque_used", "motion_m",
-    )  # fmt: skip
+        "word",
+        "verdicts",
+        "factors",
+        "payload_kg",
+        "factor",
+        "gives_out",
+        "at_least",
+        "kind",
+        "continued",
+        "force_N",
+        "torque_Nm",
+        "torque_used",
+        "motion_m",
+    )
 
     word: str
     verdicts: Mapping[str, str]
@@ -89,9 +107,17 @@ class Evaluation(Record):
     """
 
     entries = (
-        "holds", "payload_kg", "factor", "gives_out", "worst_object", "force_N", "torque_Nm", "torque_used", "motion_m",
+        "holds",
+        "payload_kg",
+        "factor",
+        "gives_out",
+        "worst_object",
+        "force_N",
+        "torque_Nm",
+        "torque_used",
+        "motion_m",
         "objects = cases",
-    )  # fmt: skip
+    )
 
     cases: Mapping[str, ObjectCase]
 
@@ -102,7 +128,7 @@ class Evaluation(Record):
 
     @property
     def verdicts(self) -> dict[str, dict[str, str]]:
-        """Object → load → word."""
+        """The word of each object under each load: object → load → word."""
         return {name: dict(case.verdicts) for name, case in self.cases.items()}
 
     @property
@@ -195,10 +221,17 @@ class Evaluation(Record):
     def __str__(self) -> str:
         head = wrapped(f"{self._without_mass}{self._in_all}.")
         rows = [
-            (name, case.word, case.times(), shown(case.payload, case.at_least), _of(case.force),
-             _percent(case.torque_used), _of(1e3 * case.motion))
+            (
+                name,
+                case.word,
+                case.times(),
+                shown(case.payload, case.at_least),
+                _of(case.force),
+                _percent(case.torque_used),
+                _of(1e3 * case.motion),
+            )
             for name, case in self.cases.items()
-        ]  # fmt: skip
+        ]
         heads = "object", "verdict", "times\nits loads", "payload\nkg", "force\nN", "torque\nused", "moves\nmm"
         return f"{head}\n\n{TextTable(heads, tuple(rows), '<<>>>>>')}"
 
@@ -208,7 +241,10 @@ class Evaluation(Record):
 
 
 def shown(value: float, more: bool) -> str:
-    """A number that is held, as it is printed. more : it may be more."""
+    """A mass or factor that is held, as it is printed.
+
+    more : whether it may be more, since nothing gave out.
+    """
     return "any" if value == np.inf else f"{'≥ ' if more else ''}{value:.3g}"
 
 

@@ -7,9 +7,10 @@ palm's, z = 0 where the fingers stand.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import cos, hypot, pi, sin
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from handlcp.check import integer
 from handlcp.design.by_finger import (
@@ -30,9 +31,6 @@ from handlcp.hand.hand import Hand
 from handlcp.keywords import helped
 from handlcp.write_file import write_file
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
 LENGTHS: Row = (0.05, 0.04)  # [m]
 RANGES = (-0.5, 1.6), (0.0, 1.9)  # [rad] of the first joint of a finger, and of those beyond it
 EFFORTS = 0.8, 0.4  # [N·m] likewise
@@ -44,8 +42,15 @@ MOST = 30  # fingers
 
 @dataclass(frozen=True, slots=True)
 class _Finger:
-    """One finger. lengths (k,) of its links, radius of these, tip, and where it stands: out from the palm's axis [m];
-    angle about it, tilt outward [rad]. ranges : of its k joints [rad]. follow (k - 1,) : of those beyond the first.
+    """The numbers of one finger with k links.
+
+    lengths : (k,) of its links [m].
+    radius, tip : of its links and of its fingertip [m].
+    out : distance of its base from the palm's axis [m].
+    angle : about that axis, from +x [rad].
+    tilt : by which it leans outward [rad].
+    ranges : (lower, upper) of each of its k joints [rad].
+    follow : (k - 1,) turns of each joint beyond the first for each turn of the one before; None: they are free.
     """
 
     name: str
@@ -60,7 +65,7 @@ class _Finger:
 
     @property
     def place(self) -> tuple[float, float]:
-        """X and y on the palm [m]."""
+        """Where the finger stands on the palm: x and y [m], axes of the palm."""
         return self.out * cos(self.angle), self.out * sin(self.angle)
 
     @property
@@ -98,17 +103,22 @@ def finger_hand(
     whose others have the default. Joints are called finger_1_proximal, finger_1_middle (of four links and more
     finger_1_middle_1, …) and finger_1_distal, their links finger_1_proximal_link, …, fingertips finger_1_tip.
 
-    fingers : how many. link_lengths : [m] (k,), from one joint to the next, the last to the fingertip's centre; or such
-        a row for each finger, also of other numbers of links. palm_radius : [m] of the circle on which fingers stand.
-    link_radius : [m]. tip_radius : [m] None: as the links. angles : [rad] where the fingers stand on the circle; None:
-        evenly, from +x on. tilt : [rad] by which they lean outward.
+    fingers : how many.
+    link_lengths : [m] (k,), from one joint to the next, the last to the fingertip's centre; or such a row for each
+        finger, also of other numbers of links.
+    palm_radius : [m] of the circle on which fingers stand.
+    link_radius : [m].
+    tip_radius : [m] None: as the links.
+    angles : [rad] where the fingers stand on the circle; None: evenly, from +x on.
+    tilt : [rad] by which they lean outward.
     ranges : [rad] (lower, upper) of all joints of all fingers; or for each finger such a pair, or one for each joint.
         None: -0.5 to 1.6 for first joints, 0 to 1.9 for others.
     coupling : how far each joint beyond the first turns for each radian of the one before, a mimic joint; for each
         finger such a number, None, or one for each of these joints. None: they turn as they like.
     joint_stiffness, pad_flexibility, torque_limits, motors, joint_friction : as of `Hand.from_urdf`. Torque limits of
         the URDF are 0.8 N·m for first joints, 0.4 N·m for others.
-    name : of the robot. file : where the URDF is written as well; None: nowhere.
+    name : of the robot.
+    file : where the URDF is written as well; None: nowhere.
 
     Masses follow from 3000 kg/m³ for links with their motors, 1300 kg/m³ for the palm, 20 mm high, and 1400 kg/m³ for
     fingertips. Raises InputError, also for fingers that overlap on the palm; UnknownName.
@@ -116,22 +126,32 @@ def finger_hand(
     if not isinstance(name, str) or not name.strip() or not name.isprintable():
         raise InputError("name", "a name of printable characters", shown(name))
     given = {
-        "link_lengths": link_lengths, "palm_radius": palm_radius, "link_radius": link_radius, "tip_radius": tip_radius,
-        "angles": angles, "tilt": tilt, "ranges": ranges, "coupling": coupling,
-    }  # fmt: skip
+        "link_lengths": link_lengths,
+        "palm_radius": palm_radius,
+        "link_radius": link_radius,
+        "tip_radius": tip_radius,
+        "angles": angles,
+        "tilt": tilt,
+        "ranges": ranges,
+        "coupling": coupling,
+    }
     made = _read(integer("fingers", fingers, 1, MOST), given)
     _check_apart(made, "palm_radius" if angles is None else "angles")
     urdf = _urdf(name, made)
     if file is not None:
         write_file("file", file, urdf)
     return Hand.from_urdf(
-        urdf.decode(), joint_stiffness=joint_stiffness, pad_flexibility=pad_flexibility, torque_limits=torque_limits,
-        motors=motors, joint_friction=joint_friction,
-    )  # fmt: skip
+        urdf.decode(),
+        joint_stiffness=joint_stiffness,
+        pad_flexibility=pad_flexibility,
+        torque_limits=torque_limits,
+        motors=motors,
+        joint_friction=joint_friction,
+    )
 
 
 def _read(n: int, given: Mapping[str, Any]) -> list[_Finger]:
-    """N fingers, from arguments of `finger_hand`. Raises InputError, UnknownName."""
+    """The n fingers that the arguments of `finger_hand` describe. Raises InputError, UnknownName."""
     names = [f"finger_{i + 1}" for i in range(n)]
 
     def each(argument: str, default: Sequence[T], read: Read[T], deep: int = 0) -> list[T]:
@@ -155,7 +175,7 @@ def _read(n: int, given: Mapping[str, Any]) -> list[_Finger]:
 
 
 def _check_apart(fingers: Sequence[_Finger], argument: str) -> None:
-    """Raises InputError for fingers that overlap where they stand."""
+    """Check that fingers do not overlap where they stand. Raises InputError."""
     for i, one in enumerate(fingers):
         for other in fingers[:i]:
             (x, y), (a, b) = one.place, other.place

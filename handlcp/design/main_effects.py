@@ -26,9 +26,12 @@ _POWER = 0.4  # k = n^0.4 classes: more of them follow y better, fewer are less 
 
 @dataclass(frozen=True, slots=True)
 class MainEffect:
-    """Along one parameter. places (k,) : of the classes, as unit coordinates. means, errors (k,) : of the outcome, and
-    the standard error of its mean. index : first-order Sobol index, NaN where nothing varies or samples are few; what
-    is below 0 is chance.
+    """The main effect of one parameter on an outcome, over k classes of its values.
+
+    places : (k,) of the classes, as unit coordinates.
+    means : (k,) of the outcome.
+    errors : (k,) standard errors of the means.
+    index : first-order Sobol index [-], NaN where nothing varies or samples are few; what is below 0 is chance.
     """
 
     places: Array
@@ -38,7 +41,11 @@ class MainEffect:
 
 
 def main_effect(x: Array, y: Array) -> MainEffect:
-    """From x (n,), unit coordinates of a parameter, and y (n,), the outcome, finite."""
+    """The main effect of a parameter, from n samples.
+
+    x : (n,) unit coordinates of the parameter.
+    y : (n,) the outcome, finite.
+    """
     n, values = len(x), np.unique(x)
     most = max(2, round(n**_POWER))
     if len(values) <= most:

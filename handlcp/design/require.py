@@ -15,13 +15,21 @@ from handlcp.grasp.answer.verdict import HELD
 
 UNITS = {"payload": "kg", "factor": "", "force": "N", "torque": "N·m", "torque_used": "", "motion": "m"}
 _COMPARED: dict[str, Callable[[Any, Any], bool]] = {
-    ">=": operator.ge, "<=": operator.le, ">": operator.gt, "<": operator.lt
-}  # fmt: skip
+    ">=": operator.ge,
+    "<=": operator.le,
+    ">": operator.gt,
+    "<": operator.lt,
+}
 _WRITTEN = re.compile(r"\s*(\w+)\s*(>=|<=|>|<)\s*([^=<>\s]\S*)\s*")
 
 
 class Requirement(NamedTuple):
-    """A number of an evaluation, in `UNITS`, beside a limit. comparison : ">=", "<=", ">" or "<"."""
+    """A number of an evaluation and the limit that it must keep.
+
+    name : of the number, such as "payload".
+    comparison : ">=", "<=", ">" or "<".
+    limit : in the unit of that number.
+    """
 
     name: str
     comparison: str
@@ -31,7 +39,7 @@ class Requirement(NamedTuple):
         return " ".join([self.name, self.comparison, _with_unit(self.limit, UNITS[self.name])])
 
     def met(self, value: float) -> bool:
-        """By this number; NaN meets nothing."""
+        """Whether this number meets the requirement; NaN meets nothing."""
         return _COMPARED[self.comparison](value, self.limit)
 
     def against(self, cases: Mapping[str, Any]) -> tuple[str, str] | None:
@@ -62,7 +70,10 @@ def unmet(requirements: Iterable[Requirement], cases: Mapping[str, Any]) -> list
 
 
 def read(text: Any) -> Requirement:
-    """From its text. Raises InputError for text of another form, UnknownName for no number of an evaluation."""
+    """Read a requirement such as "payload>=1.5" from its text.
+
+    Raises InputError for text of another form, UnknownName for what is no number of an evaluation.
+    """
     found = _WRITTEN.fullmatch(text) if isinstance(text, str) else None
     if found is None:
         expected = f'a number of {", ".join(UNITS)} beside a limit, such as "payload>=1.5"; >=, <=, > or <'

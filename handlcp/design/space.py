@@ -28,21 +28,21 @@ Value = bool | int | float | str
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """From low to high, in equal steps or, with log, equal ratios."""
+    """A range from low to high, in equal steps or, with log, equal ratios."""
 
     low: float
     high: float
     log: bool = False
 
     def at(self, u: float) -> float:
-        """At u in [0, 1]; exactly the ends at 0 and 1."""
+        """The value at u in [0, 1]; exactly the ends at 0 and 1."""
         if u in (0.0, 1.0):
             return self.high if u else self.low
         value = self.low * (self.high / self.low) ** u if self.log else self.low * (1 - u) + self.high * u
         return min(max(value, self.low), self.high)
 
     def share(self, name: str, value: Any) -> float:
-        """The u of a value. Raises InputError for one outside."""
+        """The u at which the range has this value. Raises InputError for one outside."""
         x = number(name, value)
         if not self.low <= x <= self.high:
             raise InputError(name, f"a number from {self.low:g} to {self.high:g}", x)
@@ -58,29 +58,32 @@ class Choices:
     values: tuple[Value, ...]
 
     def at(self, u: float) -> Value:
-        """At u in [0, 1], of which each choice has an equal part."""
+        """The choice at u in [0, 1], of which each choice has an equal part."""
         return self.values[min(int(u * len(self.values)), len(self.values) - 1)]
 
     def share(self, name: str, value: Any) -> float:
-        """The middle of a choice's part. Raises InputError for what is no choice."""
+        """The u in the middle of a choice's part. Raises InputError for what is no choice."""
         if value not in self.values:
             raise InputError(name, f"one of {list(self.values)}", repr(value)[:80])
         return self.middle(self.values.index(value))
 
     def middle(self, i: int) -> float:
-        """Of the part of choice i."""
+        """The u in the middle of the part of choice i."""
         return (i + 0.5) / len(self.values)
 
 
 class Space:
     """Where the parameters of a design may be. Immutable.
 
-    names : of all parameters, in their order. free : those with a range or choices, d of them, one coordinate of the
-    unit cube each. fixed : the others, with their values. Points of the cube are arrays (n, d).
+    names : of all parameters, in their order.
+    free : those with a range or choices, d of them, one coordinate of the unit cube each.
+    fixed : the others, with their values.
+
+    Points of the cube are arrays (n, d).
     """
 
     def __init__(self, given: Mapping[str, Any]) -> None:
-        """From name → entry, as the top of this file has them. Raises InputError, which names the entry."""
+        """Read a space from name → entry, as the top of this file has them. Raises InputError, naming the entry."""
         if not isinstance(given, Mapping) or not given:
             raise InputError("space", f"a mapping of names to {_ENTRY}; at least one", repr(given)[:80])
         for name in given:
@@ -125,14 +128,14 @@ class Space:
         return {name: found[name] if name in found else self.fixed[name] for name in self.names}
 
     def unit(self, values: Mapping[str, Any]) -> Array:
-        """(d,) where these values are in the cube; fixed ones may be left out. Raises InputError, UnknownName."""
+        """The point (d,) of the cube with these values; fixed ones may be left out. Raises InputError, UnknownName."""
         named = per_name("values", values, self.names, "a parameter")
         if missing := [name for name in self.free if name not in named]:
             raise InputError("values", f"a value of each of {list(self.free)}", f"none of {', '.join(missing)}")
         return np.array([entry.share(f"values[{name!r}]", named[name]) for name, entry in self.free.items()])
 
     def grid(self, samples: Any) -> Array:
-        """(n, d) every combination of levels, the last parameter changing fastest.
+        """Every combination of levels (n, d), the last parameter changing fastest.
 
         samples : how many levels, at least 2, each range has, its ends among them; or a mapping of the names of the
             ranges to them. Choices have all of theirs. Raises InputError, UnknownName.
@@ -160,7 +163,7 @@ class Space:
         return np.array(list(product(*levels)))
 
     def sobol(self, samples: int, seed: int = 0) -> Array:
-        """(n, d) the first n points of a scrambled Sobol sequence. Raises InputError."""
+        """The first n points (n, d) of a scrambled Sobol sequence. Raises InputError."""
         from scipy.stats import qmc  # a second of import that a grid does not pay
 
         n = _count(samples)
@@ -168,7 +171,7 @@ class Space:
         return np.array(whole[:n])
 
     def lhs(self, samples: int, seed: int = 0) -> Array:
-        """(n, d) a Latin hypercube: each of n equal parts of each coordinate has one point. Raises InputError."""
+        """A Latin hypercube of n points (n, d): each of n equal parts of each coordinate has one. Raises InputError."""
         from scipy.stats import qmc
 
         n = _count(samples)
@@ -176,14 +179,14 @@ class Space:
 
 
 def _count(samples: Any) -> int:
-    """How many points. Raises InputError."""
+    """The number of points to sample, checked. Raises InputError."""
     if samples is None:
         raise InputError("samples", "how many designs, such as samples=256", "none")
     return integer("samples", samples, 1, _MOST)
 
 
 def _read(argument: str, entry: Any) -> Range | Choices | Value:
-    """One entry. Raises InputError."""
+    """One entry of a space, as a range, choices or a fixed value. Raises InputError."""
     if isinstance(entry, Mapping) and {"low", "high"} <= set(entry) <= {"low", "high", LOG}:  # as files have it
         log = yes_or_no(f"{argument}.{LOG}", entry.get(LOG, False))
         entry = (entry["low"], entry["high"], *([LOG] if log else []))
@@ -205,7 +208,7 @@ def _read(argument: str, entry: Any) -> Range | Choices | Value:
 
 
 def _range(argument: str, entry: tuple[Any, ...]) -> Range:
-    """Raises InputError."""
+    """The range that (low, high) or (low, high, "log") means. Raises InputError."""
     log = len(entry) == 3 and isinstance(entry[2], str) and entry[2] == LOG
     if len(entry) != 2 and not log:
         raise InputError(argument, f"{_ENTRY}; choices are a list, such as {list(entry)!r}"[:200], repr(entry)[:80])

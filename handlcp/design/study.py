@@ -41,8 +41,10 @@ ALIASES = {"motor_torque": "torque_Nm"}
 class Study:
     """Designs of a sweep with their outcomes, in rows. Prints as a short table; iterates over rows, as dictionaries.
 
-    names : the parameters. columns : name → values of all designs, None where there is none: "design", its number; the
-    parameters; "error", why a design failed; then those of the row of an `Evaluation`. sweep : what the sweep was.
+    names : the parameters.
+    columns : name → values of all designs, None where there is none: "design", its number; the parameters; "error", why
+        a design failed; then those of the row of an `Evaluation`.
+    sweep : what the sweep was.
     """
 
     def __init__(self, sweep: Row, rows: Sequence[Row], maker: Maker | None = None) -> None:
@@ -52,7 +54,7 @@ class Study:
 
     @classmethod
     def load(cls, path: Any, make: Any = None, brief: Any = None) -> Self:
-        """From the table that a sweep wrote, or, as long as that is under way, from what it has so far.
+        """Load the table that a sweep wrote or, as long as that is under way, what it has so far.
 
         make, brief : as of `sweep`, for `page`, which makes hands again. Raises InputError, also for another `make` or
         brief than the sweep's; Unsupported for Parquet without pyarrow.
@@ -83,7 +85,7 @@ class Study:
 
     @property
     def failed(self) -> Self:
-        """Those that could not be evaluated, with the reason in "error"."""
+        """The designs that could not be evaluated, with the reason in "error"."""
         return self.some(np.flatnonzero([error is not None for error in self.columns.get(ERROR, ())]))
 
     @property
@@ -112,9 +114,14 @@ class Study:
         return self.some(found, f"the best {len(found)} of {len(self)} designs by {by}")
 
     def pareto(self, *by: str, held: bool = True) -> Self:
-        """Those of the designs that hold all that the brief asks which no other one beats: is at least as good in all
-        these columns, and better in one. Sorted by the first column. by : as in `best`; none: "payload", "-torque".
-        held : False: of all designs. Raises InputError, UnknownName.
+        """The designs that no other one beats, sorted by the first column.
+
+        A design beats another where it is at least as good in all these columns, and better in one.
+
+        by : as in `best`; none: "payload", "-torque".
+        held : whether only designs that hold all that the brief asks are compared; False: all are.
+
+        Raises InputError, UnknownName.
         """
         wanted = self.wanted(*(by or (PAYLOAD, TORQUE)))
         known = ~np.isnan(wanted).any(axis=1) & (self._held() if held else True)
@@ -153,7 +160,11 @@ class Study:
         return np.array([value is True for value in self.columns.get("holds", [False] * len(self))], dtype=bool)
 
     def some(self, at: Iterable[Any], which: str = "") -> Self:
-        """The designs in these rows, in this order. which : what they are called when they are printed."""
+        """The designs in these rows, in this order.
+
+        at : numbers of rows.
+        which : what the designs are called when they are printed.
+        """
         last = len(self) - 1
         rows = [integer(f"at[{i}]", k, 0, last) for i, k in enumerate(several("at", at, "numbers of rows"))]
         made = type(self)(self.sweep, (), self._maker)
@@ -164,7 +175,7 @@ class Study:
     # ---------------------------------------------------------------- To look at.
 
     def evaluations(self) -> list[Evaluation]:
-        """Of each design of this table, found again with its grasps, by the hands that `make` makes: the same numbers.
+        """Evaluate each design of this table again with its grasps, by the hands that `make` makes: the same numbers.
 
         Raises InputError where the study does not know `make` and `brief`, and for a design that failed.
         """
@@ -173,9 +184,12 @@ class Study:
         return evaluations(self.sweep, self._maker, self.columns[DESIGN])
 
     def plot(self, path: Any = None, title: str = "", by: Sequence[str] = (PAYLOAD, TORQUE)) -> Any:
-        """The figure: designs and their front, by two columns as in `pareto`; the designs as lines across all
-        parameters; and the mean of the first column along each parameter, with the share of its variance that this
-        explains. path : a file to write, .png, .svg, .pdf or .jpg. Raises InputError; Unsupported without matplotlib.
+        """A figure of the designs and their front, of all parameters as lines, and of what each parameter explains.
+
+        The front is by two columns as in `pareto`. Below it stands the mean of the first column along each parameter,
+        with the share of its variance that this explains.
+
+        path : a file to write, .png, .svg, .pdf or .jpg. Raises InputError; Unsupported without matplotlib.
         """
         return view("study_plot")(self, path, title, by)
 
@@ -188,7 +202,7 @@ class Study:
 
     @property
     def space(self) -> Space:
-        """That of the sweep."""
+        """The space of parameters that the sweep drew its designs from."""
         return Space(self.sweep["space"])
 
     def __str__(self) -> str:

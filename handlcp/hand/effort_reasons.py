@@ -179,7 +179,8 @@ def open_torque_reasons(s: Any) -> Iterator[Reason]:
         yield Reason("torques_open", "warning", f"{text}: no statics can tell", values)
     elif not exceeded(most).any():
         k = most_used(most)
-        text = f"whatever the forces that are open are, no joint needs more than {words.percent(most[k])} of its limit"
+        share = words.percent(most[k])
+        text = f"whatever the forces that are open are, no joint needs more than {share} of its limit"
         yield Reason("torques_open", "note", f"{text} ({check.joints[k]})", values)
 
 

@@ -62,9 +62,8 @@ def _tendons(hand: HandModel) -> Iterator[Line]:
         yield "tendons that pull alone", "t ≥ 0", True, f"slack below 0 N; pretension of {least} at least", FOLLOWED
     if drives is not None and drives.friction.any():
         most = words.force(float(drives.friction.max()))
-        text = (
-            f"up to {most} at {words.listed(drives.names(cables.names))}: before the cable, so that it changes no force"
-        )
+        where = words.listed(drives.names(cables.names))
+        text = f"up to {most} at {where}: before the cable, so that it changes no force"
         yield "motor friction", "t_m = t ± f", True, f"{text}, but what motors close with and hold", ""
 
 

@@ -26,7 +26,10 @@ class SceneFile(SceneTables):
     """The tables of a scene file, and the grasp that they describe. Immutable."""
 
     def build(self) -> Grasp:
-        """The grasp: a `HandGrasp` when there is a [hand], else a `Grasp`. Raises InputError, naming the key."""
+        """Build the grasp that the file describes: a `HandGrasp` when there is a [hand], else a `Grasp`.
+
+        Raises InputError, naming the key.
+        """
         return build(self)
 
     def shape(self) -> Object | None:
@@ -45,7 +48,7 @@ def load(path: Any) -> SceneFile:
 
 
 def read(text: str, folder: Any = ".", label: str = "scene") -> SceneFile:
-    """The same from a string; relative paths start at `folder`, errors start with `label`."""
+    """Read a scene from a string; relative paths start at `folder`, errors start with `label`."""
     scene = checked(SceneFile, text, label)
     scene._folder = Path(folder)
     return scene
@@ -55,22 +58,49 @@ def read(text: str, folder: Any = ".", label: str = "scene") -> SceneFile:
 
 # Arguments of the package's functions, and the keys that they come from
 OBJECT = {
-    "size": "size_m", "radius": "radius_m", "length": "length_m", "radii": "radii_m", "path": "file", "scale": "scale",
-    "mass": "mass_kg", "density": "density_kg_per_m3", "placement": "position_m", "name": "name",
-}  # fmt: skip
+    "size": "size_m",
+    "radius": "radius_m",
+    "length": "length_m",
+    "radii": "radii_m",
+    "path": "file",
+    "scale": "scale",
+    "mass": "mass_kg",
+    "density": "density_kg_per_m3",
+    "placement": "position_m",
+    "name": "name",
+}
 GRASP = HAND | {
-    "q": "posture.q_rad", "q0": "posture.q_rad", "obj": "object",
-    "friction": "grasp.friction", "gravity": "grasp.gravity_m_per_s2", "preload": "grasp.preload_m",
-    "fingers": "grasp.fingers", "squeeze": "grasp.squeeze_m", "grip_force": "grasp.grip_force_N",
-    "joint_offset": "grasp.joint_offset_rad", "closing_torque": "grasp.closing_torque_Nm",
-    "hold_object": "grasp.hold_object", "links": "grasp.links", "target": "object",
-    "max_gap": "grasp.max_gap_m", "reference": "grasp.reference_m", "plane": "grasp.plane",
-    "flexibility": "grasp.flexibility_m_per_N", "wrench": "load", "contacts": "contact",
-}  # fmt: skip
+    "q": "posture.q_rad",
+    "q0": "posture.q_rad",
+    "obj": "object",
+    "friction": "grasp.friction",
+    "gravity": "grasp.gravity_m_per_s2",
+    "preload": "grasp.preload_m",
+    "fingers": "grasp.fingers",
+    "squeeze": "grasp.squeeze_m",
+    "grip_force": "grasp.grip_force_N",
+    "joint_offset": "grasp.joint_offset_rad",
+    "closing_torque": "grasp.closing_torque_Nm",
+    "hold_object": "grasp.hold_object",
+    "links": "grasp.links",
+    "target": "object",
+    "max_gap": "grasp.max_gap_m",
+    "reference": "grasp.reference_m",
+    "plane": "grasp.plane",
+    "flexibility": "grasp.flexibility_m_per_N",
+    "wrench": "load",
+    "contacts": "contact",
+}
 ENVIRONMENT = {
-    "point": "point_m", "position": "position_m", "normal": "normal", "flexibility": "flexibility_m_per_N",
-    "max_gap": "max_gap_m", "gap": "gap_m", "tangent": "tangent", "name": "name",
-}  # fmt: skip
+    "point": "point_m",
+    "position": "position_m",
+    "normal": "normal",
+    "flexibility": "flexibility_m_per_N",
+    "max_gap": "max_gap_m",
+    "gap": "gap_m",
+    "tangent": "tangent",
+    "name": "name",
+}
 
 
 def build(scene: SceneTables) -> Grasp:
@@ -83,11 +113,16 @@ def hand(scene: SceneTables) -> Hand:
     h = scene.hand
     assert h is not None
     words: dict[str, Any] = {
-        "base": h.base, "fingertips": h.fingertips, "joint_stiffness": springs(h),
-        "pad_flexibility": h.pad_flexibility_m_per_N, "torque_limits": h.torque_limits_Nm, "tip_radius": h.tip_radius_m,
+        "base": h.base,
+        "fingertips": h.fingertips,
+        "joint_stiffness": springs(h),
+        "pad_flexibility": h.pad_flexibility_m_per_N,
+        "torque_limits": h.torque_limits_Nm,
+        "tip_radius": h.tip_radius_m,
         "package_dirs": None if h.package_dirs is None else [str(scene.folder / d) for d in h.package_dirs],
-        "motors": motors(h), "joint_friction": h.joint_friction_Nm,
-    }  # fmt: skip
+        "motors": motors(h),
+        "joint_friction": h.joint_friction_Nm,
+    }
     given = {name: value for name, value in words.items() if value is not None}
     with keyed(HAND):
         return example_hand(h.name, **given) if h.name else Hand.from_urdf(scene.folder / (h.urdf or ""), **given)
@@ -134,11 +169,19 @@ def _by_hand(scene: SceneTables) -> Grasp:
         given: Any = g.friction
         laws = {f: law_of(v) for f, v in given.items()} if is_by_finger(given) else law_of(given)
         words: dict[str, Any] = {
-            "reference": g.reference_m, "fingers": g.fingers, "max_gap": g.max_gap_m, "finger_weight": g.finger_weight,
-            "plane": g.plane, "squeeze": g.squeeze_m, "grip_force": g.grip_force_N, "joint_offset": g.joint_offset_rad,
-            "closing_torque": g.closing_torque_Nm, "hold_object": g.hold_object, "links": g.links,
+            "reference": g.reference_m,
+            "fingers": g.fingers,
+            "max_gap": g.max_gap_m,
+            "finger_weight": g.finger_weight,
+            "plane": g.plane,
+            "squeeze": g.squeeze_m,
+            "grip_force": g.grip_force_N,
+            "joint_offset": g.joint_offset_rad,
+            "closing_torque": g.closing_torque_Nm,
+            "hold_object": g.hold_object,
+            "links": g.links,
             "environment": around,
-        }  # fmt: skip
+        }
         found, preload = None, g.preload_m
         if on_links:  # what is said by contact has to wait until contacts have been found
             found = the_hand.at(q).grasp(obj, laws, _wrench(scene), g.gravity_m_per_s2, **words)
@@ -171,10 +214,15 @@ def _by_contacts(scene: SceneTables) -> Grasp:
     asked, keys = effects_of(scene.effects, names)
     with keyed(GRASP | keys):
         return Grasp(
-            contacts, wrench, flexibility=g.flexibility_m_per_N or 0.0, reference=reference, plane=g.plane,
-            preload=by_finger("grasp.preload_m", g.preload_m, names, 0.0), effects=asked,
+            contacts,
+            wrench,
+            flexibility=g.flexibility_m_per_N or 0.0,
+            reference=reference,
+            plane=g.plane,
+            preload=by_finger("grasp.preload_m", g.preload_m, names, 0.0),
+            effects=asked,
             environment=around,
-        )  # fmt: skip
+        )
 
 
 def _environment(scene: SceneTables, obj: Object | None) -> list[Environment] | None:

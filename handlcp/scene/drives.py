@@ -11,24 +11,41 @@ from handlcp.scene.schema import HandTable, MotorTable, TendonMotorTable, Tendon
 
 # Arguments of `Hand.from_urdf`, and the keys that they come from
 HAND = {
-    "source": "hand.urdf", "path": "hand.urdf", "name": "hand.name", "base": "hand.base",
+    "source": "hand.urdf",
+    "path": "hand.urdf",
+    "name": "hand.name",
+    "base": "hand.base",
     "fingertips": "hand.fingertips",
-    "joint_stiffness": "hand.joint_stiffness_Nm_per_rad", "pad_flexibility": "hand.pad_flexibility_m_per_N",
-    "Tendons.moment_arms": "hand.tendons.moment_arms_m", "Tendons.stiffness": "hand.tendons.stiffness_N_per_m",
-    "Tendons.passive": "hand.tendons.passive_Nm_per_rad", "Tendons.pretension": "hand.tendons.pretension_N",
-    "Tendons.limits": "hand.tendons.limits_N", "Tendons.friction": "hand.tendons.friction",
+    "joint_stiffness": "hand.joint_stiffness_Nm_per_rad",
+    "pad_flexibility": "hand.pad_flexibility_m_per_N",
+    "Tendons.moment_arms": "hand.tendons.moment_arms_m",
+    "Tendons.stiffness": "hand.tendons.stiffness_N_per_m",
+    "Tendons.passive": "hand.tendons.passive_Nm_per_rad",
+    "Tendons.pretension": "hand.tendons.pretension_N",
+    "Tendons.limits": "hand.tendons.limits_N",
+    "Tendons.friction": "hand.tendons.friction",
     "Tendons.motors": "hand.tendons.motors",
-    "Synergies.S": "hand.synergies.columns", "Synergies.stiffness": "hand.synergies.stiffness_Nm_per_rad",
+    "Synergies.S": "hand.synergies.columns",
+    "Synergies.stiffness": "hand.synergies.stiffness_Nm_per_rad",
     "Synergies.joint_stiffness": "hand.synergies.joint_stiffness_Nm_per_rad",
-    "torque_limits": "hand.torque_limits_Nm", "tip_radius": "hand.tip_radius_m", "package_dirs": "hand.package_dirs",
-    "motors": "hand.motors", "joint_friction": "hand.joint_friction_Nm",
-}  # fmt: skip
+    "torque_limits": "hand.torque_limits_Nm",
+    "tip_radius": "hand.tip_radius_m",
+    "package_dirs": "hand.package_dirs",
+    "motors": "hand.motors",
+    "joint_friction": "hand.joint_friction_Nm",
+}
 _ALIKE = {
-    "continuous": "continuous_Nm", "peak": "peak_Nm", "efficiency": "efficiency", "thermal_time": "thermal_time_s"
-}  # fmt: skip
+    "continuous": "continuous_Nm",
+    "peak": "peak_Nm",
+    "efficiency": "efficiency",
+    "thermal_time": "thermal_time_s",
+}
 _MOTOR = _ALIKE | {
-    "holding": "holding_Nm", "friction": "friction_Nm", "reduction": "reduction", "stiffness": "stiffness_Nm_per_rad"
-}  # fmt: skip
+    "holding": "holding_Nm",
+    "friction": "friction_Nm",
+    "reduction": "reduction",
+    "stiffness": "stiffness_Nm_per_rad",
+}
 _OF_TENDON = _ALIKE | {"holding": "holding_N", "friction": "friction_N", "reduction": "reduction_N_per_Nm"}
 
 

@@ -27,11 +27,15 @@ _BY_NAME = "a table by name of tables"  # whose keys are those of the table that
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """table : "" at the top, "hand", "object", "contact", "effects.prescribed_force", …; key : its name.
+    """A key of a scene file or a brief.
 
-    expected : what it holds, in words. meaning : what it says. required : whether the table needs it.
+    table : that it is in: "" at the top, "hand", "object", "contact", "effects.prescribed_force", …
+    key : its name.
+    expected : what it holds, in words. meaning : what it says.
+    required : whether the table needs it.
     default : what it is when left out, as TOML; "" where the meaning tells.
-    shape : the object shape that has it, or "". many : whether there may be several of its table.
+    shape : the object shape that has it, or "".
+    many : whether there may be several of its table.
     """
 
     table: str
@@ -45,7 +49,7 @@ class Key:
 
     @property
     def path(self) -> str:
-        """Such as "object.radius_m"."""
+        """The key with its table, such as "object.radius_m"."""
         return f"{self.table}.{self.key}" if self.table else self.key
 
 
@@ -131,7 +135,10 @@ def _toml(value: Any) -> str:
 
 
 class SceneFileErrors(SceneFileError):
-    """Several at once: `each` of them, the first one's argument, expected and got, and a message that lists all."""
+    """Several errors of one scene file, raised together.
+
+    each : of them. argument, expected, got : those of the first. The message lists all.
+    """
 
     def __init__(self, label: str, each: Sequence[SceneFileError]) -> None:
         self.each = tuple(each)
@@ -152,7 +159,11 @@ def refused(label: str, error: ValidationError, model: type[Table]) -> SceneFile
 
 
 def _each(error: ValidationError, above: tuple[Any, ...], every: tuple[Key, ...]) -> Iterator[SceneFileError]:
-    """One for each thing that is wrong; above : path of the table that was being read. every : key that there is."""
+    """An error for each thing that pydantic found wrong.
+
+    above : path of the table that was being read.
+    every : keys that there are.
+    """
     for e in error.errors():
         told: dict[str, Any] = {**e, "loc": (*above, *e["loc"])}
         inner = e.get("ctx", {}).get("error")
@@ -189,7 +200,7 @@ def _one(e: dict[str, Any], every: tuple[Key, ...]) -> SceneFileError:
 
 
 def _unknown(loc: tuple[Any, ...], shape: str, every: tuple[Key, ...]) -> SceneFileError:
-    """An unknown key: the valid ones, the nearest of them, or the table where it belongs."""
+    """The error of an unknown key names the valid ones, and the nearest of them or the table where it belongs."""
     table, key = _spelled(loc[:-1], every), str(loc[-1])
     valid = list(dict.fromkeys(_names(every, table, shape)))
     hint = ""

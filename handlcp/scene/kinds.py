@@ -37,7 +37,10 @@ class Expected(WrapValidator):
 
 
 class MadeWhenRead(PlainValidator):
-    """A table whose keys depend on what is imported by the time a file is read. model : returns it."""
+    """A table whose keys depend on what is imported by the time a file is read.
+
+    model : returns it.
+    """
 
     model: Callable[[], type[Table]]
 
@@ -127,7 +130,7 @@ _Law = _From0 | Literal["frictionless"] | _LawTable
 
 
 def _law_words() -> str:
-    """How to write each of them."""
+    """How to write each friction law, in words."""
     words = ['a coefficient ≥ 0, "frictionless"']
     for law in friction_laws():
         needed, more = law.file_keys

@@ -33,7 +33,7 @@ class BoxTable(_Body):
 
 
 class SphereTable(_Body):
-    """A ball."""
+    """A ball centred on its frame."""
 
     shape: Literal["sphere"]
     """decides which further keys there are"""
@@ -73,7 +73,7 @@ class MeshTable(_Body):
 
 
 class YCBTable(_Body):
-    """A household object: the convex hull of a scan."""
+    """A household object of the YCB set: the convex hull of a scan."""
 
     shape: Literal["ycb"]
     """decides which further keys there are"""

@@ -16,7 +16,10 @@ Tables = TypeVar("Tables", bound=Table)
 
 
 def text_of(path: Any, kind: str) -> tuple[str, Path]:
-    """What a file holds, and where it is. kind : of file, such as "a scene file". Raises InputError, SceneFileError."""
+    """The text of a file, and its path. Raises InputError, SceneFileError.
+
+    kind : of file, such as "a scene file".
+    """
     wanted = f"the path of {kind}"
     file = as_path("path", path, wanted)
     if path == "":

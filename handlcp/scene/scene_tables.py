@@ -22,7 +22,7 @@ from handlcp.scene.objects import ObjectTable
 
 
 def known(key: str, names: Any, valid: Sequence[str]) -> None:
-    """Raises UnknownName for names that are not among the valid ones."""
+    """Check that names are among the valid ones. Raises UnknownName."""
     if unknown := [n for n in names if n not in valid]:
         raise UnknownName(key, "a joint" if key == "posture.q_rad" else "a finger", unknown, valid)
 
@@ -42,7 +42,7 @@ def effects_table() -> type[Table]:
 
 
 def asked(table: Table) -> dict[str, Any]:
-    """What the file says, by key: values, and tables as mappings of what is written in them."""
+    """What a table of a file says, by key: values, and tables as mappings of what is written in them."""
     said: dict[str, Any] = table.model_dump(exclude_unset=True)
     return {key: value for key, value in said.items() if value is not False and value is not None and value != []}
 
@@ -83,7 +83,10 @@ def is_by_finger(value: Any) -> bool:
 
 
 def effects_of(table: Table, fingers: Sequence[str]) -> tuple[list[Effect], dict[str, str]]:
-    """What [effects] asks for; and by argument, such as "effects[1]", the key that it is from. fingers : (n,) names."""
+    """The effects that [effects] asks for; and by argument, such as "effects[1]", the key that it is from.
+
+    fingers : (n,) names.
+    """
     effects: list[Effect] = []
     keys: dict[str, str] = {}
     said = asked(table)
@@ -108,7 +111,7 @@ _COMMANDS = ("squeeze_m", "grip_force_N", "joint_offset_rad", "closing_torque_Nm
 
 
 class SceneTables(Table):
-    """A scene: a hand in a posture around an object, or contacts one by one; the load; how to solve."""
+    """A scene is a hand in a posture around an object, or contacts one by one; the load; and how to solve."""
 
     title: k.Text = ""
     """one line for tables and pictures"""

@@ -223,7 +223,7 @@ class LoadTable(Table):
 
 
 class SolveTable(Table):
-    """How to solve."""
+    """How the scene is solved."""
 
     faces: k.Faces = "cone"
     """of the inscribed friction pyramids, or "cone": the exact friction cone; planar scenes are exact without"""

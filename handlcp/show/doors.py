@@ -1,4 +1,4 @@
-"""What grasps and answers offer of studies, pictures and data, by name; `handlcp.views` finds these functions."""
+"""What grasps and answers offer of studies, pictures and data: they find these functions by name."""
 
 from __future__ import annotations
 

@@ -95,7 +95,7 @@ def of_case(case, solution) -> Laws:
     """The laws of `case` at a solution: p (n, 3), R (n, 3, 3), mu (n,), E (3n, 3n), d (n, 3), w (6,) about the origin,
     faces, plane (3,) or None, and the reference (3,) of the solution's motion.
 
-    F is at most `GROWTH` loads. V of a contact is the size of the terms that add up to its motion, and `along` that of
+    F is at most 1000 loads. V of a contact is the size of the terms that add up to its motion, and `along` that of
     those along the normal: an object that slides away for metres must not excuse microns of overlap.
     """
     f, u = np.asarray(solution.forces), np.asarray(solution.object_displacement)

@@ -69,7 +69,7 @@ def read_needs(constraints: Any) -> tuple[Requirement, ...]:
 
 
 def number_of(row: Mapping[str, Any], name: str) -> float:
-    """One of `UNITS` of a row; NaN where nothing is known, and of a design without a grasp of every object."""
+    """A number of a row, by name; NaN where nothing is known, and of a design without a grasp of every object."""
     value = row.get(COLUMN[name])
     return np.nan if value is None or not row.get("factor") else float(value)
 

@@ -100,8 +100,13 @@ class BriefFrom:
 
 
 def load(path: Any, hand: Callable[..., Hand]) -> StudyFile:
-    """Of a file; others are found from its folder. hand : that of a name or a file, as `cli.given_hand.given`. What
-    a hand and a brief alone say is the same sweep as in Python. Raises InputError, and what `hand` raises.
+    """Read the study of a file; the files that it names are found from its folder.
+
+    What a hand and a brief alone say is the same sweep as in Python.
+
+    hand : makes the hand of a name or a file, as the commands do.
+
+    Raises InputError, and what `hand` raises.
     """
     text, file = text_of(path, "a study (TOML)")
     table = checked(StudyTables, text, file.name)

@@ -55,7 +55,7 @@ _NO_RADIUS = 1e-12  # of |x_T - ρ y_T|: limits below it turn with any slip
 def force_error(problem: GraspContactProblem, solution: GraspSolution) -> float:
     """The largest error of a contact force, over the largest contact force, that the answer to `problem` may have.
 
-    Where no finger pushes (to the share `ACTIVE` of load and squeeze) it is over the natural unit of force instead.
+    Where no finger pushes noticeably, beside load and squeeze, it is over the natural unit of force instead.
 
     problem : with the cone or the planar interval as its section, without soft contacts. solution : certified for it.
     """

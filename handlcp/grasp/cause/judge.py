@@ -56,7 +56,7 @@ Bind = Cause
 # share = 1 + outside / span     of a joint's range; outside < 0 within it
 # share = moved / allowed        of the object's motion
 #
-# Each share is 1 at the limit. A state is beyond a limit where a share is more than 1 + OVER (`tolerances.py`), and
+# Each share is 1 at the limit. A state is beyond a limit where a share is above 1 by more than a tolerance, and
 # nowhere is this compared in another way.
 
 _MOST = 1.0 + OVER

@@ -110,8 +110,8 @@ def _short(path: Loading) -> str:
 
 def _why(changed: Changed, held: dict[float, Loading], allowed: float, pads: float) -> str:
     if pads > allowed:
-        share = words.percent(pads / allowed)
-        return f"the pads alone let it move {words.length(pads)}, {share} of that; stiffer pads help, or more of them"
+        motion = f"{words.length(pads)}, {words.percent(pads / allowed)} of that"
+        return f"the pads alone let it move {motion}; stiffer pads help, or more of them"
     if held:
         return f"with joints × {max(held):.4g} as stiff it still moves {words.length(_moved(held[max(held)]))}"
     lost = [path for path in changed.paths.values() if not path.held]

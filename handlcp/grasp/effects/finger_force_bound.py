@@ -95,4 +95,5 @@ class FingerForceBound(Effect):
             way = extra[limit.name]
             reached = [names[int(np.flatnonzero(limit.rows[k])[0]) // 3] for k in np.flatnonzero(way > NOTHING)]
             if reached:
-                yield f"the {self.title} is reached at {listed(reached)} and gives way by {length(float(way.max()))}"
+                where = listed(reached)
+                yield f"the {self.title} is reached at {where} and gives way by {length(float(way.max()))}"

@@ -156,8 +156,8 @@ class Margins(Record):
         if self.friction is not None:
             rows.append(_friction(self.friction))
         if self.torque is not None:
-            rows.append(("torque", words.effort(self.torque.amount, self.torque.unit), words.percent(self.torque.share),
-                         self.torque.who))  # fmt: skip
+            t = self.torque
+            rows.append(("torque", words.effort(t.amount, t.unit), words.percent(t.share), t.who))
         if isinstance(self._load, str):
             rows.append(("load", "–", "", self._load))
         else:

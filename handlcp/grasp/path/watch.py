@@ -2,9 +2,10 @@
 joint ranges, and how fast the object gives way.
 
 While something that presses sticks, fingers hold the object. The fastest rate at which it gives way then is compared
-with what comes: once nothing sticks, all that the object moves beyond `FASTER` times that rate is added up, and what it
-falls short of that is taken off again; where the sum reaches `RUNS`, the object slides through. A short burst of speed,
-as where a contact's slip turns to the next face of its friction pyramid, goes nowhere, and does not count.
+with what comes: once nothing sticks, all that the object moves beyond so many times that rate is added up, and what it
+falls short of that is taken off again; where the sum reaches a limit, the object slides through (`tolerances.py` has
+both numbers). A short burst of speed, as where a contact's slip turns to the next face of its friction pyramid, goes
+nowhere, and does not count.
 """
 
 from __future__ import annotations

@@ -46,9 +46,8 @@ def other_equilibria(
             near, far = near if motions(found).too_large else max(near, differ), max(far, differ)
     lists = "(grasp.equilibria() lists them)"
     if near > _APART:
-        text = (
-            f"friction can hold the object in other ways, too, with forces that differ by {words.percent(near)} {lists}"
-        )
+        by = words.percent(near)
+        text = f"friction can hold the object in other ways, too, with forces that differ by {by} {lists}"
         yield Reason("others", "note", text, {"forces_differ": near})
     elif far > _APART:
         text = f"the equations have other answers, too, with motions too large for them {lists}"

@@ -164,7 +164,8 @@ def _slid_far(slid: dict[str, float], size: float) -> Iterator[Reason]:
     far = max(slid.values(), default=0.0)
     if far > _ELSEWHERE * size:
         name = next(n for n, d in slid.items() if d == far)
-        text = f"the object slides {words.length(far)} past {name} before it comes to rest: it is held, but not where"
+        past = f"the object slides {words.length(far)} past {name}"
+        text = f"{past} before it comes to rest: it is held, but not where"
         yield Reason("contacts", "warning", f"{text} the hand gripped it", {"finger": name, "slid_m": far})
 
 

@@ -49,8 +49,8 @@ def weight_left_out(spec: GraspSpec, weight: Array) -> str:
     if along >= (1.0 - 1e-9) * size:
         return ""
     return (
-        f"the object's weight of {words.force(size)} is left out: replace(wrench=...) gave the whole load, which pulls "
-        f"along gravity with {words.force(along)}; replace(load=...) comes beside the weight"
+        f"the object's weight of {words.force(size)} is left out: replace(wrench=...) gave the whole load, "
+        f"which pulls along gravity with {words.force(along)}; replace(load=...) comes beside the weight"
     )
 
 

@@ -265,7 +265,8 @@ class Found(Record, Sequence[Candidate]):
         best = next((one for one in self if one.kind == "power"), None)
         load = 0.0 if best is None else float(np.linalg.norm(best.grasp.spec.wrench[:3]))
         if best is not None and best.held_force < load:
-            held = f"the best power grasp holds {words.force(best.held_force)} in the worst direction, less than its"
+            most = words.force(best.held_force)
+            held = f"the best power grasp holds {most} in the worst direction, less than its"
             yield f"{held} load of {words.force(load)}: the hand may lose the object when it is turned"
 
     def to_dict(self) -> dict[str, Any]:

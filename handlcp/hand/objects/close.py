@@ -70,8 +70,9 @@ def _on_one_finger(hand: HandModel, tip: int) -> str:
         return ""
     others.remove(hand.fingertips[tip])
     return (
-        f"; no joint moves {hand.fingertips[tip]} without {words.either(others)}, so that they cannot be closed on the "
-        "object one by one: close a hand with one fingertip a finger, or give the posture"
+        f"; no joint moves {hand.fingertips[tip]} without {words.either(others)}, "
+        "so that they cannot be closed on the object one by one: close a hand with one fingertip a finger, or give "
+        "the posture"
     )
 
 

@@ -133,7 +133,8 @@ def given_away(env: Any) -> str:
         return f"{text}; the compliant fingers hold all that these limits allow"
     return (
         f"{text}; the compliant fingers do not create all of these forces: in half of the {ways} they hold at most "
-        f"{words.percent(c.median)} of what the limits allow there, {_way(env, c.number)} only {words.percent(c.least)}"
+        f"{words.percent(c.median)} of what the limits allow there, "
+        f"{_way(env, c.number)} only {words.percent(c.least)}"
     )
 
 

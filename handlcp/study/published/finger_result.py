@@ -72,7 +72,8 @@ class FingerStrength(Record):
 
     def __repr__(self) -> str:
         weak, strong = self.weakest, self.strongest
-        return f"FingerStrength({words.force(weak.force)} to {words.force(strong.force)}, {len(self.rows)} rows)"
+        forces = f"{words.force(weak.force)} to {words.force(strong.force)}"
+        return f"FingerStrength({forces}, {len(self.rows)} rows)"
 
 
 def _newtons(force: float) -> str:

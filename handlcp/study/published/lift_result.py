@@ -51,7 +51,8 @@ class Shaken(Record):
         return self.loading.solution.pressed
 
     def __str__(self) -> str:
-        what = f"{self.shape}, {words.length(self.size)}, {kilograms(self.mass)}: {'held' if self.held else 'not held'}"
+        held = "held" if self.held else "not held"
+        what = f"{self.shape}, {words.length(self.size)}, {kilograms(self.mass)}: {held}"
         return f"{what}: {self.says}; this grip holds up to {kilograms(self.most)}"
 
 

@@ -187,8 +187,8 @@ def slide_doubts(facts: Sequence[JointFacts], stiffness: Mapping[str, float]) ->
     if soft:
         least = min(soft.values())
         what = (
-            f"joint stiffness of {least:g} N/m lets a slide give way by {words.length(1.0 / least)} under 1 N, as if "
-            "N·m/rad were taken for N/m"
+            f"joint stiffness of {least:g} N/m lets a slide give way by {words.length(1.0 / least)} under 1 N, "
+            "as if N·m/rad were taken for N/m"
         )
         yield Doubt(", ".join(soft), what, "joint_stiffness of slides in N/m, 1e4 say", "serious", "slide")
 
@@ -208,8 +208,8 @@ def spring_doubts(kinematics: Kinematics, stiffness: Elasticity, limits: Array) 
     shares[stiffness.beside > 0.0] = 0.0
     if much := [name for name, share in zip(joints, shares, strict=True) if share > _PULLS]:
         what = (
-            f"springs of the file pull with up to {words.percent(float(shares.max()))} of what drives give in the "
-            "middle of the range; torques and tensions here leave out what drives give against them"
+            f"springs of the file pull with up to {words.percent(float(shares.max()))} of what drives give "
+            "in the middle of the range; torques and tensions here leave out what drives give against them"
         )
         yield Doubt(", ".join(much), what, "limits that are lower by that", "minor", "spring")
     turned = np.asarray((abs(stiffness.commands) > _TURNS).any(axis=1))

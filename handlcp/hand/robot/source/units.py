@@ -111,7 +111,8 @@ def _cause(large: Mapping[str, LinkSize]) -> str:
 
 def _too_large(large: Mapping[str, LinkSize], width: float) -> str:
     reach = max(size.reach for size in large.values())
-    return f"{words.listed(list(large))} reaching {reach:.3g} m from the link's frame, on a skeleton {width:.2g} m wide"
+    names = words.listed(list(large))
+    return f"{names} reaching {reach:.3g} m from the link's frame, on a skeleton {width:.2g} m wide"
 
 
 def shape_doubts(sizes: Mapping[str, LinkSize], model: Any) -> Iterator[Doubt]:
