@@ -130,8 +130,9 @@ def figure(limit: LoadLimit, title: str = "") -> Figure:
     assert spec is not None  # it was solved
     last = float(limit.path.factors[-1]) or 1.0
     until = max(last, limit.factor if np.isfinite(limit.factor) else last)
-    events = [Event(e.kind, e.who, "load", e.factor / last, 0, e.moved, e.turned)
-              for e in limit.events if e.factor <= until]  # fmt: skip
+    events = [
+        Event(e.kind, e.who, "load", e.factor / last, 0, e.moved, e.turned) for e in limit.events if e.factor <= until
+    ]
     told = summary(events, spec)
     marks = Marks(axis, [Mark(axis.unit * last * s.share, axis.text(last * s.share), s.sentence, s.kind) for s in told])
     scene = Grasp(spec).scene

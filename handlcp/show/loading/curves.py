@@ -79,7 +79,10 @@ ASIDE = 0.12  # inches from the panel to the names
 
 
 def draw_panel(ax: Any, axis: Axis, panel: Panel, last: bool) -> None:
-    """Curves, limit, names. last : whether it is the lowest one, which names the stages."""
+    """Draw the curves of one panel, the line of its limit, and the names of the curves at the right edge.
+
+    last : whether it is the lowest panel, below which the stages have their names.
+    """
     frame(ax, panel.title, "", "")
     axis.ticks(ax, last)
     for c in panel.curves:

@@ -22,9 +22,12 @@ from handlcp.show.picture.content import ESCAPE, LOAD, NO_MOMENT, SLIP, STATE, U
 
 
 def content(
-    drawn: Content, shown: Sequence[Snapshot], path: dict[str, Any] | None, escape: dict[str, Any] | None,
+    drawn: Content,
+    shown: Sequence[Snapshot],
+    path: dict[str, Any] | None,
+    escape: dict[str, Any] | None,
     meshes: Meshes | None = None,
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any]:
     """What the viewer reads; numbers are in SI units, vectors in world axes.
 
     drawn : what a picture of the grasp shows. shown : one solve, then the steps. path, escape : as `path_of` and
@@ -36,15 +39,24 @@ def content(
     frames = Frames(shown, grasp)
     own, parts, told = meshes or Meshes(), parts_of(drawn), frames.to_list()
     return {
-        "size": scene.units.length, "planar": scene.plane is not None, "perNewton": frames.per_newton,
-        "slipFactor": frames.slip_factor, "view": view_of(drawn, parts, told[0]["joints"]),
-        "parts": [packed(p, own) for p in parts], "packed": own.packed() if meshes is None else "",
-        "frames": told, "columns": frames.columns,
-        "contacts": _contacts(grasp), "joints": _joints(shown, hand),
+        "size": scene.units.length,
+        "planar": scene.plane is not None,
+        "perNewton": frames.per_newton,
+        "slipFactor": frames.slip_factor,
+        "view": view_of(drawn, parts, told[0]["joints"]),
+        "parts": [packed(p, own) for p in parts],
+        "packed": own.packed() if meshes is None else "",
+        "frames": told,
+        "columns": frames.columns,
+        "contacts": _contacts(grasp),
+        "joints": _joints(shown, hand),
         "colours": {**STATE, "": UNKNOWN, "load": LOAD, "slip": SLIP, "escape": ESCAPE},
         "legend": _legend(drawn, parts, shown, frames, escape is not None),
-        "path": path, "escape": escape, "first": _first(told, path, escape), "notes": notes_of(drawn, parts),
-    }  # fmt: skip
+        "path": path,
+        "escape": escape,
+        "first": _first(told, path, escape),
+        "notes": notes_of(drawn, parts),
+    }
 
 
 def path_of(loading: Loading, first: int) -> dict[str, Any]:
@@ -141,17 +153,19 @@ def layers_of(parts: Sequence[Part], names: dict[str, str]) -> list[Any]:
 
 def _legend(
     drawn: Content, parts: Sequence[Part], shown: Sequence[Snapshot], frames: Frames, escapes: bool
-) -> list[Any]:  # fmt: skip
+) -> list[Any]:
     """Lines of (layer, kind, colour, text); each layer can be switched off."""
     grasp = drawn.grasp
     who = grasp.spec.who
     states = {state for s in shown for state in s.states}
     deep, links = words.length(max(drawn.inside.values(), default=0.0)), list(drawn.inside)
     inside = f"inside the object: {f'{links[0]},' if len(links) == 1 else f'{len(links)} links, up to'} {deep}"
-    out = layers_of(parts, {
-        "hand": "hand" if hasattr(grasp, "state") else "fingers", "inside": inside,
+    names = {
+        "hand": "hand" if hasattr(grasp, "state") else "fingers",
+        "inside": inside,
         "object": "object" if drawn.glass is None else drawn.glass.label,
-    })  # fmt: skip
+    }
+    out = layers_of(parts, names)
     if (grasp.scene.mu > 0).any():
         sense = "friction cones, to the forces’ scale: an arrow at the rim slides"
         out.append(["cones", "cone", STATE["sticking"], sense if states != {""} else "friction cones"])

@@ -25,8 +25,10 @@ HAND, OBJECT, ENVIRONMENT = (0.62, 0.65, 0.69), (0.90, 0.70, 0.30), (0.80, 0.78,
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """triangles (m, 3, 3) [m], world axes. label : for the legend. link : the name of a hand's link, "" for others.
-    marked : whether to mark it.
+    """A solid of a picture, as triangles of one colour.
+
+    triangles (m, 3, 3) : corners [m], world axes. label : for the legend. link : the name of a hand's link, "" for
+    others. marked : whether it is marked, as a link inside the object is.
     """
 
     triangles: Array
@@ -81,7 +83,10 @@ _APART = 0.03  # of the grasp's size: a contact farther than this from what is d
 
 
 def hand_bodies(state: HandState) -> list[Body]:
-    """All links: visual geometry, else collision geometry, else rods from joint to joint; `Body.link` names them."""
+    """The hand's links as solids; `Body.link` names them.
+
+    Each has its visual geometry, else its collision geometry, else rods from joint to joint.
+    """
     found = list[Body]()
     for kind in (VISUAL, COLLISION):
         found += _links(state, kind, {b.link for b in found})

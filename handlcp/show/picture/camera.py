@@ -82,19 +82,24 @@ UP = np.array([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True, slots=True)
 class Camera:
-    """axes (3, 3): rows are screen right, screen up and the direction towards the viewer, world axes."""
+    """An orthographic camera, given by its axes alone.
+
+    axes (3, 3) : rows are screen right, screen up and the direction towards the viewer, world axes.
+    """
 
     axes: Array
 
     def project(self, points: Array) -> Array:
-        """(…, 3) → (…, 2) screen coordinates [m]."""
+        """Screen coordinates (…, 2) [m] of points (…, 3) [m], world axes: right and up."""
         return np.asarray(points @ self.axes[:2].T)
 
 
 @dataclass(frozen=True, slots=True)
 class Marks:
-    """points (n, 3) that should lie apart on the screen. load (m, 3) : points along the load's arrow. forces
-    (n, k, 3) : points along the first halves of the forces' arrows, which it should not cover. Empty: there are none.
+    """What should lie apart on the screen, as points [m] in world axes; empty where there is none.
+
+    points (n, 3) : each apart from the others. load (m, 3) : along the load's arrow, which should not cover
+    forces (n, k, 3) : along the first halves of the forces' arrows.
     """
 
     points: Array
@@ -111,8 +116,9 @@ class Marks:
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """box (x0, x1, y0, y1) : limits of the picture on the screen [m]. inner : the same of the scene without labels.
+    """The limits of a picture on the screen, and its scale on paper.
 
+    box : limits x0, x1, y0, y1 of the picture [m], screen axes. inner : the same of the scene without labels.
     inch : metres on the screen that are one inch on paper. cut : whether parts of the hand lie beyond `inner`.
     """
 
@@ -151,8 +157,15 @@ def camera_for(grasp: Grasp, solids: Sequence[Body], glass: Body | None, marks: 
     return _best(marks, scene.frames[:, :, 2], solids, glass, up, scene.units.length)
 
 
-def frame(camera: Camera, solids: Sequence[Body], glass: Body | None, reach: Array, inches: tuple[float, float],
-          margin: float, least: float = 0.0) -> Frame:  # fmt: skip
+def frame(
+    camera: Camera,
+    solids: Sequence[Body],
+    glass: Body | None,
+    reach: Array,
+    inches: tuple[float, float],
+    margin: float,
+    least: float = 0.0,
+) -> Frame:
     """Limits around the object and the points of `reach` (k, 3), and around the hand unless that makes them small.
 
     inches : (width, height) of the picture on paper. margin : inches at each side for labels. least : metres that are

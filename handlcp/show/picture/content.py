@@ -42,9 +42,13 @@ class Content:
     """
 
     def __init__(
-        self, grasp: Grasp, solution: GraspSolution, obj: Any, around: Grasp | None = None,
+        self,
+        grasp: Grasp,
+        solution: GraspSolution,
+        obj: Any,
+        around: Grasp | None = None,
         verdict: Verdict | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.grasp, self.solution, scene, s = grasp, solution, grasp.scene, solution
         self.size = size = scene.units.length
         self._bodies(obj, around, s.verdict if verdict is None else verdict)
@@ -154,8 +158,10 @@ class Content:
     @cached_property
     def drawn(self) -> list[int]:
         """Contacts that are drawn: all, but of those on links the ones that press. Many never touch."""
-        press = [not self.grasp.spec.links or not self.solution.held or state != "separated"
-                 for state in self.solution.contact_state]  # fmt: skip
+        press = [
+            not self.grasp.spec.links or not self.solution.held or state != "separated"
+            for state in self.solution.contact_state
+        ]
         return np.flatnonzero(press).tolist()
 
     def marks(self) -> Marks:

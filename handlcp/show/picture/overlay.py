@@ -139,7 +139,7 @@ class Overlay:
         self.ax.add_patch(Polygon(points, closed=True, zorder=6.1, **style))
 
     def dot(self, point: Array, colour: str, hollow: bool = False) -> None:
-        """A contact; hollow: one that a surface hides."""
+        """Draw the point of a contact (3,) [m]. hollow : whether a surface hides it."""
         p = self.camera.project(point)
         face, edge, width = ("white", colour, 1.6) if hollow else (colour, "white", 0.9)
         style = {"markersize": 5.5, "markerfacecolor": face, "markeredgecolor": edge, "markeredgewidth": width}
@@ -150,14 +150,8 @@ class Overlay:
         from matplotlib.patches import Polygon
 
         body = _outline(self.camera.project(triangles).reshape(-1, 2))
-        style: dict[str, Any] = {
-            "closed": True,
-            "edgecolor": INK,
-            "linewidth": 0.9,
-            "linestyle": (0, (3, 1.5)),
-            "zorder": 2.5,
-        }
-        self.ax.add_patch(Polygon(body, facecolor=(1.0, 1.0, 1.0, 0.30), **style))
+        style: dict[str, Any] = {"edgecolor": INK, "linewidth": 0.9, "linestyle": (0, (3, 1.5)), "zorder": 2.5}
+        self.ax.add_patch(Polygon(body, closed=True, facecolor=(1.0, 1.0, 1.0, 0.30), **style))
 
     def edges(self, lines: Array, colour: str) -> None:
         """Dashed lines (k, 2, 3) in space."""

@@ -24,9 +24,11 @@ from handlcp.write_file import check_destination
 _GOOD, _DOUBT = "HELD", "UNDECIDED"
 # Of each object: attribute of its case, its words, unit, and whether more is better
 _OF_OBJECT = (
-    ("payload", "payload", "kg", True), ("force", "largest force", "N", False),
-    ("torque_used", "torque used", "%", False), ("motion", "moves", "mm", False),
-)  # fmt: skip
+    ("payload", "payload", "kg", True),
+    ("force", "largest force", "N", False),
+    ("torque_used", "torque used", "%", False),
+    ("motion", "moves", "mm", False),
+)
 
 
 @helped()
@@ -53,7 +55,7 @@ def report(hands: Any, brief: Brief, path: Any) -> Path:
 
 
 def _named(hands: Any) -> dict[str, Hand]:
-    """By name. Raises InputError."""
+    """The hands of a report by their names, checked. Raises InputError."""
     expected = "at least two hands, or a mapping of names to them"
     if isinstance(hands, Mapping):
         named = {str(name): hand for name, hand in hands.items()}
@@ -77,7 +79,7 @@ def _page(path: Any) -> Path:
 
 
 def _parts(hands: Mapping[str, Hand], brief: Brief, found: Mapping[str, Evaluation]) -> dict[str, str]:
-    """The page's, as HTML."""
+    """The parts of the report's page, as HTML."""
     differ = differences(hands)
     return {
         "verdicts": "".join(_in_all(name, done) for name, done in found.items()),

@@ -18,10 +18,12 @@ _ALIKE = 0.01  # numbers that differ by a smaller share are alike
 
 # What hands are compared by: attribute of an evaluation, what the better one does, unit, and whether more is better
 _BETTER = (
-    ("payload", "carries more", "kg", True), ("factor", "holds its loads more times", "×", True),
-    ("force", "presses less hard", "N", False), ("torque_used", "uses less of its torque limits", "%", False),
+    ("payload", "carries more", "kg", True),
+    ("factor", "holds its loads more times", "×", True),
+    ("force", "presses less hard", "N", False),
+    ("torque_used", "uses less of its torque limits", "%", False),
     ("motion", "lets objects move less", "mm", False),
-)  # fmt: skip
+)
 SCALES = {"%": 100.0, "mm": 1e3}
 
 
@@ -85,7 +87,7 @@ def differences(hands: Mapping[str, Hand]) -> list[tuple[str, ...]]:
         ("fingertips", *[str(sum(tip.taken for tip in d.fingertips)) for d in described]),
         ("mass", *[f"{d.mass:.3g} kg" for d in described]),
         ("size", *[" × ".join(f"{1e3 * x:.0f}" for x in d.size) + " mm" for d in described]),
-    ]  # fmt: skip
+    ]
     return [*[row for row in more if len(set(row[1:])) > 1], *differing(hands)]
 
 

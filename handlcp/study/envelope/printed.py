@@ -18,7 +18,7 @@ _AXES = ("x", "y", "z")
 
 
 def printed(env: Any) -> str:
-    """See `Envelope.__str__`."""
+    """An envelope as the text that prints: see `Envelope.__str__`."""
     if env.strongest.factor == 0.0:
         return "\n".join([wrapped(_head(env), "  "), wrapped(headline(env), "  ")])
     told = (_head(env), *_extremes(env), given_away(env), geometry(env), _accuracy(env))
@@ -27,7 +27,7 @@ def printed(env: Any) -> str:
 
 
 def headline(env: Any) -> str:
-    """One sentence: the weakest direction, and what gives out there."""
+    """The weakest direction and what gives out there, in one sentence."""
     w, left = env.weakest, int(np.isnan(env.factors).sum())
     if np.isnan(w.factor):
         return f"undecided {_way(env, w.number)}: no limit was found, although friction and torque limits end any load"
@@ -62,7 +62,7 @@ def _accuracy(env: Any) -> str:
 
 
 def amount(env: Any, factor: float) -> str:
-    """Such as "3.2 N", "0.41 kg (2.1 times the object's)", "1.3 times the wrench"."""
+    """A factor with its unit in words, such as "3.2 N", "0.41 kg (2.1 times the object's)", "1.3 times the wrench"."""
     if np.isnan(factor):
         return "undecided"
     if np.isinf(factor):
@@ -78,7 +78,7 @@ def amount(env: Any, factor: float) -> str:
 
 
 def direction(d: Array) -> str:
-    """Such as "+x", "(0.71, 0, -0.71)"."""
+    """A unit vector (3,) in words, such as "+x" or "(0.71, 0, -0.71)"."""
     k = int(abs(d).argmax())
     if abs(d[k]) > 1.0 - 1e-9:
         return f"{'+' if d[k] > 0 else '-'}{_AXES[k]}"
@@ -95,12 +95,12 @@ def _in_any(env: Any) -> str:
 
 
 def _way(env: Any, k: int) -> str:
-    """Such as "along +x"; of wrenches, which one."""
+    """Direction k of an envelope in words, such as "along +x"; of wrenches, which one."""
     return f"with wrench {k + 1}" if env.of == "wrench" else f"along {direction(env.directions[k])}"
 
 
 def _head(env: Any) -> str:
-    """What was asked."""
+    """The question of an envelope in words: which load, in how many directions."""
     load, m = env.question.load, len(env.factors)
     what = _WHAT[env.of]
     if env.of == "force":
@@ -120,7 +120,7 @@ def _extremes(env: Any) -> list[str]:
 
 
 def given_away(env: Any) -> str:
-    """What compliance costs."""
+    """What passive compliance gives away, in words; "" where nothing is known of it."""
     c = env.compliance
     if np.isnan(c.median):
         return ""

@@ -24,8 +24,15 @@ class FingerForce(Record):
     """
 
     entries = (
-        "finger", "posture", "force_N", "direction (3,)", "at_m (3,)", "binds", "torques_Nm (nv,)", "q_rad (nv,)"
-    )  # fmt: skip
+        "finger",
+        "posture",
+        "force_N",
+        "direction (3,)",
+        "at_m (3,)",
+        "binds",
+        "torques_Nm (nv,)",
+        "q_rad (nv,)",
+    )
 
     finger: str
     posture: str

@@ -31,9 +31,15 @@ class SlipResistance(Record):
     """
 
     entries = (
-        "source", "force_N", "slips", "says", "axis (3,)", "first_slip_N", "along_N = along.factor",
+        "source",
+        "force_N",
+        "slips",
+        "says",
+        "axis (3,)",
+        "first_slip_N",
+        "along_N = along.factor",
         "against_N = against.factor",
-    )  # fmt: skip
+    )
 
     axis: Array
     along: LoadLimit
@@ -80,9 +86,15 @@ class SlipResistance(Record):
 
 @helped()
 def slip_resistance(
-    held: Grasp | Hand, axis: Any = None, *, diameter: Any = None, friction: Any = None, length: Any = None,
-    kind: str = POWER, accuracy: Any = None,
-) -> SlipResistance:  # fmt: skip
+    held: Grasp | Hand,
+    axis: Any = None,
+    *,
+    diameter: Any = None,
+    friction: Any = None,
+    length: Any = None,
+    kind: str = POWER,
+    accuracy: Any = None,
+) -> SlipResistance:
     """The pull [N] along an object's axis with which it begins to slip out of the hand, as in NIST's test of slip
     resistance (NIST SP 1227).
 
@@ -112,7 +124,7 @@ def slip_resistance(
 
 
 def _axis(grasp: Grasp, axis: Any) -> Array:
-    """(3,) a unit vector. Raises InputError."""
+    """The axis (3,) of the pull, a unit vector in world axes: as given, or the object's z axis. Raises InputError."""
     if axis is not None:
         n = array("axis", axis, (3,))
         if not n.any():

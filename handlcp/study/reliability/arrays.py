@@ -123,9 +123,10 @@ def _places(nominal: Nominal, slides: Array | None, m: int) -> tuple[Array, Arra
     if slides is None:
         shapes = (m, *spec.positions.shape), (m, *spec.frames.shape)
         return (
-            np.broadcast_to(spec.positions, shapes[0]), np.broadcast_to(spec.frames, shapes[1]),
+            np.broadcast_to(spec.positions, shapes[0]),
+            np.broadcast_to(spec.frames, shapes[1]),
             np.zeros((m, k), bool),
-        )  # fmt: skip
+        )
     target = None if nominal.hand is None or spec.planar else nominal.hand.target
     positions, frames = np.tile(spec.positions, (m, 1, 1)), np.tile(spec.frames, (m, 1, 1, 1))
     positions[:, :k], frames[:, :k], past = slid(spec.positions[:k], spec.frames[:k], slides, target)

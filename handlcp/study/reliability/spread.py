@@ -49,8 +49,10 @@ _GRID = (np.arange(16) + 0.5) / 16  # quantiles that tell two distributions apar
 
 @dataclass(frozen=True, slots=True)
 class Law:
-    """quantile : the values (m,) below which shares (m,) of all values lie. mean, sd : mean and
-    standard deviation. below : the chance of values below the least possible one; they are cut off.
+    """The distribution of one number that varies.
+
+    quantile : from shares (m,) to the values (m,) below which these shares of all values lie. mean, sd : mean and
+    standard deviation. below : the chance of values below the least possible one, which are cut off.
     """
 
     quantile: Callable[[Array], Array]
@@ -59,7 +61,7 @@ class Law:
     below: float = 0.0
 
     def at(self, u: Array) -> Array:
-        """(m,) values at points (m,) of [0, 1)."""
+        """Values (m,) at points u (m,) of [0, 1)."""
         inside = self.below + (1.0 - self.below) * np.clip(u, 2.0**-33, 1.0 - 2.0**-33)
         return np.asarray(self.quantile(inside), dtype=float)
 
@@ -147,9 +149,10 @@ def read_spread(grasp: Grasp, spread: Any) -> tuple[Dimension, ...]:
         raise InputError("spread", "at least one parameter that varies", "none")
     found = [
         Dimension(e.name, key, e.at, law_of(e.argument, e.given, e.mean, e.least), e.unit)
-        for key, p in known.items() if key in spread
+        for key, p in known.items()
+        if key in spread
         for e in p.entries(grasp.spec, f"spread[{key!r}]", spread[key])
-    ]  # fmt: skip
+    ]
     return tuple([*found, *[_of_hand(grasp, name, spread[name]) for name in own]])
 
 
