@@ -18,6 +18,7 @@ from handlcp.keywords import helped
 from handlcp.progress import told
 from handlcp.show.file import new_figure
 from handlcp.show.page.written import image, web_files, write
+from handlcp.show.picture.figure import alike
 from handlcp.show.report.told import SCALES, asked, best_of, better, differences
 from handlcp.write_file import check_destination
 
@@ -116,8 +117,6 @@ def _chip(word: str) -> str:
 
 def _pictures(brief: Brief, found: Mapping[str, Evaluation]) -> str:
     """A row for each object, a picture in it for each hand."""
-    from handlcp.show.picture.figure import alike  # pictures alone need matplotlib
-
     rows = []
     for name in brief.objects:
         cases = [done.cases[name] for done in found.values()]
