@@ -15,10 +15,10 @@ from handlcp.grasp.path.events import summary
 from handlcp.hand.objects.overlap import evenly, outermost
 from handlcp.show.page.frames import Frames, Snapshot, steps_shown
 from handlcp.show.page.meshes import FIXED, Meshes, Part, notes_of, parts_of
-from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import HAND, Body
 from handlcp.show.picture.camera import camera_for
 from handlcp.show.picture.content import ESCAPE, LOAD, NO_MOMENT, SLIP, STATE, UNKNOWN, Content
+from handlcp.show.picture.shapes import hull_of, placed
 
 
 def content(
@@ -130,9 +130,9 @@ def view_of(drawn: Content, parts: Sequence[Part], joints: list[list[float]] | N
     """The direction of the pictures; up: the axis about which the view turns. joints : their poses at first."""
     moved = [pin.XYZQUATToSE3(np.array(m)) for m in joints or ()]
     hulls = [(p, _hull(p.triangles)) for p in parts]
-    placed = [(p, Body(h if p.joint == FIXED else shapes.placed(h, moved[p.joint]), p.colour)) for p, h in hulls]
-    hiding = [body for p, body in placed if p.layer != "object"]
-    glass = next((body for p, body in placed if p.layer == "object"), None)
+    bodies = [(p, Body(h if p.joint == FIXED else placed(h, moved[p.joint]), p.colour)) for p, h in hulls]
+    hiding = [body for p, body in bodies if p.layer != "object"]
+    glass = next((body for p, body in bodies if p.layer == "object"), None)
     camera = camera_for(drawn.grasp, hiding, glass, drawn.marks())
     axis = int(np.argmax(abs(camera.axes[1])))
     return {"axes": camera.axes, "up": np.eye(3)[axis] * np.sign(camera.axes[1][axis])}
@@ -140,7 +140,7 @@ def view_of(drawn: Content, parts: Sequence[Part], joints: list[list[float]] | N
 
 def _hull(triangles: Array) -> Array:
     """(k, 3, 3) a convex hull of the outermost points in 60 directions; the triangles where these lie in a plane."""
-    made = shapes.hull_of(outermost(triangles.reshape(-1, 3), evenly(60, 0.5)))
+    made = hull_of(outermost(triangles.reshape(-1, 3), evenly(60, 0.5)))
     return triangles if made is None else made
 
 

@@ -13,8 +13,8 @@ from handlcp.grasp.model.contact import frame as frame_about
 from handlcp.hand import HandGrasp
 from handlcp.lcp.compiler.when import at_once
 from handlcp.lcp.kernels.dense import kernel
-from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import Body
+from handlcp.show.picture.shapes import coarse
 
 # ----------------------------------------------------------------
 # The depth buffer behind the pictures, in one compiled loop.
@@ -199,8 +199,8 @@ def frame(
 def _best(marks: Marks, arrows: Array, solids: Sequence[Body], glass: Body | None, up: Array, size: float) -> Camera:
     """The side where marks lie apart, arrows (k, 3; unit vectors) keep their length, and the object is seen."""
     first, second, _ = frame_about(up).T
-    hand = shapes.coarse(np.concatenate([b.triangles for b in solids]), GRAIN * size) if solids else np.zeros((0, 3, 3))
-    shape = None if glass is None else shapes.coarse(glass.triangles, GRAIN * size)
+    hand = coarse(np.concatenate([b.triangles for b in solids]), GRAIN * size) if solids else np.zeros((0, 3, 3))
+    shape = None if glass is None else coarse(glass.triangles, GRAIN * size)
     views: list[tuple[float, Camera]] = []  # without what is seen of the object, which takes longest
     for elevation in ELEVATIONS:
         for azimuth in np.arange(0.0, 360.0, STEP) + 5.0:

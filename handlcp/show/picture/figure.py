@@ -17,9 +17,9 @@ from handlcp.check import Array, Bools
 from handlcp.grasp import Grasp, GraspSolution, Verdict
 from handlcp.hand import Candidate
 from handlcp.show.file import Figure, new_figure
-from handlcp.show.picture import labels
 from handlcp.show.picture.camera import Camera, Frame, frame
 from handlcp.show.picture.content import ESCAPE, LOAD, SLIP, Content
+from handlcp.show.picture.labels import LETTERS, Label, place, room, widest
 from handlcp.show.picture.overlay import Overlay, nice
 from handlcp.show.picture.painter import creases, paint
 from handlcp.show.picture.panel import (
@@ -90,15 +90,15 @@ def stage(
 def _scene(figure: Any, shown: Content, head: float) -> list[Entry]:
     """The picture proper, below `head` (a share of the height); returns its legend."""
     inches = (WIDTH * SCENE, HEIGHT * (head - 0.02))
-    said = contact_labels(shown, labels.room(inches[1]))
+    said = contact_labels(shown, room(inches[1]))
     ax = figure.add_axes((0.005, 0.01, SCENE, head - 0.02))
-    names = shortened([name for _, name, _ in said], labels.LETTERS)
-    margin = min(0.30 + labels.widest(figure, names, [detail for _, _, detail in said]), 0.36 * inches[0])
+    names = shortened([name for _, name, _ in said], LETTERS)
+    margin = min(0.30 + widest(figure, names, [detail for _, _, detail in said]), 0.36 * inches[0])
     over, view, hidden = stage(ax, shown, shown.reach(), inches, margin)
     unseen = _arrows(over, shown, hidden)
     at = shown.camera.project(shown.grasp.scene.positions)
-    written = [labels.Label(at[list(who)], name, detail, shown.colours[who[0]]) for who, name, detail in said]
-    labels.place(ax, written, view)
+    written = [Label(at[list(who)], name, detail, shown.colours[who[0]]) for who, name, detail in said]
+    place(ax, written, view)
     _scales(over, shown, view)
     return entries(shown, unseen, bool(hidden[shown.drawn].any()))
 
