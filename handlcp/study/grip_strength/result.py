@@ -13,9 +13,10 @@ from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
 from handlcp.record import Record
 from handlcp.study.grip_strength.across import Around
-from handlcp.study.sources import GRASP_STRENGTH
 from handlcp.text_table import wrapped
 from handlcp.views import view
+
+_SOURCE = "NIST SP 1227 (draft, October 2018), grasp strength; ASTM work item WK83863"
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +92,7 @@ class SplitCylinder(Record):
     power: Grip | None
     pinch: Grip | None
     missing: dict[str, str] = field(default_factory=dict)
-    source: str = GRASP_STRENGTH
+    source: str = _SOURCE
 
     @property
     def grips(self) -> tuple[Grip, ...]:

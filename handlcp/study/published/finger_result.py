@@ -9,8 +9,9 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.record import Record
-from handlcp.study.sources import FINGER_STRENGTH
 from handlcp.text_table import TextTable, wrapped
+
+_SOURCE = "NIST SP 1227 (draft, October 2018), finger strength"
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +59,7 @@ class FingerStrength(Record):
     entries = ("source", "weakest", "strongest", "rows")
 
     rows: tuple[FingerForce, ...]
-    source: str = FINGER_STRENGTH
+    source: str = _SOURCE
 
     @property
     def weakest(self) -> FingerForce:

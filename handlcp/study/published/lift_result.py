@@ -9,8 +9,9 @@ from handlcp.grasp import Loading
 from handlcp.hand import HandGrasp
 from handlcp.record import Record
 from handlcp.study.payload.result import kilograms
-from handlcp.study.sources import LIFT_AND_SHAKE
 from handlcp.text_table import wrapped
+
+_SOURCE = "NVIDIA SimReady Foundation, FET028, gripper_close_lift_sphere and gripper_close_lift_cube 1.4.0"
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +98,7 @@ class LiftAndShake(Record):
     sphere: Shaken | None
     cube: Shaken | None
     missing: dict[str, str] = field(default_factory=dict)
-    source: str = LIFT_AND_SHAKE
+    source: str = _SOURCE
 
     @property
     def passed(self) -> bool:

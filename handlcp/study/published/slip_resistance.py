@@ -18,8 +18,9 @@ from handlcp.lazy import lazy
 from handlcp.record import Record
 from handlcp.study.grip_strength import split_cylinder
 from handlcp.study.grip_strength.measure import POWER
-from handlcp.study.sources import SLIP_RESISTANCE
 from handlcp.text_table import wrapped
+
+_SOURCE = "NIST SP 1227 (draft, October 2018), slip resistance"
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +45,7 @@ class SlipResistance(Record):
     axis: Array
     along: LoadLimit
     against: LoadLimit
-    source: str = SLIP_RESISTANCE
+    source: str = _SOURCE
 
     @property
     def weaker(self) -> LoadLimit:
