@@ -35,9 +35,8 @@ def asked(brief: Brief) -> list[str]:
     if brief.acceleration:
         said.append(f"The hand speeds up by {brief.acceleration:g} m/s²")
     for name, load in brief.loads.items():
-        said.append(
-            f"Load “{name}”: {_vector(load[:3], 'N')}{_and_torque(load[3:])} beside the weight, the hand upright"
-        )
+        size = f"{_vector(load[:3], 'N')}{_and_torque(load[3:])}"
+        said.append(f"Load “{name}”: {size} beside the weight, the hand upright")
     said.append(f"Friction: {_friction(brief)}")
     said.append(f"The weight, and each load, is to be held {brief.safety:g} times")
     if brief.motion is not None:

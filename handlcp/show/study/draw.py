@@ -51,7 +51,8 @@ def figure(study: Study, title: str, by: Sequence[str]) -> Figure:
     _lines(made.add_axes((0.515, bottom, 0.45, high)), study, cube, wanted, on, by)
     effects = {name: main_effect(cube[known, k], _plain(wanted, by)[known, 0]) for k, name in enumerate(free)}
     below = y + TOP + 0.25
-    said = f"{label(by[0])} along each parameter: mean ± standard error, and the share of its variance that it explains"
+    said = f"{label(by[0])} along each parameter: "
+    said += "mean ± standard error, and the share of its variance that it explains"
     said += "" if known.sum() >= _ROUGH else f" (rough: from {known.sum()} designs)"
     made.text(0.018, 1 - below / tall, said, fontsize=TEXT + 0.5, weight="bold", color=INK, va="center")
     _effects(made, study, effects, below + 0.45, tall)

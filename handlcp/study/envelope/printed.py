@@ -29,14 +29,16 @@ def printed(env: Any) -> str:
 def headline(env: Any) -> str:
     """The weakest direction and what gives out there, in one sentence."""
     w, left = env.weakest, int(np.isnan(env.factors).sum())
+    where = _way(env, w.number)
     if np.isnan(w.factor):
-        return f"undecided {_way(env, w.number)}: no limit was found, although friction and torque limits end any load"
+        return f"undecided {where}: no limit was found, although friction and torque limits end any load"
     if np.isinf(w.factor):
         return f"{NOTHING}, in no direction"
     if env.strongest.factor == 0.0:
         return f"the grasp does not hold without a load: {_what(env, w)}"
     but = f" but {left} that are undecided" if left else ""
-    return f"the grasp holds {amount(env, w.factor)}{_in_any(env)}{but}; weakest {_way(env, w.number)}: {_what(env, w)}"
+    held = f"the grasp holds {amount(env, w.factor)}{_in_any(env)}{but}"
+    return f"{held}; weakest {where}: {_what(env, w)}"
 
 
 def geometry(env: Any) -> str:
@@ -131,9 +133,10 @@ def given_away(env: Any) -> str:
         return f"in this posture, {text}"
     if c.least > 1.0 - 1e-6:
         return f"{text}; the compliant fingers hold all that these limits allow"
+    where, half, least = _way(env, c.number), words.percent(c.median), words.percent(c.least)
     return (
         f"{text}; the compliant fingers do not create all of these forces: in half of the {ways} they hold at most "
-        f"{words.percent(c.median)} of what the limits allow there, {_way(env, c.number)} only {words.percent(c.least)}"
+        f"{half} of what the limits allow there, {where} only {least}"
     )
 
 

@@ -113,8 +113,8 @@ def _given(argument: str, frozen: Any, quantile: Callable[[Array], Array], least
 
 def _not_too_wide(argument: str, mean: float, sd: float, least: float) -> None:
     """Raises InputError where a hundredth of sd to either side of the mean, as a derivative takes it, is impossible."""
-    if sd > WIDEST * (mean - least):
-        most = f"{WIDEST * (mean - least):g}, {WIDEST:g} times the mean's distance from the least possible value"
+    if sd > (widest := WIDEST * (mean - least)):
+        most = f"{widest:g}, {WIDEST:g} times the mean's distance from the least possible value"
         raise InputError(argument, f"a standard deviation of at most {most}", f"one of {sd:g}")
 
 
