@@ -90,7 +90,8 @@ class Surface:
     reach : distance at which the surface is cut.
     cut : whether anything reaches farther.
     points (m, 3) : of the factors, cut at the reach; of the bound in directions that are undecided.
-    own, bound (m, 3) : of the factors and of the bound, cut four times as far out.
+    own (m, 3) : of the factors, cut four times as far out.
+    bound (m, 3) : of the bound, cut four times as far out.
     cells (k, 3) : corners of triangles; (k, 2) : ends of segments.
     keys : the colours.
     key (k,) : number of the colour of each cell.

@@ -29,7 +29,9 @@ TITLE: dict[str, Any] = {"fontsize": TEXT + 0.5, "color": INK, "weight": "bold"}
 class Mark(NamedTuple):
     """An event of a loading, as a numbered line marks it.
 
-    at : place along the axis. where : the same in words, such as "load, 46 %". sentence : what happens.
+    at : place along the axis.
+    where : the same in words, such as "load, 46 %".
+    sentence : what happens.
     kind : as in `Loading.events`.
     """
 
@@ -42,8 +44,10 @@ class Mark(NamedTuple):
 class Marks:
     """The events of one figure: numbered lines through the panels, and the list of what they mean.
 
-    told : the events that have a number, in their order. more : how many have none.
-    rows : lines of the list. height : inches that the list takes.
+    told : the events that have a number, in their order.
+    more : how many have none.
+    rows : lines of the list.
+    height : inches that the list takes.
     head : inches that the numbers take above the first panel, below its title.
     """
 

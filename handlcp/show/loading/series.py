@@ -60,9 +60,10 @@ class Curve:
 class Panel:
     """One panel of the figure of a loading: curves of one quantity over the steps.
 
-    title : the quantity with its unit. every : what to call all curves when they lie on each other, such as
-    "all 5 fingers". limit : value of the line across, None without one. least : curves that span less than this, in the
-    panel's unit, show rounding alone.
+    title : the quantity with its unit.
+    every : what to call all curves when they lie on each other, such as "all 5 fingers".
+    limit : value of the line across; None without one.
+    least : curves that span less than this, in the panel's unit, show rounding alone.
     """
 
     title: str

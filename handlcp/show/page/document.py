@@ -71,8 +71,10 @@ def save_loading(
 
 
 class Own(NamedTuple):
-    """Texts that one kind of page has for itself. stage, tables : HTML of the picture's side, and beside the legend.
-    style : after that of all pages. scripts : in order.
+    """Texts that one kind of page has for itself.
+
+    stage : HTML of the side with the picture. tables : HTML beside the legend. style : CSS that comes after that of all
+    pages. scripts : JavaScript, in order.
     """
 
     stage: str

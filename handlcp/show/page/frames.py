@@ -24,15 +24,23 @@ MOST = 150  # steps of a loading that a page keeps
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """World axes unless said; n contacts.
+    """A grasp with n contacts at one moment, in world axes unless said otherwise.
 
-    label : when it is. positions (n, 3) [m]. axes (n, 3, 3) : contact axes in columns. forces (n, 3) [N], torsion (n,)
-    [N·m] about the normals, slip (n, 2) [m], gap (n,) [m] : contact axes; None of them is NaN. used (n,) : share of the
-    friction limit, NaN for none. states (n,) : "sticking", "sliding", "separated"; "" without an answer.
-    load (3,) [N], moment (3,) [N·m] : on the object at the point acts_at (3,), weights included. torques (nv,) [N·m],
-    q (nv,) : of the joints; None without a hand. object : a pin.SE3, the object's motion from where it was drawn.
-    slid (n,) : how far the object has slid past each, the length of its way [m]. friction (n,) : of the contacts, in
-    words, where there is no answer.
+    label : when it is.
+    positions (n, 3) : of the contacts [m].
+    axes (n, 3, 3) : contact axes in columns.
+    forces (n, 3) : on the object [N], contact axes; never NaN.
+    torsion (n,) : moments about the normals [N·m]; never NaN.
+    slip (n, 2) : of the object along the tangents [m]; never NaN.
+    gap (n,) : along the normals [m]; never NaN.
+    used (n,) : share of the friction limit; NaN for none.
+    states (n,) : "sticking", "sliding", "separated"; "" without an answer.
+    load (3,), moment (3,) : on the object [N, N·m] at the point acts_at (3,) [m], weights included.
+    torques (nv,) : of the joints [N·m]; None without a hand.
+    q (nv,) : posture of the joints [rad, m]; None without a hand.
+    object : a pin.SE3, the object's motion from where it was drawn.
+    slid (n,) : how far the object has slid past each contact, the length of its way [m].
+    friction (n,) : of the contacts, in words, where there is no answer.
     """
 
     label: str

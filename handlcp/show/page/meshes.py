@@ -63,9 +63,13 @@ _MARK = 0.55  # share of the mark's colour in that of a link inside the object
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """triangles (m, 3, 3) [m], in axes of what moves it when nothing has moved. layer : "hand", "inside" (a link inside
-    the object), "tips" (the shape that finds a contact), "environment", "object". joint : number of the joint that
-    moves it; FIXED: none. before : how many triangles it had.
+    """A solid of a page, with what moves it.
+
+    triangles (m, 3, 3) : corners [m], in axes of what moves it when nothing has moved.
+    layer : "hand", "inside" (a link inside the object), "tips" (the shape that finds a contact), "environment",
+        "object".
+    joint : number of the joint that moves it; -1: none.
+    before : how many triangles it had before it was simplified.
     """
 
     triangles: Array

@@ -27,8 +27,9 @@ HAND, OBJECT, ENVIRONMENT = (0.62, 0.65, 0.69), (0.90, 0.70, 0.30), (0.80, 0.78,
 class Body:
     """A solid of a picture, as triangles of one colour.
 
-    triangles (m, 3, 3) : corners [m], world axes. label : for the legend. link : the name of a hand's link, "" for
-    others. marked : whether it is marked, as a link inside the object is.
+    triangles (m, 3, 3) : corners [m], world axes.
+    label : for the legend. link : the name of a hand's link, "" for others.
+    marked : whether it is marked, as a link inside the object is.
     """
 
     triangles: Array

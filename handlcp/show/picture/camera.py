@@ -119,7 +119,8 @@ class Frame:
     """The limits of a picture on the screen, and its scale on paper.
 
     box : limits x0, x1, y0, y1 of the picture [m], screen axes. inner : the same of the scene without labels.
-    inch : metres on the screen that are one inch on paper. cut : whether parts of the hand lie beyond `inner`.
+    inch : metres on the screen that are one inch on paper.
+    cut : whether parts of the hand lie beyond `inner`.
     """
 
     box: tuple[float, float, float, float]

@@ -23,8 +23,10 @@ BEND, GAP = 0.12, 0.06  # inches: the level part of a line, from there to the te
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """name in `colour`, and `detail` below it. at (k, 2) : screen points that the label belongs to; its line leads to
-    the nearest one.
+    """The label of one contact, or of several that share it.
+
+    at (k, 2) : screen points that the label belongs to [m]; its line leads to the nearest one.
+    name : written in `colour`. detail : written below it.
     """
 
     at: Array

@@ -23,8 +23,10 @@ _POINTS = 60
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """centre (3,) [m], axis (3,) unit, in the sense of a right-hand screw. radius [m]. share : of the largest moment
-    that is drawn in this way, from 0 to 1, which is the arc's length.
+    """A moment or a turn as an arc about its axis, in the sense of a right-hand screw.
+
+    centre (3,) : [m], world axes. axis (3,) : a unit vector. radius : [m]. share : of the largest moment that is drawn
+    in this way, from 0 to 1, which makes the length of the arc.
     """
 
     centre: Array

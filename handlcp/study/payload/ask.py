@@ -118,7 +118,8 @@ def _axes_of(plane: Array | None) -> Array:
 class _Pull:
     """The question for the largest mass, with the hand accelerating.
 
-    asked : the question that an envelope asks of gravity. acceleration : a of the hand [m/s²], 0 at rest.
+    asked : the question that an envelope asks of gravity.
+    acceleration : a of the hand [m/s²], 0 at rest.
     """
 
     asked: Question

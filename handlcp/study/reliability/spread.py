@@ -51,8 +51,9 @@ _GRID = (np.arange(16) + 0.5) / 16  # quantiles that tell two distributions apar
 class Law:
     """The distribution of one number that varies.
 
-    quantile : from shares (m,) to the values (m,) below which these shares of all values lie. mean, sd : mean and
-    standard deviation. below : the chance of values below the least possible one, which are cut off.
+    quantile : from shares (m,) to the values (m,) below which these shares of all values lie.
+    mean, sd : mean and standard deviation.
+    below : the chance of values below the least possible one, which are cut off.
     """
 
     quantile: Callable[[Array], Array]
@@ -123,8 +124,12 @@ def _not_too_wide(argument: str, mean: float, sd: float, least: float) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Dimension:
-    """One number that varies. name : for tables. parameter : what `reliability` calls it. at : which contact, joint or
-    tip, and for positions which tangent; () for all together. law : its distribution. unit : of its values.
+    """One number of a grasp that varies.
+
+    name : for tables. parameter : what `reliability` calls it.
+    at : which contact, joint or tip, and for positions which tangent; () for all together.
+    law : its distribution.
+    unit : of its values.
     """
 
     name: str
