@@ -59,8 +59,12 @@ def save(
 def save_loading(
     loading: Loading, path: Any, title: str = "", obj: Object | None = None, verdict: Verdict | None = None
 ) -> Path:
-    """Write the page of a loading alone, which begins at its last step. obj : as in `save`, where it stands at the
-    start. verdict : of `check`; None: whether the loading holds the object. Raises as `save`.
+    """Write the page of a loading alone, which begins at its last step.
+
+    obj : as in `save`, where it stands at the start.
+    verdict : of `check`; None: whether the loading holds the object.
+
+    Raises as `save`.
     """
     target = checked_page(path)
     grasp = grasp_of(loading.steps.grasp.spec)
