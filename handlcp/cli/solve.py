@@ -193,7 +193,7 @@ def follow(
     if plot is not None:
         found.plot(plot, title=read.title)
     if picture is not None:
-        from handlcp.show.loading import picture as at_end
+        from handlcp.show.loading.report import picture as at_end
 
         drawn(picture, at_end, found, read.title, read.shape())
     if page is not None:

@@ -18,20 +18,40 @@ from handlcp.show.record import record
 from handlcp.show.tables import torque_table
 
 __all__ = [
-    "envelope_page", "envelope_plot", "envelope_polar", "html", "limit_plot", "loading_page", "loading_plot", "page",
-    "payload", "payload_plot", "plot", "reliability_plot", "split_plot", "study_page", "study_plot", "table_html",
-    "table_page", "text_html", "to_dict", "torque_table",
-]  # fmt: skip
+    "envelope_page",
+    "envelope_plot",
+    "envelope_polar",
+    "html",
+    "limit_plot",
+    "loading_page",
+    "loading_plot",
+    "page",
+    "payload",
+    "payload_plot",
+    "plot",
+    "reliability_plot",
+    "split_plot",
+    "study_page",
+    "study_plot",
+    "table_html",
+    "table_page",
+    "text_html",
+    "to_dict",
+    "torque_table",
+]
 
 
 @helped()
 def plot(
-    solution: GraspSolution, path: Any = None, obj: Object | None = None, title: str = "",
+    solution: GraspSolution,
+    path: Any = None,
+    obj: Object | None = None,
+    title: str = "",
     verdict: Verdict | None = None,
-) -> Any:  # fmt: skip
-    """See `GraspSolution.plot`."""
-    from handlcp.show.loading.report import verdict_picture
-    from handlcp.show.picture import draw  # pictures alone need matplotlib
+) -> Any:
+    """Draw a solution, or the loading of its verdict where that is held to its end: see `GraspSolution.plot`."""
+    from handlcp.show.loading.report import verdict_picture  # saves data and tables 0.2 s
+    from handlcp.show.picture.figure import draw
 
     followed = None if verdict is None else verdict.loading
     if verdict is not None and followed is not None and followed.reached and followed.solution.held:
@@ -41,11 +61,15 @@ def plot(
 
 @helped("obj")  # anything with a surface of triangles is drawn
 def page(
-    solution: GraspSolution, path: Any, obj: Object | None = None, title: str = "", verdict: Verdict | None = None,
+    solution: GraspSolution,
+    path: Any,
+    obj: Object | None = None,
+    title: str = "",
+    verdict: Verdict | None = None,
     loading: Loading | None = None,
-) -> Path:  # fmt: skip
-    """See `GraspSolution.page`."""
-    from handlcp.show.page.document import save  # pages alone need the viewer
+) -> Path:
+    """Write the page of a solution: see `GraspSolution.page`."""
+    from handlcp.show.page.document import save  # saves data and tables 0.2 s
 
     if obj is not None and not hasattr(obj, "triangles"):
         raise InputError("obj", "an object, such as hl.Sphere(0.03)", shown(obj))
@@ -62,7 +86,7 @@ def _at(module: str, name: str, room: str = "show") -> Callable[..., Any]:
 
 
 def _plotted(module: str, name: str = "figure") -> Callable[..., Any]:
-    """See `plot` of the answers' classes: the figure that a function makes, or the file that it was written to."""
+    """The method `plot` of an answer: the figure that this function of a module makes, or the file it is written to."""
     return lambda answer, path, title: drawn(path, _at(module, name), answer, title)
 
 
@@ -75,12 +99,12 @@ study_page, table_page = _at("study.page", "save"), _at("table.page", "save")
 
 
 def study_plot(study: Any, path: Any, title: str, by: Sequence[str]) -> Any:
-    """See `Study.plot`."""
+    """Draw the designs of a sweep: see `Study.plot`."""
     return drawn(path, _at("study.draw", "figure"), study, title, by)
 
 
 def to_dict(solution: GraspSolution) -> dict[str, Any]:
-    """See `GraspSolution.to_dict`."""
+    """Everything about a solution as plain data: see `GraspSolution.to_dict`."""
     grasp = _asked(solution)
     return record(grasp, solution, grasp.explain())
 

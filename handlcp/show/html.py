@@ -18,7 +18,10 @@ _RULE = "border-bottom:1px solid #8886"
 
 
 def html(solution: GraspSolution) -> str:
-    """See `GraspSolution._repr_html_`. Colours are readable on white and on black."""
+    """A solution as one piece of HTML: verdict, contacts and joint torques, as a notebook shows it.
+
+    Colours are readable on white and on black.
+    """
     (word, text), *rest = solution.verdict.paragraphs
     colour = _COLOURS.get(word, _BAD)
     parts = [f'<p style="margin:0 0 6px"><b style="color:{colour}">{escape(word)}</b>: {escape(text)}.</p>']
@@ -31,12 +34,12 @@ def html(solution: GraspSolution) -> str:
 
 
 def table_html(table: TextTable) -> str:
-    """A table alone."""
+    """A text table as a table in HTML, for notebooks."""
     return _table(table, [""] * len(table.rows))
 
 
 def text_html(value: Any) -> str:
-    """What prints, in its lines."""
+    """The printed text of a value, line by line, as HTML."""
     return f'<pre style="margin:0;background:none">{escape(str(value))}</pre>'
 
 

@@ -91,7 +91,13 @@ _BEYOND = 1.06  # of the limit: where the axis ends
 
 
 class LoadAxis:
-    """Sizes of the load [N], or [N·m] of a torque alone. at (m,) : of the path's points. unit : of a factor of 1."""
+    """The axis of a load limit: sizes of the load [N], or [N·m] of a torque alone.
+
+    at (m,) : size of the load at each point of the path.
+    lost : size at the limit; None where there is none. called : how that is marked.
+    unit : size of the load for a factor of 1.
+    end : size at which the axis ends.
+    """
 
     def __init__(self, limit: LoadLimit) -> None:
         force, torque = float(np.linalg.norm(limit.wrench[:3])), float(np.linalg.norm(limit.wrench[3:]))
@@ -130,8 +136,9 @@ def figure(limit: LoadLimit, title: str = "") -> Figure:
     assert spec is not None  # it was solved
     last = float(limit.path.factors[-1]) or 1.0
     until = max(last, limit.factor if np.isfinite(limit.factor) else last)
-    events = [Event(e.kind, e.who, "load", e.factor / last, 0, e.moved, e.turned)
-              for e in limit.events if e.factor <= until]  # fmt: skip
+    events = [
+        Event(e.kind, e.who, "load", e.factor / last, 0, e.moved, e.turned) for e in limit.events if e.factor <= until
+    ]
     told = summary(events, spec)
     marks = Marks(axis, [Mark(axis.unit * last * s.share, axis.text(last * s.share), s.sentence, s.kind) for s in told])
     scene = Grasp(spec).scene

@@ -92,7 +92,7 @@ def _cut(ax: Any, end: float, at: float) -> None:
 
 
 def _end(masses: Any, own: float) -> float:
-    """Of the axis: beyond the largest mass, unless that is far beyond all others."""
+    """The mass at which the axis ends: beyond the largest one, unless that is far beyond all others."""
     known = np.sort(masses[np.isfinite(masses)])
     most = float(known[-1]) if len(known) else 0.0
     if len(known) > 1 and known[-1] > _FAR * known[-2] > 0.0:

@@ -12,9 +12,12 @@ from handlcp.show.loading.series import grasp_at_end, solution_at_end
 
 
 def record(
-    grasp: Grasp, solution: GraspSolution, explanation: Explanation, left_out: Suggestions | None = None,
+    grasp: Grasp,
+    solution: GraspSolution,
+    explanation: Explanation,
+    left_out: Suggestions | None = None,
     verdict: Verdict | None = None,
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any]:
     """Everything `handlcp solve` prints, and the residuals behind it. verdict : of `check`; None: the solution's.
 
     "contacts", "torques" and "object_displacement" are the solution's; those at the end of the loading that `check`
@@ -60,22 +63,29 @@ def _followed(loading: Loading) -> dict[str, Any]:
 
 
 def _contacts(grasp: Grasp, s: GraspSolution) -> list[dict[str, Any]]:
-    """Contact by contact."""
+    """Forces, friction, slip and gap of each contact, as plain data."""
     scene = grasp.scene
     every: dict[str, Any] = {
-        "name": s.names, "environment": np.arange(scene.n) >= scene.n - scene.environment,
-        "position_m": scene.positions, "axes": np.swapaxes(grasp.frames, 1, 2),
-        "friction": [c.mu for c in grasp.contacts], "state": s.contact_state, "force_N": s.forces,
-        "force_world_N": s.forces_world, "friction_used": s.friction_used, "friction_margin_N": s.friction_margin,
-        "slip_m": s.slip if scene.plane is None else s.slip[:, :1], "gap_m": s.gap,
-    }  # fmt: skip
+        "name": s.names,
+        "environment": np.arange(scene.n) >= scene.n - scene.environment,
+        "position_m": scene.positions,
+        "axes": np.swapaxes(grasp.frames, 1, 2),
+        "friction": [c.mu for c in grasp.contacts],
+        "state": s.contact_state,
+        "force_N": s.forces,
+        "force_world_N": s.forces_world,
+        "friction_used": s.friction_used,
+        "friction_margin_N": s.friction_margin,
+        "slip_m": s.slip if scene.plane is None else s.slip[:, :1],
+        "gap_m": s.gap,
+    }
     if s.torsion is not None:
         every |= columns(s, "torsion_Nm", "spin_rad")
     return rows(every)
 
 
 def _torques(solution: GraspSolution) -> list[dict[str, Any]] | None:
-    """Joint by joint; None without a hand."""
+    """Torque, limit and share of it of each joint, as plain data; None without a hand."""
     check, yielded = (getattr(solution, name, None) for name in ("torque_check", "joint_yield"))
     if check is None or yielded is None:
         return None

@@ -44,8 +44,11 @@ def _margins(ax: Any, found: Reliability) -> None:
     )
     margin = 100 * found.margin[np.isfinite(found.margin)]
     without = np.array([(found.codes[~np.isfinite(found.margin)] == code).sum() for code in (NOT_HELD, UNDECIDED)])
-    bars = [(what, 100 * float(share), colour) for what, share, colour in
-            zip(("not held", "undecided"), without / found.samples, (RED, GREY), strict=True) if share]  # fmt: skip
+    bars = [
+        (what, 100 * float(share), colour)
+        for what, share, colour in zip(("not held", "undecided"), without / found.samples, (RED, GREY), strict=True)
+        if share
+    ]
     edges = _edges(margin, found.samples)
     low, width = float(edges[0]), float(edges[1] - edges[0])
     counts = 100 * np.histogram(margin, edges)[0] / found.samples

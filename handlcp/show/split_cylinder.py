@@ -107,10 +107,9 @@ def _curve(ax: Any, grip: Grip) -> None:
     ax.plot(angles, forces, color=INK, linewidth=1.6)
     ax.plot([0.0], [grip.force], "o", color=RED, markersize=7, zorder=4)
     ax.axvline(0.0, color=RED, linewidth=1.2, linestyle=(0, (5, 2.5)), zorder=1.5)
-    ax.annotate(
-        f"{words.force(grip.force)} measured", xy=(0.0, grip.force), xytext=(7, 6), textcoords="offset points",
-        color=RED, fontsize=SMALL, ha="left", va="bottom",
-    )  # fmt: skip
+    style: dict[str, Any] = {"color": RED, "fontsize": SMALL, "ha": "left", "va": "bottom"}
+    says = f"{words.force(grip.force)} measured"
+    ax.annotate(says, xy=(0.0, grip.force), xytext=(7, 6), textcoords="offset points", **style)
     low, high = min(0.0, grip.least), grip.largest
     ax.set_ylim(1.1 * low, 1.18 * high or 1.0)
     ax.set_xlim(-90.0, 90.0)

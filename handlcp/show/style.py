@@ -172,8 +172,10 @@ def shortened(names: Sequence[str], letters: int) -> list[str]:
     begin = _alike(words)
     end = _alike([w[begin:][::-1] for w in words])
     kept = ["".join(w[begin : len(w) - end]).rstrip("_ ./-") for w in words]
-    out = [name if len(name) <= letters else _cut(f"{'…' * (begin > 0)}{own}{'…' * (end > 0)}", letters)
-           for name, own in zip(names, kept, strict=True)]  # fmt: skip
+    out = [
+        name if len(name) <= letters else _cut(f"{'…' * (begin > 0)}{own}{'…' * (end > 0)}", letters)
+        for name, own in zip(names, kept, strict=True)
+    ]
     if len(set(out)) == len(set(names)):
         return out
     return [_cut(name, letters - 4) + f" ({k})" for k, name in enumerate(names, 1)]

@@ -64,7 +64,7 @@ def contact_table(solution: GraspSolution, title: str = "Contacts", note: str = 
 
 
 def torque_table(check: Any, title: str = "Joint torques") -> Table:
-    """Joint by joint, from a `TorqueCheck`."""
+    """The torque of each joint beside its limit, from a `TorqueCheck`."""
     made = _filled(check.table, title)
     for row, r in zip(check.table.rows, check, strict=True):
         finite = r.known and np.isfinite(r.limit)
@@ -78,14 +78,14 @@ def torque_table(check: Any, title: str = "Joint torques") -> Table:
 
 
 def _filled(columns: TextTable, title: str, note: str = "") -> Table:
-    """The heads of a text table."""
+    """A table with the heads of a text table, and no rows yet."""
     ways = columns.align[0] + columns.align[1:].replace("<", "|")
     heads = [head if way != ">" or "\n" in head else f"{head}\n" for head, way in zip(columns.heads, ways, strict=True)]
     return table(title, heads, ways, note=note)
 
 
 def effort_table(effort: Any) -> Table:
-    """Tendon by tendon, or actuator by actuator, from an `Effort`."""
+    """The force of each tendon, or the effort of each actuator, beside its limit, from an `Effort`."""
     columns, (who, what) = effort.table, effort.kind.split()[:2]
     heads = (who, f"{what}\n{effort.unit}", *columns.heads[2:])
     made = _filled(replace(columns, heads=heads), "Tendons" if effort.unit == "N" else "Actuators")
@@ -126,7 +126,10 @@ def key_table(keys: Sequence[Any], file: str) -> Table:
 
 
 def catalogue_table(entries: Sequence[Description], costs: Mapping[str, Any] | None = None) -> Table:
-    """All effects. costs : `handlcp.method.catalogue.Cost`s by title; None: not measured."""
+    """A row for each effect that the package has.
+
+    costs : `handlcp.method.catalogue.Cost`s by title; None: not measured.
+    """
     note = "here, time: unknowns more, and how many times as long, beside the reference scene without"
     heads = (
         "effect\nunknowns",

@@ -6,6 +6,13 @@ from handlcp.simulator.settings import SimulatorSettings
 from handlcp.simulator.write import SimulatorState, to_mujoco
 
 __all__ = [
-    "Comparison", "SimulatedLimit", "Simulation", "SimulatorSettings", "SimulatorState", "compare", "simulate",
-    "simulate_limit", "to_mujoco",
-]  # fmt: skip
+    "Comparison",
+    "SimulatedLimit",
+    "Simulation",
+    "SimulatorSettings",
+    "SimulatorState",
+    "compare",
+    "simulate",
+    "simulate_limit",
+    "to_mujoco",
+]

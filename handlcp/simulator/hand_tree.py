@@ -46,8 +46,16 @@ def add_hand(world: ET.Element, hand: HandModel, weighs: bool, settings: Simulat
         stands = {"solreffriction": (settings.contact_time, 1.0), "solimpfriction": _STANDS}
         rubbing: dict[str, Any] = {"frictionloss": rubs} | stands if rubs else {}
         if kind:
-            add(body, "joint", name=model.names[i], type=kind, axis=axis, armature=_ARMATURE, **rubbing,
-                **springs.get(model.names[i], {}))  # fmt: skip
+            add(
+                body,
+                "joint",
+                name=model.names[i],
+                type=kind,
+                axis=axis,
+                armature=_ARMATURE,
+                **rubbing,
+                **springs.get(model.names[i], {}),
+            )
     return bodies
 
 
@@ -121,9 +129,14 @@ class Springs:
 
 
 def add_springs(
-    root: ET.Element, bodies: Mapping[int, ET.Element], hand: HandModel, at: Array, limited: bool,
-    settings: SimulatorSettings, least: Mapping[str, float],
-) -> Springs:  # fmt: skip
+    root: ET.Element,
+    bodies: Mapping[int, ET.Element],
+    hand: HandModel,
+    at: Array,
+    limited: bool,
+    settings: SimulatorSettings,
+    least: Mapping[str, float],
+) -> Springs:
     """Springs, rigid joints and mimic joints of a hand.
 
     bodies : as `add_hand` returns them. at : (nv,) where rigid joints stand. limited : whether actuators push no harder
@@ -181,10 +194,9 @@ def _springs(hand: HandModel) -> Springs:
     else:
         found = _modes(K, np.eye(len(names)), names)
     used = [spring for spring in found if spring[2] > _NONE * abs(K).max(initial=0.0) and np.any(spring[1])]
-    return Springs(
-        tuple([name for name, _, _ in used]), np.array([a for _, a, _ in used]).reshape(-1, len(names)),
-        np.array([k for _, _, k in used]), tuple(np.flatnonzero(rigid).tolist()),
-    )  # fmt: skip
+    arms = np.array([a for _, a, _ in used]).reshape(-1, len(names))
+    stiffness = np.array([k for _, _, k in used])
+    return Springs(tuple([name for name, _, _ in used]), arms, stiffness, tuple(np.flatnonzero(rigid).tolist()))
 
 
 def _modes(K: Array, arms: Array, names: tuple[str, ...]) -> list[tuple[str, Array, float]]:
@@ -202,7 +214,7 @@ def _single(arms: Array) -> bool:
 
 
 def _damp(root: ET.Element, springs: Springs, hand: HandModel, settings: SimulatorSettings) -> None:
-    """Each joint as its own spring would need it, coupled or not."""
+    """Damp each joint as its own spring would need it, coupled or not."""
     own = dict(
         zip(hand.joint_names, np.einsum("ij,i,ij->j", springs.arms, springs.stiffness, springs.arms), strict=True)
     )

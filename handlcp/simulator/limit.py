@@ -58,9 +58,10 @@ class LimitTrack(Record):
 
 
 class Tracking:
-    """Motion as it comes. jump : the first factor at which the object has jumped; inf so far.
+    """Records how an object moves while its load grows.
 
-    start (6,) : of the object when the load begins to grow.
+    start (6,) : motion of the object when the load begins to grow [m, rad]. jump : the first factor at which the object
+    has jumped; inf so far.
     """
 
     def __init__(self, start: Array) -> None:
@@ -87,7 +88,7 @@ class Tracking:
             self.jump = factor
 
     def track(self) -> LimitTrack:
-        """So far."""
+        """How the object has moved so far, as arrays."""
         motion = read_only(np.array(self._motion).reshape(-1, 6))
         forces = read_only(np.array(self._forces) if self._forces else np.zeros((0, 0, 3)))
         return LimitTrack(read_only(np.array(self._factors)), motion, forces)
@@ -111,18 +112,33 @@ _SLIDES, _GONE = 0.97, 1e-3  # share of the friction limit from which a contact 
 
 @dataclass(frozen=True)
 class SimulatedLimit(Record):
-    """factor : of the load, when the object leaves or a joint reaches its torque limit or its range ends; inf where
-    none of it happens up to the largest factor; 0 where the object is lost before. joint : which one reaches that, ""
-    where the object leaves. slides, gone : the contacts that do when it leaves. first, first_at : the contact that
-    slides or goes first while the load grows, and at which factor; "" and inf where none does. jump : the factor at
-    which the object first moves by more than 1 mm, or turns by more than 2°, while the load waits; inf where it never
-    does. It may have come to rest again. track : how the object has moved meanwhile. squeezed (n, 3) : forces on the
-    object [N] with all of the squeeze and without weight and load, world axes. seconds : [s] of MuJoCo's steps.
+    """How much of a load MuJoCo holds, and what gives out there; made by `simulate_limit`.
+
+    factor : of the load, when the object leaves or a joint reaches its torque limit or the end of its range; inf where
+        none of it happens up to the largest factor; 0 where the object is lost before.
+    joint : which one reaches that; "" where the object leaves.
+    slides, gone : names of the contacts that slide, and that are gone, when the object leaves.
+    first, first_at : the contact that slides or goes first while the load grows, and at which factor; "" and inf where
+        none does.
+    jump : the factor at which the object first moves by more than 1 mm, or turns by more than 2°, while the load waits;
+        inf where it never does. It may have come to rest again.
+    track : how the object has moved meanwhile.
+    squeezed (n, 3) : forces on the object [N] with all of the squeeze and without weight and load, world axes.
+    seconds : [s] of MuJoCo's steps.
     """
 
     entries = (
-        "factor", "joint", "slides", "gone", "first", "first_at", "jump", "track", "squeezed_N (n, 3)", "seconds",
-    )  # fmt: skip
+        "factor",
+        "joint",
+        "slides",
+        "gone",
+        "first",
+        "first_at",
+        "jump",
+        "track",
+        "squeezed_N (n, 3)",
+        "seconds",
+    )
 
     factor: float
     joint: str
@@ -137,9 +153,14 @@ class SimulatedLimit(Record):
 
 
 def simulate_limit(
-    grasp: Grasp, wrench: Any, most: float, *, seconds: float = 8.0, settle: float = 0.5,
+    grasp: Grasp,
+    wrench: Any,
+    most: float,
+    *,
+    seconds: float = 8.0,
+    settle: float = 0.5,
     settings: SimulatorSettings | None = None,
-) -> SimulatedLimit:  # fmt: skip
+) -> SimulatedLimit:
     """Squeeze, then the weight, then a load that grows from 0 to `most` times `wrench` (6,).
 
     seconds : for all of the load, where it need not wait; the stages before it take as long, up to 6 s each. settle,
@@ -205,9 +226,17 @@ class _Growing:
     ) -> SimulatedLimit:
         """What has been found by now."""
         return SimulatedLimit(
-            factor, joint, slides, gone, self.first, self.run.seconds, self.first_at, self.tracking.jump,
-            self.tracking.track(), self.squeezed,
-        )  # fmt: skip
+            factor=factor,
+            joint=joint,
+            slides=slides,
+            gone=gone,
+            first=self.first,
+            seconds=self.run.seconds,
+            first_at=self.first_at,
+            jump=self.tracking.jump,
+            track=self.tracking.track(),
+            squeezed=self.squeezed,
+        )
 
 
 def _leaving(run: Run, calm: Reading, now: Reading) -> tuple[tuple[str, ...], tuple[str, ...]]:

@@ -101,7 +101,11 @@ def add_supports(
 
 @dataclass(frozen=True, eq=False)
 class _Place:
-    """A contact: its name, axes (3, 3), point of the object and point of the surface (3,), flexibility (3, 3)."""
+    """A contact between the object and its environment, in world axes.
+
+    name : of the contact. axes (3, 3) : contact axes in columns. point (3,) : of the object [m]. surface (3,) : the
+    nearest point of the environment [m]. flexibility (3, 3) : of the environment there [m/N], contact axes.
+    """
 
     name: str
     axes: Array

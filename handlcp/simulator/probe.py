@@ -113,7 +113,7 @@ class Probe:
         return False
 
     def _speed(self, body: int) -> Array:
-        """(6,) of a body: of its frame's origin [m/s], and angular [rad/s], world axes."""
+        """Velocity (6,) of a body: of the origin of its frame [m/s], and angular [rad/s], world axes."""
         speed = np.zeros(6)
         self._mujoco.mj_objectVelocity(self.model, self.data, self._mujoco.mjtObj.mjOBJ_XBODY, body, speed, 0)
         return speed[[3, 4, 5, 0, 1, 2]]  # MuJoCo has the angular part first

@@ -35,9 +35,15 @@ class Simulation(Told):
     """
 
     entries = (
-        "held", "lost_stage", "lost_at", "forces_N (n, 3) = forces_world", "torques_Nm (nv,)",
-        "object_motion (6,) = displacement", "seconds", "simulated_s",
-    )  # fmt: skip
+        "held",
+        "lost_stage",
+        "lost_at",
+        "forces_N (n, 3) = forces_world",
+        "torques_Nm (nv,)",
+        "object_motion (6,) = displacement",
+        "seconds",
+        "simulated_s",
+    )
 
     held: bool
     lost_stage: str | None
@@ -70,9 +76,14 @@ class Simulation(Told):
 
 
 def simulate(
-    grasp: Grasp, load: Any = None, order: Sequence[str] | str = ("squeeze", "load"), *, seconds: float = 2.0,
-    settle: float = 0.5, settings: SimulatorSettings | None = None,
-) -> Simulation:  # fmt: skip
+    grasp: Grasp,
+    load: Any = None,
+    order: Sequence[str] | str = ("squeeze", "load"),
+    *,
+    seconds: float = 2.0,
+    settle: float = 0.5,
+    settings: SimulatorSettings | None = None,
+) -> Simulation:
     """Load a grasp in MuJoCo, slowly enough to be static.
 
     load : (6,) force [N] and torque [N·m] on the object besides its weight at the end; None: the grasp's own. The force
@@ -96,10 +107,19 @@ def simulate(
     stage = "load" if stage == PUSH else stage
     forces, motion = read_only(record.forces[-1]), read_only(record.motion[-1])
     return Simulation(
-        held=held, lost_stage=stage, lost_at=share, forces_world=forces, torques=read_only(torques),
-        displacement=motion, q=read_only(q), slip=read_only(run.slip), names=run.probe.names, record=record,
-        simulated=float(run.data.time), seconds=run.seconds,
-    )  # fmt: skip
+        held=held,
+        lost_stage=stage,
+        lost_at=share,
+        forces_world=forces,
+        torques=read_only(torques),
+        displacement=motion,
+        q=read_only(q),
+        slip=read_only(run.slip),
+        names=run.probe.names,
+        record=record,
+        simulated=float(run.data.time),
+        seconds=run.seconds,
+    )
 
 
 def _stages(order: Any) -> tuple[str, ...]:
@@ -141,15 +161,26 @@ class Comparison(Told):
     """
 
     entries = (
-        "both_hold", "agree", "force_error", "torque_error", "motion_error",
-        "tolerance.force = tolerance.force", "tolerance.torque = tolerance.torque",
-        "tolerance.motion = tolerance.motion", "tolerance.least_m = tolerance.least", "contacts = simulation.names",
-        "handlcp.held = loading.held", "handlcp.lost_stage = loading.lost_stage",
-        "handlcp.lost_at = loading.lost_at", "handlcp.why = loading.why",
+        "both_hold",
+        "agree",
+        "force_error",
+        "torque_error",
+        "motion_error",
+        "tolerance.force = tolerance.force",
+        "tolerance.torque = tolerance.torque",
+        "tolerance.motion = tolerance.motion",
+        "tolerance.least_m = tolerance.least",
+        "contacts = simulation.names",
+        "handlcp.held = loading.held",
+        "handlcp.lost_stage = loading.lost_stage",
+        "handlcp.lost_at = loading.lost_at",
+        "handlcp.why = loading.why",
         "handlcp.forces_N (n, 3) = loading.solution.forces_world",
-        "handlcp.torques_Nm (nv,) = loading.solution.torques", "handlcp.object_motion (6,) = loading.displacement",
-        "handlcp.seconds = seconds", "mujoco = simulation",
-    )  # fmt: skip
+        "handlcp.torques_Nm (nv,) = loading.solution.torques",
+        "handlcp.object_motion (6,) = loading.displacement",
+        "handlcp.seconds = seconds",
+        "mujoco = simulation",
+    )
 
     loading: Loading
     simulation: Simulation
@@ -221,9 +252,14 @@ class Comparison(Told):
 
 
 def compare(
-    grasp: Grasp, load: Any = None, order: Any = ("squeeze", "load"), *, steps: int = 40, seconds: float = 2.0,
+    grasp: Grasp,
+    load: Any = None,
+    order: Any = ("squeeze", "load"),
+    *,
+    steps: int = 40,
+    seconds: float = 2.0,
     settings: SimulatorSettings | None = None,
-) -> Comparison:  # fmt: skip
+) -> Comparison:
     """Follow a grasp's loading, exact cone and moving geometry, and simulate the same in MuJoCo.
 
     load, order : as in `Grasp.follow`; order is ("squeeze", "load") or "together". steps : of each stage, of `follow`.

@@ -110,7 +110,7 @@ class SimulatorSettings:
 
 
 def need_mujoco() -> ModuleType:
-    """The package mujoco. Raises Unsupported where it is not installed."""
+    """Import the package mujoco, which is an extra. Raises Unsupported where it is not installed."""
     try:
         import mujoco
     except ImportError:
@@ -151,7 +151,10 @@ def check_writable(grasp: HandGrasp) -> None:
 
 
 def of_a_hand(grasp: Any) -> HandGrasp:
-    """Raises InputError for what is no grasp, Unsupported for contacts without a hand or without geometry."""
+    """The grasp, if a hand made it and its object has a shape that MuJoCo knows.
+
+    Raises InputError for what is no grasp, Unsupported for contacts without a hand or without geometry.
+    """
     if not isinstance(grasp, Grasp):
         raise InputError("grasp", "a grasp made by hand.at(q).grasp(obj)", repr(grasp)[:80])
     if not isinstance(grasp, HandGrasp):

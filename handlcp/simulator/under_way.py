@@ -58,7 +58,7 @@ class Track:
     readings: list[Reading] = field(default_factory=list)
 
     def add(self, stage: str, share: float, reading: Reading) -> None:
-        """The next one."""
+        """Add a reading, which is one period behind the last one. share : of the stage, 0 to 1."""
         self.stages.append(stage)
         self.shares.append(share)
         self.readings.append(reading)
@@ -78,7 +78,7 @@ class Track:
         return float((away[:, 0] + reach * away[:, 1]).max())
 
     def record(self) -> Record:
-        """All of them, as arrays."""
+        """All readings so far, as arrays."""
         names = ("forces", "friction", "motion", "speed", "torques")
         parts = {name: read_only(np.array([getattr(r, name) for r in self.readings])) for name in names}
         return Record(stages=tuple(self.stages), shares=read_only(np.array(self.shares)), period=self.period, **parts)
@@ -101,9 +101,14 @@ LONGEST = 60.0  # [s] that a load waits: an object that still moves has left
 PUSH = "load alone"  # the stage in which the load grows beside a weight that is there already
 _KEPT = 1e6  # times its own inertia and damping keep an object in place; it is let go as slowly as they fade
 _LEADS = {
-    "squeeze": ("squeeze",), "load": ("weight", "load"), "together": ("squeeze", "weight", "load"),
-    "weight": ("weight",), PUSH: ("load",), SAG: ("sag",), LET_GO: ("free",),
-}  # fmt: skip
+    "squeeze": ("squeeze",),
+    "load": ("weight", "load"),
+    "together": ("squeeze", "weight", "load"),
+    "weight": ("weight",),
+    PUSH: ("load",),
+    SAG: ("sag",),
+    LET_GO: ("free",),
+}
 _READ = 20  # time steps between two readings, and between two changes of what drives the simulation
 _REST = 1e-5  # [m/s] an object that moves slower is at rest
 _SPEEDS, _PLACES = 50, 250  # readings over which it does so, by its speed and by where it is

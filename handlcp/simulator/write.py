@@ -113,9 +113,7 @@ def pulling(grasp: HandGrasp) -> dict[str, tuple[float, float]]:
     return found
 
 
-def starting_state(
-    grasp: HandGrasp, springs: Springs, least: Mapping[str, tuple[float, float]]
-) -> SimulatorState:  # fmt: skip
+def starting_state(grasp: HandGrasp, springs: Springs, least: Mapping[str, tuple[float, float]]) -> SimulatorState:
     """Posture, commands and load. least : as in `SimulatorState`. Raises Unsupported where tips overlap the object and
     joints cannot open them, and for rigid joints that would have to move.
     """
@@ -142,11 +140,15 @@ def starting_state(
     weight = obj.mass * gravity
     moment = cross_rows(obj.center_of_mass - spec.reference, weight)
     return SimulatorState(
-        dict(zip(full_names(hand), full.tolist(), strict=True)),
-        dict(zip(springs.names, before.tolist(), strict=True)), dict(zip(springs.names, after.tolist(), strict=True)),
-        float(obj.mass), weighing, read_only(spec.wrench - np.append(weight, moment)),
-        command is not None and command.keeps, least,
-    )  # fmt: skip
+        positions=dict(zip(full_names(hand), full.tolist(), strict=True)),
+        before=dict(zip(springs.names, before.tolist(), strict=True)),
+        after=dict(zip(springs.names, after.tolist(), strict=True)),
+        mass=float(obj.mass),
+        weighing=weighing,
+        wrench=read_only(spec.wrench - np.append(weight, moment)),
+        keeps=command is not None and command.keeps,
+        least=least,
+    )
 
 
 def _opened(grasp: HandGrasp) -> Array:
@@ -236,10 +238,20 @@ def _frame(settings: SimulatorSettings, gravity: Array) -> ET.Element:
     root = ET.Element("mujoco", model="handlcp")
     add(root, "compiler", angle="radian", autolimits="true", balanceinertia="true")
     add(
-        root, "option", timestep=settings.timestep, gravity=gravity, cone="elliptic",
-        integrator="implicitfast", impratio=settings.friction_impedance, solver="Newton", iterations="100",
-        jacobian="dense", tolerance=_COST, ccd_tolerance=1e-9, ccd_iterations="100",
-    )  # fmt: skip
+        root,
+        "option",
+        timestep=settings.timestep,
+        gravity=gravity,
+        cone="elliptic",
+        integrator="implicitfast",
+        impratio=settings.friction_impedance,
+        solver="Newton",
+        iterations="100",
+        jacobian="dense",
+        tolerance=_COST,
+        ccd_tolerance=1e-9,
+        ccd_iterations="100",
+    )
     stiff = _stiffness(settings.impedance)
     times = {"solref": (settings.contact_time, 1.0), "solreffriction": (settings.friction_time, 1.0)}
     default = add(root, "default")

@@ -85,9 +85,14 @@ class Slopes(Record):
     """
 
     entries = (
-        "names", "values (k,)", "forces (n, 3, k)", "normal_force (n, k)", "torques (nv, k)", "displacement (6, k)",
+        "names",
+        "values (k,)",
+        "forces (n, 3, k)",
+        "normal_force (n, k)",
+        "torques (nv, k)",
+        "displacement (6, k)",
         "kinks",
-    )  # fmt: skip
+    )
 
     names: tuple[str, ...]
     values: Array
@@ -142,9 +147,14 @@ def slopes(grasp: HandGrasp, names: Iterable[str], *, faces: int | str | Pyramid
     found = np.stack(columns, axis=-1)
     forces, normal, torques, displacement = np.split(found, np.cumsum([3 * n, n, nv]))
     return Slopes(
-        asked, read_only(np.array(values)), read_only(forces.reshape(n, 3, -1)), read_only(normal), read_only(torques),
-        read_only(displacement), tuple(kinks),
-    )  # fmt: skip
+        names=asked,
+        values=read_only(np.array(values)),
+        forces=read_only(forces.reshape(n, 3, -1)),
+        normal_force=read_only(normal),
+        torques=read_only(torques),
+        displacement=read_only(displacement),
+        kinks=tuple(kinks),
+    )
 
 
 def _slope(grasp: HandGrasp, name: str, value: float, faces: Any) -> tuple[Array, bool]:
@@ -167,7 +177,7 @@ def _slope(grasp: HandGrasp, name: str, value: float, faces: Any) -> tuple[Array
 
 
 def _parts(grasp: HandGrasp) -> list[slice]:
-    """Of a row: forces, torques, shift, turn."""
+    """The parts of a row as `_row` makes it: forces, torques, shift, turn."""
     a = 4 * grasp.spec.n
     b = a + len(grasp.state.hand.joint_names)
     return [slice(0, a), slice(a, b), slice(b, b + 3), slice(b + 3, b + 6)]

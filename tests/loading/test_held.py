@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import handlcp as hl
 from handlcp.cli import app
 from handlcp.errors import NoSolutionFound
-from tests.support.show import loading_figure
+from tests.support.show import loading_figure, loading_picture
 
 CUBE = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
 SCENE = """
@@ -99,7 +99,7 @@ def test_the_command_says_the_same_and_exits_0_for_held_alone(friction, limits, 
 @pytest.mark.parametrize("word", WORDS)
 def test_figure_picture_and_page_begin_with_the_same_word(word, tmp_path):
     path = loading(**WORDS[word])[1]
-    for figure in (loading_figure.figure(path), loading_figure.picture(path)):
+    for figure in (loading_figure(path), loading_picture(path)):
         assert f"{word}:" in [t.get_text() for t in figure.texts]
     page = path.page(tmp_path / "a.html").read_text(encoding="utf-8")
     assert f">{word}</p>" in page

@@ -17,7 +17,7 @@ import handlcp as hl
 from handlcp.hand import Sphere, example_hand
 from tests.show.picture_cases import LONG, on_table
 from tests.support import patches
-from tests.support.show import end, events_in_short, loading_figure
+from tests.support.show import events_in_short, grasp_at_end, loading_figure, loading_picture, solution_at_end
 from tests.support.texts import says, without_numbers
 
 MU = 0.6
@@ -73,7 +73,7 @@ def curves(ax):
 @pytest.mark.parametrize("name", ["ball", "lost", "points"])
 def test_numbers_drawn_are_those_of_the_steps(name):
     h = found(name)
-    figure = loading_figure.figure(h)
+    figure = loading_figure(h)
     forces = curves(axis(figure, "Normal force"))
     assert len(forces) == h.steps.forces.shape[1]
     for i, line in enumerate(forces):
@@ -89,7 +89,7 @@ def test_numbers_drawn_are_those_of_the_steps(name):
 def test_friction_is_drawn_as_a_share_of_its_limit_and_sliding_is_100_percent():
     h = found("lost")
     pushed = np.hypot(*h.steps.forces[..., :2].transpose(2, 0, 1)) / (MU * np.maximum(h.steps.forces[..., 2], 1e-12))
-    drawn = np.array([line.get_ydata() for line in curves(axis(loading_figure.figure(h), "Friction"))]).T
+    drawn = np.array([line.get_ydata() for line in curves(axis(loading_figure(h), "Friction"))]).T
     known = np.isfinite(drawn)
     assert known.sum() > 0.9 * known.size
     np.testing.assert_allclose(drawn[known], 100 * pushed[known], rtol=1e-6)
@@ -100,7 +100,7 @@ def test_friction_is_drawn_as_a_share_of_its_limit_and_sliding_is_100_percent():
 
 def test_torques_are_shares_of_their_limits_the_six_nearest_to_them_in_colour():
     h = found("ball")
-    ax = axis(loading_figure.figure(h), "Joint torque")
+    ax = axis(loading_figure(h), "Joint torque")
     check = h.solution.torque_check
     ends = sorted(line.get_ydata()[-1] for line in curves(ax))
     np.testing.assert_allclose(ends, sorted(100 * check.utilisation), rtol=1e-6)
@@ -110,30 +110,30 @@ def test_torques_are_shares_of_their_limits_the_six_nearest_to_them_in_colour():
 
 def test_without_limits_torques_are_drawn_in_newton_metres():
     h = found("without limits")
-    ax = axis(loading_figure.figure(h), "Joint torque [N·m]")
+    ax = axis(loading_figure(h), "Joint torque [N·m]")
     ends = [line.get_ydata()[-1] for line in curves(ax)]
     np.testing.assert_allclose(sorted(ends), sorted(h.steps.torques[-1]))
 
 
 def test_rounding_is_not_drawn_as_forces():
     h = three_points().replace(wrench=np.zeros(6), preload=1e-16).follow(order="load", steps=2)
-    ax = axis(loading_figure.figure(h), "Normal force")
+    ax = axis(loading_figure(h), "Normal force")
     assert abs(h.steps.forces).max() < 1e-9
     assert ax.get_ylim()[1] > 0.5
 
 
 def test_panels_that_a_grasp_has_no_numbers_for_are_left_out():
-    titles = [ax.get_title("left") for ax in loading_figure.figure(found("points")).axes]
+    titles = [ax.get_title("left") for ax in loading_figure(found("points")).axes]
     assert not [t for t in titles if "torque" in t]
     smooth = [hl.Contact(c.position, c.normal, hl.Frictionless()) for c in three_points().contacts]
     h = hl.Grasp(smooth, (0.1, 0, 0, 0, 0, 0), flexibility=1e-3, preload=2e-3).follow(steps=2)
-    assert not [ax for ax in loading_figure.figure(h).axes if "Friction" in ax.get_title("left")]
+    assert not [ax for ax in loading_figure(h).axes if "Friction" in ax.get_title("left")]
 
 
 def test_where_it_is_lost_is_marked_and_said():
     h = found("lost")
     assert not h.reached
-    figure = loading_figure.figure(h, "A title")
+    figure = loading_figure(h, "A title")
     at = h.stages.index(h.lost_stage) + h.lost_at
     for ax in figure.axes:
         assert any(line.get_linewidth() > 1.7 and set(line.get_xdata()) == {at} for line in ax.lines)
@@ -141,14 +141,14 @@ def test_where_it_is_lost_is_marked_and_said():
     said = [t.get_text() for t in figure.texts]
     assert "NOT HELD:" in said
     assert "lost" in [t.get_text() for t in figure.axes[0].texts]
-    assert "HELD:" in [t.get_text() for t in loading_figure.figure(found("ball")).texts]
+    assert "HELD:" in [t.get_text() for t in loading_figure(found("ball")).texts]
 
 
 def test_every_event_in_short_is_numbered_in_the_figure_and_listed():
     h = found("lost")
     told = events_in_short(h.events, ball())
     assert len(told) < len(h.events) - 1, "five fingers slip at one place"
-    figure = loading_figure.figure(h)
+    figure = loading_figure(h)
     listed = [t.get_text() for t in figure.texts]
     for k, line in enumerate(told, 1):
         where, sentence = line.split(": ", 1)
@@ -177,7 +177,7 @@ def test_no_text_leaves_the_page_or_covers_another(name):
         more = [hl.grasp.Event(kinds[k % 4], "thumb", "load", 0.2 + 0.031 * k, 1) for k in range(20)]
         h = dataclasses.replace(h, events=tuple(more))
     title = "A ball that five fingers hold: a title"
-    figure = loading_figure.figure(h, 9 * f"{title} " if name == "long names" else title)
+    figure = loading_figure(h, 9 * f"{title} " if name == "long names" else title)
     shown = written(figure)
     assert len(shown) > 20
     for i, (text, a) in enumerate(shown):
@@ -192,7 +192,7 @@ def test_no_text_leaves_the_page_or_covers_another(name):
 
 @pytest.mark.parametrize("name", ["ball", "lost", "points"])
 def test_names_stand_beside_the_panels_and_not_over_curves(name):
-    figure = loading_figure.figure(found(name))
+    figure = loading_figure(found(name))
     apart = {"lost", *found(name).stages}
     for ax in figure.axes:
         inside = ax.get_window_extent()
@@ -204,7 +204,7 @@ def test_names_stand_beside_the_panels_and_not_over_curves(name):
 # ---------------------------------------------------------------- the end
 def test_the_grasp_of_the_end_is_where_hand_and_object_end():
     h = found("lost")
-    grasp, solution = end.grasp_at_end(h), end.solution_at_end(h)
+    grasp, solution = grasp_at_end(h), solution_at_end(h)
     assert np.linalg.norm(h.state.q - ball().state.q) > 1e-2, "the joints have been pushed back"
     np.testing.assert_allclose(grasp.state.q, h.state.q, atol=1e-3)
     np.testing.assert_allclose(grasp.scene.positions, h.steps.positions[-1])
@@ -217,7 +217,7 @@ def test_the_grasp_of_the_end_is_where_hand_and_object_end():
 
 def test_slips_at_the_end_are_those_of_the_whole_way():
     h = found("lost")
-    slipped = np.hypot(*end.solution_at_end(h).slip.T)
+    slipped = np.hypot(*solution_at_end(h).slip.T)
     way = np.hypot(*h.steps.slip.transpose(2, 0, 1)).sum(axis=0)
     assert (slipped > 3e-3).all()
     assert (slipped <= way * (1 + 1e-9)).all()
@@ -226,7 +226,7 @@ def test_slips_at_the_end_are_those_of_the_whole_way():
 
 @pytest.mark.parametrize("name", ["lost", "points"])
 def test_the_end_is_drawn_and_said(name):
-    figure = loading_figure.picture(found(name), "A title")
+    figure = loading_picture(found(name), "A title")
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     image = np.asarray(canvas.buffer_rgba())[..., :3] / 255
@@ -248,7 +248,7 @@ def test_files_are_written_or_refused(tmp_path, monkeypatch):
     with pytest.raises(hl.InputError, match=r"\.png, \.svg, \.pdf"):
         h.plot(tmp_path / "a.doc")
     patches.without_module(monkeypatch, "matplotlib")
-    for draw in (loading_figure.figure, loading_figure.picture):
+    for draw in (loading_figure, loading_picture):
         with pytest.raises(hl.Unsupported, match="pip install 'matplotlib>="):
             draw(h)
 

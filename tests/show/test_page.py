@@ -22,7 +22,7 @@ from handlcp.errors import InputError, Unsupported
 from handlcp.hand import Sphere, example_hand
 from handlcp.scene import load
 from tests.support.browser import opened
-from tests.support.show import end
+from tests.support.show import solution_at_end
 
 EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
 NASTY = "</script><script>document.documentElement.dataset.pwned=1</script>\"' & <img src=x onerror=dataset.pwned=1>"
@@ -294,7 +294,7 @@ def test_the_legend_says_how_far_the_object_slides_as_check_says_it(tmp_path):
             np.linalg.norm(c["slip"]) for f in data["frames"] for c in f["contacts"] if c["state"] == "sliding"
         )
         assert longest < 1.01 * most
-    told = end.solution_at_end(h)
+    told = solution_at_end(h)
     np.testing.assert_allclose(np.hypot(*told.slip.T), h.steps.slid[-1], rtol=1e-12, atol=1e-15)
     np.testing.assert_allclose(np.hypot(*h.steps.slip_on_the_way.T), h.steps.slid[-1], rtol=0.01)  # hardly a turn
 

@@ -9,7 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 import handlcp as hl
 from tests.show.picture_cases import bare_hand, case, ring
 from tests.support import patches
-from tests.support.show import Turn, draw, end, facing, hand_bodies, moved, tip_shapes
+from tests.support.show import Turn, draw, facing, grasp_at_end, hand_bodies, moved, solution_at_end, tip_shapes
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -185,7 +185,7 @@ def test_a_line_says_which_state_is_drawn():
     verdict = grasp.check(solution=solution)
     assert "The verdict follows the loading in steps." in said(draw(grasp, solution, verdict=verdict))
     path = verdict.loading
-    at_end = draw(end.grasp_at_end(path), end.solution_at_end(path), path.object, verdict=verdict)
+    at_end = draw(grasp_at_end(path), solution_at_end(path), path.object, verdict=verdict)
     assert f"Drawn: the end of the loading. The object has {moved(path.displacement)}." in said(at_end)
     grasp, solution, *_ = case("frictionless")
     assert "without forces, as no equilibrium was found" in said(draw(grasp, solution))

@@ -12,15 +12,17 @@ from handlcp.grasp.path.events import summary
 from handlcp.method import work_precision as work_precision_figure
 from handlcp.method.accuracy.table import all_tables
 from handlcp.method.convergence import picture as convergence_figure
-from handlcp.show import loading as loading_figure, picture as _picture, tables
+from handlcp.show import tables
 from handlcp.show.envelope.page import facing as facing_weakest
 from handlcp.show.envelope.surface import NOTHING, OTHERS, SHADES, divided, section, surface_of, wires
 from handlcp.show.file import drawn
-from handlcp.show.loading import report, series as end
+from handlcp.show.loading.draw import figure as loading_figure
+from handlcp.show.loading.report import picture as loading_picture
+from handlcp.show.loading.series import grasp_at_end, solution_at_end
 from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import environment_bodies, hand_bodies, stub_bodies, tip_shapes
 from handlcp.show.picture.camera import Marks, camera_for, facing, fill
-from handlcp.show.picture.figure import contact_sheet
+from handlcp.show.picture.figure import contact_sheet, draw
 from handlcp.show.picture.overlay import Turn, nice, rim
 from handlcp.show.record import record
 from handlcp.show.style import moved, shortened
@@ -35,24 +37,25 @@ __all__ = [
     "convergence_figure",
     "divided",
     "draw",
-    "end",
     "environment_bodies",
     "events_in_short",
     "facing",
     "facing_weakest",
     "fill",
+    "grasp_at_end",
     "hand_bodies",
     "html",
     "loading_figure",
+    "loading_picture",
     "moved",
     "nice",
     "record",
-    "report",
     "rim",
     "save",
     "section",
     "shapes",
     "shortened",
+    "solution_at_end",
     "stub_bodies",
     "surface_of",
     "tables",
@@ -73,9 +76,6 @@ def events_in_short(events: Any, grasp: hl.Grasp) -> list[str]:
 def html(solution: Any) -> str:
     """What a notebook shows of it."""
     return solution._repr_html_()
-
-
-draw = _picture.draw
 
 
 def save(grasp: hl.Grasp, solution: hl.GraspSolution, path: Any, title: str = "") -> Any:

@@ -41,9 +41,10 @@ def figure(env: Envelope, title: str = "") -> Figure:
     behind = Camera(camera.axes * np.array([[-1.0], [1.0], [-1.0]]))
     side, bottom = (WIDTH - HAND) / 2, 1.0 - (above + TALL) / tall
     panels = [
-        (0.0, HAND, "The hand, without forces"), (HAND, side, "What it holds, seen from the same side"),
+        (0.0, HAND, "The hand, without forces"),
+        (HAND, side, "What it holds, seen from the same side"),
         (HAND + side, side, "From the opposite side"),
-    ]  # fmt: skip
+    ]
     for k, (left, wide, name) in enumerate(panels):
         ax = drawn.add_axes((left / WIDTH, bottom, wide / WIDTH, TALL / tall))
         at = (left + 0.18) / WIDTH
@@ -57,7 +58,10 @@ def figure(env: Envelope, title: str = "") -> Figure:
 
 
 def _hand(ax: Any, shown: Content, inches: tuple[float, float]) -> None:
-    """Hand and object."""
+    """Draw the hand and the object, without forces, from the grasp's own side.
+
+    inches : width and height of the panel.
+    """
     points = shown.grasp.scene.positions
     if shown.glass is None:  # one contact alone has no size
         points = (points[:, None] + 0.5 * shown.size * np.concatenate([np.eye(3), -np.eye(3)])).reshape(-1, 3)
@@ -123,6 +127,7 @@ def _weakest(ax: Any, camera: Camera, env: Envelope, s: Surface, before: Any) ->
     away = 1.0 if at[0] >= 0 else -1.0
     end = np.array([away * 0.62 * s.reach, at[1] + 0.45 * s.reach * (1.0 if at[1] >= 0 else -1.0)])
     ax.plot([at[0], end[0]], [at[1], end[1]], color=MARK, linewidth=0.9, zorder=8.5)
-    text = ax.text(*end, f"weakest\n{amount(env, w.factor).partition(' (')[0]}", fontsize=SMALL, color=MARK,
-                   weight="bold", ha="left" if away > 0 else "right", va="center", zorder=9)  # fmt: skip
+    style: dict[str, Any] = {"fontsize": SMALL, "color": MARK, "weight": "bold", "va": "center", "zorder": 9}
+    says = f"weakest\n{amount(env, w.factor).partition(' (')[0]}"
+    text = ax.text(*end, says, ha="left" if away > 0 else "right", **style)
     text.set_path_effects([patheffects.withStroke(linewidth=2.5, foreground="white")])

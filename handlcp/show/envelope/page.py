@@ -104,12 +104,16 @@ _TOLD = {
     "force": "How large a force on the object the grasp holds, in each direction.",
     "torque": "How large a torque on the object the grasp holds, about each direction.",
     "gravity": "How heavy the object may be, with gravity in each direction.",
-}  # fmt: skip
+}
 
 
 def save(env: Envelope, path: Any, title: str = "") -> Path:
-    """Write the page. Raises InputError for a file that cannot be written, and for directions that do not lie all
-    around; Unsupported without trimesh.
+    """Write the page of an envelope and return its file.
+
+    path : a file name that ends in .html. title : heading of the page; "" for none.
+
+    Raises InputError for a file that cannot be written, and for directions that do not lie all around; Unsupported
+    without trimesh.
     """
     target = checked_page(path)
     if not len(env.triangles):
@@ -136,12 +140,17 @@ def _content(env: Envelope) -> dict[str, Any]:
     if s.cut:
         notes.append(f"The surface is cut at {s.reach:g} {env.unit}: what reaches farther is drawn there.")
     return {
-        "size": grasp.scene.units.length, "parts": [packed(p, meshes) for p in parts], "packed": meshes.packed(),
+        "size": grasp.scene.units.length,
+        "parts": [packed(p, meshes) for p in parts],
+        "packed": meshes.packed(),
         "view": _view(env, s, drawn, view_of(drawn, parts, frame["joints"])),
         "frame": {k: frame[k] for k in ("joints", "object")},
         "legend": [*keys, *legend, ["labels", "text", "#5f5f5f", "the weakest direction, and axes"]],
-        "surface": surface, "notes": notes, "colours": {}, "frames": [],
-    }  # fmt: skip
+        "surface": surface,
+        "notes": notes,
+        "colours": {},
+        "frames": [],
+    }
 
 
 def _view(env: Envelope, s: Surface, drawn: Content, usual: dict[str, Any]) -> dict[str, Any]:
@@ -168,16 +177,26 @@ def _surface(env: Envelope, s: Surface, drawn: Content) -> dict[str, Any]:
     of = {k: key.colour for key in s.keys for k in key.causes}
     lines = wires(s) if s.bound_beyond else np.zeros((0, 2, 3))
     return {
-        "centre": centre, "scale": scale, "reach": _REACH * drawn.size, "points": scale * s.points, "cells": s.cells,
-        "key": s.key, "colours": [key.colour for key in s.keys], "wires": (scale * lines).reshape(-1, 6),
+        "centre": centre,
+        "scale": scale,
+        "reach": _REACH * drawn.size,
+        "points": scale * s.points,
+        "cells": s.cells,
+        "key": s.key,
+        "colours": [key.colour for key in s.keys],
+        "wires": (scale * lines).reshape(-1, 6),
         "borders": (scale * borders(s)).reshape(-1, 6),
-        "directions": env.directions, "cause": env.cause, "causes": [cause.says for cause in env.causes],
-        "held": [_short(env, x) for x in env.factors], "bound": [_short(env, x) for x in env.bound],
+        "directions": env.directions,
+        "cause": env.cause,
+        "causes": [cause.says for cause in env.causes],
+        "held": [_short(env, x) for x in env.factors],
+        "bound": [_short(env, x) for x in env.bound],
         "rows": [[c.says, words.percent(c.share), _number(c.least), _number(c.median)] for c in env.causes],
         "row_colours": [of[k] for k in range(len(env.causes))],
         "columns": ["gives out first", "share", f"least\n{env.unit}", f"median\n{env.unit}"],
-        "weakest": _mark(env, env.weakest, scale * s.points), "strongest": _mark(env, env.strongest, scale * s.points),
-    }  # fmt: skip
+        "weakest": _mark(env, env.weakest, scale * s.points),
+        "strongest": _mark(env, env.strongest, scale * s.points),
+    }
 
 
 def _mark(env: Envelope, extreme: Extreme, points: Array) -> dict[str, Any]:

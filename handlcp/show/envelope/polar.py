@@ -49,7 +49,11 @@ def lines_of(env: Envelope, s: Surface, bound: str) -> list[tuple[str, str, str]
 
 
 class Legend:
-    """In two columns. bound : how it is drawn, "line" or "dashed". height : inches, with the heading."""
+    """The colours of an envelope with their causes, written in two columns.
+
+    bound : how the limit without compliance is drawn, "line" or "dashed".
+    height : inches that the legend takes, with its heading.
+    """
 
     def __init__(self, env: Envelope, s: Surface, bound: str = "dashed") -> None:
         self.lines = lines_of(env, s, bound)
@@ -99,8 +103,9 @@ ROOM = 1.19  # of the panel's half width, in reaches
 
 
 def polar_figure(env: Envelope, title: str = "") -> Figure:
-    """The figure. Raises InputError for directions that lie neither all around nor in a plane; Unsupported without
-    matplotlib.
+    """Draw polar diagrams of an envelope: in the planes xy, yz and xz, or in the plane of its directions.
+
+    Raises InputError for directions that lie neither all around nor in a plane; Unsupported without matplotlib.
     """
     s = surface_of(env)
     planes = [env.plane] if env.plane is not None else [np.eye(3)[list(axes)] for axes in ((0, 1), (1, 2), (0, 2))]
@@ -120,7 +125,10 @@ def polar_figure(env: Envelope, title: str = "") -> Figure:
 
 
 def _panel(ax: Any, env: Envelope, s: Surface, axes: Array) -> None:
-    """One plane. axes (2, 3) : rightwards and upwards."""
+    """Draw the polar diagram of one plane.
+
+    axes (2, 3) : unit vectors to the right and upwards in the panel, world axes.
+    """
     from matplotlib.collections import LineCollection, PolyCollection
     from matplotlib.patches import Circle
 

@@ -36,7 +36,11 @@ SHADES = {
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """One colour: the causes that have it, in words, on which share of the directions, and the least factor there."""
+    """One colour of the legend: which causes it stands for, and how much is held there.
+
+    colour : "#rrggbb". says : the causes in words. share : of all directions. least : the smallest factor in these
+    directions [N, N·m, kg], NaN where undecided. causes : their numbers in `Envelope.causes`.
+    """
 
     colour: str
     says: str
@@ -56,12 +60,10 @@ def keys_of(causes: Sequence[Sector]) -> tuple[tuple[Key, ...], Ints]:
         else:
             found.append(Key(colour, cause.says, cause.share, cause.least, (k,)))
     if rest:
-        share, least = (
-            sum(causes[k].share for k in rest),
-            min([causes[k].least for k in rest], key=lambda x: (np.isnan(x), x)),
-        )
-        found.append(Key(OTHERS, f"{len(rest)} other causes" if len(rest) > 1 else causes[rest[0]].says, share, least,
-                         tuple(rest)))  # fmt: skip
+        share = sum(causes[k].share for k in rest)
+        least = min([causes[k].least for k in rest], key=lambda x: (np.isnan(x), x))
+        says = f"{len(rest)} other causes" if len(rest) > 1 else causes[rest[0]].says
+        found.append(Key(OTHERS, says, share, least, tuple(rest)))
     number = np.zeros(len(causes), dtype=np.int64)
     for j, key in enumerate(found):
         number[list(key.causes)] = j
@@ -83,9 +85,16 @@ _FAR = 4.0  # reaches up to which the bound is known to its section
 
 @dataclass(frozen=True, slots=True)
 class Surface:
-    """reach : what is farther is cut there; cut : whether anything is. points (m, 3) : of the factors, cut; of the
-    bound in directions that are undecided. own, bound (m, 3) : of the factors and of the bound, cut four times as far
-    out. cells (k, 3) : triangles; (k, 2) : segments. keys : the colours. key (k,) : number of the colour of each cell.
+    """The surface of an envelope as it is drawn: a point along each direction, in units of the factors, world axes.
+
+    reach : distance at which the surface is cut.
+    cut : whether anything reaches farther.
+    points (m, 3) : of the factors, cut at the reach; of the bound in directions that are undecided.
+    own (m, 3) : of the factors, cut four times as far out.
+    bound (m, 3) : of the bound, cut four times as far out.
+    cells (k, 3) : corners of triangles; (k, 2) : ends of segments.
+    keys : the colours.
+    key (k,) : number of the colour of each cell.
     """
 
     reach: float
@@ -105,7 +114,10 @@ class Surface:
 
 
 def surface_of(env: Envelope) -> Surface:
-    """Raises InputError for directions that lie neither all around nor in a plane."""
+    """The surface of an envelope, cut where the weak directions can still be seen.
+
+    Raises InputError for directions that lie neither all around nor in a plane.
+    """
     if not len(env.grid.cells):
         expected = "directions all around or in a plane, for a picture"
         raise InputError("directions", expected, f"{len(env.factors)} that nothing joins")
@@ -186,8 +198,8 @@ def section(points: Array, cells: Ints, normal: Array) -> tuple[Array, Ints]:
 
 def wires(s: Surface) -> Array:
     """(s, 2, 3) lines on the bound, in nine planes through the origin; cut at the reach, as the surface is."""
-    normals = np.array([(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 0), (1, -1, 0), (1, 0, 1), (1, 0, -1), (0, 1, 1),
-                        (0, 1, -1)], dtype=float)  # fmt: skip
+    diagonals = [(1, 1, 0), (1, -1, 0), (1, 0, 1), (1, 0, -1), (0, 1, 1), (0, 1, -1)]
+    normals = np.concatenate([np.eye(3), np.array(diagonals, dtype=float)])
     lines = np.concatenate([section(s.bound, s.cells, n)[0] for n in normals])
     long = np.linalg.norm(lines, axis=2, keepdims=True)
     return np.asarray(lines * np.minimum(1.0, s.reach / np.maximum(long, 1e-300)))

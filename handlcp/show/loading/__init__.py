@@ -1,6 +1,1 @@
 """The figure of a grasp followed through its loading, and the picture of the hand where it ends."""
-
-from handlcp.show.loading.draw import figure
-from handlcp.show.loading.report import picture
-
-__all__ = ["figure", "picture"]

@@ -20,8 +20,12 @@ _QUARTERS = 2  # stages up to which every quarter has one
 
 
 class Axis(Protocol):
-    """What panels need of the axis along x, which begins at 0. at (m,) : places of the points of all curves. end : of
-    the axis. lost : where the path ends before the axis does, None where it does not; called : how that is marked.
+    """What panels need of the axis along x, which begins at 0.
+
+    at (m,) : place of each point of the curves.
+    lost : where the path ends before the axis does; None where it does not.
+    called : how that is marked.
+    end : where the axis ends.
     """
 
     at: Array
@@ -34,8 +38,12 @@ class Axis(Protocol):
 
 
 class StageAxis:
-    """Stage k of a loading lies from k to k + 1. at (m,) : of the steps. lost : where the object is lost; None: it
-    is not.
+    """The axis of a loading: stage k lies from k to k + 1.
+
+    at (m,) : place of each step.
+    lost : where the object is lost; None where it is not.
+    called : how that is marked.
+    end : where the last stage ends.
     """
 
     def __init__(self, loading: Loading) -> None:
@@ -79,7 +87,10 @@ ASIDE = 0.12  # inches from the panel to the names
 
 
 def draw_panel(ax: Any, axis: Axis, panel: Panel, last: bool) -> None:
-    """Curves, limit, names. last : whether it is the lowest one, which names the stages."""
+    """Draw the curves of one panel, the line of its limit, and the names of the curves at the right edge.
+
+    last : whether it is the lowest panel, below which the stages have their names.
+    """
     frame(ax, panel.title, "", "")
     axis.ticks(ax, last)
     for c in panel.curves:

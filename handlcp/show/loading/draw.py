@@ -27,7 +27,13 @@ TITLE: dict[str, Any] = {"fontsize": TEXT + 0.5, "color": INK, "weight": "bold"}
 
 
 class Mark(NamedTuple):
-    """Something that happens. at : along the axis. where : the same in words. kind : as of a loading's events."""
+    """An event of a loading, as a numbered line marks it.
+
+    at : place along the axis.
+    where : the same in words, such as "load, 46 %".
+    sentence : what happens.
+    kind : as in `Loading.events`.
+    """
 
     at: float
     where: str
@@ -36,8 +42,13 @@ class Mark(NamedTuple):
 
 
 class Marks:
-    """Of one figure. told : what happens, in its order. rows : of their list. height : inches that it takes. head :
-    that the numbers take above the first panel, below its title.
+    """The events of one figure: numbered lines through the panels, and the list of what they mean.
+
+    told : the events that have a number, in their order.
+    more : how many have none.
+    rows : lines of the list.
+    height : inches that the list takes.
+    head : inches that the numbers take above the first panel, below its title.
     """
 
     def __init__(self, axis: Axis, told: Sequence[Mark]) -> None:

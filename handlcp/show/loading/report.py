@@ -35,7 +35,10 @@ GAP = 0.1  # inches between the sentences and the picture
 
 
 def verdict_picture(loading: Loading, verdict: Verdict, title: str = "", obj: Any = None) -> Figure:
-    """The same under the verdict that is about it, as `handlcp.show.picture.draw` has it under that of one solve."""
+    """Draw the hand where a loading ends, under the verdict that is about the loading.
+
+    verdict : of `check`. obj : the object of a grasp that does not know it; None: the hull of the contacts.
+    """
     drawn = new_figure(figsize=(WIDTH, HEIGHT))
     grasp, end = grasp_at_end(loading), solution_at_end(loading)
     shown = Content(grasp, end, loading.object or obj, Grasp(loading.steps.grasp.spec), verdict)

@@ -20,13 +20,16 @@ from handlcp.show.style import BLUE, GREEN, PURPLE, RED, shortened, turns
 
 
 def grasp_at_end(loading: Loading) -> Grasp:
-    """With the contacts and the load of the last step, the hand in its posture there."""
+    """The grasp at the last step of a loading: its contacts, its load and the hand's posture there."""
     last = loading.last
     return grasp_of(loading.steps.grasp.made(last.iterate, last.loads))
 
 
 def solution_at_end(loading: Loading) -> GraspSolution:
-    """Of that grasp, with the slips of the whole way: each leads to where the object is, and is as long as it slid."""
+    """The solution at the last step of a loading, with the slips of the whole way.
+
+    Each slip leads to where the object is, and is as long as the way on which it slid.
+    """
     way, slip = loading.steps.slid[-1], loading.steps.slip_on_the_way
     straight = np.hypot(*slip.T)
     ahead = np.where(straight[:, None] > 0.0, slip, (1.0, 0.0)) / np.where(straight > 0.0, straight, 1.0)[:, None]
@@ -43,7 +46,10 @@ _MOST = 6  # joints with a name in their panel: those nearest to their limits
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """values (m,) : one for each step, NaN where there is none. name : "" for none."""
+    """One curve of a panel over the steps of a loading.
+
+    name : at its end; "" for none. colour : "#rrggbb". values (m,) : at each step, NaN where there is none.
+    """
 
     name: str
     colour: str
@@ -52,8 +58,12 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """title : with its unit. every : what to call all curves when they lie on each other, such as "all 5 fingers".
-    limit : a line across, None without. least : curves that span less, in the panel's unit, show no more than rounding.
+    """One panel of the figure of a loading: curves of one quantity over the steps.
+
+    title : the quantity with its unit.
+    every : what to call all curves when they lie on each other, such as "all 5 fingers".
+    limit : value of the line across; None without one.
+    least : curves that span less than this, in the panel's unit, show rounding alone.
     """
 
     title: str

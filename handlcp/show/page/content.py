@@ -15,16 +15,19 @@ from handlcp.grasp.path.events import summary
 from handlcp.hand.objects.overlap import evenly, outermost
 from handlcp.show.page.frames import Frames, Snapshot, steps_shown
 from handlcp.show.page.meshes import FIXED, Meshes, Part, notes_of, parts_of
-from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import HAND, Body
 from handlcp.show.picture.camera import camera_for
 from handlcp.show.picture.content import ESCAPE, LOAD, NO_MOMENT, SLIP, STATE, UNKNOWN, Content
+from handlcp.show.picture.shapes import hull_of, placed
 
 
 def content(
-    drawn: Content, shown: Sequence[Snapshot], path: dict[str, Any] | None, escape: dict[str, Any] | None,
+    drawn: Content,
+    shown: Sequence[Snapshot],
+    path: dict[str, Any] | None,
+    escape: dict[str, Any] | None,
     meshes: Meshes | None = None,
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any]:
     """What the viewer reads; numbers are in SI units, vectors in world axes.
 
     drawn : what a picture of the grasp shows. shown : one solve, then the steps. path, escape : as `path_of` and
@@ -36,15 +39,24 @@ def content(
     frames = Frames(shown, grasp)
     own, parts, told = meshes or Meshes(), parts_of(drawn), frames.to_list()
     return {
-        "size": scene.units.length, "planar": scene.plane is not None, "perNewton": frames.per_newton,
-        "slipFactor": frames.slip_factor, "view": view_of(drawn, parts, told[0]["joints"]),
-        "parts": [packed(p, own) for p in parts], "packed": own.packed() if meshes is None else "",
-        "frames": told, "columns": frames.columns,
-        "contacts": _contacts(grasp), "joints": _joints(shown, hand),
+        "size": scene.units.length,
+        "planar": scene.plane is not None,
+        "perNewton": frames.per_newton,
+        "slipFactor": frames.slip_factor,
+        "view": view_of(drawn, parts, told[0]["joints"]),
+        "parts": [packed(p, own) for p in parts],
+        "packed": own.packed() if meshes is None else "",
+        "frames": told,
+        "columns": frames.columns,
+        "contacts": _contacts(grasp),
+        "joints": _joints(shown, hand),
         "colours": {**STATE, "": UNKNOWN, "load": LOAD, "slip": SLIP, "escape": ESCAPE},
         "legend": _legend(drawn, parts, shown, frames, escape is not None),
-        "path": path, "escape": escape, "first": _first(told, path, escape), "notes": notes_of(drawn, parts),
-    }  # fmt: skip
+        "path": path,
+        "escape": escape,
+        "first": _first(told, path, escape),
+        "notes": notes_of(drawn, parts),
+    }
 
 
 def path_of(loading: Loading, first: int) -> dict[str, Any]:
@@ -118,9 +130,9 @@ def view_of(drawn: Content, parts: Sequence[Part], joints: list[list[float]] | N
     """The direction of the pictures; up: the axis about which the view turns. joints : their poses at first."""
     moved = [pin.XYZQUATToSE3(np.array(m)) for m in joints or ()]
     hulls = [(p, _hull(p.triangles)) for p in parts]
-    placed = [(p, Body(h if p.joint == FIXED else shapes.placed(h, moved[p.joint]), p.colour)) for p, h in hulls]
-    hiding = [body for p, body in placed if p.layer != "object"]
-    glass = next((body for p, body in placed if p.layer == "object"), None)
+    bodies = [(p, Body(h if p.joint == FIXED else placed(h, moved[p.joint]), p.colour)) for p, h in hulls]
+    hiding = [body for p, body in bodies if p.layer != "object"]
+    glass = next((body for p, body in bodies if p.layer == "object"), None)
     camera = camera_for(drawn.grasp, hiding, glass, drawn.marks())
     axis = int(np.argmax(abs(camera.axes[1])))
     return {"axes": camera.axes, "up": np.eye(3)[axis] * np.sign(camera.axes[1][axis])}
@@ -128,7 +140,7 @@ def view_of(drawn: Content, parts: Sequence[Part], joints: list[list[float]] | N
 
 def _hull(triangles: Array) -> Array:
     """(k, 3, 3) a convex hull of the outermost points in 60 directions; the triangles where these lie in a plane."""
-    made = shapes.hull_of(outermost(triangles.reshape(-1, 3), evenly(60, 0.5)))
+    made = hull_of(outermost(triangles.reshape(-1, 3), evenly(60, 0.5)))
     return triangles if made is None else made
 
 
@@ -141,17 +153,19 @@ def layers_of(parts: Sequence[Part], names: dict[str, str]) -> list[Any]:
 
 def _legend(
     drawn: Content, parts: Sequence[Part], shown: Sequence[Snapshot], frames: Frames, escapes: bool
-) -> list[Any]:  # fmt: skip
+) -> list[Any]:
     """Lines of (layer, kind, colour, text); each layer can be switched off."""
     grasp = drawn.grasp
     who = grasp.spec.who
     states = {state for s in shown for state in s.states}
     deep, links = words.length(max(drawn.inside.values(), default=0.0)), list(drawn.inside)
     inside = f"inside the object: {f'{links[0]},' if len(links) == 1 else f'{len(links)} links, up to'} {deep}"
-    out = layers_of(parts, {
-        "hand": "hand" if hasattr(grasp, "state") else "fingers", "inside": inside,
+    names = {
+        "hand": "hand" if hasattr(grasp, "state") else "fingers",
+        "inside": inside,
         "object": "object" if drawn.glass is None else drawn.glass.label,
-    })  # fmt: skip
+    }
+    out = layers_of(parts, names)
     if (grasp.scene.mu > 0).any():
         sense = "friction cones, to the forces’ scale: an arrow at the rim slides"
         out.append(["cones", "cone", STATE["sticking"], sense if states != {""} else "friction cones"])

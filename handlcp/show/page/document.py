@@ -25,9 +25,14 @@ _DIGITS = 6
 
 
 def save(
-    grasp: Grasp, solution: GraspSolution, path: Any, obj: Any = None, title: str = "",
-    verdict: Verdict | None = None, loading: Loading | None = None,
-) -> Path:  # fmt: skip
+    grasp: Grasp,
+    solution: GraspSolution,
+    path: Any,
+    obj: Any = None,
+    title: str = "",
+    verdict: Verdict | None = None,
+    loading: Loading | None = None,
+) -> Path:
     """Write the page of a solved grasp. obj : what to draw as the object where the grasp knows none.
 
     loading : of the same grasp, for the slider; None: the one that the verdict is about. verdict : of `check`; None:
@@ -54,8 +59,12 @@ def save(
 def save_loading(
     loading: Loading, path: Any, title: str = "", obj: Object | None = None, verdict: Verdict | None = None
 ) -> Path:
-    """Write the page of a loading alone, which begins at its last step. obj : as in `save`, where it stands at the
-    start. verdict : of `check`; None: whether the loading holds the object. Raises as `save`.
+    """Write the page of a loading alone, which begins at its last step.
+
+    obj : as in `save`, where it stands at the start.
+    verdict : of `check`; None: whether the loading holds the object.
+
+    Raises as `save`.
     """
     target = checked_page(path)
     grasp = grasp_of(loading.steps.grasp.spec)
@@ -66,8 +75,10 @@ def save_loading(
 
 
 class Own(NamedTuple):
-    """Texts that one kind of page has for itself. stage, tables : HTML of the picture's side, and beside the legend.
-    style : after that of all pages. scripts : in order.
+    """Texts that one kind of page has for itself.
+
+    stage : HTML of the side with the picture. tables : HTML beside the legend. style : CSS that comes after that of all
+    pages. scripts : JavaScript, in order.
     """
 
     stage: str
@@ -77,8 +88,13 @@ class Own(NamedTuple):
 
 
 def document(target: Path, title: str, said: str, found: Mapping[str, Any], own: Own | None = None) -> Path:
-    """Write a page. said : its verdict, as HTML. found : what its scripts read, with `notes` for the reader. own :
-    None: what pages of grasps have. Raises InputError for a file that cannot be written.
+    """Write one HTML file that holds words, data and scripts of a page, and return it.
+
+    target : the file, checked already. title : not yet HTML; "" for none. said : the verdict, as HTML.
+    found : what the page's scripts read, with `notes` for the reader.
+    own : texts of this kind of page; None: those of a grasp.
+
+    Raises InputError for a file that cannot be written.
     """
     if own is None:
         stage, tables = web_files("stage.html", "tables.html")
@@ -97,7 +113,7 @@ def document(target: Path, title: str, said: str, found: Mapping[str, Any], own:
 
 
 def _short(value: Any) -> Any:
-    """With six digits for each number."""
+    """The same data with six digits for each number."""
     if isinstance(value, dict):
         return {k: _short(v) for k, v in value.items()}
     if isinstance(value, list):
@@ -116,7 +132,7 @@ _HEADS = {"warning": "Warning", "advice": "Advice"}
 
 
 def _verdict(v: Verdict) -> str:
-    """The word, and its reasons."""
+    """A verdict as HTML: its word and its reasons."""
     return _said(v.word, ((_HEADS.get(r.severity, ""), r.severity, f"{r.sentence}.") for r in v.reasons))
 
 
@@ -126,7 +142,7 @@ def _outcome(loading: Loading) -> str:
 
 
 def _said(word: str, lines: Iterable[tuple[str, str, str]]) -> str:
-    """A word with lines of (head, severity, sentence)."""
+    """A word and a list of sentences as HTML. lines : (head, severity, sentence) of each."""
     items = "".join(
         f'<li class="{escape(severity)}">{f"<b>{head}:</b> " if head else ""}{escape(_capital(text))}</li>'
         for head, severity, text in lines

@@ -24,15 +24,23 @@ MOST = 150  # steps of a loading that a page keeps
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """World axes unless said; n contacts.
+    """A grasp with n contacts at one moment, in world axes unless said otherwise.
 
-    label : when it is. positions (n, 3) [m]. axes (n, 3, 3) : contact axes in columns. forces (n, 3) [N], torsion (n,)
-    [N·m] about the normals, slip (n, 2) [m], gap (n,) [m] : contact axes; None of them is NaN. used (n,) : share of the
-    friction limit, NaN for none. states (n,) : "sticking", "sliding", "separated"; "" without an answer.
-    load (3,) [N], moment (3,) [N·m] : on the object at the point acts_at (3,), weights included. torques (nv,) [N·m],
-    q (nv,) : of the joints; None without a hand. object : a pin.SE3, the object's motion from where it was drawn.
-    slid (n,) : how far the object has slid past each, the length of its way [m]. friction (n,) : of the contacts, in
-    words, where there is no answer.
+    label : when it is.
+    positions (n, 3) : of the contacts [m].
+    axes (n, 3, 3) : contact axes in columns.
+    forces (n, 3) : on the object [N], contact axes; never NaN.
+    torsion (n,) : moments about the normals [N·m]; never NaN.
+    slip (n, 2) : of the object along the tangents [m]; never NaN.
+    gap (n,) : along the normals [m]; never NaN.
+    used (n,) : share of the friction limit; NaN for none.
+    states (n,) : "sticking", "sliding", "separated"; "" without an answer.
+    load (3,), moment (3,) : on the object [N, N·m] at the point acts_at (3,) [m], weights included.
+    torques (nv,) : of the joints [N·m]; None without a hand.
+    q (nv,) : posture of the joints [rad, m]; None without a hand.
+    object : a pin.SE3, the object's motion from where it was drawn.
+    slid (n,) : how far the object has slid past each contact, the length of its way [m].
+    friction (n,) : of the contacts, in words, where there is no answer.
     """
 
     label: str
@@ -55,7 +63,10 @@ class Snapshot:
 
 
 def of_solution(grasp: Grasp, s: GraspSolution, acts_at: Array) -> Snapshot:
-    """Squeeze and load at once, about the grasp's posture."""
+    """The snapshot of one solve: squeeze and load at once, in the grasp's posture.
+
+    acts_at (3,) : the point at which the load is drawn [m], world axes.
+    """
     scene, held = grasp.scene, s.held
     n, none = scene.n, np.zeros(scene.n)
     torsion = none if s.torsion is None or not held else s.torsion
@@ -64,12 +75,24 @@ def of_solution(grasp: Grasp, s: GraspSolution, acts_at: Array) -> Snapshot:
     slip = s.slip if held else np.zeros((n, 2))
     slides = np.array([kind == "sliding" for kind in s.contact_state])
     return Snapshot(
-        "all at once", scene.positions, grasp.frames, forces, torsion,
-        slip, s.gap if held else none, friction_used(grasp.scene, forces, torsion),
-        s.contact_state if held else ("",) * n, scene.force, scene.moment - np.cross(acts_at, scene.force), acts_at,
-        getattr(s, "torques", None) if held else None, None if state is None else state.q, pin.SE3.Identity(),
-        np.hypot(*slip.T) * slides, tuple([f"μ = {c.mu:g}" if c.mu else "frictionless" for c in grasp.contacts]),
-    )  # fmt: skip
+        label="all at once",
+        positions=scene.positions,
+        axes=grasp.frames,
+        forces=forces,
+        torsion=torsion,
+        slip=slip,
+        gap=s.gap if held else none,
+        used=friction_used(grasp.scene, forces, torsion),
+        states=s.contact_state if held else ("",) * n,
+        load=scene.force,
+        moment=scene.moment - np.cross(acts_at, scene.force),
+        acts_at=acts_at,
+        torques=getattr(s, "torques", None) if held else None,
+        q=None if state is None else state.q,
+        object=pin.SE3.Identity(),
+        slid=np.hypot(*slip.T) * slides,
+        friction=tuple([f"μ = {c.mu:g}" if c.mu else "frictionless" for c in grasp.contacts]),
+    )
 
 
 def steps_shown(loading: Loading) -> list[int]:
@@ -79,8 +102,10 @@ def steps_shown(loading: Loading) -> list[int]:
 
 
 def at_steps(loading: Loading, acts_at: Array, posture: Any) -> list[Snapshot]:
-    """The steps shown. acts_at (3,) : where the load is drawn at the start. posture : the hand's, or None. Slips are
-    those since the start.
+    """Snapshots of the steps of a loading that a page keeps, with the slips since the start.
+
+    acts_at (3,) : the point at which the load is drawn at the start [m], world axes; it moves with the object.
+    posture : of the hand at the start; None without a hand.
     """
     steps, used = loading.steps, loading.steps.friction_used
     follows, hand = steps.geometry.follows, steps.grasp.spec.mechanism is not None
@@ -93,11 +118,26 @@ def at_steps(loading: Loading, acts_at: Array, posture: Any) -> list[Snapshot]:
         q = None
         if posture is not None:
             q = state.where.q if follows else posture.q
-        found.append(Snapshot(
-            _when(loading, k), state.iterate.positions, state.iterate.frames, state.read.forces, state.read.torsion,
-            steps.slid_from[k], steps.gap[k], used[k], state.kinds, force, state.loads.moment - np.cross(at, force), at,
-            state.read.torque if hand else None, q, moved, steps.slid[k],
-        ))  # fmt: skip
+        found.append(
+            Snapshot(
+                label=_when(loading, k),
+                positions=state.iterate.positions,
+                axes=state.iterate.frames,
+                forces=state.read.forces,
+                torsion=state.read.torsion,
+                slip=steps.slid_from[k],
+                gap=steps.gap[k],
+                used=used[k],
+                states=state.kinds,
+                load=force,
+                moment=state.loads.moment - np.cross(at, force),
+                acts_at=at,
+                torques=state.read.torque if hand else None,
+                q=q,
+                object=moved,
+                slid=steps.slid[k],
+            )
+        )
     return found
 
 
@@ -147,7 +187,7 @@ class Frames:
         return ["contact", "state", "normal\nN", "friction\nN", *moment, "of\nlimit", slip, gap]
 
     def to_list(self) -> list[dict[str, Any]]:
-        """Of all snapshots."""
+        """The data of all frames, one dictionary for each snapshot."""
         return [self._frame(s) for s in self.shown]
 
     def _frame(self, s: Snapshot) -> dict[str, Any]:
@@ -158,11 +198,13 @@ class Frames:
             "object": _pose(s.object),
             "contacts": [self._contact(s, i) for i in range(len(s.positions))],
             "load": {
-                "at": s.acts_at, "force": s.load, "moment": s.moment if torque > NO_MOMENT else np.zeros(3),
+                "at": s.acts_at,
+                "force": s.load,
+                "moment": s.moment if torque > NO_MOMENT else np.zeros(3),
                 "says": self._load_says(s.load, torque),
             },
             "torques": s.torques,
-        }  # fmt: skip
+        }
 
     def _joints(self, q: Array) -> list[list[float]]:
         """Poses of all joints of the model, the base first."""
@@ -173,10 +215,16 @@ class Frames:
         moment = float(s.torsion[i])
         R = s.axes[i]
         return {
-            "at": s.positions[i], "axes": R.T, "state": s.states[i], "force": R @ s.forces[i],
-            "normal": float(s.forces[i, 2]), "moment": moment if abs(moment) > NO_MOMENT else 0.0,
-            "slip": R[:, :2] @ s.slip[i], "says": self._says(s, i), "row": self._row(s, i),
-        }  # fmt: skip
+            "at": s.positions[i],
+            "axes": R.T,
+            "state": s.states[i],
+            "force": R @ s.forces[i],
+            "normal": float(s.forces[i, 2]),
+            "moment": moment if abs(moment) > NO_MOMENT else 0.0,
+            "slip": R[:, :2] @ s.slip[i],
+            "says": self._says(s, i),
+            "row": self._row(s, i),
+        }
 
     def _says(self, s: Snapshot, i: int) -> str:
         """Below the contact's name in the picture."""

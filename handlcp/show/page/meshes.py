@@ -63,9 +63,13 @@ _MARK = 0.55  # share of the mark's colour in that of a link inside the object
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """triangles (m, 3, 3) [m], in axes of what moves it when nothing has moved. layer : "hand", "inside" (a link inside
-    the object), "tips" (the shape that finds a contact), "environment", "object". joint : number of the joint that
-    moves it; FIXED: none. before : how many triangles it had.
+    """A solid of a page, with what moves it.
+
+    triangles (m, 3, 3) : corners [m], in axes of what moves it when nothing has moved.
+    layer : "hand", "inside" (a link inside the object), "tips" (the shape that finds a contact), "environment",
+        "object".
+    joint : number of the joint that moves it; -1: none.
+    before : how many triangles it had before it was simplified.
     """
 
     triangles: Array
@@ -150,16 +154,19 @@ _SHORT = 65536  # points that two bytes can number
 
 
 class Meshes:
-    """The shapes of a page."""
+    """All shapes of a page, packed into as few bytes as they need."""
 
     def __init__(self) -> None:
         self._known: dict[bytes, int] = {}
         self._bytes = bytearray()
 
     def add(self, triangles: Array) -> dict[str, Any]:
-        """A shape (m, 3, 3) [m]: low, size: the box that it fills; points: where its points begin, 3 × uint16 each, and
-        how many there are; corners: where its triangles begin, three numbers of points each, and how many there are;
-        wide: whether these are uint32, not uint16.
+        """Store a shape (m, 3, 3) [m], and return how the viewer finds it again:
+
+        low, size : the box that the shape fills [m], axes of the shape.
+        points : where its points begin among the bytes, 3 × uint16 each, and how many there are.
+        corners : where its triangles begin, three numbers of points each, and how many there are.
+        wide : whether these numbers are uint32, not uint16.
         """
         low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
         size = high - low
@@ -168,9 +175,12 @@ class Meshes:
         wide = len(points) > _SHORT
         packed = corners.astype("<u4" if wide else "<u2")
         return {
-            "low": low, "size": size, "points": [self._at(points.astype("<u2").tobytes()), len(points)],
-            "corners": [self._at(packed.tobytes()), len(corners)], "wide": wide,
-        }  # fmt: skip
+            "low": low,
+            "size": size,
+            "points": [self._at(points.astype("<u2").tobytes()), len(points)],
+            "corners": [self._at(packed.tobytes()), len(corners)],
+            "wide": wide,
+        }
 
     def packed(self) -> str:
         """All of them, gzip in base64."""

@@ -22,9 +22,12 @@ def web_files(*names: str, package: str = "handlcp.show.page") -> list[str]:
 
 
 def write(target: Path, frame: str, title: str, style: str, parts: Mapping[str, str]) -> Path:
-    """Write a page: its frame, where each {{name}} stands for a part. title : not yet HTML. style : after that of all
-    pages. parts : the others, as HTML; what `data_of` gives is safe, too. Raises InputError for a file that cannot be
-    written.
+    """Fill in the frame of a page, in which each {{name}} stands for a part, write it and return the file.
+
+    title : not yet HTML. style : CSS that comes after that of all pages. parts : by name, as HTML; what `data_of` gives
+    is safe, too.
+
+    Raises InputError for a file that cannot be written.
     """
     style = web_files("style.css")[0] + style
     every = {"title": escape(title), "style": style, "made": f"handlcp {escape(VERSION)}", **parts}

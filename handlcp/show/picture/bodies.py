@@ -16,7 +16,7 @@ from handlcp.hand import HandGrasp, HandState
 from handlcp.hand.objects.surface import Closed
 from handlcp.hand.robot.posture import Posture
 from handlcp.hand.robot.source.description import COLLISION, VISUAL
-from handlcp.show.picture import shapes
+from handlcp.show.picture.shapes import box, capsule, hull, of_coal, placed
 
 Colour = tuple[float, float, float]  # red, green, blue from 0 to 1
 
@@ -25,8 +25,11 @@ HAND, OBJECT, ENVIRONMENT = (0.62, 0.65, 0.69), (0.90, 0.70, 0.30), (0.80, 0.78,
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """triangles (m, 3, 3) [m], world axes. label : for the legend. link : the name of a hand's link, "" for others.
-    marked : whether to mark it.
+    """A solid of a picture, as triangles of one colour.
+
+    triangles (m, 3, 3) : corners [m], world axes.
+    label : for the legend. link : the name of a hand's link, "" for others.
+    marked : whether it is marked, as a link inside the object is.
     """
 
     triangles: Array
@@ -40,11 +43,11 @@ def object_body(grasp: Grasp, obj: Any = None) -> Body | None:
     """The object; the hull of the contacts where the object is not known; None where they span no volume."""
     obj = getattr(grasp, "target", None) if obj is None else obj
     if obj is not None:
-        known = obj.triangles if obj.triangles is not None else shapes.of_coal(obj.geometry)
+        known = obj.triangles if obj.triangles is not None else of_coal(obj.geometry)
         if known is not None:
-            return Body(shapes.placed(known, obj.placement), OBJECT, "object")
-    hull = shapes.hull(grasp.scene.positions, 0.3 * grasp.scene.units.length)
-    return None if hull is None else Body(hull, OBJECT, "hull of the contacts")
+            return Body(placed(known, obj.placement), OBJECT, "object")
+    around = hull(grasp.scene.positions, 0.3 * grasp.scene.units.length)
+    return None if around is None else Body(around, OBJECT, "hull of the contacts")
 
 
 def stub_bodies(grasp: Grasp) -> list[Body]:
@@ -53,7 +56,7 @@ def stub_bodies(grasp: Grasp) -> list[Body]:
     r = 0.08 * size
     fingers = grasp.scene.n - grasp.scene.environment
     pairs = zip(grasp.scene.positions[:fingers], grasp.scene.frames[:fingers, :, 2], strict=True)
-    return [Body(shapes.capsule(p - n * 0.75 * size, p - n * r, r), HAND) for p, n in pairs]
+    return [Body(capsule(p - n * 0.75 * size, p - n * r, r), HAND) for p, n in pairs]
 
 
 def environment_bodies(grasp: Grasp) -> list[Body]:
@@ -66,7 +69,7 @@ def environment_bodies(grasp: Grasp) -> list[Body]:
         local = (scene.positions[left] - p) @ R
         same = (abs(local[:, 2]) < 1e-2 * size) & (scene.frames[left][:, :, 2] @ R[:, 2] > 1 - 1e-6)
         low, high = local[same, :2].min(axis=0) - 0.5 * size, local[same, :2].max(axis=0) + 0.5 * size
-        slab = shapes.box([*(high - low), thick]) + np.array([*(low + high) / 2, -thick / 2])
+        slab = box([*(high - low), thick]) + np.array([*(low + high) / 2, -thick / 2])
         out.append(Body(slab @ R.T + p, ENVIRONMENT))
         left = [i for i, there in zip(left, same.tolist(), strict=True) if not there]
     return out
@@ -81,7 +84,10 @@ _APART = 0.03  # of the grasp's size: a contact farther than this from what is d
 
 
 def hand_bodies(state: HandState) -> list[Body]:
-    """All links: visual geometry, else collision geometry, else rods from joint to joint; `Body.link` names them."""
+    """The hand's links as solids; `Body.link` names them.
+
+    Each has its visual geometry, else its collision geometry, else rods from joint to joint.
+    """
     found = list[Body]()
     for kind in (VISUAL, COLLISION):
         found += _links(state, kind, {b.link for b in found})
@@ -116,8 +122,8 @@ def tip_shapes(grasp: Grasp, bodies: Sequence[Body]) -> list[Array]:
         except HandLCPError:
             continue
         R, t = state.tip_rotations[tip], state.tip_positions[tip]
-        placed = [(shapes.of_coal(s.geometry), s) for s in known]
-        here = [(tri @ s.rotation.T + s.translation) @ R.T + t for tri, s in placed if tri is not None]
+        own = [(of_coal(s.geometry), s) for s in known]
+        here = [(tri @ s.rotation.T + s.translation) @ R.T + t for tri, s in own if tri is not None]
         if here and min(_distance(p, tri) for tri in here) < 0.5 * off:
             out += here
     return out
@@ -140,7 +146,7 @@ def _links(state: Posture, kind: str, known: set[str]) -> Iterator[Body]:
         return
     placements, _ = kinematics.frames_at(state.q, [part.frame for part in parts])
     for part, at in zip(parts, placements, strict=True):
-        if (triangles := shapes.of_coal(part.shape)) is not None:
+        if (triangles := of_coal(part.shape)) is not None:
             local = triangles @ part.rotation.T + part.position
             link = kinematics.model.frames[part.frame].name
             yield Body(local @ at[:3, :3].T + at[:3, 3], _tint(part.colour), link=link)
@@ -167,4 +173,4 @@ def _sticks(state: HandState, known: set[str]) -> Iterator[Body]:
     for joint, a, b in ends:
         if joint not in solid and np.linalg.norm(b - a) > 1e-6 * size:
             names = [f.name for f in model.frames if f.parentJoint == joint and f.type == pin.FrameType.BODY]
-            yield Body(shapes.capsule(a, b, _ROD * size), HAND, link=names[0] if names else "")
+            yield Body(capsule(a, b, _ROD * size), HAND, link=names[0] if names else "")

@@ -13,8 +13,8 @@ from handlcp.grasp.model.contact import frame as frame_about
 from handlcp.hand import HandGrasp
 from handlcp.lcp.compiler.when import at_once
 from handlcp.lcp.kernels.dense import kernel
-from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import Body
+from handlcp.show.picture.shapes import coarse
 
 # ----------------------------------------------------------------
 # The depth buffer behind the pictures, in one compiled loop.
@@ -82,19 +82,24 @@ UP = np.array([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True, slots=True)
 class Camera:
-    """axes (3, 3): rows are screen right, screen up and the direction towards the viewer, world axes."""
+    """An orthographic camera, given by its axes alone.
+
+    axes (3, 3) : rows are screen right, screen up and the direction towards the viewer, world axes.
+    """
 
     axes: Array
 
     def project(self, points: Array) -> Array:
-        """(…, 3) → (…, 2) screen coordinates [m]."""
+        """Screen coordinates (…, 2) [m] of points (…, 3) [m], world axes: right and up."""
         return np.asarray(points @ self.axes[:2].T)
 
 
 @dataclass(frozen=True, slots=True)
 class Marks:
-    """points (n, 3) that should lie apart on the screen. load (m, 3) : points along the load's arrow. forces
-    (n, k, 3) : points along the first halves of the forces' arrows, which it should not cover. Empty: there are none.
+    """What should lie apart on the screen, as points [m] in world axes; empty where there is none.
+
+    points (n, 3) : each apart from the others. load (m, 3) : along the load's arrow, which should not cover
+    forces (n, k, 3) : along the first halves of the forces' arrows.
     """
 
     points: Array
@@ -111,9 +116,11 @@ class Marks:
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """box (x0, x1, y0, y1) : limits of the picture on the screen [m]. inner : the same of the scene without labels.
+    """The limits of a picture on the screen, and its scale on paper.
 
-    inch : metres on the screen that are one inch on paper. cut : whether parts of the hand lie beyond `inner`.
+    box : limits x0, x1, y0, y1 of the picture [m], screen axes. inner : the same of the scene without labels.
+    inch : metres on the screen that are one inch on paper.
+    cut : whether parts of the hand lie beyond `inner`.
     """
 
     box: tuple[float, float, float, float]
@@ -151,8 +158,15 @@ def camera_for(grasp: Grasp, solids: Sequence[Body], glass: Body | None, marks: 
     return _best(marks, scene.frames[:, :, 2], solids, glass, up, scene.units.length)
 
 
-def frame(camera: Camera, solids: Sequence[Body], glass: Body | None, reach: Array, inches: tuple[float, float],
-          margin: float, least: float = 0.0) -> Frame:  # fmt: skip
+def frame(
+    camera: Camera,
+    solids: Sequence[Body],
+    glass: Body | None,
+    reach: Array,
+    inches: tuple[float, float],
+    margin: float,
+    least: float = 0.0,
+) -> Frame:
     """Limits around the object and the points of `reach` (k, 3), and around the hand unless that makes them small.
 
     inches : (width, height) of the picture on paper. margin : inches at each side for labels. least : metres that are
@@ -186,8 +200,8 @@ def frame(camera: Camera, solids: Sequence[Body], glass: Body | None, reach: Arr
 def _best(marks: Marks, arrows: Array, solids: Sequence[Body], glass: Body | None, up: Array, size: float) -> Camera:
     """The side where marks lie apart, arrows (k, 3; unit vectors) keep their length, and the object is seen."""
     first, second, _ = frame_about(up).T
-    hand = shapes.coarse(np.concatenate([b.triangles for b in solids]), GRAIN * size) if solids else np.zeros((0, 3, 3))
-    shape = None if glass is None else shapes.coarse(glass.triangles, GRAIN * size)
+    hand = coarse(np.concatenate([b.triangles for b in solids]), GRAIN * size) if solids else np.zeros((0, 3, 3))
+    shape = None if glass is None else coarse(glass.triangles, GRAIN * size)
     views: list[tuple[float, Camera]] = []  # without what is seen of the object, which takes longest
     for elevation in ELEVATIONS:
         for azimuth in np.arange(0.0, 360.0, STEP) + 5.0:

@@ -29,22 +29,37 @@ _AIM = 0.05  # of the escape's speed: what is less of a shift or of a turn is no
 
 
 class Content:
-    """All vectors are in world axes; an arrow that is not drawn is zero. around : the grasp whose environment is drawn,
-    for an object that has moved already; None: this one, with the object where it stands before it moves.
+    """What a picture of a solved grasp shows, in world axes; an arrow that is not drawn is zero.
 
-    solids, glass : opaque bodies, and the translucent object or None. colours : (n) by contact state. tips : shapes of
-    fingertips that touch where nothing is drawn. inside : names of links inside the object, and how deep [m].
-    per_newton : length of a force arrow [m/N]. forces (n, 3) : their arrows [m]. load [N], its arrow `pull` [m] and its
-    torque `twist` (3,) [N·m] about acts_at (3,), where the arrows on the object start. turns : contact → its moment.
-    escape, escape_turn : the motion in which the object escapes. ghost : the object after its motion, where that can
-    be seen.
-    slips : contact → arrow of its slip [m], where it slides; slip_factor : how much larger than life.
+    around : the grasp whose environment is drawn, for an object that has moved already; None: this one, with the object
+        where it stands before it moves.
+    solids : opaque bodies.
+    glass : the translucent object; None where it is not known.
+    colours (n,) : of the contacts, by their state.
+    tips : shapes of fingertips that touch where nothing is drawn.
+    inside : names of links inside the object, and how deep they are [m].
+    per_newton : length of a force arrow [m/N].
+    forces (n, 3) : arrows of the contact forces [m].
+    load : size of the force on the object [N].
+    pull (3,) : its arrow [m].
+    twist (3,) : torque of the load [N·m] about acts_at (3,) [m], where the arrows on the object start.
+    turn : arc of that torque.
+    turns : contact → arc of its moment.
+    escape (3,) : arrow of the motion in which the object escapes [m].
+    escape_turn : its arc.
+    ghost : triangles of the object after its motion, where that can be seen.
+    slips : contact → arrow of its slip [m], where it slides.
+    slip_factor : how much larger than life slips are.
     """
 
     def __init__(
-        self, grasp: Grasp, solution: GraspSolution, obj: Any, around: Grasp | None = None,
+        self,
+        grasp: Grasp,
+        solution: GraspSolution,
+        obj: Any,
+        around: Grasp | None = None,
         verdict: Verdict | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.grasp, self.solution, scene, s = grasp, solution, grasp.scene, solution
         self.size = size = scene.units.length
         self._bodies(obj, around, s.verdict if verdict is None else verdict)
@@ -154,8 +169,10 @@ class Content:
     @cached_property
     def drawn(self) -> list[int]:
         """Contacts that are drawn: all, but of those on links the ones that press. Many never touch."""
-        press = [not self.grasp.spec.links or not self.solution.held or state != "separated"
-                 for state in self.solution.contact_state]  # fmt: skip
+        press = [
+            not self.grasp.spec.links or not self.solution.held or state != "separated"
+            for state in self.solution.contact_state
+        ]
         return np.flatnonzero(press).tolist()
 
     def marks(self) -> Marks:

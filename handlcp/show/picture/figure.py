@@ -17,9 +17,9 @@ from handlcp.check import Array, Bools
 from handlcp.grasp import Grasp, GraspSolution, Verdict
 from handlcp.hand import Candidate
 from handlcp.show.file import Figure, new_figure
-from handlcp.show.picture import labels
 from handlcp.show.picture.camera import Camera, Frame, frame
 from handlcp.show.picture.content import ESCAPE, LOAD, SLIP, Content
+from handlcp.show.picture.labels import LETTERS, Label, place, room, widest
 from handlcp.show.picture.overlay import Overlay, nice
 from handlcp.show.picture.painter import creases, paint
 from handlcp.show.picture.panel import (
@@ -43,7 +43,9 @@ ASIDE = 0.16  # inches between two arrows that would cover each other
 def draw(
     grasp: Grasp, solution: GraspSolution, obj: Any = None, title: str = "", verdict: Verdict | None = None
 ) -> Figure:
-    """The figure. obj : what to draw as the object when the grasp does not know it; None: the hull of the contacts.
+    """Draw a solved grasp as one figure: hand, object, forces, legend and verdict.
+
+    obj : what to draw as the object when the grasp does not know it; None: the hull of the contacts.
     verdict : of `check`; None: the solution's. Where the solution is the last step of the loading that `check`
     followed, the environment stays where it was, and what is drawn is said to be the end.
 
@@ -67,9 +69,15 @@ def compose(figure: Figure, shown: Content, head: float) -> None:
 
 
 def stage(
-    ax: Any, shown: Content, reach: Array, inches: tuple[float, float], margin: float, dpi: float = DPI,
-    camera: Camera | None = None, least: float = 0.0,
-) -> tuple[Overlay, Frame, Bools]:  # fmt: skip
+    ax: Any,
+    shown: Content,
+    reach: Array,
+    inches: tuple[float, float],
+    margin: float,
+    dpi: float = DPI,
+    camera: Camera | None = None,
+    least: float = 0.0,
+) -> tuple[Overlay, Frame, Bools]:
     """Solids and object, with the points of `reach` (k, 3) in sight; returns what draws over them, the limits on the
     screen, and which contacts the viewer does not see. camera : None: the grasp's own. Others as in `frame`.
     """
@@ -82,15 +90,15 @@ def stage(
 def _scene(figure: Any, shown: Content, head: float) -> list[Entry]:
     """The picture proper, below `head` (a share of the height); returns its legend."""
     inches = (WIDTH * SCENE, HEIGHT * (head - 0.02))
-    said = contact_labels(shown, labels.room(inches[1]))
+    said = contact_labels(shown, room(inches[1]))
     ax = figure.add_axes((0.005, 0.01, SCENE, head - 0.02))
-    names = shortened([name for _, name, _ in said], labels.LETTERS)
-    margin = min(0.30 + labels.widest(figure, names, [detail for _, _, detail in said]), 0.36 * inches[0])
+    names = shortened([name for _, name, _ in said], LETTERS)
+    margin = min(0.30 + widest(figure, names, [detail for _, _, detail in said]), 0.36 * inches[0])
     over, view, hidden = stage(ax, shown, shown.reach(), inches, margin)
     unseen = _arrows(over, shown, hidden)
     at = shown.camera.project(shown.grasp.scene.positions)
-    written = [labels.Label(at[list(who)], name, detail, shown.colours[who[0]]) for who, name, detail in said]
-    labels.place(ax, written, view)
+    written = [Label(at[list(who)], name, detail, shown.colours[who[0]]) for who, name, detail in said]
+    place(ax, written, view)
     _scales(over, shown, view)
     return entries(shown, unseen, bool(hidden[shown.drawn].any()))
 
@@ -197,8 +205,11 @@ def _content(candidate: Candidate) -> Content:
 
 def _small(
     ax: Any, shown: Content, dpi: float, camera: Camera | None = None, least: float = 0.0, share: float = 1.0
-) -> None:  # fmt: skip
-    """camera, least : as of `stage`. share : of the lengths of arrows."""
+) -> None:
+    """Draw a small picture without numbers: hand, object and forces.
+
+    camera, least : as of `stage`. share : factor on the lengths of arrows.
+    """
     over, _, hidden = stage(ax, shown, shown.reach(), (CELL, CELL), _MARGIN, dpi, camera, least)
     if shown.load > 0:
         over.arrow(shown.acts_at, share * shown.pull, LOAD, 1.6)

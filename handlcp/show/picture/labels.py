@@ -17,17 +17,16 @@ NAME, DETAIL = 10.5, 9.5  # points
 LETTERS = 24  # of a name
 ABOVE = 0.05  # inches from the picture's upper edge to the columns
 BELOW_LEFT, BELOW_RIGHT = 1.05, 0.62  # inches from its lower edge, where axes and scales are
-ASIDE, BEND, GAP = (
-    0.10,
-    0.12,
-    0.06,
-)  # inches: from the picture to a column, the level part of a line, from it to the text
+ASIDE = 0.10  # inches from the picture to a column
+BEND, GAP = 0.12, 0.06  # inches: the level part of a line, from there to the text
 
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """name in `colour`, and `detail` below it. at (k, 2) : screen points that the label belongs to; its line leads to
-    the nearest one.
+    """The label of one contact, or of several that share it.
+
+    at (k, 2) : screen points that the label belongs to [m]; its line leads to the nearest one.
+    name : written in `colour`. detail : written below it.
     """
 
     at: Array
@@ -110,8 +109,8 @@ def _draw(ax: Any, label: Label, name: str, end: Array, where: tuple[float, floa
 
     start, bend, y, aside = where
     casing = [patheffects.withStroke(linewidth=2.6, foreground="white", alpha=0.85)]
-    ax.plot([start, bend, end[0]], [y, y, end[1]], path_effects=casing, color=label.colour, linewidth=0.9,
-            zorder=5, solid_capstyle="round")  # fmt: skip
+    line: dict[str, Any] = {"path_effects": casing, "linewidth": 0.9, "zorder": 5, "solid_capstyle": "round"}
+    ax.plot([start, bend, end[0]], [y, y, end[1]], color=label.colour, **line)
     beside = {"x": start + aside, "ha": "right" if aside < 0 else "left", "zorder": 9}
     gap = abs(aside) / GAP
     ax.text(y=y + 0.01 * gap, s=name, va="bottom", color=label.colour, fontsize=NAME, weight="bold", **beside)

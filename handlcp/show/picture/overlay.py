@@ -23,8 +23,10 @@ _POINTS = 60
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """centre (3,) [m], axis (3,) unit, in the sense of a right-hand screw. radius [m]. share : of the largest moment
-    that is drawn in this way, from 0 to 1, which is the arc's length.
+    """A moment or a turn as an arc about its axis, in the sense of a right-hand screw.
+
+    centre (3,) : [m], world axes. axis (3,) : a unit vector. radius : [m]. share : of the largest moment that is drawn
+    in this way, from 0 to 1, which makes the length of the arc.
     """
 
     centre: Array
@@ -139,7 +141,7 @@ class Overlay:
         self.ax.add_patch(Polygon(points, closed=True, zorder=6.1, **style))
 
     def dot(self, point: Array, colour: str, hollow: bool = False) -> None:
-        """A contact; hollow: one that a surface hides."""
+        """Draw the point of a contact (3,) [m]. hollow : whether a surface hides it."""
         p = self.camera.project(point)
         face, edge, width = ("white", colour, 1.6) if hollow else (colour, "white", 0.9)
         style = {"markersize": 5.5, "markerfacecolor": face, "markeredgecolor": edge, "markeredgewidth": width}
@@ -150,14 +152,8 @@ class Overlay:
         from matplotlib.patches import Polygon
 
         body = _outline(self.camera.project(triangles).reshape(-1, 2))
-        style: dict[str, Any] = {
-            "closed": True,
-            "edgecolor": INK,
-            "linewidth": 0.9,
-            "linestyle": (0, (3, 1.5)),
-            "zorder": 2.5,
-        }
-        self.ax.add_patch(Polygon(body, facecolor=(1.0, 1.0, 1.0, 0.30), **style))
+        style: dict[str, Any] = {"edgecolor": INK, "linewidth": 0.9, "linestyle": (0, (3, 1.5)), "zorder": 2.5}
+        self.ax.add_patch(Polygon(body, closed=True, facecolor=(1.0, 1.0, 1.0, 0.30), **style))
 
     def edges(self, lines: Array, colour: str) -> None:
         """Dashed lines (k, 2, 3) in space."""

@@ -25,8 +25,11 @@ TINT, STRIPED = 0.22, 0.75  # opacity of the mark on links inside the object, an
 MARK = np.array(rgb(RED))
 _ON, _BACK, _ALL = slice(1, None), slice(None, -1), slice(None)
 # Samples of an image, and those beside them in each of four ways
-_BESIDE = tuple((a, b) for one, two in (((_ON, _ALL), (_BACK, _ALL)), ((_ALL, _ON), (_ALL, _BACK)))
-                for a, b in ((one, two), (two, one)))  # fmt: skip
+_BESIDE = tuple(
+    (a, b)
+    for one, two in (((_ON, _ALL), (_BACK, _ALL)), ((_ALL, _ON), (_ALL, _BACK)))
+    for a, b in ((one, two), (two, one))
+)
 STRIPE = 12 * OVER  # samples from one stripe of hatching to the next
 
 
@@ -144,7 +147,10 @@ def _ribbons(lines: Array, lift: float) -> Array:
 
 
 def creases(camera: Camera, triangles: Array) -> Array:
-    """(k, 2, 3) edges to draw: sharp ones on the near side, and the outline."""
+    """The edges (k, 2, 3) of a body [m] that are drawn: its outline, and sharp ones on the near side.
+
+    triangles (m, 3, 3) : of the body [m], world axes.
+    """
     n = _normals(triangles)
     t, n = triangles[n.any(axis=1)], n[n.any(axis=1)]
     ends = np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]])

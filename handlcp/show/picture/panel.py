@@ -25,7 +25,7 @@ from handlcp.show.style import (
     opening,
     shortened,
     wrapped,
-)  # fmt: skip
+)
 
 # kind ("patch", "hatch", "outline", "cone", "dot", "ring", "line", "dashed", "dashed-thin", "turn", "none"), colour,
 # and text
@@ -203,7 +203,10 @@ def _detail(shown: Content, i: int) -> str:
 
 
 def entries(shown: Content, unseen: Unseen, hidden: bool) -> list[Entry]:
-    """The legend. hidden : whether a contact point is behind object or hand."""
+    """The lines of a picture's legend: solids, contacts, load, motion.
+
+    unseen : what is too small to draw. hidden : whether a contact point is behind object or hand.
+    """
     return [
         *_bodies(shown),
         *_contacts(shown, hidden),

@@ -18,15 +18,18 @@ from handlcp.keywords import helped
 from handlcp.progress import told
 from handlcp.show.file import new_figure
 from handlcp.show.page.written import image, web_files, write
+from handlcp.show.picture.figure import alike
 from handlcp.show.report.told import SCALES, asked, best_of, better, differences
 from handlcp.write_file import check_destination
 
 _GOOD, _DOUBT = "HELD", "UNDECIDED"
 # Of each object: attribute of its case, its words, unit, and whether more is better
 _OF_OBJECT = (
-    ("payload", "payload", "kg", True), ("force", "largest force", "N", False),
-    ("torque_used", "torque used", "%", False), ("motion", "moves", "mm", False),
-)  # fmt: skip
+    ("payload", "payload", "kg", True),
+    ("force", "largest force", "N", False),
+    ("torque_used", "torque used", "%", False),
+    ("motion", "moves", "mm", False),
+)
 
 
 @helped()
@@ -53,7 +56,7 @@ def report(hands: Any, brief: Brief, path: Any) -> Path:
 
 
 def _named(hands: Any) -> dict[str, Hand]:
-    """By name. Raises InputError."""
+    """The hands of a report by their names, checked. Raises InputError."""
     expected = "at least two hands, or a mapping of names to them"
     if isinstance(hands, Mapping):
         named = {str(name): hand for name, hand in hands.items()}
@@ -77,7 +80,7 @@ def _page(path: Any) -> Path:
 
 
 def _parts(hands: Mapping[str, Hand], brief: Brief, found: Mapping[str, Evaluation]) -> dict[str, str]:
-    """The page's, as HTML."""
+    """The parts of the report's page, as HTML."""
     differ = differences(hands)
     return {
         "verdicts": "".join(_in_all(name, done) for name, done in found.items()),
@@ -114,8 +117,6 @@ def _chip(word: str) -> str:
 
 def _pictures(brief: Brief, found: Mapping[str, Evaluation]) -> str:
     """A row for each object, a picture in it for each hand."""
-    from handlcp.show.picture.figure import alike  # pictures alone need matplotlib
-
     rows = []
     for name in brief.objects:
         cases = [done.cases[name] for done in found.values()]

@@ -18,10 +18,12 @@ _ALIKE = 0.01  # numbers that differ by a smaller share are alike
 
 # What hands are compared by: attribute of an evaluation, what the better one does, unit, and whether more is better
 _BETTER = (
-    ("payload", "carries more", "kg", True), ("factor", "holds its loads more times", "×", True),
-    ("force", "presses less hard", "N", False), ("torque_used", "uses less of its torque limits", "%", False),
+    ("payload", "carries more", "kg", True),
+    ("factor", "holds its loads more times", "×", True),
+    ("force", "presses less hard", "N", False),
+    ("torque_used", "uses less of its torque limits", "%", False),
     ("motion", "lets objects move less", "mm", False),
-)  # fmt: skip
+)
 SCALES = {"%": 100.0, "mm": 1e3}
 
 
@@ -33,9 +35,8 @@ def asked(brief: Brief) -> list[str]:
     if brief.acceleration:
         said.append(f"The hand speeds up by {brief.acceleration:g} m/s²")
     for name, load in brief.loads.items():
-        said.append(
-            f"Load “{name}”: {_vector(load[:3], 'N')}{_and_torque(load[3:])} beside the weight, the hand upright"
-        )
+        size = f"{_vector(load[:3], 'N')}{_and_torque(load[3:])}"
+        said.append(f"Load “{name}”: {size} beside the weight, the hand upright")
     said.append(f"Friction: {_friction(brief)}")
     said.append(f"The weight, and each load, is to be held {brief.safety:g} times")
     if brief.motion is not None:
@@ -85,7 +86,7 @@ def differences(hands: Mapping[str, Hand]) -> list[tuple[str, ...]]:
         ("fingertips", *[str(sum(tip.taken for tip in d.fingertips)) for d in described]),
         ("mass", *[f"{d.mass:.3g} kg" for d in described]),
         ("size", *[" × ".join(f"{1e3 * x:.0f}" for x in d.size) + " mm" for d in described]),
-    ]  # fmt: skip
+    ]
     return [*[row for row in more if len(set(row[1:])) > 1], *differing(hands)]
 
 

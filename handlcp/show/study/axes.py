@@ -14,8 +14,13 @@ from handlcp.record import UNITS
 
 _NUMBERS = {"palm_radius": "m", "link_radius": "m", "tilt": "rad"}  # of `finger_hand`
 _BRIEF = {
-    "acceleration": "m/s²", "motion": "m", "most_force": "N", "squeeze": "m", "grip_force": "N", "closing_torque": "N·m"
-}  # fmt: skip
+    "acceleration": "m/s²",
+    "motion": "m",
+    "most_force": "N",
+    "squeeze": "m",
+    "grip_force": "N",
+    "closing_torque": "N·m",
+}
 _MANY = 6  # choices of which each has its own tick
 
 

@@ -25,7 +25,12 @@ _FAINT = "#B9BEC4"  # of designs that are not on the front
 
 
 def figure(study: Study, title: str, by: Sequence[str]) -> Figure:
-    """With the front of two columns. Raises InputError, UnknownName; Unsupported without matplotlib."""
+    """Draw the front of two columns of a sweep, its designs as lines, and the main effect of each parameter.
+
+    by : the two columns, with a minus where less is better.
+
+    Raises InputError, UnknownName; Unsupported without matplotlib.
+    """
     by = several("by", by, "two columns")
     if len(by) != 2:
         raise InputError("by", "two columns", f"{len(by)}")
@@ -46,7 +51,8 @@ def figure(study: Study, title: str, by: Sequence[str]) -> Figure:
     _lines(made.add_axes((0.515, bottom, 0.45, high)), study, cube, wanted, on, by)
     effects = {name: main_effect(cube[known, k], _plain(wanted, by)[known, 0]) for k, name in enumerate(free)}
     below = y + TOP + 0.25
-    said = f"{label(by[0])} along each parameter: mean ± standard error, and the share of its variance that it explains"
+    said = f"{label(by[0])} along each parameter: "
+    said += "mean ± standard error, and the share of its variance that it explains"
     said += "" if known.sum() >= _ROUGH else f" (rough: from {known.sum()} designs)"
     made.text(0.018, 1 - below / tall, said, fontsize=TEXT + 0.5, weight="bold", color=INK, va="center")
     _effects(made, study, effects, below + 0.45, tall)
@@ -79,8 +85,8 @@ def _front(ax: Any, study: Study, wanted: Array, on: Bools, by: Sequence[str]) -
     ax.step(x[order], y[order], where="post" if by[0].startswith("-") else "pre", color=BLUE, linewidth=1.2)
     if on.sum() <= _NUMBERED:
         for k in np.flatnonzero(on):
-            ax.annotate(str(study.columns["design"][k]), (x[k], y[k]), (4, 4), textcoords="offset points",
-                        fontsize=SMALL, color=INK)  # fmt: skip
+            number = str(study.columns["design"][k])
+            ax.annotate(number, (x[k], y[k]), (4, 4), textcoords="offset points", fontsize=SMALL, color=INK)
     if not held[np.isfinite(wanted).all(axis=1)].all():
         ax.set_title("hollow: does not hold all that is asked", fontsize=SMALL, color=GREY, loc="right")
 
@@ -143,14 +149,8 @@ def _effects(made: Figure, study: Study, effects: dict[str, MainEffect], top: fl
         if isinstance(entry, Choices):
             ax.errorbar(effect.places, effect.means, effect.errors, fmt="o", color=BLUE, markersize=5, linewidth=1.2)
         else:
-            ax.fill_between(
-                effect.places,
-                effect.means - effect.errors,
-                effect.means + effect.errors,
-                color=BLUE,
-                alpha=0.2,
-                linewidth=0,
-            )
+            below, above = effect.means - effect.errors, effect.means + effect.errors
+            ax.fill_between(effect.places, below, above, color=BLUE, alpha=0.2, linewidth=0)
             ax.plot(effect.places, effect.means, color=BLUE, linewidth=1.6)
         ax.set(xlim=(-0.02, 1.02), ylim=(low - room, high + room))
         ax.set_xticks(*ticks(entry))

@@ -29,8 +29,13 @@ _NUMBERS = ("payload_kg", "factor", "force_N", "torque_Nm", "torque_used", "moti
 
 
 def save(study: Study, path: Any, title: str, by: Sequence[str], most: int) -> Path:
-    """Write the page. Raises InputError for a file that cannot be written, for other than two columns, for a study that
-    does not know how its hands are made, or without a grasp on its front; UnknownName; Unsupported without trimesh.
+    """Write the page of a sweep and return its file.
+
+    by : the two columns whose front is shown, with a minus where less is better. most : designs on the front that can
+    be clicked, at most.
+
+    Raises InputError for a file that cannot be written, for other than two columns, for a study that does not know how
+    its hands are made, or without a grasp on its front; UnknownName; Unsupported without trimesh.
     """
     target = checked_page(path)
     by = several("by", by, "two columns")
@@ -46,9 +51,14 @@ def save(study: Study, path: Any, title: str, by: Sequence[str], most: int) -> P
     stage, tables, style, *scripts = web_files(*_OWN, package="handlcp.show.study")
     own = Own(stage, tables, style, [*web_files(*_SHARED), *scripts, *web_files("opened.js")])
     found = {
-        "designs": designs, "packed": meshes.packed(), "points": _points(study, front, by),
-        "axes": [label(one) for one in by], "notes": _notes(front, shown), "colours": {}, "frames": [],
-    }  # fmt: skip
+        "designs": designs,
+        "packed": meshes.packed(),
+        "points": _points(study, front, by),
+        "axes": [label(one) for one in by],
+        "notes": _notes(front, shown),
+        "colours": {},
+        "frames": [],
+    }
     head = str(study).partition("\n\n")[0].replace("\n", " ")
     return document(target, title or "Designs", f"<p>{escape(head)}</p>", found, own)
 
@@ -70,9 +80,11 @@ def _points(study: Study, front: Study, by: Sequence[str]) -> dict[str, Any]:
     first = [k for k in known if study.columns["design"][k] in on]
     rows = first + others[::step]
     return {
-        "design": [study.columns["design"][k] for k in rows], "x": [x[k] for k in rows], "y": [y[k] for k in rows],
+        "design": [study.columns["design"][k] for k in rows],
+        "x": [x[k] for k in rows],
+        "y": [y[k] for k in rows],
         "front": len(first),
-    }  # fmt: skip
+    }
 
 
 def _design(study: Study, row: dict[str, Any], found: Evaluation, meshes: Meshes) -> dict[str, Any] | None:
@@ -86,11 +98,13 @@ def _design(study: Study, row: dict[str, Any], found: Evaluation, meshes: Meshes
     name = next(name for name, one in found.cases.items() if one is case)
     numbers = [[label(column), row[column]] for column in _NUMBERS if row.get(column) is not None]
     return content(drawn, [of_solution(grasp, solution, drawn.acts_at)], None, None, meshes) | {
-        "design": row["design"], "object": name, "word": case.word,
+        "design": row["design"],
+        "object": name,
+        "word": case.word,
         "parameters": [[_called(key), row[key]] for key in study.names],
         "numbers": numbers,
         "objects": [[key, one.word, one.payload, one.factor, one.at_least] for key, one in found.cases.items()],
-    }  # fmt: skip
+    }
 
 
 def _called(name: str) -> str:

@@ -33,9 +33,11 @@ _G = 9.81  # [m/s²] where the grasp knows no gravity
 class Load:
     """A load in any direction d, beside what the grasp bears anyway.
 
-    of : "force", "torque", "gravity", "wrench". unit : of the factors. grasp : the one that is loaded; without its
-    object's weight where that is what is asked for. at (3,) : where a force acts [m]; NaN for the others but gravity.
-    g : [m/s²] of gravity; 0 for others. mass : of the object [kg]; 0 where it has none.
+    of : "force", "torque", "gravity", "wrench".
+    grasp : the one that is loaded; without its object's weight where that is what is asked for.
+    at (3,) : where a force, or the weight, acts [m], world axes; NaN for torques and wrenches.
+    g : acceleration of gravity [m/s²]; 0 where that is not what is asked for.
+    mass : of the object [kg]; 0 where it has none.
     """
 
     of: str
@@ -46,7 +48,7 @@ class Load:
 
     @property
     def unit(self) -> str:
-        """Of the factors: N, N·m, kg, or "" for multiples of a wrench."""
+        """The unit of the factors: N, N·m, kg, or "" for multiples of a wrench."""
         return _UNITS[self.of]
 
     def wrenches(self, directions: Array) -> Array:
@@ -70,7 +72,7 @@ class Load:
 
 
 def load_of(grasp: Grasp, of: Any, at: Any) -> Load:
-    """See `envelope`. Raises InputError."""
+    """Check what an envelope loads a grasp with. of, at : as in `envelope`. Raises InputError."""
     if not isinstance(of, str) or of not in _UNITS:
         raise InputError("of", '"force", "torque" or "gravity"', repr(of)[:80])
     if at is not None and of != FORCE:
@@ -98,7 +100,9 @@ Binds = tuple[Cause, ...]
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """What is asked along every direction. section : of friction. geometry, motion, turn, accuracy : as in
+    """The question for the largest factor of a load, which is the same along every direction.
+
+    load : what the object is loaded with. section : of the friction limits. geometry, motion, turn, accuracy : as in
     `envelope`.
     """
 
@@ -115,7 +119,7 @@ class Question:
 
     def ask(
         self, directions: Array, given: Array | None, progress: Progress = None
-    ) -> tuple[Array, tuple[Binds, ...], Array]:  # fmt: skip
+    ) -> tuple[Array, tuple[Binds, ...], Array]:
         """(m,) factors, and for each what binds, () where nothing does, and its estimated error. progress : as in
         `envelope`.
 

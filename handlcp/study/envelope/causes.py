@@ -28,8 +28,11 @@ _WHAT = """a number of directions all around, a plane such as "xy" or its normal
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """grid : the directions, and how they are joined. wrenches (m, 6) : where wrenches were given; their forces or
-    torques are no directions, and the grid's points are zero. plane (2, 3) : axes of the plane; None: there is none.
+    """The directions of an envelope, as they were asked for.
+
+    grid : the directions, and how they are joined; points of zero where wrenches were given.
+    wrenches (m, 6) : that were given in place of directions [N, N·m], about the grasp's reference; None without.
+    plane (2, 3) : axes of the plane in which directions lie; None: there is none.
     divides : whether more directions between these would answer the question better.
     """
 
@@ -40,7 +43,10 @@ class Asked:
 
 
 def read_directions(asked: Any) -> Asked:
-    """See `envelope`. Raises InputError."""
+    """Check the directions, the plane or the wrenches of an envelope, in any form that `envelope` takes.
+
+    Raises InputError.
+    """
     if isinstance(asked, (int, np.integer)) and not isinstance(asked, (bool, np.bool_)):
         return Asked(sphere(integer("directions", asked, 1, _MOST)))
     if isinstance(asked, str):
@@ -61,7 +67,7 @@ def read_directions(asked: Any) -> Asked:
 
 
 def _around(plane: Any, count: int) -> Asked:
-    """Around a plane, in its axes."""
+    """Directions all around in a plane, evenly spread. plane : "xy", "yz", "xz" or a normal (3,). Raises InputError."""
     if isinstance(plane, str):
         if plane not in _PLANES:
             raise InputError("directions", _WHAT, repr(plane))
@@ -108,7 +114,7 @@ class Compliance:
 
     @classmethod
     def of(cls, factors: Array, bound: Array, shares: Array) -> Self:
-        """Shares (m,) : what part of all directions each stands for."""
+        """Compare factors (m,) with those of the bound (m,). shares (m,) : of all directions, what each stands for."""
         known = np.flatnonzero(np.isfinite(bound) & (bound > 0.0) & np.isfinite(factors))
         if not len(known):
             return cls(np.nan, np.nan, 0)
@@ -164,7 +170,7 @@ def causes_of(
 
 
 def median(values: Array, shares: Array) -> float:
-    """With these weights."""
+    """The weighted median of values (m,). shares (m,) : the weights."""
     order = np.argsort(values, kind="stable")
     below = np.cumsum(shares[order])
     return float(values[order][np.searchsorted(below, 0.5 * below[-1])])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
@@ -14,8 +15,10 @@ _GOLDEN = (1.0 + np.sqrt(5.0)) / 2.0
 
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """points (m, 3) : unit vectors. cells (k, 3) : triangles, seen from outside counterclockwise; (k, 2) : segments of
-    a circle; (0, 3) : points that nothing joins.
+    """Directions as points of a sphere or a circle, and how they are joined.
+
+    points (m, 3) : unit vectors. cells (k, 3) : numbers of the corners of triangles, counterclockwise from outside;
+    (k, 2) of the ends of segments of a circle; (0, 3) where nothing joins the points.
     """
 
     points: Array
@@ -23,7 +26,7 @@ class Grid:
 
     @property
     def edges(self) -> Ints:
-        """(e, 2) of all cells, each once, the smaller number first."""
+        """Edges (e, 2) of all cells, as numbers of points: each once, the smaller number first."""
         c = self.cells
         pairs = c if c.shape[1] == 2 else np.concatenate([c[:, [0, 1]], c[:, [1, 2]], c[:, [2, 0]]])
         low, high = np.sort(pairs, axis=1).T
@@ -44,8 +47,9 @@ class Grid:
         return np.asarray(np.bincount(self.cells.ravel(), each, m) / size.sum())
 
     def halved(self, cut: Ints) -> Grid:
-        """With a point in the middle of each of these edges (c, 2), numbered from the last point on in their order; all
-        cells that have one of these edges are divided.
+        """The grid with a point in the middle of each of these edges, and with all cells divided that have one of them.
+
+        cut (c, 2) : the edges; the new points are numbered from the last point on in this order.
         """
         middle = self.points[cut].sum(axis=1)
         points = np.concatenate([self.points, middle / np.linalg.norm(middle, axis=1)[:, None]])
@@ -104,16 +108,13 @@ def _icosahedron() -> tuple[Array, Ints]:
     """(12, 3) corners and (20, 3) faces, counterclockwise from outside."""
     corners = np.array([np.roll((0.0, s, t * _GOLDEN), k) for k in range(3) for s in (1, -1) for t in (1, -1)])
     near = np.isclose(np.linalg.norm(corners[:, None] - corners[None], axis=2), 2.0)
-    faces = [
-        (a, b, c) for a in range(12) for b in range(a + 1, 12) for c in range(b + 1, 12)
-        if near[a, b] and near[b, c] and near[a, c]
-    ]  # fmt: skip
+    faces = [(a, b, c) for a, b, c in combinations(range(12), 3) if near[a, b] and near[b, c] and near[a, c]]
     outward = [np.linalg.det(corners[list(f)]) > 0.0 for f in faces]
     return corners, np.array([f if out else f[::-1] for f, out in zip(faces, outward, strict=True)])
 
 
 def _parts(cell: list[int], new: dict[tuple[int, int], int], points: Array) -> list[list[int]]:
-    """The cells that one becomes. new : the middle of each edge that is cut."""
+    """The cells into which one is divided. new : number of the point in the middle of each edge that is cut."""
     if len(cell) == 2:
         a, b = cell
         m = new[min(a, b), max(a, b)]

@@ -27,10 +27,19 @@ _FEW = 100  # directions: followed ones of these take seconds
 
 @helped()
 def envelope(
-    grasp: Grasp, directions: Any = 362, *, of: str = FORCE, at: Any = None, geometry: str | None = None,
-    faces: int | str | Pyramid = "cone", adaptive: int = _ROUNDS, motion: float | None = None,
-    turn: float | None = None, accuracy: float | None = None, progress: Progress = None,
-) -> Envelope:  # fmt: skip
+    grasp: Grasp,
+    directions: Any = 362,
+    *,
+    of: str = FORCE,
+    at: Any = None,
+    geometry: str | None = None,
+    faces: int | str | Pyramid = "cone",
+    adaptive: int = _ROUNDS,
+    motion: float | None = None,
+    turn: float | None = None,
+    accuracy: float | None = None,
+    progress: Progress = None,
+) -> Envelope:
     """How much the grasp holds in each direction, and what gives out first: `grasp.load_limit` along all of them.
 
     directions : an integer: at least so many all around, spread evenly, ±x, ±y and ±z among them. A plane "xy", "yz",

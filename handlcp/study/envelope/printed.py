@@ -18,7 +18,7 @@ _AXES = ("x", "y", "z")
 
 
 def printed(env: Any) -> str:
-    """See `Envelope.__str__`."""
+    """An envelope as the text that prints: see `Envelope.__str__`."""
     if env.strongest.factor == 0.0:
         return "\n".join([wrapped(_head(env), "  "), wrapped(headline(env), "  ")])
     told = (_head(env), *_extremes(env), given_away(env), geometry(env), _accuracy(env))
@@ -27,16 +27,18 @@ def printed(env: Any) -> str:
 
 
 def headline(env: Any) -> str:
-    """One sentence: the weakest direction, and what gives out there."""
+    """The weakest direction and what gives out there, in one sentence."""
     w, left = env.weakest, int(np.isnan(env.factors).sum())
+    where = _way(env, w.number)
     if np.isnan(w.factor):
-        return f"undecided {_way(env, w.number)}: no limit was found, although friction and torque limits end any load"
+        return f"undecided {where}: no limit was found, although friction and torque limits end any load"
     if np.isinf(w.factor):
         return f"{NOTHING}, in no direction"
     if env.strongest.factor == 0.0:
         return f"the grasp does not hold without a load: {_what(env, w)}"
     but = f" but {left} that are undecided" if left else ""
-    return f"the grasp holds {amount(env, w.factor)}{_in_any(env)}{but}; weakest {_way(env, w.number)}: {_what(env, w)}"
+    held = f"the grasp holds {amount(env, w.factor)}{_in_any(env)}{but}"
+    return f"{held}; weakest {where}: {_what(env, w)}"
 
 
 def geometry(env: Any) -> str:
@@ -62,7 +64,7 @@ def _accuracy(env: Any) -> str:
 
 
 def amount(env: Any, factor: float) -> str:
-    """Such as "3.2 N", "0.41 kg (2.1 times the object's)", "1.3 times the wrench"."""
+    """A factor with its unit in words, such as "3.2 N", "0.41 kg (2.1 times the object's)", "1.3 times the wrench"."""
     if np.isnan(factor):
         return "undecided"
     if np.isinf(factor):
@@ -78,7 +80,7 @@ def amount(env: Any, factor: float) -> str:
 
 
 def direction(d: Array) -> str:
-    """Such as "+x", "(0.71, 0, -0.71)"."""
+    """A unit vector (3,) in words, such as "+x" or "(0.71, 0, -0.71)"."""
     k = int(abs(d).argmax())
     if abs(d[k]) > 1.0 - 1e-9:
         return f"{'+' if d[k] > 0 else '-'}{_AXES[k]}"
@@ -95,12 +97,12 @@ def _in_any(env: Any) -> str:
 
 
 def _way(env: Any, k: int) -> str:
-    """Such as "along +x"; of wrenches, which one."""
+    """Direction k of an envelope in words, such as "along +x"; of wrenches, which one."""
     return f"with wrench {k + 1}" if env.of == "wrench" else f"along {direction(env.directions[k])}"
 
 
 def _head(env: Any) -> str:
-    """What was asked."""
+    """The question of an envelope in words: which load, in how many directions."""
     load, m = env.question.load, len(env.factors)
     what = _WHAT[env.of]
     if env.of == "force":
@@ -120,7 +122,7 @@ def _extremes(env: Any) -> list[str]:
 
 
 def given_away(env: Any) -> str:
-    """What compliance costs."""
+    """What passive compliance gives away, in words; "" where nothing is known of it."""
     c = env.compliance
     if np.isnan(c.median):
         return ""
@@ -131,10 +133,10 @@ def given_away(env: Any) -> str:
         return f"in this posture, {text}"
     if c.least > 1.0 - 1e-6:
         return f"{text}; the compliant fingers hold all that these limits allow"
+    where, half, least = _way(env, c.number), words.percent(c.median), words.percent(c.least)
     return (
         f"{text}; the compliant fingers do not create all of these forces: in half of the {ways} they hold at most "
-        f"{words.percent(c.median)} of what the limits allow there, "
-        f"{_way(env, c.number)} only {words.percent(c.least)}"
+        f"{half} of what the limits allow there, {where} only {least}"
     )
 
 

@@ -56,7 +56,7 @@ class Envelope(Record):
     accuracy: Array
 
     def __post_init__(self) -> None:
-        """Read-only."""
+        """Make the arrays read-only."""
         read_only(self.factors)
         read_only(self.accuracy)
 
@@ -67,7 +67,7 @@ class Envelope(Record):
 
     @property
     def unit(self) -> str:
-        """Of the factors: "N", "N·m", "kg"; "" for multiples of wrenches."""
+        """The unit of the factors: "N", "N·m", "kg"; "" for multiples of wrenches."""
         return self.question.load.unit
 
     @property
@@ -131,8 +131,8 @@ class Envelope(Record):
 
     @property
     def bound(self) -> Array:
-        """(m,) factors without compliance: as long as any forces within friction and torque limits balance the load,
-        whether or not these fingers create them. Computed when it is first asked for.
+        """The factors (m,) without compliance: as long as any forces within friction and torque limits balance the
+        load, whether or not these fingers create them. Computed when it is first asked for.
         """
         return self._bound
 
@@ -203,13 +203,28 @@ class Envelope(Record):
     def _lines(self) -> tuple[str, ...]:
         held = self.held_as
         return (
-            "of", "geometry", "at_m (3,) = question.load.at", "object_mass_kg = question.load.mass",
-            "motion_m = question.motion", "turn_rad = question.turn", "accuracy_asked = question.accuracy",
-            "accuracy (m,)", "plane (2, 3)", "weakest", "strongest", "causes",
-            "share_of_bound.median = compliance.median", "share_of_bound.least = compliance.least", "directions (m, 3)",
-            "wrenches_N_Nm (m, 6)", f"{held} (m,) = factors", f"bound_{held} (m,) = bound", "cause (m,)",
-            "share (m,) = shares", "triangles (k, 3)",
-        )  # fmt: skip
+            "of",
+            "geometry",
+            "at_m (3,) = question.load.at",
+            "object_mass_kg = question.load.mass",
+            "motion_m = question.motion",
+            "turn_rad = question.turn",
+            "accuracy_asked = question.accuracy",
+            "accuracy (m,)",
+            "plane (2, 3)",
+            "weakest",
+            "strongest",
+            "causes",
+            "share_of_bound.median = compliance.median",
+            "share_of_bound.least = compliance.least",
+            "directions (m, 3)",
+            "wrenches_N_Nm (m, 6)",
+            f"{held} (m,) = factors",
+            f"bound_{held} (m,) = bound",
+            "cause (m,)",
+            "share (m,) = shares",
+            "triangles (k, 3)",
+        )
 
     @property
     def held_as(self) -> str:

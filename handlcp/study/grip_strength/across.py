@@ -30,8 +30,9 @@ _ALIKE = 1e-6  # of the largest: forces that press alike all around have no dire
 
 @dataclass(frozen=True, eq=False)
 class Around:
-    """Contacts around an axis. positions (n, 3) : from a point of the axis [m]. forces (n, 3) : on the cylinder [N].
-    axis (3,) : a unit vector. All in the same axes.
+    """The contacts around the axis of a cylinder, all in the same axes.
+
+    positions (n, 3) : from a point of the axis [m]. forces (n, 3) : on the cylinder [N]. axis (3,) : a unit vector.
     """
 
     positions: Array
@@ -64,8 +65,10 @@ class Around:
 
     @property
     def closing(self) -> Array:
-        """(3,) the normal across which the contacts press most in all, the largest axis of Σ f fᵀ across the cylinder:
-        from thumb to fingers, from palm to fingers. Where they press alike all around, that of the largest force.
+        """The normal (3,) across which the contacts press most in all, the largest axis of Σ f fᵀ across the cylinder.
+
+        It points from thumb to fingers, or from palm to fingers. Where contacts press alike all around, it is the
+        normal of the largest force.
         """
         pressed = self.flat(self.forces)
         values, vectors = np.linalg.eigh(pressed.T @ pressed)
@@ -89,7 +92,7 @@ class Around:
         return np.where(abs(height) <= _ON * size, 0.0, np.sign(height))
 
     def _borne(self, side: Array) -> Array:
-        """(3,) A."""
+        """The vector A (3,) [N] of the force F(n) = n·A across the split. side (n,) : of each contact, -1, 0 or 1."""
         return np.asarray(-0.5 * side @ self.forces)
 
     def _arcs(self, way: float) -> list[tuple[float, Array]]:

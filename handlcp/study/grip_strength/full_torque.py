@@ -26,7 +26,11 @@ _AT = 1e-3  # relative: joints that are as near to their limits bind, too
 
 @dataclass(frozen=True, eq=False)
 class Closed:
-    """grasp : closed as hard as it can be. path : its loading. binds, says : what gives out with a harder grip."""
+    """A grasp that is closed as hard as its joints can.
+
+    grasp : as it is commanded then. path : how it is squeezed and loaded. binds : what gives out with a harder grip.
+    says : the same in words.
+    """
 
     grasp: HandGrasp
     path: Loading
@@ -48,10 +52,10 @@ def ask_for_limits(hand: HandModel) -> None:
 
 
 def closed(grasp: HandGrasp, force: Array, share: float) -> Closed:
-    """The grasp with as much of these grip forces (k,) [N], all by the same factor, as its joints can make.
+    """Close a grasp with the largest multiple of these grip forces that its joints can make.
 
-    share : of a torque limit that `force` needs where motions are small; there torques are proportional to the grip,
-    and hand and object are followed from there.
+    force (k,) : of the fingers [N]. share : of a torque limit that `force` needs where motions are small; there torques
+    are proportional to the grip, and hand and object are followed from there.
     """
     limits, factor = limits_of(grasp.spec, nominal=grasp.state.q), 1.0 / share
     ends, lost = tuple[Cause, ...](), None
@@ -94,7 +98,7 @@ def _within(limits: Limits, path: Loading) -> tuple[float, tuple[Cause, ...]]:
 
 
 def _most(limits: Limits, state: State) -> float:
-    """The largest share of a limit."""
+    """The largest share of a joint limit that is used in a state; 0 where none is known."""
     return float(np.nanmax(used(limits, state.efforts, state.where.q), initial=0.0))
 
 

@@ -28,9 +28,16 @@ _WEIGHTLESS = (0.0, 0.0, 0.0)
 
 @helped()
 def split_cylinder(
-    hand: Hand, diameter: Any, *, length: Any = None, friction: Any = None, normal: Any = None,
-    grasps: Sequence[str] = (POWER, PINCH), fingers: Sequence[str] | None = None, placement: Any = None,
-) -> SplitCylinder:  # fmt: skip
+    hand: Hand,
+    diameter: Any,
+    *,
+    length: Any = None,
+    friction: Any = None,
+    normal: Any = None,
+    grasps: Sequence[str] = (POWER, PINCH),
+    fingers: Sequence[str] | None = None,
+    placement: Any = None,
+) -> SplitCylinder:
     """The internal force [N] that a cylinder of two halves with a load cell between them measures in a power and in a
     pinch grasp, as in NIST's and ASTM's tests of grasp strength (NIST SP 1227, ASTM WK83863).
 
@@ -103,8 +110,9 @@ def _wrapped(hand: Hand, cylinder: Cylinder, friction: Any, placed: bool) -> Clo
     """All links that touch, every joint that bends closing with its torque limit. Raises NotReached, NoGraspFound."""
     if placed:
         state = hand.at(hand.neutral)
-        grasp = state.grasp(cylinder, friction, gravity=_WEIGHTLESS, links="all", closing_torque=hand.torques.pulls,
-                            hold_object=True)  # fmt: skip
+        grasp = state.grasp(
+            cylinder, friction, gravity=_WEIGHTLESS, links="all", closing_torque=hand.torques.pulls, hold_object=True
+        )
     else:
         found = find_grasp(hand, cylinder, kind=POWER, friction=friction, gravity=_WEIGHTLESS)
         grasp = found[0].grasp.replace(closing_torque=hand.torques.pulls)

@@ -13,9 +13,10 @@ from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
 from handlcp.record import Record
 from handlcp.study.grip_strength.across import Around
-from handlcp.study.sources import GRASP_STRENGTH
 from handlcp.text_table import wrapped
 from handlcp.views import view
+
+_SOURCE = "NIST SP 1227 (draft, October 2018), grasp strength; ASTM work item WK83863"
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,9 +29,18 @@ class Grip(Record):
     """
 
     entries = (
-        "kind", "force_N", "normal (3,)", "largest_N", "largest_normal (3,) = around.largest.1", "least_N",
-        "least_normal (3,) = around.least.1", "binds", "says", "word", "normal_force_N",
-    )  # fmt: skip
+        "kind",
+        "force_N",
+        "normal (3,)",
+        "largest_N",
+        "largest_normal (3,) = around.largest.1",
+        "least_N",
+        "least_normal (3,) = around.least.1",
+        "binds",
+        "says",
+        "word",
+        "normal_force_N",
+    )
 
     kind: str
     normal: Array
@@ -82,7 +92,7 @@ class SplitCylinder(Record):
     power: Grip | None
     pinch: Grip | None
     missing: dict[str, str] = field(default_factory=dict)
-    source: str = GRASP_STRENGTH
+    source: str = _SOURCE
 
     @property
     def grips(self) -> tuple[Grip, ...]:

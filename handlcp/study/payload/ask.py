@@ -46,11 +46,16 @@ _NOTHING = 1e-6  # [kg]: overlaps of rounding hold micrograms
 
 
 def payload(
-    grasp: Grasp, orientations: Any = SIX, acceleration: Any = 0.0, geometry: str | None = None,
-    faces: int | str | Pyramid = "cone", motion: float | None = None, turn: float | None = None,
+    grasp: Grasp,
+    orientations: Any = SIX,
+    acceleration: Any = 0.0,
+    geometry: str | None = None,
+    faces: int | str | Pyramid = "cone",
+    motion: float | None = None,
+    turn: float | None = None,
     accuracy: float | None = None,
-) -> Payload:  # fmt: skip
-    """See `Grasp.payload`."""
+) -> Payload:
+    """The largest mass that a grasp holds in several directions of gravity: see `Grasp.payload`."""
     check_orientations(orientations)
     if geometry not in (None, FIXED, FOLLOWED):
         raise InputError("geometry", '"fixed", "followed" or None', repr(geometry)[:80])
@@ -111,7 +116,11 @@ def _axes_of(plane: Array | None) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class _Pull:
-    """asked : the question that an envelope asks of gravity. acceleration : a [m/s²]."""
+    """The question for the largest mass, with the hand accelerating.
+
+    asked : the question that an envelope asks of gravity.
+    acceleration : a of the hand [m/s²], 0 at rest.
+    """
 
     asked: Question
     acceleration: float
@@ -122,7 +131,7 @@ class _Pull:
         return replace(self.asked, geometry=geometry, load=replace(load, g=load.g + self.acceleration))
 
     def held(self, d: Array, ways: Array) -> Orientation:
-        """With gravity along d (3,), the row of the least mass; the hand accelerates along any of `ways` (k, 3)."""
+        """The least mass with gravity along d (3,), while the hand accelerates along any of `ways` (k, 3)."""
         return min([self._row(d, *pull) for pull in _pulls(self.asked.load, d, self.acceleration, ways)], key=_order)
 
     def _row(self, d: Array, s: Array, spec: GraspSpec, wrench: Array) -> Orientation:
@@ -191,9 +200,7 @@ def _lowest(question: Question, plane: Array | None) -> tuple[Array, int]:
     return min(found, key=lambda one: one[0])[1], tried
 
 
-def _downhill(
-    question: Question, d: Array, mass: float, step: float, plane: Array | None
-) -> tuple[float, Array, int]:  # fmt: skip
+def _downhill(question: Question, d: Array, mass: float, step: float, plane: Array | None) -> tuple[float, Array, int]:
     """From a direction with its mass, to the lowest around it while one is lower, then in steps of half the angle."""
     tried = 0
     while step >= _FINEST and 0.0 < mass < np.inf:
@@ -219,6 +226,6 @@ def _around(d: Array, step: float, plane: Array | None) -> Array:
 
 
 def _known(question: Question, directions: Array) -> Array:
-    """(m,) masses; what is undecided counts as held."""
+    """Masses (m,) [kg] that are held with gravity along directions (m, 3); inf where it is undecided."""
     masses, _, _ = question.ask(directions, None)
     return np.where(np.isnan(masses), np.inf, masses)

@@ -37,9 +37,15 @@ class Orientation(Record):
     """
 
     entries = (
-        "direction (3,)", "mass_kg", "binds", "says", "acceleration_m_per_s2 (3,)", "first_slip_kg", "slides_kg",
+        "direction (3,)",
+        "mass_kg",
+        "binds",
+        "says",
+        "acceleration_m_per_s2 (3,)",
+        "first_slip_kg",
+        "slides_kg",
         "lost_kg",
-    )  # fmt: skip
+    )
 
     direction: Array
     mass: float
@@ -86,9 +92,20 @@ class Payload(Record):
     """
 
     entries = (
-        "mass_kg", "binds", "says", "direction (3,)", "orientations", "acceleration_m_per_s2", "geometry",
-        "object_mass_kg", "at_m (3,)", "tried", "searched", "warnings", "by_orientation",
-    )  # fmt: skip
+        "mass_kg",
+        "binds",
+        "says",
+        "direction (3,)",
+        "orientations",
+        "acceleration_m_per_s2",
+        "geometry",
+        "object_mass_kg",
+        "at_m (3,)",
+        "tried",
+        "searched",
+        "warnings",
+        "by_orientation",
+    )
 
     by_orientation: tuple[Orientation, ...]
     orientations: int | str
@@ -137,7 +154,7 @@ class Payload(Record):
 
     @property
     def headline(self) -> str:
-        """One sentence: the mass, in which direction of gravity, and what gives out."""
+        """The mass, in which direction of gravity it is least, and what gives out, in one sentence."""
         row, where = self.worst, f"gravity along {direction(self.worst.direction)}"
         if np.isnan(row.mass):
             return f"undecided with {where}: no limit was found, although friction and torque limits end any load"
@@ -195,8 +212,9 @@ class Payload(Record):
         lines = [wrapped(text, "  ") for text in told]
         doubts = [
             wrapped(f"{direction(row.direction)} is undecided beyond: {row.limit.undecided}", "  ")
-            for row in self.by_orientation if row.undecided and row.limit.undecided
-        ]  # fmt: skip
+            for row in self.by_orientation
+            if row.undecided and row.limit.undecided
+        ]
         which = [_FOR_WHICH] if any(_slip(row) for row in self.by_orientation) else []
         return "\n".join([*lines, "", str(self._table()), *which, *([""] if doubts else []), *doubts])
 
@@ -231,7 +249,7 @@ def _along(row: Orientation) -> str:
 
 
 def kilograms(mass: float) -> str:
-    """Such as "0.328 kg"."""
+    """A mass with its unit in words, such as "0.328 kg"."""
     return f"{_number(mass)} kg"
 
 

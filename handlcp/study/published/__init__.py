@@ -7,6 +7,12 @@ from handlcp.study.published.lift_result import LiftAndShake, Shaken
 from handlcp.study.published.slip_resistance import SlipResistance, slip_resistance
 
 __all__ = [
-    "FingerForce", "FingerStrength", "LiftAndShake", "Shaken", "SlipResistance", "finger_strength", "lift_and_shake",
+    "FingerForce",
+    "FingerStrength",
+    "LiftAndShake",
+    "Shaken",
+    "SlipResistance",
+    "finger_strength",
+    "lift_and_shake",
     "slip_resistance",
-]  # fmt: skip
+]

@@ -9,8 +9,9 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.record import Record
-from handlcp.study.sources import FINGER_STRENGTH
 from handlcp.text_table import TextTable, wrapped
+
+_SOURCE = "NIST SP 1227 (draft, October 2018), finger strength"
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,8 +25,15 @@ class FingerForce(Record):
     """
 
     entries = (
-        "finger", "posture", "force_N", "direction (3,)", "at_m (3,)", "binds", "torques_Nm (nv,)", "q_rad (nv,)"
-    )  # fmt: skip
+        "finger",
+        "posture",
+        "force_N",
+        "direction (3,)",
+        "at_m (3,)",
+        "binds",
+        "torques_Nm (nv,)",
+        "q_rad (nv,)",
+    )
 
     finger: str
     posture: str
@@ -51,7 +59,7 @@ class FingerStrength(Record):
     entries = ("source", "weakest", "strongest", "rows")
 
     rows: tuple[FingerForce, ...]
-    source: str = FINGER_STRENGTH
+    source: str = _SOURCE
 
     @property
     def weakest(self) -> FingerForce:

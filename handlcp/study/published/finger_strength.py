@@ -36,9 +36,12 @@ _STILL = 1e-6  # of the joints' levers: a tip that moves by less when its joints
 
 @helped()
 def finger_strength(
-    hand: Hand, fingers: Sequence[str] | None = None, *, postures: Mapping[str, Any] | None = None,
+    hand: Hand,
+    fingers: Sequence[str] | None = None,
+    *,
+    postures: Mapping[str, Any] | None = None,
     direction: Any = None,
-) -> FingerStrength:  # fmt: skip
+) -> FingerStrength:
     """The force [N] with which each fingertip presses on a load cell that is fixed in front of it, as in NIST's test of
     finger strength (NIST SP 1227).
 
@@ -93,7 +96,7 @@ def _way(state: HandState, tip: int, speed: Array) -> Array:
 
 
 def _pressed(state: HandState, tip: int, posture: str, n: Array) -> FingerForce:
-    """The tip against a cell whose axis is n (3,)."""
+    """Press a tip against a load cell whose axis is n (3,), world axes, up to the first limit of its joints."""
     name, at = state.hand.fingertips[tip], _touched(state, tip, n)
     contact = Contact(at, n, 0.0)
     grasp = state.grasp({name: contact}, gravity=np.zeros(3), wrench=np.append(-n, np.zeros(3)), reference=at)

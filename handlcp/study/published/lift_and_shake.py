@@ -48,9 +48,15 @@ SHAKING = AMPLITUDE * (2.0 * np.pi * FREQUENCY) ** 2
 
 @helped()
 def lift_and_shake(
-    hand: Hand, rated_payload: Any, opening: Any, *, forward: Any = (0.0, 0.0, 1.0), friction: Any = None,
-    fingers: Sequence[str] | None = None, tries: int = 64,
-) -> LiftAndShake:  # fmt: skip
+    hand: Hand,
+    rated_payload: Any,
+    opening: Any,
+    *,
+    forward: Any = (0.0, 0.0, 1.0),
+    friction: Any = None,
+    fingers: Sequence[str] | None = None,
+    tries: int = 64,
+) -> LiftAndShake:
     """Whether a hand lifts and shakes a ball at 50 % and a cube at 85 % of a rated payload, in the manner of the
     gripper tests of NVIDIA's SimReady Foundation (FET028).
 
@@ -75,8 +81,9 @@ def lift_and_shake(
     ask_for_limits(hand)
     size = WIDE * wide
     objects: dict[str, Object] = {
-        SPHERE: Sphere(0.5 * size, mass=SHARES[SPHERE] * rated), CUBE: Box(size, mass=SHARES[CUBE] * rated)
-    }  # fmt: skip
+        SPHERE: Sphere(0.5 * size, mass=SHARES[SPHERE] * rated),
+        CUBE: Box(size, mass=SHARES[CUBE] * rated),
+    }
     ask_for_metres("opening", objects[SPHERE], hand.at(hand.neutral).tip_positions)
     rows, missing = dict[str, Shaken | None](), dict[str, str]()
     with told("lifting and shaking"):
@@ -128,19 +135,28 @@ def shaken(grasp: HandGrasp, shape: str, size: float, down: Array) -> Shaken:
     pull = np.append((_G + SHAKING) * down, np.zeros(3))
     limit = grasp.replace(mass=0.0, effects=(TorqueSaturation(),)).load_limit(pull)
     return Shaken(
-        shape=shape, size=size, mass=target.mass, held=loading.held and moved <= ALLOWED and not exceeded(share),
-        says=says.rstrip("."), moved=moved, allowed=ALLOWED, used=share, most=limit.factor,
-        period=_period(loading, down, target.mass), grasp=grasp, loading=loading,
-    )  # fmt: skip
+        shape=shape,
+        size=size,
+        mass=target.mass,
+        held=loading.held and moved <= ALLOWED and not exceeded(share),
+        says=says.rstrip("."),
+        moved=moved,
+        allowed=ALLOWED,
+        used=share,
+        most=limit.factor,
+        period=_period(loading, down, target.mass),
+        grasp=grasp,
+        loading=loading,
+    )
 
 
 def stages() -> list[Any]:
     """Squeeze, lift, the largest weight and the least in turn, and the weight at rest; as shares of the largest."""
     least, rest = (_G - SHAKING) / (_G + SHAKING), _G / (_G + SHAKING)
-    lifted = [Stage("lift", weight=(_G + SPEEDING_UP) / (_G + SHAKING))]
-    cycles = [Stage(f"{way} {k}", weight=weight) for k in range(1, round(FREQUENCY * SHAKE_TIME) + 1)
-              for way, weight in (("down", 1.0), ("up", least))]  # fmt: skip
-    return ["squeeze", *lifted, *cycles, Stage("at rest", weight=rest)]
+    found: list[Any] = ["squeeze", Stage("lift", weight=(_G + SPEEDING_UP) / (_G + SHAKING))]
+    for k in range(1, round(FREQUENCY * SHAKE_TIME) + 1):
+        found += [Stage(f"down {k}", weight=1.0), Stage(f"up {k}", weight=least)]
+    return [*found, Stage("at rest", weight=rest)]
 
 
 def _most(limits: Limits, loading: Loading) -> float:

@@ -9,28 +9,45 @@ from handlcp.grasp import Loading
 from handlcp.hand import HandGrasp
 from handlcp.record import Record
 from handlcp.study.payload.result import kilograms
-from handlcp.study.sources import LIFT_AND_SHAKE
 from handlcp.text_table import wrapped
+
+_SOURCE = "NVIDIA SimReady Foundation, FET028, gripper_close_lift_sphere and gripper_close_lift_cube 1.4.0"
 
 
 @dataclass(frozen=True, eq=False)
 class Shaken(Record):
     """One object, lifted and shaken in the best grasp that was found.
 
-    shape : "sphere" or "cube". size : its diameter or edge [m]. mass : [kg]. held : whether it is held from the lift to
-    the end of the shake, moves less than `allowed` and no joint is over its limit. says : how it ends, in words.
-    moved : how far its centre moves at most in the hand once that has closed [m]; allowed : how far it may [m].
-    used : the largest share of a torque limit on the way; 0 where none is known. most : the mass [kg] that the same
-    grip holds under the largest acceleration, its joints giving way at their torque limits. period : of the object's
-    swing along gravity in this grasp [s]; statics is right where that is short beside the period of the shake. NaN
-    where the object is not held, or some motion of it is left open.
-    grasp : closed, its object under the largest acceleration. loading : the whole path.
+    shape : "sphere" or "cube".
+    size : its diameter or edge [m].
+    mass : of the object [kg].
+    held : whether it is held from the lift to the end of the shake, moves less than `allowed` and no joint is over its
+        limit.
+    says : how it ends, in words.
+    moved : how far its centre moves at most in the hand once that has closed [m].
+    allowed : how far it may move [m].
+    used : the largest share of a torque limit on the way; 0 where none is known.
+    most : the mass [kg] that the same grip holds under the largest acceleration, its joints giving way at their torque
+        limits.
+    period : of the object's swing along gravity in this grasp [s]; statics is right where that is short beside the
+        period of the shake. NaN where the object is not held, or some motion of it is left open.
+    grasp : closed, its object under the largest acceleration.
+    loading : the whole path.
     """
 
     entries = (
-        "shape", "size_m", "mass_kg", "held", "says", "moved_m", "allowed_m", "used", "mass_held_kg = most", "period_s",
+        "shape",
+        "size_m",
+        "mass_kg",
+        "held",
+        "says",
+        "moved_m",
+        "allowed_m",
+        "used",
+        "mass_held_kg = most",
+        "period_s",
         "normal_force_N",
-    )  # fmt: skip
+    )
 
     shape: str
     size: float
@@ -66,9 +83,15 @@ class LiftAndShake(Record):
     """
 
     entries = (
-        "source", "passed", "rated_payload_kg = rated", "opening_m", "acceleration_m_per_s2", "sphere", "cube",
+        "source",
+        "passed",
+        "rated_payload_kg = rated",
+        "opening_m",
+        "acceleration_m_per_s2",
+        "sphere",
+        "cube",
         "missing",
-    )  # fmt: skip
+    )
 
     rated: float
     opening: float
@@ -76,7 +99,7 @@ class LiftAndShake(Record):
     sphere: Shaken | None
     cube: Shaken | None
     missing: dict[str, str] = field(default_factory=dict)
-    source: str = LIFT_AND_SHAKE
+    source: str = _SOURCE
 
     @property
     def passed(self) -> bool:

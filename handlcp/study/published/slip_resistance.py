@@ -18,8 +18,9 @@ from handlcp.lazy import lazy
 from handlcp.record import Record
 from handlcp.study.grip_strength import split_cylinder
 from handlcp.study.grip_strength.measure import POWER
-from handlcp.study.sources import SLIP_RESISTANCE
 from handlcp.text_table import wrapped
+
+_SOURCE = "NIST SP 1227 (draft, October 2018), slip resistance"
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,14 +32,20 @@ class SlipResistance(Record):
     """
 
     entries = (
-        "source", "force_N", "slips", "says", "axis (3,)", "first_slip_N", "along_N = along.factor",
+        "source",
+        "force_N",
+        "slips",
+        "says",
+        "axis (3,)",
+        "first_slip_N",
+        "along_N = along.factor",
         "against_N = against.factor",
-    )  # fmt: skip
+    )
 
     axis: Array
     along: LoadLimit
     against: LoadLimit
-    source: str = SLIP_RESISTANCE
+    source: str = _SOURCE
 
     @property
     def weaker(self) -> LoadLimit:
@@ -80,9 +87,15 @@ class SlipResistance(Record):
 
 @helped()
 def slip_resistance(
-    held: Grasp | Hand, axis: Any = None, *, diameter: Any = None, friction: Any = None, length: Any = None,
-    kind: str = POWER, accuracy: Any = None,
-) -> SlipResistance:  # fmt: skip
+    held: Grasp | Hand,
+    axis: Any = None,
+    *,
+    diameter: Any = None,
+    friction: Any = None,
+    length: Any = None,
+    kind: str = POWER,
+    accuracy: Any = None,
+) -> SlipResistance:
     """The pull [N] along an object's axis with which it begins to slip out of the hand, as in NIST's test of slip
     resistance (NIST SP 1227).
 
@@ -112,7 +125,7 @@ def slip_resistance(
 
 
 def _axis(grasp: Grasp, axis: Any) -> Array:
-    """(3,) a unit vector. Raises InputError."""
+    """The axis (3,) of the pull, a unit vector in world axes: as given, or the object's z axis. Raises InputError."""
     if axis is not None:
         n = array("axis", axis, (3,))
         if not n.any():

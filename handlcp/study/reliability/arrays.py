@@ -23,8 +23,12 @@ from handlcp.hand.robot.posture import Posture
 
 
 class Nominal(NamedTuple):
-    """The grasp that samples differ from. hand : None without one. own : whether the flexibility is the hand's own;
-    where it was given, or there is no hand, a factor on the stiffness is one on all of it. weight (6,) : of the object.
+    """The grasp that samples differ from.
+
+    hand : its mechanism; None without a hand.
+    own : whether the flexibility is the hand's own; where it was given, or there is no hand, a factor on the stiffness
+        is one on all of it.
+    weight (6,) : wrench of the object's weight [N, N·m] about the reference, world axes.
     """
 
     spec: GraspSpec
@@ -48,9 +52,15 @@ def nominal_of(spec: GraspSpec) -> Nominal:
 class Arrays:
     """m samples with n contacts, k of them fingers', SI, contact axes; what does not vary is broadcast.
 
-    samples : what they are made of. positions (m, n, 3), frames (m, n, 3, 3). past (m, k) : which fingers are past an
-    edge. mu (m, n). wrench (m, 6). flexibility (m, 3n, 3n), offset (m, n, 3) : without what effects add. squeeze (m,),
-    mass (m,) : factors.
+    samples : what they are made of.
+    positions (m, n, 3) : of the contacts [m], world axes.
+    frames (m, n, 3, 3) : contact axes in columns, world axes.
+    past (m, k) : which fingers are past an edge of the object.
+    mu (m, n) : coefficients of friction.
+    wrench (m, 6) : on the object [N, N·m] about the reference, world axes.
+    flexibility (m, 3n, 3n) : [m/N], without what effects add.
+    offset (m, n, 3) : [m], without what effects add.
+    squeeze (m,), mass (m,) : factors.
     """
 
     samples: Samples
@@ -68,9 +78,14 @@ class Arrays:
 
 @dataclass(frozen=True, slots=True)
 class Joints:
-    """The hand of m samples. postures (m,). jacobian (m, 3n, nv). root (m, nv, a) : of the compliance, as in
-    `Mechanism`. stand_off (m, k, 3) : gaps and overlaps [m]. weight (m, nv) : torque that holds the fingers [N·m], 0
-    where it does not count. springs, pads : factors (m, nv), (m, k); None: nominal.
+    """The joints of the hand in m samples.
+
+    postures (m,) : of the hand.
+    jacobian (m, 3n, nv) : of the contacts, contact axes [m/rad].
+    root (m, nv, a) : of the compliance, as in `Mechanism`.
+    stand_off (m, k, 3) : gaps and overlaps of the fingers [m], contact axes.
+    weight (m, nv) : torque that holds the fingers [N·m], 0 where it does not count.
+    springs (m, nv), pads (m, k) : factors; None: nominal.
     """
 
     postures: Sequence[Posture]
@@ -123,9 +138,10 @@ def _places(nominal: Nominal, slides: Array | None, m: int) -> tuple[Array, Arra
     if slides is None:
         shapes = (m, *spec.positions.shape), (m, *spec.frames.shape)
         return (
-            np.broadcast_to(spec.positions, shapes[0]), np.broadcast_to(spec.frames, shapes[1]),
+            np.broadcast_to(spec.positions, shapes[0]),
+            np.broadcast_to(spec.frames, shapes[1]),
             np.zeros((m, k), bool),
-        )  # fmt: skip
+        )
     target = None if nominal.hand is None or spec.planar else nominal.hand.target
     positions, frames = np.tile(spec.positions, (m, 1, 1)), np.tile(spec.frames, (m, 1, 1, 1))
     positions[:, :k], frames[:, :k], past = slid(spec.positions[:k], spec.frames[:k], slides, target)

@@ -18,7 +18,7 @@ from handlcp.study.varied import vary_grasp
 
 
 class NumberPlacer(Placer):
-    """Of a hand's grasp, some of whose dimensions are numbers of the hand."""
+    """Makes samples of a hand's grasp where some dimensions are numbers of the hand."""
 
     def __init__(self, grasp: Grasp, dimensions: tuple[Dimension, ...]) -> None:
         super().__init__(grasp, dimensions)
@@ -39,7 +39,7 @@ class NumberPlacer(Placer):
         return replace(found, past=found.past | lost[:, None])
 
     def _made(self, row: Array) -> GraspSpec | None:
-        """Of one sample; None: the fingertips do not come to touch."""
+        """The grasp of one sample with values row (d,); None where the fingertips do not come to touch."""
         assert isinstance(self.grasp, HandGrasp)
         numbers = [d.name for d in self.dimensions if d.parameter == NUMBER]
         try:

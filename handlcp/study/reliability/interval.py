@@ -108,9 +108,11 @@ _OF_SUBSET = 0.2  # part of α that goes to what was not solved in full
 
 @dataclass(frozen=True, slots=True)
 class Chance:
-    """value : the estimate, of samples that surely hold; NaN where all are undecided. low, high : ends of the interval
-    that covers the truth with this confidence. undecided : the share of samples of which nobody knows; `low` counts
-    them as not held, `high` as held.
+    """A chance that was estimated from samples, with its confidence interval.
+
+    value : the estimate, of samples that surely hold; NaN where all are undecided.
+    low, high : ends of the interval that covers the truth with this confidence.
+    undecided : the share of samples of which nobody knows; `low` counts them as not held, `high` as held.
     """
 
     value: float

@@ -39,9 +39,13 @@ WORDS = (HELD, OVER_LIMIT, NOT_HELD, UNDECIDED)  # by their codes
 
 @dataclass(frozen=True, slots=True)
 class Outcomes:
-    """codes (m,) : of `WORDS`. margin (m,). again (m,) : which samples were left by the solver's first stage, and were
-    solved in full. UNDECIDED are unplaced (m,) : which ones are no grasp that could be judged, and far (m,) : which
-    ones move so far that one solve says nothing (`say_nothing`).
+    """What has become of m samples.
+
+    codes (m,) : the word of each, as its number in `WORDS`.
+    margin (m,) : what is left of friction or torque, whichever is less, as a share; NaN where nothing holds.
+    again (m,) : which samples the solver's first stage left open, and were solved in full.
+    unplaced (m,) : which are no grasp that could be judged; they are UNDECIDED.
+    far (m,) : which move so far that one solve says nothing (`say_nothing`); they are UNDECIDED.
     """
 
     codes: Ints
@@ -52,13 +56,13 @@ class Outcomes:
 
 
 def joined(parts: Sequence[Outcomes]) -> Outcomes:
-    """One after the other."""
+    """The outcomes of several runs of samples, one after the other."""
     names = [one.name for one in fields(Outcomes)]
     return Outcomes(*[np.concatenate([getattr(p, name) for p in parts]) for name in names])
 
 
 def among(found: Outcomes, placed: Bools) -> Outcomes:
-    """Of all samples (m,), where `found` is of those that could be placed."""
+    """Outcomes of all samples, where `found` has those that are grasps. placed (m,) : which ones these are."""
     if placed.all():
         return found
     m = len(placed)
@@ -153,7 +157,7 @@ def checked(grasps: Sequence[Grasp], faces: int | str | Pyramid) -> Outcomes:
 
 
 def margin_of(solution: GraspSolution) -> float:
-    """Of one answer."""
+    """The margin of a solution: what is left of friction or torque, whichever is less, as a share."""
     scene = solution.scene
     assert scene is not None  # every solution that is looked at here was made from one
     slack = friction_margin(scene, solution.forces, getattr(solution, "torsion", None))
@@ -168,7 +172,7 @@ def _padded(scene: Any, forces: Array) -> Array:
 
 
 def _codes(found: Solutions) -> Ints:
-    """(m,) of solutions: held ones are over a limit where a joint is."""
+    """The code (m,) of each solution; one that is held is over a limit where a joint is."""
     codes = np.full(len(found), WORDS.index(UNDECIDED))
     names = found.status
     none = (names == Status.NOT_HOLDABLE.name) | (names == Status.NO_EQUILIBRIUM.name)
@@ -186,7 +190,7 @@ def _most_used(found: Solutions) -> Array:
 
 
 def _margins(grasps: Sequence[Grasp], found: Solutions) -> Array:
-    """(m,) NaN where nothing is held."""
+    """The margin (m,) of each solution; NaN where nothing is held."""
     if any(g.scene.scale is not None for g in grasps):  # forces in coordinates of their own: one by one
         return np.array([margin_of(s) if s.held else np.nan for s in found])
     forces, mu = found.forces, np.array([g.scene.mu for g in grasps])

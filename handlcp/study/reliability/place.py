@@ -61,11 +61,19 @@ class Placer:
         spec, scene, m = self.spec, self.grasp.scene, len(arrays.mu)
         force = arrays.wrench[:, :3]
         return write_rows(
-            m, kind.scene_width, positions=arrays.positions, frames=arrays.frames, flexibility=arrays.flexibility,
-            offset=self.offsets(arrays), prescribed=[scene.given.prescribed] * m, spin=np.zeros((m, 0)), force=force,
-            moment=arrays.wrench[:, 3:] + np.cross(spec.reference, force), freedom=[scene.freedom] * m,
+            m,
+            kind.scene_width,
+            positions=arrays.positions,
+            frames=arrays.frames,
+            flexibility=arrays.flexibility,
+            offset=self.offsets(arrays),
+            prescribed=[scene.given.prescribed] * m,
+            spin=np.zeros((m, 0)),
+            force=force,
+            moment=arrays.wrench[:, 3:] + np.cross(spec.reference, force),
+            freedom=[scene.freedom] * m,
             limits=arrays.mu * share,
-        )  # fmt: skip
+        )
 
     def offsets(self, arrays: Arrays) -> Array:
         """(m, 3n) with what effects add [m]."""
@@ -96,7 +104,7 @@ class Placer:
 
     # ---- as grasps
     def placed(self, values: Array) -> list[Placed]:
-        """One for each row of values."""
+        """The grasp of each sample with values (m, d), SI units."""
         arrays = self.arrays(values)
         return [Placed(self.grasp_of(arrays, k), self.why_not(past)) for k, past in enumerate(arrays.past)]
 
@@ -157,7 +165,7 @@ class Placer:
 
 
 def _hand_of(hand: HandMechanism, arrays: Arrays, joints: Joints, k: int) -> HandMechanism:
-    """The mechanism of a sample."""
+    """The hand's mechanism in sample k, with its springs, pads and posture."""
     model, posture, few, parts = hand.posture.hand, joints.postures[k], len(hand.tips), dict[str, Any]()
     if joints.springs is not None:
         parts["stiffness"] = _stiffer(model.stiffness, joints.springs[k])
@@ -169,14 +177,19 @@ def _hand_of(hand: HandMechanism, arrays: Arrays, joints: Joints, k: int) -> Han
         posture = _with_parts(posture, model.with_parts(**parts))
     target = hand.target if hand.target is None else hand.target.weighing(float(arrays.mass[k]) * hand.target.mass)
     return replace(
-        hand, posture=posture, jacobian=read_only(joints.jacobian[k].copy()), root=posture.hand.stiffness.root,
-        positions=read_only(arrays.positions[k, :few].copy()), frames=read_only(arrays.frames[k, :few].copy()),
-        target=target, stand_off=read_only(joints.stand_off[k].copy()),
-    )  # fmt: skip
+        hand,
+        posture=posture,
+        jacobian=read_only(joints.jacobian[k].copy()),
+        root=posture.hand.stiffness.root,
+        positions=read_only(arrays.positions[k, :few].copy()),
+        frames=read_only(arrays.frames[k, :few].copy()),
+        target=target,
+        stand_off=read_only(joints.stand_off[k].copy()),
+    )
 
 
 def _stiffer(springs: Elasticity, factors: Array) -> Elasticity:
-    """By factors (nv,), which are all alike for tendons and synergies."""
+    """Springs that are stiffer by factors (nv,), which are all alike for tendons and synergies."""
     if isinstance(springs, JointStiffness) and not springs.law[1]:
         return springs.by_joint(factors)
     return springs.stiffer(float(factors[0]))

@@ -31,9 +31,13 @@ OVER_LIMIT, NOT_HELD, UNDECIDED = 1, 2, 3  # codes
 
 @dataclass(frozen=True, eq=False)
 class Sample(Record):
-    """One sample: number, its values by name (SI units), word ("HELD", "OVER LIMIT", "NOT HELD", "UNDECIDED"), margin
-    (NaN where nothing holds), and its grasp, which is made and solved when it is looked at. why_not : why it is
-    UNDECIDED without a look at the grasp, such as a contact past an edge, which then has its nominal axes; else None.
+    """One sample of a reliability, with its grasp, which is solved when that is looked at.
+
+    number : 0 to `samples` - 1. values : by name, SI units. word : "HELD", "OVER LIMIT", "NOT HELD", "UNDECIDED".
+    margin : what is left of friction or torque, whichever is less, as a share; NaN where nothing holds.
+    grasp : with the sample's values. method : how it is judged.
+    why_not : why it is UNDECIDED without a look at the grasp, such as a contact past an edge, which then has its
+    nominal axes; else None.
     """
 
     entries = ("number", "values", "word", "margin", "cause")
@@ -62,7 +66,7 @@ class Sample(Record):
 
     @property
     def cause(self) -> str:
-        """Why, in one sentence."""
+        """Why it comes to its word, in one sentence."""
         return self.verdict.text
 
     def __str__(self) -> str:
@@ -80,9 +84,16 @@ class Reliability(Record):
     """
 
     entries = (
-        "samples", "seed", "judged_by = method.by", "counts", "chance_held", "chance_within_limits", "worst",
-        "nearest_failure", "influences",
-    )  # fmt: skip
+        "samples",
+        "seed",
+        "judged_by = method.by",
+        "counts",
+        "chance_held",
+        "chance_within_limits",
+        "worst",
+        "nearest_failure",
+        "influences",
+    )
 
     chance_held: Chance
     chance_within_limits: Chance | None
@@ -95,7 +106,7 @@ class Reliability(Record):
 
     @property
     def samples(self) -> int:
-        """How many there are."""
+        """How many samples there are."""
         return len(self.codes)
 
     @property
@@ -110,7 +121,7 @@ class Reliability(Record):
 
     @property
     def seed(self) -> int:
-        """Of the points."""
+        """The seed of the points; the same seed gives the same samples."""
         return self.blocks.seed
 
     @property
@@ -248,7 +259,7 @@ class Reliability(Record):
         return f'by="check" follows each sample while it is squeezed and loaded; it is slower, so ask for fewer{also}'
 
     def _told(self, sample: Sample) -> str:
-        """With the values that matter most."""
+        """A sample in words, with its values that matter most."""
         units = {d.name: d.unit for d in self.placer.dimensions}
         first = [f.name for f in self.influences[:4]]
         values = ", ".join([f"{name} {value_with(sample.values[name], units[name])}" for name in first])

@@ -90,7 +90,7 @@ def _no_outcomes(name: str, array: Any, count: int, most: int) -> str:
 
 
 def _digest_of(spec: GraspSpec) -> str:
-    """Of everything in a grasp that its answer hangs on."""
+    """A digest of everything in a grasp that its answer depends on."""
     arrays = [spec.positions, spec.frames, spec.wrench, spec.reference, spec.flexibility, spec.offset]
     said = [repr([c.friction for c in spec.contacts]), repr(spec.plane), repr(spec.fingers), repr(spec.names)]
     for e in spec.effects:
@@ -129,7 +129,7 @@ class Blocks:
 
     @property
     def samples(self) -> int:
-        """Of all blocks."""
+        """The number of samples in all blocks."""
         return self.size * self.count
 
     def block(self, k: int) -> Array:
@@ -204,7 +204,7 @@ def _slice(placer: Placer, points: Array, method: Method, quota: int) -> Outcome
 
 
 def _judged(placer: Placer, rows: Array, method: Method, quota: int, by: str | None = None) -> Outcomes:
-    """Of samples with values (m, d). by : another way to judge them."""
+    """Judge samples with values (m, d), SI units. quota : how many are solved in full. by : None: the method's."""
     if (method.by if by is None else by) == SOLVE:
         return solved(placer, rows, method.faces, method.workers, quota)
     every = placer.placed(rows)

@@ -49,8 +49,11 @@ _GRID = (np.arange(16) + 0.5) / 16  # quantiles that tell two distributions apar
 
 @dataclass(frozen=True, slots=True)
 class Law:
-    """quantile : the values (m,) below which shares (m,) of all values lie. mean, sd : mean and
-    standard deviation. below : the chance of values below the least possible one; they are cut off.
+    """The distribution of one number that varies.
+
+    quantile : from shares (m,) to the values (m,) below which these shares of all values lie.
+    mean, sd : mean and standard deviation.
+    below : the chance of values below the least possible one, which are cut off.
     """
 
     quantile: Callable[[Array], Array]
@@ -59,7 +62,7 @@ class Law:
     below: float = 0.0
 
     def at(self, u: Array) -> Array:
-        """(m,) values at points (m,) of [0, 1)."""
+        """Values (m,) at points u (m,) of [0, 1)."""
         inside = self.below + (1.0 - self.below) * np.clip(u, 2.0**-33, 1.0 - 2.0**-33)
         return np.asarray(self.quantile(inside), dtype=float)
 
@@ -111,8 +114,8 @@ def _given(argument: str, frozen: Any, quantile: Callable[[Array], Array], least
 
 def _not_too_wide(argument: str, mean: float, sd: float, least: float) -> None:
     """Raises InputError where a hundredth of sd to either side of the mean, as a derivative takes it, is impossible."""
-    if sd > WIDEST * (mean - least):
-        most = f"{WIDEST * (mean - least):g}, {WIDEST:g} times the mean's distance from the least possible value"
+    if sd > (widest := WIDEST * (mean - least)):
+        most = f"{widest:g}, {WIDEST:g} times the mean's distance from the least possible value"
         raise InputError(argument, f"a standard deviation of at most {most}", f"one of {sd:g}")
 
 
@@ -121,8 +124,12 @@ def _not_too_wide(argument: str, mean: float, sd: float, least: float) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Dimension:
-    """One number that varies. name : for tables. parameter : what `reliability` calls it. at : which contact, joint or
-    tip, and for positions which tangent; () for all together. law : its distribution. unit : of its values.
+    """One number of a grasp that varies.
+
+    name : for tables. parameter : what `reliability` calls it.
+    at : which contact, joint or tip, and for positions which tangent; () for all together.
+    law : its distribution.
+    unit : of its values.
     """
 
     name: str
@@ -147,9 +154,10 @@ def read_spread(grasp: Grasp, spread: Any) -> tuple[Dimension, ...]:
         raise InputError("spread", "at least one parameter that varies", "none")
     found = [
         Dimension(e.name, key, e.at, law_of(e.argument, e.given, e.mean, e.least), e.unit)
-        for key, p in known.items() if key in spread
+        for key, p in known.items()
+        if key in spread
         for e in p.entries(grasp.spec, f"spread[{key!r}]", spread[key])
-    ]  # fmt: skip
+    ]
     return tuple([*found, *[_of_hand(grasp, name, spread[name]) for name in own]])
 
 

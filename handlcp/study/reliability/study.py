@@ -15,8 +15,9 @@ from handlcp.progress import Progress
 from handlcp.study.reliability.by_number import placer_of
 from handlcp.study.reliability.interval import Chance, chance_of, influences
 from handlcp.study.reliability.outcome import CHECK, SOLVE, WORDS, Outcomes
+from handlcp.study.reliability.place import Placer
 from handlcp.study.reliability.result import Reliability
-from handlcp.study.reliability.run import BLOCKS, Kept, Method, blocks_of, question_of, run, slopes_of
+from handlcp.study.reliability.run import BLOCKS, Blocks, Kept, Method, blocks_of, question_of, run, slopes_of
 from handlcp.study.reliability.spread import read_spread
 
 _LOOKED_AT = 2**17  # samples from which is read off what matters
@@ -24,10 +25,19 @@ _LOOKED_AT = 2**17  # samples from which is read off what matters
 
 @helped()
 def reliability(
-    grasp: Grasp, spread: Any, samples: int = 10_000, *, seed: int = 0, faces: int | str | Pyramid = "cone",
-    by: str = SOLVE, confidence: float = 0.95, decide: int = 200, workers: int | None = None,
-    progress: Progress = None, resume: Any = None,
-) -> Reliability:  # fmt: skip
+    grasp: Grasp,
+    spread: Any,
+    samples: int = 10_000,
+    *,
+    seed: int = 0,
+    faces: int | str | Pyramid = "cone",
+    by: str = SOLVE,
+    confidence: float = 0.95,
+    decide: int = 200,
+    workers: int | None = None,
+    progress: Progress = None,
+    resume: Any = None,
+) -> Reliability:
     """The chance that a grasp holds, and that it does within its torque limits, when what it is made of varies.
 
     spread : what varies, each on its own, by name. A number is a standard deviation; a frozen distribution of
@@ -79,23 +89,39 @@ def reliability(
     blocks = blocks_of(integer("seed", seed, 0), len(placer.dimensions), integer("samples", samples, 4 * BLOCKS, 2**30))
     method = Method(by, faces, cores(workers), integer("decide", decide, 0))
     question = question_of(
-        grasp.spec, placer.dimensions, seed=blocks.seed, samples=blocks.samples, faces=str(section), by=by,
+        grasp.spec,
+        placer.dimensions,
+        seed=blocks.seed,
+        samples=blocks.samples,
+        faces=str(section),
+        by=by,
         decide=method.decide,
-    )  # fmt: skip
+    )
     found = run(placer, blocks, method, Kept(resume, question), progress)
+    return _answer(found, placer, blocks, method, level)
+
+
+def _answer(found: Outcomes, placer: Placer, blocks: Blocks, method: Method, level: float) -> Reliability:
+    """What the outcomes of all samples say. level : confidence of the intervals."""
     some = min(blocks.samples, _LOOKED_AT)
     names = [(d.name, d.unit, d.law.sd) for d in placer.dimensions]
     matter = influences(names, blocks.points(0, some), found.margin[:some], slopes_of(placer, method))
-    limited = grasp.spec.mechanism is not None and bool(np.isfinite(grasp.spec.mechanism.limits).any())
+    mechanism = placer.spec.mechanism
+    limited = mechanism is not None and bool(np.isfinite(mechanism.limits).any())
     return Reliability(
-        _chance(found, 2, blocks.size, level), _chance(found, 1, blocks.size, level) if limited else None,
-        {word: int((found.codes == code).sum()) for code, word in enumerate(WORDS)}, tuple(matter), found, blocks,
-        placer, method,
-    )  # fmt: skip
+        chance_held=_chance(found, 2, blocks.size, level),
+        chance_within_limits=_chance(found, 1, blocks.size, level) if limited else None,
+        counts={word: int((found.codes == code).sum()) for code, word in enumerate(WORDS)},
+        influences=tuple(matter),
+        outcomes=found,
+        blocks=blocks,
+        placer=placer,
+        method=method,
+    )
 
 
 def _chance(found: Outcomes, worse: int, size: int, level: float) -> Chance:
-    """Of a code below `worse`."""
+    """The chance of a code below `worse`. size : samples of a block. level : confidence of the interval."""
     good, unknown = found.codes < worse, found.codes == len(WORDS) - 1
     looked = ~found.again & ~found.unplaced & ~found.far
     left = unknown & looked if found.again.any() else np.zeros(len(good), bool)
