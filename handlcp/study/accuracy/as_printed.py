@@ -15,30 +15,24 @@ from handlcp.check import Array, Bools, integer, number
 from handlcp.lcp import LCP, Proposal
 from handlcp.lcp.compiler.when import at_once
 from handlcp.lcp.kernels.dense import kernel, multiply_add
-from handlcp.lcp.kernels.kaczmarz import Rows, Seeds, greedy_row, linearise, project, recorded, slopes, uniform
+from handlcp.lcp.kernels.kaczmarz import Seeds, greedy_row, recorded
 from handlcp.lcp.problem import Scaled
 from handlcp.tolerances import SOLVE
 
 # ----------------------------------------------------------------
-# What studies of NSNGRK have in common: the paper's settings, and the units in which a problem is solved.
+# The paper's settings, and the units in which a problem is solved.
 
 RES, STEPS = 1e-5, 20_000  # where the paper stops: ‖Φ‖₂ < RES, or after so many steps (section 5)
-SEEDS = tuple(range(6))
 
-UnitsOf = Literal["natural", "equilibrated", "given"]
+UnitsOf = Literal["natural", "given"]
 
 
 def in_units(problem: LCP, units: UnitsOf) -> tuple[Scaled, Array]:
     """(the problem in these units, sizes (n,)): z in these units divided by the sizes is z in natural units.
 
-    "natural": the problem's own. "equilibrated": found from M and q alone (Ruiz). "given": the user's, as in the paper.
+    "natural": the problem's own. "given": the user's, metres and newtons, as in the paper.
     """
-    if units == "natural":
-        scaled = problem.scaled
-    elif units == "given":
-        scaled = problem.unscaled().scaled
-    else:
-        scaled = LCP(problem.M, problem.q, problem.free).scaled
+    scaled = problem.scaled if units == "natural" else problem.unscaled().scaled
     return scaled, problem.scaled.units.z / scaled.units.z
 
 
@@ -129,57 +123,3 @@ def _printed(
         for j in range(n):
             z[j] -= t * J[i, j]
     return steps, norm, written
-
-
-# ----------------------------------------------------------------
-# NSNGRK's steps on rows that are all equally likely, to be compared with the paper's greedy choice.
-
-
-class UniformRows(AsPrinted):
-    """The settings and the record of `AsPrinted`; the steps are those of `NSNGRK`, without its exact ending."""
-
-    __slots__ = ()
-
-    def run(self, problem: Scaled, z: Array, state: Seeds, history: Array) -> tuple[int, float, int]:
-        """As there."""
-        M = problem.M
-        rows = Rows(M, np.ascontiguousarray(M.T), M @ M.T, problem.q, problem.free)
-        return _steps(rows, z, state, self.max_iterations, self.tol, self.stride, history)
-
-
-@kernel
-def _steps(
-    p: Rows, z: Array, state: Seeds, steps: int, tolerance: float, stride: int, history: Array
-) -> tuple[int, float, int]:
-    """Take up to `steps` steps in place on z (n,). Returns (steps taken, ‖Φ‖₂, rows of history written)."""
-    n, s, norm, written = len(z), slopes(len(z)), np.inf, 0
-    w = np.empty(n)
-    for step in range(steps + 1):
-        if step % max(4 * n, 1) == 0:  # w drifts by rounding: renewed at O(n) a step in the mean
-            multiply_add(p.M, z, p.q, w)
-        total, _, _ = linearise(p, z, w, s)
-        norm = np.sqrt(total)
-        written = recorded(history, written, stride, step, norm)
-        if not norm > tolerance or step == steps:  # NaN stops, too
-            return step, norm, written
-        i = _any_row(s.phi2, s.g2, state)
-        if i < 0:
-            return step, norm, written
-        project(p, s, i, z, w)
-    return steps, norm, written
-
-
-@kernel
-def _any_row(p2: Array, g2: Array, state: Seeds) -> int:
-    """Any row with a residual and a subgradient, each as likely as the others; -1 where there is none."""
-    n, many = len(p2), 0
-    for i in range(n):
-        many += p2[i] > 0.0 and g2[i] > 0.0
-    pick, chosen = uniform(state) * many, -1
-    for i in range(n):
-        if p2[i] > 0.0 and g2[i] > 0.0:
-            pick -= 1.0
-            chosen = i
-            if pick < 0.0:
-                break
-    return chosen

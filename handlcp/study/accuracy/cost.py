@@ -24,9 +24,9 @@ from handlcp.hand import HandGrasp
 from handlcp.keywords import helped
 from handlcp.lcp import Auto
 from handlcp.lcp.compiler.when import at_once
-from handlcp.method.accuracy.measure import Bench, Errors
-from handlcp.method.accuracy.methods import FACES, METHODS, TOLERANCES, Method, Setting, settings
-from handlcp.method.accuracy.result import CERTIFIED, NOT_RUN, OTHER, AccuracyCost, Conditions, LeftOut, Reference, Row
+from handlcp.study.accuracy.measure import Bench, Errors
+from handlcp.study.accuracy.methods import FACES, METHODS, TOLERANCES, Method, Setting, settings
+from handlcp.study.accuracy.result import CERTIFIED, NOT_RUN, OTHER, AccuracyCost, Conditions, LeftOut, Reference, Row
 from handlcp.version import VERSION
 
 # ----------------------------------------------------------------

@@ -13,11 +13,11 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.errors import InputError
-from handlcp.method.accuracy.cost import UNDETERMINED
-from handlcp.method.accuracy.result import AccuracyCost, FaceLaw
-from handlcp.method.work_precision.time_panel import FLOOR, ROUNDING, time_panel
+from handlcp.show.accuracy.time_panel import FLOOR, ROUNDING, time_panel
 from handlcp.show.file import Figure, drawn, new_figure
 from handlcp.show.style import BLUE, GREEN, GREY, INK, RED, SMALL, TEXT, error_ticks, number_ticks, panel, say
+from handlcp.study.accuracy.cost import UNDETERMINED
+from handlcp.study.accuracy.result import AccuracyCost, FaceLaw
 
 WIDTH, ROW, FOOT = 9.5, 4.2, 0.42  # inches
 HEAD = 12.5  # points

@@ -8,7 +8,7 @@ from typing import Any
 
 from handlcp.grasp import Pyramid
 from handlcp.lcp import NSNGRK, Auto, Lemke, SemismoothNewton
-from handlcp.method.nsngrk import RES, STEPS, AsPrinted
+from handlcp.study.accuracy.as_printed import RES, STEPS, AsPrinted
 from handlcp.tolerances import SOLVE
 
 # ---------------------------------------------------------------- Errors and times for people.

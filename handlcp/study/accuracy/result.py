@@ -13,8 +13,8 @@ import numpy as np
 from handlcp.check import number
 from handlcp.errors import InputError
 from handlcp.keywords import helped_methods
-from handlcp.method.accuracy.methods import ROUNDING, microseconds, share
 from handlcp.record import Record, columns_of, data_frame
+from handlcp.study.accuracy.methods import ROUNDING, microseconds, share
 from handlcp.text_table import wrapped
 from handlcp.write_file import write_file
 

@@ -18,9 +18,9 @@ from handlcp.grasp.friction import as_section
 from handlcp.grasp.verify.judge import judge
 from handlcp.hand import HandGrasp
 from handlcp.lcp import Auto, SemismoothNewton
-from handlcp.method.accuracy.methods import Setting
-from handlcp.method.accuracy.result import CERTIFIED, FAILED, LOOSE, OTHER, SPENT, Row
-from handlcp.method.nsngrk import in_units
+from handlcp.study.accuracy.as_printed import in_units
+from handlcp.study.accuracy.methods import Setting
+from handlcp.study.accuracy.result import CERTIFIED, FAILED, LOOSE, OTHER, SPENT, Row
 
 _SHORT, _MANY = 1e-2, 50  # short runs are repeated for _SHORT seconds, at most _MANY times
 _AMPLIFIED = 1e3  # a force error beyond so many times the residual suggests another equilibrium

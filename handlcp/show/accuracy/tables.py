@@ -7,10 +7,10 @@ from collections.abc import Iterable, Sequence
 from rich.table import Table
 from rich.text import Text
 
-from handlcp.method.accuracy.cost import UNDETERMINED
-from handlcp.method.accuracy.methods import ROUNDING, microseconds, share
-from handlcp.method.accuracy.result import CERTIFIED, NOT_RUN, AccuracyCost, LeftOut, Row
 from handlcp.show.tables import table
+from handlcp.study.accuracy.cost import UNDETERMINED
+from handlcp.study.accuracy.methods import ROUNDING, microseconds, share
+from handlcp.study.accuracy.result import CERTIFIED, NOT_RUN, AccuracyCost, LeftOut, Row
 
 ERRORS = (1e-1, 1e-2, 1e-3, 1e-6, 1e-9)
 TIMED = ("grasp.solve()", "NSNGRK polished", "Newton", "Lemke")

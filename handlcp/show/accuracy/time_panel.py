@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.method.accuracy.result import AccuracyCost, Row
 from handlcp.show.style import BLUE, PURPLE, RED, SMALL, error_ticks, panel, say, time_ticks
+from handlcp.study.accuracy.result import AccuracyCost, Row
 
 # ----------------------------------------------------------------
 # Names written beside the curves they belong to, where they cover neither points nor each other.
