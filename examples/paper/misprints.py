@@ -112,9 +112,9 @@ def misses(number: int) -> dict[str, tuple[float, bool]]:
     gap = float(np.nanmax(abs(fit.gap)))
     slide = off_its_faces(grasp, table.faces, forces, np.nan_to_num(fit.slip))
     return {
-        "slip (5), (13)": (fit.slip_miss, fit.slip_miss <= FITS_SLIPS * elastic),
-        "unilateral contact (3), (4)": (gap, gap <= FITS * elastic),
-        "slip and its faces (11), (12)": (slide, slide <= FITS_SLIPS * elastic),
+        "slip (5), (13)": (fit.slip_miss, bool(fit.slip_miss <= FITS_SLIPS * elastic)),
+        "unilateral contact (3), (4)": (gap, bool(gap <= FITS * elastic)),
+        "slip and its faces (11), (12)": (slide, bool(slide <= FITS_SLIPS * elastic)),
     }
 
 

@@ -5,8 +5,8 @@ The algorithm solves w = M z + q, 0 ≤ z ⟂ w ≥ 0 as Φ(z) = 0 with the Fisc
     φ_i(z) = √(z_i² + w_i²) - z_i - w_i
 
 A step takes the whole subgradient matrix by forward differences, equation (19), J_ij = (φ_i(z + h e_j) - φ_i(z)) / h
-with h = 1e-6. Of the rows of the greedy set (20), φ_i² ≥ ε ‖Φ‖² |J_i|², one is drawn with a chance in proportion to φ_i²
-(21), and z is projected on it (22):
+with h = 1e-6. Of the rows of the greedy set (20), φ_i² ≥ ε ‖Φ‖² |J_i|², one is drawn with a chance in proportion to
+φ_i² (21), and z is projected on it (22):
 
     ε = ½ (max_i φ_i² / |J_i|² / ‖Φ‖² + 1 / ‖J‖²_F),      z ← z - φ_i / |J_i|² J_i
 

@@ -184,7 +184,7 @@ REPRODUCED = (Mark.DIGITS, Mark.LAST, Mark.RESIDUE)
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class PrintedRow:
     """A printed magnitude and ours, which has its sign. SI.
 
     column : "force" [N] | "slip" [m] | "fingertip" [m] | "object" [m, rad]. place : "1 n", "3 t", "u_x", …
@@ -222,7 +222,7 @@ def mark_of(printed: Number, ours: float, scale: float) -> Mark:
     return Mark.LAST if off < 1.5 * printed.ulp else Mark.NO
 
 
-def rows_of(table: PaperTable, grasp: Grasp, solution: GraspSolution, other: bool = False) -> tuple[Row, ...]:
+def rows_of(table: PaperTable, grasp: Grasp, solution: GraspSolution, other: bool = False) -> tuple[PrintedRow, ...]:
     """All rows of a table. other : ours solves another problem, so nothing is marked right or wrong."""
     scene = grasp.scene
     free = (
@@ -255,7 +255,7 @@ def rows_of(table: PaperTable, grasp: Grasp, solution: GraspSolution, other: boo
     for column, place, number, ours, loose in entries:
         same = mark_of(read.get((column, place), number), ours, sizes[column == "force"])
         mark = Mark.OTHER if other else Mark.LOOSE if loose else same
-        rows.append(Row(column, place, number, float(ours), mark))
+        rows.append(PrintedRow(column, place, number, float(ours), mark))
     return tuple(rows)
 
 
@@ -371,11 +371,9 @@ def misses_of(table: PaperTable) -> tuple[Miss, ...]:
 # ----------------------------------------------------------------
 # Tables 1 to 10: rows, misses, and a verdict each.
 
-_LEGEND = "Magnitudes. ✓ every digit, ±1 in the last one, ≈0 up to RES, ~ left free (the smallest motion shown)"
-
 
 @dataclass(frozen=True, slots=True)
-class Comparison(Record):
+class TableComparison:
     """A table of the paper beside ours.
 
     table, example : what was printed, and the grasp. solution : our certified answer. ours : the problem that it
@@ -386,11 +384,11 @@ class Comparison(Record):
     example: Example
     solution: GraspSolution
     ours: str
-    rows: tuple[Row, ...]
+    rows: tuple[PrintedRow, ...]
     misses: tuple[Miss, ...]
 
     @property
-    def golden_rows(self) -> tuple[Row, ...]:
+    def golden_rows(self) -> tuple[PrintedRow, ...]:
         """The rows that must match."""
         return tuple(r for r in self.rows if r.column in self.table.golden)
 
@@ -422,8 +420,8 @@ class Comparison(Record):
 
     def __str__(self) -> str:
         rows = TextTable(("", "", "printed", "ours", ""), tuple([r.cells for r in self.rows]), "<<>><")
-        lines = f"{self.table.title}; ours: {self.ours}", rows, f"verdict: {self.verdict}", *self.remarks
-        return "\n".join(wrapped(line) if isinstance(line, str) else str(line) for line in lines)
+        rest = map(wrapped, (f"verdict: {self.verdict}", *self.remarks))
+        return "\n".join([wrapped(f"{self.table.title}; ours: {self.ours}"), str(rows), *rest])
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -431,8 +429,8 @@ class Comparison(Record):
         said = (
             f"misprint: force {r.finger} {r.axis} = {r.printed} reads {r.read} ({r.why})" for r in self.table.readings
         )
-        loose = any(r.mark is Mark.LOOSE for r in self.rows)
-        return (*said, *["the object may move without a change of forces; ours is the smallest motion"][:loose])
+        free = ["the object may move without a change of forces; ours is the smallest motion"]
+        return (*said, *free[: any(r.mark is Mark.LOOSE for r in self.rows)])
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, SI units, printed numbers as text."""
@@ -452,7 +450,7 @@ class Comparison(Record):
 
 
 @cache
-def compare(number: int) -> Comparison:
+def compare(number: int) -> TableComparison:
     """Solve the example of Table `number` (1 to 10) and lay ours beside the printed numbers."""
     t = table(number)
     e, other = example(t.example), t.example == 4
@@ -461,14 +459,14 @@ def compare(number: int) -> Comparison:
     else:
         solution, ours = e.grasp.solve(t.faces or 8), f"certified, {t.faces} faces" if t.faces else "certified"
     misses = misses_of(t) if t.faces else ()
-    return Comparison(t, e, solution, ours, rows_of(t, e.grasp, solution, other), misses)
+    return TableComparison(t, e, solution, ours, rows_of(t, e.grasp, solution, other), misses)
 
 
 @dataclass(frozen=True, slots=True)
 class PaperReport(Record):
     """Ours beside Tables 1 to 10, computed in so many seconds. example_4 : ours without preload, as in the paper."""
 
-    tables: tuple[Comparison, ...]
+    tables: tuple[TableComparison, ...]
     example_4: GraspSolution
     seconds: float
 
@@ -479,15 +477,14 @@ class PaperReport(Record):
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, SI units, printed numbers as text; None for what is not a number."""
-        found = {"tables": {c.table.number: c.to_dict() for c in self.tables}, **pick(self, "ok", "seconds")}
-        found |= {"source": raw()["source"], "example_4": {"without_preload": self.example_4.status.name}}
-        return dict(plain(found))
+        found = {"source": raw()["source"], **pick(self, "ok", "seconds")}
+        found["tables"] = {c.table.number: c.to_dict() for c in self.tables}
+        return dict(plain(found | {"example_4": {"without_preload": self.example_4.status.name}}))
 
     def __str__(self) -> str:
-        examples = {
-            c.example.number: f"Example {c.example.number}: {c.example.title}. {c.example.note}" for c in self.tables
-        }
-        parts = [f"The paper, reproduced: {raw()['source']}", _LEGEND, *examples.values(), *self.tables]
+        notes = dict.fromkeys(f"Example {c.example.number}: {c.example.title}. {c.example.note}" for c in self.tables)
+        legend = "Magnitudes. ✓ every digit, ±1 in the last one, ≈0 up to RES, ~ left free (the smallest motion shown)"
+        parts = [f"The paper, reproduced: {raw()['source']}", legend, *notes, *self.tables]
         parts.append(f"Example 4 as printed, without preload: {self.example_4.diagnosis}.")
         said = "all golden numbers reproduced" if self.ok else "GOLDEN NUMBERS MISSED"
         parts.append(f"{said} (Tables 1 and 2; forces of Tables 3, 6 and 8) in {self.seconds:.1f} s")

@@ -3,8 +3,8 @@
     python -m tests.benchmarks.as_printed [seconds]
 
 One process, one thread, everything compiled and warm. All work on natural units: as given, in metres and newtons, none
-of the Kaczmarz methods gets there at all (`method.convergence`). `AsPrinted` takes forward differences in each step and
-ends with nothing else; a run is stopped after `seconds` (60), and then only a lower bound of the ratio is printed, with
+of the Kaczmarz methods gets there at all (`examples/paper/convergence.py`). `AsPrinted` takes forward differences in
+each step and ends with nothing else; a run is stopped after `seconds` (60), and then only a lower bound of the ratio is printed, with
 the time that the rate at its end would still ask for. Methods take turns, seed by seed, so that a busy moment meets
 all of them; medians over seeds, and of the fast methods over many calls, too.
 """
@@ -27,10 +27,11 @@ import numpy as np
 from rich.console import Console
 
 import handlcp as hl
-from handlcp.lcp import AsPrinted, proposals
-from handlcp.method.convergence import measured_rate
-from handlcp.method.paper import example
+from handlcp.lcp import proposals
+from handlcp.study.accuracy import AsPrinted
+from handlcp.study.paper import example
 from tests.benchmarks.report import plain_table
+from tests.support.scripts import script
 
 TOL, FACES, SEEDS = 1e-8, 16, range(5)
 SAMPLE, CALLS = 2000, 201  # steps that tell what one costs; calls of what takes less than a millisecond
@@ -80,7 +81,7 @@ def kaczmarz_alone(make: Callable[..., Any], grasp: hl.Grasp, seed: int, budget:
     norm, more = phi(scaled, p.z), 0.0
     if norm > TOL:
         history = make(tol=TOL, max_iterations=most, seed=seed, stride=max(1, most // 400)).propose(scaled).history
-        rate = measured_rate(history)
+        rate = script("paper/convergence").measured_rate(history)
         more = seconds / p.iterations * float(np.log(norm / TOL)) / rate if rate > 0 else np.inf
     return Result(seconds, p.iterations, norm, off(problem.candidate(p.z).forces, answer), more)
 
