@@ -4,9 +4,9 @@
 
 One process, one thread, everything compiled and warm. All work on natural units: as given, in metres and newtons, none
 of the Kaczmarz methods gets there at all (`examples/paper/convergence.py`). `AsPrinted` takes forward differences in
-each step and ends with nothing else; a run is stopped after `seconds` (60), and then only a lower bound of the ratio is printed, with
-the time that the rate at its end would still ask for. Methods take turns, seed by seed, so that a busy moment meets
-all of them; medians over seeds, and of the fast methods over many calls, too.
+each step and ends with nothing else; a run is stopped after `seconds` (60), and then only a lower bound of the ratio is
+printed, with the time that the rate at its end would still ask for. Methods take turns, seed by seed, so that a busy
+moment meets all of them; medians over seeds, and of the fast methods over many calls, too.
 """
 
 from __future__ import annotations

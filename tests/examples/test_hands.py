@@ -158,6 +158,13 @@ def test_closing_harder_takes_more_torque_and_presses_harder():
     pinch = hand.at(hand.close_on(cube)).grasp(cube, friction=0.8, grip_force=2.0)
     twice = table.pressed(pinch, 2.0).solve().normal_force
     np.testing.assert_allclose(twice, 2.0 * pinch.solve().normal_force, rtol=0.1)
+
+
+@pytest.mark.long
+def test_a_firm_pinch_uses_half_of_its_weakest_motor_and_holds_more():
+    hand = own()
+    cube = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
+    pinch = hand.at(hand.close_on(cube)).grasp(cube, friction=0.8, grip_force=2.0)
     firm = table.firmest(pinch)
     assert firm.payload().mass > 1.2 * pinch.payload().mass
     used = abs(firm.solve().torques) / hand.torque_limits
