@@ -4,13 +4,10 @@ from .design.brief import Brief as Brief
 from .design.evaluate import evaluate as evaluate
 from .design.evaluation import Evaluation as Evaluation
 from .design.finger_hand import finger_hand as finger_hand
-from .design.hardware.beside import Beside as Beside, beside_hardware as beside_hardware
 from .design.optimise.best import Best as Best, Kink as Kink
 from .design.optimise.optimise import optimise as optimise
 from .design.study import Study as Study
 from .design.sweep.sweep import sweep as sweep
-from .design.table.make import table as table
-from .design.table.result import HandTable as HandTable
 from .errors import (
     HandLCPError as HandLCPError,
     InputError as InputError,
@@ -113,11 +110,11 @@ from .lcp import (
     Status as Status,
     solve_lcp as solve_lcp,
 )
-from .method.accuracy.cost import accuracy_cost as accuracy_cost
-from .method.accuracy.on_paths import PathCost as PathCost, path_cost as path_cost
-from .method.accuracy.result import AccuracyCost as AccuracyCost
 from .show.report.report import report as report
 from .simulator.write import to_mujoco as to_mujoco
+from .study.accuracy.cost import accuracy_cost as accuracy_cost
+from .study.accuracy.on_paths import PathCost as PathCost, path_cost as path_cost
+from .study.accuracy.result import AccuracyCost as AccuracyCost
 from .study.envelope.measure import envelope as envelope
 from .study.envelope.result import Envelope as Envelope
 from .study.grip_strength.measure import split_cylinder as split_cylinder

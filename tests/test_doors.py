@@ -17,9 +17,8 @@ TESTS = pathlib.Path(__file__).parent
 PACKAGE = pathlib.Path(importlib.import_module("handlcp").__file__).parent
 DOORS = {
     "handlcp", "handlcp.errors", "handlcp.scene", "handlcp.cli", "handlcp.lcp", "handlcp.grasp", "handlcp.hand",
-    "handlcp.simulator", "handlcp.show", "handlcp.study", "handlcp.method.accuracy", "handlcp.method.paper",
-    "handlcp.method.convergence", "handlcp.method.catalogue", "handlcp.method",
-    "handlcp.method.nsngrk",
+    "handlcp.simulator", "handlcp.show", "handlcp.study", "handlcp.study.accuracy", "handlcp.study.paper",
+    "handlcp.study.effect_catalogue",
 }  # fmt: skip
 SUPPORT = TESTS / "support"
 FILES = [p for p in sorted(TESTS.rglob("*.py")) if p.parent != SUPPORT and p != pathlib.Path(__file__)]
@@ -138,7 +137,7 @@ def test_each_way_inside_is_seen(source, what):
     [
         "import handlcp as hl\nhl.grasp.Pyramid(8)\nhl.lcp.Proposal",
         "from handlcp.grasp import Verdict",
-        "from handlcp.method.accuracy import METHODS",
+        "from handlcp.study.accuracy import METHODS",
         "import sys\ncommand = [sys.executable, '-m', 'handlcp.cli']",
         "class A:\n    def go(self):\n        return self._x",
     ],

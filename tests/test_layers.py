@@ -1,4 +1,4 @@
-"""Imports run one way: cli → method → show → design → study → scene → simulator → hand → grasp → lcp → check → record,
+"""Imports run one way: cli → show → design → study → scene → simulator → hand → grasp → lcp → check → record,
 text_table, words, views, doubled, lazy, keywords, progress, read_file, extras, write_file, errors, tolerances, version.
 Answers reach their pictures and pages through `views`, by name, when they are asked for.
 
@@ -39,7 +39,6 @@ ORDER = [
     "study",
     "design",
     "show",
-    "method",
     "cli",
 ]
 # Of grasp, as the table of handlcp/README.md has them
@@ -131,7 +130,7 @@ def test_the_page_lists_the_rooms_of_grasp_in_the_same_order():
 
 
 def test_only_pictures_import_matplotlib():
-    others = [p for p in FILES if p.relative_to(ROOT).parts[0] not in ("show", "method")]
+    others = [p for p in FILES if p.relative_to(ROOT).parts[0] != "show"]
     assert not [short(p) for p in others if re.search(r"(import|from) matplotlib", p.read_text(encoding="utf-8"))]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pathlib
 import re
+import subprocess
 import tomllib
 
 import pytest
@@ -40,6 +41,17 @@ def test_one_version_everywhere():
     recipe = re.search(r"^  version: \"(.*)\"$", text(".conda", "recipe.yaml"), re.M)
     assert recipe[1] == version
     assert "version" in PROJECT["dynamic"], "handlcp/version.py has it"
+
+
+def test_nothing_that_a_run_leaves_behind_is_in_the_root_of_the_repository():
+    """MuJoCo appends its warnings to MUJOCO_LOG.TXT in the working folder where nobody takes them."""
+    assert "MUJOCO_LOG.TXT" in text(".gitignore").splitlines()
+    done = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
+    if done.returncode != 0:
+        pytest.skip("no checkout")
+    files = {file for file in done.stdout.splitlines() if "/" not in file}
+    known = {".gitignore", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE", "README.md", "pyproject.toml"}
+    assert files <= known
 
 
 def test_the_changelog_has_a_section_for_each_version_the_newest_first():

@@ -13,13 +13,12 @@ from handlcp.cli.payload import payload  # isort: skip
 from handlcp.cli.evaluate import evaluate  # isort: skip
 from handlcp.cli.sweep import sweep  # isort: skip
 from handlcp.cli.motors import motors, reliability  # isort: skip
-from handlcp.cli.table import table  # isort: skip
 from handlcp.cli.accuracy import accuracy, compare  # isort: skip
 from handlcp.cli.lists import audit, effects, hands, keys, paper, warm  # isort: skip
 
 __all__ = [
     "accuracy", "app", "audit", "compare", "demo", "effects", "envelope", "evaluate", "follow", "hands", "keys",
-    "limits", "main", "motors", "paper", "payload", "reliability", "solve", "sweep", "table", "warm",
+    "limits", "main", "motors", "paper", "payload", "reliability", "solve", "sweep", "warm",
 ]  # fmt: skip
 
 

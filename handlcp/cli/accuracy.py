@@ -35,8 +35,8 @@ def accuracy(
     Exit status 0, 1 if nothing holds the object exactly (there is nothing to compare with), 2 bad input.
     """
     from handlcp import scene as scenes
-    from handlcp.method import work_precision
-    from handlcp.method.accuracy import accuracy_cost, table as accuracy_table
+    from handlcp.show.accuracy import all_tables, save
+    from handlcp.study.accuracy import accuracy_cost
 
     file = scenes.load(scene)
     check_files(plot)
@@ -56,12 +56,12 @@ def accuracy(
     if csv is not None:
         cost.to_csv(csv)
     if plot is not None:
-        work_precision.save((file.title, cost), plot)
+        save((file.title, cost), plot)
     if json:
         print_json({"title": file.title} | cost.to_dict())
         return
     out = titled(file.title)
-    for table in accuracy_table.all_tables(cost):
+    for table in all_tables(cost):
         out.print(table)
     out.print(Text(f"{cost.summary}."))
     for note in cost.notes:

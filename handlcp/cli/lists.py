@@ -39,7 +39,7 @@ def warm(json: Json = False) -> None:
     when.silent()
     with steps(0.0) as progress, when.at_once():
         progress(0, 1, "importing")
-        from handlcp.method.everything import JOBS
+        from handlcp.cli.warm_jobs import JOBS
         from handlcp.show.picture.camera import touch
 
         jobs = (*JOBS, ("pictures", touch))
@@ -80,10 +80,15 @@ def audit(
 
 @app.command()
 def paper(json: Json = False) -> None:
-    """Recompute the paper's examples and compare them with what is printed there."""
-    from handlcp.method.paper import paper_command
+    """Recompute the paper's examples and compare them with what is printed there.
 
-    raise typer.Exit(paper_command(json=json, console=Console()))
+    Exit status 0 where all golden numbers are reproduced, else 1.
+    """
+    from handlcp.study.paper import run
+
+    report = run()
+    typer.echo(report.to_json() if json else str(report))
+    raise typer.Exit(0 if report.ok else 1)
 
 
 @app.command()
@@ -124,10 +129,10 @@ def effects(
     ] = False,
 ) -> None:
     """List every effect there is: when to use it, how to ask for it, which unknowns it brings."""
-    from handlcp.method import catalogue
+    from handlcp.study import effect_catalogue
 
-    found = catalogue.entries()
-    costs = catalogue.costs() if measure else None
+    found = effect_catalogue.entries()
+    costs = effect_catalogue.costs() if measure else None
     if json:
         print_json({"effects": [plain(e) | {"cost": (costs or {}).get(e.title)} for e in found]})
     else:

@@ -26,6 +26,7 @@ __all__ = [
     "loading_page",
     "loading_plot",
     "page",
+    "path_cost_plot",
     "payload",
     "payload_plot",
     "plot",
@@ -34,7 +35,6 @@ __all__ = [
     "study_page",
     "study_plot",
     "table_html",
-    "table_page",
     "text_html",
     "to_dict",
     "torque_table",
@@ -91,11 +91,12 @@ def _plotted(module: str, name: str = "figure") -> Callable[..., Any]:
 
 
 loading_plot, limit_plot, reliability_plot = map(_plotted, ("loading.draw", "limit", "reliability"))
+path_cost_plot = _plotted("accuracy.on_paths")
 payload = _at("payload", "payload", "study")
 payload_plot, split_plot = map(_plotted, ("payload", "split_cylinder"))
 envelope_plot, envelope_polar = _plotted("envelope.draw"), _plotted("envelope.polar", "polar_figure")
 loading_page, envelope_page = _at("page.document", "save_loading"), _at("envelope.page", "save")
-study_page, table_page = _at("study.page", "save"), _at("table.page", "save")
+study_page = _at("study.page", "save")
 
 
 def study_plot(study: Any, path: Any, title: str, by: Sequence[str]) -> Any:

@@ -128,7 +128,7 @@ def key_table(keys: Sequence[Any], file: str) -> Table:
 def catalogue_table(entries: Sequence[Description], costs: Mapping[str, Any] | None = None) -> Table:
     """A row for each effect that the package has.
 
-    costs : `handlcp.method.catalogue.Cost`s by title; None: not measured.
+    costs : `handlcp.study.effect_catalogue.Cost`s by title; None: not measured.
     """
     note = "here, time: unknowns more, and how many times as long, beside the reference scene without"
     heads = (

@@ -8,13 +8,14 @@ import re
 import subprocess
 import sys
 from itertools import pairwise
+from types import SimpleNamespace
 
 import pytest
 from typer.testing import CliRunner
 
 import handlcp as hl
 from handlcp.cli import app
-from handlcp.method.catalogue import Cost, entries
+from handlcp.study.effect_catalogue import Cost, entries
 from tests.support import patches
 from tests.support.hand import urdf
 from tests.support.messages import without_compiling
@@ -256,10 +257,10 @@ def test_effects_lists_every_effect_and_measures_when_asked(monkeypatch):
 
 
 def test_paper_passes_on_the_studys_verdict(monkeypatch):
-    asked = []
-    patches.paper_command(monkeypatch, lambda json, console: asked.append(json) or 1)
-    assert run("paper", "--json").exit_code == 1
-    assert asked == [True]
+    report = SimpleNamespace(ok=False, to_json=lambda: '{"ok": false}')
+    patches.paper_report(monkeypatch, lambda: report)
+    done = run("paper", "--json")
+    assert (done.exit_code, strict(done.stdout)) == (1, {"ok": False})
 
 
 def test_version():

@@ -26,16 +26,10 @@ def script():
 
 def test_it_prints_its_tables_writes_its_pictures_and_measures_what_mechanics_asks_for(script, tmp_path):
     few = {"methods": ["cone, Newton", "Lemke"], "faces": [4, 8], "tolerances": [1e-9], "repeats": 1, "left_out": False}
-    costs, found = script.what_accuracy_costs(seconds=ENOUGH, **few), script.how_it_converges(range(2))
-    other, path = script.table_10(range(2)), script.what_a_path_costs(times=(0.5, 1), repeats=1)
+    costs, path = script.what_accuracy_costs(seconds=ENOUGH, **few), script.what_a_path_costs(times=(0.5, 1), repeats=1)
     said = io.StringIO()
-    paths = script.write(costs, path, found, other, tmp_path, Console(file=said, width=100))
-    assert [p.name for p in paths] == [
-        "accuracy_cost.png",
-        "path_cost.png",
-        "convergence.png",
-        "convergence_table_10.png",
-    ]
+    paths = script.write(costs, path, tmp_path, Console(file=said, width=100))
+    assert [p.name for p in paths] == ["accuracy_cost.png", "path_cost.png"]
     assert all(p.stat().st_size > 20_000 for p in paths)
     (_, hand), (_, cube) = costs
     # Five fingers hold 0.3 kg alike; the hand hangs, so that +z is down
@@ -43,11 +37,6 @@ def test_it_prints_its_tables_writes_its_pictures_and_measures_what_mechanics_as
     down = np.einsum("ij,ij->i", frames[:, 2], np.array(hand.reference.forces))
     np.testing.assert_allclose(-down, 0.3 * 9.81 / 5, rtol=1e-3)
     # On the cube 8 inscribed faces give the forces of Table 6, which are not those on the cone
-    np.testing.assert_allclose(found.answer, [0.934263, 0.934263, 3.96422], rtol=2e-6)
-    exact = np.array(cube.reference.forces)
-    error = dict(cube.pyramids())[8]
-    assert error * abs(exact).max() >= abs(exact[:, 2] - found.answer).max() > 0.02
+    exact, eight = np.array(cube.reference.forces), np.array([0.934263, 0.934263, 3.96422])
+    assert dict(cube.pyramids())[8] * abs(exact).max() >= abs(exact[:, 2] - eight).max() > 0.02
     assert "Example 3" in said.getvalue()
-    closing = " ".join(said.getvalue().rstrip().splitlines()[-3:])
-    for fact in (found.names[found.disputed], f"{100 * found.spread('given'):.0f} %", f"{found.gain:.1f}"):
-        assert fact in closing

@@ -8,7 +8,6 @@ from typing import Any
 
 import handlcp as hl
 from tests.design import optima
-from tests.support.table import HandTable, source
 
 BALL = hl.Sphere(0.03, (0, 0, 0.08), mass=0.1)
 PUSH = (1.0, 0, 0, 0, 0, 0)
@@ -99,10 +98,6 @@ def tendons() -> hl.Tendons:
     return hl.Tendons(TENDONS, 1e3, 1.0)
 
 
-def table() -> HandTable:
-    return HandTable([{"hand": "g1", "object": "?", "verdict": "FAILED"}], [source("g1")])
-
-
 # The objects whose methods are called; each made when it is first asked for
 MADE: dict[str, Callable[[], Any]] = {
     "Accuracy": lambda: pinch().solve(accuracy=1e-6).accuracy,
@@ -111,7 +106,6 @@ MADE: dict[str, Callable[[], Any]] = {
     "Audit": lambda: hand().audit(),
     "Around": lambda: hl.Around("palm", ((0, 0, 0), (0, 0, 1)), 0.01),
     "Auto": hl.Auto,
-    "Beside": lambda: hl.beside_hardware({}, tests=("payload",)),
     "Best": lambda: optima.run(budget=1),
     "BestChange": lambda: pinch().best_change(),
     "Box": lambda: hl.Box(0.05),
@@ -139,7 +133,6 @@ MADE: dict[str, Callable[[], Any]] = {
     "HandGrasp": hard,
     "HandGraspSolution": lambda: held().solve(),
     "HandState": state,
-    "HandTable": table,
     "Kink": lambda: hl.Kink("force", "payload by force", 1.0, 2.0),
     "LCP": lcp,
     "LCPSolution": lambda: hl.solve_lcp(lcp()),

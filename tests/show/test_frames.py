@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.method.accuracy import accuracy_cost
-from handlcp.method.convergence import convergence
+from handlcp.study.accuracy import accuracy_cost
 
 pandas = pytest.importorskip("pandas")
 
@@ -92,10 +91,6 @@ def test_studies_are_tables():
     cost = accuracy_cost(pinch(), methods=["NSNGRK polished"], faces=[8], tolerances=[1e-9], left_out=False, repeats=1)
     rows = cost.to_frame()
     assert rows["method"].tolist() == [r.method for r in cost.rows]
-    study = convergence(pinch(), seeds=[0], max_iterations=200)
-    looks = study.to_frame()
-    assert len(looks) == sum(len(r.values) for r in study.runs)
-    assert looks["finger 1"].iloc[0] == study.runs[0].values[0, 0]
 
 
 def test_without_pandas_the_extra_is_named(monkeypatch):

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.method.accuracy import accuracy_cost
 from handlcp.scene import load
+from handlcp.study.accuracy import accuracy_cost
 from tests.support.show import html
 
 ROOT = pathlib.Path(__file__).parents[2] / "examples"

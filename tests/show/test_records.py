@@ -13,16 +13,14 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.method.accuracy import accuracy_cost
-from handlcp.method.convergence import convergence
-from handlcp.method.paper import run
 from handlcp.simulator import compare, simulate_limit
+from handlcp.study.accuracy import accuracy_cost
+from handlcp.study.paper import run
 from tests.design import optima
 from tests.design.hands import pinch as levers
 from tests.hand.conftest import MIMIC
 from tests.support.published import gripper
 from tests.support.records import described, doc_of, kinds, plain, within
-from tests.support.table import HandTable, source
 
 BOX = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
 PUSH = (1.0, 0, 0, 0, 0, 0)
@@ -113,10 +111,7 @@ EXAMPLES = {
         pinch(), methods=["NSNGRK polished"], faces=[8], tolerances=[1e-9], left_out=False, repeats=1
     ),
     "PathCost PathRow": lambda: hl.path_cost(pinch(), times=(0.5, 1), repeats=1),
-    "Convergence": lambda: convergence(pinch(), seeds=[0], max_iterations=200),
-    "PaperReport Case Run": run,
-    "Beside BesideRow Stated": lambda: hl.beside_hardware(tests=("payload",)),
-    "HandTable": lambda: HandTable([{"hand": "g1", "object": "?", "verdict": "FAILED"}], [source("g1")]),
+    "PaperReport": run,
     "Comparison Simulation": lambda: simulated(lambda: compare(held(), None, "together", steps=2, seconds=0.2)),
     "SimulatedLimit LimitTrack": lambda: simulated(lambda: simulate_limit(held(), PUSH, 1.0, seconds=0.2, settle=0.05)),
 }  # fmt: skip

@@ -13,8 +13,8 @@ import pytest
 
 import handlcp as hl
 from handlcp.errors import InputError, NoSolutionFound, UnknownName
-from handlcp.method.accuracy import METHODS, AccuracyCost
-from handlcp.method.paper import example
+from handlcp.study.accuracy import METHODS, AccuracyCost
+from handlcp.study.paper import example
 from tests.grasp.scenes import ring
 from tests.support import patches
 from tests.support.grasp import arrays

@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.method.catalogue import anchor, cost, costs, entries, page, trials
 from handlcp.scene import SceneFile, keys
+from handlcp.study.effect_catalogue import cost, costs, entries, trials
 from tests.support import patches
 from tests.support.effects import entry_for, kinds_in_the_catalogue, made_up_entry
 from tests.support.grasp import arrays
+from tests.support.scripts import script
 
+anchor, page = script("effects_page").anchor, script("effects_page").page
 ROOT = pathlib.Path(__file__).parents[2]
 FOLDER = ROOT / "handlcp" / "grasp" / "effects"
 PAGE = (FOLDER / "README.md").read_text(encoding="utf-8")
@@ -52,7 +54,7 @@ def law(entry):
 
 def test_the_page_is_what_the_generator_writes_but_for_what_was_measured():
     fresh = page(costs(lambda runs: dict.fromkeys(runs, 1.0)), "2000-01-01 (1 core)")
-    assert masked(fresh) == masked(PAGE), "python -m handlcp.method.catalogue > handlcp/grasp/effects/README.md"
+    assert masked(fresh) == masked(PAGE), "python examples/effects_page.py > handlcp/grasp/effects/README.md"
     assert masked(PAGE).count("× #") == len(ALL) - 2  # balance and contact are never left out
 
 

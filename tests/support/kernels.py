@@ -13,12 +13,12 @@ from typing import Any
 from unittest.mock import patch
 
 import handlcp
+from handlcp.cli.warm_jobs import JOBS
 from handlcp.lcp.compiler import beside, folders, when
 from handlcp.lcp.compiler.kernel import Kernel
 from handlcp.lcp.compiler.when import MANY, at_once, soon
 from handlcp.lcp.kernels import dense as _door
 from handlcp.lcp.kernels.dense import multiply_add, solve_ranked
-from handlcp.method.everything import JOBS
 
 __all__ = [
     "JOBS", "MANY", "alone", "anew", "at_once", "automatic", "beside", "cached_in", "compiled", "compiler_beside",

@@ -31,7 +31,6 @@ __all__ = [
     "no_newton_on_cones",
     "no_solve_takes_more_than",
     "nothing_is_eliminated",
-    "paper_command",
     "paper_report",
     "shards_of",
     "shares_of_a_quarter",
@@ -139,8 +138,8 @@ def ticks_between_shares(patch: Patch, tick: float) -> None:
 def ticks_of_studies(patch: Patch, tick: float) -> None:
     """The study of accuracy has a clock each look at which takes so long [s]: the same always fits its budget."""
     clock = Ticking(tick)
-    patch.setattr("handlcp.method.accuracy.cost.time", clock)
-    patch.setattr("handlcp.method.accuracy.measure.time", clock)
+    patch.setattr("handlcp.study.accuracy.cost.time", clock)
+    patch.setattr("handlcp.study.accuracy.measure.time", clock)
 
 
 def ticks_of_equilibria(patch: Patch, tick: float = 2e-3) -> None:
@@ -161,17 +160,12 @@ def another_effect(patch: Patch, kind: type) -> None:
 
 def costs_of_effects(patch: Patch, costs: Callable[[], dict[str, Any]]) -> None:
     """The command line has its costs of effects from here."""
-    patch.setattr("handlcp.method.catalogue.costs", costs)
-
-
-def paper_command(patch: Patch, command: Callable[..., int]) -> None:
-    """What the command line runs for the paper."""
-    patch.setattr("handlcp.method.paper.paper_command", command)
+    patch.setattr("handlcp.study.effect_catalogue.costs", costs)
 
 
 def paper_report(patch: Patch, made: Callable[[], Any]) -> None:
     """The paper's command prints this report."""
-    patch.setattr("handlcp.method.paper.render.run", made)
+    patch.setattr("handlcp.study.paper.run", made)
 
 
 def without_module(patch: Patch, name: str) -> None:

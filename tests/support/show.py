@@ -9,10 +9,8 @@ import numpy as np
 import handlcp as hl
 from handlcp import words as units
 from handlcp.grasp.path.events import summary
-from handlcp.method import work_precision as work_precision_figure
-from handlcp.method.accuracy.table import all_tables
-from handlcp.method.convergence import picture as convergence_figure
-from handlcp.show import tables
+from handlcp.show import accuracy as work_precision_figure, tables
+from handlcp.show.accuracy import all_tables
 from handlcp.show.envelope.page import facing as facing_weakest
 from handlcp.show.envelope.surface import NOTHING, OTHERS, SHADES, divided, section, surface_of, wires
 from handlcp.show.file import drawn
@@ -34,7 +32,6 @@ __all__ = [
     "all_tables",
     "camera_of",
     "contact_sheet",
-    "convergence_figure",
     "divided",
     "draw",
     "environment_bodies",

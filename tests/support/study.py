@@ -1,4 +1,4 @@
-"""Doors into the studies: what is left out and planned, the paper's figures as carried over, its rows and misses."""
+"""Doors into the studies: what is left out and planned, the paper's settings, limits in many directions."""
 
 from __future__ import annotations
 
@@ -10,42 +10,22 @@ import numpy as np
 import handlcp as hl
 from handlcp.grasp.friction import as_section
 from handlcp.grasp.limits.directions import limits_of
-from handlcp.method.accuracy.cost import UNDETERMINED, variants
-from handlcp.method.accuracy.methods import settings
-from handlcp.method.accuracy.result import CERTIFIED, LOOSE, NOT_RUN, OTHER
-from handlcp.method.nsngrk import RES, STEPS
-from handlcp.method.paper.data import NUMBERS, PRELOAD, Number, raw
-from handlcp.method.paper.misses import Miss, no_equilibrium, search_grasp
-from handlcp.method.paper.printed import compatibility, signed_forces
-from handlcp.method.paper.render import render
-from handlcp.method.paper.report import run_case
-from handlcp.method.paper.tables import Mark, mark_of, rows_of
+from handlcp.study.accuracy.as_printed import RES, STEPS
+from handlcp.study.accuracy.cost import UNDETERMINED, variants
+from handlcp.study.accuracy.methods import settings
+from handlcp.study.accuracy.result import CERTIFIED, LOOSE, NOT_RUN, OTHER
 
 __all__ = [
     "CERTIFIED",
     "LOOSE",
     "NOT_RUN",
-    "NUMBERS",
     "OTHER",
-    "PRELOAD",
     "RES",
     "STEPS",
     "UNDETERMINED",
-    "Mark",
-    "Miss",
-    "Number",
-    "compatibility",
     "left_out",
     "limits_of_directions",
-    "mark_of",
-    "no_equilibrium",
     "planned_rows",
-    "raw",
-    "render",
-    "rows_of",
-    "run_case",
-    "search_grasp",
-    "signed_forces",
 ]
 
 

@@ -1,1 +1,0 @@
-"""The page of a table of hands and objects."""
