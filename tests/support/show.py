@@ -18,7 +18,6 @@ from handlcp.show.loading import report, series as end
 from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import environment_bodies, hand_bodies, stub_bodies, tip_shapes
 from handlcp.show.picture.camera import Marks, camera_for, facing, fill
-from handlcp.show.picture.figure import contact_sheet
 from handlcp.show.picture.overlay import Turn, nice, rim
 from handlcp.show.record import record
 from handlcp.show.style import moved, shortened
@@ -29,7 +28,6 @@ __all__ = [
     "Turn",
     "all_tables",
     "camera_of",
-    "contact_sheet",
     "divided",
     "draw",
     "end",
