@@ -102,11 +102,6 @@ def g1() -> tuple[Path, Path]:
     return _robot_data("g1_description/urdf/g1_29dof_with_hand_rev_1_0.urdf")
 
 
-def robot_data_file(name: str) -> Path | None:
-    """The URDF file of a hand in `HANDS` that comes with example-robot-data; None: it ships with the package."""
-    return _OF_ROBOT_DATA[name]()[0] if name in _OF_ROBOT_DATA else None
-
-
 _OF_ROBOT_DATA = {"allegro": allegro, "allegro_left": lambda: allegro("left"), "g1": g1, "psyonic": psyonic}
 
 

@@ -20,7 +20,7 @@ from handlcp.show.loading.series import grasp_at_end, solution_at_end
 from handlcp.show.picture import shapes
 from handlcp.show.picture.bodies import environment_bodies, hand_bodies, stub_bodies, tip_shapes
 from handlcp.show.picture.camera import Marks, camera_for, facing, fill
-from handlcp.show.picture.figure import contact_sheet, draw
+from handlcp.show.picture.figure import draw
 from handlcp.show.picture.overlay import Turn, nice, rim
 from handlcp.show.record import record
 from handlcp.show.style import moved, shortened
@@ -31,7 +31,6 @@ __all__ = [
     "Turn",
     "all_tables",
     "camera_of",
-    "contact_sheet",
     "divided",
     "draw",
     "environment_bodies",

@@ -153,27 +153,9 @@ def _scales(over: Overlay, shown: Content, view: Frame) -> None:
 
 
 # ----------------------------------------------------------------
-# Small pictures of several grasps of one hand, side by side: hand, object and forces, without numbers.
+# Small pictures of several grasps, alike: hand, object and forces, without numbers.
 
-COLUMNS, CELL, CAPTION, COARSE = 5, 4.0, 0.3, 60  # pictures in a row; inches of each, to its name; dots an inch
-FINE, _MARGIN = 110, 0.1  # dots an inch of those that are looked at one by one; inches around the scene
-_COLOURS = 128  # of the file: half the size, and no difference to the eye
-
-
-def contact_sheet(grasps: list[tuple[str, Candidate | None]]) -> bytes:
-    """A png with one picture for each named grasp, an empty place for None. Raises Unsupported without matplotlib."""
-    rows = -(-len(grasps) // COLUMNS)
-    wide, high = COLUMNS * CELL, rows * CELL
-    figure = new_figure(figsize=(wide, high))
-    for k, (name, candidate) in enumerate(grasps):
-        x, y = (k % COLUMNS) * CELL, high - (k // COLUMNS + 1) * CELL
-        ax = figure.add_axes((x / wide, y / high, CELL / wide, CELL / high))
-        ax.axis("off")
-        if candidate is not None:
-            _small(ax, _content(candidate), COARSE)
-        where = (x + 0.5 * CELL) / wide, (y + CAPTION) / high
-        figure.text(*where, name if candidate else f"{name}: none found", ha="center", va="center", fontsize=22)
-    return _with_few_colours(figure)
+CELL, FINE, _MARGIN = 4.0, 110, 0.1  # inches of a picture; dots an inch; inches around the scene
 
 
 def alike(grasps: list[Candidate | None]) -> list[bytes]:
@@ -203,9 +185,7 @@ def _content(candidate: Candidate) -> Content:
     return Content(candidate.grasp, candidate.solution, None, verdict=candidate.verdict)
 
 
-def _small(
-    ax: Any, shown: Content, dpi: float, camera: Camera | None = None, least: float = 0.0, share: float = 1.0
-) -> None:
+def _small(ax: Any, shown: Content, dpi: float, camera: Camera, least: float, share: float) -> None:
     """Draw a small picture without numbers: hand, object and forces.
 
     camera, least : as of `stage`. share : factor on the lengths of arrows.
@@ -217,15 +197,3 @@ def _small(
         p, force = shown.grasp.scene.positions[i], share * shown.forces[i]
         over.arrow(p, force, shown.colours[i], 1.6)
         over.dot(p, shown.colours[i], bool(hidden[i]))
-
-
-def _with_few_colours(figure: Any) -> bytes:
-    """The figure as a png with few colours, which is half as large; Pillow comes with matplotlib."""
-    from PIL import Image
-
-    drawn, made = io.BytesIO(), io.BytesIO()
-    figure.savefig(drawn, dpi=COARSE, facecolor="white", format="png")
-    drawn.seek(0)
-    few = Image.open(drawn).convert("RGB").quantize(_COLOURS, Image.Quantize.MAXCOVERAGE)
-    few.save(made, format="png", optimize=True)
-    return made.getvalue()
