@@ -5,8 +5,7 @@
 
 A mutant is a file, a line as it is, and the line with another sign, factor or comparison. Old lines are found by their
 text, which is there once: in their file or, once that has moved, in the package. Each is tried in a copy of the
-checkout, with nothing compiled, by the test folders of its room, the tests that name its module first, up to the first
-failure.
+checkout, with nothing compiled, by the test folders of its room, tests that name its module first, until one fails.
 """
 
 from __future__ import annotations
@@ -195,7 +194,14 @@ def main() -> int:
     parser.add_argument("--minutes", type=float, default=10.0, help="for each at most")
     asked = parser.parse_args()
     if asked.what == "pick":
-        FILE.write_text(json.dumps([m._asdict() for m in pick(ROOT, asked.seed)], indent=1, ensure_ascii=False) + "\n")
+        FILE.write_text(
+            json.dumps(
+                [dict(room=m.room, file=m.file, old=m.old, new=m.new) for m in pick(ROOT, asked.seed)],
+                indent=1,
+                ensure_ascii=False,
+            )
+            + "\n"
+        )
         return 0
     mutants = [Mutant(**row) for row in json.loads(FILE.read_text(encoding="utf-8"))]
     numbers = asked.only or list(range(len(mutants)))
