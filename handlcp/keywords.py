@@ -118,7 +118,7 @@ class _Kind(NamedTuple):
     said: str
 
     def check(self, value: object) -> None:
-        """Check that a value is one of them; a class, which makes things where called, is no function. Raises InputError."""
+        """Check that a value is one of them; a class, which makes things, is no function. Raises InputError."""
         called = self.function and callable(value) and not isinstance(value, type)
         if not (isinstance(value, self.types) or called):
             raise InputError(self.name, self.said, shown(value))
