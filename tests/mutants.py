@@ -5,7 +5,7 @@
 
 A mutant is a file, a line as it is, and the line with another sign, factor or comparison. Old lines are found by their
 text, which is there once: in their file or, once that has moved, in the package. Each is tried in a copy of the
-checkout, with nothing compiled, by the test folders of its room, tests that name its module first, to the first failure.
+checkout, with nothing compiled, by the test folders of its room, tests that name its module first, until one fails.
 """
 
 from __future__ import annotations
