@@ -194,7 +194,14 @@ def main() -> int:
     parser.add_argument("--minutes", type=float, default=10.0, help="for each at most")
     asked = parser.parse_args()
     if asked.what == "pick":
-        FILE.write_text(json.dumps([m._asdict() for m in pick(ROOT, asked.seed)], indent=1, ensure_ascii=False) + "\n")
+        FILE.write_text(
+            json.dumps(
+                [dict(room=m.room, file=m.file, old=m.old, new=m.new) for m in pick(ROOT, asked.seed)],
+                indent=1,
+                ensure_ascii=False,
+            )
+            + "\n"
+        )
         return 0
     mutants = [Mutant(**row) for row in json.loads(FILE.read_text(encoding="utf-8"))]
     numbers = asked.only or list(range(len(mutants)))
