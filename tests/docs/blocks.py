@@ -55,6 +55,7 @@ class Page:
 
     def __init__(self, name: str) -> None:
         self.name, self.namespace, self.printed = name, {"__name__": "__main__"}, ""
+        self.ran: set[str] = set()  # commands of consoles
         self.written: list[tuple[str, str]] = []  # what was shown, and what is to be shown in its place
 
     def run_all(self, text: str) -> str:
@@ -81,7 +82,8 @@ class Page:
         elif block.language in ("sh", "yaml"):
             for line in commands(block):
                 for command in line.partition("  #")[0].split("&&"):
-                    shell(command.strip(), where)
+                    if command.strip() not in self.ran:  # it has been shown with what it prints
+                        shell(command.strip(), where)
         else:
             raise AssertionError(f"{where}: nobody knows how to run {block.language!r}")
 
@@ -97,6 +99,7 @@ class Page:
         for command, shown in zip(parts[1::2], parts[2::2], strict=True):
             for part in command.split("&&"):
                 self.printed = shell(part.strip(), where)
+                self.ran.add(part.strip())
             if shown.strip():
                 self._compare(shown, where)
 
