@@ -146,7 +146,8 @@ def write_seeds(folder: Path) -> dict[str, list[Path]]:
     for name in ("table.csv", "table.parquet"):
         write_table(folder / name, SWEEP, rows())
     journal_of(folder / "begun.csv", SWEEP, rows())
-    scenes = [p for p in sorted((ROOT / "examples").rglob("*.toml")) if "[hand]" not in p.read_text(encoding="utf-8")]
+    examples = [p for p in sorted((ROOT / "examples").rglob("*.toml")) if p.stem != "stated"]
+    scenes = [p for p in examples if "[hand]" not in p.read_text(encoding="utf-8")]
     for scene in scenes:
         shutil.copy(scene, folder / f"scene_{scene.name}")
     return {

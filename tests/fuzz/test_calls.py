@@ -17,7 +17,7 @@ from tests.fuzz.public_objects import MADE, URDF
 SEED, MANY = 0, 250
 # Their objects take a second or more to make, or to be called; the command calls them, too
 SLOW = {
-    "lift_and_shake", "optimise", "split_cylinder", "SplitCylinder", "sweep", "table", "report", "Best", "Study",
+    "lift_and_shake", "optimise", "split_cylinder", "SplitCylinder", "sweep", "report", "Best", "Study",
     "RequiredTorque", "Candidate", "Evaluation", "GraspStream", "GraspUpdate", "PathCost", "path_cost", "Mesh",
 }  # fmt: skip
 
