@@ -31,7 +31,7 @@ for _descriptor in range(3):  # closed ones lead nowhere: a file opened in their
         os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
 
 _named, _, __all__ = attach_stub(__name__, __file__)
-_ROOMS = ("errors", "grasp", "hand", "lcp", "simulator")
+_ROOMS = ("actuation", "errors", "geometry", "grasp", "hand", "lcp", "robot", "simulator")
 
 
 def __getattr__(name: str) -> Any:
@@ -43,8 +43,8 @@ def __getattr__(name: str) -> Any:
     if name in _ROOMS:
         return import_module(f"handlcp.{name}")
     if not name.startswith("_"):
+        from handlcp.contact.friction import friction_laws
         from handlcp.grasp.effects import effect_kinds
-        from handlcp.grasp.friction import friction_laws
 
         for kind in (*[kind for kind in effect_kinds() if kind.file_key is not None], *friction_laws()):
             if kind.__name__ == name:

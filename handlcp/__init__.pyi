@@ -1,5 +1,23 @@
 import typing
 
+from .actuation import (
+    Around as Around,
+    MeasuredStiffness as MeasuredStiffness,
+    Motor as Motor,
+    Pulley as Pulley,
+    Route as Route,
+    Site as Site,
+    Synergies as Synergies,
+    Tendons as Tendons,
+    stiffness_from as stiffness_from,
+)
+from .contact.friction import (
+    AnisotropicCoulomb as AnisotropicCoulomb,
+    Coulomb as Coulomb,
+    Frictionless as Frictionless,
+    Pyramid as Pyramid,
+    SoftFinger as SoftFinger,
+)
 from .design.brief import Brief as Brief
 from .design.evaluate import evaluate as evaluate
 from .design.evaluation import Evaluation as Evaluation
@@ -20,20 +38,26 @@ from .errors import (
     Unsupported as Unsupported,
     URDFError as URDFError,
 )
+from .geometry import (
+    YCB as YCB,
+    Box as Box,
+    Cylinder as Cylinder,
+    Ellipsoid as Ellipsoid,
+    Mesh as Mesh,
+    Sphere as Sphere,
+    Table as Table,
+)
 from .grasp import (
     Accuracy as Accuracy,
-    AnisotropicCoulomb as AnisotropicCoulomb,
     BestChange as BestChange,
     Contact as Contact,
     ContactCompliance as ContactCompliance,
-    Coulomb as Coulomb,
     Environment as Environment,
     Equilibria as Equilibria,
     Explanation as Explanation,
     FingerForceBound as FingerForceBound,
     Flexibility as Flexibility,
     ForceBounds as ForceBounds,
-    Frictionless as Frictionless,
     GeometricStiffness as GeometricStiffness,
     Grasp as Grasp,
     GraspProblem as GraspProblem,
@@ -44,13 +68,11 @@ from .grasp import (
     Margins as Margins,
     PathSensitivity as PathSensitivity,
     PrescribedForce as PrescribedForce,
-    Pyramid as Pyramid,
     Reason as Reason,
     Required as Required,
     RequiredStiffness as RequiredStiffness,
     Residuals as Residuals,
     Sensitivity as Sensitivity,
-    SoftFinger as SoftFinger,
     SoftWrist as SoftWrist,
     Solutions as Solutions,
     Stage as Stage,
@@ -64,41 +86,19 @@ from .grasp import (
     wrench_from_fingertip_forces as wrench_from_fingertip_forces,
 )
 from .hand import (
-    YCB as YCB,
-    Around as Around,
-    Audit as Audit,
-    Box as Box,
     Candidate as Candidate,
-    Cylinder as Cylinder,
-    Doubt as Doubt,
-    Ellipsoid as Ellipsoid,
     Found as Found,
     GraspStream as GraspStream,
     GraspUpdate as GraspUpdate,
     Hand as Hand,
-    HandDescription as HandDescription,
     HandGrasp as HandGrasp,
     HandGraspSolution as HandGraspSolution,
     HandState as HandState,
-    MeasuredStiffness as MeasuredStiffness,
-    Mesh as Mesh,
-    Motor as Motor,
-    Pulley as Pulley,
     RequiredTorque as RequiredTorque,
-    Route as Route,
-    Site as Site,
-    Sphere as Sphere,
-    Synergies as Synergies,
-    Table as Table,
-    Tendons as Tendons,
     TorqueCheck as TorqueCheck,
-    audit_urdf as audit_urdf,
-    describe_urdf as describe_urdf,
     example_hand as example_hand,
     find_grasp as find_grasp,
     read_postures as read_postures,
-    stiffness_from as stiffness_from,
-    tendon_routes as tendon_routes,
 )
 from .lcp import (
     LCP as LCP,
@@ -110,8 +110,16 @@ from .lcp import (
     Status as Status,
     solve_lcp as solve_lcp,
 )
+from .robot import (
+    Audit as Audit,
+    Doubt as Doubt,
+    HandDescription as HandDescription,
+    audit_urdf as audit_urdf,
+    describe_urdf as describe_urdf,
+    tendon_routes as tendon_routes,
+)
 from .show.report.report import report as report
-from .simulator.write import to_mujoco as to_mujoco
+from .simulator.export import to_mujoco as to_mujoco
 from .study.accuracy.cost import accuracy_cost as accuracy_cost
 from .study.accuracy.on_paths import PathCost as PathCost, path_cost as path_cost
 from .study.accuracy.result import AccuracyCost as AccuracyCost

@@ -14,9 +14,9 @@ os.environ.setdefault("HANDLCP_KERNELS", "compiled")
 
 def pytest_configure(config):
     """Whether somebody has compiled before must not show in what tests read on stderr."""
-    from tests.support.messages import silent
+    from tests.support.messages import silence
 
-    silent()
+    silence()
 
 
 def pytest_collection_finish(session):

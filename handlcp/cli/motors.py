@@ -13,6 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from handlcp import words
+from handlcp.actuation.motor import Motor
 from handlcp.check import array, number
 from handlcp.cli.app import (
     Faces,
@@ -29,11 +30,9 @@ from handlcp.cli.app import (
     titled,
 )
 from handlcp.errors import InputError, brief, keyed
-from handlcp.grasp.parameter import parameters
+from handlcp.grasp.derivatives.parameter import parameters
 from handlcp.hand import HandGrasp
-from handlcp.hand.design.motors import RequiredTorque
-from handlcp.hand.design.sizes import RequiredTension
-from handlcp.hand.elasticity.motor import Motor
+from handlcp.hand.motor_requirement import RequiredTension, RequiredTorque
 from handlcp.record import plain
 from handlcp.show import tables
 from handlcp.write_file import check_destination

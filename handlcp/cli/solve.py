@@ -25,10 +25,10 @@ from handlcp.cli.app import (
     sides_of,
     titled,
 )
+from handlcp.contact.friction import as_section
 from handlcp.errors import InputError
 from handlcp.grasp import Explanation, Grasp, GraspSolution, Loading, Suggestions, Verdict
-from handlcp.grasp.friction import as_section
-from handlcp.grasp.verdict.check import suggested
+from handlcp.grasp.verdict.check import make_suggestions
 from handlcp.lcp import Auto
 from handlcp.show import tables
 from handlcp.show.doors import plot as draw_grasp
@@ -106,7 +106,7 @@ def _sides(own: Any, faces: str | None, accuracy: float | None) -> Any:
 
 def _suggested(grasp: Grasp, solution: GraspSolution, sides: Any, judged: Verdict) -> Suggestions:
     """What `grasp.suggest` returns, without finding the verdict again."""
-    return suggested(grasp.spec, as_section(sides, planar=grasp.scene.kind.planar), solution, 0.05, judged)
+    return make_suggestions(grasp.spec, as_section(sides, planar=grasp.scene.kind.planar), solution, 0.05, judged)
 
 
 class _Shown(NamedTuple):

@@ -11,10 +11,12 @@ from functools import cache
 
 import numpy as np
 
+from handlcp.actuation import Route, Site, Tendons
+from handlcp.geometry import Sphere
 from handlcp.grasp import Contact, Coulomb, Grasp, SoftFinger, solve_many
-from handlcp.hand import GraspStream, HandGrasp, Route, Site, Sphere, Tendons, example_hand
+from handlcp.hand import GraspStream, HandGrasp, example_hand
 from handlcp.lcp import LCP, NSNGRK, Auto, Lemke, SemismoothNewton, solve_lcp
-from handlcp.lcp.compiler.when import MANY
+from handlcp.lcp.compiler.compile_policy import MANY_CALLS
 from handlcp.study.accuracy.as_printed import AsPrinted, in_units
 from handlcp.study.effect_catalogue import entries, trials
 from handlcp.study.envelope import envelope
@@ -119,7 +121,7 @@ def _derivatives() -> None:
 
 
 def _batches() -> None:
-    solve_many([_pinch(1.0)] * MANY, workers=1)
+    solve_many([_pinch(1.0)] * MANY_CALLS, workers=1)
 
 
 def _studies() -> None:

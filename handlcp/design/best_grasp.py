@@ -20,18 +20,18 @@ from handlcp.check import Array
 from handlcp.design.brief import WEIGHT, Brief
 from handlcp.design.evaluation import NOT_FOUND, ObjectCase
 from handlcp.design.judged import Known, judged, unloaded
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.answer.verdict import HELD
+from handlcp.geometry.object import Object
 from handlcp.grasp.limits.followed import Before
-from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.solution.solution import GraspSolution
+from handlcp.grasp.solution.verdict import HELD
 from handlcp.hand.find.candidate import Candidate, candidate_of
 from handlcp.hand.find.clear import Place
 from handlcp.hand.find.find import PINCH, missed, searches_of
 from handlcp.hand.find.pinch import SOLVED, Search, place_of
 from handlcp.hand.hand import Hand
 from handlcp.hand.hand_grasp import HandGrasp
-from handlcp.hand.objects.object import Object
-from handlcp.hand.robot.posture import GRAVITY
+from handlcp.robot.hand_model import DEFAULT_GRAVITY
 from handlcp.study.payload.ask import SIX, pulls_of
 
 _TRIALS = 24  # around a better grasp
@@ -41,7 +41,7 @@ _BELOW = 1e-9  # relative: as much less than the safety need not be exceeded by 
 
 def best_grasp(hand: Hand, brief: Brief, obj: Object, known: Known) -> ObjectCase:
     """Of this object, searched for and judged; NOT FOUND with its reason where there is none."""
-    asked = {"friction": brief.friction, "gravity": GRAVITY, **brief.closing}
+    asked = {"friction": brief.friction, "gravity": DEFAULT_GRAVITY, **brief.closing}
     searches = searches_of(hand, obj, brief.kind, asked, hand.tip_numbers("fingers", None), brief.seed)
     best = Best(brief, obj)
     for search in searches:

@@ -11,12 +11,12 @@ from typing import Any, Self
 import numpy as np
 
 from handlcp.check import Array, array, dimensions, integer, number, read_only
+from handlcp.contact.friction import as_law
 from handlcp.errors import InputError, as_path
-from handlcp.grasp.friction import as_law
-from handlcp.hand.asked.closing import read_closing_torque
+from handlcp.geometry.object import Object
 from handlcp.hand.find.find import PINCH, check_closing
-from handlcp.hand.objects.object import Object
-from handlcp.hand.squeeze import by_tip
+from handlcp.hand.squeeze import read_by_tip
+from handlcp.hand.torque_closing import read_torque_by_joint
 from handlcp.keywords import helped, helped_methods
 from handlcp.study.payload.ask import SIX, check_orientations
 from handlcp.write_file import write_file
@@ -122,9 +122,9 @@ def _check_sizes(closing: Mapping[str, Any]) -> None:
         count = len(value) if dimensions(value) == 1 else 1
         names = list(value) if isinstance(value, Mapping) else [str(k) for k in range(count)]
         if argument == "closing_torque":
-            read_closing_torque(value, names)
+            read_torque_by_joint(value, names)
         else:
-            by_tip(argument, value, names)
+            read_by_tip(argument, value, names)
 
 
 def _objects(given: Any) -> dict[str, Object]:

@@ -11,23 +11,22 @@ from typing import Any, TypeVar
 import numpy as np
 from pydantic import Field, model_validator
 
+from handlcp.contact.friction import as_law
 from handlcp.errors import InputError, keyed
-from handlcp.grasp.friction import as_law
-from handlcp.hand import YCB, Box, Cylinder, Ellipsoid, Mesh, Object, Sphere
-from handlcp.scene import kinds as k
-from handlcp.scene.build import object_of
-from handlcp.scene.kinds import Table
-from handlcp.scene.objects import ObjectTable
-from handlcp.scene.reading import checked, text_of
-from handlcp.scene.scene_tables import law_of
-from handlcp.scene.schema import LoadTable
+from handlcp.geometry import YCB, Box, Cylinder, Ellipsoid, Mesh, Object, Sphere
+from handlcp.scene import key_types as k
+from handlcp.scene.build import make_object
+from handlcp.scene.key_types import FileTable
+from handlcp.scene.keys import read_tables, read_text_file
+from handlcp.scene.scene_tables import make_law
+from handlcp.scene.schema import LoadTable, ObjectTable
 
 Made = TypeVar("Made")
 
 # ----------------------------------------------------------------
 
 
-class BriefTables(Table):
+class BriefTables(FileTable):
     """What a hand must do."""
 
     friction: k.Friction = 0.6
@@ -96,18 +95,18 @@ def loaded(path: Any, make: Callable[..., Made]) -> Made:
 
     make : what makes a brief of its arguments, such as the class `Brief`.
     """
-    text, file = text_of(path, "a brief (TOML)")
-    table = checked(BriefTables, text, file.name)
+    text, file = read_text_file(path, "a brief (TOML)")
+    table = read_tables(BriefTables, text, file.name)
     try:
-        objects: Any = {name: object_of(one, file.parent, f"objects.{name}") for name, one in table.objects.items()}
+        objects: Any = {name: make_object(one, file.parent, f"objects.{name}") for name, one in table.objects.items()}
         loads: Any = {name: [*one.force_N, *one.torque_Nm] for name, one in table.loads.items()}
         if table.object is not None:
-            objects = object_of(table.object, file.parent)
+            objects = make_object(table.object, file.parent)
         if table.load is not None:
             loads = [*table.load.force_N, *table.load.torque_Nm]
         given = {argument: getattr(table, key) for argument, key in _KEYS.items()}
         with keyed(_KEYS):
-            return make(objects, loads, **{**given, "friction": law_of(table.friction, "friction")})
+            return make(objects, loads, **{**given, "friction": make_law(table.friction, "friction")})
     except InputError as error:
         error.args = (f"{file.name}: {error}",)
         raise
@@ -135,7 +134,7 @@ def toml_text(brief: Any, folder: Path) -> str:
 def _friction(given: Any) -> Any:
     law = as_law(given)
     written = law.to_file()
-    if law_of(written) != law:
+    if make_law(written) != law:
         raise InputError("friction", "a law that files have keys for", repr(given)[:80])
     return written
 

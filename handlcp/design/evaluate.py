@@ -15,9 +15,9 @@ from handlcp.errors import InputError
 from handlcp.hand.find.continued import continued
 from handlcp.hand.find.find import ANY
 from handlcp.hand.hand import Hand
-from handlcp.hand.robot.posture import GRAVITY
 from handlcp.keywords import helped
 from handlcp.progress import told
+from handlcp.robot.hand_model import DEFAULT_GRAVITY
 
 
 @helped()
@@ -87,7 +87,7 @@ def _case(hand: Hand, brief: Brief, name: str, near: Evaluation | None, known: K
 
 def _brought(hand: Hand, brief: Brief, name: str, near: Evaluation, known: Known) -> ObjectCase | None:
     """The grasp of another hand, brought along; None where there is none, or it is lost on the way."""
-    obj, asked = brief.objects[name], {"friction": brief.friction, "gravity": GRAVITY, **brief.closing}
+    obj, asked = brief.objects[name], {"friction": brief.friction, "gravity": DEFAULT_GRAVITY, **brief.closing}
     there = near.cases[name].candidate if name in near.cases else None
     if there is None or brief.kind not in (there.kind, ANY):
         return None

@@ -11,7 +11,7 @@ import numpy as np
 from handlcp import words
 from handlcp.design.require import read, unmet
 from handlcp.errors import RequirementNotMet
-from handlcp.grasp.answer.verdict import HELD
+from handlcp.grasp.solution.verdict import HELD
 from handlcp.hand.find.candidate import Candidate
 from handlcp.keywords import helped, helped_methods
 from handlcp.record import Record

@@ -16,19 +16,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from handlcp.check import Array
+from handlcp.contact.friction import as_section
 from handlcp.design.brief import WEIGHT, Brief
 from handlcp.design.evaluation import NOT_FOUND, ObjectCase
+from handlcp.geometry.object import Object
 from handlcp.grasp import LoadLimit
-from handlcp.grasp.answer.verdict import HELD, NOT_HELD, OVER_LIMIT, UNDECIDED
-from handlcp.grasp.cause.judge import TENSION, TORQUE, UNDECIDED as UNKNOWN, Cause, exceeded
-from handlcp.grasp.cause.wording import said
-from handlcp.grasp.friction import as_section
+from handlcp.grasp.failure.failure_mode import TENSION, TORQUE, UNDECIDED as UNKNOWN, FailureMode, is_exceeded
+from handlcp.grasp.failure.failure_text import describe_failures
 from handlcp.grasp.limits.followed import Before, up_to_the_first
-from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.advance import Patience
+from handlcp.grasp.solution.verdict import HELD, NOT_HELD, OVER_LIMIT, UNDECIDED
 from handlcp.hand.find.candidate import Candidate
 from handlcp.hand.hand_grasp import HandGrasp
-from handlcp.hand.objects.object import Object
 from handlcp.study.payload.ask import ANY, payload, pulls_of
 
 _MOTORS = {TORQUE, TENSION}
@@ -73,9 +73,9 @@ def judged(brief: Brief, obj: Object, one: Candidate, known: Known, near: Object
     verdicts = {name: _word(factors[name], safety, causes[name]) for name in factors}
     verdicts[WEIGHT] = _worst((verdicts[WEIGHT], one.verdict.word))
     worst = min(factors, key=lambda name: factors[name])
-    gives_out = said(causes[worst], spec) if causes[worst] else ""
+    gives_out = describe_failures(causes[worst], spec) if causes[worst] else ""
     bears = np.inf if brief.most_force is None else brief.most_force
-    if pressed := [name for name, end in ends.items() if exceeded(end.force / bears)]:
+    if pressed := [name for name, end in ends.items() if is_exceeded(end.force / bears)]:
         verdicts |= {name: _worst((verdicts[name], NOT_HELD)) for name in pressed}
         hardest = max(ends[name].force for name in pressed)
         gives_out = f"the object bears {bears:.3g} N, and is pressed with {hardest:.3g} N"
@@ -143,7 +143,7 @@ def _most(ends: Iterable[_End]) -> _End:
     return _End(max(force), np.max(torque, axis=0), max(motion))
 
 
-def _word(factor: float, safety: float, causes: Iterable[Cause]) -> str:
+def _word(factor: float, safety: float, causes: Iterable[FailureMode]) -> str:
     """For a load that is held so many times."""
     if factor >= safety:
         return HELD

@@ -11,7 +11,7 @@ import numpy as np
 
 from handlcp.check import number
 from handlcp.errors import InputError, UnknownName
-from handlcp.grasp.answer.verdict import HELD
+from handlcp.grasp.solution.verdict import HELD
 
 UNITS = {"payload": "kg", "factor": "", "force": "N", "torque": "N·m", "torque_used": "", "motion": "m"}
 _COMPARED: dict[str, Callable[[Any, Any], bool]] = {

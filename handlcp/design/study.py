@@ -19,7 +19,7 @@ from handlcp.design.sweep.same import check_same, digest, too_old
 from handlcp.design.sweep.table import DESCRIBED, check_rows, checked_table, columns_of, read_table
 from handlcp.design.sweep.work import DESIGN, ERROR, Maker, Row, in_order
 from handlcp.errors import InputError, UnknownName, brief as shortly, keyed
-from handlcp.grasp.answer.verdict import HELD
+from handlcp.grasp.solution.verdict import HELD
 from handlcp.keywords import helped_methods
 from handlcp.record import data_frame, entry
 from handlcp.text_table import TextTable, wrapped

@@ -1,35 +1,138 @@
-"""The robot hand: a URDF, MJCF file or Pinocchio model, its fingertips, and what such a file does not say."""
+"""A posture of a hand from which it grasps."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from copy import deepcopy
 from math import pi, radians
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias
 
 import numpy as np
 import pinocchio as pin
 
+from handlcp.actuation.joint_stiffness import STIFFNESS_EXPECTED
 from handlcp.check import Array, read_only
 from handlcp.errors import HandLCPError, InputError, UnknownName
 from handlcp.extras import missing
-from handlcp.hand.elasticity.stiffness import HOW_STIFF
-from handlcp.hand.robot.model import HandModel
-from handlcp.hand.robot.source.description import COLLISION, Description
-from handlcp.hand.state import HandState
 from handlcp.keywords import helped, helped_methods, needed
+from handlcp.robot.description import COLLISION, RobotDescription
+from handlcp.robot.hand_model import DEFAULT_GRAVITY, HandModel, HandPosture
+
+if TYPE_CHECKING:
+    from handlcp.hand.hand_grasp import HandGrasp
+
+WeightGiven: TypeAlias = bool | Literal["torques"]
+
+
+@helped_methods
+class HandState(HandPosture):
+    """A hand in one posture, made by `hand.at(q)`; `grasp` makes its grasps. Immutable.
+
+    Data as in `Posture`: hand, q, tip_positions, tip_rotations, jacobian, flexibility.
+    """
+
+    def grasp(
+        self,
+        target: Any,
+        friction: Any = None,
+        wrench: Any = None,
+        gravity: Any = DEFAULT_GRAVITY,
+        preload: Any = 0.0,
+        *,
+        offset: Any = None,
+        reference: Any = None,
+        fingers: Sequence[str] | None = None,
+        max_gap: Any = None,
+        effects: Iterable[Any] = (),
+        finger_weight: WeightGiven = False,
+        plane: Any = None,
+        squeeze: Any = None,
+        grip_force: Any = None,
+        joint_offset: Any = None,
+        environment: Any = None,
+        links: Any = "tips",
+        closing_torque: Any = None,
+        hold_object: bool = False,
+    ) -> HandGrasp:
+        """The grasp of an object from this posture.
+
+        target : an object (Box, Sphere, Cylinder, Ellipsoid, Mesh): contacts, normals and gaps are detected. A
+            fingertip that overlaps the object counts as squeezed by as much from a posture that touches. Or contacts, a
+            sequence with one for each finger, or a mapping by fingertip name: each moves rigidly with its fingertip,
+            and is taken as touching.
+        friction : of all contacts with an object: a coefficient, a law, or a mapping by fingertip of these (others:
+            0.6); None: 0.6. Contacts bring their own.
+        wrench : (6,) force [N] and torque [N·m] about `reference` on the object, besides its weight; None: none.
+            (In `grasp.replace` that is `load`; `wrench` is the whole load there, weight included.)
+        gravity : (3,) [m/s²], world axes; weighs the object at its centre of mass, and the fingers when asked to.
+        preload : [m] a number or (n,), squeeze of the normals whether or not the joints can make it: `out_of_reach` of
+            the grasp says what they cannot. offset : (n, 3) [m], contact axes, as in `Grasp`. Both come beside a
+            command.
+        reference : (3,) [m], of wrench and object motion; None: the object's centre of mass, the origin for contacts.
+        fingers : the fingertips that take part, in this order; None: all (those a mapping of contacts names).
+        max_gap : [m] the farthest a fingertip or a link may be from the object and still count as touching; None: 1 mm,
+            but 10 mm for links with closing_torque or joint_offset: they may come to touch on the way.
+        effects, plane : as in `Grasp`; `TorqueSaturation()` lets joints at their limit yield, `GeometricStiffness()`
+            lets the forces turn their own levers.
+        finger_weight : True: the fingers' own weight is in the torques and in the elastic balance. The posture is then
+            the one commanded: the joints sag from it by K⁻¹ g(q), and the tips with them, before the object is loaded.
+            "torques": in the torques alone, for a posture that is measured: it has sagged already, and no offset
+            applies.
+        squeeze, grip_force, joint_offset, closing_torque : how hard the hand closes, at most one of them. Each commands
+            the joints beyond the posture, by δq, which adds -J δq to the offsets; `out_of_reach` of the grasp says what
+            joints cannot make.
+            squeeze : [m] how much deeper than touching the tips are commanded along the normals, by the smallest δq, a
+            gap or an overlap included: as `close_on` with that squeeze, the posture staying. A number ≥ 0, (n,), or a
+            mapping by fingertip name (others: 0).
+            grip_force : [N] normal force with which each tip would press on an object that stays where it is, and where
+            it does not slip; otherwise likewise.
+            joint_offset : (nv,) or a mapping by joint name (others: 0) [rad, m], δq itself.
+            closing_torque : [N·m] with which the joints that bend fingers pull, less the dry friction of motors of
+            joints and of tendons, and then hold where they stand. The closing is followed: the motors of each finger
+            turn on together, in proportion to K⁻¹ τ, until the first of them pulls with its torque; its others pull
+            with what that leaves them. What holds springs of the file in this posture comes beside it. No finger goes
+            on where that drives another one more than a tenth beyond its torque. A number or (nv,); or a mapping by
+            joint name (others: 0), also of joints that bend no finger.
+            Beside links, this posture and the one of a joint_offset may be open: the hand closes until links touch,
+            from the palm outwards (as `hand.close_on(obj, wrap=True)`); the grasp is that of the posture where they do,
+            and a loading that is followed begins in this one.
+        hold_object : whether the object is kept in place, by something else, until the hand has closed; it matters to a
+            loading that is followed.
+        environment : a `Table`, an `Environment`, or several: what the object touches besides the fingers. Those
+            contacts come last; friction, preload and offset above are the fingers', n of them.
+        links : which parts of the hand may touch an object: "tips", the fingertips, all of which have to; "all", every
+            link with collision geometry, palm and base included; or names of links and fingertips. Of links, those
+            within max_gap touch, at a point, at both ends of a line, or at up to four corners of a patch. What is said
+            by fingertip above is then said by link (of all its contacts) or by contact, such as "palm 2".
+
+        Raises NotReached (naming each finger and its gap, or a table), UnknownName, InputError.
+        """
+        from handlcp.hand.hand_grasp import HandGrasp
+        from handlcp.hand.request import GraspRequest
+
+        asked = GraspRequest(
+            self, target, friction, wrench, gravity, preload, offset, reference, fingers, max_gap, effects,
+            finger_weight, plane, squeeze, grip_force, joint_offset, environment, links, closing_torque, hold_object,
+        )  # fmt: skip
+        return HandGrasp(asked.spec())
+
+
+# ----------------------------------------------------------------
+# The robot hand: a URDF, MJCF file or Pinocchio model, its fingertips, and what such a file does not say.
+
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from handlcp.hand.objects.object import Object
-    from handlcp.hand.robot.audit import Audit
-    from handlcp.hand.robot.describe import HandDescription
+    from handlcp.geometry.object import Object
+    from handlcp.robot.audit import Audit
+    from handlcp.robot.hand_description import HandDescription
 
 # How far past its range a joint may stand: files' neutral postures lie 0.3 rad past it, measured ones drift, and files
 # narrow ranges for safety. What is farther is a mistake, mostly one of units.
-_PAST_TURN, _PAST_SLIDE = pi / 2.0, 0.1  # rad, m
+_MAX_PAST_TURN, _MAX_PAST_SLIDE = pi / 2.0, 0.1  # rad, m
 
-_STIFFNESS = f"{HOW_STIFF} (no URDF says it)"
+_STIFFNESS_EXPECTED = f"{STIFFNESS_EXPECTED} (no URDF says it)"
 
 
 @helped_methods
@@ -44,7 +147,7 @@ class Hand(HandModel):
     _by_tip: dict[str, Any]  # what was passed fingertip by fingertip
 
     @classmethod
-    @needed("joint_stiffness", _STIFFNESS, "motors")
+    @needed("joint_stiffness", _STIFFNESS_EXPECTED, "motors")
     def from_urdf(
         cls,
         source: Any,
@@ -88,15 +191,15 @@ class Hand(HandModel):
 
         Raises URDFError, UnknownName (listing the valid names, or candidates for fingertips), InputError.
         """
-        from handlcp.hand.robot.source.description import URDF, describe_model, describe_xml
+        from handlcp.robot.description import URDF_TAG, describe_model, describe_xml
 
         if isinstance(source, pin.Model):
             if base is not None:
                 raise InputError("base", "None for a pinocchio.Model (only a URDF file can be cut)", repr(base))
             described = describe_model("source", source)
         else:
-            described = describe_xml("source", source, base, package_dirs, (URDF,))
-        return cls._made(
+            described = describe_xml("source", source, base, package_dirs, (URDF_TAG,))
+        return cls._from_description(
             described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius, motors, joint_friction
         )
 
@@ -129,15 +232,15 @@ class Hand(HandModel):
         Raises Unsupported without MuJoCo (pip install mujoco-core); InputError for joints to which the file gives
         neither a position actuator nor a spring, where none is passed; and what `from_urdf` raises.
         """
-        from handlcp.hand.robot.source.description import MJCF, describe_xml
+        from handlcp.robot.description import MJCF_TAG, describe_xml
 
-        described = describe_xml("source", source, base, package_dirs, (MJCF,))
-        return cls._made(
+        described = describe_xml("source", source, base, package_dirs, (MJCF_TAG,))
+        return cls._from_description(
             described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius, motors, joint_friction
         )
 
     @classmethod
-    @needed("joint_stiffness", _STIFFNESS, "motors")
+    @needed("joint_stiffness", _STIFFNESS_EXPECTED, "motors")
     def from_model(
         cls,
         model: Any,
@@ -155,25 +258,32 @@ class Hand(HandModel):
         Pinocchio does not know mimic joints unless the model has them as joints of their own kind, which are refused:
         every joint is a joint of its own here. Arguments as of `from_urdf`. Raises InputError, URDFError, UnknownName.
         """
-        from handlcp.hand.robot.source.description import describe_model
+        from handlcp.robot.description import describe_model
 
         described = describe_model("model", model)
-        return cls._made(
+        return cls._from_description(
             described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius, motors, joint_friction
         )
 
     @classmethod
-    def _made(
-        cls, described: Description, fingertips: Any, stiffness: Any, pads: Any, limits: Any, radius: Any, motors: Any,
+    def _from_description(
+        cls,
+        described: RobotDescription,
+        fingertips: Any,
+        stiffness: Any,
+        pads: Any,
+        limits: Any,
+        radius: Any,
+        motors: Any,
         friction: Any,
-    ) -> Self:  # fmt: skip
-        from handlcp.hand.parts import friction_of, parts_of
+    ) -> Self:
+        from handlcp.hand.hand_parts import read_hand_friction, read_hand_parts
 
-        hand = cls(*parts_of(described, fingertips, stiffness, pads, limits, radius, motors))
+        hand = cls(*read_hand_parts(described, fingertips, stiffness, pads, limits, radius, motors))
         hand.__dict__["_by_tip"] = deepcopy({"pads": pads, "radius": radius})
-        return hand.with_parts(joint_friction=friction_of(hand, friction))
+        return hand.with_parts(joint_friction=read_hand_friction(hand, friction))
 
-    def _remade(self, parts: dict[str, Any]) -> Self:
+    def _rebuild(self, parts: dict[str, Any]) -> Self:
         """With other parts, and without what was found out about the earlier ones."""
         made = self.with_parts(**parts)
         for found in ("doubts", "link_surfaces") if "_geometry" in parts else ("doubts",):
@@ -200,14 +310,14 @@ class Hand(HandModel):
         keep theirs. Beside new fingertips, what was passed by name of the old ones is passed again. Raises InputError,
         UnknownName.
         """
-        from handlcp.hand.parts import replaced
+        from handlcp.hand.hand_parts import replace_parts
 
         given = {
             "joint_stiffness": joint_stiffness, "pad_flexibility": pad_flexibility, "torque_limits": torque_limits,
             "tip_radius": tip_radius, "fingertips": fingertips, "motors": motors,
             "joint_friction": joint_friction,
         }  # fmt: skip
-        return self._remade(replaced(self, self._by_tip, {k: v for k, v in given.items() if v is not ...}))
+        return self._rebuild(replace_parts(self, self._by_tip, {k: v for k, v in given.items() if v is not ...}))
 
     @helped("changes")
     def vary(self, changes: Mapping[str, Any]) -> Self:
@@ -222,9 +332,9 @@ class Hand(HandModel):
         Meshes that keep their shape are among the `doubts`. Raises UnknownName, with names that are near; InputError,
         such as for the length of a joint that carries several; Unsupported for axes of a pinocchio.Model.
         """
-        from handlcp.hand.vary.vary import varied
+        from handlcp.hand.vary.vary import vary_parts
 
-        return self._remade(varied(self, self._by_tip, changes))
+        return self._rebuild(vary_parts(self, self._by_tip, changes))
 
     def in_parts(self, *links: str) -> Self:
         """The same hand with the meshes of these links in convex parts, for contacts of links; else a mesh that is not
@@ -232,12 +342,12 @@ class Hand(HandModel):
 
         Raises UnknownName; Unsupported without coacd.
         """
-        from handlcp.hand.robot.convex import available
+        from handlcp.robot.link_surface import has_coacd
 
-        known = self.description.has(COLLISION)
+        known = self.description.links_with(COLLISION)
         if unknown := [str(name) for name in links if name not in known]:
             raise UnknownName("links", "a link with collision geometry", unknown, known)
-        if not available():
+        if not has_coacd():
             raise missing("convex parts of a mesh that is not convex need coacd", "coacd")
         return self.with_parts(in_parts_of=self.in_parts_of | frozenset(links))
 
@@ -258,19 +368,19 @@ class Hand(HandModel):
 
     def audit(self) -> Audit:
         """Every doubt about the numbers that this hand is made of, the most serious first, and what to pass instead."""
-        from handlcp.hand.robot.audit import audit_of, stiffness_doubts
+        from handlcp.robot.audit import make_audit, stiffness_doubts
 
-        return audit_of(self.source, (*self.doubts, *stiffness_doubts(self)))
+        return make_audit(self.source, (*self.doubts, *stiffness_doubts(self)))
 
     def describe(self) -> HandDescription:
         """Joints with ranges, limits, stiffness; fingertips, and why; what may touch, its shapes and pads; couplings;
         mass; size; where each number came from, and what the file states besides. To print, or as data.
         """
-        from handlcp.hand.robot.describe import describe_hand
-        from handlcp.hand.sites.touchers import ALL, touchers
+        from handlcp.geometry.link_contacts import ALL_LINKS, contact_bodies
+        from handlcp.robot.hand_description import describe_hand
 
         try:
-            touching = touchers(self, ALL)
+            touching = contact_bodies(self, ALL_LINKS)
         except HandLCPError:  # meshes are missing, or nothing collides
             touching = ()
         return describe_hand(self, touching)
@@ -281,13 +391,13 @@ class Hand(HandModel):
         Positions outside the joint ranges are allowed, up to a quarter turn, or 0.1 m of a slide. Raises InputError,
         UnknownName.
         """
-        return HandState(self, self._within("q", self.kinematics.posture("q", q)))
+        return HandState(self, self._check_near_range("q", self.kinematics.read_posture("q", q)))
 
-    def _within(self, argument: str, q: Array) -> Array:
+    def _check_near_range(self, argument: str, q: Array) -> Array:
         """The same positions (nv,). Raises InputError for the one that is farthest past its range, if it is too far."""
         slides = np.isin(self.joint_names, self.sliding)
         lower, upper = np.minimum(self.lower, self.upper), np.maximum(self.lower, self.upper)  # of reversed ones
-        past = np.maximum(lower - q, q - upper) / np.where(slides, _PAST_SLIDE, _PAST_TURN)
+        past = np.maximum(lower - q, q - upper) / np.where(slides, _MAX_PAST_SLIDE, _MAX_PAST_TURN)
         k = int(past.argmax()) if len(past) else 0
         if not len(past) or past[k] <= 1.0:
             return q
@@ -321,11 +431,11 @@ class Hand(HandModel):
         wrap, where no link comes to touch.
         """
         if wrap is not False:
-            from handlcp.hand.sites.wrap import wrap as wrapped
+            from handlcp.hand.closing import wrap_hand as wrapped
 
             if fingers is not None or not (isinstance(squeeze, (int, float)) and squeeze == 0.0):
                 raise InputError("wrap", "False beside fingers and squeeze", repr(wrap)[:80])
             return wrapped(self, obj, q0, wrap).q
-        from handlcp.hand.objects.close import close_on
+        from handlcp.hand.closing import close_fingertips
 
-        return close_on(self, obj, q0, fingers, squeeze, tolerance)
+        return close_fingertips(self, obj, q0, fingers, squeeze, tolerance)

@@ -1,34 +1,104 @@
-"""A hand's grasp: a grasp whose mechanism is a hand in a posture."""
+"""What a designer asks of a hand's grasp: one method a question, each a call to the file that answers it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 
 from handlcp.check import Array, read_only
+from handlcp.contact.friction import Pyramid, as_section
 from handlcp.errors import InputError, Unsupported, WrongCall
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.effects.finger_weight import FingerWeight
+from handlcp.geometry.object import Object, describe_missing_weight, object_weight_wrench
+from handlcp.grasp.effects.contact_mechanics import ObjectBalance, UnilateralContact
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
-from handlcp.grasp.effects.joint_offset import JointOffset, Reach
-from handlcp.grasp.effects.object_balance import ObjectBalance
-from handlcp.grasp.effects.unilateral_contact import UnilateralContact
-from handlcp.grasp.friction import Pyramid, as_section
+from handlcp.grasp.effects.joint_offset import CommandReach, JointOffset
+from handlcp.grasp.effects.joint_torque import FingerWeight
 from handlcp.grasp.grasp import Grasp
-from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.solve.solve_spec import force_dependent
-from handlcp.hand.asked.asked import HandAsked
-from handlcp.hand.asked.load import weight_left_out, weight_of
-from handlcp.hand.design.questions import HandQuestions
+from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.solution.solution import GraspSolution
+from handlcp.grasp.solve.solve_spec import is_force_dependent
 from handlcp.hand.mechanism import HandMechanism
-from handlcp.hand.objects.object import Object
-from handlcp.hand.robot.posture import Posture
+from handlcp.hand.request import GraspRequest
 from handlcp.hand.solution import HandGraspSolution
 from handlcp.keywords import helped, helped_init, helped_methods
 from handlcp.lcp import Auto, ContactSolver, Solver
+from handlcp.progress import told
+from handlcp.robot.hand_model import HandPosture
 from handlcp.tolerances import SEMIDEFINITE
+
+if TYPE_CHECKING:
+    from handlcp.grasp.analysis.required_value import Required
+    from handlcp.hand.motor_requirement import RequiredTorque
+
+
+@helped_methods
+class HandRequirements(Grasp):
+    """Base of `HandGrasp`: questions about its motors, and about how hard it closes."""
+
+    def required_torque(
+        self, loads: Any = None, safety: float = 1.5, faces: int | str | Pyramid = "cone", tolerance: float = 0.01,
+        *, most_force: Any = None, progress: bool | Callable[[int], object] | None = None,
+    ) -> RequiredTorque:  # fmt: skip
+        """The torque of each joint, and the grip of each finger, with which every load of a brief holds.
+
+        loads : what the hand has to hold, one load at a time: (6,) force [N] and torque [N·m] beside the object's
+            weight, about the reference; (m, 6) several; or a mapping of names to loads, each a (6,) or a mapping of
+            "load" (6,), "mass" [kg] and "gravity" (3,) [m/s²], where what is left out is as the grasp has it. None: the
+            grasp's own load.
+        safety : every load is multiplied by it, and so is the object's weight; the fingers' own weight is not.
+        tolerance : of the grip: to that share the least is found. faces : as in `solve`.
+        most_force : the largest normal force [N] that the object bears, on the way to each load times safety, such as
+            3 N for an egg: a number for every contact, one for each, or a mapping by name; None: any.
+        progress : None: a line on the terminal once it takes long; False: none; True: a line on stderr that stays; a
+            function: called with the number of grips tried so far.
+
+        The hand closes by a grip force at each fingertip, in place of the grasp's own command, then the load comes, as
+        in `check`. Many grips hold every load. The one is looked for that keeps the torque of the joint that is loaded
+        most as small as possible, from the first touch to the whole load: as a share of the joints' limits where all of
+        them have one, in N·m otherwise. The search starts from the grip that is best where nothing slips (a linear
+        program); every grip that it tries is followed. Before it is given, `check()` judges every load with the answer
+        as torque limits (`verdicts`); the answer is confirmed where all of them are HELD.
+        Raises InputError, UnknownName, Unsupported (known forces).
+        """
+        from handlcp.hand.required_torque import find_required_torque
+
+        def by_count(tried: int, _: int) -> None:
+            if tried and callable(progress):
+                progress(tried)
+
+        with told("grips tried", None, by_count if callable(progress) else progress) as say:
+            section = self._section(faces)
+            return find_required_torque(self.spec, section, loads, safety, tolerance, lambda _: say(1), most_force)
+
+    def required_grip(
+        self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3, *, most_force: Any = None
+    ) -> Required:  # fmt: skip
+        """The smallest grip force [N], common to all fingertips and in place of the grasp's own command, with which
+        the grasp holds when it closes and is loaded then, to a relative tolerance, and no contact presses harder on the
+        way than `most_force`, as of `required_torque`, which finds a grip for each finger. Raises InputError,
+        UnknownName, Unsupported.
+        """
+        from handlcp.hand.required_torque import find_required_grip
+
+        return find_required_grip(self.spec, self._section(faces), tolerance, most_force)
+
+    def required_squeeze(
+        self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3, *, most_force: Any = None
+    ) -> Required:  # fmt: skip
+        """The smallest squeeze [m], common to all fingertips and in place of the grasp's own command, with which the
+        grasp holds, as `required_grip`. Raises InputError, UnknownName, Unsupported.
+        """
+        from handlcp.hand.required_torque import find_required_squeeze
+
+        return find_required_squeeze(self.spec, self._section(faces), tolerance, most_force)
+
+
+# ----------------------------------------------------------------
+# A hand's grasp: a grasp whose mechanism is a hand in a posture.
+
 
 if TYPE_CHECKING:
     from handlcp.grasp.analysis.equilibria import Equilibria
@@ -37,7 +107,7 @@ if TYPE_CHECKING:
 
 @helped_init()
 @helped_methods
-class HandGrasp(HandQuestions):
+class HandGrasp(HandRequirements):
     """A `Grasp` that knows its hand. Made by `state.grasp(...)`; the attributes are read off its specification."""
 
     def __init__(self, spec: Any = None, *others: Any) -> None:
@@ -51,7 +121,7 @@ class HandGrasp(HandQuestions):
         return cast(HandMechanism, self.spec.mechanism)
 
     @property
-    def state(self) -> Posture:
+    def state(self) -> HandPosture:
         """The posture."""
         return self.mechanism.posture
 
@@ -75,12 +145,12 @@ class HandGrasp(HandQuestions):
     @property
     def turning(self) -> Array:
         """(k, nv) of the k soft contacts' fingertips about their normals [rad/rad]; zero for the environment's."""
-        return self.mechanism.turning(self.scene.soft)
+        return self.mechanism.turning_rates(self.scene.soft)
 
     @property
     def finger_weight(self) -> bool | str:
         """What was asked for, as in `HandState.grasp`."""
-        weight = self._of_kind(FingerWeight)
+        weight = self._find_effect(FingerWeight)
         return False if weight is None else True if weight.sags else "torques"
 
     @property
@@ -93,7 +163,7 @@ class HandGrasp(HandQuestions):
         """(nv,) K⁻¹ g(q) [rad], how far the joints give way to the fingers' weight; zero unless it is in the elastic
         balance. The scene's offset has what that does to the tips, `tip_sag`, added.
         """
-        weight = self._of_kind(FingerWeight)
+        weight = self._find_effect(FingerWeight)
         sags = weight is not None and weight.sags
         return read_only(self.mechanism.deflection(weight.torque if sags else np.zeros(self.state.hand.nv)))
 
@@ -118,18 +188,18 @@ class HandGrasp(HandQuestions):
     @property
     def joint_offset(self) -> Array:
         """(nv,) δq [rad, m], how far beyond the posture the joints are commanded."""
-        command = self._of_kind(JointOffset)
+        command = self._find_effect(JointOffset)
         return read_only(np.zeros(self.state.hand.nv)) if command is None else command.command
 
     @property
-    def out_of_reach(self) -> tuple[Reach, ...]:
-        """What was asked of the fingers and no command of their joints makes, one `Reach` for each kind: an overlap in
-        the posture, a preload or an offset along it, a squeeze or a grip force. () where all is within reach. Links
-        that the object begins inside are warned of by verdicts (`link_inside`), and not listed here.
+    def out_of_reach(self) -> tuple[CommandReach, ...]:
+        """What was asked of the fingers and no command of their joints makes, one `CommandReach` for each kind: an
+        overlap in the posture, a preload or an offset along it, a squeeze or a grip force. () where all is within
+        reach. Links that the object begins inside are warned of by verdicts (`link_inside`), and not listed here.
         """
-        from handlcp.hand.squeeze import out_of_reach
+        from handlcp.hand.squeeze import find_unreachable
 
-        return out_of_reach(self.spec)
+        return find_unreachable(self.spec)
 
     @property
     def tip_offset(self) -> Array:
@@ -162,7 +232,7 @@ class HandGrasp(HandQuestions):
         () takes them away, {} a joint_offset, 0 a preload or a mass, False finger_weight.
         Raises NotReached, UnknownName, InputError.
         """
-        from handlcp.hand.asked.change import hand_remade
+        from handlcp.hand.request import rebuild_hand_grasp
 
         given = dict(
             wrench=wrench, flexibility=flexibility, offset=offset, preload=preload, friction=friction, effects=effects,
@@ -170,11 +240,11 @@ class HandGrasp(HandQuestions):
             joint_offset=joint_offset, finger_weight=finger_weight, fingers=fingers, max_gap=max_gap, load=load,
             links=links, closing_torque=closing_torque, hold_object=hold_object,
         )  # fmt: skip
-        made = type(self)(hand_remade(self.spec, given))
-        if isinstance(asked := made.spec.asked, HandAsked) and asked.flexibility is not None:
-            bent = force_dependent(made.spec)
+        made = type(self)(rebuild_hand_grasp(self.spec, given))
+        if isinstance(asked := made.spec.asked, GraspRequest) and asked.flexibility is not None:
+            bent = is_force_dependent(made.spec)
             if bent or (made.scene.soft and made.spec.flexibility[: 3 * made.spec.of_hand].any()):
-                _of_the_joints(made.spec, "GeometricStiffness" if bent else "soft fingers")
+                _check_joint_flexibility(made.spec, "GeometricStiffness" if bent else "soft fingers")
         return made
 
     @helped("start")  # which may be of a stream
@@ -183,7 +253,7 @@ class HandGrasp(HandQuestions):
         throw: bool = True, accuracy: float | None = None, start: GraspSolution | None = None, proof: bool = True,
     ) -> HandGraspSolution:  # fmt: skip
         """As `Grasp.solve`, with torques. Raises InputError for an accuracy beside `GeometricStiffness`, too."""
-        if accuracy is not None and force_dependent(self.spec):
+        if accuracy is not None and is_force_dependent(self.spec):
             raise InputError("accuracy", "None beside GeometricStiffness: no estimate counts it", accuracy)
         return cast(HandGraspSolution, super().solve(faces, solver, throw, accuracy, start, proof))
 
@@ -191,19 +261,22 @@ class HandGrasp(HandQuestions):
         """As `Grasp.explain`; what is out of the joints' reach of preloads and overlaps stands beside them, and beside
         the object's balance its weight, where the load leaves that out.
         """
-        found, own = super().explain(faces, measure), weight_of(self.target, self.given_gravity, self.reference)
-        begins = [reason.sentence for reason in self.mechanism.begins_reasons(self.spec)]
+        found, own = (
+            super().explain(faces, measure),
+            object_weight_wrench(self.target, self.given_gravity, self.reference),
+        )
+        begins = [reason.sentence for reason in self.mechanism.start_inside_reasons(self.spec)]
         carried = [*begins, *(str(reach) for reach in self.out_of_reach if reach.carried)]
         more = {
             UnilateralContact.title: "".join([f"; {text}" for text in carried]),
-            ObjectBalance.title: f"; {text}" if (text := weight_left_out(self.spec, own)) else "",
+            ObjectBalance.title: f"; {text}" if (text := describe_missing_weight(self.spec, own)) else "",
         }
         lines = [replace(line, why=line.why + more.get(line.title, "")) for line in found.effects]
         return replace(found, effects=tuple(lines))
 
     def equilibria(self, faces: int | str | Pyramid = "cone", seconds: float = 2.0) -> Equilibria:
         """As `Grasp.equilibria`. Raises Unsupported beside `GeometricStiffness`."""
-        if force_dependent(self.spec):
+        if is_force_dependent(self.spec):
             raise Unsupported("no search covers equilibria of fingers that their own forces bend (GeometricStiffness)")
         return super().equilibria(faces, seconds)
 
@@ -224,17 +297,17 @@ class HandGrasp(HandQuestions):
         section = as_section(faces, planar=self.scene.kind.planar)
         return read_only(force_change(self.spec, section, solution, GeometricStiffness()))
 
-    def _of_kind(self, kind: Any) -> Any:
+    def _find_effect(self, kind: Any) -> Any:
         """The effect of this kind among those asked for; None: there is none."""
         return next((e for e in self.spec.effects if isinstance(e, kind)), None)
 
 
-def grasp_of(spec: GraspSpec) -> Grasp:
+def make_grasp(spec: GraspSpec) -> Grasp:
     """The grasp of a specification, a hand's where it has one."""
     return Grasp(spec) if spec.mechanism is None else HandGrasp(spec)
 
 
-def _of_the_joints(spec: GraspSpec, beside: str) -> None:
+def _check_joint_flexibility(spec: GraspSpec, beside: str) -> None:
     """Raises InputError unless E has the joints' share, which turns soft fingertips and bends under forces."""
     assert spec.mechanism is not None  # a hand's
     pads = np.linalg.eigvalsh(spec.flexibility - spec.mechanism.compliance(spec.mechanism.jacobian))

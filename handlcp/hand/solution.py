@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from handlcp.actuation.joint_stiffness import TENDON_TENSION, Effort
 from handlcp.check import Array
-from handlcp.grasp.answer.printed import printed
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.cause.wording import needs_more
-from handlcp.hand.elasticity.elasticity import TENSION, Effort
+from handlcp.grasp.failure.failure_text import describe_torque_excess
+from handlcp.grasp.solution.solution import GraspSolution, format_solution
 from handlcp.hand.torque_check import TorqueCheck
 from handlcp.record import columns
 
@@ -44,12 +43,12 @@ class HandGraspSolution(GraspSolution):
         if not self.held or not over:
             return text
         most = max(r.utilisation for r in over)
-        return f"{text}; but {needs_more([r.joint for r in over])}, up to {most:.3g} ×"
+        return f"{text}; but {describe_torque_excess([r.joint for r in over])}, up to {most:.3g} ×"
 
     @property
     def tendon_tension(self) -> Array | None:
         """(t,) k R K⁻¹ τ [N], how much harder each tendon pulls (below 0: less); None without `Tendons`."""
-        return self.effort.values if self.effort is not None and self.effort.kind == TENSION else None
+        return self.effort.values if self.effort is not None and self.effort.kind == TENDON_TENSION else None
 
     @property
     def actuator_force(self) -> Array | None:
@@ -74,4 +73,4 @@ class HandGraspSolution(GraspSolution):
         return super()._tables() | {"joints": (joints, list(self.torque_check.joints))}
 
     def __str__(self) -> str:
-        return printed(self, [self.torque_check.table, *([] if self.effort is None else [self.effort])])
+        return format_solution(self, [self.torque_check.table, *([] if self.effort is None else [self.effort])])

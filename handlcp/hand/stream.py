@@ -1,4 +1,4 @@
-"""A grasp followed in real time: posture, load and contacts move a little, and each answer starts at the last."""
+"""One answer of a stream."""
 
 from __future__ import annotations
 
@@ -8,28 +8,129 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from handlcp.actuation.joint_stiffness import Effort, tip_flexibility
 from handlcp.check import Array, array, integer, read_only
+from handlcp.contact.friction import Pyramid, as_section
 from handlcp.errors import InputError
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.assembly.build import shifted_by, softened_by
-from handlcp.grasp.effects.finger_weight import FingerWeight
-from handlcp.grasp.effects.joint_offset import recommanded
-from handlcp.grasp.friction import Pyramid, as_section
+from handlcp.grasp.assembly.scene_builder import add_flexibility, add_offset
+from handlcp.grasp.effects.joint_offset import replace_command
+from handlcp.grasp.effects.joint_torque import FingerWeight
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model import validate
+from handlcp.grasp.model.contact import Placement, cross_rows, shift_twist
 from handlcp.grasp.model.effect import Effect
-from handlcp.grasp.model.kind import Placement, cross_rows
-from handlcp.grasp.model.spec import wrench_about
-from handlcp.grasp.solve.compiled_answer import CompiledAnswer, compiled_kind, start_from
-from handlcp.grasp.solve.compiled_solve import solve_scenes
-from handlcp.grasp.solve.scene_row import views, write_row
-from handlcp.hand.command import read_joint_offset
-from handlcp.hand.elasticity.stiffness import tip_flexibility
+from handlcp.grasp.model.request import wrench_about
+from handlcp.grasp.solution.solution import GraspSolution
+from handlcp.grasp.solve.compiled_answer import CompiledAnswer, get_compiled_kind, start_values
+from handlcp.grasp.solve.compiled_solve import scene_views, solve_scenes, write_row
+from handlcp.grasp.verify.certifier import Residuals, forces_in_world
+from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.mechanism import HandMechanism
-from handlcp.hand.robot.kinematics import columns, contact_jacobian
-from handlcp.hand.update import GraspUpdate
+from handlcp.hand.squeeze import read_joint_offset
+from handlcp.hand.torque_check import TorqueCheck, torque_check
 from handlcp.keywords import helped_init, helped_methods
-from handlcp.lcp.compiler.when import at_once
+from handlcp.lcp import Status
+from handlcp.lcp.compiler.compile_policy import compile_now
+from handlcp.robot.kinematics import contact_jacobian, jacobian_columns
+
+
+class GraspUpdate:
+    """Arrays as in `GraspSolution`, read-only; NaN throughout where there is no answer.
+
+    What a stream has no time for is left out: uniqueness, the smallest of several motions (this is the one nearest to
+    the last answer), proofs. `stream.grasp.solve()` has them.
+    """
+
+    __slots__ = ("_found", "_frames", "_grasp", "_torques", "held")
+
+    def __init__(self, grasp: Grasp, found: CompiledAnswer, held: bool, frames: Array, torques: Array | None) -> None:
+        self._grasp, self._found, self.held, self._frames, self._torques = grasp, found, held, frames, torques
+
+    @property
+    def status(self) -> Status:
+        """SOLVED, the certifier's word, or UNDECIDED."""
+        return Status.SOLVED if self.held else Status.UNDECIDED
+
+    @property
+    def residuals(self) -> Residuals:
+        """How far each law is missed."""
+        return self._found.residuals
+
+    @property
+    def steps(self) -> int:
+        """Newton steps taken; 0: the last answer's contact states hold still, or all contacts stick."""
+        return int(self._found.row[1])
+
+    @property
+    def forces(self) -> Array:
+        """(n, 3) N, of each finger on the object, contact axes."""
+        return self._or_nan(self._found.components.reshape(-1, 3))
+
+    @property
+    def forces_world(self) -> Array:
+        """(n, 3) N, world axes."""
+        return self._or_nan(read_only(forces_in_world(self._frames, self._found.components)))
+
+    @property
+    def gap(self) -> Array:
+        """(n,) m."""
+        return self._or_nan(self._found.motion[2::3])
+
+    @property
+    def slip(self) -> Array:
+        """(n, 2) m, contact axes."""
+        return self._or_nan(self._found.motion.reshape(-1, 3)[:, :2])
+
+    @property
+    def object_displacement(self) -> Array:
+        """(6,) m and rad, about the grasp's reference."""
+        return self._or_nan(read_only(shift_twist(self._found.twist, self._grasp.reference - self._found.centre)))
+
+    @property
+    def reference(self) -> Array:
+        """(3,) point that the object's motion refers to [m]."""
+        return self._grasp.reference
+
+    @property
+    def contact_state(self) -> tuple[str, ...]:
+        """(n,) "separated", "sticking", "sliding"; "unknown" where there is no answer."""
+        return self._found.states if self.held else ("unknown",) * self._grasp.spec.n
+
+    @property
+    def torques(self) -> Array:
+        """(nv,) N·m that the actuators hold. Raises AttributeError for a grasp without a hand."""
+        if self._torques is None:
+            raise AttributeError("a grasp without a hand has no torques")
+        return self._or_nan(read_only(self._torques))
+
+    @property
+    def torque_check(self) -> TorqueCheck:
+        """Joint by joint, as in `HandGraspSolution`. Raises AttributeError for a grasp without a hand."""
+        torques = self.torques
+        assert isinstance(self._grasp, HandGrasp)
+        hand = self._grasp.state.hand
+        limits = hand.torques
+        return torque_check(
+            hand.joint_names, torques, limits.limits, limits.known, sliding=hand.sliding, drives=limits.drives
+        )
+
+    @property
+    def effort(self) -> Effort | None:
+        """What tendons or synergies do, as in `HandGraspSolution`. Raises AttributeError for a grasp without a hand."""
+        torques = self.torques
+        assert isinstance(self._grasp, HandGrasp)
+        return self._grasp.state.hand.stiffness.effort(torques, self._grasp.joint_offset)
+
+    def _or_nan(self, values: Array) -> Array:
+        return values if self.held else read_only(np.full(values.shape, np.nan))
+
+    def __repr__(self) -> str:
+        return f"GraspUpdate({self.status.name}, {', '.join(self.contact_state)})"
+
+
+# ----------------------------------------------------------------
+# A grasp followed in real time: posture, load and contacts move a little, and each answer starts at the last.
+
 
 # ----------------------------------------------------------------
 # A hand that moves while it grasps: its Jacobian and flexibility at contacts that stay where they are, compiled.
@@ -47,30 +148,30 @@ class MovingHand:
         kinematics = hand.kinematics
         self.hand, self.q = hand, mechanism.posture.q
         self.mechanism = replace(mechanism, jacobian=mechanism.jacobian.copy())
-        self.effects = self.fixed(effects)
+        self.effects = self.copy_effects(effects)
         self._weights = [e for e in self.effects if isinstance(e, FingerWeight)]  # one, or none
         self._model, self._data = kinematics.model, kinematics.model.createData()
         self._tips = mechanism.tips
         self._support = np.ascontiguousarray(hand.tips.support[list(self._tips), 0])
         self._coupling = np.empty((0, 0)) if kinematics.coupling is None else np.array(kinematics.coupling)
 
-    def checked(self, q: Any) -> Array:
+    def read_posture(self, q: Any) -> Array:
         """(nv,) from what users pass. Raises InputError, UnknownName."""
-        return self.hand.kinematics.posture("q", q)
+        return self.hand.kinematics.read_posture("q", q)
 
     def move(self, q: Array | None, positions: Array, frames: Array) -> Array:
         """Take the hand to q (None: it stays); returns E (3k, 3k) at its contacts, k of them, in contact axes."""
         self.q = self.q if q is None else q
         pin.computeJointJacobians(self._model, self._data, self.hand.kinematics.configuration(self.q))
-        J = contact_jacobian(columns(self._data.J).T, self._support, self._coupling, positions, frames)
+        J = contact_jacobian(jacobian_columns(self._data.J).T, self._support, self._coupling, positions, frames)
         self.mechanism.jacobian[: len(J)] = J
         if q is not None:
             for weight in self._weights:
                 weight.torque[:] = self.hand.kinematics.gravity_torque(q, self.mechanism.gravity)
-        pads = self.hand.pads.in_axes(lambda: frames.transpose(0, 2, 1) @ self._tip_rotations(), self._tips)
+        pads = self.hand.pads.rotate_blocks(lambda: frames.transpose(0, 2, 1) @ self._tip_rotations(), self._tips)
         return tip_flexibility(J, self.mechanism.root, pads)
 
-    def fixed(self, effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
+    def copy_effects(self, effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
         """The effects as they are now, with arrays of their own."""
         return tuple([replace(e, torque=e.torque.copy()) if isinstance(e, FingerWeight) else e for e in effects])
 
@@ -121,13 +222,13 @@ class GraspStream:
             raise InputError("grasp", "one with Coulomb's friction; grasp.solve(start=...) follows any", laws)
         self._first, self._given_start, self._seed = grasp, start, integer("seed", seed, 0)
         self._section = as_section(faces, planar=spec.planar)
-        self._kind, self._start = compiled_kind(scene, self._section), start_from(start, scene)
+        self._kind, self._start = get_compiled_kind(scene, self._section), start_values(start, scene)
         self._anew = self._start
         self._numbers = np.empty((1, self._kind.scene_width))
         write_row(scene, self._section, self._numbers[0])
         self._scene = read_only(self._numbers.view())
         n, k = spec.n, spec.of_hand
-        g, _ = views(self._numbers[0], n, 0, scene.dof)  # views: what is written there is what is solved
+        g, _ = scene_views(self._numbers[0], n, 0, scene.dof)  # views: what is written there is what is solved
         self._positions, self._frames, self._flexibility, self._offset = g.positions, g.frames, g.flexibility, g.offset
         self._force, self._moment = g.force, g.moment
         self._tips, self._axes = self._positions[:k], self._frames[:k]
@@ -140,7 +241,7 @@ class GraspStream:
             self._hand = MovingHand(mechanism, spec.effects)
             mechanism, self._effects = self._hand.mechanism, self._hand.effects
         self._at = Placement(spec.contacts, self._positions, self._frames, spec.plane, spec.fingers, mechanism)
-        self._lift = validate.lift(scene.positions, grasp.reference, spec.plane)
+        self._lift = validate.height_above(scene.positions, grasp.reference, spec.plane)
         self._compile()
 
     def update(
@@ -165,7 +266,7 @@ class GraspStream:
         Raises InputError for wrong shapes and numbers not finite; the stream is then as it was.
         """
         # All is checked before any of it is taken over
-        posture = None if q is None else self._joints("q", q).checked(q)
+        posture = None if q is None else self._joints("q", q).read_posture(q)
         command = None
         if joint_offset is not None:
             command = read_joint_offset(joint_offset, self._joints("joint_offset", joint_offset).hand.joint_names)
@@ -188,25 +289,25 @@ class GraspStream:
         if moved:
             self._move(posture)
         if command is not None:
-            self._effects = recommanded(self._effects, command)
+            self._effects = replace_command(self._effects, command)
         if shift is not None or command is not None or (moved and self._effects):
-            self._offset[:] = shifted_by(self._effects, self._at, (), self._given.reshape(-1))
-        return self._solved()
+            self._offset[:] = add_offset(self._effects, self._at, (), self._given.reshape(-1))
+        return self._solve_update()
 
     def _move(self, q: Array | None) -> None:
         """The hand in a posture (None: the same), and flexibility at the contacts as they are."""
         if self._hand is not None:
             E = self._hand.move(q, self._tips, self._axes)
             self._own[: len(E), : len(E)] = E
-        self._flexibility[:] = softened_by(self._effects, self._at, (), self._own)
+        self._flexibility[:] = add_flexibility(self._effects, self._at, (), self._own)
 
-    @at_once()
+    @compile_now()
     def _compile(self) -> None:
         """Compile, or load, all that updates call: none of them should wait for it."""
         rows = np.empty((1, self._kind.answer_width))
         solve_scenes(self._scene, self._kind.pattern, self._start, self._seed, rows)
-        softened_by(self._effects, self._at, (), self._own)
-        shifted_by(self._effects, self._at, (), self._given.reshape(-1))
+        add_flexibility(self._effects, self._at, (), self._own)
+        add_offset(self._effects, self._at, (), self._given.reshape(-1))
         if self._hand is not None:
             before = self._hand.mechanism.jacobian.copy()
             self._hand.move(None, self._tips, self._axes)
@@ -214,7 +315,7 @@ class GraspStream:
         found = CompiledAnswer(self._kind, rows[0])
         _ = GraspUpdate(self._first, found, True, self._frames.copy(), None).forces_world
 
-    def _solved(self) -> GraspUpdate:
+    def _solve_update(self) -> GraspUpdate:
         rows = np.empty((1, self._kind.answer_width))
         solve_scenes(self._scene, self._kind.pattern, self._start, self._seed, rows)
         found = CompiledAnswer(self._kind, rows[0])
@@ -226,7 +327,7 @@ class GraspStream:
             for e in self._effects:
                 if (held := e.added_torque()) is not None:
                     torques = torques + held
-            if (springs := self._hand.hand.stiffness.against_springs(self._hand.q)) is not None:
+            if (springs := self._hand.hand.stiffness.parallel_spring_torque(self._hand.q)) is not None:
                 torques = torques + springs
         return GraspUpdate(self._first, found, passes, self._frames.copy(), torques)
 
@@ -238,16 +339,20 @@ class GraspStream:
         mechanism, effects = spec.mechanism, self._effects
         if self._hand is not None:
             assert isinstance(mechanism, HandMechanism)
-            effects = self._hand.fixed(effects)
+            effects = self._hand.copy_effects(effects)
             posture = type(mechanism.posture)(self._hand.hand, self._hand.q)
             k = len(self._tips)
             mechanism = replace(
-                mechanism, posture=posture, relaxed=posture.q, jacobian=read_only(self._hand.mechanism.jacobian.copy()),
-                positions=positions[:k], frames=frames[:k],
+                mechanism,
+                posture=posture,
+                rest_posture=posture.q,
+                jacobian=read_only(self._hand.mechanism.jacobian.copy()),
+                positions=positions[:k],
+                frames=frames[:k],
                 stand_off=read_only(np.zeros((k, 3))) if self._moved_off else mechanism.stand_off,
-            )  # fmt: skip
+            )
         now = spec.replace(
-            contacts=validate.moved(at.contacts, positions, frames), positions=positions, frames=frames,
+            contacts=validate.move_contacts(at.contacts, positions, frames), positions=positions, frames=frames,
             mechanism=mechanism, flexibility=read_only(self._own.copy()), offset=read_only(self._given.copy()),
             wrench=wrench_about(self._first.reference, self._force, self._moment), effects=effects,
         )  # fmt: skip

@@ -7,13 +7,18 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from handlcp import words
-from handlcp.check import Array, read_only
+from handlcp.actuation.joint_stiffness import Elasticity
+from handlcp.actuation.motor import HOLDING, Drives, Motor
+from handlcp.actuation.tendon_stiffness import TendonStiffness
+from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.errors import UnknownName
-from handlcp.grasp.cause.judge import exceeded, most_used
-from handlcp.grasp.cause.wording import needs_more
-from handlcp.hand.elasticity.motor import HOLDING, Drives, Motor
+from handlcp.grasp.failure.failure_mode import TENSION, TORQUE, FailureMode, is_exceeded, largest_share_index
+from handlcp.grasp.failure.failure_text import describe_torque_excess
+from handlcp.grasp.solution.force_bounds import find_torque_bounds, format_span, is_apart, torque_shares
+from handlcp.grasp.solution.verdict import Reason
 from handlcp.record import Record
 from handlcp.text_table import TextTable, wrapped
 from handlcp.views import view
@@ -50,7 +55,7 @@ class TorqueRow(NamedTuple):
     @property
     def over(self) -> bool:
         """Whether the joint needs more than its limit."""
-        return bool(exceeded(self.utilisation))
+        return bool(is_exceeded(self.utilisation))
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +104,7 @@ class TorqueCheck(Record):
     def binding(self) -> str | None:
         """The joint with the highest utilisation among the known limits; None when no limit is known."""
         shares = np.where(self.known & np.isfinite(self.utilisation), self.utilisation, -1.0)
-        i = most_used(shares)
+        i = largest_share_index(shares)
         return self.joints[i] if shares[i] >= 0 else None
 
     @property
@@ -125,7 +130,7 @@ class TorqueCheck(Record):
     def __iter__(self) -> Iterator[TorqueRow]:
         columns = (a.tolist() for a in (self.torque, self.limit, self.utilisation))
         units = [words.effort_unit(joint in self.sliding) for joint in self.joints]
-        motors = (None,) * len(self) if self.drives is None else self.drives.of
+        motors = (None,) * len(self) if self.drives is None else self.drives.motors
         return map(TorqueRow, self.joints, *columns, self.known, units, motors)
 
     def __len__(self) -> int:
@@ -151,11 +156,11 @@ class TorqueCheck(Record):
         unit, size = words.prefixed(max(units, key=len), [10.0 * x for x in (*self.torque.tolist(), *known)])
         if len(units) > 1:
             unit, size = "N·m", 1.0
-        limits = [_limit(r._replace(limit=r.limit / size)) for r in self]
-        torques = _torques(self.torque / size)
+        limits = [_format_limit(r._replace(limit=r.limit / size)) for r in self]
+        torques = _format_torques(self.torque / size)
         if len(units) > 1:  # those of joints that slide say their own
             torques = [f"{t} N" if r.unit == "N" else t for t, r in zip(torques, self, strict=True)]
-        columns = ([r.joint for r in self], torques, limits, [_share(r) for r in self],
+        columns = ([r.joint for r in self], torques, limits, [_format_share(r) for r in self],
                    [self.remark(r) for r in self])  # fmt: skip
         heads = ("joint", f"torque\n{unit}", f"limit\n{unit}", "of limit", "")
         return TextTable(heads, tuple(zip(*columns, strict=True)), "<>>><")
@@ -179,7 +184,7 @@ class TorqueCheck(Record):
     def verdict(self) -> str:
         """One sentence."""
         if over := self.over:
-            return f"{needs_more([r.joint for r in over])}."
+            return f"{describe_torque_excess([r.joint for r in over])}."
         if np.isnan(self.torque).any():
             return "No torques: the grasp was not solved."
         if self.unknown:
@@ -207,16 +212,273 @@ def torque_check(
     return TorqueCheck(tuple(joints), torque, limit, used, tuple(known), yielding, sliding, drives)
 
 
-def _limit(row: TorqueRow) -> str:
+def _format_limit(row: TorqueRow) -> str:
     return f"{row.limit:.4g}" if row.known and np.isfinite(row.limit) else "none" if row.known else "unknown"
 
 
-def _share(row: TorqueRow) -> str:
+def _format_share(row: TorqueRow) -> str:
     return "–" if not row.known or np.isinf(row.limit) else words.percent(row.utilisation)
 
 
-def _torques(values: Array) -> list[str]:
+def _format_torques(values: Array) -> list[str]:
     """Four decimals, fewer where the largest torque has more than one digit before them."""
     largest = float(np.nanmax(abs(values), initial=0.0))
     decimals = 4 if largest < 9.99995 else 3 if largest < 99.9995 else 2
     return [f"{round(t, decimals) + 0.0:.{decimals}f}" if np.isfinite(t) else "–" for t in values.tolist()]
+
+
+# ----------------------------------------------------------------
+# What torques and tensions beside their limits say of a grasp, as reasons of a verdict: joints and tendons alike.
+
+
+_MAX_UNMADE_SHARE = 0.01  # of a command's largest torque: more than this that nothing makes decides
+
+# ----------------------------------------------------------------
+# Of joints and of tendons the same: which is over its limit, and for how long it holds; which is nearest to it; and
+# which takes more to close than its motor gives.
+
+
+class EffortKind(NamedTuple):
+    """Joints or tendons. who : one of them. code : of a `FailureMode`, and of reasons. weak : what cannot. effort,
+    limit : keys of numbers.
+    """
+
+    member: str
+    code: str
+    weak_part: str
+    effort: str
+    limit: str
+
+    def reason_values(self, name: str, effort: float, limit: float) -> dict[str, Any]:
+        """For a reason."""
+        return {self.member: name, self.effort: effort, self.limit: limit}
+
+
+JOINT_EFFORT = EffortKind("joint", TORQUE, "motors", "torque_Nm", "limit_Nm")
+TENDON_EFFORT = EffortKind("tendon", TENSION, "tendons", "tension_N", "limit_N")
+
+
+def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
+    """What a check says about holding: joints over their limit, or the nearest to it; those that yield; the unknown."""
+    if check.over:
+        yield _over_limit_reason(JOINT_EFFORT, check.over)
+    elif check.binding is not None:
+        nearest = check[check.binding]
+        yield _nearest_limit_reason(JOINT_EFFORT, nearest, "" if np.isfinite(nearest.limit) else check.unlimited)
+    if check.yielding:
+        text = f"{words.listed(check.yielding)} {'yield' if len(check.yielding) > 1 else 'yields'} at the limit"
+        yield Reason("torque", "note", text, {"yielding": check.yielding})
+    if check.unknown:
+        text = f"torque limits not known, torques not judged: {words.listed(check.unknown)}"
+        yield Reason("limit_unknown", "warning", text, {"joints": check.unknown})
+
+
+def tension_reasons(stiffness: TendonStiffness, tension: Array) -> Iterator[Reason]:
+    """What tendons say that pull with tension (t,) [N]: those over their limit, or the nearest to it."""
+    rows = _tendon_rows(stiffness, tension)
+    if over := tuple([row for row in rows if row.over]):
+        yield _over_limit_reason(TENDON_EFFORT, over)
+    elif any(np.isfinite(row.limit) for row in rows):
+        yield _nearest_limit_reason(
+            TENDON_EFFORT, rows[largest_share_index(np.array([row.utilisation for row in rows]))]
+        )
+
+
+def _tendon_rows(stiffness: TendonStiffness, tension: Array) -> tuple[TorqueRow, ...]:
+    """Tendon by tendon; with a motor where that holds less for good than the tendon bears, and the tendon bears it."""
+    cables, drives, rows = stiffness.cables, stiffness.drives, list[TorqueRow]()
+    motors = (None,) * len(tension) if drives is None else drives.motors
+    each = zip(cables.names, tension.tolist(), stiffness.strength.tolist(), cables.limits.tolist(), motors, strict=True)
+    for name, t, bears, limit, motor in each:
+        breaks = limit >= bears or bool(is_exceeded(t / bears))
+        most = bears if breaks else limit
+        rows.append(TorqueRow(name, t, most, t / most, True, "N", None if breaks else motor))
+    return tuple(rows)
+
+
+def _over_limit_reason(kind: EffortKind, rows: Sequence[TorqueRow]) -> Reason:
+    """Of those over their limits: for a while, where motors hold all of them at their peak, or not at all."""
+    values = {f"{kind.member}s": [_row_values(kind, r) for r in rows]}
+    if any(r.lasts == 0.0 for r in rows):
+        needs = [f"{r.joint} needs {_format_effort(kind, r.unit, abs(r.torque), r.limit)}" for r in rows]
+        text = f"the contacts could hold the object, the {kind.weak_part} cannot: {words.listed(needs)}"
+        return Reason(f"{kind.code}_over_limit", "decides", text, values)
+    needs = [f"{r.joint} gives {words.percent(r.motor.share(r.torque))} of continuous" for r in rows if r.motor]
+    known = [r.lasts for r in rows if r.lasts is not None]
+    least = "not for longer than the motor's thermal time"
+    if len(known) == len(rows):
+        least = f"begun cold, the first motor overheats after {words.duration(min(known))}"
+    text = f"the hand holds the object, but not for good: {words.listed(needs)}; {least}"
+    return Reason("overheats", "decides", text, values | {"lasts_s": min(known) if len(known) == len(rows) else None})
+
+
+def _nearest_limit_reason(kind: EffortKind, r: TorqueRow, unlimited: str = "") -> Reason:
+    of = f"{words.effort(r.limit, r.unit)}{f' {r.held_by}' if r.held_by else ''}"
+    text = f"the {kind.member} closest to its limit is {r.joint} at {words.percent(r.utilisation)} of {of}"
+    return Reason(kind.code, "note", unlimited or text, _row_values(kind, r))
+
+
+def unmade_reasons(
+    names: Sequence[str], stiffness: Elasticity, command: Array, sliding: Sequence[str] = ()
+) -> Iterator[Reason]:
+    """Of a command (nv,) of the joints [rad, m] that tendons, or servos, make only in part: what nothing makes of it
+    decides, where it is more than a hundredth. sliding : names of joints that slide.
+    """
+    left = stiffness.unmade_torque(command)
+    if not left.any():
+        return
+    needs = [(name, t) for name, t in zip(names, left.tolist(), strict=True) if t]
+    asked = stiffness.command_torque(command)
+    share = float(abs(left).max() / abs(asked).max())
+    text = "no actuators make this command: it takes others"
+    if isinstance(stiffness, TendonStiffness):
+        arms = stiffness.arms.T
+        missing = abs(arms @ np.linalg.lstsq(arms, asked)[0] - asked).max()  # if tendons could push, too
+        which = "more tendons" if missing > _MAX_UNMADE_SHARE * abs(asked).max() else "tendons that pull the other way"
+        text = f"no tendons make this command by pulling: it takes {which}"
+    listed = words.listed([f"{name} with {words.effort(t, words.effort_unit(name in sliding))}" for name, t in needs])
+    values = {"joints": [name for name, _ in needs], "torques_Nm": [t for _, t in needs], "share": share}
+    yield Reason(
+        "command_not_made", "decides" if share > _MAX_UNMADE_SHARE else "warning", f"{text} to turn {listed}", values
+    )
+
+
+def closing_reasons(
+    kind: EffortKind, names: Sequence[str], beyond: Sequence[FailureMode], drives: Drives, sliding: Sequence[str] = ()
+) -> Iterator[Reason]:
+    """Of joints or tendons that closing took more of than their motors give; beyond : of other kinds, too. sliding :
+    names of joints that slide.
+    """
+    if its := [c for c in beyond if c.kind == kind.code]:
+        at = [names.index(c.who) for c in its]
+        closes = (drives.closing_limits if kind is TENDON_EFFORT else drives.peak_limits(np.full(len(names), np.inf)))[
+            at
+        ]
+        taken = closes * np.array([1.0 - c.margin for c in its])
+        both = list(zip([c.who for c in its], taken.tolist(), closes.tolist(), strict=True))
+        needs = [
+            f"{name} needs {_format_effort(kind, words.effort_unit(name in sliding), *each)}" for name, *each in both
+        ]
+        rubs = " less dry friction" if kind is TENDON_EFFORT and drives.friction[at].any() else ""
+        text = f"closing takes more than the motors give (peak{rubs}): {words.listed(needs)}"
+        values = {f"{kind.member}s": [kind.reason_values(*each) for each in both]}
+        yield Reason("closing_over_peak", "decides", text, values)
+
+
+def _format_effort(kind: EffortKind, unit: str, effort: float, limit: float) -> str:
+    """Such as "0.21 N·m of 0.2 N·m"."""
+    return " of ".join(words.efforts((effort, limit), "N" if kind is TENDON_EFFORT else unit))
+
+
+def _row_values(kind: EffortKind, r: TorqueRow) -> dict[str, Any]:
+    return kind.reason_values(r.joint, r.torque, r.limit) | {"utilisation": r.utilisation}
+
+
+# ----------------------------------------------------------------
+# Of torques that forces leave open.
+
+
+def open_torque_reasons(s: Any) -> Iterator[Reason]:
+    """Of a hand's solution that leaves forces open: whether joints are within their limits whatever these are."""
+    if s.uniqueness is None or s.uniqueness.forces_determined:
+        return
+    check, torques = s.torque_check, find_torque_bounds(s)
+    open_ = is_apart(torques, s.residuals.force_scale)
+    bounds = torque_shares(torques, check.limit)
+    values = {"joints": [{"joint": name, "torque_Nm": both, "utilisation": share} for name, both, share, yes in
+                         zip(check.joints, torques.tolist(), bounds.tolist(), open_, strict=True) if yes]}  # fmt: skip
+    if not open_.any():
+        yield Reason("torques_open", "note", "the forces that are open change no joint's torque", values)
+        return
+    least, most = bounds.T
+    doubtful = np.flatnonzero(is_exceeded(most) & ~is_exceeded(least))
+    if len(doubtful):
+        k = doubtful[largest_share_index(most[doubtful])]
+        text = f"{check.joints[k]} may carry {_format_limit_share(*bounds[k].tolist())}"
+        if more := len(doubtful) - 1:
+            others = "1 more joint may need more than its" if more == 1 else f"{more} more may need more than their"
+            text = f"{text}, and {others} limit{'s' if more > 1 else ''}"
+        yield Reason("torques_open", "warning", f"{text}: no statics can tell", values)
+    elif not is_exceeded(most).any():
+        k = largest_share_index(most)
+        share = words.percent(most[k])
+        text = f"whatever the forces that are open are, no joint needs more than {share} of its limit"
+        yield Reason("torques_open", "note", f"{text} ({check.joints[k]})", values)
+
+
+def _format_limit_share(least: float, most: float) -> str:
+    if np.isfinite(most):
+        return f"{format_span(least, most)} of its limit"
+    return f"{words.percent(least)} of its limit, or any amount more"
+
+
+# ----------------------------------------------------------------
+# What the joints of a hand pull with where it has closed, beside the closing torque that was asked for.
+
+
+MIN_TORQUE_SHARE = 0.8  # of the closing torque: a finger none of whose joints pulls with as much is named
+MAX_TORQUE_SHARE = 1.05  # of its torque: a joint that pulls with more is driven by other fingers
+
+
+@dataclass(frozen=True, eq=False)
+class MotorPull:
+    """asked (nv,) : the torques that a closing torque asked of the joints [N·m], with their signs, 0 of joints that do
+    not pull. fingers (nv,) : number of each joint's finger, -1 of those.
+    """
+
+    closing_torque: Array
+    fingers: Ints
+    elasticity: Elasticity
+
+    @classmethod
+    def from_torque(cls, asked: Array, moves: Bools, elasticity: Elasticity) -> MotorPull:
+        """Joints that move one place that may touch, or are driven together, are of one finger. moves (n, nv) : which
+        joint moves which place.
+        """
+        pulls = np.flatnonzero(asked)
+        move, compliance = moves[:, pulls].astype(int), elasticity.compliance(np.eye(len(asked)))[np.ix_(pulls, pulls)]
+        fingers = np.full(len(asked), -1)
+        if len(pulls):
+            fingers[pulls] = connected_components((move.T @ move > 0) | (compliance != 0.0), directed=False)[1]
+        return cls(asked, fingers, elasticity)
+
+    @property
+    def finger_numbers(self) -> list[int]:
+        """Numbers of the fingers."""
+        return list(range(int(self.fingers.max(initial=-1)) + 1))
+
+    def torque_shares(self, torque: Array, command: Array) -> Array:
+        """(nv,) of the torque asked for that actuators pull with; 0 of other joints. torque (nv,) : of the joints
+        [N·m]. command (nv,) : how far they are commanded beyond the grasp's posture [rad, m].
+        """
+        asked = np.where(self.closing_torque != 0.0, self.closing_torque, 1.0)
+        return np.where(self.closing_torque != 0.0, self.elasticity.actuator_torque(torque, command) / asked, 0.0)
+
+    def weakest_joints(self, shares: Array) -> list[int]:
+        """Of each finger none of whose joints keeps enough, the joint that keeps most."""
+        most = [int(np.where(self.fingers == finger, shares, -np.inf).argmax()) for finger in self.finger_numbers]
+        return [j for j in most if shares[j] < MIN_TORQUE_SHARE]
+
+
+def motor_pull_reasons(
+    joints: Sequence[str], pulling: MotorPull, shares: Array, stuck: bool, sliding: Sequence[str] = ()
+) -> Iterator[Reason]:
+    """Of fingers that pull with less than asked for, (nv,) shares, once the hand has closed: they meet nothing, or
+    another finger would have to pull harder. stuck : steps of closing found no state in which they do. sliding : names
+    of joints that slide.
+    """
+    if short := pulling.weakest_joints(shares):
+        asked = abs(pulling.closing_torque)
+        both = [(joints[k], (float(shares[k] * asked[k]), float(asked[k]))) for k in short]
+        units = {joint: words.effort_unit(joint in sliding) for joint, _ in both}
+        needs = [f"{joint} {' of '.join(words.efforts(each, units[joint]))}" for joint, each in both]
+        text = f"where the hand has closed, fingers pull with less than the closing torque: {words.listed(needs)}"
+        if beyond := [joints[k] for k in np.flatnonzero(shares > MAX_TORQUE_SHARE).tolist()]:
+            whose = "its" if len(beyond) == 1 else "their"
+            text += f"; turning on, they would drive {words.listed(beyond)} farther beyond {whose} closing torque"
+        elif stuck:
+            text += "; no state was found in which they press harder, and what stops them is not known"
+        values = [
+            {"joint": joints[k], "torque_Nm": float(shares[k] * asked[k]), "asked_Nm": float(asked[k])} for k in short
+        ]
+        yield Reason("closing_torque", "warning", text, {"joints": values})

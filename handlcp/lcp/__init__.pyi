@@ -1,23 +1,27 @@
-from .certify import certify as certify, is_farkas as is_farkas, natural_residual as natural_residual
-from .contact import ContactProblem as ContactProblem, FrictionSets as FrictionSets, Pattern as Pattern
+from .certificate import certify as certify, is_farkas as is_farkas, natural_residual as natural_residual
+from .contact_problem import ContactProblem as ContactProblem, FrictionSets as FrictionSets, Pattern as Pattern
+from .lemke import Lemke as Lemke
 from .problem import (
     LCP as LCP,
     LCPSolution as LCPSolution,
     Proposal as Proposal,
     Status as Status,
+    Units as Units,
     stage_line as stage_line,
 )
-from .scaling import Units as Units
-from .solve import proposals as proposals, solve_lcp as solve_lcp
-from .solvers.auto import (
-    BRIEFLY as BRIEFLY,
+from .solve import (
+    BRIEF_SEARCH_STAGE as BRIEF_SEARCH_STAGE,
     FIRST_STAGE as FIRST_STAGE,
-    LONGER as LONGER,
-    SOON as SOON,
+    LONG_SEARCH_STAGE as LONG_SEARCH_STAGE,
+    STAGES_BETWEEN_SEARCHES as STAGES_BETWEEN_SEARCHES,
     Auto as Auto,
     as_chain as as_chain,
+    proposals as proposals,
+    solve_lcp as solve_lcp,
 )
-from .solvers.base import ContactSolver as ContactSolver, Solver as Solver
-from .solvers.lemke import Lemke as Lemke
-from .solvers.newton import SemismoothNewton as SemismoothNewton
-from .solvers.nsngrk import NSNGRK as NSNGRK
+from .solver import (
+    NSNGRK as NSNGRK,
+    ContactSolver as ContactSolver,
+    SemismoothNewton as SemismoothNewton,
+    Solver as Solver,
+)

@@ -1,4 +1,9 @@
-"""Linear complementarity problems, mixed or not, and what a solver and the certifier say of one."""
+"""Natural units of a linear complementarity problem: one size for each z and one for each w.
+
+With z = U_z ẑ and w = U_w ŵ (diagonal, positive), w = M z + q becomes ŵ = M̂ ẑ + q̂ with M̂ = U_w⁻¹ M U_z and
+q̂ = U_w⁻¹ q. Complementarity is untouched. Solvers see the hatted problem only; a caller that knows the physics
+(the grasp) gives the units, otherwise they are found by equilibration.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +17,55 @@ from handlcp.check import Array, Bools, array, read_only
 from handlcp.errors import InputError, shown
 from handlcp.keywords import helped_init, helped_methods
 from handlcp.lazy import lazy
-from handlcp.lcp.scaling import Units, equilibrate
 from handlcp.tolerances import LARGEST_RAW
+
+_MAX_SWEEPS = 12  # Ruiz's iteration halves the logarithmic spread each time: 2^-12 of it is left
+_MIN_UNIT, _MAX_UNIT = 1e-300, 1e250  # units: their products with numbers in natural units still fit a float64
+
+
+@dataclass(frozen=True, slots=True)
+class Units:
+    """Sizes of one natural unit of every z and w, (n,) each, positive, in the user's units."""
+
+    z: Array
+    w: Array
+
+    @staticmethod
+    def ones(n: int) -> Units:
+        """No scaling: solvers then work on the numbers as they are (the paper's way)."""
+        one = read_only(np.ones(n))
+        return Units(one, one)
+
+
+def equilibrate(M: Array, q: Array) -> Units:
+    """Units in which the largest entry of each row and column of M̂ is about one, and so is the largest |q̂|.
+
+    Ruiz's simultaneous row and column scaling (D. Ruiz, RAL-TR-2001-034), then one common factor for q.
+    Rows or columns of zeros keep the unit of the largest. Raises InputError where z or w may outgrow a float64.
+    """
+    n = len(q)
+    z, w = np.ones(n), np.ones(n)
+    A = abs(M)
+    largest = float(A.max(initial=0.0)) or 1.0
+    A, root = A / largest, largest**0.5
+    with np.errstate(over="ignore"):  # what overflows is cut back, or refused
+        for _ in range(_MAX_SWEEPS):
+            # No entry exceeds one: units of w only shrink and those of z only grow, and cutting them lets no entry grow
+            row, col = np.sqrt(A.max(axis=1, initial=0.0)), np.sqrt(A.max(axis=0, initial=0.0))
+            row[row == 0], col[col == 0] = 1.0, 1.0
+            A = A / row[:, None] / col
+            w, z = w * row, z / col
+        w, z = np.maximum(w * root, _MIN_UNIT), np.minimum(z / root, _MAX_UNIT)
+        size = float((abs(q) / w).max(initial=0.0)) or 1.0
+    size = max(size, _MIN_UNIT / float(z.min(initial=1.0)))
+    if size * float(max(z.max(initial=0.0), w.max(initial=0.0))) > _MAX_UNIT:
+        raise InputError("q", f"numbers so small beside those of M that z stays below {_MAX_UNIT:g}", "larger ones")
+    return Units(read_only(z * size), read_only(np.maximum(w * size, _MIN_UNIT)))
+
+
+# ----------------------------------------------------------------
+# Linear complementarity problems, mixed or not, and what a solver and the certifier say of one.
+
 
 # ----------------------------------------------------------------
 # What may come out of a solve. A status is the certifier's word, never the solver's.
@@ -47,7 +99,7 @@ class Status(Enum):
 # The (mixed) linear complementarity problem as a value.
 
 
-class Scaled:
+class ScaledLCP:
     """The problem in its natural units: M̂ (n, n), q̂ (n,), free (n,) and the `units` that lead back. See `scaling`."""
 
     __slots__ = ("M", "free", "q", "units")
@@ -76,12 +128,12 @@ class LCP:
         self.q: Array = array("q", q, (-1,), largest=LARGEST_RAW)
         n = len(self.q)
         self.__dict__["M"] = array("M", M, (n, n), largest=LARGEST_RAW)
-        self.free: Bools = _mask(free, n)
+        self.free: Bools = _free_mask(free, n)
         if units is not None:
             _check_units(units, self.M, self.q)
         self._units = units
 
-    def _hold(self, scaled: Scaled) -> None:
+    def _adopt_scaled(self, scaled: ScaledLCP) -> None:
         """Take over a problem that is in natural units already: a subclass's constructor calls it instead of ours."""
         self.free, self._units = scaled.free, scaled.units
         self.__dict__["scaled"] = scaled
@@ -94,12 +146,12 @@ class LCP:
         return read_only(s.M * s.units.w[:, None] / s.units.z)
 
     @lazy
-    def scaled(self) -> Scaled:
+    def scaled(self) -> ScaledLCP:
         """The problem in natural units: what solvers see."""
         units = self._units or equilibrate(self.M, self.q)
         # Two steps, so that units from 1e-160 to 1e160 neither over- nor underflow on the way.
         M = np.ascontiguousarray(self.M / units.w[:, None] * units.z)
-        return Scaled(read_only(M), read_only(self.q / units.w), self.free, units)
+        return ScaledLCP(read_only(M), read_only(self.q / units.w), self.free, units)
 
     @property
     def n(self) -> int:
@@ -120,7 +172,7 @@ class LCP:
         return f"{type(self).__name__}(n={self.n}, {kind})"
 
 
-def _mask(free: Any, n: int) -> Bools:
+def _free_mask(free: Any, n: int) -> Bools:
     try:
         mask = np.zeros(n, bool) if free is None else np.array(free)
     except ValueError:  # lists of different lengths

@@ -13,16 +13,18 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any
+from pathlib import Path
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from handlcp.errors import InputError, SceneFileError
-from handlcp.scene.kinds import SHAPES, Expected, MadeWhenRead, Table
+from handlcp.errors import InputError, SceneFileError, as_path
+from handlcp.read_file import MOST_TOML, parse_toml, read_text
+from handlcp.scene.key_types import SHAPES, DeferredTable, ExpectedWords, FileTable
 from handlcp.scene.scene_tables import SceneTables
 
-_MOST_ERRORS = 100  # of one file that are listed
-_BY_NAME = "a table by name of tables"  # whose keys are those of the table that is called as one of them
+_MAX_ERRORS = 100  # of one file that are listed
+_NAMED_TABLES_EXPECTED = "a table by name of tables"  # whose keys are those of the table that is called as one of them
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,39 +55,39 @@ class Key:
         return f"{self.table}.{self.key}" if self.table else self.key
 
 
-def keys(model: type[Table] = SceneTables) -> tuple[Key, ...]:
+def keys(model: type[FileTable] = SceneTables) -> tuple[Key, ...]:
     """All keys of a file, in the order of its schema."""
-    found = list(_walk("", model))
+    found = list(_walk_keys("", model))
     shapes = {k.shape for k in found if k.shape}
     alike = Counter(replace(k, shape="") for k in found)
     common = [replace(k, shape="") if alike[replace(k, shape="")] == len(shapes) else k for k in found]
     return tuple(dict.fromkeys(common))
 
 
-def _walk(table: str, model: type[BaseModel], shape: str = "", many: bool = False) -> Iterator[Key]:
+def _walk_keys(table: str, model: type[BaseModel], shape: str = "", many: bool = False) -> Iterator[Key]:
     for field_name, field in model.model_fields.items():
         name = field.alias or field_name
-        later = [m.model() for m in field.metadata if isinstance(m, MadeWhenRead)]
-        named = _named_tables(field.annotation)
-        inner = later or ([] if named else _models(field.annotation))
+        later = [m.model() for m in field.metadata if isinstance(m, DeferredTable)]
+        named = _has_named_tables(field.annotation)
+        inner = later or ([] if named else _inner_tables(field.annotation))
         if not inner:
-            default = "" if field.is_required() else _toml(field.get_default(call_default_factory=True))
-            words = next((m.words for m in field.metadata if isinstance(m, Expected)), None)
-            words = words or (_BY_NAME if named else _words(field.annotation))
-            meaning = (field.description or _docstrings(model).get(field_name, "")).strip()
+            default = "" if field.is_required() else _format_toml(field.get_default(call_default_factory=True))
+            words = next((m.words for m in field.metadata if isinstance(m, ExpectedWords)), None)
+            words = words or (_NAMED_TABLES_EXPECTED if named else _expected_words(field.annotation))
+            meaning = (field.description or _field_docstrings(model).get(field_name, "")).strip()
             yield Key(table, name, words, meaning, field.is_required(), default, shape, many)
         for m in inner:
             several = typing.get_origin(field.annotation) is list
-            yield from _walk(f"{table}.{name}" if table else name, m, _shape(m), several)
+            yield from _walk_keys(f"{table}.{name}" if table else name, m, _table_shape(m), several)
 
 
 @cache
-def _docstrings(model: type[BaseModel]) -> dict[str, str]:
+def _field_docstrings(model: type[BaseModel]) -> dict[str, str]:
     """The strings below a table's fields. pydantic would look for them at every import, a tenth of a second."""
     found: dict[str, str] = {}
     for kind in reversed(model.__mro__):
         written = getattr(sys.modules[kind.__module__], kind.__name__, None) is kind  # others are made when read
-        if issubclass(kind, Table) and written:
+        if issubclass(kind, FileTable) and written:
             body = ast.parse(textwrap.dedent(inspect.getsource(kind))).body[0]
             assert isinstance(body, ast.ClassDef)
             for field, text in itertools.pairwise(body.body):
@@ -95,34 +97,34 @@ def _docstrings(model: type[BaseModel]) -> dict[str, str]:
     return found
 
 
-def _models(annotation: Any) -> list[type[BaseModel]]:
+def _inner_tables(annotation: Any) -> list[type[BaseModel]]:
     """The tables among the members of a type."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
-    return [m for a in typing.get_args(annotation) for m in _models(a)]
+    return [m for a in typing.get_args(annotation) for m in _inner_tables(a)]
 
 
-def _named_tables(annotation: Any) -> bool:
+def _has_named_tables(annotation: Any) -> bool:
     """Whether the type is tables by names that a user chooses, whose keys stand elsewhere."""
-    return any(typing.get_origin(a) is dict and _models(a) for a in (annotation, *typing.get_args(annotation)))
+    return any(typing.get_origin(a) is dict and _inner_tables(a) for a in (annotation, *typing.get_args(annotation)))
 
 
-def _shape(model: type[BaseModel]) -> str:
+def _table_shape(model: type[BaseModel]) -> str:
     """Which object shape this table is for."""
     field = model.model_fields.get("shape")
     return "" if field is None else str(typing.get_args(field.annotation)[0])
 
 
-def _words(annotation: Any) -> str:
+def _expected_words(annotation: Any) -> str:
     """What the type expects, in words; the only one without words of its own is an object's shape."""
     for a in typing.get_args(annotation):
         for m in getattr(a, "__metadata__", ()):
-            if isinstance(m, Expected):
+            if isinstance(m, ExpectedWords):
                 return m.words
     return "one of " + ", ".join(SHAPES)
 
 
-def _toml(value: Any) -> str:
+def _format_toml(value: Any) -> str:
     if value is None or value == {}:
         return ""
     if isinstance(value, bool):
@@ -144,21 +146,23 @@ class SceneFileErrors(SceneFileError):
         self.each = tuple(each)
         first = each[0]
         super().__init__(first.argument, first.expected, first.got)
-        more = "more than " if len(each) > _MOST_ERRORS else ""
-        told = [str(e) for e in each[:_MOST_ERRORS]]
+        more = "more than " if len(each) > _MAX_ERRORS else ""
+        told = [str(e) for e in each[:_MAX_ERRORS]]
         self.args = ("\n  ".join([f"{label}: {more}{len(told)} errors", *told]),)
 
 
-def refused(label: str, error: ValidationError, model: type[Table]) -> SceneFileError:
+def schema_error(label: str, error: ValidationError, model: type[FileTable]) -> SceneFileError:
     """One error to raise for all that does not follow the schema `model`, with the file's name in front."""
-    found = list(itertools.islice(_each(error, (), keys(model)), _MOST_ERRORS + 1))
+    found = list(itertools.islice(_validation_errors(error, (), keys(model)), _MAX_ERRORS + 1))
     if len(found) > 1:
         return SceneFileErrors(label, found)
     found[0].args = (f"{label}: {found[0]}",)
     return found[0]
 
 
-def _each(error: ValidationError, above: tuple[Any, ...], every: tuple[Key, ...]) -> Iterator[SceneFileError]:
+def _validation_errors(
+    error: ValidationError, above: tuple[Any, ...], every: tuple[Key, ...]
+) -> Iterator[SceneFileError]:
     """An error for each thing that pydantic found wrong.
 
     above : path of the table that was being read.
@@ -168,41 +172,41 @@ def _each(error: ValidationError, above: tuple[Any, ...], every: tuple[Key, ...]
         told: dict[str, Any] = {**e, "loc": (*above, *e["loc"])}
         inner = e.get("ctx", {}).get("error")
         if isinstance(inner, ValidationError):  # of a table made when it is read
-            yield from _each(inner, told["loc"], every)
+            yield from _validation_errors(inner, told["loc"], every)
         else:
-            yield _one(told, every)
+            yield _validation_error(told, every)
 
 
-def _one(e: dict[str, Any], every: tuple[Key, ...]) -> SceneFileError:
+def _validation_error(e: dict[str, Any], every: tuple[Key, ...]) -> SceneFileError:
     loc, shape = e["loc"], ""
     at = {"object": 1, "objects": 2}.get(loc[0] if loc else "", 0)
     if 0 < at < len(loc) and loc[at] in SHAPES:  # pydantic takes the shape for a table
         loc, shape = (*loc[:at], *loc[at + 1 :]), loc[at]
-    path, kind, came = _path(loc), e["type"], e.get("input")
+    path, kind, came = _key_path(loc), e["type"], e.get("input")
     if kind == "extra_forbidden":
-        return _unknown(loc, shape, every)
+        return _unknown_key_error(loc, shape, every)
     if kind == "missing":
-        return SceneFileError(path, _wanted(loc, shape, every), "nothing: the key is missing")
+        return SceneFileError(path, _expected_at(loc, shape, every), "nothing: the key is missing")
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         given = came.get("shape") if isinstance(came, dict) else None
-        return SceneFileError(f"{path}.shape", "one of " + ", ".join(SHAPES), _show(given))
+        return SceneFileError(f"{path}.shape", "one of " + ", ".join(SHAPES), _shorten(given))
     if kind == "value_error" and isinstance(inner := e["ctx"]["error"], InputError):
         return SceneFileError(".".join(p for p in (path, inner.argument) if p), inner.expected, inner.got)
     if kind == "expected":
-        return SceneFileError(path, e["ctx"]["words"], _show(came))
+        return SceneFileError(path, e["ctx"]["words"], _shorten(came))
     if kind in ("model_type", "model_attributes_type", "dict_type"):
-        return SceneFileError(path, f"a table [{_table(loc)}]", _show(came))
+        return SceneFileError(path, f"a table [{_table_path(loc)}]", _shorten(came))
     if kind == "list_type":
-        return SceneFileError(path, f"tables [[{_table(loc)}]]", _show(came))
+        return SceneFileError(path, f"tables [[{_table_path(loc)}]]", _shorten(came))
     if kind == "literal_error":
-        return SceneFileError(path, str(e["ctx"]["expected"]), _show(came))
-    return SceneFileError(path, str(e["msg"]), _show(came))
+        return SceneFileError(path, str(e["ctx"]["expected"]), _shorten(came))
+    return SceneFileError(path, str(e["msg"]), _shorten(came))
 
 
-def _unknown(loc: tuple[Any, ...], shape: str, every: tuple[Key, ...]) -> SceneFileError:
+def _unknown_key_error(loc: tuple[Any, ...], shape: str, every: tuple[Key, ...]) -> SceneFileError:
     """The error of an unknown key names the valid ones, and the nearest of them or the table where it belongs."""
-    table, key = _spelled(loc[:-1], every), str(loc[-1])
-    valid = list(dict.fromkeys(_names(every, table, shape)))
+    table, key = _schema_table(loc[:-1], every), str(loc[-1])
+    valid = list(dict.fromkeys(_valid_names(every, table, shape)))
     hint = ""
     if near := difflib.get_close_matches(key.lower(), [v.lower() for v in valid], 1, 0.6):
         hint = f"; did you mean {next(v for v in valid if v.lower() == near[0])!r}?"
@@ -211,39 +215,74 @@ def _unknown(loc: tuple[Any, ...], shape: str, every: tuple[Key, ...]) -> SceneF
     elif any(k.key == key for k in every if k.table == table):
         others = ", ".join(k.shape for k in every if k.table == table and k.key == key)
         hint = f"; it goes with shape {others}"
-    return SceneFileError(_path(loc), "one of the keys [" + ", ".join(valid) + "]", f"the unknown key {key!r}{hint}")
+    return SceneFileError(
+        _key_path(loc), "one of the keys [" + ", ".join(valid) + "]", f"the unknown key {key!r}{hint}"
+    )
 
 
-def _names(every: tuple[Key, ...], table: str, shape: str) -> list[str]:
+def _valid_names(every: tuple[Key, ...], table: str, shape: str) -> list[str]:
     own = [k.key for k in every if k.table == table and k.shape in ("", shape)]
     start = f"{table}." if table else ""
     return own + [k.table[len(start) :].split(".")[0] for k in every if k.table != table and k.table.startswith(start)]
 
 
-def _wanted(loc: tuple[Any, ...], shape: str, every: tuple[Key, ...]) -> str:
+def _expected_at(loc: tuple[Any, ...], shape: str, every: tuple[Key, ...]) -> str:
     """What the schema expects at a path."""
-    table, key = _spelled(loc[:-1], every), loc[-1]
+    table, key = _schema_table(loc[:-1], every), loc[-1]
     found = [k for k in every if k.table == table and k.key == key and k.shape in ("", shape)]
-    return f"{found[0].expected} ({found[0].meaning})" if found else f"a table [{_table(loc)}]"
+    return f"{found[0].expected} ({found[0].meaning})" if found else f"a table [{_table_path(loc)}]"
 
 
-def _spelled(loc: tuple[Any, ...], every: tuple[Key, ...]) -> str:
+def _schema_table(loc: tuple[Any, ...], every: tuple[Key, ...]) -> str:
     """The table whose keys are those of a table by a name of the user's: [hand.motor] for [hand.motors.NAME]."""
-    above = _table(loc[:-1])
-    return above.removesuffix("s") if any(k.path == above and k.expected == _BY_NAME for k in every) else _table(loc)
+    above = _table_path(loc[:-1])
+    return (
+        above.removesuffix("s")
+        if any(k.path == above and k.expected == _NAMED_TABLES_EXPECTED for k in every)
+        else _table_path(loc)
+    )
 
 
-def _table(loc: tuple[Any, ...]) -> str:
+def _table_path(loc: tuple[Any, ...]) -> str:
     return ".".join(str(part) for part in loc if not isinstance(part, int))
 
 
-def _path(loc: tuple[Any, ...]) -> str:
+def _key_path(loc: tuple[Any, ...]) -> str:
     out = ""
     for part in loc:
         out += f"[{part}]" if isinstance(part, int) else f".{part}" if out else str(part)
     return out
 
 
-def _show(value: Any) -> str:
+def _shorten(value: Any) -> str:
     text = repr(value)
     return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+# ----------------------------------------------------------------
+# Reading a file of tables: TOML in, checked tables out, or one error that lists everything wrong with it.
+
+
+TableT = TypeVar("TableT", bound=FileTable)
+
+
+def read_text_file(path: Any, kind: str) -> tuple[str, Path]:
+    """The text of a file, and its path. Raises InputError, SceneFileError.
+
+    kind : of file, such as "a scene file".
+    """
+    wanted = f"the path of {kind}"
+    file = as_path("path", path, wanted)
+    if path == "":
+        raise SceneFileError("path", wanted, "'', which is empty")
+    return read_text("path", file, kind, MOST_TOML, SceneFileError), file
+
+
+def read_tables(model: type[TableT], text: Any, label: str) -> TableT:
+    """The tables that a text describes. Raises InputError, SceneFileError, which starts with `label`."""
+    if not isinstance(text, str):
+        raise InputError("text", "a string of TOML", type(text).__name__)
+    try:
+        return model.model_validate(parse_toml(label, text, SceneFileError))
+    except ValidationError as error:
+        raise schema_error(label, error, model) from None

@@ -9,19 +9,19 @@ from typing import Annotated, Any
 
 from pydantic import Field, PrivateAttr, create_model, model_validator
 
+from handlcp.contact.friction import FrictionLaw, Frictionless, as_law, friction_laws
 from handlcp.errors import InputError, UnknownName, keyed
 from handlcp.grasp.effects import Effect, effect_kinds
-from handlcp.grasp.friction import FrictionLaw, Frictionless, as_law, friction_laws
-from handlcp.grasp.model.limit import FileKey
-from handlcp.scene import kinds as k, schema as s
-from handlcp.scene.kinds import Expected, MadeWhenRead, Table
-from handlcp.scene.objects import ObjectTable
+from handlcp.grasp.model.effect import FileKey
+from handlcp.scene import key_types as k, schema as s
+from handlcp.scene.key_types import DeferredTable, ExpectedWords, FileTable
+from handlcp.scene.schema import ObjectTable
 
 # ----------------------------------------------------------------
 # Names in a scene file: its keys in errors, its fingers in tables.
 
 
-def known(key: str, names: Any, valid: Sequence[str]) -> None:
+def check_names(key: str, names: Any, valid: Sequence[str]) -> None:
     """Check that names are among the valid ones. Raises UnknownName."""
     if unknown := [n for n in names if n not in valid]:
         raise UnknownName(key, "a joint" if key == "posture.q_rad" else "a finger", unknown, valid)
@@ -31,33 +31,33 @@ def known(key: str, names: Any, valid: Sequence[str]) -> None:
 # The [effects] table of a scene file: a key for each effect that has one, as the effect itself describes it.
 
 
-def kinds_with_keys() -> tuple[tuple[type[Effect], FileKey], ...]:
+def effects_with_keys() -> tuple[tuple[type[Effect], FileKey], ...]:
     """The effects that a scene file may ask for, in order, each with its key."""
     return tuple([(kind, kind.file_key) for kind in effect_kinds() if kind.file_key is not None])
 
 
-def effects_table() -> type[Table]:
+def make_effects_table() -> type[FileTable]:
     """The table of all effects that there are by now."""
-    return _made("EffectsTable", tuple([key for _, key in kinds_with_keys()]))
+    return _make_table("EffectsTable", tuple([key for _, key in effects_with_keys()]))
 
 
-def asked(table: Table) -> dict[str, Any]:
+def given_values(table: FileTable) -> dict[str, Any]:
     """What a table of a file says, by key: values, and tables as mappings of what is written in them."""
     said: dict[str, Any] = table.model_dump(exclude_unset=True)
     return {key: value for key, value in said.items() if value is not False and value is not None and value != []}
 
 
 @lru_cache(maxsize=64)
-def _made(name: str, keys: tuple[FileKey, ...]) -> type[Table]:
-    fields: dict[str, Any] = {key.name: _field(key) for key in keys}
-    return create_model(name, __base__=Table, **fields)
+def _make_table(name: str, keys: tuple[FileKey, ...]) -> type[FileTable]:
+    fields: dict[str, Any] = {key.name: _make_field(key) for key in keys}
+    return create_model(name, __base__=FileTable, **fields)
 
 
-def _field(key: FileKey) -> tuple[Any, Any]:
+def _make_field(key: FileKey) -> tuple[Any, Any]:
     """Type and default of a key."""
     if key.many:
-        return list[_made(key.name, key.table)], Field(default_factory=list, description=key.meaning)  # type: ignore[misc]
-    held: Any = _made(key.name, key.table) if key.table else Annotated[key.holds, Expected(key.expected)]
+        return list[_make_table(key.name, key.table)], Field(default_factory=list, description=key.meaning)  # type: ignore[misc]
+    held: Any = _make_table(key.name, key.table) if key.table else Annotated[key.holds, ExpectedWords(key.expected)]
     if key.required:
         return held, Field(description=key.meaning)
     return (held | None if key.default is None else held), Field(default=key.default, description=key.meaning)
@@ -67,7 +67,7 @@ def _field(key: FileKey) -> tuple[Any, Any]:
 # What a scene file says of friction and of effects asked for by name.
 
 
-def law_of(value: Any, key: str = "grasp.friction") -> FrictionLaw:
+def make_law(value: Any, key: str = "grasp.friction") -> FrictionLaw:
     """The friction law of a checked value, which is that of `key`."""
     if not isinstance(value, dict):
         return Frictionless() if value == "frictionless" else as_law(value, key)
@@ -82,15 +82,15 @@ def is_by_finger(value: Any) -> bool:
     return isinstance(value, dict) and not any(set(law.file_keys[0]) <= set(value) for law in _laws_with_keys())
 
 
-def effects_of(table: Table, fingers: Sequence[str]) -> tuple[list[Effect], dict[str, str]]:
+def make_effects(table: FileTable, fingers: Sequence[str]) -> tuple[list[Effect], dict[str, str]]:
     """The effects that [effects] asks for; and by argument, such as "effects[1]", the key that it is from.
 
     fingers : (n,) names.
     """
     effects: list[Effect] = []
     keys: dict[str, str] = {}
-    said = asked(table)
-    for kind, key in kinds_with_keys():
+    said = given_values(table)
+    for kind, key in effects_with_keys():
         if key.name not in said:
             continue
         path = f"effects.{key.name}"
@@ -107,10 +107,10 @@ def _laws_with_keys() -> list[type[FrictionLaw]]:
 # ----------------------------------------------------------------
 # All tables of a scene file together, and what may stand beside what.
 
-_COMMANDS = ("squeeze_m", "grip_force_N", "joint_offset_rad", "closing_torque_Nm")  # of [grasp]
+_COMMAND_KEYS = ("squeeze_m", "grip_force_N", "joint_offset_rad", "closing_torque_Nm")  # of [grasp]
 
 
-class SceneTables(Table):
+class SceneTables(FileTable):
     """A scene is a hand in a posture around an object, or contacts one by one; the load; and how to solve."""
 
     title: k.Text = ""
@@ -124,7 +124,9 @@ class SceneTables(Table):
     environment: list[s.EnvironmentTable] = Field(default_factory=list)
     grasp: s.GraspTable = Field(default_factory=s.GraspTable)
     load: s.LoadTable = Field(default_factory=s.LoadTable)
-    effects: Annotated[Table, MadeWhenRead(effects_table)] = Field(default_factory=lambda: effects_table()())
+    effects: Annotated[FileTable, DeferredTable(make_effects_table)] = Field(
+        default_factory=lambda: make_effects_table()()
+    )
     solve_with: s.SolveTable = Field(default_factory=s.SolveTable, alias="solve")
 
     _folder: Path = PrivateAttr(default=Path())
@@ -165,11 +167,11 @@ class SceneTables(Table):
                 raise InputError("grasp.flexibility_m_per_N", words, "a value")
             self._one_squeeze()
         else:
-            for key in ("fingers", "max_gap_m", "finger_weight", "links", "hold_object", *_COMMANDS):
+            for key in ("fingers", "max_gap_m", "finger_weight", "links", "hold_object", *_COMMAND_KEYS):
                 if key in given:
                     raise InputError(f"grasp.{key}", "a [hand] that it is about", "a scene without one")
-            said = asked(self.effects)
-            for kind, its in kinds_with_keys():
+            said = given_values(self.effects)
+            for kind, its in effects_with_keys():
                 if kind.needs_joints and its.name in said:
                     raise InputError(f"effects.{its.name}", "a [hand], whose joints it is about", "a scene without one")
             if "posture" in self.model_fields_set:
@@ -178,9 +180,9 @@ class SceneTables(Table):
 
     def _one_squeeze(self) -> None:
         """How hard the hand closes is said once."""
-        said = [key for key in _COMMANDS if getattr(self.grasp, key) is not None]
+        said = [key for key in _COMMAND_KEYS if getattr(self.grasp, key) is not None]
         if len(said) > 1:
-            raise InputError(f"grasp.{said[1]}", f"at most one of {', '.join(_COMMANDS)}", " and ".join(said))
+            raise InputError(f"grasp.{said[1]}", f"at most one of {', '.join(_COMMAND_KEYS)}", " and ".join(said))
         if said and said[0] != "joint_offset_rad" and "squeeze_m" in self.posture.model_fields_set:
             expected = f"none beside grasp.{said[0]}, which says how hard the hand closes"
             raise InputError("posture.squeeze_m", expected, self.posture.squeeze_m)

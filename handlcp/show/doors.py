@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from handlcp.errors import InputError, shown
+from handlcp.geometry import Object
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
-from handlcp.hand import Object
-from handlcp.hand.hand_grasp import grasp_of
+from handlcp.hand.hand_grasp import make_grasp
 from handlcp.keywords import helped
 from handlcp.show.file import drawn
 from handlcp.show.html import html, table_html, text_html
@@ -115,4 +115,4 @@ def _asked(solution: GraspSolution) -> Grasp:
     spec = solution.spec
     if spec is None:
         raise InputError("solution", "one made by grasp.solve()", "one that does not know its grasp")
-    return grasp_of(spec)
+    return make_grasp(spec)

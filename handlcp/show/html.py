@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.grasp import GraspSolution
-from handlcp.grasp.answer.printed import contact_columns
+from handlcp.grasp.solution.solution import contact_text_table
 from handlcp.text_table import TextTable
 
 _COLOURS = {"HELD": "#00734d", "UNDECIDED": "#8a6100"}  # the rest is red
@@ -27,7 +27,7 @@ def html(solution: GraspSolution) -> str:
     parts = [f'<p style="margin:0 0 6px"><b style="color:{colour}">{escape(word)}</b>: {escape(text)}.</p>']
     parts += [f'<p style="margin:0 0 6px"><b>{escape(head)}</b>: {escape(said)}.</p>' for head, said in rest]
     if solution.held:
-        parts.append(_table(contact_columns(solution), [""] * len(solution.names)))
+        parts.append(_table(contact_text_table(solution), [""] * len(solution.names)))
         if (check := getattr(solution, "torque_check", None)) is not None:
             parts.append(_table(check.table, [_bar(r) for r in check]))
     return f'<div style="max-width:46em">{"".join(parts)}</div>'

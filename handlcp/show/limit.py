@@ -13,7 +13,7 @@ from handlcp import words
 from handlcp.check import Array
 from handlcp.errors import Unsupported
 from handlcp.grasp import Grasp
-from handlcp.grasp.cause.wording import said
+from handlcp.grasp.failure.failure_text import describe_failures
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.path.events import Event, summary
 from handlcp.grasp.path.trajectory import used_on_path
@@ -70,7 +70,7 @@ def limit_table(limits: Sequence[LoadLimit], title: str) -> Table:
 
 def _ends(limit: LoadLimit) -> str:
     """What gives out; how far the object has moved there, and where it is lost."""
-    parts = [said(limit.binds, brief=True)]
+    parts = [describe_failures(limit.binds, brief=True)]
     if (there := moved(limit)) != "–":
         parts.append(f"moved {there}")
     if limit.lost is not None and limit.lost > limit.factor * (1.0 + _SAME):

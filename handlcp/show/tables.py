@@ -12,11 +12,11 @@ from rich.table import Table
 from rich.text import Text
 
 from handlcp import words
+from handlcp.contact.friction import Pyramid, limit_set
 from handlcp.grasp import Explanation, GraspSolution
-from handlcp.grasp.analysis.explanation import Description, EffectLine
-from handlcp.grasp.answer.printed import contact_columns
-from handlcp.grasp.cause.judge import exceeded
-from handlcp.grasp.friction import Pyramid, limit_set
+from handlcp.grasp.analysis.explanation import EffectDescription, EffectLine
+from handlcp.grasp.failure.failure_mode import is_exceeded
+from handlcp.grasp.solution.solution import contact_text_table
 from handlcp.hand import Hand
 from handlcp.text_table import TextTable
 
@@ -55,7 +55,7 @@ def contact_table(solution: GraspSolution, title: str = "Contacts", note: str = 
 
     note : stands under the table, beside what pyramids in place of the friction cones do.
     """
-    columns, notes = contact_columns(solution), [_limit_note(solution), note]
+    columns, notes = contact_text_table(solution), [_limit_note(solution), note]
     made = _filled(columns, title, "; ".join(n for n in notes if n))
     for row, state in zip(columns.rows, solution.contact_state, strict=True):
         name, _, *values = row
@@ -90,7 +90,7 @@ def effort_table(effort: Any) -> Table:
     heads = (who, f"{what}\n{effort.unit}", *columns.heads[2:])
     made = _filled(replace(columns, heads=heads), "Tendons" if effort.unit == "N" else "Actuators")
     for row, used in zip(columns.rows, effort.used.tolist(), strict=True):
-        made.add_row(Text(row[0]), *row[1:], style="bold red" if exceeded(used) else None)
+        made.add_row(Text(row[0]), *row[1:], style="bold red" if is_exceeded(used) else None)
     return made
 
 
@@ -125,7 +125,7 @@ def key_table(keys: Sequence[Any], file: str) -> Table:
     return made
 
 
-def catalogue_table(entries: Sequence[Description], costs: Mapping[str, Any] | None = None) -> Table:
+def catalogue_table(entries: Sequence[EffectDescription], costs: Mapping[str, Any] | None = None) -> Table:
     """A row for each effect that the package has.
 
     costs : `handlcp.study.effect_catalogue.Cost`s by title; None: not measured.

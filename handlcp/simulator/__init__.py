@@ -1,9 +1,9 @@
 """The same grasp in MuJoCo, a simulator that is not ours: written as MJCF, and run slowly enough to be static."""
 
-from handlcp.simulator.limit import SimulatedLimit, simulate_limit
+from handlcp.simulator.export import SimulatorState, to_mujoco
+from handlcp.simulator.load_limit import SimulatedLimit, simulate_limit
 from handlcp.simulator.run import Comparison, Simulation, compare, simulate
 from handlcp.simulator.settings import SimulatorSettings
-from handlcp.simulator.write import SimulatorState, to_mujoco
 
 __all__ = [
     "Comparison",

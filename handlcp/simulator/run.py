@@ -13,11 +13,11 @@ from handlcp import words
 from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
-from handlcp.grasp.answer.verdict import HELD, NOT_HELD
 from handlcp.grasp.path.follow import Loading
+from handlcp.grasp.solution.verdict import HELD, NOT_HELD
 from handlcp.record import Record as Told
-from handlcp.simulator.settings import SimulatorSettings, of_a_hand
-from handlcp.simulator.under_way import PUSH, Record, Run
+from handlcp.simulator.settings import SimulatorSettings, require_hand_grasp
+from handlcp.simulator.simulation_run import PUSH_STAGE, SimulationRecord, SimulationRun
 from handlcp.text_table import wrapped
 
 
@@ -54,7 +54,7 @@ class Simulation(Told):
     q: Array
     slip: Array
     names: tuple[str, ...]
-    record: Record
+    record: SimulationRecord
     simulated: float
     seconds: float
 
@@ -95,16 +95,16 @@ def simulate(
 
     Raises what `to_mujoco` raises; Unsupported where MuJoCo is not installed.
     """
-    stages = _stages(order)
+    stages = _read_stages(order)
     seconds, settle = number("seconds", seconds, above=0.0), number("settle", settle, minimum=0.0)
-    run = Run(grasp, None if load is None else array("load", load, (6,)), settings)
-    if stages[-1] == "load" and run.weighs and run.wrench.any():  # the weight in a stage of its own
-        stages = (*stages[:-1], "weight", PUSH)
-    held = all(run.stage(name, seconds, settle) for name in run.with_own(stages))
-    record = run.track.record()
-    q, torques = run.probe.joints()
+    run = SimulationRun(grasp, None if load is None else array("load", load, (6,)), settings)
+    if stages[-1] == "load" and run.has_weight and run.wrench.any():  # the weight in a stage of its own
+        stages = (*stages[:-1], "weight", PUSH_STAGE)
+    held = all(run.run_stage(name, seconds, settle) for name in run.with_own_stages(stages))
+    record = run.track.to_record()
+    q, torques = run.probe.read_joints()
     stage, share = (None, None) if held else run.calm
-    stage = "load" if stage == PUSH else stage
+    stage = "load" if stage == PUSH_STAGE else stage
     forces, motion = read_only(record.forces[-1]), read_only(record.motion[-1])
     return Simulation(
         held=held,
@@ -122,7 +122,7 @@ def simulate(
     )
 
 
-def _stages(order: Any) -> tuple[str, ...]:
+def _read_stages(order: Any) -> tuple[str, ...]:
     if order == "together":
         return ("together",)
     if not isinstance(order, str) and tuple(order) in {("squeeze", "load"), ("squeeze",)}:
@@ -134,7 +134,7 @@ def _stages(order: Any) -> tuple[str, ...]:
 # One grasp followed by handlcp and simulated by MuJoCo, side by side.
 
 
-class Apart(NamedTuple):
+class AgreementTolerance(NamedTuple):
     """How far two ends may be apart that agree, each as `Comparison` has the error of that name. force : of the largest
     force. torque : of the largest torque. motion : of the object's motion. least : [m] that the object's place differs
     by whatever it moves: MuJoCo's contacts give way by so much.
@@ -150,7 +150,7 @@ class Apart(NamedTuple):
         return f"{shares} or {words.length(self.least)}"
 
 
-TOLERANCE = Apart(0.05, 0.05, 0.1, 2e-5)
+AGREEMENT_TOLERANCE = AgreementTolerance(0.05, 0.05, 0.1, 2e-5)
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,20 +201,20 @@ class Comparison(Told):
         return self.loading.held and self.simulation.held
 
     @property
-    def tolerance(self) -> Apart:
+    def tolerance(self) -> AgreementTolerance:
         """How far two ends may be apart that agree."""
-        return TOLERANCE
+        return AGREEMENT_TOLERANCE
 
     @property
     def force_error(self) -> float:
         """Largest component of the difference of forces, as a share of the largest force; NaN unless both hold."""
-        return self._share(self.loading.solution.forces_world, self.simulation.forces_world)
+        return self._error_share(self.loading.solution.forces_world, self.simulation.forces_world)
 
     @property
     def torque_error(self) -> float:
         """The same of the joints' torques."""
         solution: Any = self.loading.solution
-        return self._share(solution.torques, self.simulation.torques)
+        return self._error_share(solution.torques, self.simulation.torques)
 
     @property
     def motion_error(self) -> float:
@@ -223,7 +223,7 @@ class Comparison(Told):
         size = float(np.linalg.norm(theirs))
         return float(np.linalg.norm(ours - theirs)) / size if self.both_hold and size > 0.0 else np.nan
 
-    def _share(self, ours: Array, theirs: Array) -> float:
+    def _error_share(self, ours: Array, theirs: Array) -> float:
         if not self.both_hold:
             return np.nan
         largest = float(np.linalg.norm(theirs, axis=-1).max() if theirs.ndim == 2 else abs(theirs).max())
@@ -267,7 +267,7 @@ def compare(
 
     Raises what `Grasp.follow` and `simulate` raise.
     """
-    simulation = simulate(of_a_hand(grasp), load, order, seconds=seconds, settings=settings)
+    simulation = simulate(require_hand_grasp(grasp), load, order, seconds=seconds, settings=settings)
     took = []
     for _ in range(2):  # the first time may compile kernels
         began = perf_counter()

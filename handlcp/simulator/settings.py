@@ -18,40 +18,40 @@ from handlcp.check import Array, number
 from handlcp.errors import InputError, Unsupported
 from handlcp.extras import missing
 from handlcp.grasp import Coulomb, Frictionless, Grasp, SoftFinger, TorqueSaturation
-from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
 from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.effects.joint_torque import FingerWeight
 from handlcp.hand import HandGrasp
 from handlcp.hand.mechanism import HandMechanism, finger_flexibility
 
 # ---------------------------------------------------------------- Numbers and elements as MJCF writes them.
 
 
-def text(value: Any) -> str:
+def format_numbers(value: Any) -> str:
     """One number or several, to the last bit."""
     return " ".join(repr(float(x)) for x in np.ravel(value))
 
 
-def add(parent: ET.Element, tag: str, **attributes: Any) -> ET.Element:
+def add_element(parent: ET.Element, tag: str, **attributes: Any) -> ET.Element:
     """A new element below `parent`; strings are written as they are, numbers by `text`. A trailing _ of a name goes."""
-    written = {k.rstrip("_"): v if isinstance(v, str) else text(v) for k, v in attributes.items()}
+    written = {k.rstrip("_"): v if isinstance(v, str) else format_numbers(v) for k, v in attributes.items()}
     return ET.SubElement(parent, tag, written)
 
 
 def add_shape(parent: ET.Element, **attributes: Any) -> None:
     """A shape without mass, which touches nothing but in the pairs that are listed; attributes as of `add`."""
-    add(parent, "geom", **attributes, contype="0", conaffinity="0", mass=0.0)
+    add_element(parent, "geom", **attributes, contype="0", conaffinity="0", mass=0.0)
 
 
-def quaternion(rotation: Array) -> Array:
+def rotation_quaternion(rotation: Array) -> Array:
     """(4,) w, x, y, z, as MuJoCo orders it."""
     x, y, z, w = pin.Quaternion(np.array(rotation)).normalized().coeffs()
     return np.array([w, x, y, z])
 
 
-def placed(rotation: Array, translation: Array) -> dict[str, Any]:
+def placement_attributes(rotation: Array, translation: Array) -> dict[str, Any]:
     """Attributes of an element that stands elsewhere than its parent."""
-    return {"pos": translation, "quat": quaternion(rotation)}
+    return {"pos": translation, "quat": rotation_quaternion(rotation)}
 
 
 def axes_along(z: Array) -> Array:
@@ -64,7 +64,7 @@ def axes_along(z: Array) -> Array:
 
 # ----------------------------------------------------------------
 
-_STEPS = 10  # a contact that is softer than this many time steps does not chatter
+_MIN_CONTACT_STEPS = 10  # a contact that is softer than this many time steps does not chatter
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,11 +97,11 @@ class SimulatorSettings:
         for name in ("impedance", "support_impedance"):
             if not getattr(self, name) < 1.0:
                 raise InputError(f"SimulatorSettings.{name}", "a number below 1", getattr(self, name))
-        if not self.contact_time >= _STEPS * self.timestep:
-            expected = f"at least {_STEPS} time steps, {_STEPS * self.timestep:g} s"
+        if not self.contact_time >= _MIN_CONTACT_STEPS * self.timestep:
+            expected = f"at least {_MIN_CONTACT_STEPS} time steps, {_MIN_CONTACT_STEPS * self.timestep:g} s"
             raise InputError("SimulatorSettings.contact_time", expected, self.contact_time)
 
-    def damped(self, stiffness: float) -> dict[str, float]:
+    def critical_damping(self, stiffness: float) -> dict[str, float]:
         """Attributes of a joint with this stiffness that make it come to rest as fast as it can: k = c²/4m."""
         return {"damping": self.damping * stiffness, "armature": 0.25 * self.damping**2 * stiffness}
 
@@ -109,7 +109,7 @@ class SimulatorSettings:
 # ---------------------------------------------------------------- MuJoCo is an extra: imported when it is needed.
 
 
-def need_mujoco() -> ModuleType:
+def import_mujoco() -> ModuleType:
     """Import the package mujoco, which is an extra. Raises Unsupported where it is not installed."""
     try:
         import mujoco
@@ -122,21 +122,21 @@ def need_mujoco() -> ModuleType:
 # ----------------------------------------------------------------
 
 # MuJoCo writes balance in the deformed posture: geometric stiffness is always in it
-_KNOWN = (JointOffset, FingerWeight, GeometricStiffness, TorqueSaturation)
-_SAME = 1e-9  # of the largest entry: flexibilities that differ by less are one
-_TOUCHING = 1e-9  # [m] offsets that differ by less from the gaps are those
+_WRITABLE_EFFECTS = (JointOffset, FingerWeight, GeometricStiffness, TorqueSaturation)
+_EQUAL_FLEXIBILITY_TOLERANCE = 1e-9  # of the largest entry: flexibilities that differ by less are one
+_EQUAL_OFFSET_TOLERANCE = 1e-9  # [m] offsets that differ by less from the gaps are those
 
 
 def check_writable(grasp: HandGrasp) -> None:
-    """Whether each part of a grasp of `of_a_hand` can be written. Raises Unsupported."""
+    """Whether each part of a grasp of `require_hand_grasp` can be written. Raises Unsupported."""
     spec = grasp.spec
     for effect in spec.effects:
-        if not isinstance(effect, _KNOWN):
+        if not isinstance(effect, _WRITABLE_EFFECTS):
             raise Unsupported(f"MuJoCo has no exact counterpart of {effect.title}")
     for name, contact in zip(spec.names, spec.contacts, strict=True):
-        friction_words(name, contact.friction)
+        friction_attributes(name, contact.friction)
     k = spec.of_hand
-    if abs(spec.offset[:k] - grasp.mechanism.stand_off).max(initial=0.0) > _TOUCHING:
+    if abs(spec.offset[:k] - grasp.mechanism.stand_off).max(initial=0.0) > _EQUAL_OFFSET_TOLERANCE:
         raise Unsupported(
             "a preload or an offset of the tips, which no joint makes, cannot be written: command the joints (squeeze, "
             "grip_force, joint_offset)"
@@ -144,13 +144,13 @@ def check_writable(grasp: HandGrasp) -> None:
     alone = spec.fingers_alone().mechanism
     assert isinstance(alone, HandMechanism)
     own, flexibility = finger_flexibility(alone), spec.flexibility[: 3 * k, : 3 * k]
-    if abs(own - flexibility).max() > _SAME * abs(own).max():
+    if abs(own - flexibility).max() > _EQUAL_FLEXIBILITY_TOLERANCE * abs(own).max():
         raise Unsupported("a flexibility other than that of the hand's joints and pads cannot be written")
     if spec.offset[k:, :2].any():
         raise Unsupported("an offset of the environment along its tangents cannot be written")
 
 
-def of_a_hand(grasp: Any) -> HandGrasp:
+def require_hand_grasp(grasp: Any) -> HandGrasp:
     """The grasp, if a hand made it and its object has a shape that MuJoCo knows.
 
     Raises InputError for what is no grasp, Unsupported for contacts without a hand or without geometry.
@@ -166,7 +166,7 @@ def of_a_hand(grasp: Any) -> HandGrasp:
     return grasp
 
 
-def friction_words(name: str, law: Any) -> dict[str, Any]:
+def friction_attributes(name: str, law: Any) -> dict[str, Any]:
     """Attributes of a contact pair with this friction law; name : of the contact. Raises Unsupported."""
     if isinstance(law, SoftFinger):
         if law.torsional_flexibility:

@@ -9,28 +9,27 @@ from typing import Any
 
 import handlcp.grasp as mechanics
 import handlcp.hand as robots
+from handlcp.actuation.transmission import SYNERGIES, TENDONS
 from handlcp.errors import NoSolutionFound
+from handlcp.geometry import Sphere
+from handlcp.geometry.object import OBJECT_WEIGHT
 from handlcp.grasp import effect_kinds
-from handlcp.grasp.analysis.compare_without import best_times
-from handlcp.grasp.analysis.explanation import ENVIRONMENT, Description, describe_effect
-from handlcp.hand import HandGrasp, HandState, Sphere, example_hand
-from handlcp.hand.elasticity.synergies import SYNERGIES
-from handlcp.hand.elasticity.tendons import TENDONS
-from handlcp.hand.objects.object import WEIGHS
-from handlcp.lcp.compiler.when import at_once
+from handlcp.grasp.analysis.explanation import ENVIRONMENT_DESCRIPTION, EffectDescription, best_times, describe_effect
+from handlcp.hand import HandGrasp, HandState, example_hand
+from handlcp.lcp.compiler.compile_policy import compile_now
 
 # ----------------------------------------------------------------
 # All effects, in the order of the page: those that follow from a scene's data, a hand's, those asked for by name.
 
 
-def entries() -> tuple[Description, ...]:
+def entries() -> tuple[EffectDescription, ...]:
     """A description of each."""
     kinds = effect_kinds()
     of_hands = [kind for kind in kinds if not kind.by_name]
     asked = [kind for kind in kinds if kind.by_name and kind.file_key is not None]
     from_data = [kind for kind in kinds if kind.by_name and kind.file_key is None]
-    parts = (from_data, (TENDONS, SYNERGIES), of_hands, (WEIGHS,), asked, (ENVIRONMENT,))
-    return tuple([e if isinstance(e, Description) else describe_effect(e) for part in parts for e in part])
+    parts = (from_data, (TENDONS, SYNERGIES), of_hands, (OBJECT_WEIGHT,), asked, (ENVIRONMENT_DESCRIPTION,))
+    return tuple([e if isinstance(e, EffectDescription) else describe_effect(e) for part in parts for e in part])
 
 
 # ----------------------------------------------------------------
@@ -66,8 +65,8 @@ def costs(clock: Clock = best_times) -> dict[str, Cost]:
     return {entry.title: cost(entry, clock) for entry in entries()}
 
 
-@at_once()
-def cost(entry: Description, clock: Clock = best_times) -> Cost:
+@compile_now()
+def cost(entry: EffectDescription, clock: Clock = best_times) -> Cost:
     """The cost of one effect."""
     on, off = trials(entry)
     grasp = on.grasp(on.state(), on.ball())
@@ -131,14 +130,14 @@ class Trial:
         return state.grasp(ball, **rest)
 
 
-def arguments(entry: Description) -> dict[str, Any]:
+def arguments(entry: EffectDescription) -> dict[str, Any]:
     """The keyword arguments that `in_python` shows; the package wrote that text itself."""
     names = {kind.__name__: kind for kind in mechanics.effect_kinds()}
     names |= {name: getattr(room, name) for room in (mechanics, robots) for name in dir(room)}
     return dict(eval(f"dict({entry.in_python})", names))
 
 
-def trials(entry: Description) -> tuple[Trial, Trial]:
+def trials(entry: EffectDescription) -> tuple[Trial, Trial]:
     """The scene with the effect and without it: equal where the reference scene itself has it."""
     asked = arguments(entry)
     posed = _PLAIN | {name: x for name, x in asked.items() if name in _SECTION}

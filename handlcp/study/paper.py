@@ -27,7 +27,7 @@ from scipy.optimize import linprog
 
 from handlcp.check import Array
 from handlcp.grasp import Contact, Coulomb, Frictionless, Grasp, GraspSolution, PrescribedForce, Pyramid
-from handlcp.lcp.compiler.when import at_once
+from handlcp.lcp.compiler.compile_policy import compile_now
 from handlcp.record import Record, pick, plain
 from handlcp.text_table import TextTable, wrapped
 
@@ -300,10 +300,10 @@ def compatibility(grasp: Grasp, faces: int, forces: Array) -> tuple[float, float
     the force is beyond it. A linear program.
     """
     scene = grasp.scene
-    frictional = scene.governed_mask & (scene.mu > 0)
+    frictional = scene.force_unknown_mask & (scene.mu > 0)
     limit = friction_excess(grasp, faces, forces) >= -_LIMIT * float(abs(forces).max())
     elastic = scene.flexibility @ forces.ravel()
-    rows = np.column_stack([frictional, frictional, scene.governed_mask]).ravel()
+    rows = np.column_stack([frictional, frictional, scene.force_unknown_mask]).ravel()
     at, face = np.nonzero(limit & frictional[:, None])
     slides = np.zeros((len(at), scene.n, 3))
     slides[np.arange(len(at)), at, :2] = Pyramid(faces).normals.T[face]
@@ -357,7 +357,7 @@ def misses_of(table: PaperTable) -> tuple[Miss, ...]:
         out.append(Miss("balance (1)", signed_forces(grasp, table, read=False)[1], None, digits, "as printed"))
     forces, left = signed_forces(grasp, table)
     out.append(Miss("balance (1)", left, None, digits, "misprints read" if out else ""))
-    over = friction_excess(grasp, faces, forces)[grasp.scene.governed_mask & (grasp.scene.mu > 0)].max()
+    over = friction_excess(grasp, faces, forces)[grasp.scene.force_unknown_mask & (grasp.scene.mu > 0)].max()
     out.append(Miss("friction limit (8)", max(float(over), 0.0), None, digits))
     E_T, _, E_N = grasp.scene.flexibility.diagonal()[:3].tolist()
     # Examples 3 to 5 come without flexibilities, and their printed slips fit E_T = E_N: both are tried
@@ -491,7 +491,7 @@ class PaperReport(Record):
         return "\n\n".join(wrapped(part) if isinstance(part, str) else str(part) for part in parts)
 
 
-@at_once()
+@compile_now()
 def run() -> PaperReport:
     """Compute the whole report in a few seconds."""
     start = time.perf_counter()

@@ -15,19 +15,18 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, read_only, several
+from handlcp.contact.friction import Pyramid
 from handlcp.errors import InputError, NoGraspFound, Unsupported, keyed, shown
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.assembly.asked import again
-from handlcp.grasp.friction import Pyramid
-from handlcp.hand.asked.asked import HandAsked
+from handlcp.geometry.object import Object
+from handlcp.grasp.model.request import with_changes
+from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.hand.find.clear import Links, Place
 from handlcp.hand.find.touch import brought_together
-from handlcp.hand.hand import Hand
+from handlcp.hand.hand import Hand, HandState
 from handlcp.hand.hand_grasp import HandGrasp
-from handlcp.hand.objects.object import Object
-from handlcp.hand.state import HandState
-from handlcp.hand.vary.names import AXIS, LENGTH, POSITION, RADIUS, read_changes
-from handlcp.hand.vary.values import number_of, unit_of
+from handlcp.hand.request import GraspRequest
+from handlcp.hand.vary.hand_shape import AXIS, LENGTH, POSITION, RADIUS, read_changes
+from handlcp.hand.vary.vary import hand_number, number_unit
 from handlcp.keywords import helped
 from handlcp.progress import told
 from handlcp.record import Record
@@ -49,14 +48,14 @@ def vary_grasp(grasp: HandGrasp, changes: Mapping[str, Any]) -> HandGrasp:
     Raises what `Hand.vary` raises; NoGraspFound where fingertips do not come to touch again; Unsupported for a grasp
     whose contacts were given, or that stands on a table, where they have to.
     """
-    if not isinstance(grasp, HandGrasp) or not isinstance(asked := grasp.spec.asked, HandAsked):
+    if not isinstance(grasp, HandGrasp) or not isinstance(asked := grasp.spec.asked, GraspRequest):
         raise InputError("grasp", "a grasp that a hand's state made", repr(grasp)[:80])
     hand = grasp.state.hand
     assert isinstance(hand, Hand)  # others have no names for what varies
     said = read_changes(hand, changes)
     varied = hand.vary(changes)
-    if not (any(said.of(what) for what in (LENGTH, AXIS, POSITION, RADIUS)) or "tip_radius" in said.whole):
-        return HandGrasp(again(asked, {"state": HandState(varied, grasp.state.q)}).spec())
+    if not (any(said.values_of(what) for what in (LENGTH, AXIS, POSITION, RADIUS)) or "tip_radius" in said.arguments):
+        return HandGrasp(with_changes(asked, {"state": HandState(varied, grasp.state.q)}).spec())
     obj = asked.target
     if not isinstance(obj, Object) or asked.found is not None or asked.environment is not None:
         raise Unsupported("a hand of another shape touches elsewhere: contacts that were given, and tables, stay")
@@ -67,7 +66,7 @@ def vary_grasp(grasp: HandGrasp, changes: Mapping[str, Any]) -> HandGrasp:
     if touch is None:
         raise NoGraspFound(f"with {dict(changes)!r} the fingertips do not come to touch the object again", {})
     state = HandState(varied, touch.place.q)
-    return HandGrasp(again(asked, {"state": state, "target": touch.place.of(obj)}).spec())
+    return HandGrasp(with_changes(asked, {"state": state, "target": touch.place.of(obj)}).spec())
 
 
 # ----------------------------------------------------------------
@@ -111,7 +110,7 @@ class Slopes(Record):
             force, torque = (float(abs(tenth[k] * one[..., k]).max()) for one in (self.normal_force, self.torques))
             moves = 1e3 * float(np.linalg.norm(tenth[k] * self.displacement[:3, k]))
             told = "kink" if name in self.kinks else ""
-            value = f"{self.values[k]:.4g} {unit_of(name)}"
+            value = f"{self.values[k]:.4g} {number_unit(name)}"
             rows.append((name, value, f"{force:.3g}", f"{torque:.3g}", f"{moves:.3g}", told))
         return TextTable(("10 % more of", "", "force\nN", "torque\nN·m", "motion\nmm", ""), tuple(rows), "<>>>><")
 
@@ -136,7 +135,7 @@ def slopes(grasp: HandGrasp, names: Iterable[str], *, faces: int | str | Pyramid
         raise InputError("names", expected, shown(names))
     hand, kinks, columns = grasp.state.hand, list[str](), list[Array]()
     with keyed({"changes": "names"}):
-        values = [number_of(hand, name) for name in asked]
+        values = [hand_number(hand, name) for name in asked]
     with told("numbers of the hand", len(asked)) as done:
         for name, value in zip(asked, values, strict=True):
             column, kink = _slope(grasp, name, value, faces)

@@ -167,7 +167,7 @@ def test_tendons_run_along_routes_on_the_longer_links():
     varied = varied.vary({"finger_1_proximal.length": 0.06, "finger_1_distal.length": 0.06})
     assert_same(made, varied, atol=1e-12)
     motor = hl.Motor(20.0)
-    assert varied.vary({"flexor.motor": motor, "finger_1_proximal.length": 0.05}).stiffness.drives.of == (motor,)
+    assert varied.vary({"flexor.motor": motor, "finger_1_proximal.length": 0.05}).stiffness.drives.motors == (motor,)
     assert varied.vary({"flexor.motor": motor}).vary({"flexor.motor": None}).stiffness.drives is None
     with pytest.raises(InputError, match=r"finger_1_distal\.stiffness.*spring of its own"):
         varied.vary({"finger_1_distal.stiffness": 2.0})

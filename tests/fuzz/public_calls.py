@@ -201,7 +201,11 @@ GIVEN: dict[str, Callable[[], dict[str, Any]]] = {
         "workers": 1,
         "progress": False,
     },
-    "report": lambda: {"hands": {"one": hand(), "other": hand().stiffer(2.0)}, "brief": brief(), "path": "report.html"},
+    "report": lambda: {
+        "hands": {"one": hand(), "other": hand().scale_stiffness(2.0)},
+        "brief": brief(),
+        "path": "report.html",
+    },
     "slip_resistance": lambda: {"held": pinch(), "axis": (0, 0, 1)},
     "slopes": lambda: {"grasp": held(), "names": ["finger_1_tip.pad"]},
     "solve_lcp": lambda: {"problem": lcp()},

@@ -112,7 +112,7 @@ ACCEPTED_BEFORE = {
     "springs beside tendons": (lambda: hl.Tendons({"a": {"turn": 0.01}}, 1e3, passive="1"), "Tendons.passive"),
     "springs of synergies": (lambda: hl.Synergies({"a": {"turn": 1.0}}, 1.0, NAN), "Synergies.joint_stiffness"),
     "a posture of springs": (lambda: hand().posed("nan"), "q"),
-    "how many times as stiff": (lambda: hand().stiffer(NAN), "factor"),
+    "how many times as stiff": (lambda: hand().scale_stiffness(NAN), "factor"),
     "a fingertip's number": (lambda: hand().tip_kind(True), "tip"),
     "torque of a motor": (lambda: hl.Motor(1.0).share(True), "torque"),
     "a coefficient": (lambda: hl.SoftFinger(0.5, 0.003).with_mu(NAN), "mu"),

@@ -129,7 +129,7 @@ class _Laws:
         V[:, :k], V[:, k : k + dof] = self.E, self.G.T
         v = self.E @ f + self.G.T @ t + self.d
         if self.limit is not None:
-            normals = [3 * i + 2 for i in range(s.n) if s.governed[i]]
+            normals = [3 * i + 2 for i in range(s.n) if s.force_unknown[i]]
             v[normals] += x[-1]
             V[normals, -1] = 1.0
         F, J = np.zeros(N, L), np.zeros((N, N))

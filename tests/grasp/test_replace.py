@@ -69,7 +69,7 @@ def test_things_are_taken_away():
 
 def test_friction_by_finger_leaves_the_others_theirs():
     contacts, data = asked()
-    named = [c.named(f"f{k}") for k, c in enumerate(contacts)]
+    named = [c.with_name(f"f{k}") for k, c in enumerate(contacts)]
     grasp = hl.Grasp(named, **data).replace(friction={"f1": 0.25})
     assert [c.friction for c in grasp.contacts[:3]] == [contacts[0].friction, hl.Coulomb(0.25), contacts[2].friction]
     assert grasp.contacts[3].friction == hl.Coulomb(0.3), "the environment's stays"

@@ -11,8 +11,8 @@ from handlcp.study.paper import example
 from tests.grasp.scenes import pinch
 from tests.support.grasp import (
     arrays,
+    find_least,
     holds_with,
-    least,
     required_friction,
     required_preload,
     with_friction,
@@ -90,18 +90,18 @@ def test_three_props_under_a_push_need_the_friction_of_statics_and_that_is_prove
 
 def test_holding_that_is_not_monotone_gives_a_value_that_holds_and_a_tolerance_less_that_does_not():
     windows = lambda x: 0.30 <= x <= 0.5 or x >= 2.0  # noqa: E731
-    r = least(windows, 0.0, 10.0, 1e-3, step=0.01)
+    r = find_least(windows, 0.0, 10.0, 1e-3, step=0.01)
     np.testing.assert_allclose(r.value, 0.30, rtol=1e-3)
     assert windows(r.value)
     assert not windows(r.fails)
     assert r.value - r.fails <= 1e-3 * r.value
-    assert least(lambda x: False, 0.0, 10.0, 1e-3, step=0.01).fails == 10.0
+    assert find_least(lambda x: False, 0.0, 10.0, 1e-3, step=0.01).fails == 10.0
 
 
 @pytest.mark.parametrize("start", [0.02, 0.3, 0.9, 40.0])
 def test_the_least_value_of_a_window_is_found_from_below_from_inside_and_from_above(start):
     """What is too much is said apart from what is too little; both ends that come back were asked."""
-    found = least(lambda x: 0.3 <= x <= 0.5, start, 100.0, 1e-3, too_much=lambda x: x > 0.5)
+    found = find_least(lambda x: 0.3 <= x <= 0.5, start, 100.0, 1e-3, too_much=lambda x: x > 0.5)
     assert found.value == pytest.approx(0.3, rel=1e-3)
     assert (found.value, True) in found.tried
     assert (found.fails, False) in found.tried
@@ -109,15 +109,15 @@ def test_the_least_value_of_a_window_is_found_from_below_from_inside_and_from_ab
 
 
 def test_a_floor_that_holds_is_the_least_value_and_nothing_below_it_was_asked():
-    found = least(lambda x: True, 1.0, 10.0, 1e-3, floor=0.25)
+    found = find_least(lambda x: True, 1.0, 10.0, 1e-3, floor=0.25)
     assert (found.value, found.fails) == (0.25, None)
     assert min(x for x, _ in found.tried) == 0.25
 
 
 def test_a_slower_test_that_says_yes_lower_down_is_believed():
-    found = least(lambda x: x >= 0.7, 0.0, 10.0, 1e-3, step=0.01, sure=lambda x: x >= 0.4)
+    found = find_least(lambda x: x >= 0.7, 0.0, 10.0, 1e-3, step=0.01, sure=lambda x: x >= 0.4)
     assert found.value == pytest.approx(0.4, rel=2e-3)
-    assert least(lambda x: False, 0.0, 10.0, 1e-3, step=0.01, sure=lambda x: x >= 0.4).value == pytest.approx(
+    assert find_least(lambda x: False, 0.0, 10.0, 1e-3, step=0.01, sure=lambda x: x >= 0.4).value == pytest.approx(
         0.4, rel=2e-3
     )
 

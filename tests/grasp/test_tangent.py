@@ -40,8 +40,8 @@ def system(names, rng, gives=(False, True)):
     contacts = np.array([[3 * i + 2, 3 * i, 3 * i + 1, -1] for i in range(n)])
     kept = np.array([False] * c + [True] * 6 + list(gives))
     softness = 2.0
-    laws = t.Laws(t.saddle(E, softness, G, A), kept, contacts, np.full(n, MU), softness)
-    return laws, t.States(kind, against, faces, turn), (E * softness, G, A)
+    laws = t.LinearLaws(t.saddle_matrix(E, softness, G, A), kept, contacts, np.full(n, MU), softness)
+    return laws, t.ContactStates(kind, against, faces, turn), (E * softness, G, A)
 
 
 def reference(names, parts, b, more, softness):
@@ -83,26 +83,26 @@ def test_each_contact_state_has_its_equations(name, seed):
     names = ["sticking", name, "sliding against a face", "sticking"]
     laws, states, parts = system(names, rng)
     A, B = t.active_rows(laws, states)
-    inverse, regular = t.inverted(A, B, 1e-10)
+    inverse, regular = t.solve_inverse(A, B, 1e-10)
     b, more = rng.normal(size=len(A)), rng.normal(size=4)
     expected = reference(names, parts, b, more, laws.softness)
     assert regular
     np.testing.assert_allclose(inverse @ np.append(b, more), expected, atol=1e-9 * abs(expected).max())
-    again, free = t.smallest(A, (B @ np.append(b, more))[:, None], 1e-10)
+    again, free = t.least_norm_solutions(A, (B @ np.append(b, more))[:, None], 1e-10)
     np.testing.assert_allclose(again[:, 0], expected, atol=1e-9 * abs(expected).max())
     assert free.shape == (len(A), 0)
-    assert t.rank_of(A) == len(A)
+    assert t.matrix_rank(A) == len(A)
 
 
 def test_what_no_law_resists_is_found():
     """All contacts open: the object may go anywhere, and nothing answers a load."""
     laws, states, _ = system(["separated", "resting"], np.random.default_rng(0), (False, False))
     A, B = t.active_rows(laws, states)
-    found, free = t.smallest(A, B[:, [6]], 1e-10)
+    found, free = t.least_norm_solutions(A, B[:, [6]], 1e-10)
     assert free.shape[1] == 6
     assert np.isnan(found).all()
-    assert not t.inverted(A, B, 1e-10)[1]
-    assert t.rank_of(A) == len(A) - 6
+    assert not t.solve_inverse(A, B, 1e-10)[1]
+    assert t.matrix_rank(A) == len(A) - 6
 
 
 # ---------------------------------------------------------------- against whole solves

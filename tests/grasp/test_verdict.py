@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from handlcp import Contact, Coulomb, FingerForceBound, Frictionless, Grasp, KnownForce, PrescribedForce
-from handlcp.hand import Box, Hand, example_hand
+from handlcp.geometry import Box
+from handlcp.hand import Hand, example_hand
 from handlcp.lcp import NSNGRK, Status
 from handlcp.scene import load
 from tests.support.grasp import changed

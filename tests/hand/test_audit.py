@@ -12,8 +12,10 @@ import pytest
 
 from handlcp import Contact, Coulomb
 from handlcp.errors import UnknownName, URDFError
-from handlcp.hand import Audit, Hand, Sphere, audit_urdf, example_hand
-from tests.support.hand import SHIPPED, allegro, psyonic, urdf
+from handlcp.geometry import Sphere
+from handlcp.hand import Hand, example_hand
+from handlcp.robot import Audit, audit_urdf
+from tests.support.hand import SHIPPED_HANDS, allegro, psyonic, urdf
 from tests.support.texts import says
 
 from .conftest import MIMIC
@@ -47,7 +49,7 @@ def about(found: Audit, name: str) -> str:
     return " | ".join(d.what for d in found.about(name))
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize("name", SHIPPED_HANDS)
 def test_shipped_hands_leave_one_doubt(name: str) -> None:
     """Only that a URDF has no place for joint stiffness; a stiffness by name answers it."""
     (only,) = audit_urdf(urdf(name))

@@ -90,11 +90,11 @@ def on_pulley(write: Writer, side: object, shape: str = "cylinder") -> HandGrasp
 def test_without_a_side_a_string_crosses_the_pulley_where_both_ways_are_as_long(write: Writer, shape: str) -> None:
     grasp = on_pulley(write, None, shape)
     cables = grasp.state.hand.stiffness.cables
-    assert "'string'" in cables.crosses(np.array([LEAN - 0.01]), np.array([LEAN + 0.01]))
+    assert "'string'" in cables.crossed_body(np.array([LEAN - 0.01]), np.array([LEAN + 0.01]))
     for a in (-1.2, 0.0, LEAN - 0.03, LEAN + 0.01, 1.2):  # it leaves the pulley, and comes back to it
-        assert not cables.crosses(np.array([a]), np.array([a + 0.02]))
+        assert not cables.crossed_body(np.array([a]), np.array([a + 0.02]))
     sided = on_pulley(write, (-0.02, 0, 0), shape).state.hand.stiffness.cables
-    assert not sided.crosses(np.array([LEAN - 0.01]), np.array([LEAN + 0.01]))
+    assert not sided.crossed_body(np.array([LEAN - 0.01]), np.array([LEAN + 0.01]))
 
 
 def test_a_path_on_which_a_string_would_cross_a_pulley_is_given_up_there(write: Writer) -> None:

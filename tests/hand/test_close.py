@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from handlcp.errors import InputError, NotReached, UnknownName
-from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, Mesh, Sphere, example_hand
+from handlcp.geometry import Box, Cylinder, Ellipsoid, Mesh, Sphere
+from handlcp.hand import Hand, example_hand
 from tests.support.grasp import arrays
 from tests.support.hand import gaps
 from tests.support.texts import says

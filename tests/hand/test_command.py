@@ -11,7 +11,8 @@ import pytest
 
 from handlcp import Contact, GraspStream
 from handlcp.errors import InputError, UnknownName
-from handlcp.hand import Hand, HandGrasp, Sphere, example_hand
+from handlcp.geometry import Sphere
+from handlcp.hand import Hand, HandGrasp, example_hand
 from handlcp.scene import read
 from tests.support import patches, texts
 from tests.support.grasp import arrays

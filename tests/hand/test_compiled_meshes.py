@@ -75,7 +75,7 @@ def hand_with(folder: Path, mesh: str) -> tuple[hl.Hand, Path]:
 def corners_of(hand: hl.Hand, q: np.ndarray) -> dict[str, np.ndarray]:
     """By link: corners of its meshes in world axes."""
     places, found = placements(hand, q), {}
-    for part in hand.description.parts("collision"):
+    for part in hand.description.load_shapes("collision"):
         if hasattr(part.shape, "vertices"):
             name = hand.model.frames[part.frame].name
             p, R = places[name]
@@ -111,7 +111,7 @@ def test_every_corner_of_a_mesh_is_where_mujoco_has_it(folder, mesh):
 def test_an_obj_file_with_several_objects_keeps_the_triangles_of_all(folder):
     """MuJoCo keeps their corners, and the triangles of the first alone."""
     hand, _ = hand_with(folder, MESHES["several objects"])
-    (shape, *_) = (p.shape for p in hand.description.parts("collision") if hasattr(p.shape, "num_tris"))
+    (shape, *_) = (p.shape for p in hand.description.load_shapes("collision") if hasattr(p.shape, "num_tris"))
     assert shape.num_tris == 8
     assert not [d for d in hand.audit() if "first alone" in d.what]
 
@@ -144,7 +144,7 @@ def test_a_primitive_fitted_to_a_mesh_and_a_capsule_from_end_to_end_are_the_comp
     model, data = simulated(folder / "hand.xml")
     posed(hand, hand.neutral, model, data)
     places, found = placements(hand, hand.neutral), []
-    for part in hand.description.parts("collision"):
+    for part in hand.description.load_shapes("collision"):
         p, R = places[hand.model.frames[part.frame].name]
         found.append((type(part.shape).__name__, R @ part.position + p))
     for g in range(1, model.ngeom):

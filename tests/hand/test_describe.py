@@ -22,7 +22,7 @@ def test_joints_are_described_as_the_hand_has_them(hand: hl.Hand) -> None:
     np.testing.assert_array_equal([(j.lower, j.upper) for j in described], np.stack([hand.lower, hand.upper], axis=1))
     np.testing.assert_array_equal([j.torque_limit for j in described], hand.torque_limits)
     np.testing.assert_array_equal([j.stiffness for j in described], np.diagonal(hand.joint_stiffness))
-    moves = hand.moves
+    moves = hand.moving_joints
     for k, j in enumerate(described):
         assert j.fingertips == tuple(tip for i, tip in enumerate(hand.fingertips) if moves[i, k])
     taken = [t for t in described.fingertips if t.taken]

@@ -13,8 +13,9 @@ import pinocchio as pin
 import pytest
 
 from handlcp.errors import InputError, Unsupported, URDFError
-from handlcp.hand import YCB, Box, Cylinder, Ellipsoid, Hand, Mesh, Object
-from tests.support.hand import ball_near, distance, shape_near, urdf
+from handlcp.geometry import YCB, Box, Cylinder, Ellipsoid, Mesh, Object
+from handlcp.hand import Hand
+from tests.support.hand import ball_near, shape_near, signed_distance, urdf
 
 CLEAR = 1e-5  # [m] of a move that parts shapes, or leaves them in touch
 
@@ -123,7 +124,7 @@ def test_where_the_normal_of_coal_is_off_the_gap_between_support_planes_is_found
     at = np.array(R), np.array([-0.03575414, 0.02130153, 0.17345556])
     there = np.array(Q), np.array([-0.01250012, -0.03067517, 0.16591636])
     box, can = coal.Box(0.014, 0.038, 0.02), coal.Cylinder(0.02634893, 0.10738267)
-    gap, on, beside, n = distance(box, at, can, there, ("a box", "a can"))
+    gap, on, beside, n = signed_distance(box, at, can, there, ("a box", "a can"))
     one, two = np.array(coal.Box(0.014, 0.038, 0.02).halfSide), Q @ np.array([0.0, 0.0, 1.0])
     reach = one @ abs(n @ R)  # of the box along n; and of the can against it
     across = 0.02634893 * np.sqrt(1.0 - (n @ two) ** 2) + 0.053691335 * abs(n @ two)
@@ -136,7 +137,7 @@ def test_an_edge_seven_nanometres_from_a_hull_has_a_gap_though_coals_normal_is_n
          [0.397316821, -0.045215427, 0.916566699]]  # fmt: skip
     sponge, edge = YCB("026_sponge").geometry, coal.Capsule(1e-4, 0.02370630840002)
     at, there = (np.array(R), np.array([0.035514826, 0.031615412, 0.011257383])), (np.eye(3), np.zeros(3))
-    gap, on, beside, n = distance(edge, at, sponge, there, ("an edge", "a sponge"))
+    gap, on, beside, n = signed_distance(edge, at, sponge, there, ("an edge", "a sponge"))
     reach = n @ at[1] + 0.01185315420001 * abs(n @ at[0][:, 2]) + 1e-4  # of the edge along n
     assert gap == pytest.approx((np.asarray(sponge.points()) @ n).min() - reach, abs=1e-9)  # planes part them
     assert np.linalg.norm(beside - on) == pytest.approx(gap, abs=1e-9)  # points are so near

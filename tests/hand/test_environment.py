@@ -13,7 +13,7 @@ import handlcp as hl
 from handlcp.errors import InputError, NotReached
 from tests.support import patches
 from tests.support.grasp import arrays
-from tests.support.hand import RIM, points_needed
+from tests.support.hand import RIM_POINTS, points_needed
 from tests.support.kernels import interpreted
 from tests.support.texts import says
 
@@ -65,7 +65,7 @@ def test_a_box_on_its_face_an_edge_or_a_corner_has_four_two_or_one():
 def test_a_cylinder_stands_on_its_rim_and_lies_on_a_line():
     can = hl.Cylinder(0.03, 0.1)
     rim = points(hl.Table((0, 0, -0.05)).under(can))
-    assert len(rim) == RIM
+    assert len(rim) == RIM_POINTS
     np.testing.assert_allclose(np.hypot(rim[:, 0], rim[:, 1]), 0.03, rtol=1e-12)
     line = hl.Table((0, -0.03, 0), normal=(0, 1, 0)).under(can)
     np.testing.assert_allclose(sorted(points(line)[:, 2]), [-0.05, 0.05], rtol=1e-12)

@@ -38,7 +38,7 @@ def test_a_spring_adds_to_the_kp_of_its_joint_and_of_the_joint_that_this_follows
     both = finger(more=ALL + follows).joint_stiffness
     np.testing.assert_allclose(both, np.diag([2.0 + 0.25 * (3.0 + K), 1.0]), rtol=1e-12)
     np.testing.assert_allclose(finger(joint_stiffness=2.0).joint_stiffness, 2.0 * np.eye(3))
-    assert finger().stiffer(2.0).joint_stiffness[0, 0] == pytest.approx(2.0 * (3.0 + K))
+    assert finger().scale_stiffness(2.0).joint_stiffness[0, 0] == pytest.approx(2.0 * (3.0 + K))
 
 
 def test_a_loaded_finger_stands_in_mujoco_where_its_joints_give_way_to() -> None:
@@ -63,15 +63,15 @@ def test_a_loaded_finger_stands_in_mujoco_where_its_joints_give_way_to() -> None
         moved = q + told - hand.stiffness.deflection(-J.T @ force)
     torque = -J.T @ force  # that the joints hold
     np.testing.assert_allclose(data.qfrc_actuator + data.qfrc_passive, torque, atol=1e-9)
-    np.testing.assert_allclose(hand.stiffness.pulled(torque, told), data.qfrc_actuator - held, atol=1e-9)
+    np.testing.assert_allclose(hand.stiffness.actuator_torque(torque, told), data.qfrc_actuator - held, atol=1e-9)
 
 
 def test_a_joint_with_a_spring_alone_gives_way_and_is_commanded_by_nothing() -> None:
     hand = finger(c=' stiffness="0.3"', more=SERVOS.format(""))
     np.testing.assert_allclose(hand.joint_stiffness, np.diag([3.0 + K, 2.0, 0.3]), rtol=1e-12)
-    np.testing.assert_allclose(abs(hand.stiffness.commands), np.eye(3)[:, :2], atol=1e-12)
-    np.testing.assert_allclose(hand.stiffness.beyond(np.array([0.1, 0.1, 0.2])), [0.0, 0.0, 0.06], atol=1e-12)
-    assert not hand.stiffness.beyond(np.array([0.1, 0.1, 0.0])).any()
+    np.testing.assert_allclose(abs(hand.stiffness.command_directions), np.eye(3)[:, :2], atol=1e-12)
+    np.testing.assert_allclose(hand.stiffness.unmade_torque(np.array([0.1, 0.1, 0.2])), [0.0, 0.0, 0.06], atol=1e-12)
+    assert not hand.stiffness.unmade_torque(np.array([0.1, 0.1, 0.0])).any()
     assert "stiffness of c: springs of joints" in str(hand.describe())
     (doubt,) = doubts(hand)
     assert (doubt.joint, doubt.what[:17]) == ("c", "no actuator turns")
@@ -89,8 +89,8 @@ def test_springs_of_joints_hold_what_a_servo_s_tendon_leaves_free() -> None:
         hand.joint_stiffness, np.diag([3.0 + K, 0.1, 0.2]) + 4.0 * np.outer(arms, arms), rtol=1e-12
     )
     assert not servos_of(hand).widened
-    assert hand.stiffness.commands.shape == (3, 2)
-    assert not hand.stiffness.beyond(hand.stiffness.commands @ [0.1, 0.2]).any()
+    assert hand.stiffness.command_directions.shape == (3, 2)
+    assert not hand.stiffness.unmade_torque(hand.stiffness.command_directions @ [0.1, 0.2]).any()
     assert not [d for d in hand.audit() if d.about == "tendon"]
 
 
@@ -103,7 +103,7 @@ def test_a_spring_in_no_torque_that_takes_a_tenth_of_the_limit_is_doubted(limit:
     sprung = text("", SPRUNG, one).replace('name="b"', 'name="b" stiffness="0.1"')
     hand = hl.Hand.from_mjcf(sprung, torque_limits=None if limit is None else {"c": limit})
     assert bool(doubts(hand)) is said
-    assert hand.stiffness.against_springs(hand.neutral) is None
+    assert hand.stiffness.parallel_spring_torque(hand.neutral) is None
     if said:
         assert doubts(hand)[0].joint == "c"
         assert "16 % of what drives give" in doubts(hand)[0].what

@@ -50,7 +50,7 @@ def test_a_hand_of_a_file_with_twenty_tendons_is_the_one_made_by_hand() -> None:
         np.testing.assert_allclose(ours.cables.springs, theirs.cables.springs, rtol=1e-12)
         np.testing.assert_array_equal(ours.cables.limits, theirs.cables.limits)
         np.testing.assert_array_equal(ours.cables.pretension, theirs.cables.pretension)
-    assert pickle.loads(pickle.dumps(hand)).stiffness.stated
+    assert pickle.loads(pickle.dumps(hand)).stiffness.is_from_file
 
 
 def test_its_stiffness_is_that_of_mujoco_s_own_forces() -> None:
@@ -84,16 +84,16 @@ def test_where_its_numbers_come_from_is_said() -> None:
     assert not about(said, "path in space")
     passed = hand_of(winches(), joint_stiffness=1.0)
     assert len(about(passed, "path in space; here each joint has a spring")) == 1
-    assert tendons_of(passed.replace(joint_stiffness="file")).stated
+    assert tendons_of(passed.replace(joint_stiffness="file")).is_from_file
     other = hl.Tendons(hl.tendon_routes(twenty_text()), 1e4, OWN)
-    assert not tendons_of(hand_of(winches(), joint_stiffness=other)).stated
+    assert not tendons_of(hand_of(winches(), joint_stiffness=other)).is_from_file
 
 
 def test_motors_by_name_of_the_file_s_tendons_are_theirs() -> None:
     named = {"long flexor 0": hl.Motor(0.02, 0.06, reduction=500.0), "joint_4_0": hl.Motor(0.3)}
     later = hand_of(winches()).replace(motors=named)
     for hand in (hand_of(winches(), motors=named), later.replace(motors=named, joint_stiffness="file"), later):
-        assert tendons_of(hand).stated
+        assert tendons_of(hand).is_from_file
         np.testing.assert_array_equal(tendons_of(hand).cables.limits, [10.0] + [np.inf] * 19)
         assert hand.torque_limits[hand.joint_names.index("joint_4_0")] == 0.3
     with pytest.raises(hl.InputError, match=r"motors: .*long flexor 0"):

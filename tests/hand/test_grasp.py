@@ -9,7 +9,8 @@ import pytest
 
 from handlcp import Contact, Coulomb, Frictionless, Grasp, NoSolutionFound
 from handlcp.errors import HandLCPError, InputError, UnknownName
-from handlcp.hand import Box, Cylinder, Hand, HandGrasp, Sphere, TorqueCheck, example_hand
+from handlcp.geometry import Box, Cylinder, Sphere
+from handlcp.hand import Hand, HandGrasp, TorqueCheck, example_hand
 from tests.support.grasp import arrays
 from tests.support.hand import jacobian_at, torque_check_of
 from tests.support.texts import says, without_numbers

@@ -14,7 +14,8 @@ import pytest
 
 import handlcp as hl
 from handlcp.errors import HandLCPError, InputError, UnknownName, URDFError
-from handlcp.hand import Hand, Sphere, example_hand
+from handlcp.geometry import Sphere
+from handlcp.hand import Hand, example_hand
 from tests.support.hand import psyonic, urdf
 from tests.support.texts import says
 

@@ -11,7 +11,7 @@ import pinocchio as pin
 import pytest
 
 import handlcp as hl
-from tests.support.hand import links_inside
+from tests.support.hand import find_penetrating_links
 from tests.support.texts import same, says
 
 Write = Callable[[str], pathlib.Path]
@@ -35,7 +35,7 @@ def one_link(write: Write, shape: str, origin: str = "") -> hl.Hand:
 
 def depth(hand: hl.Hand, obj: hl.hand.Object, q: float = 0.0) -> float:
     """Of the one link in the object, none of whose fingertips is meant to touch it."""
-    found = links_inside(hand.at([q]), obj, ())
+    found = find_penetrating_links(hand.at([q]), obj, ())
     return found[0].depth if found else 0.0
 
 
@@ -129,7 +129,7 @@ def test_a_ball_deep_in_the_palm_is_not_called_held():
     ball = hl.Sphere(0.03, (0.0, 0.0, 0.03 - 4.5e-3), mass=0.05)
     known = hand.at(hand.neutral).grasp(dict(around(ball)), preload=1e-3, gravity=(0, 0, 0))
     assert not known.solve().verdict.about("link_inside"), "contacts alone say nothing of the object's shape"
-    found = links_inside(hand.at(hand.neutral), ball, ())
+    found = find_penetrating_links(hand.at(hand.neutral), ball, ())
     assert [one.link for one in found] == ["palm"]
     assert found[0].depth == pytest.approx(4.5e-3, abs=5e-5)
 
@@ -150,13 +150,13 @@ def test_a_fingertips_own_link_may_be_as_deep_as_its_tip():
     box = hl.Box(0.05, (0.0, 0.0, 0.08), mass=0.1)
     state = hand.at(hand.close_on(box, squeeze=3e-3))
     assert not state.grasp(box, hl.Coulomb(0.8)).solve().verdict.about("link_inside")
-    assert links_inside(state, box, ()), "without a tip that is meant to be there they are inside"
+    assert find_penetrating_links(state, box, ()), "without a tip that is meant to be there they are inside"
 
 
 def test_meshes_that_are_missing_are_said_and_nothing_is_claimed(write):
     hand = one_link(write, '<mesh filename="nowhere.stl"/>')
     with pytest.raises(hl.URDFError):
-        links_inside(hand.at([0.0]), BALL, ())
+        find_penetrating_links(hand.at([0.0]), BALL, ())
 
 
 @pytest.mark.parametrize(("past", "word", "severity"), [(0.01, "HELD", "warning"), (0.2, "UNDECIDED", "decides")])

@@ -13,7 +13,7 @@ import pytest
 
 from handlcp.errors import UnknownName, URDFError
 from handlcp.hand import HANDS, Hand, example_hand
-from tests.support.hand import SHIPPED, allegro, knows_all_limits, psyonic, urdf
+from tests.support.hand import SHIPPED_HANDS, allegro, knows_all_limits, psyonic, urdf
 
 ROOT = Path(__file__).parents[2]
 
@@ -25,12 +25,12 @@ def test_urdfs_are_regenerated_byte_for_byte() -> None:
     assert spec.loader is not None
     generate = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(generate)
-    assert set(generate.HANDS) == set(SHIPPED)
-    for name in SHIPPED:
+    assert set(generate.HANDS) == set(SHIPPED_HANDS)
+    for name in SHIPPED_HANDS:
         assert generate.text(name) == urdf(name).read_bytes(), f"run python urdf/generate.py ({name})"
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize("name", SHIPPED_HANDS)
 def test_yourdfpy_and_pinocchio_read_the_same_hand(name: str) -> None:
     """Yourdfpy validates each file, and its forward kinematics agrees with Pinocchio's."""
     from yourdfpy import URDF
@@ -46,7 +46,7 @@ def test_yourdfpy_and_pinocchio_read_the_same_hand(name: str) -> None:
         np.testing.assert_allclose(T[:3, :3], R, atol=1e-12)
 
 
-@pytest.mark.parametrize(("name", "fingers"), list(zip(SHIPPED, (2, 3, 5, 6), strict=True)))
+@pytest.mark.parametrize(("name", "fingers"), list(zip(SHIPPED_HANDS, (2, 3, 5, 6), strict=True)))
 def test_shipped_hands_are_what_they_say(name: str, fingers: int) -> None:
     """Two joints a finger, 50 + 40 mm, efforts 0.8 and 0.4 N·m, sound inertias, visual and collision geometry."""
     hand = example_hand(name)

@@ -11,7 +11,8 @@ import pinocchio as pin
 import pytest
 
 from handlcp.errors import InputError, NotReached
-from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, Mesh, Object, Sphere, example_hand
+from handlcp.geometry import Box, Cylinder, Ellipsoid, Mesh, Object, Sphere
+from handlcp.hand import Hand, example_hand
 from tests.support import patches
 from tests.support.grasp import arrays
 from tests.support.hand import ball_near

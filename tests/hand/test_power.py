@@ -187,7 +187,7 @@ def ring():
 
 
 def test_a_mesh_that_is_not_convex_is_refused_without_its_parts_and_the_error_says_what_to_do(hand, ring, monkeypatch):
-    monkeypatch.setattr(find_module, "available", lambda: False)
+    monkeypatch.setattr(find_module, "has_coacd", lambda: False)
     with pytest.raises(hl.InputError, match=r"pip install 'coacd\S*'.*convex_hull"):
         hl.find_grasp(hand, ring, kind="power")
 

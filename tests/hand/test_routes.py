@@ -10,9 +10,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from handlcp.actuation import Around, Pulley, Route, Site
 from handlcp.errors import InputError, UnknownName, Unsupported
-from handlcp.hand import Around, Hand, Pulley, Route, Site
-from tests.support.routes import routes
+from handlcp.hand import Hand
+from tests.support.routes import read_routes
 
 from .chains import chain_hand
 from .conftest import inside
@@ -279,7 +280,7 @@ def test_lengths_and_arms_are_those_of_mujoco(write_hand: Callable[[], str], tip
     text = write_hand()
     model = mujoco.MjModel.from_xml_string(text)
     data, hand = mujoco.MjData(model), of_mjcf(text, tip)
-    read, refused = routes(model)
+    read, refused = read_routes(model)
     assert len(read) == n
     assert refused == {}
     bounds = [(model.tendon(name).id, route.bound(hand.kinematics, name)) for name, route in read.items()]
@@ -330,7 +331,7 @@ def test_arms_are_the_derivatives_of_the_length(write_hand: Callable[[], str], t
     mujoco = pytest.importorskip("mujoco")
     text = write_hand()
     hand = of_mjcf(text, tip)
-    read, _ = routes(mujoco.MjModel.from_xml_string(text))
+    read, _ = read_routes(mujoco.MjModel.from_xml_string(text))
     for name, route in read.items():
         bound = route.bound(hand.kinematics, name)
         for q in postures(hand, 3):
@@ -435,7 +436,7 @@ def test_a_tendon_of_an_mjcf_file_that_cannot_be_read_is_told_why() -> None:
         around = f'<geom geom="f_w0" sidesite="{side}"/>'
         tendons += f'<spatial name="{name}">{ends.format(around)}</spatial>'
     text = mjcf(bodies, tendons)
-    read, refused = routes(mujoco.MjModel.from_xml_string(text))
+    read, refused = read_routes(mujoco.MjModel.from_xml_string(text))
     assert list(read) == ["good"]
     assert refused["through"] == "geom 'f_w0': its side site is inside, and the tendon with it"
     assert refused["other"] == "site 'f_in1' is the side site of a geom on 'f_0', and on another body"

@@ -133,7 +133,7 @@ def test_an_example_hand_takes_the_stiffness_of_its_file():
 def test_it_is_pickled_and_made_stiffer_as_any_stiffness():
     hand = pickle.loads(pickle.dumps(finger()))
     np.testing.assert_allclose(hand.joint_compliance.diagonal(), [1 / 3, 1 / 50, 1.0])
-    assert hand.stiffer(2.0).joint_stiffness[0, 0] == 6.0
+    assert hand.scale_stiffness(2.0).joint_stiffness[0, 0] == 6.0
 
 
 def test_a_urdf_has_no_stiffness_of_its_file():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from tests.support.hand import beyond, planes, support
+from tests.support.hand import hull_planes, shape_distance_outside, support_points
 from tests.support.kernels import interpreted
 
 RNG = np.random.default_rng(4)
@@ -43,23 +43,25 @@ REACHES = {
 def test_a_shape_reaches_as_far_as_its_closed_form_says(name, compiled):
     shape, reach = REACHES[name]
     if compiled:
-        points = support(shape, N)
+        points = support_points(shape, N)
     else:
         with interpreted():
-            points = support(shape, N)
+            points = support_points(shape, N)
     np.testing.assert_allclose((points * N).sum(axis=1), reach, atol=1e-14)
 
 
 @pytest.mark.parametrize("name", REACHES)
 def test_furthest_points_lie_on_the_surface_and_what_is_further_is_beyond(name):
     shape, _ = REACHES[name]
-    for point in support(shape, N[:50]):
-        assert abs(beyond(shape, point)) < 1e-12
-        assert beyond(shape, 0.9 * point) < 0.0 < beyond(shape, 1.1 * point)
+    for point in support_points(shape, N[:50]):
+        assert abs(shape_distance_outside(shape, point)) < 1e-12
+        assert shape_distance_outside(shape, 0.9 * point) < 0.0 < shape_distance_outside(shape, 1.1 * point)
 
 
 def test_how_far_a_point_is_beyond_a_hull_is_read_off_its_planes():
     shape, _ = REACHES["hull"]
-    _, normals, offsets = planes(shape)
+    _, normals, offsets = hull_planes(shape)
     for point in 0.05 * N[:20]:
-        assert beyond(shape, point) == pytest.approx(float((normals @ point - offsets).max()), abs=1e-15)
+        assert shape_distance_outside(shape, point) == pytest.approx(
+            float((normals @ point - offsets).max()), abs=1e-15
+        )

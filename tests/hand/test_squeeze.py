@@ -12,7 +12,8 @@ import pytest
 
 from handlcp import Contact, ContactCompliance, Coulomb, Environment, GraspStream, Synergies, Tendons
 from handlcp.errors import InputError, UnknownName
-from handlcp.hand import Box, Hand, HandGrasp, Sphere, example_hand
+from handlcp.geometry import Box, Sphere
+from handlcp.hand import Hand, HandGrasp, example_hand
 from tests.support.differences import kinematics
 from tests.support.hand import gaps
 from tests.support.texts import says

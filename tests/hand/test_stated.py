@@ -41,8 +41,8 @@ def stated(hand):
 
 def test_friction_of_a_urdf_is_a_fact_and_changes_no_answer():
     plain, rubbing = hand_of(), hand_of('<dynamics damping="0.1" friction="0.05"/>')
-    assert facts(rubbing).stated.friction == 0.05
-    assert facts(plain).stated.friction == 0.0
+    assert facts(rubbing).properties.friction == 0.05
+    assert facts(plain).properties.friction == 0.0
     row = stated(rubbing)["dry friction"]
     assert row.values == {"finger_1_proximal": 0.05}
     cube = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
@@ -52,9 +52,9 @@ def test_friction_of_a_urdf_is_a_fact_and_changes_no_answer():
 
 def test_reductions_are_read_of_transmissions_and_of_ros2_control():
     hand = hand_of("", GEARS)
-    assert facts(hand).stated.reduction == 50.0
-    assert facts(hand, "finger_2_proximal").stated.reduction == 35.5
-    assert facts(hand, "finger_3_proximal").stated.reduction is None
+    assert facts(hand).properties.reduction == 50.0
+    assert facts(hand, "finger_2_proximal").properties.reduction == 35.5
+    assert facts(hand, "finger_3_proximal").properties.reduction is None
     assert stated(hand)["reduction"].values == {"finger_1_proximal": 50.0, "finger_2_proximal": 35.5}
 
 
@@ -62,13 +62,13 @@ def test_a_hand_that_is_cut_out_keeps_the_reductions_of_its_joints():
     text = stating("", GEARS)
     base = text.split('<link name="')[1].split('"')[0]
     cut = hl.Hand.from_urdf(text, joint_stiffness=6.0, tip_radius=0.008, base=base)
-    assert facts(cut).stated.reduction == 50.0
+    assert facts(cut).properties.reduction == 50.0
 
 
 def test_soft_limits_that_are_narrower_are_said_and_not_applied():
     soft = '<safety_controller soft_lower_limit="-0.2" soft_upper_limit="1.0" k_velocity="1"/>'
     hand, plain = hand_of(soft), hand_of()
-    assert facts(hand).stated.soft == (-0.2, 1.0)
+    assert facts(hand).properties.soft_limits == (-0.2, 1.0)
     assert (hand.lower == plain.lower).all()
     assert (hand.upper == plain.upper).all()
     (doubt,) = (d for d in hand.audit() if "soft limits" in d.what)
@@ -154,9 +154,9 @@ def test_springs_friction_and_armature_of_an_mjcf_file_are_facts():
     from tests.hand.test_servos import finger
 
     hand = finger(a=' stiffness="0.2" springref="0.4" frictionloss="0.03" armature="0.001"')
-    found = facts(hand, "a").stated
+    found = facts(hand, "a").properties
     assert (found.stiffness, found.rest, found.friction, found.armature) == (0.2, 0.4, 0.03, 0.001)
-    assert facts(hand, "b").stated.stiffness == 0.0
+    assert facts(hand, "b").properties.stiffness == 0.0
     assert hand.joint_stiffness[0, 0] == pytest.approx(3.2)  # kp and the spring
     text = str(hand.describe())
     for words in ("rest of that spring: 0.4 rad", "0.03 N·m, 1 joint (frictionloss", "ignored: nothing"):

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from handlcp.actuation import Around, Pulley, Route, Site
 from handlcp.errors import InputError
-from handlcp.hand import Around, Hand, Pulley, Route, Site, example_hand
+from handlcp.hand import Hand, example_hand
 from tests.support.kernels import interpreted
 from tests.support.routes import BoundRoute
 
@@ -64,8 +65,8 @@ def test_posts_are_the_round_bodies_in_their_order_whether_touched_or_not() -> N
     hand = cabled(0.2)
     for q in postures(hand, 5):
         cables = hand.posed(q).stiffness.cables
-        assert cables.of.tolist() == [0, 1, 2]
-        for bound, grip, row in zip(alone(hand), cables.grips, cables.posts, strict=True):
+        assert cables.post_tendon.tolist() == [0, 1, 2]
+        for bound, grip, row in zip(alone(hand), cables.wrap_friction, cables.posts, strict=True):
             path = bound.at(q)
             assert grip == pytest.approx(0.2 * path.angles[0], abs=1e-16)
             if grip:
@@ -108,16 +109,16 @@ def test_tensions_weigh_how_arms_change_and_rigid_joints_feel_none_of_it() -> No
     hand = cabled()
     q, T = postures(hand, 1)[0], np.array([3.0, 0.0, 1.0, 2.0])
     slopes = np.array([bound.slope(q) for bound in alone(hand)])
-    turning = hand.posed(q).stiffness.cables.turning
+    turning = hand.posed(q).stiffness.cables.moment_arm_stiffness
     assert turning is not None
     np.testing.assert_allclose(turning(T), np.tensordot(T, slopes, 1), atol=1e-12)
     first = hand.joint_names[0]
     springs = {name: np.inf if name == first else 1.0 for name in hand.joint_names}
     rigid = hand.replace(joint_stiffness=hl.Tendons(hand.stiffness.routes, 3e4, springs)).posed(q).stiffness.cables
-    assert rigid.turning is not None
+    assert rigid.moment_arm_stiffness is not None
     expected = np.tensordot(T, slopes, 1)
     expected[0] = expected[:, 0] = 0.0
-    np.testing.assert_allclose(rigid.turning(T), expected, atol=1e-12)
+    np.testing.assert_allclose(rigid.moment_arm_stiffness(T), expected, atol=1e-12)
 
 
 def test_a_hand_with_routes_is_pickled() -> None:
@@ -133,7 +134,7 @@ def test_hands_that_share_tendons_have_arms_of_their_own() -> None:
     q = postures(hand, 1)[0]
     stiffness = hand.posed(q).stiffness
     other = example_hand("three_finger", joint_stiffness=1.0)
-    there = stiffness.at(other.kinematics, q)
+    there = stiffness.in_posture(other.kinematics, q)
     np.testing.assert_allclose(there.arms, stiffness.arms, atol=1e-16)
     assert there is not stiffness
 

@@ -40,9 +40,9 @@ def test_the_limit_of_a_tendon_is_the_smaller_of_what_it_bears_and_what_its_moto
 ) -> None:
     tendons = hl.Tendons(ARMS, KT, OWN, limits=bears, motors={"left_flexor": motor(10.0, 30.0, friction=2.0)})
     hand = lever_hand(write, joint_stiffness=tendons)
-    for made in (hand, hand.stiffer(2.0), pickle.loads(pickle.dumps(hand))):
+    for made in (hand, hand.scale_stiffness(2.0), pickle.loads(pickle.dumps(hand))):
         np.testing.assert_allclose(tendons_of(made).cables.limits, [limit, bears, bears, bears], rtol=1e-14)
-        np.testing.assert_allclose(tendons_of(made).closes, [28.0, *[np.inf] * 3], rtol=1e-14)
+        np.testing.assert_allclose(tendons_of(made).closing_tensions, [28.0, *[np.inf] * 3], rtol=1e-14)
 
 
 @pytest.mark.parametrize("more", [{}, {"friction": 3.0}, {"holding": CLOSED + 15.0}])
@@ -180,7 +180,7 @@ def test_a_scene_file_says_motors_of_tendons() -> None:
         assert isinstance(built, HandGrasp)
         drives = tendons_of(built.state.hand).drives
         assert drives is not None
-        assert drives.of == of
+        assert drives.motors == of
         (reason,) = built.check().about("overheats")
         driven = [name for name, motor in zip(("pull", "lift"), of, strict=True) if motor is not None]
         assert [row["tendon"] for row in reason.values["tendons"]] == driven
@@ -289,8 +289,8 @@ def test_motors_by_tendon_take_the_place_of_those_of_tendons_and_motors_by_joint
         made = hand.replace(**motors)
         of_joints, of_tendons = made.torques.drives, tendons_of(made).drives
         assert of_tendons is not None
-        joints = [] if of_joints is None else [m is not None for m in of_joints.of]
-        return joints[4:], [m is not None for m in of_tendons.of]
+        joints = [] if of_joints is None else [m is not None for m in of_joints.motors]
+        return joints[4:], [m is not None for m in of_tendons.motors]
 
     assert hand.joint_names[4:] == ("finger_3_proximal", "finger_3_distal")
     first, other, both = {"pull": motor(50.0, 90.0)}, {"finger_3_proximal": Motor(0.3)}, [True, False]

@@ -11,7 +11,8 @@ import pytest
 
 from handlcp import Grasp, GraspStream, PrescribedForce, Status, TorqueSaturation
 from handlcp.errors import InputError
-from handlcp.hand import Hand, HandGrasp, HandGraspSolution, Sphere, example_hand
+from handlcp.geometry import Sphere
+from handlcp.hand import Hand, HandGrasp, HandGraspSolution, example_hand
 from handlcp.scene import read
 from tests.support import patches
 from tests.support.grasp import arrays, at_centre, judged

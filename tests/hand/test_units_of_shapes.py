@@ -51,7 +51,7 @@ def written(folder: Path, shape: str) -> Path:
 def corners(file: Path, link: str = "l") -> np.ndarray:
     """Of the mesh of a link, in its collision's axes [m]."""
     hand = hl.Hand.from_urdf(file, ["l", "r"], joint_stiffness=3.0)
-    (part,) = (p for p in hand.description.parts("collision") if hand.model.frames[p.frame].name == link)
+    (part,) = (p for p in hand.description.load_shapes("collision") if hand.model.frames[p.frame].name == link)
     return np.unique(np.array(part.shape.vertices()), axis=0)
 
 

@@ -48,7 +48,7 @@ linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="asks /p
 
 
 def test_calls_go_on_as_python_until_another_process_has_compiled(tmp_path):
-    with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, k.soon():
+    with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, k.compile_in_background():
         kernel = k.anew(k.small())
         interpreted = run_small(kernel)
         assert not k.is_compiled(kernel)
@@ -73,7 +73,13 @@ def test_a_kernel_that_has_run_for_long_is_asked_for_without_a_word(tmp_path, ca
 
 
 def test_whoever_cannot_go_on_as_python_waits(tmp_path):
-    with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, k.soon(), k.at_once():
+    with (
+        k.cached_in(tmp_path),
+        k.automatic(),
+        k.compiler_beside() as beside,
+        k.compile_in_background(),
+        k.compile_now(),
+    ):
         kernel = k.anew(k.small())
         run_small(kernel)
         assert k.is_compiled(kernel)
@@ -89,7 +95,7 @@ def test_where_no_process_may_be_started_the_call_waits(tmp_path, monkeypatch, v
         k.said_afresh(monkeypatch, 60.0)
         (tmp_path / "file").write_text(file, encoding="utf-8")
         folder = tmp_path / "file" / "below"
-    with k.cached_in(folder), k.automatic(), k.compiler_beside(cores) as beside, k.soon():
+    with k.cached_in(folder), k.automatic(), k.compiler_beside(cores) as beside, k.compile_in_background():
         kernel = k.anew(k.small())
         run_small(kernel)
         assert k.is_compiled(kernel)
@@ -101,15 +107,15 @@ def test_a_kernel_that_nobody_else_can_import_is_compiled_here(tmp_path):
     def double(x):
         return 2.0 * x
 
-    with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, k.soon():
+    with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, k.compile_in_background():
         assert double(4.0) == 8.0
         assert k.is_compiled(double)
         assert beside.process is None
 
 
 def test_where_the_other_process_fails_the_call_waits(tmp_path, monkeypatch):
-    monkeypatch.setattr(k.beside, "_PROGRAM", "raise SystemExit(1)")
-    with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, k.soon():
+    monkeypatch.setattr(k.background_compile, "_SERVER_PROGRAM", "raise SystemExit(1)")
+    with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, k.compile_in_background():
         kernel = k.anew(k.small())
         run_small(kernel)
         assert not k.is_compiled(kernel)
@@ -120,7 +126,7 @@ def test_where_the_other_process_fails_the_call_waits(tmp_path, monkeypatch):
 
 # ---------------------------------------------------------------- one at a time
 def test_one_process_compiles_for_a_folder_at_a_time(tmp_path):
-    with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, k.soon():
+    with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, k.compile_in_background():
         run_small(k.anew(k.small()))
         assert until(k.is_locked)
         with k.compiler_beside() as second:
@@ -141,10 +147,10 @@ def test_one_process_compiles_for_a_folder_at_a_time(tmp_path):
 PARENT = """
 import os, time
 import numpy as np
-from tests.support.kernels import beside, large, soon
-with soon():
+from tests.support.kernels import background_compile, compile_in_background, large
+with compile_in_background():
     large()(np.array([[0.0, 2.0], [4.0, 0.0]]), np.array([2.0, 4.0]), np.zeros(2), np.zeros(2, dtype=np.int64), 1e-12)
-print(beside._COMPILER.process.pid, flush=True)
+print(background_compile._PROCESS.process.pid, flush=True)
 {then}
 """
 

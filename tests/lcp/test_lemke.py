@@ -9,7 +9,7 @@ import handlcp as hl
 from handlcp.lcp import Units
 from tests.lcp.problems import KNOWN, random_p
 from tests.oracle import every_solution
-from tests.support.lcp import pivoted, reduce
+from tests.support.lcp import eliminate_free, pivoted
 from tests.support.texts import says
 
 
@@ -61,7 +61,7 @@ def test_a_singular_free_block_is_made_regular_by_swapping_pairs(seed):
     q = np.concatenate([np.where(x > 0, 0, rng.uniform(1, 2, 5)) - E @ x, A.T @ x])
     free = np.arange(8) >= 5
     p = hl.LCP(M, q, free)
-    reduced = reduce(p.scaled)
+    reduced = eliminate_free(p.scaled)
     assert reduced.consistent
     assert len(reduced.q) == 5
     s = hl.solve_lcp(p, hl.Lemke())

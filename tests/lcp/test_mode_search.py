@@ -54,13 +54,17 @@ def test_a_search_in_small_pieces_ends_like_one_in_one_piece(faces):
     bounds = np.full((2, problem.n), 1e3)
     whole, pieces = ModeSearch(problem, *bounds), ModeSearch(problem, *bounds)
     list(whole.candidates(1e9))
-    assert whole.none
-    assert whole.nodes > 10
+    assert whole.is_none_proven
+    assert whole.node_count > 10
     work = 0.0
     while not pieces.exhausted:
         work += 1e3
         list(pieces.candidates(work))
-    assert (whole.exhausted, whole.none, whole.nodes) == (pieces.exhausted, pieces.none, pieces.nodes)
+    assert (whole.exhausted, whole.is_none_proven, whole.node_count) == (
+        pieces.exhausted,
+        pieces.is_none_proven,
+        pieces.node_count,
+    )
 
 
 @pytest.mark.parametrize("faces", [16, "cone"])

@@ -11,7 +11,7 @@ from handlcp.errors import InputError
 from handlcp.lcp import LCP
 from tests.lcp.problems import KNOWN, random_psd
 from tests.oracle import every_solution
-from tests.support.lcp import certified, search
+from tests.support.lcp import certified, search_active_sets
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -21,7 +21,7 @@ def test_it_agrees_with_every_active_set_of_random_problems(seed):
     M, q = rng.normal(size=(n, n)), rng.normal(size=n)
     free = rng.random(n) < 0.3 if seed % 2 else None
     problem, solutions = LCP(M, q, free), every_solution(M, q, free)
-    r = search(problem)
+    r = search_active_sets(problem)
     assert r.outcome == ("solution" if solutions else "none")
     assert r.none_exists == (not solutions)
     if solutions:
@@ -32,7 +32,7 @@ def test_it_agrees_with_every_active_set_of_random_problems(seed):
 @pytest.mark.parametrize("name", KNOWN)
 def test_it_solves_the_known_problems(name):
     problem = LCP(*KNOWN[name])
-    r = search(problem)
+    r = search_active_sets(problem)
     assert r.outcome == "solution"
     assert certified(problem, r.z)
 
@@ -40,27 +40,27 @@ def test_it_solves_the_known_problems(name):
 @pytest.mark.parametrize("seed", range(5))
 def test_it_solves_semidefinite_problems_whose_active_sets_are_singular(seed):
     problem = LCP(*random_psd(np.random.default_rng(seed), 8))
-    assert certified(problem, search(problem).z)
+    assert certified(problem, search_active_sets(problem).z)
 
 
 def test_a_solution_beyond_the_box_is_one_all_the_same():
     problem = LCP([[1.0]], [-20.0], units=LCP([[1.0]], [-1.0]).scaled.units)
-    assert search(problem, 10.0, 10.0).outcome == "solution"
-    assert search(LCP([[-1.0]], [-1.0])).outcome == "none"
+    assert search_active_sets(problem, 10.0, 10.0).outcome == "solution"
+    assert search_active_sets(LCP([[-1.0]], [-1.0])).outcome == "none"
 
 
 def test_a_mixed_problem_and_one_without_pairs():
     mixed = LCP([[0.0, 1.0], [1.0, 1.0]], [-1.0, 2.0], free=np.array([True, False]))
-    np.testing.assert_allclose(search(mixed).z * mixed.scaled.units.z, [-3.0, 1.0])
+    np.testing.assert_allclose(search_active_sets(mixed).z * mixed.scaled.units.z, [-3.0, 1.0])
     linear = LCP([[2.0, 0.0], [0.0, 4.0]], [2.0, -4.0], free=np.array([True, True]))
-    np.testing.assert_allclose(search(linear).z * linear.scaled.units.z, [-1.0, 1.0])
-    assert search(LCP([[0.0]], [1.0], free=np.array([True]))).outcome == "none"
+    np.testing.assert_allclose(search_active_sets(linear).z * linear.scaled.units.z, [-1.0, 1.0])
+    assert search_active_sets(LCP([[0.0]], [1.0], free=np.array([True]))).outcome == "none"
 
 
 def test_what_the_certifier_refuses_is_cut_off_and_none_is_no_longer_claimed():
     # two solutions, 0 and 1: w = 1 - z … refused one by one, what is left is "unknown"
     problem, seen = LCP([[-1.0]], [1.0]), []
-    r = search(problem, 10.0, 10.0, accept=lambda z: bool(seen.append(z.copy())))
+    r = search_active_sets(problem, 10.0, 10.0, accept=lambda z: bool(seen.append(z.copy())))
     assert r.outcome == "unknown"
     assert r.z is None
     assert r.cuts == 2
@@ -70,15 +70,15 @@ def test_what_the_certifier_refuses_is_cut_off_and_none_is_no_longer_claimed():
 def test_no_work_and_no_time_are_no_claim():
     rng = np.random.default_rng(2)
     M, q = rng.normal(size=(20, 20)), rng.normal(size=20)
-    assert search(LCP(M, q), work=1.0).outcome == "unknown"
-    assert search(LCP(M, q), end=time.monotonic() - 1.0).outcome == "unknown"
+    assert search_active_sets(LCP(M, q), work=1.0).outcome == "unknown"
+    assert search_active_sets(LCP(M, q), end=time.monotonic() - 1.0).outcome == "unknown"
 
 
 def test_bounds_that_bound_nothing_are_refused():
     problem = LCP(np.eye(2), [-1.0, 1.0])
     with pytest.raises(InputError, match="bound_z"):
-        search(problem, 0.0, 1.0)
+        search_active_sets(problem, 0.0, 1.0)
     with pytest.raises(InputError, match="bound_w"):
-        search(problem, 1.0, [1.0, -1.0])
+        search_active_sets(problem, 1.0, [1.0, -1.0])
     with pytest.raises(InputError, match="work"):
-        search(problem, work=0.0)
+        search_active_sets(problem, work=0.0)

@@ -58,7 +58,7 @@ WAYS = [through_pickle, through_a_deep_copy, through_joblib, through_dask]
 def test_a_hand_that_is_followed_finds_the_same_contacts_in_another_process(kind, way, tmp_path):
     made = {"balls on a box": on_a_box, "balls on a mesh": lambda: on_a_mesh(tmp_path), "points": at_points}
     grasp = made[kind]()
-    here = grasp.spec.mechanism.followed(grasp.spec)
+    here = grasp.spec.mechanism.moving_geometry(grasp.spec)
     there = way(here, tmp_path)
     moved = type(here.start)(*here.start[:3], (np.eye(3), np.array([1e-4, -2e-4, 3e-4])))
     a, b = here.iterate(moved, None), there.iterate(moved, None)

@@ -48,7 +48,7 @@ class Truth:
             before = track.factors < limit.jump
             kept += [*track.factors[before][-1:], *track.factors[~before][:1]]
         factors = np.array(sorted({float(f) for f in kept if len(track.factors) and f <= track.factors[-1]}))
-        motion = np.array([track.at(f) for f in factors]).reshape(-1, 6)
+        motion = np.array([track.motion_at(f) for f in factors]).reshape(-1, 6)
         return cls(
             limit.factor, limit.jump, limit.first_at, limit.joint, limit.slides, limit.gone, limit.squeezed, most,
             factors, motion, limit.seconds,

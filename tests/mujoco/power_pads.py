@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tests.mujoco.find_power_grasps import FILE as GRASPS, made
-from tests.support.simulator import Run, pad_of
+from tests.support.simulator import SimulationRun, pad_name
 
 FILE = pathlib.Path(__file__).with_name("power_pads.json")
 FACTOR, SEED = 2.0, 7
@@ -29,17 +29,17 @@ SLIDES, GONE = 0.97, 1e-3  # share of the friction limit from which a contact sl
 
 def theirs(grasp: Any, seed: int) -> Any:
     """(n, 3) forces on the object of MuJoCo with other pads [N], world axes; None where it is lost."""
-    run, random = Run(grasp, None, None), np.random.default_rng(seed)
+    run, random = SimulationRun(grasp, None, None), np.random.default_rng(seed)
     model = run.model
     for name in grasp.names:
-        body = model.body(pad_of(name))
+        body = model.body(pad_name(name))
         for joint in range(int(body.jntadr[0]), int(body.jntadr[0] + body.jntnum[0])):
             times = FACTOR ** random.uniform(-1.0, 1.0)
             dof = model.jnt_dofadr[joint]
             model.jnt_stiffness[joint] *= times
             model.dof_damping[dof] *= times
             model.dof_armature[dof] *= times
-    held = all(run.stage(stage, SECONDS, SETTLE) for stage in run.with_own(("squeeze", "weight")))
+    held = all(run.run_stage(stage, SECONDS, SETTLE) for stage in run.with_own_stages(("squeeze", "weight")))
     return run.track.readings[-1].forces if held else None
 
 

@@ -12,7 +12,7 @@ from handlcp.simulator import simulate, simulate_limit
 from tests.mujoco.cases import three
 from tests.mujoco.limit_cases import CASES
 from tests.mujoco.limit_truth import Truth, stored
-from tests.support.simulator import Tracking, moved
+from tests.support.simulator import LimitTracker, relative_motion
 
 REST, FORCES = np.zeros(6), np.zeros((2, 3))
 
@@ -22,30 +22,30 @@ def along_x(motion):
 
 
 def test_motion_while_the_load_grows_is_no_jump_and_motion_while_it_waits_is_one():
-    tracking = Tracking(REST)
+    tracking = LimitTracker(REST)
     for k in range(20):
-        tracking.rests(0.1 * k, along_x(1e-3 * k), FORCES + k)
+        tracking.record_rest(0.1 * k, along_x(1e-3 * k), FORCES + k)
     assert tracking.jump == np.inf
-    tracking.moves(2.0, along_x(19.9e-3))
+    tracking.record_motion(2.0, along_x(19.9e-3))
     assert tracking.jump == np.inf
-    tracking.moves(2.0, along_x(20.1e-3))
-    tracking.rests(2.0, along_x(25e-3), FORCES + 25.0)
-    tracking.moves(3.0, along_x(30e-3))
+    tracking.record_motion(2.0, along_x(20.1e-3))
+    tracking.record_rest(2.0, along_x(25e-3), FORCES + 25.0)
+    tracking.record_motion(3.0, along_x(30e-3))
     assert tracking.jump == 2.0
-    track = tracking.track()
-    assert track.at(0.55)[0] == pytest.approx(5.5e-3)
-    assert track.at(2.0)[0] == pytest.approx(25e-3)
-    assert np.isnan(track.at(2.1)).all()
+    track = tracking.make_track()
+    assert track.motion_at(0.55)[0] == pytest.approx(5.5e-3)
+    assert track.motion_at(2.0)[0] == pytest.approx(25e-3)
+    assert np.isnan(track.motion_at(2.1)).all()
     assert track.forces_at(0.55) == pytest.approx(FORCES + 5.0)
     assert np.isnan(track.forces_at(2.1)).all()
 
 
 def test_a_turn_of_more_than_two_degrees_is_a_jump():
     start = np.array([0.0, 0, 0, 0.3, 0, 0])
-    tracking = Tracking(start)
-    tracking.moves(1.0, moved_by(start, 1.9))
+    tracking = LimitTracker(start)
+    tracking.record_motion(1.0, moved_by(start, 1.9))
     assert tracking.jump == np.inf
-    tracking.moves(1.5, moved_by(start, 2.1))
+    tracking.record_motion(1.5, moved_by(start, 2.1))
     assert tracking.jump == 1.5
 
 
@@ -56,7 +56,7 @@ def moved_by(start, degrees):
 
 def test_motion_counts_from_where_the_load_found_the_object():
     start, end = np.array([1e-3, 0, 0, 0, 0.2, 0]), np.array([3e-3, 0, 0, 0, 0.5, 0])
-    assert moved(start, end) == pytest.approx([2e-3, 0, 0, 0, 0.3, 0])
+    assert relative_motion(start, end) == pytest.approx([2e-3, 0, 0, 0, 0.3, 0])
 
 
 def test_an_object_weighs_what_it_weighs_whatever_mass_it_moves_with():

@@ -19,7 +19,7 @@ import pinocchio as pin
 import handlcp as hl
 from handlcp.simulator import compare, simulate
 from tests.mujoco.cases import three
-from tests.support.simulator import Run
+from tests.support.simulator import SimulationRun
 
 ROWS = json.loads(pathlib.Path(__file__).with_name("table_grasps.json").read_text(encoding="utf-8"))
 REACH = 0.03  # [m]
@@ -52,7 +52,7 @@ def test_a_fingertip_that_slides_on_an_edge_comes_to_rest():
 
 @of_the_table
 def test_forces_that_integrate_motion_are_those_that_were_solved_for():
-    run = Run(made("schunk, wrench"), None, None)
+    run = SimulationRun(made("schunk, wrench"), None, None)
     for k in range(1500):
         run.advance("squeeze", min(1.0, (k + 1) / 1000))
     model, data, left = run.model, run.data, []
@@ -74,10 +74,10 @@ def test_a_contact_that_jumps_between_the_ends_of_an_edge_does_not_keep_an_objec
 
 
 def test_how_far_an_object_strays_is_counted_from_where_it_is_with_its_turning():
-    track = type(Run(three(hl.Box(0.05, [0, 0, 0.08], mass=0.3)), None, None).track)(0.002)
+    track = type(SimulationRun(three(hl.Box(0.05, [0, 0, 0.08], mass=0.3)), None, None).track)(0.002)
     for k in range(100):
         motion = np.array([1e-6 * k, 0, 0, 0, 0, 0.01 if k == 50 else 0.0])
         track.add("squeeze", 1.0, SimpleNamespace(motion=motion))
-    assert track.strayed(101, REACH) == np.inf
-    assert track.strayed(11, REACH) == pytest.approx(1e-5)
-    assert track.strayed(100, REACH) == pytest.approx(49e-6 + 0.01 * REACH)
+    assert track.largest_drift(101, REACH) == np.inf
+    assert track.largest_drift(11, REACH) == pytest.approx(1e-5)
+    assert track.largest_drift(100, REACH) == pytest.approx(49e-6 + 0.01 * REACH)

@@ -45,5 +45,5 @@ def test_a_load_that_grows_is_lost_at_the_same_factor_as_the_stored_table_says(c
     assert theirs.factor == pytest.approx(expected.factor, rel=0.02)
     assert theirs.jump == pytest.approx(expected.jump, rel=0.02)
     half = 0.5 * expected.factor
-    near = abs(theirs.track.at(half) - expected.at(half))
+    near = abs(theirs.track.motion_at(half) - expected.at(half))
     assert near[:3].max() < 1e-5 + 0.03 * np.linalg.norm(expected.at(half)[:3])

@@ -23,7 +23,8 @@ from handlcp import (
     TotalForceBound,
 )
 from handlcp.errors import InputError
-from handlcp.hand import Box, Cylinder, Ellipsoid, Hand, HandGrasp, Mesh, Sphere, example_hand
+from handlcp.geometry import Box, Cylinder, Ellipsoid, Mesh, Sphere
+from handlcp.hand import Hand, HandGrasp, example_hand
 from handlcp.scene import load, read
 from tests.support import texts
 from tests.support.grasp import arrays

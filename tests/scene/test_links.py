@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from handlcp.errors import InputError, NotReached, SceneFileError, UnknownName
-from handlcp.hand import Sphere, example_hand
+from handlcp.geometry import Sphere
+from handlcp.hand import example_hand
 from handlcp.scene import keys, read
 from tests.support.scene_texts import BOX_IN_TWO_FINGERS, TWO_CONTACTS
 

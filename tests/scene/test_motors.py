@@ -28,7 +28,7 @@ def test_one_motor_is_that_of_every_joint_and_motors_by_name_are_those_of_theirs
     motor = Motor(0.008, 0.014, reduction=50.0, efficiency=0.7, thermal_time=20.0)
     drives = every.state.hand.torques.drives
     assert drives is not None
-    assert drives.of == (motor,) * 6
+    assert drives.motors == (motor,) * 6
     assert named.state.hand.torque_limits.tolist() == [0.8, float("inf"), 0.8, 0.4, 0.8, 0.4]
     assert every.check().word == "OVER LIMIT"
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from handlcp.errors import InputError, SceneFileError, UnknownName
-from handlcp.hand import Box, example_hand
+from handlcp.geometry import Box
+from handlcp.hand import example_hand
 from handlcp.scene import keys, read
 from tests.support.scene_texts import BOX_IN_TWO_FINGERS, TWO_CONTACTS
 

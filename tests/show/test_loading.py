@@ -14,7 +14,8 @@ from matplotlib.image import imread
 from matplotlib.text import Text
 
 import handlcp as hl
-from handlcp.hand import Sphere, example_hand
+from handlcp.geometry import Sphere
+from handlcp.hand import example_hand
 from tests.show.picture_cases import LONG, on_table
 from tests.support import patches
 from tests.support.show import events_in_short, grasp_at_end, loading_figure, loading_picture, solution_at_end

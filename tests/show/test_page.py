@@ -19,7 +19,8 @@ from typer.testing import CliRunner
 import handlcp as hl
 from handlcp.cli import app
 from handlcp.errors import InputError, Unsupported
-from handlcp.hand import Sphere, example_hand
+from handlcp.geometry import Sphere
+from handlcp.hand import example_hand
 from handlcp.scene import load
 from tests.support.browser import opened
 from tests.support.show import solution_at_end

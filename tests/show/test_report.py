@@ -15,10 +15,10 @@ from tests.support.design import (
     best_of,
     better,
     differences,
-    number_of,
-    numbers_of,
+    hand_number,
+    hand_numbers,
+    number_unit,
     reported_by,
-    unit_of,
 )
 
 BRIEF = hl.Brief({"a <b> ball": hl.Sphere(0.03, mass=0.1)}, loads={"pull": (1.0, 0, 0, 0, 0, 0)}, tries=8)
@@ -89,13 +89,13 @@ def test_what_was_not_followed_to_its_end_is_told_as_at_least(page):
 
 
 def test_the_numbers_of_a_hand_are_those_that_vary_gives_it(hands):
-    numbers = numbers_of(hands["short"])
+    numbers = hand_numbers(hands["short"])
     for name, value in numbers.items():
-        assert number_of(hands["short"].vary({name: 1.25 * value}), name) == pytest.approx(1.25 * value, rel=1e-12)
-        assert unit_of(name)
-    assert number_of(hands["long & stiff"], "joint_stiffness") == 2.0
+        assert hand_number(hands["short"].vary({name: 1.25 * value}), name) == pytest.approx(1.25 * value, rel=1e-12)
+        assert number_unit(name)
+    assert hand_number(hands["long & stiff"], "joint_stiffness") == 2.0
     with pytest.raises(hl.InputError, match="finger_1_proximal"):
-        number_of(hands["short"], "finger_9.length")
+        hand_number(hands["short"], "finger_9.length")
 
 
 def test_the_brief_is_told_in_words():

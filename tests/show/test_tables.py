@@ -10,7 +10,8 @@ import pytest
 from rich.console import Console
 
 from handlcp import Contact, Coulomb, Frictionless, Grasp
-from handlcp.hand import Box, example_hand
+from handlcp.geometry import Box
+from handlcp.hand import example_hand
 from tests.support.show import tables, units
 from tests.support.texts import says
 

@@ -76,7 +76,7 @@ def test_springs_of_a_file_s_servos_change_joint_by_joint():
 
 def test_joints_that_stand_off_carry_the_fingertips_along():
     """As a hand in that posture whose joints are commanded as far on, with the contacts where they were."""
-    contacts = [c.named(tip) for c, tip in zip(grasp().contacts, HAND.fingertips, strict=True)]
+    contacts = [c.with_name(tip) for c, tip in zip(grasp().contacts, HAND.fingertips, strict=True)]
     load = grasp().spec.wrench
 
     def given(q, **more):

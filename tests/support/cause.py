@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from handlcp.grasp.cause.judge import (
+from handlcp.grasp.failure.failure_mode import (
     EQUILIBRIUM,
     MOTION,
     OBJECT,
@@ -12,21 +12,52 @@ from handlcp.grasp.cause.judge import (
     SLIPS,
     TORQUE,
     UNDECIDED,
-    Cause,
-    Limits,
-    binding,
-    exceeded,
-    limits_of,
-    over,
-    slides_through,
-    slipping,
-    used,
+    FailureMode,
+    StateLimits,
+    find_binding,
+    find_exceeded,
+    find_slide_through,
+    find_slipping,
+    is_exceeded,
+    limit_shares,
+    state_limits,
 )
-from handlcp.grasp.cause.wording import amount, called, happens, said, under_load, why, why_lost
+from handlcp.grasp.failure.failure_text import (
+    describe_event,
+    describe_failures,
+    describe_load,
+    describe_load_share,
+    describe_names,
+    explain_limit,
+    explain_loss,
+)
 from handlcp.tolerances import OVER
 
 __all__ = [
-    "EQUILIBRIUM", "MOTION", "OBJECT", "OPENS", "OVER", "RANGE", "SLIDES", "SLIPS", "TORQUE", "UNDECIDED", "Cause",
-    "Limits", "amount", "binding", "called", "exceeded", "happens", "limits_of", "over", "said", "slides_through",
-    "slipping", "under_load", "used", "why", "why_lost",
+    "EQUILIBRIUM",
+    "MOTION",
+    "OBJECT",
+    "OPENS",
+    "OVER",
+    "RANGE",
+    "SLIDES",
+    "SLIPS",
+    "TORQUE",
+    "UNDECIDED",
+    "FailureMode",
+    "StateLimits",
+    "describe_event",
+    "describe_failures",
+    "describe_load",
+    "describe_load_share",
+    "describe_names",
+    "explain_limit",
+    "explain_loss",
+    "find_binding",
+    "find_exceeded",
+    "find_slide_through",
+    "find_slipping",
+    "is_exceeded",
+    "limit_shares",
+    "state_limits",
 ]  # fmt: skip

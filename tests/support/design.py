@@ -7,21 +7,37 @@ from typing import Any
 
 import pytest
 
+from handlcp.contact.friction import as_law
 from handlcp.design import evaluate as _evaluating
 from handlcp.design.brief_file import BriefTables
 from handlcp.design.evaluation import NOT_FOUND, ObjectCase
 from handlcp.design.require import UNITS, read
 from handlcp.design.sweep.same import digest
-from handlcp.grasp.friction import as_law
-from handlcp.hand.vary.values import number_of, numbers_of, unit_of
+from handlcp.hand.vary.vary import hand_number, hand_numbers, number_unit
 from handlcp.show.picture.figure import alike
 from handlcp.show.report import report as _reporting
 from handlcp.show.report.told import asked, best_of, better, differences
 from handlcp.study import varied as _varied
 
 __all__ = [
-    "NOT_FOUND", "UNITS", "BriefTables", "ObjectCase", "alike", "as_law", "asked", "best_of", "better", "differences",
-    "digest", "evaluated_by", "number_of", "numbers_of", "read", "reported_by", "unit_of", "varied_by",
+    "NOT_FOUND",
+    "UNITS",
+    "BriefTables",
+    "ObjectCase",
+    "alike",
+    "as_law",
+    "asked",
+    "best_of",
+    "better",
+    "differences",
+    "digest",
+    "evaluated_by",
+    "hand_number",
+    "hand_numbers",
+    "number_unit",
+    "read",
+    "reported_by",
+    "varied_by",
 ]  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import sys
 from typing import Any
 
@@ -9,9 +10,13 @@ import numpy as np
 
 import handlcp as hl
 from handlcp.grasp import effect_kinds
-from handlcp.grasp.analysis.explanation import ENVIRONMENT as _ENVIRONMENT, Description, describe_effect
-from handlcp.grasp.assembly.build import softened_by
-from handlcp.grasp.assembly.contact_form import stamped
+from handlcp.grasp.analysis.explanation import (
+    ENVIRONMENT_DESCRIPTION as _ENVIRONMENT,
+    EffectDescription,
+    describe_effect,
+)
+from handlcp.grasp.assembly.problem import stamped_effects
+from handlcp.grasp.assembly.scene_builder import add_flexibility
 from tests.support.grasp import arrays
 
 __all__ = [
@@ -42,18 +47,18 @@ def kinds_in_the_catalogue() -> tuple[type, ...]:
 
 
 def page_of(kind: type) -> str:
-    """The text on top of the file in which an effect is."""
-    return sys.modules[kind.__module__].__doc__ or ""
+    """The text of the file in which an effect is."""
+    return inspect.getsource(sys.modules[kind.__module__])
 
 
-def entry_for(kind: type) -> Description:
+def entry_for(kind: type) -> EffectDescription:
     """What the catalogue prints of an effect."""
     return describe_effect(kind)
 
 
-def made_up_entry(in_python: str) -> Description:
+def made_up_entry(in_python: str) -> EffectDescription:
     """An entry of nothing but what to type."""
-    return Description("x", "", "", in_python, "", "", "", "handlcp.x")
+    return EffectDescription("x", "", "", in_python, "", "", "", "handlcp.x")
 
 
 # ---------------------------------------------------------------- compliances
@@ -69,13 +74,13 @@ def has_an_equation_of_its_own(kind: type) -> bool:
 
 def stamps(*asked: Any) -> tuple[Any, ...]:
     """Those of these effects that have rows of their own."""
-    return stamped(asked)
+    return stamped_effects(asked)
 
 
 def softened(grasp: hl.Grasp, flexibility: np.ndarray, positions: Any = None) -> np.ndarray:
     """A flexibility with that of the grasp's effects added, at other positions where given."""
     at = grasp.spec if positions is None else grasp.spec.replace(positions=positions)
-    return softened_by(grasp.effects, at, (), flexibility)
+    return add_flexibility(grasp.effects, at, (), flexibility)
 
 
 # ---------------------------------------------------------------- limits
@@ -86,4 +91,4 @@ def limits_of(effect: Any, grasp: hl.Grasp) -> tuple[Any, ...]:
 
 def limits_kept(grasp: hl.Grasp) -> list[tuple[Any, Any]]:
     """(effect, its limits) as far as the grasp keeps them."""
-    return arrays(grasp).made
+    return arrays(grasp).effect_cache

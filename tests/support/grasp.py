@@ -10,23 +10,21 @@ from typing import Any
 import numpy as np
 
 import handlcp as hl
-from handlcp.grasp.analysis import required as _required
-from handlcp.grasp.analysis.least import least
+from handlcp.contact.friction import as_section, limit_set
+from handlcp.grasp.analysis import required_value as _required
+from handlcp.grasp.analysis.required_value import find_least
 from handlcp.grasp.analysis.solve_to_accuracy import force_error
-from handlcp.grasp.answer.diagnosis import Sentences
-from handlcp.grasp.answer.reasons import contacts_reason
-from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
-from handlcp.grasp.assembly.problem import assemble
-from handlcp.grasp.batch.first_stage import rows_of
-from handlcp.grasp.friction import as_section, limit_set
+from handlcp.grasp.assembly.problem import GraspContactProblem, SolverCandidate, assemble, stamped_effects
+from handlcp.grasp.batch.first_stage import scene_rows
+from handlcp.grasp.derivatives.parameter.friction import with_friction as _with_friction
 from handlcp.grasp.model import validate as _validate
-from handlcp.grasp.parameter.friction import with_friction as _with_friction
+from handlcp.grasp.solution.diagnosis import DiagnosisText
+from handlcp.grasp.solution.verdict import contacts_reason
 from handlcp.grasp.solve import compiled_answer as _first
-from handlcp.grasp.solve.scene_row import write_row
-from handlcp.grasp.solve.solve_spec import force_dependent, missed
-from handlcp.grasp.verify.judge import judge
-from handlcp.lcp.kernels.projection import nearest as _nearest
+from handlcp.grasp.solve.compiled_solve import write_row
+from handlcp.grasp.solve.solve_spec import fixed_point_residual, is_force_dependent
+from handlcp.grasp.verify.certifier import certify_candidate
+from handlcp.lcp.kernels.projection import project_on_set as _nearest
 
 __all__ = [
     "anew",
@@ -39,10 +37,10 @@ __all__ = [
     "describe_motion",
     "diagnose",
     "diagnosed",
+    "find_least",
     "holds_with",
     "judge_of",
     "judged",
-    "least",
     "limit_surface",
     "load_about",
     "nearest_in_polygon",
@@ -140,13 +138,13 @@ def section_of(grasp: hl.Grasp, faces: Any) -> Any:
 def contact_problem(grasp: hl.Grasp, faces: Any = "cone", asked: Any = None) -> Any:
     """The problem with friction as a set, with the effects asked for in place of the grasp's own where given."""
     return GraspContactProblem(
-        grasp.scene, section_of(grasp, faces), stamped(tuple(grasp.effects if asked is None else asked))
+        grasp.scene, section_of(grasp, faces), stamped_effects(tuple(grasp.effects if asked is None else asked))
     )
 
 
 def plain_problem(grasp: hl.Grasp, faces: Any) -> Any:
     """The problem as `grasp.problem` gives it, before anything is computed that can wait."""
-    return assemble(grasp.scene, section_of(grasp, faces), stamped(grasp.effects))
+    return assemble(grasp.scene, section_of(grasp, faces), stamped_effects(grasp.effects))
 
 
 def limit_surface(pyramid: hl.Pyramid) -> Any:
@@ -166,11 +164,11 @@ def nearest_in_polygon(x: float, y: float, distance: float, faces: int) -> tuple
 def packed(grasps: Any, faces: Any) -> tuple[np.ndarray, np.ndarray]:
     """Grasps of one kind as rows for compiled code: each written by itself, and all at once."""
     scenes, cut = [g.scene for g in grasps], section_of(grasps[0], faces)
-    kind = _first.compiled_kind(scenes[0], cut)
+    kind = _first.get_compiled_kind(scenes[0], cut)
     rows = np.empty((len(scenes), kind.scene_width))
     for scene, row in zip(scenes, rows, strict=True):
         write_row(scene, cut, row)
-    return rows, rows_of(scenes, kind, cut)
+    return rows, scene_rows(scenes, kind, cut)
 
 
 # ---------------------------------------------------------------- the certifier
@@ -181,20 +179,20 @@ def candidate(forces: Any, twist: Any, extra: Any = None, torsion: Any = None) -
     """
     moments = np.zeros(0) if torsion is None else np.asarray(torsion, float)
     components = np.append(np.asarray(forces, float).ravel(), moments)
-    return Candidate(components, np.asarray(twist, float), dict(extra or {}), len(moments))
+    return SolverCandidate(components, np.asarray(twist, float), dict(extra or {}), len(moments))
 
 
 def judge_of(grasp: hl.Grasp, effects: Any, section: Any, answer: Any) -> Any:
     """The certifier's verdict: `residuals`, and how the contacts move in `motion`."""
-    return judge(grasp.scene, effects, section, answer)
+    return certify_candidate(grasp.scene, effects, section, answer)
 
 
 def residuals(grasp: hl.Grasp, faces: Any, answer: Any, *more: Any) -> hl.Residuals:
     """By how much a candidate misses each law of this grasp, and of more effects."""
     effects = (*grasp.problem(faces).effects, *more)
     found = judge_of(grasp, effects, section_of(grasp, faces), answer).residuals
-    if force_dependent(grasp.spec):
-        miss = missed(grasp.spec, grasp.scene, answer.forces, found.motion_scale)
+    if is_force_dependent(grasp.spec):
+        miss = fixed_point_residual(grasp.spec, grasp.scene, answer.forces, found.motion_scale)
         return replace(found, effects=max(found.effects, np.inf if isinstance(miss, str) else miss))
     return found
 
@@ -214,7 +212,7 @@ def claimed_force_error(grasp: hl.Grasp, solution: hl.GraspSolution) -> float:
 # ---------------------------------------------------------------- words, and the search for what is required
 def describe_motion(twist: Any, positions: Any, reference: Any, names: Any, slide: str, turn: str) -> str:
     """A twist (6,) about the reference in words, of a grasp with contacts of these names at these places."""
-    return Sentences(names, positions, reference).motion(twist, slide, turn)
+    return DiagnosisText(names, positions, reference).motion(twist, slide, turn)
 
 
 def diagnose(
@@ -243,12 +241,12 @@ def diagnosed(grasp: hl.Grasp, solution: hl.GraspSolution, **more: Any) -> str:
 
 def holds_with(grasp: hl.Grasp, faces: Any, squeeze: float) -> bool:
     """Whether the grasp holds with every finger squeezed by so much more [m]."""
-    return _required.holds(grasp.spec.squeezed(squeeze), section_of(grasp, faces))
+    return _required.is_held(grasp.spec.with_squeeze(squeeze), section_of(grasp, faces))
 
 
 def with_preload(grasp: hl.Grasp, extra: float) -> Any:
     """The grasp with every finger squeezed by so much more [m]."""
-    return type(grasp)(grasp.spec.squeezed(extra))
+    return type(grasp)(grasp.spec.with_squeeze(extra))
 
 
 def with_friction(grasp: hl.Grasp, mu: float) -> Any:

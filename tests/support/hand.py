@@ -8,56 +8,54 @@ from typing import Any
 import numpy as np
 
 import handlcp as hl
-from handlcp.hand import Hand, HandGrasp, HandState, Object, TorqueCheck
-from handlcp.hand.elasticity.motor import Drives
-from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
+from handlcp.actuation.motor import Drives
+from handlcp.actuation.tendon_stiffness import TendonStiffness
+from handlcp.geometry import Object
+from handlcp.geometry.contact_detection import choose_corners as flat_corners, nearest_proximity
+from handlcp.geometry.distance import shape_distance_outside, signed_distance, support_points
+from handlcp.geometry.link_contacts import body_gaps, contact_bodies
+from handlcp.geometry.link_penetration import find_penetrating_links
+from handlcp.geometry.table import RIM_POINTS, _support_corners as _points_needed
+from handlcp.hand import Hand, HandGrasp, HandState, TorqueCheck
 from handlcp.hand.find import find as find_module
-from handlcp.hand.library import SHIPPED, allegro, psyonic, urdf
-from handlcp.hand.objects.detect import nearest
-from handlcp.hand.objects.distance import distance
-from handlcp.hand.objects.flat import corners as flat_corners
-from handlcp.hand.objects.inside import links_inside
-from handlcp.hand.objects.solid import beyond, support
-from handlcp.hand.objects.table import RIM, _needed as _points_needed
-from handlcp.hand.robot.audit import doubt_reasons
-from handlcp.hand.robot.link_surface import planes
-from handlcp.hand.robot.posture import contact_hessian
-from handlcp.hand.robot.source.servos import ServoStiffness
-from handlcp.hand.robot.tip_geometry import TipShape, sphere_tip
-from handlcp.hand.sites.sited import gaps_of
-from handlcp.hand.sites.touchers import touchers
+from handlcp.hand.library import SHIPPED_HANDS, allegro, psyonic, urdf
 from handlcp.hand.torque_check import torque_check
+from handlcp.robot.audit import doubt_reasons
+from handlcp.robot.fingertip import TipShape, make_sphere_tip
+from handlcp.robot.hand_model import contact_hessian
+from handlcp.robot.link_surface import hull_planes
+from handlcp.robot.servo_stiffness import ServoStiffness
 
 __all__ = [
-    "RIM",
-    "SHIPPED",
+    "RIM_POINTS",
+    "SHIPPED_HANDS",
     "Drives",
     "ServoStiffness",
     "allegro",
     "ball_near",
-    "beyond",
     "configuration",
     "curvature",
     "deflection",
-    "distance",
     "doubt_reasons",
     "effort",
     "elastic_flexibility",
     "find_module",
+    "find_penetrating_links",
     "flat_corners",
     "full_positions",
     "gaps",
+    "hull_planes",
     "is_one_spring_a_joint",
     "jacobian_at",
     "knows_all_limits",
     "link_gap",
-    "links_inside",
     "mimic",
-    "planes",
     "points_needed",
     "psyonic",
+    "shape_distance_outside",
     "shape_near",
-    "support",
+    "signed_distance",
+    "support_points",
     "tendons_of",
     "torque_check_of",
     "under_load",
@@ -68,25 +66,25 @@ __all__ = [
 # ---------------------------------------------------------------- how tips touch
 def ball_near(radius: float, centre: Any, obj: Object) -> Any:
     """How a ball stands to an object: gap, position on the object, tip_point on the ball, normal into the object."""
-    return nearest(sphere_tip(radius), np.asarray(centre, float), np.eye(3), obj)
+    return nearest_proximity(make_sphere_tip(radius), np.asarray(centre, float), np.eye(3), obj)
 
 
 def shape_near(geometry: Any, rotation: np.ndarray, position: np.ndarray, obj: Object) -> Any:
     """As `ball_near` for any shape of coal's, placed by rotation (3, 3) and position (3,) [m]."""
     shape = TipShape(geometry, np.eye(3), np.zeros(3), None)
-    return nearest((shape,), position, rotation, obj)
+    return nearest_proximity((shape,), position, rotation, obj)
 
 
 def link_gap(hand: Hand, q: Any, obj: Object) -> float:
     """How far the nearest link or fingertip is from an object, in a posture [m]."""
-    return min(gap for _, gap in gaps_of(hand.at(q), touchers(hand, "all"), obj))
+    return min(gap for _, gap in body_gaps(hand.at(q), contact_bodies(hand, "all"), obj))
 
 
 def gaps(hand: Hand, q: Any, obj: Object) -> np.ndarray:
     """(n,) signed gaps of the fingertips in a posture."""
     s = hand.at(q)
-    each = zip(hand.tips.every, s.tip_positions, s.tip_rotations, strict=True)
-    return np.array([nearest(hand.tip_shapes(i), p, R, obj).gap for i, p, R in each])
+    each = zip(hand.tips.numbers, s.tip_positions, s.tip_rotations, strict=True)
+    return np.array([nearest_proximity(hand.tip_shapes(i), p, R, obj).gap for i, p, R in each])
 
 
 def points_needed(points: np.ndarray, heights: np.ndarray, up: np.ndarray) -> Sequence[int]:
@@ -113,12 +111,12 @@ def configuration(hand: Hand, q: np.ndarray) -> np.ndarray:
 
 def jacobian_at(state: HandState, points: np.ndarray) -> np.ndarray:
     """(n, 3, nv) of points (n, 3) that move with the fingertips, one each, world axes."""
-    return state.jacobian_at(points, state.hand.tips.every)
+    return state.jacobian_at(points, state.hand.tips.numbers)
 
 
 def curvature(state: HandState, points: np.ndarray, frames: np.ndarray) -> np.ndarray:
     """(3n, nv, nv) derivative of their Jacobian in the axes of frames (n, 3, 3)."""
-    return contact_hessian(state, state.hand.tips.every, points, frames)
+    return contact_hessian(state, state.hand.tips.numbers, points, frames)
 
 
 # ---------------------------------------------------------------- what gives way
@@ -177,7 +175,7 @@ class _UnderLoad:
     def compliance(self, r: np.ndarray) -> np.ndarray | None:
         """(nv, nv) (K + K_g)⁻¹."""
         bent = self._bent(r)
-        return None if bent is None else self.joints.root @ self.joints.root.T + bent.bent.softer
+        return None if bent is None else self.joints.root @ self.joints.root.T + bent.bent.added_compliance
 
     def change(self, r: np.ndarray) -> np.ndarray | None:
         """(3n, 3n)."""
@@ -201,7 +199,7 @@ def knows_all_limits(hand: Hand) -> bool:
 
 def swept_station(obj, centre, spans):
     """(3,) the station of a swept ball that is nearest to an object at the origin."""
-    from handlcp.hand.objects.swept import nearest_station
+    from handlcp.geometry.contact_detection import nearest_station
 
     kind, sizes = obj.known
     return nearest_station(kind, np.array(sizes, dtype=float), centre, spans, np.zeros(2))
@@ -213,10 +211,10 @@ def swept_contacts(obj, swept, place, turn, corner=None):
     """
     import coal
 
-    from handlcp.hand.followed.fingertips import Balls
-    from handlcp.hand.robot.tip_geometry import Swept, TipShape
+    from handlcp.geometry.contact_kinematics import SweptBallFinder
+    from handlcp.robot.fingertip import SweptBall, TipShape
 
-    shape = TipShape(coal.Sphere(0.01), np.eye(3), np.zeros(3), None, face=Swept(*swept), corner=corner)
+    shape = TipShape(coal.Sphere(0.01), np.eye(3), np.zeros(3), None, face=SweptBall(*swept), corner=corner)
     one = (np.empty((1, 3)), np.empty((1, 3)), np.empty(1), np.empty((1, 3, 6)), np.empty((1, 3, 6)))
-    Balls(obj, [shape])(place[None].copy(), turn[None].copy(), np.eye(3), np.zeros(3), one)
+    SweptBallFinder(obj, [shape])(place[None].copy(), turn[None].copy(), np.eye(3), np.zeros(3), one)
     return tuple(part[0] for part in one)

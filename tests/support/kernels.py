@@ -14,21 +14,51 @@ from unittest.mock import patch
 
 import handlcp
 from handlcp.cli.warm_jobs import JOBS
-from handlcp.lcp.compiler import beside, folders, when
+from handlcp.lcp.compiler import background_compile, compile_policy, folders
+from handlcp.lcp.compiler.compile_policy import MANY_CALLS, compile_in_background, compile_now
 from handlcp.lcp.compiler.kernel import Kernel
-from handlcp.lcp.compiler.when import MANY, at_once, soon
 from handlcp.lcp.kernels import dense as _door
 from handlcp.lcp.kernels.dense import multiply_add, solve_ranked
 
 __all__ = [
-    "JOBS", "MANY", "alone", "anew", "at_once", "automatic", "beside", "cached_in", "compiled", "compiler_beside",
-    "constants", "decorated", "folder_of_cache", "impatient", "interpreted", "is_compiled", "is_locked", "kernels",
-    "known_files", "large", "loaded", "mode", "put", "roots", "said_afresh", "small", "soon", "waiting",
+    "JOBS",
+    "MANY_CALLS",
+    "alone",
+    "anew",
+    "automatic",
+    "background_compile",
+    "cached_in",
+    "compile_in_background",
+    "compile_now",
+    "compiled",
+    "compiler_beside",
+    "constants",
+    "decorated",
+    "folder_of_cache",
+    "impatient",
+    "interpreted",
+    "is_compiled",
+    "is_locked",
+    "kernels",
+    "known_files",
+    "large",
+    "loaded",
+    "mode",
+    "put",
+    "roots",
+    "said_afresh",
+    "small",
+    "waiting",
 ]  # fmt: skip
 
 PACKAGE = pathlib.Path(handlcp.__file__).parent
-roots, put, waiting, decorated = folders._roots, folders.put, when.waiting, _door.kernel
-_allowed = beside._allowed.__wrapped__
+roots, put, waiting, decorated = (
+    folders._root_folders,
+    folders.write_file,
+    compile_policy.announce_waiting,
+    _door.kernel,
+)
+_allowed = background_compile._is_allowed.__wrapped__
 
 
 def kernels() -> Iterator[tuple[ModuleType, str, Kernel]]:
@@ -85,14 +115,17 @@ def loaded(one: Any) -> int:
 @contextmanager
 def automatic() -> Iterator[None]:
     """Kernels that are made anew decide for themselves when they compile, whatever the suite asks for."""
-    with patch.object(when, "mode", lambda: "auto"):
+    with patch.object(compile_policy, "kernel_mode", lambda: "auto"):
         yield
 
 
 @contextmanager
 def impatient(least: float = 0.0, instruction: float = 0.0) -> Iterator[None]:
     """Compiling pays after so many seconds."""
-    with patch.object(when, "LEAST", least), patch.object(when, "_INSTRUCTION", instruction):
+    with (
+        patch.object(compile_policy, "WAIT_AFTER_SECONDS", least),
+        patch.object(compile_policy, "_SECONDS_PER_INSTRUCTION", instruction),
+    ):
         yield
 
 
@@ -101,12 +134,12 @@ def compiler_beside(cores: int = 2) -> Iterator[Any]:
     """A compiler beside this process, as in a new one on so many cores; it has ended after the block. Kernels look for
     what it compiles at every call.
     """
-    one = beside._Compiler()
+    one = background_compile._CompilerProcess()
     with (
-        patch.object(beside, "_COMPILER", one),
-        patch.object(beside, "_allowed", _allowed),
-        patch.object(beside, "_cores", lambda: cores),
-        patch.object(when, "next_look", lambda spent: spent),
+        patch.object(background_compile, "_PROCESS", one),
+        patch.object(background_compile, "_is_allowed", _allowed),
+        patch.object(background_compile, "_usable_cores", lambda: cores),
+        patch.object(compile_policy, "next_look", lambda spent: spent),
     ):
         try:
             yield one
@@ -117,13 +150,13 @@ def compiler_beside(cores: int = 2) -> Iterator[Any]:
 @contextmanager
 def alone() -> Iterator[None]:
     """No other process compiles."""
-    with patch.object(beside, "_allowed", lambda: False):
+    with patch.object(background_compile, "_is_allowed", lambda: False):
         yield
 
 
 def is_locked() -> bool:
     """Whether some process compiles into the cache now."""
-    return beside._is_locked()
+    return background_compile._is_locked()
 
 
 @contextmanager
@@ -131,33 +164,33 @@ def cached_in(folder: Any) -> Iterator[None]:
     """Compiled code is kept there alone."""
     with (
         patch.dict("os.environ", {"HANDLCP_CACHE_DIR": str(folder)}),
-        patch.object(folders, "folders", folders.folders.__wrapped__),
-        patch.object(folders, "_unwritable", {}),
+        patch.object(folders, "cache_folders", folders.cache_folders.__wrapped__),
+        patch.object(folders, "_unwritable_folders", {}),
     ):
         yield
 
 
 def folder_of_cache() -> pathlib.Path:
     """Where compiled code goes now."""
-    return folders.folders()[0]
+    return folders.cache_folders()[0]
 
 
 def said_afresh(monkeypatch: Any, patience: float) -> None:
     """Nothing has been said yet; a line about waiting comes after so many seconds."""
-    monkeypatch.setattr(when, "_said", {})
-    monkeypatch.setattr(when, "_PATIENCE", patience)
+    monkeypatch.setattr(compile_policy, "_announced", {})
+    monkeypatch.setattr(compile_policy, "_SILENT_SECONDS", patience)
 
 
 def mode(monkeypatch: Any, word: str) -> str:
     """What HANDLCP_KERNELS with this word means."""
     monkeypatch.setenv("HANDLCP_KERNELS", word)
-    return when.mode.__wrapped__()
+    return compile_policy.kernel_mode.__wrapped__()
 
 
 def known_files() -> set[pathlib.Path]:
     """The files whose contents the fingerprint stands for."""
     every = PACKAGE.rglob("*.py")
-    return {f for f in every if b"\n@kernel" in f.read_bytes() or f.name in folders._CONSTANTS}
+    return {f for f in every if b"\n@kernel" in f.read_bytes() or f.name in folders._CONSTANT_FILES}
 
 
 def constants() -> Iterator[tuple[pathlib.Path, str, pathlib.Path]]:

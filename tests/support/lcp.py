@@ -8,30 +8,30 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.grasp.verify.judge import judge
-from handlcp.lcp import LCP, ContactProblem, FrictionSets, Pattern, Status, Units, certify as _public_certify
-from handlcp.lcp.certify import certify_contact
-from handlcp.lcp.kernels import (
-    contact_rows as _contact_rows,
-    contact_run as _contact_newton,
-    kaczmarz as _kaczmarz,
+from handlcp.grasp.verify.certifier import certify_candidate
+from handlcp.lcp import (
+    LCP,
+    ContactProblem,
+    FrictionSets,
+    Pattern,
+    Status,
+    Units,
+    certify as _public_certify,
     lemke as _lemke,
 )
-from handlcp.lcp.kernels.contact_packed import opened as _opened
+from handlcp.lcp.certificate import certify_contact, search_active_sets
+from handlcp.lcp.contact_problem import MultiplierLCP, unpack_problem as _opened
+from handlcp.lcp.kernels import contact_newton as _contact_newton, kaczmarz as _kaczmarz
 from handlcp.lcp.kernels.dense import multiply_add
-from handlcp.lcp.kernels.projection import nearest as _nearest
-from handlcp.lcp.modes import generators as _modes
-from handlcp.lcp.modes.active_columns import new_active
-from handlcp.lcp.modes.fit import fit
-from handlcp.lcp.modes.search import ModeSearch
-from handlcp.lcp.multipliers import WithMultipliers
-from handlcp.lcp.reduce import reduce
-from handlcp.lcp.search import search
-from handlcp.lcp.solvers.base import measured_by_limits as in_units_of_limits
-from handlcp.lcp.solvers.starts import OtherStarts
+from handlcp.lcp.kernels.projection import project_on_set as _nearest
+from handlcp.lcp.lemke import eliminate_free
+from handlcp.lcp.modes import mode_cones as _modes
+from handlcp.lcp.modes.mode_fit import fit_mode, new_active_columns
+from handlcp.lcp.modes.mode_search import ModeSearch
+from handlcp.lcp.solver import OtherStarts, scale_by_limits as in_units_of_limits
 
 # Where the certifiers of answers to problems and to grasps are
-CERTIFIERS = tuple(pathlib.Path(inspect.getfile(certifier)) for certifier in (certify_contact, judge))
+CERTIFIERS = tuple(pathlib.Path(inspect.getfile(certifier)) for certifier in (certify_contact, certify_candidate))
 
 __all__ = [
     "CERTIFIERS",
@@ -40,6 +40,7 @@ __all__ = [
     "OtherStarts",
     "certified",
     "contact_rows",
+    "eliminate_free",
     "eliminated",
     "in_units_of_limits",
     "misses_patch",
@@ -48,8 +49,7 @@ __all__ = [
     "patches",
     "pivoted",
     "projection",
-    "reduce",
-    "search",
+    "search_active_sets",
     "solves_contact",
     "status_of_contact",
     "uniform_numbers",
@@ -75,15 +75,15 @@ def solves_contact(problem: Any, x: np.ndarray) -> bool:
 # ---------------------------------------------------------------- kernels
 def eliminated(M: np.ndarray, q: np.ndarray, complementary: int) -> tuple[np.ndarray, np.ndarray]:
     """(M, q) without the free unknowns, which come after so many complementary ones: the package's own arithmetic."""
-    pattern = Pattern.of(np.arange(len(q)) >= complementary, np.zeros((0, 4), np.int64))
+    pattern = Pattern.from_blocks(np.arange(len(q)) >= complementary, np.zeros((0, 4), np.int64))
     contact = ContactProblem(M.copy(), q.copy(), pattern, FrictionSets(np.zeros(0), 0), Units.ones(len(q)))
-    problem = WithMultipliers(contact)
+    problem = MultiplierLCP(contact)
     return problem.scaled.M, problem.scaled.q
 
 
 def pivoted(M: Any, q: Any, covering: Any, most: int, tolerance: float = 1e-11) -> tuple[str, int, np.ndarray]:
     """Lemke's method from one covering vector: ("solved" | "ray" | "other", pivots, z)."""
-    status, pivots, z = _lemke.lemke(M, q, covering, most, tolerance)
+    status, pivots, z = _lemke.pivot_lemke(M, q, covering, most, tolerance)
     return {_lemke.SOLVED: "solved", _lemke.RAY: "ray"}.get(status, "other"), pivots, z
 
 
@@ -91,19 +91,19 @@ class Kaczmarz:
     """The steps of NSNGRK on one problem in natural units."""
 
     def __init__(self, M: np.ndarray, q: np.ndarray, free: np.ndarray) -> None:
-        self.rows = _kaczmarz.Rows(M, np.ascontiguousarray(M.T), M @ M.T, q, free)
+        self.rows = _kaczmarz.PlainRows(M, np.ascontiguousarray(M.T), M @ M.T, q, free)
 
     def run(self, z: np.ndarray, w: np.ndarray, seed: int, steps: int) -> tuple[int, float, np.ndarray, np.ndarray]:
         """(steps taken, norm, z, w) after so many steps at most; z and w = M z + q are overwritten."""
         state, history = np.full(1, seed, np.uint64), np.empty((0, 2))
-        done, norm, _ = _kaczmarz.kaczmarz(self.rows, z, w, state, steps, 0.0, 0, history)
+        done, norm, _ = _kaczmarz.run_kaczmarz(self.rows, z, w, state, steps, 0.0, 0, history)
         return done, norm, z, w
 
 
 def uniform_numbers(seed: int, count: int) -> np.ndarray:
     """(count,) of the generator that the kernels draw rows with."""
     state = np.full(1, seed, np.uint64)
-    return np.array([_kaczmarz.uniform(state) for _ in range(count)])
+    return np.array([_kaczmarz.draw_uniform(state) for _ in range(count)])
 
 
 def projection(x: float, y: float, limit: float, mu: float, faces: int) -> tuple[np.ndarray, np.ndarray]:
@@ -127,11 +127,11 @@ def contact_rows(problem: Any, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(F, J): the laws of a problem with friction as a set as equations at x (n,), and a subgradient (n, n) of them;
     both, and x, in the order in which the solvers have the unknowns.
     """
-    p, n = _opened(*problem.prepared), problem.n
-    F, g, y, J = np.empty(n), _contact_rows.work(p), np.empty(n), np.empty((n, n))
+    p, n = _opened(*problem.packed_arrays), problem.n
+    F, g, y, J = np.empty(n), _contact_newton.new_subgradient(p), np.empty(n), np.empty((n, n))
     multiply_add(p.M, x, p.q, y)
-    _contact_rows.rows(p, x, y, F, g)
-    _contact_newton.jacobian(p, g, J)
+    _contact_newton.evaluate_rows(p, x, y, F, g)
+    _contact_newton.write_jacobian(p, g, J)
     return F, J
 
 
@@ -146,16 +146,16 @@ def nearest_in_polyhedron(point: np.ndarray, distance: float, normals: np.ndarra
 def patches(tangents: int, faces: int, splits: int) -> list[np.ndarray]:
     """All patches (3, 3) that sliding is divided into after so many splits of each."""
     now = []
-    for k in range(_modes.patches(tangents)):
+    for k in range(_modes.count_patches(tangents)):
         now.append(np.zeros((3, 3)))
-        _modes.first_patch(k, tangents, faces, now[-1])
+        _modes.write_first_patch(k, tangents, faces, now[-1])
     for _ in range(splits):
         finer = []
         for corners in now:
-            for k in range(_modes.parts(corners, tangents, faces)):
+            for k in range(_modes.count_parts(corners, tangents, faces)):
                 finer.append(np.zeros((3, 3)))
-                _modes.split(corners, k, tangents, faces, finer[-1])
-            if not _modes.parts(corners, tangents, faces):
+                _modes.split_patch(corners, k, tangents, faces, finer[-1])
+            if not _modes.count_parts(corners, tangents, faces):
                 finer.append(corners)
         now = finer
     return now
@@ -166,7 +166,7 @@ def misses_patch(limit: float, faces: int, corners: np.ndarray, force: np.ndarra
     d = len(force) - 1
     columns = np.zeros((2 * (1 + d), 1, 2, 4))
     columns[: 1 + d, 0, 0, : 1 + d] = columns[1 + d :, 0, 1, : 1 + d] = np.eye(1 + d)
-    cones = _modes.new_cones(columns.reshape(-1, 1, 8), np.array([d]), np.array([limit]), faces)
+    cones = _modes.new_mode_cones(columns.reshape(-1, 1, 8), np.array([d]), np.array([limit]), faces)
     b = np.concatenate([force, motion])
-    left, _ = fit(cones, np.array([_modes.SLIDES]), corners[None], new_active(b))
+    left, _ = fit_mode(cones, np.array([_modes.SLIDES]), corners[None], new_active_columns(b))
     return float(left)

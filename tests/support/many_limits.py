@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.grasp.friction import as_section
+from handlcp.contact.friction import as_section
 from handlcp.grasp.limits.directions import Limits, limits_of
 from handlcp.grasp.limits.followed import followed_limit
 from handlcp.grasp.limits.result import LoadLimit

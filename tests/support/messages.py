@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from handlcp.lcp.compiler.when import hint, silent
+from handlcp.lcp.compiler.compile_policy import silence, warn_not_kept
 
-__all__ = ["hint", "silent", "without_compiling"]
+__all__ = ["silence", "warn_not_kept", "without_compiling"]
 
 
 def without_compiling(said: str) -> str:

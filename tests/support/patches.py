@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from handlcp.grasp.analysis.required import required_preload
+from handlcp.grasp.analysis.required_value import required_preload
 from handlcp.grasp.model import effect as _effect
 from handlcp.grasp.path.follow import geometry_of
 from handlcp.grasp.solve import compiled_answer as _first
@@ -51,25 +51,25 @@ def coarse_pictures(patch: Patch) -> None:
 # ---------------------------------------------------------------- many grasps
 def chunks_of(patch: Patch, count: int) -> None:
     """`solve_many` hands out so many grasps at a time."""
-    patch.setattr("handlcp.grasp.batch.first_stage._CHUNK", count)
+    patch.setattr("handlcp.grasp.batch.first_stage._GRASPS_PER_TASK", count)
 
 
 def shards_of(patch: Patch, count: int) -> None:
     """`solve_many` sends an executor so many grasps at a time."""
-    patch.setattr("handlcp.grasp.batch.run._FIRST", (count, count))
-    patch.setattr("handlcp.grasp.batch.run._LATER", count)
+    patch.setattr("handlcp.grasp.batch.solve_many._FIRST_SHARD_GRASPS", (count, count))
+    patch.setattr("handlcp.grasp.batch.solve_many._MAX_LATER_GRASPS", count)
 
 
 def everything_to_processes(patch: Patch) -> None:
     """`solve_many` gives whatever the first stage doesn't solve to processes, however little there is of it."""
     for name in ("_LOOK", "_WORTH"):
-        patch.setattr(f"handlcp.grasp.batch.run.{name}", 0.0)
+        patch.setattr(f"handlcp.grasp.batch.solve_many.{name}", 0.0)
 
 
 # ---------------------------------------------------------------- objects
 def meshes_of_at_most(patch: Patch, count: int) -> None:
     """Larger meshes than of so many triangles are refused."""
-    patch.setattr("handlcp.hand.objects.meshes.MOST", count)
+    patch.setattr("handlcp.geometry.mesh.MAX_TRIANGLES", count)
 
 
 def contacts_take_long(patch: Patch) -> None:
@@ -86,7 +86,7 @@ def contacts_take_long(patch: Patch) -> None:
 # ---------------------------------------------------------------- stages of a solve
 def nothing_is_eliminated(patch: Patch) -> None:
     """No free block counts as well enough conditioned to be eliminated."""
-    patch.setattr("handlcp.lcp.multipliers.ELIMINATE_RCOND", 2.0)
+    patch.setattr("handlcp.lcp.contact_problem.ELIMINATE_RCOND", 2.0)
 
 
 def no_newton_on_cones(patch: Patch, solver: Any) -> None:
@@ -96,7 +96,7 @@ def no_newton_on_cones(patch: Patch, solver: Any) -> None:
 
 def no_solve_takes_more_than(patch: Patch, solves: int) -> None:
     """A grasp whose flexibility depends on its forces is solved so many times at most."""
-    patch.setattr("handlcp.grasp.solve.solve_spec._MOST", solves)
+    patch.setattr("handlcp.grasp.solve.solve_spec._MAX_SOLVES", solves)
 
 
 def watched_first_stage(patch: Patch) -> list[Any]:
@@ -108,7 +108,7 @@ def watched_first_stage(patch: Patch) -> list[Any]:
         seen.append(told(found))
         return found
 
-    patch.setattr("handlcp.grasp.analysis.compare_without.solve_scene", watched)
+    patch.setattr("handlcp.grasp.analysis.explanation.solve_scene", watched)
     return seen
 
 
@@ -120,19 +120,19 @@ def advice_is_watched(patch: Patch) -> list[Any]:
         asked.append(arguments)
         return required_preload(*arguments, **named)
 
-    patch.setattr("handlcp.grasp.analysis.required.required_preload", watched)
+    patch.setattr("handlcp.grasp.analysis.required_value.required_preload", watched)
     return asked
 
 
 # ---------------------------------------------------------------- clocks
 def shares_of_a_quarter(patch: Patch) -> None:
     """`explain(measure=True)` finds that every effect takes a quarter of a solve of two seconds."""
-    patch.setattr("handlcp.grasp.analysis.compare_without.best_times", a_quarter_less)
+    patch.setattr("handlcp.grasp.analysis.explanation.best_times", a_quarter_less)
 
 
 def ticks_between_shares(patch: Patch, tick: float) -> None:
     """A clock for the times of single runs, each look at which takes so long [s]."""
-    patch.setattr("handlcp.grasp.analysis.compare_without.time", Ticking(tick))
+    patch.setattr("handlcp.grasp.analysis.explanation.time", Ticking(tick))
 
 
 def ticks_of_studies(patch: Patch, tick: float) -> None:

@@ -25,7 +25,7 @@ def kinds() -> set[str]:
             found = vars(import_module(module.name)).values()
             own = [v for v in found if isinstance(v, type) and v.__module__ == module.name]
             names |= {v.__name__ for v in own if issubclass(v, Record)}
-    return names - {"Record", "Shown"}
+    return names - {"Record", "DisplayedSolution"}
 
 
 def described(record: Any) -> list[tuple[Entry, Any]]:

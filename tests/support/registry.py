@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from handlcp.grasp.friction import law as _law
+from handlcp.contact.friction import law as _law
+from handlcp.grasp.derivatives.parameter import parameter as _parameter
 from handlcp.grasp.model import effect as _effect
-from handlcp.grasp.parameter import parameter as _parameter
 
 __all__ = ["definitions_of_a_test"]
 

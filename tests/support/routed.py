@@ -33,7 +33,7 @@ def threes(extensors: bool, pretension: float, routed: bool = True, friction: fl
         there = closed.hand.stiffness
         rows = zip(routes, there.arms, strict=True)
         arms = {name: dict(zip(hand.joint_names, row.tolist(), strict=True)) for name, row in rows}
-        posts = zip(ends.items(), there.cables.grips, strict=True) if friction else ()
+        posts = zip(ends.items(), there.cables.wrap_friction, strict=True) if friction else ()
         grips = {name: {joint: grip} for (name, joint), grip in posts}
         fixed = hl.Tendons(arms, KT, 1.0, pretension=pretension, friction=grips)
         closed = hand.replace(joint_stiffness=fixed).at(closed.q)

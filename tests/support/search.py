@@ -10,13 +10,22 @@ from typing import Any
 import numpy as np
 
 import handlcp as hl
-from handlcp.grasp.analysis.equilibria import seeded
+from handlcp.grasp.analysis.equilibria import seeded_candidates
 from handlcp.grasp.model.mechanism import Mechanism
-from handlcp.grasp.search.nonexistence import EquilibriumSearch, over_modes
-from handlcp.grasp.search.over_modes import OverModes, first_certified, only_limits_move
-from handlcp.grasp.verify.capacity import overload as _overload
-from handlcp.grasp.verify.holdable import is_escape as _is_escape, jammed as _jammed, least_total as _least_total
-from handlcp.lcp.search import search
+from handlcp.grasp.solve.equilibrium_search import (
+    ContactModeSearch,
+    EquilibriumSearch,
+    first_certified,
+    has_only_limits,
+    search_modes,
+)
+from handlcp.grasp.verify.load_capacity import (
+    is_escape as _is_escape,
+    is_jammed as _jammed,
+    least_normal_sum as _least_total,
+    prove_overload as _overload,
+)
+from handlcp.lcp.certificate import search_active_sets
 from tests.support.grasp import contact_problem, plain_problem, residuals, section_of
 
 __all__ = [
@@ -42,10 +51,10 @@ def searched(grasp: hl.Grasp, faces: Any, *more: Any, work: float = 1e10) -> Any
     more : effects beside the grasp's own. work : multiply-adds at most.
     """
     problem = contact_problem(grasp, faces, (*grasp.effects, *more))
-    if not only_limits_move(problem):
+    if not has_only_limits(problem):
         raise ValueError(EquilibriumSearch(problem).run(work).words)
     on_active_sets = problem.faces and problem.scene.soft
-    found = EquilibriumSearch(problem).run(work) if on_active_sets else over_modes(OverModes(problem), work)
+    found = EquilibriumSearch(problem).run(work) if on_active_sets else search_modes(ContactModeSearch(problem), work)
     if found.candidate is not None:
         assert residuals(grasp, faces, found.candidate, *more).passes
     outcome = found.words.rpartition(" ")[2]
@@ -55,29 +64,31 @@ def searched(grasp: hl.Grasp, faces: Any, *more: Any, work: float = 1e10) -> Any
 
 def applicable(effects: Any) -> bool:
     """Whether contact modes describe a scene with these effects."""
-    return only_limits_move(SimpleNamespace(effects=tuple(effects)))
+    return has_only_limits(SimpleNamespace(effects=tuple(effects)))
 
 
 def active_sets(grasp: hl.Grasp, faces: Any, work: float) -> str:
     """What the search over active sets of the plain LCP comes to: "solution", "none" or "unknown"."""
     problem = plain_problem(grasp, faces)
-    return search(problem, work=work, accept=lambda z: residuals(grasp, faces, problem.candidate(z)).passes).outcome
+    return search_active_sets(
+        problem, work=work, accept=lambda z: residuals(grasp, faces, problem.candidate(z)).passes
+    ).outcome
 
 
 def choices_of_modes(grasp: hl.Grasp, faces: Any, *asked: Any) -> float:
     """How many choices of contact modes there are, with these effects alone beside those that the data call for."""
-    return OverModes(contact_problem(grasp, faces, asked)).search.choices
+    return ContactModeSearch(contact_problem(grasp, faces, asked)).search.choice_count
 
 
 def members_of_modes(grasp: hl.Grasp, faces: Any, *asked: Any) -> list[Any]:
     """A candidate for each choice of modes that has one."""
-    return list(OverModes(contact_problem(grasp, faces, asked)).every(1e10))
+    return list(ContactModeSearch(contact_problem(grasp, faces, asked)).each_choice(1e10))
 
 
 def from_seeds(grasp: hl.Grasp, faces: Any, count: int, seed: int = 1) -> Iterator[Any]:
     """The candidates that so many seeds lead to and that the certifier passes, as they are or after Newton's method."""
     problem = contact_problem(grasp, faces)
-    for candidate in seeded(problem, count, seed):
+    for candidate in seeded_candidates(problem, count, seed):
         if (found := first_certified(problem, [candidate])) is not None:
             yield found
 
@@ -112,7 +123,7 @@ def jammed(grasp: hl.Grasp) -> bool:
 class _Joints(Mechanism):
     """Joints that carry contacts without turning them."""
 
-    def turning(self, contacts: Any) -> np.ndarray:
+    def turning_rates(self, contacts: Any) -> np.ndarray:
         return np.zeros((len(contacts), len(self.names)))
 
 

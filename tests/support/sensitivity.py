@@ -9,8 +9,8 @@ import pinocchio as pin
 
 import handlcp as hl
 from handlcp.hand import library
-from handlcp.hand.hand_grasp import grasp_of
-from handlcp.hand.robot.varied import longer
+from handlcp.hand.hand_grasp import make_grasp
+from handlcp.robot.grasp_variation import lengthen_link
 
 __all__ = ["HANDS_OF_LIBRARY", "STEPS", "differences", "misses", "quantities", "varied"]
 
@@ -28,24 +28,24 @@ def varied(grasp, parameter, index, step):
     spec, i = grasp.spec, index[0]
     if parameter == "wrench":
         load = np.eye(6)[i] * step
-        return grasp_of(spec.replace(wrench=spec.wrench + load, asked=spec.asked))
+        return make_grasp(spec.replace(wrench=spec.wrench + load, asked=spec.asked))
     if parameter == "mass":
         return grasp.replace(mass=grasp.target.mass + step)
     if parameter == "squeeze":
         offset = spec.offset.copy()
         offset[i, 2] -= step
-        return grasp_of(spec.replace(offset=offset, asked=spec.asked))
+        return make_grasp(spec.replace(offset=offset, asked=spec.asked))
     if parameter == "pads":
         E = spec.flexibility.copy()
         block = np.eye(3) * step
         if spec.planar:
             block[1, 1] = 0.0
         E[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] += block
-        return grasp_of(spec.replace(flexibility=E, asked=spec.asked))
+        return make_grasp(spec.replace(flexibility=E, asked=spec.asked))
     if parameter == "friction":
         laws = [c.friction for c in spec.contacts]
         laws[i] = laws[i].with_mu(laws[i].mu + step)
-        return grasp_of(spec.with_laws(tuple(laws)))
+        return make_grasp(spec.with_laws(tuple(laws)))
     if parameter in ("positions", "normals"):
         return _contacts(spec, parameter, *index, step)
     if parameter == "joint_offset":
@@ -60,10 +60,10 @@ def varied(grasp, parameter, index, step):
         limits[i] += step
         hand = hand.replace(torque_limits=limits)
     elif parameter == "lengths":
-        hand = longer(hand, 3 * i + index[1], step)
+        hand = lengthen_link(hand, 3 * i + index[1], step)
     else:
         q[i] += step
-    return grasp_of(replace(spec.asked, state=hand.at(q)).spec())
+    return make_grasp(replace(spec.asked, state=hand.at(q)).spec())
 
 
 def _contacts(spec, parameter, i, axis, step):
@@ -73,12 +73,12 @@ def _contacts(spec, parameter, i, axis, step):
     else:
         frames[i] = frames[i] @ pin.exp3(np.eye(3)[axis] * step)
     if spec.mechanism is not None:
-        return grasp_of(spec.mechanism.replaced(spec, positions, frames))
+        return make_grasp(spec.mechanism.replace_contacts(spec, positions, frames))
     contacts = [
         hl.Contact(p, R[:, 2], c.friction, tangent=R[:, 0])
         for p, R, c in zip(positions, frames, spec.contacts, strict=True)
     ]
-    return grasp_of(replace(hl.Grasp(contacts).spec, wrench=spec.wrench, reference=spec.reference,
+    return make_grasp(replace(hl.Grasp(contacts).spec, wrench=spec.wrench, reference=spec.reference,
                             flexibility=spec.flexibility, offset=spec.offset, effects=spec.effects))  # fmt: skip
 
 
@@ -115,10 +115,10 @@ def _with_gaps(s, parameter, index, name):
     """The derivative where fingertips that just touch leave gaps, on whichever side that is: overlaps of less than a
     micrometre, as in these differences, count as touching. One joint or length moves the tip of one finger.
     """
-    _, change = s._by(parameter)
+    _, change = s._rates_by(parameter)
     way = np.zeros(s.of("displacement", parameter).shape[1:])
     way[index] = 1.0
-    deeper = change.deeper.rates.reshape(-1, *way.shape)[(slice(None), *index)]
+    deeper = change.depth_change.rates.reshape(-1, *way.shape)[(slice(None), *index)]
     assert (deeper <= 1e-9).all() or (deeper >= -1e-9).all()
     both = s.along(parameter, way)
     return (both.behind if (deeper > 1e-9).any() else both.ahead)[name]

@@ -1,7 +1,7 @@
 """What the tests need of the simulator's inner rooms."""
 
-from handlcp.simulator.limit import Tracking, moved
-from handlcp.simulator.tips import pad_of
-from handlcp.simulator.under_way import Run
+from handlcp.simulator.load_limit import LimitTracker, relative_motion
+from handlcp.simulator.object_body import pad_name
+from handlcp.simulator.simulation_run import SimulationRun
 
-__all__ = ["Run", "Tracking", "moved", "pad_of"]
+__all__ = ["LimitTracker", "SimulationRun", "pad_name", "relative_motion"]

@@ -10,22 +10,17 @@ import numpy as np
 
 import handlcp as hl
 from handlcp.check import read_only
-from handlcp.grasp.analysis.compare_without import best_times, measured
-from handlcp.grasp.answer.make_solution import Judged, make_solution
-from handlcp.grasp.assembly.contact_form import GraspContactProblem, design, friction_sets
-from handlcp.grasp.assembly.problem import GraspProblem, assemble
-from handlcp.grasp.effects.coulomb_friction import CoulombFriction
-from handlcp.grasp.effects.finger_flexibility import FingerFlexibility
-from handlcp.grasp.effects.object_balance import ObjectBalance
-from handlcp.grasp.effects.unilateral_contact import UnilateralContact
-from handlcp.grasp.model.unknowns import System
+from handlcp.grasp.analysis.explanation import best_times, measure_shares
+from handlcp.grasp.assembly.problem import GraspContactProblem, GraspProblem, assemble, friction_sets, problem_design
+from handlcp.grasp.effects.contact_mechanics import CoulombFriction, FingerFlexibility, ObjectBalance, UnilateralContact
+from handlcp.grasp.model.equation_system import EquationSystem
 from handlcp.grasp.solve import (
     compiled_answer as _first,  # its kernels are looked up there, where a clock may have been put around them
 )
-from handlcp.grasp.solve.scene_row import write_row
-from handlcp.grasp.solve.stages import answered
+from handlcp.grasp.solve.compiled_solve import write_row
+from handlcp.grasp.solve.solve_spec import CertifiedCandidate, conclude_first_stage, make_solution
 from handlcp.lcp import NSNGRK, ContactProblem, Units, certify, proposals
-from handlcp.lcp.certify import certify_contact
+from handlcp.lcp.certificate import certify_contact
 from tests.support.grasp import arrays, contact_problem, judge_of, section_of
 
 __all__ = [
@@ -48,7 +43,7 @@ class OneCall:
     def __init__(self, grasp: hl.Grasp, faces: Any) -> None:
         """Effects and layout, known from an earlier scene of the kind."""
         self.grasp, self.section = grasp, section_of(grasp, faces)
-        self.kind = _first.compiled_kind(grasp.scene, self.section)
+        self.kind = _first.get_compiled_kind(grasp.scene, self.section)
         self.numbers, self.row = np.empty((1, self.kind.scene_width)), np.empty((1, self.kind.answer_width))
         self.given = read_only(self.numbers.view())
 
@@ -63,7 +58,7 @@ class OneCall:
 
     def answer(self) -> None:
         """Units, stamps, solver, certificate, states: one compiled call."""
-        _first.solve_scenes(self.given, self.kind.pattern, _first.NOWHERE, 0, self.row)
+        _first.solve_scenes(self.given, self.kind.pattern, _first.NO_START, 0, self.row)
 
     def read(self) -> Any:
         """What came out, as a row that nobody writes to any more."""
@@ -73,7 +68,7 @@ class OneCall:
 
     def conclude(self, found: Any) -> hl.GraspSolution:
         """The answer in SI, torques, limits."""
-        return answered(self.grasp.spec, self.grasp.scene, self.section, found)
+        return conclude_first_stage(self.grasp.spec, self.grasp.scene, self.section, found)
 
 
 class ByHand:
@@ -92,7 +87,7 @@ class ByHand:
 
     def scale(self) -> None:
         """Rows scaled."""
-        self.problem.prepared  # noqa: B018
+        self.problem.packed_arrays  # noqa: B018
 
     def solve(self, seed: int | None = None) -> Any:
         """What NSNGRK proposes; as the first stage does it where a seed is given, as the chain does it elsewhere."""
@@ -122,7 +117,7 @@ class ByHand:
         return self._made(self.grasp.spec)
 
     def _made(self, spec: Any) -> hl.GraspSolution:
-        judged = Judged(self.candidate, self.verdict, 1)
+        judged = CertifiedCandidate(self.candidate, self.verdict, 1)
         return make_solution(spec, self.grasp.scene, self.section, self.problem.effects, judged, ())
 
 
@@ -136,7 +131,7 @@ def told(found: Any) -> Any:
     return SimpleNamespace(
         proposal=found.proposal, outcome=found.proposal.outcome, iterations=found.iterations,
         forces=found.candidate.forces, twist=found.twist, motion=found.motion, residuals=found.residuals,
-        states=found.states, passes=found.passes, unique=found.unique, escape=found.escape,
+        states=found.states, passes=found.passes, unique=found.is_unique, escape=found.escape,
     )  # fmt: skip
 
 
@@ -156,14 +151,20 @@ class _FourEffects(GraspContactProblem):
     """The problem of a scene of hard fingers, its four effects listed here."""
 
     def __init__(self, scene: Any, section: Any) -> None:
-        known = design(scene, section, ())
-        system = System(known.layout)
+        known = problem_design(scene, section, ())
+        system = EquationSystem(known.layout)
         effects = (ObjectBalance(), UnilateralContact(), CoulombFriction(section), FingerFlexibility())
         for effect in effects:
             effect.stamp(scene, system)
         sets, units = friction_sets(scene, section), Units(*system.sizes(scene))
         ContactProblem.__init__(self, system.M, system.q, known.pattern, sets, units)
-        self.scene, self.section, self.asked, self.effects, self.system = scene, section, (), effects, system
+        self.scene, self.section, self.requested_effects, self.effects, self.system = (
+            scene,
+            section,
+            (),
+            effects,
+            system,
+        )
 
 
 def assembly_by_hand(grasp: hl.Grasp, faces: Any) -> Any:
@@ -179,4 +180,4 @@ def certificate(problem: Any, z: np.ndarray, proposed: np.ndarray | None = None)
 # ---------------------------------------------------------------- shares of the time
 def shares(grasp: hl.Grasp, faces: Any, solution: hl.GraspSolution, clock: Any) -> Any:
     """`grasp.explain(faces, measure=True)` with times from a clock."""
-    return measured(grasp.spec, section_of(grasp, faces), grasp.explain(faces), solution, clock)
+    return measure_shares(grasp.spec, section_of(grasp, faces), grasp.explain(faces), solution, clock)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import handlcp as hl
-from handlcp.grasp.friction import as_section
+from handlcp.contact.friction import as_section
 from handlcp.grasp.limits.directions import limits_of
 from handlcp.study.accuracy.as_printed import RES, STEPS
 from handlcp.study.accuracy.cost import UNDETERMINED, variants

@@ -7,13 +7,31 @@ from typing import Any
 import numpy as np
 
 import handlcp as hl
-from handlcp.grasp.tangent.active_set import Laws, active_rows, inverted, rank_of, saddle
-from handlcp.grasp.tangent.solutions import smallest, without_slip as _without_slip
-from handlcp.grasp.verify.contact_states import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, States
+from handlcp.grasp.derivatives.active_set import (
+    LinearLaws,
+    active_rows,
+    least_norm_solutions,
+    matrix_rank,
+    saddle_matrix,
+    solve_inverse,
+    solve_without_slip as _without_slip,
+)
+from handlcp.grasp.verify.contact_state import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, ContactStates
 
 __all__ = [
-    "GLIDING", "RESTING", "SEPARATED", "SLIDING", "STICKING", "Laws", "States", "active_rows", "inverted", "rank_of",
-    "saddle", "smallest", "without_slip",
+    "GLIDING",
+    "RESTING",
+    "SEPARATED",
+    "SLIDING",
+    "STICKING",
+    "ContactStates",
+    "LinearLaws",
+    "active_rows",
+    "least_norm_solutions",
+    "matrix_rank",
+    "saddle_matrix",
+    "solve_inverse",
+    "without_slip",
 ]  # fmt: skip
 
 
@@ -21,4 +39,4 @@ def without_slip(grasp: hl.Grasp) -> Any:
     """(n, 3) forces of a grasp under its load in which nothing slips and nothing opens."""
     scene = grasp.scene
     found, _ = _without_slip(scene, scene.flexibility, scene.offset[:, None], scene.geometry.wrench[:, None])
-    return np.asarray(scene.physical(found[:, 0])[: 3 * scene.n]).reshape(-1, 3)
+    return np.asarray(scene.to_contact_axes(found[:, 0])[: 3 * scene.n]).reshape(-1, 3)

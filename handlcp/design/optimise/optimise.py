@@ -69,9 +69,9 @@ def optimise(
     if len(aims) > 1:
         check_pymoo()
     if mujoco:
-        from handlcp.simulator.settings import need_mujoco
+        from handlcp.simulator.settings import import_mujoco
 
-        need_mujoco()
+        import_mujoco()
     maker = Maker(make, brief)
     first = None if start is None else _started(room, start)
     maker.check(room.point(np.full(len(room), 0.5) if first is None else first))

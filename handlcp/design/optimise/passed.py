@@ -11,7 +11,7 @@ from handlcp.design.evaluation import Evaluation
 from handlcp.design.optimise.aims import number_of
 from handlcp.design.require import Requirement
 from handlcp.design.sweep.work import FAILURES, Numbered, bare, packed, unpacked, why_failed
-from handlcp.grasp.answer.verdict import HELD
+from handlcp.grasp.solution.verdict import HELD
 from handlcp.hand.find.candidate import Candidate
 
 

@@ -35,7 +35,7 @@ from handlcp.design.sweep.work import (
     row_of,
     unpacked,
 )
-from handlcp.grasp.batch.run import Jobs
+from handlcp.grasp.batch.solve_many import ExecutorJobs
 
 NEAR = "near"  # column: the designs from whose grasps a design started, one for each object; "" for a search
 _NONE = "-"
@@ -161,12 +161,12 @@ class Trials:
 
     def sent(self, work: Callable[..., Any], tasks: Sequence[tuple[Any, ...]]) -> Iterator[tuple[int, Any]]:
         """What comes back of each task, by its place, as it comes."""
-        with Jobs[int](self._renewed()) as jobs:
+        with ExecutorJobs[int](self._renewed()) as jobs:
             for k, task in enumerate(tasks):
                 jobs.send(k, _called, (work, task))
-                yield from jobs.done(wait=False)  # in this process all are done at once
+                yield from jobs.finished_results(wait=False)  # in this process all are done at once
             while len(jobs):
-                yield from jobs.done(wait=True)
+                yield from jobs.finished_results(wait=True)
 
     # ---------------------------------------------------------------- What a design starts from.
 

@@ -12,7 +12,7 @@ from handlcp.check import cores
 from handlcp.design.evaluation import Evaluation
 from handlcp.design.sweep.work import DESIGN, Done, Heads, Row, Task, Values, packed, row_of, unpacked, work
 from handlcp.errors import InputError
-from handlcp.grasp.batch.run import Jobs
+from handlcp.grasp.batch.solve_many import ExecutorJobs
 from handlcp.grasp.batch.worker_pool import end_workers, worker_pool
 
 SERIAL = "serial"
@@ -158,7 +158,7 @@ def rows_of(
             executor, flying, alone = renewed(), list[_Job](), bool(suspects)
             most = 1 if alone or isinstance(executor, _Here) else 2 * getattr(executor, "_max_workers", _MANY)
             try:
-                with Jobs[_Job](executor) as jobs:
+                with ExecutorJobs[_Job](executor) as jobs:
                     while True:
                         while len(flying) < most and (job := queue.next(suspects if alone else None)) is not None:
                             flying.append(job)
@@ -166,7 +166,7 @@ def rows_of(
                             jobs.send(job, does, Task(maker, designs, job.cell.near, job.head))
                         if not flying:
                             break
-                        for job, done in jobs.done(wait=True):
+                        for job, done in jobs.finished_results(wait=True):
                             flying.remove(job)
                             if rows := queue.put(job, done):
                                 yield rows

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from handlcp.contact.friction import as_law
 from handlcp.design.brief import Brief
 from handlcp.errors import InputError
-from handlcp.grasp.friction import as_law
 from handlcp.hand.hand import Hand
 from handlcp.record import plain
 from handlcp.version import VERSION

@@ -12,10 +12,10 @@ from handlcp.design.brief import Brief
 from handlcp.design.finger_hand import finger_hand
 from handlcp.errors import InputError, UnknownName, keyed, unreadable
 from handlcp.hand.hand import Hand
-from handlcp.hand.vary.names import read_changes
-from handlcp.scene import kinds as k
-from handlcp.scene.kinds import Table
-from handlcp.scene.reading import checked, text_of
+from handlcp.hand.vary.hand_shape import read_changes
+from handlcp.scene import key_types as k
+from handlcp.scene.key_types import FileTable
+from handlcp.scene.keys import read_tables, read_text_file
 
 _BRIEF = "brief."  # begins the names of parameters of the brief
 _URDF = "urdf"  # key of [hand] for a file, beside which may stand:
@@ -30,12 +30,12 @@ BRIEF_NUMBERS = (
     "closing_torque", "tries", "seed",
 )  # fmt: skip
 
-_Hand = Annotated[str | dict[str, Any], k.Expected("a hand's name or file, or a table of numbers for finger_hand")]
-_Space = Annotated[dict[str, Any], k.Expected("a table of parameters")]
-_Samples = Annotated[int | dict[str, int], k.Expected("a whole number, or a table of these by parameter")]
+_Hand = Annotated[str | dict[str, Any], k.ExpectedWords("a hand's name or file, or a table of numbers for finger_hand")]
+_Space = Annotated[dict[str, Any], k.ExpectedWords("a table of parameters")]
+_Samples = Annotated[int | dict[str, int], k.ExpectedWords("a whole number, or a table of these by parameter")]
 
 
-class StudyTables(Table):
+class StudyTables(FileTable):
     """What is swept."""
 
     hand: _Hand
@@ -108,8 +108,8 @@ def load(path: Any, hand: Callable[..., Hand]) -> StudyFile:
 
     Raises InputError, and what `hand` raises.
     """
-    text, file = text_of(path, "a study (TOML)")
-    table = checked(StudyTables, text, file.name)
+    text, file = read_text_file(path, "a study (TOML)")
+    table = read_tables(StudyTables, text, file.name)
     brief = Brief.from_toml(file.parent / table.brief)
     plain = not any(name.startswith(_BRIEF) for name in table.space)
     said = {_URDF: table.hand} if isinstance(table.hand, str) else table.hand

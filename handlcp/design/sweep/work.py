@@ -22,7 +22,7 @@ from handlcp.design.evaluate import evaluate, evaluate_worst
 from handlcp.design.evaluation import Evaluation, ObjectCase
 from handlcp.design.space import Value
 from handlcp.errors import InputError, UnknownName, keyed
-from handlcp.grasp.answer.verdict import HELD
+from handlcp.grasp.solution.verdict import HELD
 from handlcp.hand.hand import Hand
 
 MOST_HEADS = 8  # where none of so many grasps an object, the others of the cell have no candidate of theirs

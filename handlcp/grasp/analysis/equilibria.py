@@ -17,24 +17,27 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array
-from handlcp.grasp.answer.make_solution import Judged, make_solution
-from handlcp.grasp.answer.printed import contact_data
-from handlcp.grasp.answer.small_motions import motions
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.assembly.build import build
-from handlcp.grasp.assembly.candidate import Candidate, candidate_of
-from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
-from handlcp.grasp.friction import Section
-from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.search.over_modes import PER_SECOND, OverModes, coarse, first_certified, only_limits_move, passes
-from handlcp.grasp.solve.solve_spec import solve_spec
-from handlcp.grasp.verify.capacity import overload
-from handlcp.grasp.verify.judge import judge
+from handlcp.contact.friction import Section
+from handlcp.grasp.assembly.problem import GraspContactProblem, SolverCandidate, solution_candidate, stamped_effects
+from handlcp.grasp.assembly.scene_builder import build_scene
+from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.solution.solution import GraspSolution, contact_data
+from handlcp.grasp.solution.verdict import solution_motions
+from handlcp.grasp.solve.equilibrium_search import (
+    WORK_PER_SECOND,
+    ContactModeSearch,
+    coarse_candidates,
+    first_certified,
+    has_only_limits,
+    is_certified,
+)
+from handlcp.grasp.solve.solve_spec import CertifiedCandidate, make_solution, solve_spec
+from handlcp.grasp.verify.certifier import certify_candidate
+from handlcp.grasp.verify.load_capacity import prove_overload
 from handlcp.keywords import helped_methods
 from handlcp.lcp import NSNGRK, Auto, Status, proposals
-from handlcp.lcp.kernels.lemke import lemke
-from handlcp.lcp.multipliers import WithMultipliers
-from handlcp.lcp.reduce import reduce
+from handlcp.lcp.contact_problem import MultiplierLCP
+from handlcp.lcp.lemke import eliminate_free, pivot_lemke
 from handlcp.record import Record, data_frame
 from handlcp.text_table import wrapped
 from handlcp.tolerances import ACTIVE, PIVOT
@@ -42,23 +45,23 @@ from handlcp.tolerances import ACTIVE, PIVOT
 # ----------------------------------------------------------------
 # Where a search for equilibria starts from: answers of coarser pyramids, other seeds, other methods.
 
-_COARSER = (6, 8, 12, 5, 4, 3)  # faces of pyramids whose equilibria are good places to start from
-RUNS = 8  # other seeds and starts
+_COARSE_FACES = (6, 8, 12, 5, 4, 3)  # faces of pyramids whose equilibria are good places to start from
+OTHER_SEEDS = 8  # other seeds and starts
 
 T = TypeVar("T")
 
 
-def starts(problem: GraspContactProblem, end: float) -> Iterator[Candidate]:
+def iterate_starts(problem: GraspContactProblem, end: float) -> Iterator[SolverCandidate]:
     """Answers of coarser pyramids, as many as the time allows, then of other seeds and starts."""
-    several = only_limits_move(problem) and problem.faces != 2
-    for k, faces in enumerate([m for m in _COARSER if m != problem.faces] if several else ()):
+    several = has_only_limits(problem) and problem.faces != 2
+    for k, faces in enumerate([m for m in _COARSE_FACES if m != problem.faces] if several else ()):
         left = end - time.monotonic()
-        near = coarse(problem, faces, 0.5 * (left if k else max(left, 1.0)))  # the first whatever the time
-        yield from until(end, near) if k else near
-    yield from until(end, seeded(problem, RUNS))
+        near = coarse_candidates(problem, faces, 0.5 * (left if k else max(left, 1.0)))  # the first whatever the time
+        yield from take_until(end, near) if k else near
+    yield from take_until(end, seeded_candidates(problem, OTHER_SEEDS))
 
 
-def until(end: float, candidates: Iterator[T]) -> Iterator[T]:
+def take_until(end: float, candidates: Iterator[T]) -> Iterator[T]:
     """The first ones, up to a time of `time.monotonic()`; one at least."""
     for candidate in candidates:
         yield candidate
@@ -66,25 +69,25 @@ def until(end: float, candidates: Iterator[T]) -> Iterator[T]:
             return
 
 
-def seeded(problem: GraspContactProblem, runs: int = 4, seed: int = 1) -> Iterator[Candidate]:
+def seeded_candidates(problem: GraspContactProblem, runs: int = 4, seed: int = 1) -> Iterator[SolverCandidate]:
     """Candidates of NSNGRK from other starts with other seeds, and of Lemke's method with other covering vectors (on
     the pyramid, or an 8-face one for the exact cone, from which Newton's method goes on).
     """
     rng, method = np.random.default_rng(seed), NSNGRK(max_iterations=16 * problem.n)
-    lcp = WithMultipliers(problem, problem.flat(8) if problem.flat and not problem.faces else None)
-    r = reduce(lcp.scaled)
+    lcp = MultiplierLCP(problem, problem.flat(8) if problem.flat and not problem.faces else None)
+    r = eliminate_free(lcp.scaled)
     for k in range(runs):
         start = rng.exponential(size=problem.n) * rng.choice([-1.0, 0.0, 1.0], problem.n)
         start[problem.role == 1] = abs(start[problem.role == 1])
         yield problem.candidate(replace(method, seed=seed + k).propose_contact(problem, start).z)
-        _, _, v = lemke(r.M, r.q, 10.0 ** rng.uniform(-1, 1, len(r.q)), 50 + 20 * len(r.q), PIVOT)
+        _, _, v = pivot_lemke(r.M, r.q, 10.0 ** rng.uniform(-1, 1, len(r.q)), 50 + 20 * len(r.q), PIVOT)
         yield problem.candidate(method.propose_contact(problem, lcp.back(r.restore(v))).z)
 
 
 # ----------------------------------------------------------------
 
 _COLUMNS = ("equilibrium", "contact", "state", "normal_N", "friction_N", "friction_used", "slip_m", "gap_m")
-_APART = 1e-6  # of the largest force, or of the scene's: forces that differ by less are the same
+_EQUAL_FORCE_SHARE = 1e-6  # of the largest force, or of the scene's: forces that differ by less are the same
 
 
 @helped_methods
@@ -136,7 +139,7 @@ class Equilibria(Record):
 
     def _which(self) -> Iterator[str]:
         """Which of several are to be reckoned with."""
-        within = [str(i) for i, s in enumerate(self.found, 1) if not motions(s).too_large]
+        within = [str(i) for i, s in enumerate(self.found, 1) if not solution_motions(s).too_large]
         if len(within) < len(self.found):
             which = (
                 f"numbers {words.listed(within)}" if len(within) > 1 else f"number {within[0]} alone" if within else ""
@@ -155,70 +158,74 @@ def _line(s: GraspSolution) -> str:
 
 def equilibria(spec: GraspSpec, section: Section, seconds: float) -> Equilibria:
     """All equilibria that `seconds` are enough for, certified, and whether it is proven that there are no more."""
-    run = _Listing(spec, section, time.monotonic())
+    run = _EquilibriumListing(spec, section, time.monotonic())
     first = solve_spec(spec, section, Auto(search_seconds=0.0), scene=run.scene)
     if first.status is Status.NOT_HOLDABLE:
         return run.result(True, "no forces within friction balance the load")
     if first.held:
         run.found.append(first)
-    elif overload(run.scene, section, spec.effects) is not None:
+    elif prove_overload(run.scene, section, spec.effects) is not None:
         return run.result(True, "no forces within friction and limits balance the load")
     if run.scene.soft:
         run.from_other_seeds(run.start + seconds)
         return run.result(False, "contact modes know no moments about normals")
     if first.held and not len(run.problem.blocks):
         return run.result(True, "without friction the laws are monotone")
-    modes = OverModes(run.problem) if only_limits_move(run.problem) and run.problem.faces else None
-    complete, why, end = False, _open(run.problem), run.start + seconds
+    modes = ContactModeSearch(run.problem) if has_only_limits(run.problem) and run.problem.faces else None
+    complete, why, end = False, _why_open(run.problem), run.start + seconds
     if modes is not None:
-        candidates = list(modes.every(PER_SECOND * seconds))
+        candidates = list(modes.each_choice(WORK_PER_SECOND * seconds))
         end = time.monotonic() + seconds  # whatever was compiled before
-        tried = [first_certified(run.problem, [c]) for c in until(end, iter(candidates))]
+        tried = [first_certified(run.problem, [c]) for c in take_until(end, iter(candidates))]
         late, known = time.monotonic() > end, [c for c in tried if c is not None]
-        run.add(known)
-        complete, why = run.judged(modes, known, len(tried), late)
+        run.add_new(known)
+        complete, why = run.assess_search(modes, known, len(tried), late)
     if not complete:
-        run.add(c for start in starts(run.problem, end) if (c := first_certified(run.problem, [start])) is not None)
+        run.add_new(
+            c for start in iterate_starts(run.problem, end) if (c := first_certified(run.problem, [start])) is not None
+        )
     return run.result(complete, why)
 
 
-class _Listing:
+class _EquilibriumListing:
     """Equilibria of one grasp, as they are found."""
 
     def __init__(self, spec: GraspSpec, section: Section, start: float) -> None:
-        self.spec, self.start, self.scene = spec, start, build(spec)
-        self.problem = GraspContactProblem(self.scene, section, stamped(spec.effects))
+        self.spec, self.start, self.scene = spec, start, build_scene(spec)
+        self.problem = GraspContactProblem(self.scene, section, stamped_effects(spec.effects))
         self.found: list[GraspSolution] = []
-        self.noise = _APART * self.scene.units.force
+        self.noise = _EQUAL_FORCE_SHARE * self.scene.units.force
 
     def from_other_seeds(self, end: float) -> None:
         """What the chain of stages ends at with other seeds."""
-        for seed in range(1, RUNS + 1):
+        for seed in range(1, OTHER_SEEDS + 1):
             if time.monotonic() > end:
                 return
             ended = (self.problem.candidate(p.z) for _, p in proposals(self.problem, Auto(seed=seed)))
-            self.add(c for c in ended if passes(self.problem, c))
+            self.add_new(c for c in ended if is_certified(self.problem, c))
 
-    def has_the_first(self, candidates: list[Candidate]) -> bool:
+    def has_known_answer(self, candidates: list[SolverCandidate]) -> bool:
         """Whether the answer that is known is among them, as it must be; of a family any member may be."""
-        if not self.found or not _determined(self.found[0]):
+        if not self.found or not _has_determined_forces(self.found[0]):
             return True
         return any(self._close(self._forces(c), self.found[0].forces) for c in candidates)
 
-    def judged(self, modes: OverModes, known: list[Candidate], tried: int, late: bool) -> tuple[bool, str]:
+    def assess_search(
+        self, modes: ContactModeSearch, known: list[SolverCandidate], tried: int, late: bool
+    ) -> tuple[bool, str]:
         """(complete, why) after a search over contact modes; known : what was certified of those tried."""
-        choices = f"{modes.search.choices:,.0f}"
+        choices = f"{modes.search.choice_count:,.0f}"
         if not modes.search.exhausted:
-            return False, f"{modes.search.choices:.2g} choices of contact modes are too many for the time"
+            return False, f"{modes.search.choice_count:.2g} choices of contact modes are too many for the time"
         if late:
             return False, "the time was too short"
-        if not all(map(_determined, self.found)):
+        if not all(map(_has_determined_forces, self.found)):
             return False, "forces of rigid fingers are not determined where they stick"
-        if len(known) < tried or not self.has_the_first(known):
+        if len(known) < tried or not self.has_known_answer(known):
             return False, "some are degenerate"
         return True, f"all {choices} choices of contact modes were solved"
 
-    def add(self, candidates: Iterable[Candidate]) -> None:
+    def add_new(self, candidates: Iterable[SolverCandidate]) -> None:
         """Append what is no member of a family already found: its smallest member is that one's, or halfway to that one
         there is an equilibrium as well (what one choice of modes allows is convex).
         """
@@ -226,7 +233,7 @@ class _Listing:
         for c in candidates:
             if any(self._close(self._forces(c), s.forces) for s in self.found):
                 continue
-            judged = Judged(c, judge(scene, effects, section, c), 0)
+            judged = CertifiedCandidate(c, certify_candidate(scene, effects, section, c), 0)
             made = make_solution(self.spec, scene, section, effects, judged, ("another equilibrium",))
             if not any(self._close(made.forces, s.forces) or self._one_family(made, s) for s in self.found):
                 self.found.append(made)
@@ -238,29 +245,31 @@ class _Listing:
         known.sort(key=lambda s: float((s.forces**2).sum()))
         return Equilibria(tuple(known), complete, why, time.monotonic() - self.start)
 
-    def _forces(self, c: Candidate) -> Array:
+    def _forces(self, c: SolverCandidate) -> Array:
         """(n, 3) in contact axes."""
-        return self.scene.physical(c.components)[: 3 * self.scene.n].reshape(-1, 3)
+        return self.scene.to_contact_axes(c.components)[: 3 * self.scene.n].reshape(-1, 3)
 
     def _close(self, a: Array, b: Array) -> bool:
         """Within the noise, too: where no force is needed, what rounding leaves of it differs by all of its size."""
-        return float(abs(a - b).max()) <= max(_APART * max(float(abs(a).max()), float(abs(b).max())), self.noise)
+        return float(abs(a - b).max()) <= max(
+            _EQUAL_FORCE_SHARE * max(float(abs(a).max()), float(abs(b).max())), self.noise
+        )
 
     def _one_family(self, a: GraspSolution, b: GraspSolution) -> bool:
-        if _determined(a) and _determined(b):
+        if _has_determined_forces(a) and _has_determined_forces(b):
             return False
-        one, other = candidate_of(self.scene, a), candidate_of(self.scene, b)
+        one, other = solution_candidate(self.scene, a), solution_candidate(self.scene, b)
         extra = {name: 0.5 * (a.extra[name] + b.extra[name]) for name in a.extra}
         middle = 0.5 * (one.components + other.components), 0.5 * (one.twist + other.twist)
-        return passes(self.problem, Candidate(*middle, extra, one.soft))
+        return is_certified(self.problem, SolverCandidate(*middle, extra, one.soft))
 
 
-def _determined(s: GraspSolution) -> bool:
+def _has_determined_forces(s: GraspSolution) -> bool:
     return s.uniqueness is None or s.uniqueness.forces_determined
 
 
-def _open(problem: GraspContactProblem) -> str:
+def _why_open(problem: GraspContactProblem) -> str:
     """Why contact modes prove nothing, where they don't."""
-    if not only_limits_move(problem):
+    if not has_only_limits(problem):
         return "an effect moves the contacts, so their modes do not describe them"
     return "the exact cone has a continuum of slip directions"

@@ -1,4 +1,4 @@
-"""Forces as accurate as asked for: the error of the forces estimated, settings refined until it is small enough."""
+"""A solve with advice: for a proven "no", the squeeze that would help, worked out when somebody asks."""
 
 from __future__ import annotations
 
@@ -7,26 +7,89 @@ import math
 import time
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from handlcp.check import Array, Bools
-from handlcp.errors import Unsupported
-from handlcp.grasp.analysis.advice import solve_with_advice
-from handlcp.grasp.answer.solution import Accuracy, GraspSolution
-from handlcp.grasp.assembly.build import build
-from handlcp.grasp.assembly.candidate import candidate_of
-from handlcp.grasp.assembly.contact_form import GraspContactProblem, stamped
-from handlcp.grasp.friction import Cone, Interval, Pyramid, Section
+from handlcp.contact.friction import Cone, Interval, Pyramid, Section
+from handlcp.errors import NoSolutionFound, Unsupported
+from handlcp.grasp.assembly.problem import AnyProblem, GraspContactProblem, solution_candidate, stamped_effects
+from handlcp.grasp.assembly.scene_builder import build_scene
+from handlcp.grasp.derivatives.active_set import LinearLaws, active_rows
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.solve.compiled_answer import start_from
-from handlcp.grasp.tangent.active_set import Laws, active_rows
-from handlcp.grasp.verify.contact_states import GLIDING, SEPARATED, SLIDING, STICKING, States
+from handlcp.grasp.solution.solution import Accuracy, GraspSolution
+from handlcp.grasp.solve.compiled_answer import NO_START, start_values
+from handlcp.grasp.solve.solve_spec import solve_spec
+from handlcp.grasp.verify.contact_state import GLIDING, SEPARATED, SLIDING, STICKING, ContactStates
 from handlcp.lcp import Auto, ContactSolver, SemismoothNewton, Solver, Status, as_chain
-from handlcp.lcp.kernels.contact_rows import row_scales
+from handlcp.lcp.kernels.contact_newton import row_scales
 from handlcp.lcp.solve import AnySolver
 from handlcp.tolerances import ACTIVE, RANK
+
+
+def solve_with_advice(
+    spec: GraspSpec, section: Section, solver: AnySolver = None, start: Array = NO_START, scene: Scene | None = None,
+    proof: bool = True,
+) -> GraspSolution:  # fmt: skip
+    """As `solve_spec`; NO_EQUILIBRIUM can be asked for the `required_preload` that would hold."""
+    return attach_advice(solve_spec(spec, section, solver, start, scene, proof), spec, section)
+
+
+def attach_advice(solution: GraspSolution, spec: GraspSpec, section: Section) -> GraspSolution:
+    """The solution that knows where to ask for the squeeze that would help."""
+    if solution.status is not Status.NO_EQUILIBRIUM or solution.certificate is not None:  # no squeeze moves a limit
+        return solution
+    return replace(solution, advise=partial(_find_helpful_squeeze, spec, section))
+
+
+def _find_helpful_squeeze(spec: GraspSpec, section: Section) -> float | None:
+    """The smallest squeeze that holds within the joints' torque limits, up to a fifth of the grasp's size [m]: of two
+    digits, as it is said, where that holds, too.
+    """
+    from handlcp.grasp.analysis.required_value import required_preload
+    from handlcp.grasp.derivatives.parameter.squeeze import MAX_SQUEEZE_SHARE
+
+    least = required_preload(
+        spec,
+        section,
+        limit=MAX_SQUEEZE_SHARE * build_scene(spec).units.length,
+        test=_holds_within_limits,
+        sure=_holds_within_limits,
+    ).value
+    if not least:
+        return least
+    step = 10.0 ** (math.floor(math.log10(least)) - 1)
+    said = float(f"{math.ceil(least / step * (1 - 1e-12)) * step:.2g}")
+    return said if _holds_within_limits(spec.with_squeeze(said), section) else least
+
+
+def _holds_within_limits(spec: GraspSpec, section: Section) -> bool:
+    """Whether an equilibrium is found, and no joint is over its torque limit there."""
+    from handlcp.grasp.analysis.required_value import BRIEF_CHAIN
+
+    found = solve_spec(spec, section, BRIEF_CHAIN)
+    check = getattr(found, "torque_check", None)
+    return found.held and (check is None or not check.over)
+
+
+def make_no_solution_error(problem: AnyProblem, solution: GraspSolution) -> NoSolutionFound:
+    """The error that carries them; its message, advice included, is made when somebody reads it."""
+    return NoSolutionFound(partial(_error_message, solution), problem, solution)
+
+
+def _error_message(solution: GraspSolution) -> str:
+    lines, reached = [str(solution), *solution.trace], solution.accuracy
+    if solution.held and reached is not None:
+        advice = f"double precision shows no more here: ask for {2.0 * reached.error:.0e}"
+        lines = [f"no setting is shown to keep what was asked for: {reached}", advice, *lines]
+    return "\n  ".join(lines)
+
+
+# ----------------------------------------------------------------
+# Forces as accurate as asked for: the error of the forces estimated, settings refined until it is small enough.
+
 
 # ----------------------------------------------------------------
 # How far the forces of an answer are from those that solve its laws exactly: an estimate from the answer itself.
@@ -47,9 +110,9 @@ from handlcp.tolerances import ACTIVE, RANK
 
 _EPS = float(np.finfo(float).eps)
 _ROUNDING = 4.0 * _EPS  # of a sum, over the sum of its terms' sizes: data, product and sum
-_MOST_DOUBTFUL = 5  # contacts on a border whose 2^k choices are all looked at; of more, each alone and all at once
-_REGULAR = 1e-9  # 1 / condition above which A is inverted; below, its rank is looked at
-_NO_RADIUS = 1e-12  # of |x_T - ρ y_T|: limits below it turn with any slip
+_MAX_DOUBTFUL = 5  # contacts on a border whose 2^k choices are all looked at; of more, each alone and all at once
+_MIN_RCOND = 1e-9  # 1 / condition above which A is inverted; below, its rank is looked at
+_MIN_RADIUS_SHARE = 1e-12  # of |x_T - ρ y_T|: limits below it turn with any slip
 
 
 def force_error(problem: GraspContactProblem, solution: GraspSolution) -> float:
@@ -60,9 +123,9 @@ def force_error(problem: GraspContactProblem, solution: GraspSolution) -> float:
     problem : with the cone or the planar interval as its section, without soft contacts. solution : certified for it.
     """
     scene, at = problem.scene, problem.system.at
-    laws = _Laws(problem, problem.natural(candidate_of(scene, solution)))
+    laws = _ErrorLaws(problem, problem.natural(solution_candidate(scene, solution)))
     bound = laws.bound(laws.piece)
-    for piece in _others(laws.piece, laws.doubtful(bound)):
+    for piece in _other_pieces(laws.piece, laws.find_doubtful(bound)):
         bound = np.maximum(bound, laws.bound(piece))
     off = np.zeros(3 * scene.n)
     for name, index in (("r_N", scene.kind.normal_index), ("r_T", scene.kind.tangent_index)):
@@ -76,14 +139,14 @@ def force_error(problem: GraspContactProblem, solution: GraspSolution) -> float:
     return most / (size - most) if most < size else np.inf
 
 
-class _Laws:
+class _ErrorLaws:
     """At x (n,): what rounding can have done to y, ρ and s = x - ρ y, (n,) each; of each block's s_T the length and
     direction, and the limit μ x_N. piece (n + k,) bool: which pairs touch, then which of k blocks stick.
     """
 
     def __init__(self, problem: GraspContactProblem, x: Array) -> None:
         self.M, self.q, self.x, self.blocks, self.limits = problem.M, problem.q, x, problem.blocks, problem.limits
-        self.noise, self.rho = _noise(problem, x), row_scales(self.M, self.blocks)
+        self.noise, self.rho = _rounding_noise(problem, x), row_scales(self.M, self.blocks)
         self.s, self.pair = x - self.rho * (self.M @ x + self.q), problem.role == 1
         tangential = self._of_tangents(self.s)
         self.size = np.hypot(*tangential.T)
@@ -94,7 +157,7 @@ class _Laws:
         self.own = np.searchsorted(pairs, self.blocks[:, 0])  # which of the pairs each block belongs to
         contacts, limits = np.full((len(pairs), 4), -1), np.zeros(len(pairs))
         contacts[:, 0], contacts[self.own], limits[self.own] = pairs, self.blocks, self.limits
-        self.laws = Laws(self.M.copy(), problem.role == 0, contacts, limits, 1.0)
+        self.laws = LinearLaws(self.M.copy(), problem.role == 0, contacts, limits, 1.0)
 
     def _of_tangents(self, values: Array) -> Array:
         """(k, 2) those of each block's tangents, 0 for the one that is missing in a plane."""
@@ -111,24 +174,24 @@ class _Laws:
         inverse = _inverse(A)
         return np.asarray(abs(inverse @ F) + abs(inverse) @ off)
 
-    def _states(self, touches: Bools, sticks: Bools) -> States:
+    def _states(self, touches: Bools, sticks: Bools) -> ContactStates:
         """Of all pairs; a contact that has no friction glides."""
         pairs = self.laws.contacts[:, 0]
         kind, faces, turn = np.full(len(pairs), GLIDING), np.zeros((len(pairs), 3, 3)), np.zeros(len(pairs))
         kind[self.own], faces[self.own, 0, :2] = np.where(sticks, STICKING, SLIDING), self.along
         beyond = np.maximum(self.size - self.radius, 0.0)
-        turn[self.own] = beyond / (self.rho[self.blocks[:, 1]] * np.maximum(self.radius, _NO_RADIUS * self.size))
+        turn[self.own] = beyond / (self.rho[self.blocks[:, 1]] * np.maximum(self.radius, _MIN_RADIUS_SHARE * self.size))
         kind[~touches[pairs]] = SEPARATED
-        return States(kind, (kind == SLIDING).astype(np.int64), faces, turn)
+        return ContactStates(kind, (kind == SLIDING).astype(np.int64), faces, turn)
 
-    def doubtful(self, bound: Array) -> Bools:
+    def find_doubtful(self, bound: Array) -> Bools:
         """(n + k,) pairs and blocks that may be on the other side of their border, for all the bound (n,) says."""
         moved = bound + self.rho * (self.noise + abs(self.M) @ bound)
         slack = np.hypot(*self._of_tangents(moved).T) + self.limits * bound[self.blocks[:, 0]]
         return np.concatenate([self.pair & (abs(self.s) <= moved), abs(self.size - self.radius) <= slack])
 
 
-def _noise(problem: GraspContactProblem, x: Array) -> Array:
+def _rounding_noise(problem: GraspContactProblem, x: Array) -> Array:
     """(n,) what rounding can have done to M x + q. Levers are differences of positions, moments those of the load's
     about the origin: what they are differences of counts.
     """
@@ -145,18 +208,18 @@ def _inverse(A: Array) -> Array:
     """Inverse of a matrix of rows of size one, or what the rank tolerance leaves of it."""
     try:
         inverse = np.linalg.inv(A)
-        if np.linalg.norm(inverse, np.inf) * np.linalg.norm(A, np.inf) < 1.0 / _REGULAR:
+        if np.linalg.norm(inverse, np.inf) * np.linalg.norm(A, np.inf) < 1.0 / _MIN_RCOND:
             return np.asarray(inverse)
     except np.linalg.LinAlgError:
         pass  # singular to the last bit
     return np.asarray(np.linalg.pinv(A, rcond=RANK))
 
 
-def _others(piece: Bools, doubtful: Bools) -> Iterator[Bools]:
+def _other_pieces(piece: Bools, doubtful: Bools) -> Iterator[Bools]:
     """The pieces with doubtful pairs and blocks on their other side, in every way but none at all."""
     at = np.flatnonzero(doubtful)
     patterns = np.vstack([np.eye(len(at), dtype=bool), np.ones(len(at), dtype=bool)])
-    if len(at) <= _MOST_DOUBTFUL:
+    if len(at) <= _MAX_DOUBTFUL:
         patterns = np.array(list(itertools.product((False, True), repeat=len(at)))[1:], dtype=bool)
     for pattern in patterns:
         other = piece.copy()
@@ -171,9 +234,9 @@ def _others(piece: Bools, doubtful: Bools) -> Iterator[Bools]:
 # error. What is left of an error on the cone is the solver's and rounding's (`force_error`). A plane's interval, and
 # contacts without friction, are exact whatever the solver.
 
-_STARTS = (4, 8, 16, 32)  # faces of the pyramids whose answers may lead to the cone's
+_START_FACES = (4, 8, 16, 32)  # faces of the pyramids whose answers may lead to the cone's
 _NEWTON = SemismoothNewton()
-_FINEST = SemismoothNewton(tol=1e-13)  # as far as rounding lets Newton's method go
+_FINEST_NEWTON = SemismoothNewton(tol=1e-13)  # as far as rounding lets Newton's method go
 
 
 def solve_to_accuracy(
@@ -185,27 +248,30 @@ def solve_to_accuracy(
     proof : as in `Grasp.solve`.
     Raises Unsupported for soft fingers, and for a solver that knows no cones where there is one.
     """
-    begun, scene = time.perf_counter(), build(spec)
+    begun, scene = time.perf_counter(), build_scene(spec)
     if scene.soft:
         raise Unsupported("accuracy= knows no soft fingers: solve(faces) and solve('cone') do")
-    section, words = _exact(scene, solver)
+    section, words = _exact_section(scene, solver)
     solution, solves = solve_with_advice(spec, section, solver, start, scene, proof), 1
     if proof and solution.status is Status.UNDECIDED and isinstance(section, Cone):
         solution, solves, words = _through_pyramids(spec, scene, solver, solution)
-    error = _error(spec, scene, solution)
+    error = _solution_error(spec, scene, solution)
     if solution.held and not error <= accuracy and scene.frictional:
-        finer, solves = solve_with_advice(spec, _true(scene), _FINEST, start_from(solution, scene), scene), solves + 1
-        if (better := _error(spec, scene, finer)) < error:
+        finer, solves = (
+            solve_with_advice(spec, _true_section(scene), _FINEST_NEWTON, start_values(solution, scene), scene),
+            solves + 1,
+        )
+        if (better := _solution_error(spec, scene, finer)) < error:
             solution, error, words = finer, better, f"{words}, more Newton steps"
     reached = Accuracy(accuracy, error, words, solves, time.perf_counter() - begun)
     return replace(solution, accuracy=reached, trace=(*solution.trace, f"accuracy: {reached}"))
 
 
-def _exact(scene: Scene, solver: AnySolver) -> tuple[Section, str]:
+def _exact_section(scene: Scene, solver: AnySolver) -> tuple[Section, str]:
     """The section that stands for the exact one with this solver, and its name."""
     # A class, or anything that is no solver, is refused where it is used
     plain = not isinstance(solver, (Auto, ContactSolver, type)) and isinstance(solver, Solver)
-    exact = _true(scene)
+    exact = _true_section(scene)
     if not scene.frictional:
         return Pyramid(4) if plain and not scene.kind.planar else exact, "exact, no friction"
     if plain and not scene.kind.planar:
@@ -214,7 +280,7 @@ def _exact(scene: Scene, solver: AnySolver) -> tuple[Section, str]:
     return exact, exact.name
 
 
-def _true(scene: Scene) -> Section:
+def _true_section(scene: Scene) -> Section:
     """Friction as it is."""
     return Interval() if scene.kind.planar else Cone()
 
@@ -224,17 +290,17 @@ def _through_pyramids(
 ) -> tuple[GraspSolution, int, str]:
     """(solution, solves, words): Newton's method on the cone from the answers of pyramids."""
     method = replace(as_chain(solver) or Auto(), search_seconds=0.0)
-    for k, faces in enumerate(_STARTS):
+    for k, faces in enumerate(_START_FACES):
         near = solve_with_advice(spec, Pyramid(faces), method, scene=scene)
         if near.held:
-            cone = solve_with_advice(spec, Cone(), _NEWTON, start_from(near, scene), scene)
+            cone = solve_with_advice(spec, Cone(), _NEWTON, start_values(near, scene), scene)
             if cone.held:
                 return cone, 2 * k + 3, f"{Cone().name}, from the {Pyramid(faces).name}"
-    return best, 1 + 2 * len(_STARTS), Cone().name
+    return best, 1 + 2 * len(_START_FACES), Cone().name
 
 
-def _error(spec: GraspSpec, scene: Scene, solution: GraspSolution) -> float:
+def _solution_error(spec: GraspSpec, scene: Scene, solution: GraspSolution) -> float:
     """Of an answer on the exact section; NaN without one."""
     if not solution.held:
         return math.nan
-    return force_error(GraspContactProblem(scene, _true(scene), stamped(spec.effects)), solution)
+    return force_error(GraspContactProblem(scene, _true_section(scene), stamped_effects(spec.effects)), solution)

@@ -15,14 +15,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.answer.verdict import HELD
-from handlcp.grasp.assembly.build import build
+from handlcp.contact.friction import Cone, Pyramid, Section
+from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.effects import Effect, effect_kinds
-from handlcp.grasp.friction import Cone, Pyramid, Section
-from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.solve.compiled_answer import start_from
-from handlcp.grasp.solve.stages import solve_built
+from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.solution.solution import GraspSolution
+from handlcp.grasp.solution.verdict import HELD
+from handlcp.grasp.solve.compiled_answer import start_values
+from handlcp.grasp.solve.solve_spec import solve_in_stages
 from handlcp.lcp import Auto
 from handlcp.record import Record
 from handlcp.text_table import wrapped
@@ -79,9 +79,11 @@ class Suggestions(Record):
             tried = f": neither {' nor '.join(self.tried)}" if self.tried else ""
             lines = [f"nothing was found that would make it hold{tried}"]
         if not lines:
-            lines = [f"no effect that was judged changes the answer by as much as {_percent(self.least)}"]
+            lines = [f"no effect that was judged changes the answer by as much as {_format_percent(self.least)}"]
         if self.small:
-            lines.append("changes little: " + ", ".join(f"{title} {_percent(change)}" for title, change in self.small))
+            lines.append(
+                "changes little: " + ", ".join(f"{title} {_format_percent(change)}" for title, change in self.small)
+            )
         if self.unjudged:
             lines.append("not judged (they need numbers, or do not go with what is on): " + ", ".join(self.unjudged))
         return tuple(lines)
@@ -92,7 +94,7 @@ class Suggestions(Record):
 
 def suggest(spec: GraspSpec, section: Section, solution: GraspSolution, least: float) -> Suggestions:
     """Which effects that are left out would change the solution, an answer with this section, by more than `least`."""
-    every = sorted(_every(spec, section, solution), key=lambda s: -s.change)
+    every = sorted(_all_suggestions(spec, section, solution), key=lambda s: -s.change)
     done = {e.title for e in spec.effects} | {s.effect for s in every}
     return Suggestions(
         tuple(s for s in every if s.change >= least),
@@ -102,10 +104,10 @@ def suggest(spec: GraspSpec, section: Section, solution: GraspSolution, least: f
     )
 
 
-def _every(spec: GraspSpec, section: Section, solution: GraspSolution) -> Iterator[Suggestion]:
+def _all_suggestions(spec: GraspSpec, section: Section, solution: GraspSolution) -> Iterator[Suggestion]:
     """The exact cone, and every effect that can be tried."""
-    if build(spec).frictional and isinstance(section, Pyramid):
-        yield _changed_by(spec, Cone(), solution, "exact friction cone", 'faces="cone"')
+    if build_scene(spec).frictional and isinstance(section, Pyramid):
+        yield _suggest_change(spec, Cone(), solution, "exact friction cone", 'faces="cone"')
     on = {type(e) for e in spec.effects}
     torque = getattr(solution, "torques", np.zeros(0))
     for kind in effect_kinds():
@@ -116,7 +118,7 @@ def _every(spec: GraspSpec, section: Section, solution: GraspSolution) -> Iterat
         if trial.effect is None:
             yield estimate
             continue
-        s = _changed_by(
+        s = _suggest_change(
             spec.replace(effects=(*spec.effects, trial.effect)), section, solution, estimate.effect, estimate.ask
         )
         if trial.instead:
@@ -127,21 +129,21 @@ def _every(spec: GraspSpec, section: Section, solution: GraspSolution) -> Iterat
             yield replace(s, words=estimate.words) if math.isinf(s.change) else s
 
 
-def _changed_by(other: GraspSpec, section: Section, solution: GraspSolution, effect: str, ask: str) -> Suggestion:
+def _suggest_change(other: GraspSpec, section: Section, solution: GraspSolution, effect: str, ask: str) -> Suggestion:
     """What the other grasp's answer, from this one's on, is different by."""
-    share = _shares(other, section, solution)
+    share = _force_changes(other, section, solution)
     k = int(share.argmax())
     if math.isinf(share[k]):
         return Suggestion(effect, math.inf, "no equilibrium is found with it", ask)
     name = other.names[k]
     whose = f"{name}'" if name.endswith("s") else f"{name}'s"
-    return Suggestion(effect, float(share[k]), f"{_percent(share[k])} of {whose} force", ask)
+    return Suggestion(effect, float(share[k]), f"{_format_percent(share[k])} of {whose} force", ask)
 
 
-def _shares(other: GraspSpec, section: Section, solution: GraspSolution) -> Array:
+def _force_changes(other: GraspSpec, section: Section, solution: GraspSolution) -> Array:
     """(n,) |Δr_i| over the largest |r|, of the other grasp solved once from the solution on; infinite: no answer."""
-    scene = build(other)
-    again = solve_built(other, scene, section, Auto(search_seconds=0.0), start_from(solution, scene))
+    scene = build_scene(other)
+    again = solve_in_stages(other, scene, section, Auto(search_seconds=0.0), start_values(solution, scene))
     if not again.held:
         return np.full(other.n, np.inf)
     size = float(np.linalg.norm(solution.forces, axis=1).max()) or 1.0
@@ -156,9 +158,9 @@ def force_change(spec: GraspSpec, section: Section, solution: GraspSolution, eff
     there = effect.under(spec, solution.forces, others)
     if isinstance(there, str):
         return np.full(spec.n, np.inf)
-    return _shares(spec.replace(effects=(*others, there)), section, solution)
+    return _force_changes(spec.replace(effects=(*others, there)), section, solution)
 
 
-def _percent(share: float) -> str:
+def _format_percent(share: float) -> str:
     """In two digits."""
     return f"{100 * share:.2g} %"

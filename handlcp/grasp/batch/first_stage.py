@@ -11,16 +11,15 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints, read_only, several, yes_or_no
+from handlcp.contact.friction import Pyramid, Section, as_section
 from handlcp.errors import InputError
-from handlcp.grasp.friction import Pyramid, Section, as_section
 from handlcp.grasp.grasp import Grasp
-from handlcp.grasp.model.kind import Kind
+from handlcp.grasp.model.contact import SceneKind
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.solve.compiled_answer import NOWHERE, CompiledKind, compiled_kind
-from handlcp.grasp.solve.compiled_solve import HEAD, NONE_HOLDS, UNIQUE, ScenePattern, solve_scenes
-from handlcp.grasp.solve.scene_row import write_rows
+from handlcp.grasp.solve.compiled_answer import NO_START, CompiledKind, get_compiled_kind
+from handlcp.grasp.solve.compiled_solve import HEADER_SIZE, NONE_HOLDS, UNIQUE, ScenePattern, solve_scenes, write_rows
 from handlcp.lcp import Status, as_chain
-from handlcp.lcp.compiler.when import soon
+from handlcp.lcp.compiler.compile_policy import compile_in_background
 from handlcp.lcp.solve import AnySolver
 from handlcp.tolerances import CERTIFY
 
@@ -29,7 +28,7 @@ from handlcp.tolerances import CERTIFY
 
 
 @dataclass(frozen=True, slots=True)
-class Batch:
+class GraspBatch:
     """m grasps and the arguments of their solves.
 
     spatial, planar : the friction sets of spatial and of planar grasps. solver, proof : as in `Grasp.solve`.
@@ -49,50 +48,50 @@ class Batch:
         return self.planar if self.grasps[k].scene.kind.planar else self.spatial
 
 
-def batch_of(grasps: Iterable[Grasp], faces: int | str | Pyramid, solver: AnySolver, proof: bool) -> Batch:
+def batch_of(grasps: Iterable[Grasp], faces: int | str | Pyramid, solver: AnySolver, proof: bool) -> GraspBatch:
     """The batch with everything checked. Raises InputError."""
     every = several("grasps", grasps, "several Grasps, such as a list")
     for k, g in enumerate(every):
         if not isinstance(g, Grasp):
             raise InputError(f"grasps[{k}]", "a Grasp", repr(g)[:80])
-    return Batch(every, as_section(faces), as_section(faces, planar=True), solver, yes_or_no("proof", proof))
+    return GraspBatch(every, as_section(faces), as_section(faces, planar=True), solver, yes_or_no("proof", proof))
 
 
 # ----------------------------------------------------------------
 # Many scenes of one kind as one matrix, and the same matrix in fewer numbers where it travels to another process.
 
 
-_READ = attrgetter("positions", "frames", "flexibility", "offset", "prescribed", "force", "moment", "mu")
-_SPATIAL = np.eye(6)
+_READ_FIELDS = attrgetter("positions", "frames", "flexibility", "offset", "prescribed", "force", "moment", "mu")
+_SPATIAL_FREEDOM = np.eye(6)
 
 
-def rows_of(scenes: Sequence[Scene], kind: CompiledKind, section: Section) -> Array:
+def scene_rows(scenes: Sequence[Scene], kind: CompiledKind, section: Section) -> Array:
     """(m, width) read-only: the rows of scenes of one kind, field by field for all at once, in a third of the time."""
     m, soft = len(scenes), kind.kind.soft
-    positions, frames, E, offset, known, force, moment, mu = zip(*map(_READ, scenes), strict=True)
+    positions, frames, E, offset, known, force, moment, mu = zip(*map(_READ_FIELDS, scenes), strict=True)
     none = np.zeros(kind.kind.components)
     return write_rows(
         m, kind.scene_width, positions=positions, frames=frames, flexibility=E, offset=offset,
         prescribed=[none if a is None else a for a in known],
-        spin=[s.given.spin for s in scenes] if soft else np.zeros((m, 0)), force=force, moment=moment,
-        freedom=[s.freedom for s in scenes] if kind.kind.planar else [_SPATIAL] * m,
+        spin=[s.arrays.spin for s in scenes] if soft else np.zeros((m, 0)), force=force, moment=moment,
+        freedom=[s.freedom for s in scenes] if kind.kind.planar else [_SPATIAL_FREEDOM] * m,
         limits=[s.limits(section) for s in scenes] if soft else np.array(mu) * section.share,
     )  # fmt: skip
 
 
-def answer_rows(numbers: Array, pattern: ScenePattern, width: int, seed: int) -> Array:
+def solve_scene_rows(numbers: Array, pattern: ScenePattern, width: int, seed: int) -> Array:
     """(m, width) the first stage's answers to scenes (m, …) of one kind, without a start."""
     rows = np.empty((len(numbers), width))
-    solve_scenes(numbers, pattern, NOWHERE, seed, rows)
+    solve_scenes(numbers, pattern, NO_START, seed, rows)
     return rows
 
 
 @dataclass(frozen=True, slots=True)
-class Parcel:
+class SceneParcel:
     """Scenes of one kind as they travel: what all have in common once, which columns differ, and these alone.
 
     Grasps made by `replace(wrench=...)` differ in six numbers of some hundreds. pattern, width, seed : as in
-    `answer_rows`. common (w,). varying (v,). values (m, v).
+    `solve_scene_rows`. common (w,). varying (v,). values (m, v).
     """
 
     pattern: ScenePattern
@@ -108,15 +107,15 @@ class Parcel:
         return self.values.nbytes + self.common.nbytes + 4096
 
 
-def parcel_of(numbers: Array, pattern: ScenePattern, width: int, seed: int) -> Parcel:
+def pack_scenes(numbers: Array, pattern: ScenePattern, width: int, seed: int) -> SceneParcel:
     """The scenes (m, w) as they travel; the same bits come out of it."""
     bits = numbers.view(np.int64)  # -0.0 is not 0.0
     varying = np.flatnonzero((bits != bits[0]).any(axis=0))
-    return Parcel(pattern, width, seed, numbers[0].copy(), varying, numbers[:, varying])
+    return SceneParcel(pattern, width, seed, numbers[0].copy(), varying, numbers[:, varying])
 
 
-@soon()
-def solve_parcel(parcel: Parcel) -> Array:
+@compile_in_background()
+def solve_parcel(parcel: SceneParcel) -> Array:
     """The answers to the scenes of a parcel, wherever it was opened."""
     numbers = np.tile(parcel.common, (len(parcel.values), 1))
     numbers[:, parcel.varying] = parcel.values
@@ -125,7 +124,7 @@ def solve_parcel(parcel: Parcel) -> Array:
         contacts=p.contacts.copy(), unknown=p.unknown.copy(), role=p.role.copy(), order=p.order.copy(),
         blocks=p.blocks.copy(), normals=read_only(p.normals.copy()),
     )  # fmt: skip
-    return answer_rows(read_only(numbers), pattern, parcel.width, parcel.seed)
+    return solve_scene_rows(read_only(numbers), pattern, parcel.width, parcel.seed)
 
 
 # ----------------------------------------------------------------
@@ -135,17 +134,17 @@ STATUSES = tuple(Status)
 
 P = TypeVar("P")
 R = TypeVar("R")
-_CHUNK = 256  # grasps that a thread takes at a time: long beside the handing over, short beside the whole
+_GRASPS_PER_TASK = 256  # grasps that a thread takes at a time: long beside the handing over, short beside the whole
 
 
-class Members(NamedTuple):
+class BatchMembers(NamedTuple):
     """Grasps of one kind by their places in the batch."""
 
     kind: CompiledKind
     at: Ints
 
 
-class Answers(NamedTuple):
+class FirstStageAnswers(NamedTuple):
     """Answers of the first stage to grasps of one kind: places in the batch (k,), and rows (k, width), certified or
     not, as `CompiledAnswer` reads them.
     """
@@ -155,12 +154,12 @@ class Answers(NamedTuple):
     rows: Array
 
     @property
-    def passing(self) -> Bools:
+    def is_certified(self) -> Bools:
         """(k,) whether the certifier calls it an answer; NaN never is."""
         return np.asarray((self.rows[:, 5:9] <= CERTIFY).all(axis=1))
 
     @property
-    def unique(self) -> Bools:
+    def is_unique(self) -> Bools:
         """(k,) whether it is an answer that leaves nothing free."""
         return np.asarray(self.rows[:, 11] == UNIQUE)
 
@@ -169,29 +168,35 @@ class Answers(NamedTuple):
         """(k,) the number of each status among all, where the first stage settles it, or nothing more is asked."""
         none = self.rows[:, 11] == NONE_HOLDS
         other = np.where(none, STATUSES.index(Status.NOT_HOLDABLE), STATUSES.index(Status.UNDECIDED))
-        return np.where(self.passing, STATUSES.index(Status.SOLVED), other)
+        return np.where(self.is_certified, STATUSES.index(Status.SOLVED), other)
 
-    def moves(self, some: Ints) -> tuple[Array, Array, Array]:
+    def forces_and_twists(self, some: Ints) -> tuple[Array, Array, Array]:
         """(components (s, c), twist (s, 6), centre (s, 3)) of some of the rows."""
         c, rows = self.kind.kind.components, self.rows[some]
-        return rows[:, HEAD : HEAD + c], rows[:, HEAD + c : HEAD + c + 6], rows[:, HEAD + c + 6 : HEAD + c + 9]
+        return (
+            rows[:, HEADER_SIZE : HEADER_SIZE + c],
+            rows[:, HEADER_SIZE + c : HEADER_SIZE + c + 6],
+            rows[:, HEADER_SIZE + c + 6 : HEADER_SIZE + c + 9],
+        )
 
     @property
-    def ends(self) -> tuple[Array, Ints]:
+    def motions_and_states(self) -> tuple[Array, Ints]:
         """(object minus fingertip (k, c) [m], contact states (k, n) by their numbers)."""
         c, n = self.kind.kind.components, self.kind.kind.n
-        at = HEAD + c + 9
+        at = HEADER_SIZE + c + 9
         return self.rows[:, at : at + c], self.rows[:, at + c : at + c + n].astype(np.int64)
 
 
-def kinds_of(batch: Batch) -> tuple[list[Members], list[int]]:
+def group_by_kind(batch: GraspBatch) -> tuple[list[BatchMembers], list[int]]:
     """The grasps kind by kind; and those that have no compiled first stage, of effects with rows of their own or with
     any other solver than the chain.
     """
     if as_chain(batch.solver) is None:
         return [], list(range(len(batch)))
     found: dict[int, list[int]] = {}
-    kinds: dict[int, Kind] = {}  # by identity: `kind_of` makes few, and their hashes take longer than all the rest
+    kinds: dict[
+        int, SceneKind
+    ] = {}  # by identity: `cached_kind` makes few, and their hashes take longer than all the rest
     others = []
     for k, g in enumerate(batch.grasps):
         if g.spec.effects and any([e.stamps or e.depends_on_forces for e in g.spec.effects]):
@@ -203,40 +208,42 @@ def kinds_of(batch: Batch) -> tuple[list[Members], list[int]]:
         found[key].append(k)
     members = []
     for own in found.values():
-        kind = compiled_kind(batch.grasps[own[0]].scene, batch.section(own[0]))
-        members.append(Members(kind, np.array(own, dtype=np.int64)))
+        kind = get_compiled_kind(batch.grasps[own[0]].scene, batch.section(own[0]))
+        members.append(BatchMembers(kind, np.array(own, dtype=np.int64)))
     return members, others
 
 
-def shards(kinds: list[Members], size: int) -> Iterator[Members]:
+def split_members(kinds: list[BatchMembers], size: int) -> Iterator[BatchMembers]:
     """The same in pieces of so many grasps at most."""
     for kind, at in kinds:
         for begin in range(0, len(at), size):
-            yield Members(kind, at[begin : begin + size])
+            yield BatchMembers(kind, at[begin : begin + size])
 
 
-def answers_in_threads(batch: Batch, kinds: list[Members], workers: int) -> Iterator[Answers]:
+def answers_in_threads(batch: GraspBatch, kinds: list[BatchMembers], workers: int) -> Iterator[FirstStageAnswers]:
     """The answers, shard by shard, in so many threads: most of the time is spent in compiled code."""
     chain = as_chain(batch.solver)
     assert chain is not None or not kinds  # `kinds_of` saw to it
 
-    def solved(shard: Members) -> Answers:
+    def solved(shard: BatchMembers) -> FirstStageAnswers:
         assert chain is not None
         kind = shard.kind
-        return Answers(*shard, answer_rows(_numbers(batch, shard), kind.pattern, kind.answer_width, chain.seed))
+        return FirstStageAnswers(
+            *shard, solve_scene_rows(_numbers(batch, shard), kind.pattern, kind.answer_width, chain.seed)
+        )
 
-    yield from _in_threads(list(shards(kinds, _CHUNK)), solved, workers)
+    yield from _in_threads(list(split_members(kinds, _GRASPS_PER_TASK)), solved, workers)
 
 
-def solved_rows(numbers: Array, kind: CompiledKind, workers: int) -> Array:
+def solve_rows(numbers: Array, kind: CompiledKind, workers: int) -> Array:
     """(m, width) the first stage's answers to the rows of scenes of one kind, as `solve_many` has them."""
     chain = as_chain(None)
     assert chain is not None
 
     def solved(part: Array) -> Array:
-        return answer_rows(part, kind.pattern, kind.answer_width, chain.seed)
+        return solve_scene_rows(part, kind.pattern, kind.answer_width, chain.seed)
 
-    parts = [numbers[at : at + _CHUNK] for at in range(0, len(numbers), _CHUNK)]
+    parts = [numbers[at : at + _GRASPS_PER_TASK] for at in range(0, len(numbers), _GRASPS_PER_TASK)]
     return np.concatenate(list(_in_threads(parts, solved, workers)))
 
 
@@ -248,20 +255,20 @@ def _in_threads(parts: Sequence[P], solved: Callable[[P], R], workers: int) -> I
         yield from pool.map(solved, parts)
 
 
-def parcel(batch: Batch, shard: Members) -> Parcel:
+def pack_shard(batch: GraspBatch, shard: BatchMembers) -> SceneParcel:
     """The shard as it travels."""
     chain = as_chain(batch.solver)
     assert chain is not None
     kind = shard.kind
-    return parcel_of(_numbers(batch, shard), kind.pattern, kind.answer_width, chain.seed)
+    return pack_scenes(_numbers(batch, shard), kind.pattern, kind.answer_width, chain.seed)
 
 
-def _numbers(batch: Batch, shard: Members) -> Array:
+def _numbers(batch: GraspBatch, shard: BatchMembers) -> Array:
     scenes = [batch.grasps[k].scene for k in shard.at.tolist()]
-    return rows_of(scenes, shard.kind, batch.section(int(shard.at[0])))
+    return scene_rows(scenes, shard.kind, batch.section(int(shard.at[0])))
 
 
-def settled(found: Answers, proof: bool) -> tuple[Answers, dict[int, Array]]:
+def split_settled(found: FirstStageAnswers, proof: bool) -> tuple[FirstStageAnswers, dict[int, Array]]:
     """What the first stage settles, everything where no further proof is asked for; and the rows of the others by their
     places, where later stages go on.
     """
@@ -269,4 +276,4 @@ def settled(found: Answers, proof: bool) -> tuple[Answers, dict[int, Array]]:
     if good.all():
         return found, {}
     lost = dict(zip(found.at[~good].tolist(), found.rows[~good], strict=True))
-    return Answers(found.kind, found.at[good], found.rows[good]), lost
+    return FirstStageAnswers(found.kind, found.at[good], found.rows[good]), lost

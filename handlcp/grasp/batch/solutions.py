@@ -1,9 +1,10 @@
-"""What `solve_many` gives back: a solution for each grasp, made when it is looked at, and arrays over all of them."""
+"""The numbers of a batch as arrays, read off the rows of its answers without making a solution of each."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass
 from operator import index
 from typing import Any, overload
 from weakref import WeakValueDictionary
@@ -13,18 +14,183 @@ import numpy.typing as npt
 
 from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.errors import Unsupported
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.batch.columns import Group, groups_of
-from handlcp.grasp.batch.first_stage import STATUSES, Answers, Batch
+from handlcp.grasp.batch.first_stage import STATUSES, FirstStageAnswers, GraspBatch
+from handlcp.grasp.grasp import Grasp
+from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solve.compiled_answer import CompiledAnswer
 from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
 from handlcp.lcp import Status
 from handlcp.record import Record, data_frame
 from handlcp.text_table import TextTable, wrapped
+from handlcp.tolerances import OVER
 from handlcp.views import view
+from handlcp.words import distinct
 
-_INSTEAD = "to_dict() has a column for each name, and solutions[k] the numbers of grasp k"
+
+@dataclass(frozen=True, slots=True)
+class GraspGroup:
+    """The k grasps of a batch with n contacts each and joints of the same names; NaN where one is not held.
+
+    at (k,) : their places in the batch. joints (nv,) : names, () without a hand.
+    forces (k, n, 3), displacement (k, 6), torques (k, nv) : as in the solutions. utilisation (k, nv) : |torque| over
+    limit.
+    """
+
+    at: Ints
+    joints: tuple[str, ...]
+    forces: Array
+    displacement: Array
+    torques: Array
+    utilisation: Array
+
+    def set_solution(self, row: int, grasp: Grasp, solution: GraspSolution) -> None:
+        """Write what a solution says into a row."""
+        self.forces[row] = solution.forces
+        self.displacement[row] = solution.object_displacement
+        if (mechanism := grasp.spec.mechanism) is not None:
+            torques: Array = getattr(solution, "torques")  # noqa: B009  that of `mechanism.solution`, a subclass
+            self._put_torques(row, torques, mechanism.limits)
+
+    def set_answer(self, row: int, grasp: Grasp, answer: CompiledAnswer) -> None:
+        """The same from an answer of the first stage that leaves nothing free, where forces are scaled or joints bear
+        them; everything else is there already.
+        """
+        spec, scene = grasp.spec, grasp.scene
+        components, n = scene.to_contact_axes(answer.components), scene.n
+        self.forces[row] = components[: 3 * n].reshape(-1, 3)
+        if (mechanism := spec.mechanism) is not None:
+            torsion = scene.scatter_torsion(components[3 * n :]) if scene.soft else None
+            joints = mechanism.joints(scene, spec.effects, self.forces[row], torsion, {})
+            self._put_torques(row, joints.torque, mechanism.limits)
+
+    def _put_torques(self, row: int, torques: Array, limits: Array) -> None:
+        self.torques[row] = torques
+        np.divide(abs(torques), limits, out=self.utilisation[row])
+
+    def seal(self) -> GraspGroup:
+        """The same with arrays that nobody writes to any more."""
+        for a in (self.forces, self.displacement, self.torques, self.utilisation):
+            read_only(a)
+        return self
+
+
+def make_groups(
+    batch: GraspBatch,
+    answers: Sequence[FirstStageAnswers],
+    singles: dict[int, GraspSolution],
+    look: Sequence[GraspSolution],
+) -> tuple[GraspGroup, ...]:
+    """The grasps by how many contacts they have and by the names of their joints, one group at least.
+
+    singles : solutions that are no rows of `answers`. look : the solution of each grasp, made when it is looked at:
+    here, where an answer leaves something free.
+    """
+    number, row, groups = _make_empty_groups(batch.grasps)
+    for k, solution in singles.items():
+        if solution.held:
+            groups[number[k]].set_solution(row[k], batch.grasps[k], solution)
+    for found in answers:
+        direct = found.is_unique
+        for k in found.at[found.is_certified & ~direct].tolist():
+            groups[number[k]].set_solution(row[k], batch.grasps[k], look[k])
+        for g in np.unique(number[found.at[direct]]).tolist():
+            some = np.flatnonzero(direct & (number[found.at] == g))
+            _put_answers(groups[g], row, batch.grasps, found, some)
+    return tuple([g.seal() for g in groups])
+
+
+def _put_answers(group: GraspGroup, row: Ints, grasps: Sequence[Grasp], found: FirstStageAnswers, some: Ints) -> None:
+    """Write these rows of the answers into the group."""
+    at, n, kind = found.at[some], found.kind.kind.n, found.kind
+    places, members = row[at], [grasps[k] for k in at.tolist()]
+    components, twist, centre = found.forces_and_twists(some)
+    group.forces[places] = components[:, : 3 * n].reshape(-1, n, 3)
+    arm = np.concatenate([g.spec.reference for g in members]).reshape(-1, 3) - centre
+    group.displacement[places] = shift_twists(twist, arm)
+    for i, place, g in zip(some.tolist(), places.tolist(), members, strict=True):
+        if g.spec.mechanism is not None or g.scene.scale is not None:
+            group.set_answer(place, g, CompiledAnswer(kind, found.rows[i]))
+
+
+def _make_empty_groups(grasps: Sequence[Grasp]) -> tuple[Ints, Ints, list[GraspGroup]]:
+    """(m,) the number of each grasp's group, (m,) its row there, and the groups, full of NaN."""
+    keys: dict[tuple[int, tuple[str, ...]], list[int]] = {}
+    for k, g in enumerate(grasps):
+        spec = g.spec
+        keys.setdefault((len(spec.contacts), () if spec.mechanism is None else spec.mechanism.names), []).append(k)
+    number, row, groups = np.empty(len(grasps), np.int64), np.empty(len(grasps), np.int64), list[GraspGroup]()
+    for (n, joints), own in (keys or {(0, ()): list[int]()}).items():
+        at = np.array(own, dtype=np.int64)
+        number[at], row[at] = len(groups), np.arange(len(at))
+        shapes = ((n, 3), (6,), (len(joints),), (len(joints),))
+        groups.append(GraspGroup(at, joints, *[np.full((len(at), *shape), np.nan) for shape in shapes]))
+    return number, row, groups
+
+
+def shift_twists(twist: Array, arm: Array) -> Array:
+    """(k, 6) `vectors.shift_twist` row by row."""
+    u, v, w, p, q, r = twist.T
+    x, y, z = arm.T
+    return np.stack([u + q * z - r * y, v + r * x - p * z, w + p * y - q * x, p, q, r], axis=1)
+
+
+# ---------------------------------------------------------------- A batch as named columns, for a data frame.
+
+_OBJECT_AXES = ("x", "y", "z", "rx", "ry", "rz")
+
+
+def make_columns(grasps: Sequence[Grasp], groups: Sequence[GraspGroup]) -> dict[str, Any]:
+    """Columns of m rows each, by name, as `Solutions.to_dict` says; NaN where a grasp has no such number."""
+    m = len(grasps)
+    fingers: dict[str, Array] = {}
+    whole = {f"object.{axis}": np.full(m, np.nan) for axis in _OBJECT_AXES}
+    joints: dict[str, Array] = {}
+    most, binding = np.full(m, np.nan), np.full(m, None, dtype=object)
+
+    def put(columns: dict[str, Array], name: str, at: Any, values: Array) -> None:
+        columns.setdefault(name, np.full(m, np.nan))[at] = values
+
+    for g in groups:
+        for names, rows in _by_names(grasps, g).items():
+            for i, name in enumerate(distinct(names)):
+                for a, axis in enumerate("xyz"):
+                    put(fingers, f"{name}.force_{axis}", g.at[rows], g.forces[rows, i, a])
+        for a, axis in enumerate(_OBJECT_AXES):
+            put(whole, f"object.{axis}", g.at, g.displacement[:, a])
+        for j, name in enumerate(g.joints):
+            put(joints, f"{name}.torque", g.at, g.torques[:, j])
+            put(joints, f"{name}.utilisation", g.at, g.utilisation[:, j])
+        if g.joints:
+            most[g.at], binding[g.at] = g.utilisation.max(axis=1), _binding_joints(g)
+    if joints:
+        joints["utilisation"] = most
+        return {**fingers, **whole, **joints, "binding": binding.tolist()}
+    return {**fingers, **whole}
+
+
+def _by_names(grasps: Sequence[Grasp], group: GraspGroup) -> dict[tuple[str, ...], list[int]]:
+    """Rows of the group by the names of their contacts."""
+    rows: dict[tuple[str, ...], list[int]] = {}
+    for row, k in enumerate(group.at.tolist()):
+        rows.setdefault(grasps[k].spec.names, []).append(row)
+    return rows
+
+
+def _binding_joints(group: GraspGroup) -> Any:
+    """(k,) the joint with the highest utilisation; None where that is 0 or there is no answer."""
+    most = group.utilisation.max(axis=1)
+    which = (group.utilisation >= (most - OVER * most)[:, None]).argmax(axis=1)
+    names = np.array(group.joints, dtype=object)[which]
+    names[~(most > 0.0)] = None
+    return names
+
+
+# ----------------------------------------------------------------
+# What `solve_many` gives back: a solution for each grasp, made when it is looked at, and arrays over all of them.
+
+
+_MIXED_HINT = "to_dict() has a column for each name, and solutions[k] the numbers of grasp k"
 
 
 @helped_methods
@@ -38,7 +204,9 @@ class Solutions(Record, Sequence[GraspSolution]):
     held : (m,) bool, whether each is SOLVED.
     """
 
-    def __init__(self, batch: Batch, answers: Sequence[Answers], singles: dict[int, GraspSolution]) -> None:
+    def __init__(
+        self, batch: GraspBatch, answers: Sequence[FirstStageAnswers], singles: dict[int, GraspSolution]
+    ) -> None:
         self._batch, self._answers, self._singles = batch, tuple(answers), singles
         self._where: Ints = np.full((len(batch), 2), -1)  # which of the answers, and which row of it
         codes = np.zeros(len(batch), dtype=np.int8)
@@ -61,7 +229,7 @@ class Solutions(Record, Sequence[GraspSolution]):
     @overload
     def __getitem__(self, at: slice) -> list[GraspSolution]: ...
     def __getitem__(self, at: int | slice) -> GraspSolution | list[GraspSolution]:
-        from handlcp.grasp.solve.stages import answered
+        from handlcp.grasp.solve.solve_spec import conclude_first_stage
 
         if isinstance(at, slice):
             return [self[k] for k in range(len(self))[at]]
@@ -71,7 +239,7 @@ class Solutions(Record, Sequence[GraspSolution]):
             number, row = self._where[k].tolist()
             found, grasp = self._answers[number], self._batch.grasps[k]
             answer = CompiledAnswer(found.kind, found.rows[row])
-            known = self._seen[k] = answered(grasp.spec, grasp.scene, self._batch.section(k), answer)
+            known = self._seen[k] = conclude_first_stage(grasp.spec, grasp.scene, self._batch.section(k), answer)
         return known
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -99,7 +267,7 @@ class Solutions(Record, Sequence[GraspSolution]):
         """
         counts = {g.forces.shape[1] for g in self._groups}
         if len(counts) > 1:
-            raise Unsupported(f"forces: the grasps have from {min(counts)} to {max(counts)} contacts; {_INSTEAD}")
+            raise Unsupported(f"forces: the grasps have from {min(counts)} to {max(counts)} contacts; {_MIXED_HINT}")
         return self._over_all([g.forces for g in self._groups])
 
     @property
@@ -123,7 +291,7 @@ class Solutions(Record, Sequence[GraspSolution]):
         joints = {g.joints for g in self._groups}
         if len(joints) > 1 or (len(self) and () in joints):
             some = "not all grasps are of a hand" if () in joints else "the grasps are of hands with different joints"
-            raise Unsupported(f"{asked}: {some}; {_INSTEAD}")
+            raise Unsupported(f"{asked}: {some}; {_MIXED_HINT}")
 
     def to_dict(self) -> dict[str, Any]:
         """Columns for a data frame, m long each; `to_frame()` makes one.
@@ -134,9 +302,7 @@ class Solutions(Record, Sequence[GraspSolution]):
         the joint that has it (None: no joint with a limit bears a torque, or there is no answer).
         Numbers are NaN where a grasp is not held, or has no finger or joint of that name.
         """
-        from handlcp.grasp.batch.columns import frame
-
-        return {"status": self.status, "held": self.held, **frame(self._batch.grasps, self._groups)}
+        return {"status": self.status, "held": self.held, **make_columns(self._batch.grasps, self._groups)}
 
     def to_frame(self) -> Any:
         """The same as a pandas table, a row for each grasp. Raises Unsupported without pandas."""
@@ -155,8 +321,8 @@ class Solutions(Record, Sequence[GraspSolution]):
         return wrapped(f"{len(self)} grasps: {', '.join(f'{k} {name}' for name, k in counts.most_common())}", "  ")
 
     @lazy
-    def _groups(self) -> tuple[Group, ...]:
-        return groups_of(self._batch, self._answers, self._singles, self)
+    def _groups(self) -> tuple[GraspGroup, ...]:
+        return make_groups(self._batch, self._answers, self._singles, self)
 
     def _over_all(self, parts: list[Array]) -> Array:
         """(m, …) from the arrays of the groups."""

@@ -1,24 +1,257 @@
-"""Many grasps in one call."""
+"""Shards of a batch on cores, or on somebody's executor: the first stage, and what it leaves open."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from concurrent.futures import Executor
-from typing import TYPE_CHECKING
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Executor, Future
+from dataclasses import dataclass, replace
+from queue import SimpleQueue
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
-from handlcp.check import cores
+from handlcp.check import Array, cores
+from handlcp.contact.friction import Pyramid, Section
 from handlcp.errors import InputError
-from handlcp.grasp.friction import Pyramid
+from handlcp.grasp.analysis.solve_to_accuracy import attach_advice
+from handlcp.grasp.assembly.scene_builder import build_scene
+from handlcp.grasp.batch.first_stage import (
+    BatchMembers,
+    FirstStageAnswers,
+    GraspBatch,
+    answers_in_threads,
+    group_by_kind,
+    pack_shard,
+    solve_parcel,
+    split_members,
+    split_settled,
+)
+from handlcp.grasp.batch.worker_pool import worker_pool
 from handlcp.grasp.grasp import Grasp
+from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.solution.solution import GraspSolution
+from handlcp.grasp.solve.compiled_answer import CompiledAnswer, get_compiled_kind
+from handlcp.grasp.solve.solve_spec import solve_in_stages, solve_spec
 from handlcp.keywords import helped
-from handlcp.lcp.compiler.when import soon
+from handlcp.lcp.compiler.compile_policy import compile_in_background
+from handlcp.lcp.solve import AnySolver
 from handlcp.progress import Progress, told
 
 if TYPE_CHECKING:
-    from handlcp.grasp.answer.solution import GraspSolution
-    from handlcp.grasp.batch.first_stage import Answers
+    from handlcp.grasp.batch.first_stage import FirstStageAnswers
     from handlcp.grasp.batch.solutions import Solutions
+    from handlcp.grasp.solution.solution import GraspSolution
     from handlcp.lcp import Auto, ContactSolver, Solver
+
+# ----------------------------------------------------------------
+# Jobs on any `concurrent.futures` executor: what comes back in the order in which it is done, and what fails.
+
+J = TypeVar("J")
+
+
+class ExecutorJobs(Generic[J]):
+    """Jobs on their way through an executor, each with what its sender knows it by.
+
+    Leaving the `with` block cancels what has not begun. An error of a job or of the executor itself, such as a pool
+    that lost a process, comes out of `send` or `done` as it is.
+    """
+
+    def __init__(self, executor: Executor) -> None:
+        self._executor = executor
+        self._sent: dict[Future[Any], tuple[J, int]] = {}
+        self._done: SimpleQueue[Future[Any]] = SimpleQueue()
+        self.size = 0  # bytes on their way
+
+    def __enter__(self) -> ExecutorJobs[J]:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for future in self._sent:
+            future.cancel()
+
+    def __len__(self) -> int:
+        return len(self._sent)
+
+    def send(self, job: J, run: Callable[[Any], Any], cargo: Any, size: int = 0) -> None:
+        """Have run(cargo) computed; size : of the cargo [bytes]."""
+        future = self._executor.submit(run, cargo)
+        self._sent[future] = job, size
+        self.size += size
+        future.add_done_callback(self._done.put)
+
+    def finished_results(self, wait: bool) -> Iterator[tuple[J, Any]]:
+        """(job, result) of those that are done; wait : for one at least."""
+        while self._sent and (wait or not self._done.empty()):
+            future = self._done.get()
+            job, size = self._sent.pop(future)
+            self.size -= size
+            wait = False
+            yield job, future.result()
+
+
+# ----------------------------------------------------------------
+# What the first stage leaves: each grasp through the later stages by itself, here or in another process.
+
+
+@dataclass(frozen=True, slots=True)
+class UnsolvedGrasps:
+    """Grasps as they travel, in one pickle: what they share, such as their hand, is in it once, and a grasp made by
+    `replace(wrench=...)` adds some 350 bytes and the row of its first stage. Scenes stay at home.
+    """
+
+    specs: tuple[GraspSpec, ...]
+    sections: tuple[Section, ...]
+    rows: tuple[Array | None, ...]
+    solver: AnySolver
+    proof: bool
+
+
+def solve_one(batch: GraspBatch, k: int, row: Array | None) -> GraspSolution:
+    """The solution of grasp k. row : what its first stage came to, where that is known."""
+    g = batch.grasps[k]
+    scene = replace(g.scene)  # a solve hangs matrices on its scene: on one that goes, so that no batch piles them up
+    return restore_scene(batch, k, _solve_from_row(g.spec, scene, batch.section(k), batch.solver, batch.proof, row))
+
+
+def pack_unsolved(batch: GraspBatch, at: Sequence[int], rows: dict[int, Array]) -> UnsolvedGrasps:
+    """These grasps as they travel, with their rows, which are taken out."""
+    specs, sections = tuple([batch.grasps[k].spec for k in at]), tuple([batch.section(k) for k in at])
+    return UnsolvedGrasps(specs, sections, tuple([rows.pop(k, None) for k in at]), batch.solver, batch.proof)
+
+
+@compile_in_background()
+def solve_unsolved(left: UnsolvedGrasps) -> list[GraspSolution]:
+    """The solutions, without their scenes, wherever the grasps were sent."""
+    every = zip(left.specs, left.sections, left.rows, strict=True)
+    return [
+        replace(_solve_from_row(s, build_scene(s), own, left.solver, left.proof, row), scene=None)
+        for s, own, row in every
+    ]
+
+
+def restore_scene(batch: GraspBatch, k: int, solution: GraspSolution) -> GraspSolution:
+    """A solution with the scene of its grasp, and advice that is worked out when it is asked for."""
+    g = batch.grasps[k]
+    return attach_advice(replace(solution, scene=g.scene), g.spec, batch.section(k))
+
+
+def _solve_from_row(
+    spec: GraspSpec, scene: Scene, section: Section, solver: AnySolver, proof: bool, row: Array | None
+) -> GraspSolution:
+    if row is None:
+        return solve_spec(spec, section, solver, scene=scene, proof=proof)
+    first = CompiledAnswer(get_compiled_kind(scene, section), row)
+    return solve_in_stages(spec, scene, section, solver, proof=proof, first=first)
+
+
+# ----------------------------------------------------------------
+# A batch on its way through its stages: on the cores of this machine, or on an executor.
+
+# ---- on this machine
+_TRIAL_SECONDS = 0.25  # seconds of later stages that are done here before anybody asks how long the rest will take [s]
+_MIN_PROCESS_SECONDS = (
+    2.0  # seconds that the rest has to take: another process needs one to import the package and load kernels [s]
+)
+_SHARD_SECONDS = 0.25  # seconds of work that travel together: long beside the way there and back, short at the end [s]
+_SHARDS_PER_PROCESS = 2  # shards on their way for each process, so that it need not wait for this one
+
+# ---- on an executor: a Dask cluster spends 0.2 to 1 ms on a task; a grasp takes some ten µs in the first stage, from
+# 1 ms on in the later ones. A shard is long beside its task. Small batches are cut finer, down to where it no longer is
+_MIN_SHARDS = 64  # shards that a batch is cut into at least, so that many workers have work
+_FIRST_SHARD_GRASPS = 256, 2048  # grasps of a shard in the first stage, least and most
+_MAX_LATER_GRASPS = 32  # grasps of a shard in the later stages, most
+_MIN_PIECES = 8  # shards for what another shard leaves, at least
+_MAX_SHARD_BYTES = 2**22  # bytes of a shard in the first stage, most: Dask warns of 10 MB
+_MAX_BYTES_SENT = 2**28  # bytes of shards on their way: a batch of any size needs no more memory than that
+
+
+class SingleSolution(NamedTuple):
+    """A solution with the place of its grasp in the batch."""
+
+    at: int
+    solution: GraspSolution
+
+
+FoundSolutions = Iterator[FirstStageAnswers | SingleSolution]
+
+
+def solve_on_cores(batch: GraspBatch, workers: int) -> FoundSolutions:
+    """What is found, as it comes: the first stage in threads, then what it left, in processes where that takes long."""
+    kinds, left = group_by_kind(batch)
+    rows: dict[int, Array] = {}
+    for answers in answers_in_threads(batch, kinds, workers):
+        kept, lost = split_settled(answers, batch.proof)
+        rows |= lost
+        if len(kept.at):
+            yield kept
+    queue, begun, done = deque(sorted([*left, *rows])), time.perf_counter(), 0
+    while queue:
+        k = queue.popleft()
+        yield SingleSolution(k, solve_one(batch, k, rows.pop(k, None)))
+        done += 1
+        spent = time.perf_counter() - begun
+        if workers > 1 and spent >= _TRIAL_SECONDS and spent / done * len(queue) > _MIN_PROCESS_SECONDS:
+            yield from _with_processes(
+                batch, queue, rows, workers, max(1, min(_MAX_LATER_GRASPS, round(_SHARD_SECONDS * done / spent)))
+            )
+
+
+def _with_processes(
+    batch: GraspBatch, queue: deque[int], rows: dict[int, Array], workers: int, size: int
+) -> FoundSolutions:
+    """The rest of the queue: this process goes on with it, while others start and take shards of so many grasps."""
+    with ExecutorJobs[list[int]](worker_pool(workers - 1)) as jobs:
+        while queue or len(jobs):
+            while queue and len(jobs) < _SHARDS_PER_PROCESS * (workers - 1):
+                at = [queue.pop() for _ in range(min(size, len(queue)))]
+                jobs.send(at, solve_unsolved, pack_unsolved(batch, at, rows))
+            if queue:
+                k = queue.popleft()
+                yield SingleSolution(k, solve_one(batch, k, rows.pop(k, None)))
+            for at, solutions in jobs.finished_results(wait=not queue):
+                yield from (SingleSolution(k, restore_scene(batch, k, s)) for k, s in zip(at, solutions, strict=True))
+
+
+def solve_on_executor(batch: GraspBatch, executor: Executor) -> FoundSolutions:
+    """What is found, as it comes, all of it on the executor: what a shard leaves goes there again, in smaller ones."""
+    kinds, left = group_by_kind(batch)
+    rows: dict[int, Array] = {}
+    share = -(-len(batch) // _MIN_SHARDS)
+    most = min(_FIRST_SHARD_GRASPS[1], max(_FIRST_SHARD_GRASPS[0], share))
+    first = deque(
+        [s for own in kinds for s in split_members([own], min(most, _MAX_SHARD_BYTES // (8 * own.kind.scene_width)))]
+    )
+    later = deque(_split(left, share))
+    with ExecutorJobs[BatchMembers | list[int]](executor) as jobs:
+        while first or later or len(jobs):
+            while (first or later) and jobs.size < _MAX_BYTES_SENT:
+                if later:
+                    some = later.popleft()
+                    jobs.send(some, solve_unsolved, pack_unsolved(batch, some, rows))
+                else:
+                    cargo = pack_shard(batch, shard := first.popleft())
+                    jobs.send(shard, solve_parcel, cargo, cargo.size)
+            for job, result in jobs.finished_results(wait=True):
+                if isinstance(job, BatchMembers):
+                    kept, lost = split_settled(FirstStageAnswers(*job, result), batch.proof)
+                    rows |= lost
+                    later.extend(_split(list(lost), share))
+                    if len(kept.at):
+                        yield kept
+                else:
+                    yield from (SingleSolution(k, restore_scene(batch, k, s)) for k, s in zip(job, result, strict=True))
+
+
+def _split(left: list[int], share: int) -> Iterator[list[int]]:
+    """In several pieces even where few are left: each may take seconds."""
+    size = max(1, min(_MAX_LATER_GRASPS, share, len(left) // _MIN_PIECES))
+    return (left[k : k + size] for k in range(0, len(left), size))
+
+
+# ----------------------------------------------------------------
+# Many grasps in one call.
+
 
 # ----------------------------------------------------------------
 # Many grasps at once, over all cores or a cluster: for sweeps over loads, postures and designs.
@@ -50,7 +283,6 @@ def solve_many(
     what a lost worker had to another.
     """
     from handlcp.grasp.batch.first_stage import batch_of
-    from handlcp.grasp.batch.run import Single, on_cores, on_executor
     from handlcp.grasp.batch.solutions import Solutions
 
     batch = batch_of(grasps, faces, solver, proof)
@@ -59,11 +291,11 @@ def solve_many(
     if executor is not None and workers is not None:
         raise InputError("workers", "None beside an executor, which has its own", workers)
     count = cores(workers)
-    answers: list[Answers] = []
+    answers: list[FirstStageAnswers] = []
     singles: dict[int, GraspSolution] = {}
-    with told("grasps", len(batch), progress) as say, soon(len(batch)):
-        for found in on_cores(batch, count) if executor is None else on_executor(batch, executor):
-            if isinstance(found, Single):
+    with told("grasps", len(batch), progress) as say, compile_in_background(len(batch)):
+        for found in solve_on_cores(batch, count) if executor is None else solve_on_executor(batch, executor):
+            if isinstance(found, SingleSolution):
                 singles[found.at] = found.solution
                 say(1)
             else:

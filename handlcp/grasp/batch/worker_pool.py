@@ -18,11 +18,13 @@ from contextlib import contextmanager, suppress
 from functools import cache, partial
 from typing import Any
 
-from handlcp.lcp.compiler import when
+from handlcp.lcp.compiler import compile_policy
 
-_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-_REPLACED = "A worker stopped while some jobs were given"  # loky's, of a process that it replaces, such as a large one
-_LOOK = 1.0  # between two looks whether this program is still there [s]
+_ONE_THREAD_ENVIRONMENT = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+_REPLACED_WARNING = (
+    "A worker stopped while some jobs were given"  # loky's, of a process that it replaces, such as a large one
+)
+_PARENT_CHECK_SECONDS = 1.0  # between two looks whether this program is still there [s]
 
 
 def worker_pool(count: int) -> Any:
@@ -33,9 +35,11 @@ def worker_pool(count: int) -> Any:
     """
     from joblib.externals.loky import get_reusable_executor
 
-    warnings.filterwarnings("ignore", _REPLACED, UserWarning)
-    with _interrupts_held_back():
-        pool = get_reusable_executor(count, initializer=_begin, initargs=(os.getpid(), _permit()), env=_ONE_THREAD)
+    warnings.filterwarnings("ignore", _REPLACED_WARNING, UserWarning)
+    with _hold_back_interrupts():
+        pool = get_reusable_executor(
+            count, initializer=_start_worker, initargs=(os.getpid(), _compile_permit()), env=_ONE_THREAD_ENVIRONMENT
+        )
         with suppress(BrokenExecutor):  # a process has just died: whoever sends work next hears it
             pool.submit(os.getpid)  # which starts them
     return pool
@@ -49,31 +53,31 @@ def end_workers() -> None:
 
 
 @cache
-def _permit() -> Any:
+def _compile_permit() -> Any:
     """The one permit of this program and its processes to say that they compile."""
     from joblib.externals.loky import backend
 
     permit = backend.get_context("loky").Semaphore(1)
-    when.say_with(partial(permit.acquire, False))
+    compile_policy.share_announcements(partial(permit.acquire, False))
     return permit
 
 
-def _begin(parent: int, permit: Any) -> None:
+def _start_worker(parent: int, permit: Any) -> None:
     """In a new process, first of all."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    when.say_with(partial(permit.acquire, False))
-    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+    compile_policy.share_announcements(partial(permit.acquire, False))
+    threading.Thread(target=_end_with_parent, args=(parent,), daemon=True).start()
 
 
-def _end_with(parent: int) -> None:
+def _end_with_parent(parent: int) -> None:
     """End this process soon after the one that started it, also where that is killed."""
     while os.getppid() == parent:
-        time.sleep(_LOOK)
+        time.sleep(_PARENT_CHECK_SECONDS)
     os._exit(1)
 
 
 @contextmanager
-def _interrupts_held_back() -> Iterator[None]:
+def _hold_back_interrupts() -> Iterator[None]:
     """Ctrl-C arrives after this block. Processes that start in it, or by a thread that does, never hear it."""
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield

@@ -12,17 +12,17 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, number
+from handlcp.contact.friction import Section
 from handlcp.errors import InputError
-from handlcp.grasp.answer.verdict import HELD
-from handlcp.grasp.cause.judge import UNDECIDED
-from handlcp.grasp.cause.wording import NOTHING, said
-from handlcp.grasp.design.least import verdict_on, word
-from handlcp.grasp.friction import Section
+from handlcp.grasp.derivatives.parameter import parameters_by_effort
+from handlcp.grasp.derivatives.parameter.load import load_beside_weight, with_load
+from handlcp.grasp.design.required_value import verdict_on, verdict_word
+from handlcp.grasp.failure.failure_mode import UNDECIDED
+from handlcp.grasp.failure.failure_text import NOTHING_FAILS, describe_failures
 from handlcp.grasp.limits.load_limit import load_limit
 from handlcp.grasp.limits.result import LoadLimit
-from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.parameter import by_effort
-from handlcp.grasp.parameter.wrench import beside_weight, loaded
+from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.solution.verdict import HELD
 from handlcp.progress import told
 from handlcp.record import Record
 from handlcp.text_table import TextTable, wrapped
@@ -81,8 +81,8 @@ class BestChange(Record):
     @property
     def table(self) -> TextTable:
         """Change by change."""
-        rows = [("as it is", _times(self.before.factor), "", _gives_out(self.before))]
-        rows += [(t.what, _times(t.factor), _gain(t.gain), _gives_out(t.limit)) for t in self.tried]
+        rows = [("as it is", _format_factor(self.before.factor), "", _describe_limit(self.before))]
+        rows += [(t.what, _format_factor(t.factor), _format_gain(t.gain), _describe_limit(t.limit)) for t in self.tried]
         return TextTable(
             ("change", "holds extra\n× weight" if self.of_weight else "holds\n× load", "gain", "then gives out"),
             tuple(rows),
@@ -96,12 +96,12 @@ class BestChange(Record):
     def sentence(self) -> str:
         """The best change, and what `check` says."""
         if not self.tried:
-            return f"{NOTHING}, however large the load: no change buys anything"
+            return f"{NOTHING_FAILS}, however large the load: no change buys anything"
         if (best := self.best) is None:
             none = "none of these changes buys load"
             undecided = any(bind.kind == UNDECIDED for bind in self.before.binds)
             return wrapped(f"{none}; as it is: {self.before.why}") if undecided else none
-        told, load = f"{best.what} buys most: {_gain(best.gain)} load", "the load"
+        told, load = f"{best.what} buys most: {_format_gain(best.gain)} load", "the load"
         if self.of_weight:
             load, has = "extra weight", f"{self.before.factor:.4g} × the weight in addition"
             told = f"no load was given, so weight is added to the object's own: as it is, the grasp holds {has}; {told}"
@@ -120,14 +120,14 @@ def best_change(
     part = number("share", share, above=0.0)
     if part >= 1.0:
         raise InputError("share", "a share below 1, such as 0.1", share)
-    asked = beside_weight(spec) if wrench is None else wrench
+    asked = load_beside_weight(spec) if wrench is None else wrench
     of_weight = wrench is None and not asked.any()
     grows = spec.mechanism is None and wrench is None  # contacts' own wrench, from nothing
     load = None if grows else spec.wrench if of_weight else asked
     before = load_limit(spec, section, load, geometry, None, None)
     if np.isinf(before.factor):
         return BestChange(before.wrench, part, before, (), np.nan, ("", ""), of_weight)
-    made = {what: other for p in by_effort() for what, other in p.shares(spec, part) if other is not None}
+    made = {what: other for p in parameters_by_effort() for what, other in p.shares(spec, part) if other is not None}
     found = {what: load_limit(other, section, load, geometry, None, None) for what, other in made.items()}
     base = before.factor or np.nan
     tried = [TriedChange(what, limit.factor, limit.factor / base - 1.0, limit) for what, limit in found.items()]
@@ -137,21 +137,21 @@ def best_change(
         most = min(tried[0].factor, 2.0 * before.factor or 1.0)
         between = 0.5 * (before.factor + most)
         rests = spec.wrench if spec.mechanism is None and not grows else np.zeros(6)
-        ends = [loaded(s, rests + between * before.wrench) for s in (made[tried[0].what], spec)]
+        ends = [with_load(s, rests + between * before.wrench) for s in (made[tried[0].what], spec)]
         changed = verdict_on(ends[0], section)
-        verdicts = (changed.word, word(ends[1], section))
+        verdicts = (changed.word, verdict_word(ends[1], section))
         why_not = "; ".join([r.sentence for r in changed.reasons if r.severity == "decides"])
     return BestChange(before.wrench, part, before, tuple(tried), between, verdicts, of_weight, why_not)
 
 
 # ---------------------------------------------------------------- words
-def _times(factor: float) -> str:
+def _format_factor(factor: float) -> str:
     return f"{factor:.4g}" if np.isfinite(factor) else "∞"
 
 
-def _gain(gain: float) -> str:
+def _format_gain(gain: float) -> str:
     return f"{100 * gain:+.1f} %" if np.isfinite(gain) else "–"
 
 
-def _gives_out(limit: LoadLimit) -> str:
-    return said(limit.binds, brief=True) if limit.binds else "nothing"
+def _describe_limit(limit: LoadLimit) -> str:
+    return describe_failures(limit.binds, brief=True) if limit.binds else "nothing"

@@ -28,28 +28,26 @@ import numpy as np
 
 from handlcp.check import Array, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.joint_offset import JointOffset
-from handlcp.grasp.effects.torque_saturation import TorqueSaturation
-from handlcp.grasp.model.effect import ONE_SOLVE, Effect, Trial
-from handlcp.grasp.model.kind import Placement
-from handlcp.grasp.model.limit import FileKey
+from handlcp.grasp.effects.joint_torque import FingerWeight, TorqueSaturation
+from handlcp.grasp.model.contact import Placement
+from handlcp.grasp.model.effect import ONE_SOLVE, Effect, EffectTrial, FileKey
 from handlcp.grasp.model.mechanism import JointReading
 from handlcp.grasp.model.scene import Scene
 from handlcp.keywords import helped_init
 from handlcp.tolerances import SEMIDEFINITE
 
-_SHARE = 0.1  # of the largest motion: joints that move less are not what buckles
+_BUCKLING_SHARE = 0.1  # of the largest motion: joints that move less are not what buckles
 
 
-class Bent(NamedTuple):
+class LoadedJoints(NamedTuple):
     """Joints under the forces of an answer. softer : (nv, nv) [rad/(N·m)], by how much they give way more. off : (nv,)
     [rad], how far their command and weight move them for it. stiffness : (nv, nv) K_g [N·m/rad]. held : (nv,) [rad],
     how far they stand beyond the given posture, δq - K⁻¹ g, before forces and K_g move them.
     """
 
-    softer: Array
-    off: Array
+    added_compliance: Array
+    command_shift: Array
     stiffness: Array
     held: Array
 
@@ -65,7 +63,7 @@ class GeometricStiffness(Effect):
     bent : what the forces of an answer do to the joints; None where no forces are known.
     """
 
-    bent: Bent | None = field(default=None, repr=False)
+    bent: LoadedJoints | None = field(default=None, repr=False)
 
     title = "geometric stiffness"
     equation = "E = J (K + K_g)⁻¹ Jᵀ + …,  K_g = ∂(Jᵀ f)/∂q"
@@ -100,7 +98,7 @@ class GeometricStiffness(Effect):
             raise InputError(argument, expected, f"{len(soft)} of them")
 
     @classmethod
-    def trial(cls, at: Placement, others: tuple[Effect, ...], forces: Array, torque: Array) -> Trial | None:
+    def trial(cls, at: Placement, others: tuple[Effect, ...], forces: Array, torque: Array) -> EffectTrial | None:
         """One correction of the flexibility, under the answer's own forces."""
         if at.mechanism is None:
             return None
@@ -109,8 +107,8 @@ class GeometricStiffness(Effect):
         except InputError:
             return None
         bent = cls().under(at, forces, others)
-        none = Trial(None, np.inf, "fingers buckle under their forces, or there is no equilibrium with it")
-        return none if isinstance(bent, str) else Trial(bent, words=none.words)
+        none = EffectTrial(None, np.inf, "fingers buckle under their forces, or there is no equilibrium with it")
+        return none if isinstance(bent, str) else EffectTrial(bent, words=none.words)
 
     def why(self, scene: Scene) -> str:
         return "asked for: solved again with the flexibility under its own forces until these stay"
@@ -126,7 +124,7 @@ class GeometricStiffness(Effect):
         resisted, motions = np.linalg.eigh(bracket)
         if not resisted[0] > SEMIDEFINITE:
             moved = abs(A @ motions[:, resisted <= SEMIDEFINITE]).max(axis=1, initial=0.0)
-            names = [name for name, m in zip(joints.names, moved, strict=True) if m > _SHARE * moved.max()]
+            names = [name for name, m in zip(joints.names, moved, strict=True) if m > _BUCKLING_SHARE * moved.max()]
             return f"K + K_g is not positive definite: {', '.join(names)} buckle under these forces"
         softer = -A @ np.linalg.solve(bracket, change @ A.T)  # the difference itself, not that of two large matrices
         softer, off, held = (softer + softer.T) / 2, np.zeros(len(joints.names)), np.zeros(len(joints.names))
@@ -138,20 +136,20 @@ class GeometricStiffness(Effect):
                 torque = K_g @ e.command
                 off += joints.deflection(torque) + softer @ torque
                 held += e.command
-        return GeometricStiffness(Bent(*map(read_only, (softer, off, K_g, held))))
+        return GeometricStiffness(LoadedJoints(*map(read_only, (softer, off, K_g, held))))
 
     def added_flexibility(self, at: Placement, soft: tuple[int, ...]) -> Array | None:
         """J [(K + K_g)⁻¹ - K⁻¹] Jᵀ."""
         if self.bent is None or at.mechanism is None:
             return None
-        rows = at.mechanism.rows(soft)
-        E = rows @ self.bent.softer @ rows.T
+        rows = at.mechanism.jacobian_rows(soft)
+        E = rows @ self.bent.added_compliance @ rows.T
         return np.asarray((E + E.T) / 2)
 
     def added_offset(self, at: Placement, soft: tuple[int, ...]) -> Array | None:
         """What weight and command do with the fingers bent."""
         bent, joints = self.bent, at.mechanism
-        return None if bent is None or joints is None else np.asarray(joints.rows(soft) @ bent.off)
+        return None if bent is None or joints is None else np.asarray(joints.jacobian_rows(soft) @ bent.command_shift)
 
     def read(self, scene: Scene, forces: Array, extra: dict[str, Array], joints: JointReading) -> JointReading:
         """δ = (K + K_g)⁻¹ (Jᵀ f + g + K_g δq), and the torques of the posture that it leads to."""
@@ -159,6 +157,6 @@ class GeometricStiffness(Effect):
         if bent is None or scene.mechanism is None:
             return joints
         push = forces.reshape(-1) @ scene.mechanism.jacobian
-        more = bent.softer @ push + bent.off
+        more = bent.added_compliance @ push + bent.command_shift
         moved = bent.held - scene.mechanism.deflection(push) - more
         return replace(joints, torque=joints.torque + bent.stiffness @ moved, deflection=joints.deflection + more)

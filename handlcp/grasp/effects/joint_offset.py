@@ -4,7 +4,7 @@
 
 The motors pull towards q + δq while the hand stands at q. Left alone the tips would move by J δq; the object's motion
 relative to them falls short by as much. It is data, like any preload. δq is given as it is, or made from a depth or a
-force at the fingertips; what of that the joints cannot make is a `Reach`.
+force at the fingertips; what of that the joints cannot make is a `CommandReach`.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.grasp.friction import Section
+from handlcp.contact.friction import Section
+from handlcp.grasp.model.contact import Placement
 from handlcp.grasp.model.effect import Effect
-from handlcp.grasp.model.kind import Placement
 from handlcp.grasp.model.scene import Scene
 from handlcp.words import force, length, listed, percent
 
-_SEEN = 1e-3  # shares below this are not worth a word
-TOUCHING = 1e-6  # [m] overlaps of a hand's fingertips up to this are what is left of touching
+_MENTIONED_SHARE = 1e-3  # shares below this are not worth a word
+OVERLAP_TOLERANCE = 1e-6  # [m] overlaps of a hand's fingertips up to this are what is left of touching
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Reach:
+class CommandReach:
     """What was asked of k fingertips, and what of it is out of the joints' reach.
 
     what : "squeeze", "grip force", "preload" or "overlap" (of fingertip and object, in the posture). names : (k,).
@@ -60,58 +60,58 @@ class Reach:
     @property
     def complete(self) -> bool:
         """Whether nothing worth a word is out of reach."""
-        return bool(self.missing.max(initial=0.0) <= _SEEN * self.asked.max(initial=0.0))
+        return bool(self.missing.max(initial=0.0) <= _MENTIONED_SHARE * self.asked.max(initial=0.0))
 
     def __str__(self) -> str:
         """In one sentence."""
         say, whole = force if self.unit == "N" else length, f"{'an' if self.what == 'overlap' else 'a'} {self.what}"
         if self.complete:
-            text = f"{whole} of {_spread(self.asked, say)}"
+            text = f"{whole} of {_format_range(self.asked, say)}"
             k = int(np.argmax(self.sideways >= (1 - 1e-9) * self.sideways.max()))  # the first of equals
-            if self.sideways[k] > _SEEN * self.asked.max():
+            if self.sideways[k] > _MENTIONED_SHARE * self.asked.max():
                 how = "presses" if self.unit == "N" else "moves"
                 text += f"; {self.names[k]} {how} sideways, too, by {say(float(self.sideways[k]))}"
             return text
         parts = [
             f"{say(part)} at {name} ({percent(share)})"
             for name, part, share in zip(self.names, self.missing.tolist(), self.share.tolist(), strict=True)
-            if part > _SEEN * self.asked.max()
+            if part > _MENTIONED_SHARE * self.asked.max()
         ]
         end = ": a preload that only the pads give way to" if self.carried else ""
-        return f"of {whole} of {_spread(self.asked, say)} the motors cannot make {listed(parts)}{end}"
+        return f"of {whole} of {_format_range(self.asked, say)} the motors cannot make {listed(parts)}{end}"
 
 
-def _spread(values: Array, say: Callable[[float], str]) -> str:
+def _format_range(values: Array, say: Callable[[float], str]) -> str:
     """One number where all are alike."""
     least, most = float(values.min()), float(values.max())
-    return say(most) if most - least <= _SEEN * most else f"{say(least)} to {say(most)}"
+    return say(most) if most - least <= _MENTIONED_SHARE * most else f"{say(least)} to {say(most)}"
 
 
-def command_of(effects: Iterable[Effect]) -> JointOffset | None:
+def find_command(effects: Iterable[Effect]) -> JointOffset | None:
     """The command among these effects; None: there is none."""
     return next((e for e in effects if isinstance(e, JointOffset)), None)
 
 
-def unsqueezed(spec: Any) -> str:
+def describe_missing_squeeze(spec: Any) -> str:
     """Of the `GraspSpec` of a hand that was told nothing that squeezes the object: that, and what to pass, in words; ""
     of others. Overlaps that are left of touching squeeze nothing.
     """
     apart = spec.offset[: spec.of_hand] * (1.0, 1.0, -1.0)
-    pressed = (apart[:, 2] > TOUCHING).any() or (abs(apart[:, :2]) > TOUCHING).any()
-    if spec.mechanism is None or pressed or command_of(spec.effects) or any(e.prescribed() for e in spec.effects):
+    pressed = (apart[:, 2] > OVERLAP_TOLERANCE).any() or (abs(apart[:, :2]) > OVERLAP_TOLERANCE).any()
+    if spec.mechanism is None or pressed or find_command(spec.effects) or any(e.prescribed() for e in spec.effects):
         return ""
     return "no squeeze was given: pass grip_force=, or squeeze=, joint_offset= or closing_torque="
 
 
-def joints_commanded(effects: Iterable[Effect], nv: int) -> Array:
+def commanded_offset(effects: Iterable[Effect], nv: int) -> Array:
     """(nv,) how far they command the joints beyond the posture [rad, m]; 0 without a command."""
-    found = command_of(effects)
+    found = find_command(effects)
     return np.zeros(nv) if found is None else found.command
 
 
-def recommanded(effects: Iterable[Effect], command: Array) -> tuple[Effect, ...]:
+def replace_command(effects: Iterable[Effect], command: Array) -> tuple[Effect, ...]:
     """The effects with another command (nv,), which says no more what it was made from; how the hand closes stays."""
-    old = command_of(effects)
+    old = find_command(effects)
     others = tuple([e for e in effects if not isinstance(e, JointOffset)])
     if not command.any() and (old is None or old.opened is None):
         return others
@@ -132,16 +132,16 @@ class JointOffset(Effect):
     """
 
     command: Array
-    reach: Reach | None = None
+    reach: CommandReach | None = None
     opened: Array | None = None
     keeps: bool = False
-    against: Array | None = None
+    friction_offset: Array | None = None
     tension: Array | None = None
 
     @property
-    def driven(self) -> Array:
+    def motor_offset(self) -> Array:
         """(nv,) how far motors turn beyond the posture [rad, m]."""
-        return self.command if self.against is None else self.command + self.against
+        return self.command if self.friction_offset is None else self.command + self.friction_offset
 
     title = "commanded joint offset"
     equation = "d -= J δq"
@@ -168,4 +168,4 @@ class JointOffset(Effect):
     def added_offset(self, at: Placement, soft: tuple[int, ...]) -> Array | None:
         """-J δq, and the turns of soft fingertips likewise."""
         assert at.mechanism is not None
-        return np.asarray(-(at.mechanism.rows(soft) @ self.command))
+        return np.asarray(-(at.mechanism.jacobian_rows(soft) @ self.command))

@@ -8,33 +8,33 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array, read_only
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.cause.judge import (
+from handlcp.contact.friction import Section
+from handlcp.grasp.effects.joint_offset import describe_missing_squeeze
+from handlcp.grasp.failure.failure_mode import (
     EQUILIBRIUM,
     OBJECT,
     SLIPS,
     UNDECIDED,
-    Cause,
-    Limits,
-    binding,
-    over,
-    slipping,
+    FailureMode,
+    StateLimits,
+    find_binding,
+    find_exceeded,
+    find_slipping,
 )
-from handlcp.grasp.cause.wording import moves, pressed_in, why, why_given_up
-from handlcp.grasp.effects.joint_offset import unsqueezed
-from handlcp.grasp.friction import Section
+from handlcp.grasp.failure.failure_text import describe_direction, describe_pad_depth, explain_giving_up, explain_limit
 from handlcp.grasp.limits.result import Later, LimitEvent, LimitPath, LoadLimit, Reached, Rest
-from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.advance import Leg
 from handlcp.grasp.path.follow import Loading, solution_of
 from handlcp.grasp.path.state import LET_GO, Outcome, Run, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import margins
+from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.tolerances import OVER
 
 _AT = 1e-6  # relative: limits that are this near to being reached bind, too
 _NEAR = 1e-3  # of the load: contacts that begin to slide this near to where the object slides through are the cause
-_UNKNOWN: tuple[Cause, ...] = (Cause(UNDECIDED, OBJECT),)  # what gives out beyond what is known of a path
+_UNKNOWN: tuple[FailureMode, ...] = (FailureMode(UNDECIDED, OBJECT),)  # what gives out beyond what is known of a path
 _NAMED = ("slips", "sticks", "opens", "touches", "yields", "holds", "snaps", "slides through")
 _LOOKED, _HALVED = 16, 10  # states of a path, and times a step, where a link comes into the object
 
@@ -50,7 +50,7 @@ class Followed(NamedTuple):
     run: Run
     leg: Leg
     stepper: Stepper
-    limits: Limits
+    limits: StateLimits
     at: Array
     geometry: str
     slid: tuple[float, list[str]] | None
@@ -89,7 +89,7 @@ def _known(f: Followed) -> _Ends | None:
         return None
 
     def inside(state: State) -> tuple[set[str], str]:
-        return mechanism.in_the_way(state.where.q, state.where.pose)
+        return mechanism.find_links_inside(state.where.q, state.where.pose)
 
     at_first, _ = inside(f.run.states[0])
 
@@ -123,23 +123,23 @@ def answer(f: Followed) -> LoadLimit:
     first = next((e.share for e in run.events if e.kind == "slips"), None)
     slides = None if run.slides is None else run.slides.share
     factor, number = np.inf if run.outcome is Outcome.UNBOUNDED else end, f.number
-    binds: tuple[Cause, ...] = ()
+    binds: tuple[FailureMode, ...] = ()
     if run.outcome is Outcome.LIMIT:
-        if over(f.limits, *_read(f, run.states[0])):  # before there is any load
+        if find_exceeded(f.limits, *_read(f, run.states[0])):  # before there is any load
             factor, number = 0.0, 0
-        binds = binding(f.limits, *_read(f, run.states[number]), near=_AT)
-        stood = [c for c in binding(f.limits, *_read(f, run.states[0]), near=_AT) if c.margin <= OVER]
+        binds = find_binding(f.limits, *_read(f, run.states[number]), near=_AT)
+        stood = [c for c in find_binding(f.limits, *_read(f, run.states[0]), near=_AT) if c.margin <= OVER]
         binds = (factor > 0.0 and tuple([c for c in binds if c not in stood])) or binds
     elif run.outcome is Outcome.LOST:
         before = run.states[-2].kinds if len(run.states) > 1 else None
-        binds = slipping(f.spec.names, run.states[-1].kinds, before)
+        binds = find_slipping(f.spec.names, run.states[-1].kinds, before)
     if run.slides is not None:
         factor, number = run.slides.share, run.slides.number
-        binds = slipping(f.spec.names, kinds_near(run, number))
-    if binds == (Cause(EQUILIBRIUM, OBJECT),):  # the last static state is short of where contacts begin to slide
+        binds = find_slipping(f.spec.names, kinds_near(run, number))
+    if binds == (FailureMode(EQUILIBRIUM, OBJECT),):  # the last static state is short of where contacts begin to slide
         binds = _about_to_slip(f, run.states[number]) or binds
     if f.slid is not None:
-        factor, number, slides, binds = 0.0, 0, 0.0, slipping(f.spec.names, f.slid[1])
+        factor, number, slides, binds = 0.0, 0, 0.0, find_slipping(f.spec.names, f.slid[1])
     gave_up, ends = run.outcome is Outcome.GAVE_UP, _known(f)
     if gave_up and run.slides is None:
         binds = _UNKNOWN
@@ -156,8 +156,8 @@ def answer(f: Followed) -> LoadLimit:
             return f"held up to {factor:.4g} times the load, and undecided beyond: {early.why}"
         if gave_up:
             assert run.failure is not None
-            return f"held up to {end:.4g} times the load, and undecided beyond: {why_given_up(*run.failure)}"
-        return why(binds, factor, f.wrench, f.spec, _then(_through(f)))
+            return f"held up to {end:.4g} times the load, and undecided beyond: {explain_giving_up(*run.failure)}"
+        return explain_limit(binds, factor, f.wrench, f.spec, _then(_through(f)))
 
     later = Later(
         sentence, lambda: _path(f, number), lambda: _solution(f, number, factor), lambda _: _through(f).shares[-1],
@@ -173,12 +173,12 @@ def kinds_near(run: Run, number: int) -> list[str]:
     return ["sliding" if any(kinds[i] == "sliding" for kinds in near) else last[i] for i in range(len(last))]
 
 
-def _about_to_slip(f: Followed, state: State) -> tuple[Cause, ...]:
+def _about_to_slip(f: Followed, state: State) -> tuple[FailureMode, ...]:
     """Contacts whose friction is all but used up."""
     left, normal = margins(f.stepper, state)[:, 0], state.read.forces[:, 2]
     pressed = normal > _AT * max(float(normal.max(initial=0.0)), 1e-300)
     near = pressed & (left <= _NEAR * f.stepper.friction * normal)
-    return tuple([Cause(SLIPS, name) for name, slips in zip(f.spec.names, near.tolist(), strict=True) if slips])
+    return tuple([FailureMode(SLIPS, name) for name, slips in zip(f.spec.names, near.tolist(), strict=True) if slips])
 
 
 def _then(run: Run) -> str:
@@ -189,7 +189,7 @@ def _then(run: Run) -> str:
     if not there:
         return "slides through"
     pushed = there[0].pushed
-    by = f", as a small push{moves(np.array(pushed))} makes it where it is in balance" if pushed else ""
+    by = f", as a small push{describe_direction(np.array(pushed))} makes it where it is in balance" if pushed else ""
     if there[0].rests:
         return f"snaps to another place{by}"
     return f"leaves{by}" if pushed else ""
@@ -207,7 +207,7 @@ def _rest(f: Followed, ends: _Ends | None, number: int) -> Rest:
     at, k = f.run.states[number], f.spec.of_hand
     asked = () if f.spec.mechanism is None else f.spec.mechanism.command_reasons(f.spec)
     doubts = [r.sentence for r in asked if r.code == "command_not_made"]
-    if pressed := pressed_in(at.where.give[:k], at.iterate.frames[:k, :, 2], f.spec.names):
+    if pressed := describe_pad_depth(at.where.give[:k], at.iterate.frames[:k, :, 2], f.spec.names):
         doubts.append(pressed)
     run = f.run if ends is not None else _through(f)
     ends = ends or _known(f)
@@ -228,7 +228,7 @@ def _rest(f: Followed, ends: _Ends | None, number: int) -> Rest:
     said = "" if ends is None else ends.why
     if ends is None and run.outcome is Outcome.GAVE_UP:
         assert run.failure is not None
-        said = why_given_up(*run.failure)
+        said = explain_giving_up(*run.failure)
     told = tuple(sorted([e for e in events if e.factor <= known], key=lambda e: e.factor))
     return Rest(lost, marks, told, said, "; ".join(doubts))
 
@@ -263,7 +263,7 @@ def alone(stage: str) -> str:
 
 
 def nothing(
-    spec: GraspSpec, wrench: Array, run: Run, geometry: str, loading: Loading, closing: tuple[Cause, ...] = ()
+    spec: GraspSpec, wrench: Array, run: Run, geometry: str, loading: Loading, closing: tuple[FailureMode, ...] = ()
 ) -> LoadLimit:
     """Where squeeze or weight alone are not held, or nothing is known of it. closing : joints and tendons whose motors
     cannot close so hard.
@@ -275,8 +275,12 @@ def nothing(
     elif run.outcome is Outcome.GAVE_UP:
         binds, text = _UNKNOWN, f"undecided: the {loading.lost_stage} alone was not followed to its end: {reason}"
     else:
-        binds = slipping(spec.names, run.states[-1].kinds) if run.states[-1].loaded else (Cause(EQUILIBRIUM, OBJECT),)
-        first = f"{told}; " if (told := unsqueezed(spec)) else ""
+        binds = (
+            find_slipping(spec.names, run.states[-1].kinds)
+            if run.states[-1].loaded
+            else (FailureMode(EQUILIBRIUM, OBJECT),)
+        )
+        first = f"{told}; " if (told := describe_missing_squeeze(spec)) else ""
         text = f"{first}{alone(str(loading.lost_stage))} is not held: {reason}"
     none = np.zeros((0, spec.n, 3))
     nv = loading.steps.torques.shape[1]

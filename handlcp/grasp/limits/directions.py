@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, array, read_only
+from handlcp.contact.friction import Section
 from handlcp.errors import InputError
-from handlcp.grasp.cause.judge import EQUILIBRIUM, OBJECT, Bind
-from handlcp.grasp.friction import Section
+from handlcp.grasp.failure.failure_mode import EQUILIBRIUM, OBJECT, Bind
 from handlcp.grasp.limits.fixed import (
     begun_of,
     ends_plainly,
@@ -26,9 +26,9 @@ from handlcp.grasp.limits.kernels.onward import onward_each
 from handlcp.grasp.limits.kernels.parts import none_known, update
 from handlcp.grasp.limits.load_limit import is_followed, tolerance
 from handlcp.grasp.limits.path import binds_of
-from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.geometry import length_of
-from handlcp.lcp.compiler.when import at_once
+from handlcp.lcp.compiler.compile_policy import compile_now
 from handlcp.tolerances import EVENTS_END
 
 AXES = read_only(np.repeat(np.eye(3), 2, axis=0) * np.tile([[1.0], [-1.0]], (3, 1)) + 0.0)  # both ways along each axis
@@ -103,7 +103,7 @@ def _fixed(
     points = np.empty((m, 1 + len(p.E) + len(p.G) + len(p.rows)))
     update(p, begun.place.closed, (begun.place.yields == 1).astype(np.int64), known)
     length = length_of(spec.positions)
-    with at_once(m):
+    with compile_now(m):
         onward_each(
             p, begun.place, system.load(system.weight), system.loads(loads), watch, system.sets, length, known,
             answers, ends, points,

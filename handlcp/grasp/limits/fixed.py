@@ -9,12 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.cause.judge import EQUILIBRIUM, MOTION, OBJECT, RANGE, TORQUE, Bind
-from handlcp.grasp.cause.wording import why
-from handlcp.grasp.effects.finger_weight import FingerWeight
-from handlcp.grasp.effects.joint_offset import command_of, unsqueezed
-from handlcp.grasp.friction import Section
+from handlcp.contact.friction import Section
+from handlcp.grasp.effects.joint_offset import describe_missing_squeeze, find_command
+from handlcp.grasp.effects.joint_torque import FingerWeight
+from handlcp.grasp.failure.failure_mode import EQUILIBRIUM, MOTION, OBJECT, RANGE, TORQUE, Bind
+from handlcp.grasp.failure.failure_text import explain_limit
 from handlcp.grasp.limits.answered import alone
 from handlcp.grasp.limits.followed import accurate_limit, resting_stage
 from handlcp.grasp.limits.further import largest_held
@@ -26,11 +25,12 @@ from handlcp.grasp.limits.kernels.trace import EVENTS, trace
 from handlcp.grasp.limits.path import TracedPath, binds_of, events_of, with_joints
 from handlcp.grasp.limits.result import Later, LimitEvent, LoadLimit, Reached, Rest
 from handlcp.grasp.limits.system import System, system_of
-from handlcp.grasp.model.kind import shifted
-from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.contact import shift_twist
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.follow import follow
 from handlcp.grasp.path.geometry import length_of
 from handlcp.grasp.path.state import Stage
+from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.tolerances import EVENTS_END
 
@@ -119,12 +119,12 @@ def _followed(system: System, order: tuple[str | Stage, ...]) -> Start:
         return Start(None, f"{alone(str(loading.lost_stage))} is not held: {loading.why.partition(': ')[2]}")
     last = loading.last
     forces = np.concatenate([last.read.forces.reshape(-1), last.read.torsion[list(scene.soft)]])
-    return Start(_place(system, scene.lawful(forces), last.where.pose, {}), "")
+    return Start(_place(system, scene.to_law_axes(forces), last.where.pose, {}), "")
 
 
 def _pushes(spec: GraspSpec) -> bool:
     """Whether anything squeezes the object: a preload, tips that are moved along it, joints that are commanded."""
-    command = command_of(spec.effects)
+    command = find_command(spec.effects)
     commanded = command is not None and bool(command.command.any())
     return bool(spec.offset[:, :2].any() or (spec.offset[:, 2] < 0.0).any() or commanded)
 
@@ -132,7 +132,7 @@ def _pushes(spec: GraspSpec) -> bool:
 def _from_solution(system: System, found: GraspSolution) -> Place:
     scene = system.scene
     torsion = np.zeros(0) if found.torsion is None else found.torsion[list(scene.soft)]
-    forces = scene.lawful(np.concatenate([found.forces.reshape(-1), torsion]))
+    forces = scene.to_law_axes(np.concatenate([found.forces.reshape(-1), torsion]))
     return _place(system, forces, found.object_displacement, found.extra)
 
 
@@ -140,7 +140,7 @@ def _place(system: System, components: Array, displacement: Array, extra: dict[s
     """From forces (c,) in the laws' coordinates and the object's motion about the reference, SI."""
     scene, units = system.scene, system.scene.units
     r = components[scene.kind.index] / units.force
-    u = scene.natural_twist(shifted(displacement, units.centre - system.spec.reference))
+    u = scene.natural_twist(shift_twist(displacement, units.centre - system.spec.reference))
     give = np.zeros(len(system.parts.rows))
     if extra and system.limits:
         give = np.concatenate([limit.natural_motion(scene, extra) for limit in system.limits])
@@ -191,7 +191,7 @@ def fixed_limit(
     if begun.place is None:
         none = TracedPath(system, wrench, np.zeros((0, 1)), None)
         binds: tuple[Bind, ...] = (Bind(EQUILIBRIUM, OBJECT),)
-        text = f"{told}; {begun.why}" if (told := unsqueezed(spec)) else begun.why
+        text = f"{told}; {begun.why}" if (told := describe_missing_squeeze(spec)) else begun.why
         return LoadLimit(0.0, wrench, binds, "fixed", _later(text, none, 0.0, 0.0, None, ()), accuracy=0.0)
     p, place = system.parts, begun.place
     watch = watch_from(system, place, most)
@@ -217,13 +217,13 @@ def fixed_limit(
         binds = binds_of(system, LOST, -1, place.closed, place.active)
         before = points[:count][points[:count, 0] < factor]
         path = TracedPath(system, wrench, np.vstack([before, at]), place, path)
-    later = _later(why(binds, factor, wrench, spec, then), path, factor, lost, slides, happened)
+    later = _later(explain_limit(binds, factor, wrench, spec, then), path, factor, lost, slides, happened)
     return LoadLimit(factor, wrench, binds, "fixed", later, first, slides, np.nan if accuracy is None else EVENTS_END)
 
 
 def springs_alone(spec: GraspSpec) -> bool:
     """Whether fingers give way as springs do, as a trace takes it; others are followed in steps."""
-    return spec.mechanism is None or spec.mechanism.springs_alone
+    return spec.mechanism is None or spec.mechanism.is_elastic
 
 
 def ends_plainly(system: System) -> bool:

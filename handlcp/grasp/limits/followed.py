@@ -8,19 +8,19 @@ from dataclasses import replace
 import numpy as np
 
 from handlcp.check import Array
+from handlcp.contact.friction import Section
 from handlcp.doubled import doubled
-from handlcp.grasp.cause.judge import Limits, limits_of, over_closing, used
-from handlcp.grasp.friction import Section
+from handlcp.grasp.failure.failure_mode import StateLimits, find_exceeded_closing, limit_shares, state_limits
 from handlcp.grasp.limits.answered import OWN_WRENCH, Followed, answer as answered, kinds_near, nothing
 from handlcp.grasp.limits.result import LoadLimit
-from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.advance import PATIENT, Leg, Open, Patience, advance
 from handlcp.grasp.path.follow import TOLERANCE, begun, geometry_of, loading_of
 from handlcp.grasp.path.state import STILL, Goal, Outcome, Run, Stage, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.trajectory import closing_efforts
 from handlcp.grasp.path.watch import watch_of
-from handlcp.grasp.verify.bound import bound_of
+from handlcp.grasp.verify.static_load_bound import static_load_bounds
 from handlcp.tolerances import OVER
 
 _STEPS = 8  # of squeeze and weight
@@ -31,7 +31,7 @@ _RAY = 1e4  # times that load: nothing binds that has not bound by then
 
 def resting_stage(spec: GraspSpec) -> Stage:
     """What comes on the object before a load grows: its weight, or the wrench of contacts without a hand."""
-    return Stage("weight", weight=1.0) if spec.mechanism is not None else Stage(OWN_WRENCH, load=spec.resting)
+    return Stage("weight", weight=1.0) if spec.mechanism is not None else Stage(OWN_WRENCH, load=spec.resting_wrench)
 
 
 def followed_limit(
@@ -55,13 +55,13 @@ class Before:
         self._body, self._most, self._patience = geometry_of(spec, geometry), most, patience
         self._spec, self._section, self._geometry, self._finer, self._beside = spec, section, geometry, finer, beside
         if spec.mechanism is None:
-            self._beside = spec.resting
+            self._beside = spec.resting_wrench
         path = np.stack([beside, beside]) if beside.any() else STILL
         order = ("squeeze", resting_stage(spec), "load")
         first, self._goals, self._stepper = begun(spec, section, self._body, tolerance, order, path)
         self._watch, count = watch_of(spec, self._body), max(int(np.ceil(finer * _STEPS)), 1)
         self._run = advance(self._stepper, self._watch, first, self._goals[:-1], count, patience)
-        self._closing = over_closing(spec.mechanism, lambda: closing_efforts(self._run.states))
+        self._closing = find_exceeded_closing(spec.mechanism, lambda: closing_efforts(self._run.states))
 
     @property
     def held(self) -> bool:
@@ -70,7 +70,7 @@ class Before:
 
     def bounds(self, wrenches: Array) -> Array:
         """(k,) the largest factors on loads (k, 6) that friction and torque limits alone allow."""
-        return bound_of(self._spec, self._section, wrenches).factors
+        return static_load_bounds(self._spec, self._section, wrenches).factors
 
     def holds_more(self, wrench: Array, factor: float) -> bool:
         """Whether more than this factor of a load (6,) is held."""
@@ -85,7 +85,7 @@ class Before:
         start, finer, follows = before.states[-1], self._finer, self._body.follows
         size = _as_large(stepper, start, wrench)
         at = stepper.geometry.displacement(start.where.pose)
-        limits = limits_of(spec, motion=self._most, ranges=follows, nominal=start.where.q if follows else None)
+        limits = state_limits(spec, motion=self._most, ranges=follows, nominal=start.where.q if follows else None)
 
         # What is at its limit already before the load comes ends the path only where it goes beyond the limit
         stands_at = _used(stepper, limits, at, start) > 1.0 - OVER
@@ -166,6 +166,6 @@ def _as_large(stepper: Stepper, start: State, wrench: Array) -> float:
     return (forces or 0.01 * stepper.stiffness * stepper.length) / load
 
 
-def _used(stepper: Stepper, limits: Limits, at: Array, state: State) -> Array:
+def _used(stepper: Stepper, limits: StateLimits, at: Array, state: State) -> Array:
     moved = stepper.geometry.displacement(state.where.pose) - at
-    return used(limits, state.efforts, state.where.q, moved)
+    return limit_shares(limits, state.efforts, state.where.q, moved)

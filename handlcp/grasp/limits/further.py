@@ -10,9 +10,9 @@ from collections.abc import Callable
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.friction import Section
-from handlcp.grasp.model.spec import GraspSpec
+from handlcp.contact.friction import Section
+from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solve.solve_spec import solve_spec
 
 _TRIED, _HALVED = 12, 20

@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, number, read_only
+from handlcp.contact.friction import Section
 from handlcp.doubled import insisted
 from handlcp.errors import InputError
-from handlcp.grasp.friction import Section
+from handlcp.grasp.derivatives.path_sensitivity import PathSensitivity
 from handlcp.grasp.limits.fixed import fixed_limit
 from handlcp.grasp.limits.followed import accurate_limit
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model import validate
-from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.follow import geometry_of
-from handlcp.grasp.sensitivity.paths import PathSensitivity
-from handlcp.grasp.verify.bound import bound_of
+from handlcp.grasp.verify.static_load_bound import static_load_bounds
 from handlcp.progress import told
 
 # ----------------------------------------------------------------
@@ -35,14 +35,14 @@ def load_of(spec: GraspSpec, wrench: Any) -> tuple[GraspSpec, Array]:
     the grasp's own, of contacts without a hand from nothing. Raises InputError.
     """
     if wrench is not None:
-        height = validate.lift(spec.positions, spec.reference, spec.plane)
+        height = validate.height_above(spec.positions, spec.reference, spec.plane)
         given = validate.wrench(wrench, spec.plane, height)
         if not given.any():
             raise InputError("wrench", "a load that is not zero", given.tolist())
         return spec, given
     own = spec.wrench.copy()
     if spec.mechanism is not None:
-        own -= spec.resting
+        own -= spec.resting_wrench
     if not abs(own).max() > 1e-12 * abs(spec.wrench).max():
         raise InputError("wrench", _LOAD + _down(spec.wrench), wrench)
     return without_wrench(spec), read_only(own)
@@ -117,7 +117,7 @@ class _Question:
     def bound(self) -> float:
         """See `LoadLimit.bound`."""
         spec = without_wrench(self.spec) if self.own else self.spec
-        return float(bound_of(spec, self.section, self.wrench[None]).factors[0])
+        return float(static_load_bounds(spec, self.section, self.wrench[None]).factors[0])
 
     def sensitivity(self) -> PathSensitivity:
         """See `LoadLimit.sensitivity`."""

@@ -7,20 +7,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp.check import Array, Ints, read_only
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.assembly.build import build
-from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.cause.judge import EQUILIBRIUM, MOTION, OBJECT, OPENS, SLIPS, TORQUE, Bind
+from handlcp.grasp.assembly.problem import SolverCandidate
+from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.effects import Effect
-from handlcp.grasp.effects.torque_saturation import TorqueSaturation
+from handlcp.grasp.effects.joint_torque import TorqueSaturation
+from handlcp.grasp.failure.failure_mode import EQUILIBRIUM, MOTION, OBJECT, OPENS, SLIPS, TORQUE, Bind
 from handlcp.grasp.limits.kernels.happens import GIVES_UP, RAY, REACHED, WATCHED
 from handlcp.grasp.limits.kernels.onward import is_sound
 from handlcp.grasp.limits.kernels.parts import CLOSED, OPENS as TOUCHES_LAST, Place
 from handlcp.grasp.limits.result import LimitEvent, LimitPath
 from handlcp.grasp.limits.system import System
-from handlcp.grasp.model.kind import Placement, shifted
-from handlcp.grasp.solve.solve_spec import solve_spec
-from handlcp.grasp.solve.stages import certified
+from handlcp.grasp.model.contact import Placement, shift_twist
+from handlcp.grasp.solution.solution import GraspSolution
+from handlcp.grasp.solve.solve_spec import certify_known_answer, solve_spec
 from handlcp.lcp import Auto
 from handlcp.tolerances import CERTIFY
 
@@ -132,12 +131,12 @@ class TracedPath:
         forces, torques, moved = np.empty((count, scene.n, 3)), [], np.empty((count, 6))
         for k, point in enumerate(self.points):
             components = self._components(point[1 : 1 + m])
-            physical = scene.physical(components)
+            physical = scene.to_contact_axes(components)
             forces[k] = physical[: 3 * scene.n].reshape(-1, 3)
             moved[k] = self._motion(point[1 + m : 1 + m + dof])
             joints = system.spec.mechanism
             torques.append(
-                np.zeros(0) if joints is None else physical @ joints.rows(scene.soft) + scene.held_torque
+                np.zeros(0) if joints is None else physical @ joints.jacobian_rows(scene.soft) + scene.held_torque
             )  # fmt: skip
         return LimitPath(*(read_only(a) for a in (self.points[:, 0].copy(), forces, np.array(torques), moved)))
 
@@ -167,14 +166,14 @@ class TracedPath:
         d[scene.kind.index] = (slip - v - scene.natural.d) * scene.units.motion
         spec = system.spec.replace(
             wrench=read_only(system.weight + factor * self.wrench),
-            effects=(*system.spec.effects, _Moved(scene.lawful(d))),
+            effects=(*system.spec.effects, _Moved(scene.to_law_axes(d))),
         )
         point = self.points[-1]
-        candidate = Candidate(
+        candidate = SolverCandidate(
             self._components(point[1 : 1 + m]), scene.twist(point[1 + m : 1 + m + dof]),
             self._extra(point[1 + m + dof :]), len(scene.soft),
         )  # fmt: skip
-        return certified(spec, build(spec), system.section, candidate, "the end of a path")
+        return certify_known_answer(spec, build_scene(spec), system.section, candidate, "the end of a path")
 
     def ends(self) -> bool:
         """Whether no solver finds an equilibrium under slightly more load, started from the contact states at the
@@ -192,7 +191,7 @@ class TracedPath:
         d[scene.kind.index] = (slip - self._motions(self.points[-1]) - scene.natural.d) * scene.units.motion
         spec = system.spec.replace(
             wrench=read_only(system.weight + (1.0 + _MORE) * float(self.points[-1, 0]) * self.wrench),
-            effects=(*system.spec.effects, _Moved(scene.lawful(d))),
+            effects=(*system.spec.effects, _Moved(scene.to_law_axes(d))),
         )
         return not solve_spec(spec, system.section, _ALL).held
 
@@ -219,4 +218,4 @@ class TracedPath:
 
     def _motion(self, u: Array) -> Array:
         scene = self.system.scene
-        return shifted(scene.twist(u), self.system.spec.reference - scene.units.centre)
+        return shift_twist(scene.twist(u), self.system.spec.reference - scene.units.centre)

@@ -10,11 +10,11 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array, read_only
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.cause.judge import Bind
-from handlcp.grasp.cause.wording import happens
+from handlcp.grasp.derivatives.path_sensitivity import PathSensitivity
+from handlcp.grasp.failure.failure_mode import Bind
+from handlcp.grasp.failure.failure_text import describe_event
 from handlcp.grasp.path.events import jump
-from handlcp.grasp.sensitivity.paths import PathSensitivity
+from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
 from handlcp.record import Record
@@ -47,7 +47,7 @@ class LimitEvent(Record):
 
     def __str__(self) -> str:
         far = jump(self.moved, self.turned, self.pushed)
-        return f"{self.factor:.4g} times the load: {happens(self.kind, (self.who,))}{far}"
+        return f"{self.factor:.4g} times the load: {describe_event(self.kind, (self.who,))}{far}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -249,7 +249,7 @@ def told(events: Iterable[LimitEvent], load: Callable[[float], str]) -> list[str
     for e in events:
         groups.setdefault((e.kind, load(e.factor)), []).append(e)
     return [
-        f"{at}: {happens(kind, [e.who for e in same])}{jump(same[0].moved, same[0].turned, same[0].pushed)}"
+        f"{at}: {describe_event(kind, [e.who for e in same])}{jump(same[0].moved, same[0].turned, same[0].pushed)}"
         for (kind, at), same in groups.items()
     ]
 

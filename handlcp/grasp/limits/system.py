@@ -8,22 +8,21 @@ from typing import overload
 import numpy as np
 
 from handlcp.check import Array, read_only
+from handlcp.contact.friction import Cone, Section, limit_set
 from handlcp.errors import Unsupported
-from handlcp.grasp.assembly.build import build
-from handlcp.grasp.assembly.contact_form import outward
+from handlcp.grasp.assembly.problem import polyhedron_normals
+from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.effects import Effect
-from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
-from handlcp.grasp.effects.joint_offset import joints_commanded
-from handlcp.grasp.effects.torque_saturation import TorqueSaturation
-from handlcp.grasp.friction import Cone, Section, limit_set
+from handlcp.grasp.effects.joint_offset import commanded_offset
+from handlcp.grasp.effects.joint_torque import FingerWeight, TorqueSaturation
 from handlcp.grasp.limits.kernels.happens import Watch
 from handlcp.grasp.limits.kernels.onward import Sets
 from handlcp.grasp.limits.kernels.parts import Parts
-from handlcp.grasp.model.kind import cross_rows
-from handlcp.grasp.model.limit import Limit
+from handlcp.grasp.model.contact import cross_rows
+from handlcp.grasp.model.effect import Limit
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.geometry import supports
 
 
@@ -72,16 +71,16 @@ def system_of(spec: GraspSpec, section: Section, wrench: Array | None) -> System
         names = ", ".join(type(e).__name__ for e in foreign)
         raise Unsupported(f"a load limit knows no unknowns but forces and limits that give way ({names})")
     effects = tuple([e for e in spec.effects if not isinstance(e, GeometricStiffness)])
-    weight = spec.resting
+    weight = spec.resting_wrench
     E = spec.flexibility.copy()
     E[3 * spec.of_hand :, 3 * spec.of_hand :] = supports(spec)
     spec = spec.replace(flexibility=read_only(E), effects=effects, wrench=read_only(weight))
-    scene = build(spec)
+    scene = build_scene(spec)
     if not weight.any() and not scene.offset.any():  # nothing else has a size
         if wrench is None:
             return None
         spec = spec.replace(wrench=wrench)
-        scene = build(spec)
+        scene = build_scene(spec)
     limits = tuple([limit for e in effects for limit in e.present(scene)])
     watched, watch = _watch(spec, scene, effects, limits)
     return System(
@@ -115,7 +114,7 @@ def _parts(scene: Scene, section: Section, limits: tuple[Limit, ...]) -> Parts:
 
 def _sets(scene: Scene, section: Section) -> Sets:
     round_ = [int(isinstance(section, Cone) and t > 1) for t in scene.kind.tangents]
-    return Sets(section.faces, _own(outward(scene, section)), np.array(round_, dtype=np.int64))
+    return Sets(section.faces, _own(polyhedron_normals(scene, section)), np.array(round_, dtype=np.int64))
 
 
 def _own(a: Array) -> Array:
@@ -136,7 +135,7 @@ def _watch(
     rows, level, watched = np.zeros((0, len(index) + k)), np.zeros(0), tuple[tuple[str, str], ...]()
     joints = spec.mechanism
     if joints is not None and len(joints.names):
-        T = joints.rows(scene.soft)
+        T = joints.jacobian_rows(scene.soft)
         T = (T if scene.scale is None else T * scene.scale[:, None])[index].T * units.force
         if not any(isinstance(e, TorqueSaturation) for e in effects):
             held, most = scene.held_torque, joints.limits
@@ -148,7 +147,7 @@ def _watch(
         nominal = joints.nominal
         if nominal is not None and joints.ranges is not None:
             sag = sum([e.torque for e in effects if isinstance(e, FingerWeight) and e.sags], np.zeros(len(T)))
-            command = joints_commanded(effects, len(T))
+            command = commanded_offset(effects, len(T))
             q = nominal + command - joints.deflection(sag)
             Q = joints.root @ (joints.root.T @ T)
             give = _yield_rows(scene, effects, limits, len(T))

@@ -13,24 +13,23 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import number
+from handlcp.contact.friction import Section
 from handlcp.errors import InputError, Unsupported
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.cause.judge import most_used
-from handlcp.grasp.cause.wording import said
-from handlcp.grasp.friction import Section
+from handlcp.grasp.failure.failure_mode import largest_share_index
+from handlcp.grasp.failure.failure_text import describe_failures
 from handlcp.grasp.limits.load_limit import load_limit
 from handlcp.grasp.limits.result import LoadLimit
-from handlcp.grasp.margins.closure import Closure, force_closure, form_closure
-from handlcp.grasp.margins.wrench_space import WrenchSpace, wrench_space
+from handlcp.grasp.margins.wrench_space import Closure, WrenchSpace, force_closure, form_closure, wrench_space
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
 from handlcp.record import Record, data_frame
 from handlcp.text_table import TextTable, wrapped
 
-_SLIDES = 1e-5  # share of friction: with less left a contact slides, as far as a solution is exact
-_BROKEN = re.compile(r"(?<=\d), (?=-?\d)")  # within a vector, where a line might end
+_SLIDING_SHARE = 1e-5  # share of friction: with less left a contact slides, as far as a solution is exact
+_VECTOR_BREAK = re.compile(r"(?<=\d), (?=-?\d)")  # within a vector, where a line might end
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +74,7 @@ class Margins(Record):
         used = self.solution.friction_used
         if not np.isfinite(used).any():
             return None
-        k = most_used(used)
+        k = largest_share_index(used)
         return Least(self.spec.names[k], float(self.solution.friction_margin[k]), 1.0 - float(used[k]), "N")
 
     @lazy
@@ -154,25 +153,32 @@ class Margins(Record):
     def __str__(self) -> str:
         space, rows = self.wrench_space, list[tuple[str, ...]]()
         if self.friction is not None:
-            rows.append(_friction(self.friction))
+            rows.append(_friction_row(self.friction))
         if self.torque is not None:
             t = self.torque
             rows.append(("torque", words.effort(t.amount, t.unit), words.percent(t.share), t.who))
         if isinstance(self._load, str):
             rows.append(("load", "–", "", self._load))
         else:
-            rows.append(("load", _times(self._load.factor), "", said(self._load.binds, self.spec, brief=True)))
+            rows.append(
+                (
+                    "load",
+                    _format_factor(self._load.factor),
+                    "",
+                    describe_failures(self._load.binds, self.spec, brief=True),
+                )
+            )
         lines = [str(TextTable(("margin", "left", "of limit", "least at"), tuple(rows), "<>><"))]
         if not self.solution.held:
             lines.append("no margins of friction and torque: no equilibrium was found")
         for c in (self.force_closure, self.form_closure):
             word = {True: "yes", False: "no", None: "not told"}[c.closed]
-            lines.append(_whole(f"{c.kind} closure: {word}, {c.sentence}"))
-        lines.append(wrapped(_space(space), "  "))
+            lines.append(_wrap_whole(f"{c.kind} closure: {word}, {c.sentence}"))
+        lines.append(wrapped(_describe_space(space), "  "))
         return "\n".join(lines)
 
 
-def margins_of(spec: GraspSpec, scene: Scene, section: Section, solution: Any, length: Any) -> Margins:
+def make_margins(spec: GraspSpec, scene: Scene, section: Section, solution: Any, length: Any) -> Margins:
     """See `Grasp.margins`."""
     if not isinstance(solution, GraspSolution) or len(solution.forces) != scene.n:
         raise InputError("solution", "a solution of this grasp, or None", repr(solution)[:80])
@@ -180,34 +186,34 @@ def margins_of(spec: GraspSpec, scene: Scene, section: Section, solution: Any, l
     return Margins(spec, section, solution, L, scene)
 
 
-def _friction(left: Least) -> tuple[str, ...]:
+def _friction_row(left: Least) -> tuple[str, ...]:
     """A row; nothing is left where the contact slides."""
-    if left.share < _SLIDES:
+    if left.share < _SLIDING_SHARE:
         return ("friction", words.force(0.0), words.percent(0.0), f"{left.who}: slides already")
     return ("friction", words.force(left.amount), words.percent(left.share), left.who)
 
 
-def _whole(text: str) -> str:
+def _wrap_whole(text: str) -> str:
     """Wrapped, vectors in one piece."""
-    return wrapped(_BROKEN.sub(",\N{NO-BREAK SPACE}", text), "  ").replace("\N{NO-BREAK SPACE}", " ")
+    return wrapped(_VECTOR_BREAK.sub(",\N{NO-BREAK SPACE}", text), "  ").replace("\N{NO-BREAK SPACE}", " ")
 
 
-def _space(space: WrenchSpace) -> str:
+def _describe_space(space: WrenchSpace) -> str:
     """One sentence."""
     if space.why:
         return f"wrench space: none, {space.why}"
     few = "" if space.dimension == space.of else f" in {space.dimension} of {space.of} dimensions"
-    radius, volume = _between(space.epsilon, space.epsilon_most), _between(space.volume, space.volume_most)
+    radius, volume = _format_range(space.epsilon, space.epsilon_most), _format_range(space.volume, space.volume_most)
     return (
         f"wrench space{few}: ε {radius}, volume {volume}, per newton of all normal forces, moments over "
         f"{words.length(space.length)}"
     )
 
 
-def _between(low: float, high: float) -> str:
+def _format_range(low: float, high: float) -> str:
     one, other = f"{low:.3g}", f"{high:.3g}"
     return one if one == other else f"{one} to {other}"
 
 
-def _times(factor: float) -> str:
+def _format_factor(factor: float) -> str:
     return "∞" if np.isinf(factor) else f"× {factor:.3g}"

@@ -1,16 +1,112 @@
-"""What moves the fingers of a grasp, as far as the mechanics need to know it. This room knows no robots."""
+"""Tendons that move joints, as far as the mechanics need to know them: they pull, and never push."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
-from handlcp.check import Array, Bools, read_only
-from handlcp.grasp.model.cables import Cables
+from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.lcp.kernels.dense import kernel
+
+_COST_TOLERANCE = 1e-14  # of the cost
+_TORQUE_WEIGHT, _TORQUE_SHARE = (
+    1e6,
+    1e-6,
+)  # times as heavy as small tensions: that these make the torques; to this share of them
+
+
+NO_WRAP_SIDES = read_only(np.zeros((0, 3)))
+
+
+class Cables(NamedTuple):
+    """Tendons that move joints. names (t,). arms (t, nv) : R, 0 of a joint that gives way to nothing [m/rad, m/m].
+    springs (t, t) : k [N/m]. passive (nv, nv) : K_p of the joints' own springs [N·m/rad]; rest (nv,) : where these are
+    at rest, from the grasp's posture [rad, m]. pretension (t,) : T₀ in the grasp's posture before the hand closes [N];
+    inf : taut whatever comes, as a rod is. limits (t,) : what they bear [N], inf where nothing is known.
+    Posts that tendons wrap around, m of them, those of a tendon in the order from its drive on: of (m,) : number of the
+    tendon. grips (m,) : μθ, friction times the angle of the wrap [rad]. posts (m, nv) : arms of the tendon at this post
+    and beyond.
+    Of tendons whose arms change with the posture these are those of one: shift (t,) : l - R q there, with l what joints
+    have drawn in [m]; 0 of others. way : from joints at q (nv,) to the tendons there and the
+    root of the joints' compliance with them, as in `Elasticity`; None: arms stay. turning : from
+    tensions T (t,) to Σ T ∂R/∂q (nv, nv) there [N·m/rad], by which the tendons pull harder as joints move; None: 0.
+    around (b,) : round bodies that they pass, in words; sides (b, 3) : on which side of each, a unit vector in the axes
+    of its link.
+    """
+
+    names: tuple[str, ...]
+    arms: Array
+    springs: Array
+    passive: Array
+    rest: Array
+    pretension: Array
+    limits: Array
+    post_tendon: Ints
+    wrap_friction: Array
+    posts: Array
+    shift: Array
+    elasticity_at: Callable[[Array], tuple[Cables, Array]] | None = None
+    moment_arm_stiffness: Callable[[Array], Array] | None = None
+    wrapped_bodies: tuple[str, ...] = ()
+    wrap_sides: Array = NO_WRAP_SIDES
+
+    @classmethod
+    def without_tendons(cls, nv: int) -> Cables:
+        """Of joints without tendons."""
+        none, row = np.zeros(0), np.zeros((0, nv))
+        own, rest = np.zeros((nv, nv)), np.zeros(nv)
+        return cls((), row, np.zeros((0, 0)), own, rest, none, none, np.zeros(0, dtype=np.int64), none, row, none)
+
+    @property
+    def is_elastic(self) -> bool:
+        """Whether they act as springs whatever comes, and bear all of it."""
+        return bool(np.isinf(self.pretension).all() and np.isinf(self.limits).all()) and not len(self.posts)
+
+    def tensions(self, torque: Array) -> Array:
+        """(t,) t [N] that make torques Rᵀ (t - T₀) (nv,) [N·m] with the least pull beyond T₀: none is let go below T₀
+        where the others can do without, and none below 0. Of tendons without a known T₀, how much harder they pull.
+        """
+        begun, more = self.initial_tension, np.asarray(np.linalg.lstsq(self.arms.T, torque)[0])
+        known = np.isfinite(self.pretension)
+        if (more >= 0.0)[known].all():
+            return begun + more
+        from scipy.optimize import lsq_linear  # half a second of import that only antagonists should pay
+
+        size = float(abs(self.arms).max())
+        rows = np.vstack([_TORQUE_WEIGHT * self.arms.T / size, np.eye(len(known))])
+        asked = np.append(_TORQUE_WEIGHT * torque / size, np.zeros(len(known)))
+        for least in (np.zeros(len(known)), -begun):
+            bounds = np.where(known, least, -np.inf), np.inf
+            more = lsq_linear(rows, asked, bounds, "bvls", _COST_TOLERANCE).x
+            if abs(self.arms.T @ more - torque).max() <= _TORQUE_SHARE * abs(torque).max():
+                break
+        return np.where(known, np.maximum(begun + more, 0.0), more)
+
+    def crossed_body(self, a: Array, b: Array) -> str:
+        """The first round body, in words, that a tendon passes on one side with joints at a (nv,) and on the other at b
+        (nv,), postures that lie close together; "": none.
+        """
+        if self.elasticity_at is None or not self.wrapped_bodies:
+            return ""
+        (before, _), (now, _) = self.elasticity_at(a), self.elasticity_at(b)
+        turned = np.flatnonzero((before.wrap_sides * now.wrap_sides).sum(axis=1) < 0.0)
+        return self.wrapped_bodies[turned[0]] if len(turned) else ""
+
+    @property
+    def initial_tension(self) -> Array:
+        """(t,) T₀; 0 where it is not known."""
+        return np.where(np.isfinite(self.pretension), self.pretension, 0.0)
+
+    def unmade_torque(self, torque: Array) -> Array:
+        """(nv,) the part of torques (nv,) [N·m] that no tensions make."""
+        return np.asarray(torque - self.arms.T @ (self.tensions(torque) - self.initial_tension))
+
+
+# ----------------------------------------------------------------
+# What moves the fingers of a grasp, as far as the mechanics need to know it. This room knows no robots.
 
 
 @kernel
@@ -60,7 +156,7 @@ class Mechanism:
     root: Array
     limits: Array
 
-    def turning(self, contacts: tuple[int, ...]) -> Array:
+    def turning_rates(self, contacts: tuple[int, ...]) -> Array:
         """(k, nv) how fast the fingertips of these contacts turn about their normals [rad/rad]."""
         raise NotImplementedError
 
@@ -68,7 +164,7 @@ class Mechanism:
         """(3n, nv, nv) ∂J/∂q [m/rad²] of contact points that move with their fingers, in contact axes that don't."""
         raise NotImplementedError
 
-    def angular(self) -> Array:
+    def angular_jacobian(self) -> Array:
         """(n, 3, nv) how fast the joints turn the fingers of the contacts, world axes [rad/rad]."""
         raise NotImplementedError
 
@@ -83,26 +179,26 @@ class Mechanism:
         return None
 
     @property
-    def springs_alone(self) -> bool:
+    def is_elastic(self) -> bool:
         """Whether joints give way as springs do whatever comes: no dry friction, and tendons that always pull."""
-        return not self.dry_friction.any() and (self.cables is None or self.cables.springs_alone)
+        return not self.dry_friction.any() and (self.cables is None or self.cables.is_elastic)
 
-    def turned_on(self, q: Array) -> Self:
+    def with_joint_shift(self, q: Array) -> Self:
         """The same with joints that stand farther by q (nv,) [rad, m] than its posture has them."""
         return self
 
-    def gives(self, spec: Any) -> bool:
+    def has_joint_flexibility(self, spec: Any) -> bool:
         """Whether the flexibility of a grasp is that of these joints and the pads, and follows them."""
         return False
 
-    def varied(self, spec: Any, what: str, k: int, step: float, inside: Array | None = None) -> Any:
+    def vary_parameter(self, spec: Any, what: str, k: int, step: float, inside: Array | None = None) -> Any:
         """The grasp made again, as it was asked for, with the k-th "posture" [rad, m], "lengths" [m] or "stiffness"
         [N·m/rad] larger by a step. Contacts with an object are detected anew; those that were given stay.
         inside : (k,) [m] how far fingertips count as inside the object, in place of what is detected.
         """
         raise NotImplementedError
 
-    def inside(self, spec: Any) -> tuple[Array, Bools] | None:
+    def inside_depths(self, spec: Any) -> tuple[Array, Bools] | None:
         """(k,) how far each fingertip counts as inside the object [m], and (k,) which ones just touch it. None where
         contacts were given, so that nothing counts as inside.
         """
@@ -122,23 +218,23 @@ class Mechanism:
         """Names of what `varied` counts as "lengths", three (x, y, z) each; () where none are known."""
         return ()
 
-    def replaced(self, spec: Any, positions: Array, frames: Array) -> Any:
+    def replace_contacts(self, spec: Any, positions: Array, frames: Array) -> Any:
         """The grasp with its contacts at positions (n, 3), with frames (n, 3, 3), and all that follows from where they
         are.
         """
         raise NotImplementedError
 
-    def weight(self) -> Array | None:
+    def gravity_torque(self) -> Array | None:
         """(nv,) torque that would hold the fingers' own weight [N·m]; None where no gravity was given."""
         return None
 
-    def against_springs(self, q: Array | None = None) -> Array | None:
+    def parallel_spring_torque(self, q: Array | None = None) -> Array | None:
         """(nv,) with which drives pull against springs beside them, with joints at q (nv,), in the grasp's posture
         without [N·m]; None: there are no such springs.
         """
         return None
 
-    def followed(self, spec: Any) -> Any:
+    def moving_geometry(self, spec: Any) -> Any:
         """The `Geometry` of this grasp as it moves; None where only its first posture is known."""
         return None
 
@@ -152,7 +248,7 @@ class Mechanism:
         """(nv,) lower and upper ends of the joints' ranges [rad, m]; None where they are not known."""
         return None
 
-    def at_end(self, q: Array, pose: Any) -> tuple[Any, Any]:
+    def place_at(self, q: Array, pose: Any) -> tuple[Any, Any]:
         """The posture with joints at q (nv,), and the object in this pose of `followed`; None for what is not known."""
         return None, None
 
@@ -167,15 +263,15 @@ class Mechanism:
         """Of the object [kg]; 0 where it is not known."""
         return 0.0
 
-    def weighing(self, mass: float) -> Self:
+    def with_object_mass(self, mass: float) -> Self:
         """The same with an object of another mass [kg]."""
         raise NotImplementedError
 
-    def loaded(self, spec: Any, load: Array) -> Any:
+    def with_load(self, spec: Any, load: Array) -> Any:
         """The grasp under a load (6,) beside the object's weight, about the reference [N, N·m]."""
         return spec.replace(wrench=read_only(self.weight_of_object(spec.reference) + load))
 
-    def lines(self) -> tuple[tuple[str, str, bool, str, str], ...]:
+    def explanation_lines(self) -> tuple[tuple[str, str, bool, str, str], ...]:
         """(title, equation, whether it is on, why, which answers count it) of what else it is made of, for `explain()`;
         the last as `Effect.answers`.
         """
@@ -193,23 +289,23 @@ class Mechanism:
         """The same of what is asked of the fingers of a grasp."""
         return ()
 
-    def begins_reasons(self, spec: Any) -> Iterable[Any]:
+    def start_inside_reasons(self, spec: Any) -> Iterable[Any]:
         """The same of links that the object begins inside, before the hand closes."""
         return ()
 
-    def squeezed(self, spec: Any, depth: float) -> Any:
+    def with_squeeze(self, spec: Any, depth: float) -> Any:
         """The grasp with every finger whose force is not prescribed squeezed by depth [m] more."""
-        return spec.squeezed(depth)
+        return spec.with_squeeze(depth)
 
-    def eased(self, spec: Any, share: float) -> Any:
+    def with_squeeze_share(self, spec: Any, share: float) -> Any:
         """The grasp with this share of its squeeze."""
         return spec
 
-    def commands(self, spec: Any) -> bool:
+    def has_command(self, spec: Any) -> bool:
         """Whether the joints of a grasp are commanded beyond their posture."""
         return False
 
-    def gripping_again(self, spec: Any) -> Any:
+    def regrip(self, spec: Any) -> Any:
         """A grasp whose springs have changed with its command worked out anew, where that is to press with a force."""
         return spec
 
@@ -218,12 +314,12 @@ class Mechanism:
         return ()
 
     @property
-    def closes(self) -> Array | None:
+    def closing_limits(self) -> Array | None:
         """(nv + t,) with which joints, then tendons, can close [N·m, N]; None where no motor says it."""
         return None
 
     def closing_reasons(self, beyond: Any) -> Iterable[Any]:
-        """The same of `Cause`s, joints and tendons that closing took more of than their motors give."""
+        """The same of `FailureMode`s, joints and tendons that closing took more of than their motors give."""
         return ()
 
     def tension_reasons(self, tension: Array) -> Iterable[Any]:
@@ -240,44 +336,44 @@ class Mechanism:
         """
         return ()
 
-    def in_the_way(self, q: Array, pose: Any) -> tuple[set[str], str]:
+    def find_links_inside(self, q: Array, pose: Any) -> tuple[set[str], str]:
         """Links that are deep in the object where no contact is, and a sentence about them; arguments of `at_end`."""
         return set(), ""
 
-    def elsewhere(self, spec: Any, shift: Array) -> Any:
+    def regrip_shifted(self, spec: Any, shift: Array) -> Any:
         """The same grasp of the object moved by shift (3,) [m], closed anew; None where that is not known, or does not
         reach the object.
         """
         return None
 
-    def moved_out(self, spec: Any) -> tuple[str, float, Any] | None:
+    def move_object_out(self, spec: Any) -> tuple[str, float, Any] | None:
         """Where the object begins inside links: the words for moving it out of them, by how much [m], and the grasp
         then; None where it does not, or that is not known.
         """
         return None
 
     @property
-    def springs_by_joint(self) -> bool:
+    def has_joint_springs(self) -> bool:
         """Whether each joint has a spring that can change on its own."""
         return True
 
-    def limited(self, spec: Any, limits: Array) -> Any:
+    def with_torque_limits(self, spec: Any, limits: Array) -> Any:
         """The grasp with other torque limits (nv,) [N·m], inf for none."""
         return spec.replace(mechanism=replace(self, limits=limits))
 
-    def padded(self, contact: int, more: float) -> Self:
+    def with_softer_pad(self, contact: int, more: float) -> Self:
         """The same with the pad of a finger's contact softer by so much along all axes [m/N]; pads that only the
         flexibility of a grasp has are not the mechanism's.
         """
         return self
 
-    def stiffer(self, factor: float) -> Self:
+    def with_stiffness_factor(self, factor: float) -> Self:
         """The same with joints that are so many times as stiff."""
         return replace(self, root=read_only(self.root / np.sqrt(factor)))
 
-    def rows(self, soft: tuple[int, ...]) -> Array:
+    def jacobian_rows(self, soft: tuple[int, ...]) -> Array:
         """(3n + k, nv) [J; T]: the Jacobian of the points, then of the turns of the k contacts in `soft`."""
-        return np.concatenate([self.jacobian, self.turning(soft)]) if soft else self.jacobian
+        return np.concatenate([self.jacobian, self.turning_rates(soft)]) if soft else self.jacobian
 
     def compliance(self, rows: Array) -> Array:
         """Rows K⁻¹ rowsᵀ, symmetric to the last bit."""
@@ -293,7 +389,7 @@ class Mechanism:
         """What the joints do at an answer; arguments as in `read`."""
         torque = forces.reshape(-1) @ self.jacobian
         if torsion is not None:
-            torque = torque + torsion[list(scene.soft)] @ self.turning(scene.soft)
+            torque = torque + torsion[list(scene.soft)] @ self.turning_rates(scene.soft)
         total = torque if scene.held is None else torque + scene.held
         joints = JointReading(total, self.deflection(torque), np.zeros(len(self.names)))
         for e in effects:
@@ -305,7 +401,7 @@ class Mechanism:
         torque = forces.reshape(-1) @ self.jacobian
         return read_only(torque if scene.held is None else torque + scene.held)
 
-    def read(
+    def solution_fields(
         self, scene: Any, effects: Any, forces: Array, torsion: Array | None, extra: dict[str, Array]
     ) -> dict[str, Any]:
         """What the joints do at an answer, by the fields that `solution` has beside those of every solution.

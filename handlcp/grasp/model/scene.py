@@ -1,26 +1,205 @@
-"""A grasp as plain arrays: the one description that effects stamp from and the certifier recomputes from."""
+"""Compiled geometry of a grasp: natural units, the grasp matrix, and the blocks that effects stamp, in those units.
+
+The c = 3n + k force components are the contacts' x, y and z and then the moments of the k soft contacts about their
+normals (over a lever, so that they are forces).
+
+    w + G r = 0,    v = Gᵀ u + E r + d,    G = [R; skew(p - centre) R | 0; lever n]
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, Bools, read_only, sealed
-from handlcp.grasp.friction import Section, limit_set
-from handlcp.grasp.model.factoring import MANY_AS_MATRIX, found_in
-from handlcp.grasp.model.flexibility import Flexibility, flexible, kept
-from handlcp.grasp.model.grasp_matrix import Blocks, Given, Posed, pose
-from handlcp.grasp.model.kind import Kind, cross_rows
+from handlcp.check import Array, Bools, Ints, read_only, sealed
+from handlcp.contact.friction import Section, limit_set
+from handlcp.grasp.model.contact import SceneKind, cross_rows
+from handlcp.grasp.model.flexibility import (
+    MIN_CONTACTS_TO_FACTOR,
+    Flexibility,
+    find_factor,
+    holds_flexibility,
+    stored_flexibility,
+)
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.lazy import lazy
+from handlcp.lcp.kernels.dense import kernel
 
-_SPATIAL = read_only(np.eye(6))
+
+class GraspArrays(NamedTuple):
+    """A grasp as arrays, SI: positions (n, 3), frames (n, 3, 3), flexibility (c, c), offset (c,), forces (c,) that are
+    prescribed, spin (3, k) moments that one of each torsional component stands for, force and moment (3,) of the load
+    about the world's origin, freedom (dof, 6) of the object.
+    """
+
+    positions: Array
+    frames: Array
+    flexibility: Array
+    offset: Array
+    prescribed: Array
+    spin: Array
+    force: Array
+    moment: Array
+    freedom: Array
 
 
-@flexible
+class NaturalBlocks(NamedTuple):
+    """In natural units, over the unknown force components, normal ones first: G (dof, m), E (m, m), d (m,); the load
+    w (dof,); and `every` (dof, c), G over all components. Prescribed forces are part of w and d.
+    """
+
+    G: Array
+    full_G: Array
+    E: Array
+    d: Array
+    w: Array
+
+
+class GraspGeometry(NamedTuple):
+    """Natural units of force [N], length (of levers) and motion [m]; centre (3,) of the contacts [m]; wrench (6,) of
+    the load about it [N, N·m]; grasp_matrix (6, c).
+
+    Every unit is a norm or a mean (`_sizes`), so another unit, a turned world or another order of fingers changes none
+    of them beyond rounding.
+    """
+
+    force: float
+    length: float
+    motion: float
+    centre: Array
+    wrench: Array
+    grasp_matrix: Array
+
+
+@kernel
+def pose_grasp(g: GraspArrays, index: Ints) -> tuple[GraspGeometry, NaturalBlocks]:
+    """Units, geometry and blocks of a grasp; index (m,): which force components are unknown, normal ones first."""
+    posed = compute_geometry(g, matrix_diagonal(g.flexibility))
+    return posed, _natural_blocks(g, posed, index)
+
+
+@kernel
+def compute_geometry(g: GraspArrays, own: Array) -> GraspGeometry:
+    """Units and geometry of a grasp; own (c,): the diagonal of E, all that they see of it."""
+    force, length, motion, centre, wrench = _natural_units(g, own)
+    grasp_matrix = wrench_map(g.positions, centre, g.frames, g.spin)
+    return GraspGeometry(force, length, motion, centre, wrench, grasp_matrix)
+
+
+@kernel
+def matrix_diagonal(E: Array) -> Array:
+    """(c,) of E (c, c)."""
+    own = np.empty(len(E))
+    for i in range(len(E)):
+        own[i] = E[i, i]
+    return own
+
+
+@kernel
+def _natural_units(g: GraspArrays, own: Array) -> tuple[float, float, float, Array, Array]:
+    """(force, length, motion, centre, wrench): force is the size of the load plus that of the squeeze, length the rms
+    distance of the contacts from their centre, motion = force × the mean flexibility; wrench (6,) of the load about the
+    centre.
+    """
+    positions, offset = g.positions, g.offset
+    n = len(positions)
+    centre = np.zeros(3)
+    for i in range(n):
+        for k in range(3):
+            centre[k] += positions[i, k] / n
+    spread, travel, softness = 0.0, 0.0, 0.0
+    for i in range(n):
+        for k in range(3):
+            spread += (positions[i, k] - centre[k]) ** 2 / n
+            if k < 2 or offset[3 * i + k] < 0.0:  # a gap loads nothing, however wide
+                travel += offset[3 * i + k] ** 2 / n
+            softness += own[3 * i + k] / (3 * n)
+    length, away = np.sqrt(spread), np.sqrt(centre[0] ** 2 + centre[1] ** 2 + centre[2] ** 2)
+    if length <= 1e-12 * away:  # all at one point: what is left is rounding, no size
+        length = away
+    if length == 0.0:
+        length = 1.0
+    wrench, force, moment, load = np.empty(6), g.force, g.moment, 0.0
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        wrench[k], wrench[3 + k] = force[k], moment[k] - centre[i] * force[j] + centre[j] * force[i]
+        load += wrench[k] ** 2 + (wrench[3 + k] / length) ** 2
+    load = np.sqrt(load)
+    travel = np.sqrt(travel)
+    size = load + (travel / softness if softness > 0.0 else 0.0)
+    if size == 0.0:
+        size = 1.0
+    motion = softness * size
+    if motion == 0.0:
+        motion = travel if travel > 0.0 else length
+    return size, length, motion, centre, wrench
+
+
+@kernel
+def wrench_map(points: Array, centre: Array, frames: Array, spin: Array) -> Array:
+    """(6, 3n + k) G: columns [R; skew(a) R] for frames (n, 3, 3) and arms a from the centre (3,) to the points (n, 3),
+    then [0; spin] for spin (3, k).
+    """
+    n, k = len(points), spin.shape[1]
+    G = np.empty((6, 3 * n + k))
+    for i in range(n):
+        ax, ay, az = points[i, 0] - centre[0], points[i, 1] - centre[1], points[i, 2] - centre[2]
+        for a in range(3):
+            x, y, z = frames[i, 0, a], frames[i, 1, a], frames[i, 2, a]
+            c = 3 * i + a
+            G[0, c], G[1, c], G[2, c] = x, y, z
+            G[3, c], G[4, c], G[5, c] = ay * z - az * y, az * x - ax * z, ax * y - ay * x
+    for j in range(k):
+        for a in range(3):
+            G[a, 3 * n + j], G[3 + a, 3 * n + j] = 0.0, spin[a, j]
+    return G
+
+
+@kernel
+def _natural_blocks(g: GraspArrays, p: GraspGeometry, index: Ints) -> NaturalBlocks:
+    """`freedom` projects G and w on what the object is free to do."""
+    freedom, flexibility, offset, given = g.freedom, g.flexibility, g.offset, g.prescribed
+    about, wrench = p.grasp_matrix, p.wrench
+    dof, columns, m = freedom.shape[0], about.shape[1], len(index)
+    every, w = np.zeros((dof, columns)), np.zeros(dof)
+    for i in range(dof):
+        for j in range(6):
+            f = freedom[i, j]
+            if f != 0.0:
+                if j >= 3:
+                    f /= p.length
+                w[i] += f * wrench[j] / p.force
+                for c in range(columns):
+                    every[i, c] += f * about[j, c]
+    G, E, d = np.empty((dof, m)), np.empty((m, m)), np.empty(m)
+    softness = p.force / p.motion
+    for a in range(m):
+        d[a] = offset[index[a]] / p.motion
+        for i in range(dof):
+            G[i, a] = every[i, index[a]]
+        for b in range(m):
+            E[a, b] = flexibility[index[a], index[b]] * softness
+    for c in range(columns):
+        r = given[c] / p.force
+        if r != 0.0:
+            for i in range(dof):
+                w[i] += every[i, c] * r
+            for a in range(m):
+                d[a] += flexibility[index[a], c] * softness * r
+    return NaturalBlocks(G, every, E, d, w)
+
+
+# ----------------------------------------------------------------
+# A grasp as plain arrays: the one description that effects stamp from and the certifier recomputes from.
+
+
+_SPATIAL_FREEDOM = read_only(np.eye(6))
+
+
+@holds_flexibility
 @dataclass(frozen=True)
 class Scene:
     """SI arrays of a grasp in the coordinates of its friction laws (`friction.law`), and the same in natural units.
@@ -42,7 +221,7 @@ class Scene:
     force: Array
     moment: Array
     plane: Array | None
-    kind: Kind
+    kind: SceneKind
     fingers: int | None = None
     prescribed: Array | None = None
     scale: Array | None = None
@@ -75,9 +254,9 @@ class Scene:
         return self.kind.components
 
     @property
-    def governed(self) -> tuple[bool, ...]:
+    def force_unknown(self) -> tuple[bool, ...]:
         """(n,) contacts whose force is not prescribed."""
-        return self.kind.governed
+        return self.kind.force_unknown
 
     @property
     def rough(self) -> tuple[int, ...]:
@@ -115,15 +294,15 @@ class Scene:
         return self.held
 
     # ---- between the coordinates of the laws and contact axes
-    def physical(self, components: Array) -> Array:
+    def to_contact_axes(self, components: Array) -> Array:
         """(c,) in contact axes, N and N·m, from forces in the laws' coordinates."""
         return components if self.scale is None else components * self.scale
 
-    def lawful(self, components: Array) -> Array:
+    def to_law_axes(self, components: Array) -> Array:
         """(c,) forces in the laws' coordinates from those in contact axes; motions in contact axes from the laws'."""
         return components if self.scale is None else components / self.scale
 
-    def by_contact(self, torsional: Array) -> Array:
+    def scatter_torsion(self, torsional: Array) -> Array:
         """(n,) from (k,) of the soft contacts, zero for others."""
         out = np.zeros(self.n)
         out[list(self.soft)] = torsional
@@ -132,17 +311,17 @@ class Scene:
     @lazy
     def factor(self) -> Flexibility | None:
         """The flexibility as a factor: as it was given, or found in a matrix of many contacts; None: it is none."""
-        E = kept(self)
+        E = stored_flexibility(self)
         if isinstance(E, Flexibility):
             return E
-        return None if self.scale is not None or self.soft or self.n < MANY_AS_MATRIX else found_in(E)
+        return None if self.scale is not None or self.soft or self.n < MIN_CONTACTS_TO_FACTOR else find_factor(E)
 
     # ---- geometry and natural units
     @lazy
     def freedom(self) -> Array:
         """(dof, 6) components of wrenches and twists: all, or in a plane two forces and the moment about its normal."""
         if self.plane is None:
-            return _SPATIAL
+            return _SPATIAL_FREEDOM
         a = self.frames[0][:, 2]
         W = np.zeros((3, 6))
         W[0, :3], W[1, :3], W[2, 3:] = a, cross_rows(self.plane, a), self.plane
@@ -151,36 +330,36 @@ class Scene:
         return read_only(W)
 
     @lazy
-    def given(self) -> Given:
+    def arrays(self) -> GraspArrays:
         """The arrays that compiled code works on."""
         spin = _NO_SPIN
         if self.soft:
             levers = np.zeros(0) if self.scale is None else self.scale[3 * self.n :]
             spin = (self.frames[list(self.soft)][:, :, 2] * levers[:, None]).T.copy()
         known = _zeros(self.components) if self.prescribed is None else self.prescribed
-        return Given(
+        return GraspArrays(
             self.positions, self.frames, self.flexibility, self.offset, read_only(known), read_only(spin), self.force,
             self.moment, self.freedom,
         )  # fmt: skip
 
     @lazy
-    def _posed(self) -> tuple[Posed, Blocks]:
-        return pose(self.given, self.kind.index)
+    def _geometry_and_blocks(self) -> tuple[GraspGeometry, NaturalBlocks]:
+        return pose_grasp(self.arrays, self.kind.index)
 
     @property
-    def geometry(self) -> Posed:
+    def geometry(self) -> GraspGeometry:
         """Units, centre, arms, wrench and grasp matrix about the contacts' centre."""
-        return self._posed[0]
+        return self._geometry_and_blocks[0]
 
     @property
-    def natural(self) -> Blocks:
+    def natural(self) -> NaturalBlocks:
         """The blocks of G, E, d and w that the unknowns touch, in natural units (hatted in the model)."""
-        return self._posed[1]
+        return self._geometry_and_blocks[1]
 
     @property
-    def units(self) -> Posed:
+    def units(self) -> GraspGeometry:
         """Natural units: force, length and motion of `geometry`, and the centre that twists refer to."""
-        return self._posed[0]
+        return self._geometry_and_blocks[0]
 
     @lazy
     def twist_units(self) -> Array:
@@ -197,12 +376,12 @@ class Scene:
         return np.asarray(self.freedom @ twist / self.twist_units)
 
     @lazy
-    def governed_mask(self) -> Bools:
+    def force_unknown_mask(self) -> Bools:
         """(n,) bool, `governed` as an array."""
-        return np.array(self.governed)
+        return np.array(self.force_unknown)
 
     @lazy
-    def made(self) -> list[tuple[object, Any]]:
+    def effect_cache(self) -> list[tuple[object, Any]]:
         """What effects made of this scene, with the effect itself: kept so that it is made once (`Effect.present`).
 
         Threads may both append the same; either is right. Found by identity, also after pickling.

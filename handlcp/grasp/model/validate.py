@@ -8,12 +8,11 @@ import numpy as np
 
 from handlcp.check import Array, array, dimensions, number, psd, read_only, unit
 from handlcp.errors import InputError
-from handlcp.grasp.model.contact import Contact
+from handlcp.grasp.model.contact import Contact, Placement, block_diagonal, cross_rows
 from handlcp.grasp.model.effect import Effect
-from handlcp.grasp.model.kind import Placement, block_diagonal, cross_rows
 from handlcp.tolerances import UNIT_NORMAL
 
-WRENCH = "force [N], then torque [N·m]: finite numbers"
+WRENCH_EXPECTED = "force [N], then torque [N·m]: finite numbers"
 
 
 def contacts(value: Any) -> tuple[Contact, ...]:
@@ -34,7 +33,7 @@ def contacts(value: Any) -> tuple[Contact, ...]:
     return out
 
 
-def placed(value: Any, cs: tuple[Contact, ...]) -> tuple[Array, Array, Array | None]:
+def positions_and_frames(value: Any, cs: tuple[Contact, ...]) -> tuple[Array, Array, Array | None]:
     """Positions (n, 3), frames (n, 3, 3) and the normal (3,) of the plane that is asked for; None: spatial."""
     positions, frames = np.array([c.position for c in cs]), np.array([c.rotation for c in cs])
     normal = plane(value, cs, positions, frames)
@@ -51,7 +50,7 @@ def plane(value: Any, cs: tuple[Contact, ...], positions: Array, frames: Array) 
         return None
     a = unit("plane", value, (3,))
     height = positions @ a
-    if np.ptp(height) > _flat(positions):
+    if np.ptp(height) > _flat_height(positions):
         got = f"heights that differ by {np.ptp(height):.3g} m"
         raise InputError("plane", "a plane that holds all contact points", got)
     if (tilt := abs(frames[:, :, 2] @ a)).max() > UNIT_NORMAL:
@@ -76,15 +75,15 @@ def reference(value: Any, normal: Array | None, positions: Array) -> Array:
     return point if point.shape == (3,) else read_only(np.append(point, positions[0, 2]))
 
 
-def lift(positions: Array, point: Array, normal: Array | None) -> float:
+def height_above(positions: Array, point: Array, normal: Array | None) -> float:
     """Height of the plane that holds the contacts above a point [m], along its normal; 0 in a spatial scene."""
     if normal is None:
         return 0.0
     height = float((positions.mean(0) - point) @ normal)
-    return height if abs(height) > _flat(positions) else 0.0
+    return height if abs(height) > _flat_height(positions) else 0.0
 
 
-def _flat(positions: Array) -> float:
+def _flat_height(positions: Array) -> float:
     """Heights that count as none [m]."""
     return 1e-6 * (float(abs(positions - positions.mean(0)).max(initial=0.0)) or 1.0)
 
@@ -98,7 +97,7 @@ def wrench(value: Any, normal: Array | None, lift: float = 0.0, argument: str = 
     if value is None:
         return read_only(np.zeros(6))
     shapes: tuple[tuple[int, ...], ...] = ((6,),) if normal is None else ((6,), (3,))
-    w = array(argument, value, *shapes, what=WRENCH)
+    w = array(argument, value, *shapes, what=WRENCH_EXPECTED)
     if w.shape == (3,):
         if normal is None or abs(normal[2]) != 1.0:
             raise InputError(argument, "shape (6,) unless the plane is xy", "shape (3,)")
@@ -175,8 +174,11 @@ def frames(value: Any, n: int) -> Array:
     return R
 
 
-def moved(contacts: tuple[Contact, ...], positions: Array, frames: Array) -> tuple[Contact, ...]:
+def move_contacts(contacts: tuple[Contact, ...], positions: Array, frames: Array) -> tuple[Contact, ...]:
     """The contacts, at other places."""
     return tuple(
-        [c.moved(read_only(p.copy()), read_only(R.copy())) for c, p, R in zip(contacts, positions, frames, strict=True)]
+        [
+            c.with_pose(read_only(p.copy()), read_only(R.copy()))
+            for c, p, R in zip(contacts, positions, frames, strict=True)
+        ]
     )

@@ -18,7 +18,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.model.cables import Cables
+from handlcp.grasp.model.mechanism import Cables
 from handlcp.grasp.path.state import State
 from handlcp.grasp.path.step_grasp import StepGrasp
 
@@ -44,7 +44,7 @@ def driven(grasp: StepGrasp, states: Sequence[State]) -> Array:
     rest, preload = _rest(grasp, cables)
     t, q = np.array([s.pull.tension for s in states]), np.array([s.where.q for s in states])
     x = np.linalg.solve(cables.springs, np.array([s.pull.drawn for s in states]).T).T
-    there = [cables if cables.way is None else cables.way(s.iterate.at.q)[0] for s in states]
+    there = [cables if cables.elasticity_at is None else cables.elasticity_at(s.iterate.at.q)[0] for s in states]
     made = np.array([one.arms.T @ tension for one, tension in zip(there, t, strict=True)])
     return done(t, x) + done(torque - made + (q - rest) @ cables.passive + preload, q)
 
@@ -58,11 +58,11 @@ def _cables(grasp: StepGrasp) -> Cables | None:
     """Of a path; where geometry stays, arms are those of the grasp's posture."""
     mechanism = grasp.spec.mechanism
     cables = None if mechanism is None else mechanism.cables
-    return cables if cables is None or grasp.geometry.follows else cables._replace(way=None)
+    return cables if cables is None or grasp.geometry.follows else cables._replace(elasticity_at=None)
 
 
 def _rest(grasp: StepGrasp, cables: Cables) -> tuple[Array, Array]:
     """(nv,) q₀, and R₀ᵀ T₀."""
     rest = grasp.posture + cables.rest
-    arms = cables.arms if cables.way is None else cables.way(rest)[0].arms
-    return rest, np.asarray(arms.T @ cables.begun)
+    arms = cables.arms if cables.elasticity_at is None else cables.elasticity_at(rest)[0].arms
+    return rest, np.asarray(arms.T @ cables.initial_tension)

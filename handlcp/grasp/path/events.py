@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from handlcp import words
-from handlcp.grasp.cause.wording import BY_TURNS, happens, moves
-from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.failure.failure_text import BY_TURNS, describe_direction, describe_event
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.record import Record
 
 _LOST = "lost"
@@ -51,7 +51,7 @@ class Event(Record):
         """What happens, without the place."""
         if self.kind == _LOST:
             return f"the object is lost: {self.who}"
-        return happens(self.kind, (self.who,)) + jump(self.moved, self.turned, self.pushed)
+        return describe_event(self.kind, (self.who,)) + jump(self.moved, self.turned, self.pushed)
 
     def __str__(self) -> str:
         return f"{self.stage}, {_at(self.share)}: {self.sentence}"
@@ -141,7 +141,7 @@ class _Group:
 
     def said(self, spec: GraspSpec) -> str:
         """In words, without the place."""
-        return happens(self.kind, self.who, spec) + jump(self.moved, self.turned, self.pushed)
+        return describe_event(self.kind, self.who, spec) + jump(self.moved, self.turned, self.pushed)
 
     def takes(self, other: _Group) -> bool:
         """Whether what another finger does is the same, at the same place."""
@@ -174,4 +174,4 @@ def jump(moved: float, turned: float, pushed: tuple[float, ...] = ()) -> str:
     """Such as ", by 5.5 mm and 14°", and the small push that makes an object in balance do it; "" for no jump."""
     parts = [words.length(moved)] * (moved > 0.0) + [words.angle(turned)] * (turned > 1e-4)
     far = f", by {' and '.join(parts)}" if parts else ""
-    return f"{far}: it was in balance, which a small push{moves(np.array(pushed))} ends" if pushed else far
+    return f"{far}: it was in balance, which a small push{describe_direction(np.array(pushed))} ends" if pushed else far

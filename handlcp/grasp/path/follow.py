@@ -12,18 +12,17 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array, integer, number, read_only
+from handlcp.contact.friction import Section
 from handlcp.doubled import doubled, insisted
 from handlcp.errors import InputError, Unsupported
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.answer.verdict import HELD, NOT_HELD, OVER_LIMIT, UNDECIDED
-from handlcp.grasp.assembly.build import build
-from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.cause.judge import OBJECT, limits_of, over
-from handlcp.grasp.cause.wording import UNSTABLE, under_load, why_given_up, why_lost
-from handlcp.grasp.effects.joint_offset import command_of
-from handlcp.grasp.friction import Section
-from handlcp.grasp.model.kind import cross_rows
-from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.assembly.problem import SolverCandidate
+from handlcp.grasp.assembly.scene_builder import build_scene
+from handlcp.grasp.derivatives.path_sensitivity import PathSensitivity
+from handlcp.grasp.effects.joint_offset import find_command
+from handlcp.grasp.failure.failure_mode import OBJECT, find_exceeded, state_limits
+from handlcp.grasp.failure.failure_text import UNSTABLE, describe_load_share, explain_giving_up, explain_loss
+from handlcp.grasp.model.contact import cross_rows
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.advance import PATIENT, Patience, advance
 from handlcp.grasp.path.events import Event, Summary, summary
 from handlcp.grasp.path.geometry import FixedGeometry, Geometry
@@ -32,9 +31,9 @@ from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.step_grasp import StepGrasp
 from handlcp.grasp.path.trajectory import Steps
 from handlcp.grasp.path.watch import watch_of
-from handlcp.grasp.sensitivity.paths import PathSensitivity
-from handlcp.grasp.solve.solve_spec import solve_spec
-from handlcp.grasp.solve.stages import certified
+from handlcp.grasp.solution.solution import GraspSolution
+from handlcp.grasp.solution.verdict import HELD, NOT_HELD, OVER_LIMIT, UNDECIDED
+from handlcp.grasp.solve.solve_spec import certify_known_answer, solve_spec
 from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
 from handlcp.progress import told
@@ -116,7 +115,9 @@ class Loading(Record):
     @property
     def _over(self) -> list[str]:
         """Joints and tendons that are over their limit at the last step."""
-        return [cause.who for cause in over(limits_of(self.steps.grasp.spec, ranges=False), self.last.efforts)]
+        return [
+            cause.who for cause in find_exceeded(state_limits(self.steps.grasp.spec, ranges=False), self.last.efforts)
+        ]
 
     @property
     def held_to(self) -> float:
@@ -175,7 +176,7 @@ class Loading(Record):
         mechanism, where = self.steps.grasp.spec.mechanism, self.last.where
         if mechanism is None or not self.steps.geometry.follows:
             return None, None
-        return mechanism.at_end(where.q, where.pose)
+        return mechanism.place_at(where.q, where.pose)
 
     def page(self, path: Any, *, obj: Any = None, title: str = "", verdict: Any = None) -> Path:
         """A page with a slider through all steps, as `GraspSolution.page`; obj : where it stands at the start."""
@@ -238,11 +239,11 @@ def solution_of(grasp: StepGrasp, state: State, section: Section) -> GraspSoluti
     those that a solve finds from there.
     """
     made = grasp.made(state.iterate, state.loads, state.pull.tension if len(state.pull.tension) else None)
-    scene = build(made)
+    scene = build_scene(made)
     if len(state.start) and not grasp.general:
         c = scene.components
-        known = Candidate(state.start[:c], state.start[c : c + 6], {}, len(scene.soft))
-        if (found := certified(made, scene, section, known, "a state of the path")).held:
+        known = SolverCandidate(state.start[:c], state.start[c : c + 6], {}, len(scene.soft))
+        if (found := certify_known_answer(made, scene, section, known, "a state of the path")).held:
             return found
     return solve_spec(made, section, start=state.start, proof=False)
 
@@ -323,8 +324,8 @@ def begun(
         raise Unsupported(f"forces that are known or prescribed cannot be followed through a loading ({names})")
     weight = np.zeros(6) if spec.mechanism is None else spec.mechanism.weight_of_object(spec.reference)
     stepper = Stepper(spec, body, section, weight[:3], tolerance)
-    closing = command_of(spec.effects)
-    command, kept = (np.zeros(len(body.posture)), False) if closing is None else (closing.driven, closing.keeps)
+    closing = find_command(spec.effects)
+    command, kept = (np.zeros(len(body.posture)), False) if closing is None else (closing.motor_offset, closing.keeps)
     before = body.start.q - body.posture
     squeezes = stepper.grasp.squeezes or bool((command != before).any())
     weighs = bool(weight[:3].any())
@@ -338,7 +339,7 @@ def geometry_of(spec: GraspSpec, asked: Any) -> Geometry:
         raise InputError("geometry", '"followed", "fixed" or None', repr(asked))
     if asked == "fixed":
         return FixedGeometry(spec)
-    moving = None if spec.mechanism is None else spec.mechanism.followed(spec)
+    moving = None if spec.mechanism is None else spec.mechanism.moving_geometry(spec)
     if moving is None and asked == "followed":
         expected = '"fixed" for a grasp without a hand: only its first posture is known'
         raise InputError("geometry", expected, repr(asked))
@@ -363,17 +364,17 @@ def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) 
     last = run.states[-1]
     if run.outcome is Outcome.GAVE_UP:
         assert run.failure is not None
-        sentence = f"given up in stage {stage!r} at {words.percent(share)}: {why_given_up(*run.failure)}"
+        sentence = f"given up in stage {stage!r} at {words.percent(share)}: {explain_giving_up(*run.failure)}"
     elif lost:
         assert run.failure is not None
         going = stepper.between(run.states[-2].where.pose, last.where.pose) if len(run.states) > 1 else None
         if run.failure.kind == UNSTABLE:
             going = np.array(run.snaps[-1].pushed)
-        why = why_lost(run.failure.kind, spec, last.kinds, going, goals[number].end.kept)
+        why = explain_loss(run.failure.kind, spec, last.kinds, going, goals[number].end.kept)
         events.append(Event("lost", why, str(stage), share, number))
         weight, end = np.append(stepper.grasp.weight, np.zeros(3)), goals[number].end
         now = last.controls
-        under = under_load(now.load + now.weight * weight, end.load + end.weight * weight)
+        under = describe_load_share(now.load + now.weight * weight, end.load + end.weight * weight)
         sentence = f"lost in stage {stage!r} at {words.percent(share)}{under}: {why}"
     else:
         few = " and ".join(repr(g.name) for g in goals)

@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.grasp.effects.finger_weight import FingerWeight
-from handlcp.grasp.model.flexibility import Flexibility, kept
-from handlcp.grasp.model.kind import MANY, block_diagonal, shifted
+from handlcp.grasp.effects.joint_torque import FingerWeight
+from handlcp.grasp.model.contact import MANY_CONTACTS, block_diagonal, shift_twist
+from handlcp.grasp.model.flexibility import Flexibility, stored_flexibility
 from handlcp.grasp.model.mechanism import Mechanism, joint_flexibility
-from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.newton.numbers import Elastic
 from handlcp.grasp.path.newton.tangent import Moving, Touch
 
@@ -160,17 +160,17 @@ class FixedGeometry(Geometry):
     follows = False
 
     def __init__(self, spec: GraspSpec) -> None:
-        n, mechanism, E = spec.n, spec.mechanism, kept(spec)
+        n, mechanism, E = spec.n, spec.mechanism, stored_flexibility(spec)
         self.spec = spec
         J, root = np.zeros((3 * n, 0)), np.zeros((0, 0))
         if mechanism is not None:
             J, root = mechanism.jacobian, mechanism.root
-        elif isinstance(E, Flexibility) and n >= MANY:  # of joints that have no names
+        elif isinstance(E, Flexibility) and n >= MANY_CONTACTS:  # of joints that have no names
             J, root = E.factor.rows, E.factor.root
         nv = len(root)
         turning = np.zeros((n, nv)) if mechanism is None else _turning(mechanism, spec)
         self.weighs = any(isinstance(e, FingerWeight) for e in spec.effects)
-        weight = None if mechanism is None or not self.weighs else mechanism.weight()
+        weight = None if mechanism is None or not self.weighs else mechanism.gravity_torque()
         if isinstance(E, Flexibility) and nv:
             P = block_diagonal(E.factor.pads, n)
         else:
@@ -206,13 +206,13 @@ class FixedGeometry(Geometry):
 
     def mechanism(self, iterate: Iterate) -> Mechanism | None:
         mechanism: Mechanism | None = self.spec.mechanism
-        return None if mechanism is None else mechanism.turned_on(iterate.at.q)
+        return None if mechanism is None else mechanism.with_joint_shift(iterate.at.q)
 
     def slipped(self, a: Iterate, b: Iterate, slip_memory: Array) -> Array:
         return np.asarray(b.bodies - a.bodies - slip_memory)
 
     def moved(self, pose: Any, twist: Array, centre: Array) -> Any:
-        return pose + shifted(twist, self.spec.reference - centre)
+        return pose + shift_twist(twist, self.spec.reference - centre)
 
     def between(self, a: Any, b: Any) -> Array:
         return np.asarray(b - a)
@@ -229,5 +229,5 @@ def _turning(mechanism: Mechanism, spec: GraspSpec) -> Array:
     soft = tuple([i for i, c in enumerate(spec.contacts) if c.friction.lever > 0.0])
     rows = np.zeros((spec.n, len(mechanism.names)))
     if soft:
-        rows[list(soft)] = mechanism.turning(soft)
+        rows[list(soft)] = mechanism.turning_rates(soft)
     return rows

@@ -31,7 +31,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints, read_only
-from handlcp.grasp.model.cables import Cables
+from handlcp.grasp.model.mechanism import Cables
 from handlcp.grasp.path.newton.numbers import NO_TENSION
 from handlcp.grasp.path.pull import NO_PULL, Pull, Task
 from handlcp.grasp.path.sprung import DEPENDS, Mixed, Sprung, sprung_of
@@ -57,7 +57,7 @@ class Joints:
 
     def __init__(self, root: Array, friction: Array, cables: Cables | None, posture: Array) -> None:
         C = root @ root.T
-        cables = Cables.none(len(friction)) if cables is None else cables
+        cables = Cables.without_tendons(len(friction)) if cables is None else cables
         self.gives = C.diagonal() > 0.0
         on, K = np.ix_(self.gives, self.gives), np.zeros_like(C)
         K[on] = np.linalg.solve(C[on], np.eye(int(self.gives.sum())))
@@ -68,8 +68,8 @@ class Joints:
         self._lie(K, root, C, cables)
         self._whole, self._near = self, (b"", self)
         self._lately = b"", root
-        at_rest = cables if cables.way is None else cables.way(self._rest)[0]
-        self._preload = at_rest.arms.T @ cables.begun  # which springs at the joints take up at rest
+        at_rest = cables if cables.elasticity_at is None else cables.elasticity_at(self._rest)[0]
+        self._preload = at_rest.arms.T @ cables.initial_tension  # which springs at the joints take up at rest
 
     def _lie(self, K: Array, root: Array, C: Array, cables: Cables) -> None:
         """What depends on how tendons lie."""
@@ -78,7 +78,7 @@ class Joints:
         self.rows, self.rubs, self._gives_by = self._alone, self.friction > 0.0, C.diagonal()
         if self.posts:
             self.rows = np.concatenate([self._alone, cables.posts])
-            self.rubs = np.append(self.rubs, (cables.grips > 0.0) & cables.posts.any(axis=1))
+            self.rubs = np.append(self.rubs, (cables.wrap_friction > 0.0) & cables.posts.any(axis=1))
             self._gives_by = ((self.rows @ C) * self.rows).sum(axis=1)
         self._pulls = cables.springs @ cables.arms  # k R
         self._known = dict[bytes, Sprung]()
@@ -86,10 +86,10 @@ class Joints:
 
     def at(self, q: Array) -> Joints:
         """With the arms of tendons where joints are at q (nv,)."""
-        if self.cables.way is None:
+        if self.cables.elasticity_at is None:
             return self
         if self._near[0] != q.tobytes():
-            (cables, root), made = self.cables.way(q), object.__new__(Joints)
+            (cables, root), made = self.cables.elasticity_at(q), object.__new__(Joints)
             made.__dict__.update(self.__dict__)
             made._lie(cables.passive + cables.arms.T @ cables.springs @ cables.arms, root, root @ root.T, cables)
             self._near = q.tobytes(), made
@@ -102,11 +102,11 @@ class Joints:
 
     def _drawn_to(self, commanded: Array) -> Array:
         """(t,) d of tendons that hold joints free of contacts where they are commanded to be (nv,)."""
-        assert self.cables.way is not None
+        assert self.cables.elasticity_at is not None
         if self._lately[0] == commanded.tobytes():
             return self._lately[1]
-        there, _ = self.cables.way(commanded)
-        torque = self.cables.passive @ (commanded - self._rest) + self._preload - there.arms.T @ there.begun
+        there, _ = self.cables.elasticity_at(commanded)
+        torque = self.cables.passive @ (commanded - self._rest) + self._preload - there.arms.T @ there.initial_tension
         drawn = np.asarray(there.tensions(torque) + there.springs @ (there.shift + there.arms @ commanded))
         self._lately = commanded.tobytes(), drawn
         return drawn
@@ -117,10 +117,10 @@ class Joints:
 
     def _tensed(self, does: Ints, task: Task, at: Array) -> Array:
         """(nv, nv) H = Σ T ∂R/∂q of the tensions with joints at (nv,); empty where arms stay."""
-        if self.cables.turning is None:
+        if self.cables.moment_arm_stiffness is None:
             return NO_TENSION
         a = self._drawn_in(task) - self._drawn(at)
-        return self.cables.turning(self._tensions(a, does[len(self.rubs) :] == 1))
+        return self.cables.moment_arm_stiffness(self._tensions(a, does[len(self.rubs) :] == 1))
 
     def _to(self, task: Task) -> Array:
         """(nv,) where springs that are as stiff as here would drive joints to: where they are commanded to; where arms
@@ -262,7 +262,9 @@ class Joints:
         """(nv + m,) between what friction is, f (nv + m,) at the posts before each."""
         low, high = np.append(-self.friction, np.zeros(self.posts)), np.append(self.friction, np.zeros(self.posts))
         left = np.maximum(pull.tension, 0.0)
-        for p, (tendon, grip) in enumerate(zip(self.cables.of.tolist(), self.cables.grips.tolist(), strict=True)):
+        for p, (tendon, grip) in enumerate(
+            zip(self.cables.post_tendon.tolist(), self.cables.wrap_friction.tolist(), strict=True)
+        ):
             T, k = float(left[tendon]), self.nv + p
             low[k], high[k] = T * (1.0 - np.exp(grip)), T * (1.0 - np.exp(-grip))
             left[tendon] = T - min(max(f[k], low[k]), high[k])
@@ -297,6 +299,6 @@ class Joints:
             return Pull(does, posts, task.drawn, read_only(tension), read_only(a))
         # Rᵀ (t - T₀) is what springs pull with in all, and turns the joints against their own springs
         torque = self.pulls(does, task, q) + self.cables.passive @ (q - self._rest)
-        torque = torque + self._preload - self.cables.arms.T @ self.cables.begun
+        torque = torque + self._preload - self.cables.arms.T @ self.cables.initial_tension
         tension = read_only(self.cables.tensions(torque))
         return Pull(does, posts, read_only(tension + self._drawn(q)), tension, tension)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Bools
-from handlcp.grasp.model.cables import Cables
+from handlcp.grasp.model.mechanism import Cables
 
 DEPENDS = 1e-9  # of the longest: rows shorter than this across others say nothing that these do not
 _LIMP = 1e-5  # of its stiffness: what a joint keeps that no taut tendon and no spring holds

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.grasp.friction import Section
-from handlcp.grasp.model.spec import GraspSpec
+from handlcp.contact.friction import Section
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.geometry import Geometry, Iterate, Where, between, length_of
 from handlcp.grasp.path.joints import Joints
 from handlcp.grasp.path.newton.answer import Reached
@@ -28,7 +28,7 @@ from handlcp.grasp.path.pull import NO_PULL, Pull, Task
 from handlcp.grasp.path.state import OPEN, Controls, Failure, Guess, State
 from handlcp.grasp.path.step_grasp import StepGrasp, StepLaws, Under
 from handlcp.grasp.solve.solve_spec import solve_spec
-from handlcp.grasp.verify.contact_states import names_of
+from handlcp.grasp.verify.contact_state import state_names
 from handlcp.lcp import Auto
 
 # h of a quasi-static step: its damper takes 1e-8 of the forces that such a motion would need, so that a state passes
@@ -173,7 +173,7 @@ class Stepper:
                     rubs = joints.taken(joints.rubbing(pull, stands, end.q, left))
                     # as if there were springs alone
                     loads = loads._replace(command=end.q + yielded - iterate.at.q + joints.C @ left)
-                kinds = names_of(reached.kinds)
+                kinds = state_names(reached.kinds)
                 if ahead:
                     kinds = (OPEN,) * len(kinds)  # pushed ahead, and held by nobody
                 return State(
@@ -262,12 +262,12 @@ class Stepper:
         """What a tendon crosses from this one of the states on, as of `Cables`, or, where these end, crosses close by;
         "": nothing.
         """
-        if self.joints is None or not self.joints.cables.around:
+        if self.joints is None or not self.joints.cables.wrapped_bodies:
             return ""
         q = [s.iterate.at.q for s in states[number - 1 if number else 0 :]]
         if ends and (size := float(abs(going := q[-1] - q[0]).max())) > 0.0:
             q += [q[-1] - _CLOSE_BY / size * going, q[-1] + _CLOSE_BY / size * going]
-        return next((who for who in map(self.joints.cables.crosses, q, q[1:]) if who), "")
+        return next((who for who in map(self.joints.cables.crossed_body, q, q[1:]) if who), "")
 
     def between(self, a: object, b: object) -> Array:
         """(6,) of the object from pose a to pose b: of its reference point [m], and turned [rad]."""
@@ -296,7 +296,7 @@ class Stepper:
         found = self._solved(asked, begun)
         if not state.loaded and (found is None or not found.kinds.any()):
             return self._pressed(asked._replace(near=-1.0)) or found
-        if not len(begun) or (found is not None and names_of(found.kinds) == state.kinds):
+        if not len(begun) or (found is not None and state_names(found.kinds) == state.kinds):
             return found
         c = len(self.laws.laws.scale)
         size = _CLOSE * float(abs(start[:c]).max())
@@ -305,7 +305,7 @@ class Stepper:
         other = self._solved(asked, begun, cold=True)
         if found is None or other is None:
             return found or other
-        if names_of(other.kinds) == state.kinds:
+        if state_names(other.kinds) == state.kinds:
             return other
         off = [float(abs(a.start[:c] - start[:c]).max()) for a in (found, other)]
         return found if off[0] <= off[1] else other
@@ -346,7 +346,7 @@ class Stepper:
     def _springs(self, q: Array) -> Array:
         """(nv,) with which drives pull against springs beside them, with joints at q (nv,)."""
         mechanism = self.grasp.spec.mechanism
-        held = None if mechanism is None else mechanism.against_springs(q if self.geometry.follows else None)
+        held = None if mechanism is None else mechanism.parallel_spring_torque(q if self.geometry.follows else None)
         return self._still if held is None else held
 
     def _left(self, reached: Reached, iterate: Iterate) -> Array:
@@ -374,7 +374,7 @@ def _joints(spec: GraspSpec, geometry: Geometry, root: Array) -> Joints | None:
         return None
     cables = mechanism.cables
     if cables is not None and not geometry.follows:  # joints are measured from the posture, and arms are those there
-        cables = cables._replace(shift=np.zeros(len(cables.names)), way=None, turning=None)
+        cables = cables._replace(shift=np.zeros(len(cables.names)), elasticity_at=None, moment_arm_stiffness=None)
     return Joints(root, mechanism.dry_friction, cables, geometry.posture)
 
 

@@ -18,19 +18,17 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, read_only
+from handlcp.contact.friction import Section
 from handlcp.errors import Unsupported
-from handlcp.grasp.assembly.build import build
-from handlcp.grasp.assembly.contact_form import design, outward, stamped
+from handlcp.grasp.assembly.problem import polyhedron_normals, problem_design, stamped_effects
+from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.effects import Effect
-from handlcp.grasp.effects.finger_weight import FingerWeight
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
 from handlcp.grasp.effects.joint_offset import JointOffset
-from handlcp.grasp.effects.torque_saturation import TorqueSaturation
-from handlcp.grasp.friction import Section
-from handlcp.grasp.model.contact import Contact
-from handlcp.grasp.model.kind import Placement, block_diagonal
+from handlcp.grasp.effects.joint_torque import FingerWeight, TorqueSaturation
+from handlcp.grasp.model.contact import Contact, Placement, block_diagonal
+from handlcp.grasp.model.request import GraspSpec, wrench_about
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.model.spec import GraspSpec, wrench_about
 from handlcp.grasp.path.geometry import Geometry, Iterate
 from handlcp.grasp.path.newton.answer import Answer
 from handlcp.grasp.path.newton.linear_solve import Giving
@@ -50,8 +48,8 @@ class StepLaws:
 
     def __init__(self, grasp: StepGrasp, section: Section, first: Iterate) -> None:
         self.grasp, spec = grasp, grasp.spec
-        scene = build(spec)
-        asked = stamped(spec.effects)
+        scene = build_scene(spec)
+        asked = stamped_effects(spec.effects)
         if foreign := [e for e in asked if not e.only_limits]:
             names = ", ".join(type(e).__name__ for e in foreign)
             raise Unsupported(f"a path knows no unknowns but forces and limits that give way ({names})")
@@ -63,14 +61,14 @@ class StepLaws:
             spec.mechanism is not None and bool(spec.flexibility.any()), 1.0 if grasp.sags else 0.0,
         )  # fmt: skip
         self.limits = scene.limits(section).copy()
-        known = design(scene, section, asked)
+        known = problem_design(scene, section, asked)
         where, roles = known.layout, known.pattern
         self._extra = where.extra
         self.given = sum([g.count for g in where.extra])
         self._at = where.at[where.extra[0].name].start if where.extra else 0
         self.pattern = ScenePattern(
             kind.contact_components.copy(), kind.index.copy(), roles.role.copy(), roles.order.copy(),
-            roles.blocks.copy(), section.faces, np.array(outward(scene, section)), True, kind.dof,
+            roles.blocks.copy(), section.faces, np.array(polyhedron_normals(scene, section)), True, kind.dof,
             (*where.forces, where.at["u"].start, where.size), len(soft),
         )  # fmt: skip
         self._none = Giving(np.zeros((0, scene.components)), np.zeros(0), 0, np.zeros(0))
@@ -79,7 +77,10 @@ class StepLaws:
         self.yields = np.zeros((nv, 0))
         self.answer = Answer(spec.n, nv, scene.components, self.given, kind.dof)
         self.by_contact = (
-            kind.many and not grasp.general and bool((scale == 1.0).all()) and _pads_alone(first.elastic.P, spec.n)
+            kind.has_many_contacts
+            and not grasp.general
+            and bool((scale == 1.0).all())
+            and _pads_alone(first.elastic.P, spec.n)
         )
 
     def added(self, iterate: Iterate, loads: Loads, gives: Array) -> tuple[Array, Giving, Loads]:
@@ -89,10 +90,10 @@ class StepLaws:
         grasp = self.grasp
         if not grasp.general:
             return self._no_extra, self._none, loads
-        scene = build(grasp.made(iterate, loads))
+        scene = build_scene(grasp.made(iterate, loads))
         scale = self.laws.scale
         E = scene.flexibility / np.outer(scale, scale)
-        plain = build(grasp.plain(iterate, loads))
+        plain = build_scene(grasp.plain(iterate, loads))
         extra = E - plain.flexibility / np.outer(scale, scale)
         moved = (scene.offset - plain.offset) / scale
         n = len(iterate.positions)
@@ -102,7 +103,7 @@ class StepLaws:
 
     def _giving(self, scene: Scene, gives: Array) -> Giving:
         rows, room, yields = list[Array](), list[Array](), list[Array]()
-        for e in stamped(self.grasp.effects):
+        for e in stamped_effects(self.grasp.effects):
             for limit in e.present(scene):
                 rows.append(limit.natural_rows)
                 room.append(limit.room if limit.levers is None else limit.room / limit.levers)
@@ -234,7 +235,7 @@ class StepGrasp:
             if self._weighs is not None:
                 effects = (*effects, FingerWeight(iterate.elastic.gravity, self._weighs.sags))
         contacts = tuple([
-            Contact.placed(read_only(p.copy()), read_only(R.copy()), c.friction, c.planar, c.name)
+            Contact.from_arrays(read_only(p.copy()), read_only(R.copy()), c.friction, c.planar, c.name)
             for c, p, R in zip(spec.contacts, iterate.positions, iterate.frames, strict=True)
         ])  # fmt: skip
         return GraspSpec(

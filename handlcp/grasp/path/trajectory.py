@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, Ints, read_only
-from handlcp.grasp.answer.reasons import friction_used
-from handlcp.grasp.assembly.build import build
-from handlcp.grasp.model.kind import cross_rows
+from handlcp.grasp.assembly.scene_builder import build_scene
+from handlcp.grasp.model.contact import cross_rows
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.path.energy import done, driven, stored
 from handlcp.grasp.path.geometry import Geometry
 from handlcp.grasp.path.state import SLIDES, State
 from handlcp.grasp.path.step_grasp import StepGrasp
+from handlcp.grasp.solution.verdict import friction_used
 from handlcp.lazy import lazy
 from handlcp.words import distinct
 
@@ -125,7 +125,7 @@ class Steps:
     @lazy
     def friction_used(self) -> Array:
         """(m, n) share of its friction limit that each contact uses; NaN without friction or without a force."""
-        return used_on_path(build(self.grasp.spec), self.forces, self.torsion)
+        return used_on_path(build_scene(self.grasp.spec), self.forces, self.torsion)
 
     @lazy
     def positions(self) -> Array:

@@ -17,8 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Bools
-from handlcp.grasp.cause.judge import Limits, exceeded, limits_of, used
-from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.failure.failure_mode import StateLimits, is_exceeded, limit_shares, state_limits
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.events import Event
 from handlcp.grasp.path.geometry import Geometry
 from handlcp.grasp.path.state import OPEN, SLIDES, Failure, State
@@ -118,7 +118,7 @@ _ENDS = ("within limit", "within tension", "tightens", "holds", "range")
 class Watch:
     """limits : of torques and ranges. near : gaps up to this are none [m]."""
 
-    limits: Limits
+    limits: StateLimits
     near: float
 
     def events(self, a: State, b: State, stage: str, number: int, share: float) -> list[Event]:
@@ -151,7 +151,7 @@ class Watch:
             return
         marks, parts = [], [len(joints), len(joints) + len(tendons)]
         for s in (a, b):
-            torque, tension, outside = np.split(exceeded(used(self.limits, s.efforts, s.where.q)), parts)
+            torque, tension, outside = np.split(is_exceeded(limit_shares(self.limits, s.efforts, s.where.q)), parts)
             marks.append((torque, tension, s.pull.slack, s.yielded != 0.0, outside))
         names = joints, tendons, tendons, joints, joints
         for ends, begins, of, before, now in zip(_ENDS, _BEGINS, names, *marks, strict=True):
@@ -162,7 +162,7 @@ class Watch:
 def watch_of(spec: GraspSpec, geometry: Geometry) -> Watch:
     """All contacts and joints of a grasp."""
     near = _NEAR * float(abs(spec.positions - spec.positions.mean(axis=0)).max(initial=0.0))
-    return Watch(limits_of(spec, ranges=geometry.follows), near)  # elsewhere joints are measured from the posture
+    return Watch(state_limits(spec, ranges=geometry.follows), near)  # elsewhere joints are measured from the posture
 
 
 class Rate:

@@ -7,25 +7,30 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, read_only
+from handlcp.contact.friction import Section
 from handlcp.errors import InputError
-from handlcp.grasp.assembly.candidate import Candidate
-from handlcp.grasp.assembly.contact_form import design, outward
-from handlcp.grasp.friction import Section
-from handlcp.grasp.model.flexibility import kept, matrix_of
-from handlcp.grasp.model.kind import Kind
+from handlcp.grasp.assembly.problem import SolverCandidate, polyhedron_normals, problem_design
+from handlcp.grasp.model.contact import SceneKind
+from handlcp.grasp.model.flexibility import flexibility_matrix, stored_flexibility
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.solve.compiled_solve import HEAD, NONE_HOLDS, UNIQUE, ScenePattern, solve_scenes
-from handlcp.grasp.solve.factored_solve import Row, solve_factored
-from handlcp.grasp.solve.scene_row import width, write_row
-from handlcp.grasp.verify.contact_laws import Misses
-from handlcp.grasp.verify.contact_states import names_of
-from handlcp.grasp.verify.judge import Residuals
+from handlcp.grasp.solve.compiled_solve import (
+    HEADER_SIZE,
+    NONE_HOLDS,
+    UNIQUE,
+    ScenePattern,
+    row_width,
+    solve_scenes,
+    write_row,
+)
+from handlcp.grasp.solve.factored_solve import FactoredRow, solve_factored
+from handlcp.grasp.verify.certifier import LawResiduals, Residuals
+from handlcp.grasp.verify.contact_state import state_names
 from handlcp.lcp import Proposal
-from handlcp.lcp.solvers.base import outcome
+from handlcp.lcp.solver import describe_outcome
 from handlcp.tolerances import CERTIFY, SOLVE
 
 _NO_MATRIX = read_only(np.empty((0, 0)))
-NOWHERE = read_only(np.empty(0))  # the start of a solve that begins where every contact sticks
+NO_START = read_only(np.empty(0))  # the start of a solve that begins where every contact sticks
 
 
 class CompiledKind:
@@ -34,42 +39,42 @@ class CompiledKind:
     __slots__ = ("answer_width", "design", "kind", "pattern", "scene_width")
 
     def __init__(self, scene: Scene, section: Section) -> None:
-        kind, self.design = scene.kind, design(scene, section, ())
+        kind, self.design = scene.kind, problem_design(scene, section, ())
         where, roles = self.design.layout, self.design.pattern
-        self.kind: Kind = kind
-        self.scene_width = width(scene)
-        self.answer_width = HEAD + 2 * kind.components + 9 + kind.n + where.size
+        self.kind: SceneKind = kind
+        self.scene_width = row_width(scene)
+        self.answer_width = HEADER_SIZE + 2 * kind.components + 9 + kind.n + where.size
         self.pattern = ScenePattern(
             kind.contact_components, kind.index, roles.role, roles.order, roles.blocks, section.faces,
-            outward(scene, section), kind.flexible, kind.dof,
+            polyhedron_normals(scene, section), kind.flexible, kind.dof,
             (*where.forces, where.at["u"].start, where.size), len(kind.soft),
         )  # fmt: skip
 
 
-_KINDS: dict[tuple[Section, Kind], CompiledKind] = {}
-_MOST_KINDS = 1024
+_KINDS: dict[tuple[Section, SceneKind], CompiledKind] = {}
+_MAX_KINDS = 1024
 
 
-def compiled_kind(scene: Scene, section: Section) -> CompiledKind:
+def get_compiled_kind(scene: Scene, section: Section) -> CompiledKind:
     """The kind of a scene whose effects follow from its data, with these cones; few are met again and again."""
     key = (section, scene.kind)
     if (known := _KINDS.get(key)) is None:
-        if len(_KINDS) >= _MOST_KINDS:
+        if len(_KINDS) >= _MAX_KINDS:
             _KINDS.clear()
         known = _KINDS[key] = CompiledKind(scene, section)
     return known
 
 
-def solve_scene(scene: Scene, section: Section, seed: int, start: Array = NOWHERE) -> CompiledAnswer:
+def solve_scene(scene: Scene, section: Section, seed: int, start: Array = NO_START) -> CompiledAnswer:
     """The first stage's answer, certified or not; start as in `start_from`."""
-    kind = compiled_kind(scene, section)
-    if scene.kind.many and (E := scene.factor) is not None:
-        row, given = np.empty(kind.answer_width), kept(scene)
+    kind = get_compiled_kind(scene, section)
+    if scene.kind.has_many_contacts and (E := scene.factor) is not None:
+        row, given = np.empty(kind.answer_width), stored_flexibility(scene)
         loads = (scene.offset, scene.force, scene.moment, scene.freedom)
         parts = (scene.positions, scene.frames, *loads, *E.factor, scene.limits(section))
         numbers, (joints, columns) = read_only(np.concatenate(parts, axis=None)), E.factor.root.shape
-        matrix = _NO_MATRIX if given is E else matrix_of(given)
-        if solve_factored(Row(numbers, joints, columns, matrix), kind.pattern, start, row):
+        matrix = _NO_MATRIX if given is E else flexibility_matrix(given)
+        if solve_factored(FactoredRow(numbers, joints, columns, matrix), kind.pattern, start, row):
             return CompiledAnswer(kind, row)
     numbers, rows = np.empty((1, kind.scene_width)), np.empty((1, kind.answer_width))
     write_row(scene, section, numbers[0])
@@ -77,22 +82,22 @@ def solve_scene(scene: Scene, section: Section, seed: int, start: Array = NOWHER
     return CompiledAnswer(kind, rows[0])
 
 
-def start_from(value: Any, scene: Scene) -> Array:
+def start_values(value: Any, scene: Scene) -> Array:
     """(c + 9,) where to start, from a `GraspSolution` (or a stream's update) of as many contacts: forces in the laws'
     coordinates [N], twist (6,) and the point (3,) that it refers to. Empty for None, or one without an answer.
     """
     if value is None:
-        return NOWHERE
+        return NO_START
     n = scene.n
     if not all(hasattr(value, part) for part in ("held", "forces", "object_displacement", "reference")):
         raise InputError("start", f"a GraspSolution of {n} contacts, or None", repr(value)[:80])
     if len(value.forces) != n:
         raise InputError("start", f"a GraspSolution of {n} contacts", f"one of {len(value.forces)}")
     if not value.held or value.reference is None:
-        return NOWHERE
+        return NO_START
     torsion = getattr(value, "torsion", None)
     moments = np.zeros(len(scene.soft)) if torsion is None else torsion[list(scene.soft)]
-    forces = scene.lawful(np.concatenate([value.forces.reshape(-1), moments]))
+    forces = scene.to_law_axes(np.concatenate([value.forces.reshape(-1), moments]))
     return read_only(np.concatenate([forces, value.object_displacement, value.reference]))
 
 
@@ -111,26 +116,28 @@ class CompiledAnswer:
         return all([miss <= CERTIFY for miss in self.row[5:9].tolist()])
 
     @property
-    def unique(self) -> bool:
+    def is_unique(self) -> bool:
         """Whether it is an answer that leaves nothing free."""
         return self.row.item(11) == UNIQUE
 
     @property
     def escape(self) -> Array | None:
         """(dof,) where it is proven that nothing holds the object: the motion in which it escapes, natural units."""
-        at = HEAD + self.kind.kind.components
+        at = HEADER_SIZE + self.kind.kind.components
         return self.row[at : at + self.kind.kind.dof] if self.row.item(11) == NONE_HOLDS else None
 
     @property
     def residuals(self) -> Residuals:
         """How far it misses each law."""
-        return Residuals.of(Misses(*self.row[3:11].tolist()), 0.0 * self.row.item(9))  # NaN where it is no number
+        return Residuals.from_law_residuals(
+            LawResiduals(*self.row[3:11].tolist()), 0.0 * self.row.item(9)
+        )  # NaN where it is no number
 
     @property
     def outcome(self) -> str:
         """The solver's own words."""
         steps, newton, residual = self.row[:3].tolist()
-        return outcome(residual <= SOLVE, int(steps), int(newton))
+        return describe_outcome(residual <= SOLVE, int(steps), int(newton))
 
     @property
     def iterations(self) -> int:
@@ -140,7 +147,7 @@ class CompiledAnswer:
     @property
     def components(self) -> Array:
         """(c,) N, of all forces."""
-        return self.row[HEAD : HEAD + self.kind.kind.components]
+        return self.row[HEADER_SIZE : HEADER_SIZE + self.kind.kind.components]
 
     @property
     def twist(self) -> Array:
@@ -155,24 +162,24 @@ class CompiledAnswer:
     @property
     def start(self) -> Array:
         """Where the solve of a nearby scene may start."""
-        return self.row[HEAD : HEAD + self.kind.kind.components + 9]
+        return self.row[HEADER_SIZE : HEADER_SIZE + self.kind.kind.components + 9]
 
     @property
     def motion(self) -> Array:
         """(c,) object minus fingertip [m]."""
         c = self.kind.kind.components
-        return self.row[HEAD + c + 9 : HEAD + 2 * c + 9]
+        return self.row[HEADER_SIZE + c + 9 : HEADER_SIZE + 2 * c + 9]
 
     @property
     def states(self) -> tuple[str, ...]:
         """For each contact "separated", "sticking" or "sliding", where it is an answer."""
-        at, n = HEAD + 2 * self.kind.kind.components + 9, self.kind.kind.n
-        return names_of(self.row[at : at + n].astype(np.int64))
+        at, n = HEADER_SIZE + 2 * self.kind.kind.components + 9, self.kind.kind.n
+        return state_names(self.row[at : at + n].astype(np.int64))
 
     @property
-    def candidate(self) -> Candidate:
+    def candidate(self) -> SolverCandidate:
         """Forces and motion."""
-        return Candidate(self.components, self.twist, {}, len(self.kind.kind.soft))
+        return SolverCandidate(self.components, self.twist, {}, len(self.kind.kind.soft))
 
     @property
     def proposal(self) -> Proposal:

@@ -1,28 +1,92 @@
-"""The whole way from a scene to its certified answer in one compiled call, for scenes whose effects follow from data.
+"""A scene as a row of numbers: the arrays of `Given`, one after the other, then the limits (n,) of its contacts.
 
-It calls the very kernels that the single steps call (natural units and blocks, stamps, solver, certifier, contact
-states, what is left free), in the same order; what it saves is the way in and out of compiled code. A scene is a row of
-numbers and so is its answer: many of them are two matrices, and an answer is where the next one may start.
+The layout is known here alone; rows are written and read by the names of these arrays.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from inspect import unwrap
 from typing import NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, Ints
-from handlcp.grasp.assembly.candidate import in_si
-from handlcp.grasp.model.grasp_matrix import Blocks, Given, Posed, pose
-from handlcp.grasp.model.unknowns import add_at, couple
-from handlcp.grasp.solve.scene_row import read_scene
-from handlcp.grasp.tangent.active_set import Laws, active_rows, rank_of, saddle
-from handlcp.grasp.verify.contact_laws import Friction, examine
-from handlcp.grasp.verify.contact_states import ESCAPES, RESTING, States, find_escape, find_states
-from handlcp.lcp.kernels.contact_rows import in_order
-from handlcp.lcp.kernels.contact_run import closed, contact_run, hold, in_turns, newton_first
+from handlcp.check import Array, Ints, read_only
+from handlcp.contact.friction import Section
+from handlcp.grasp.assembly.problem import unknowns_in_si
+from handlcp.grasp.derivatives.active_set import LinearLaws, active_rows, matrix_rank, saddle_matrix
+from handlcp.grasp.model.equation_system import add_force_block, couple_block
+from handlcp.grasp.model.scene import GraspArrays, GraspGeometry, NaturalBlocks, Scene, pose_grasp
+from handlcp.grasp.verify.certifier import FrictionLimits, compute_motions_and_residuals
+from handlcp.grasp.verify.contact_state import ESCAPES, RESTING, ContactStates, find_escape, find_states
+from handlcp.lcp.kernels.contact_newton import (
+    alternate_methods,
+    clip_open_pairs,
+    reorder_problem,
+    run_newton_first,
+    solve_contacts,
+    solve_sticking,
+)
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.tolerances import ACTIVE, CERTIFY, GROWTH, SOLVE
+
+
+@kernel
+def read_scene(scene: Array, n: int, soft: int, dof: int) -> tuple[GraspArrays, Array]:
+    """The arrays of a scene with n contacts, some of them soft, and its limits (n,), as views of its row."""
+    c = 3 * n + soft
+    a = 12 * n
+    b = a + c * c
+    d = b + 2 * c
+    e = d + 3 * soft + 6
+    f = e + 6 * dof
+    return GraspArrays(
+        scene[: 3 * n].reshape(n, 3), scene[3 * n : a].reshape(n, 3, 3), scene[a:b].reshape(c, c), scene[b : b + c],
+        scene[b + c : d], scene[d : e - 6].reshape(3, soft), scene[e - 6 : e - 3], scene[e - 3 : e],
+        scene[e:f].reshape(dof, 6),
+    ), scene[f:]  # fmt: skip
+
+
+def scene_views(row: Array, n: int, soft: int, dof: int) -> tuple[GraspArrays, Array]:
+    """As `read_scene`, of a row that is written to."""
+    found: tuple[GraspArrays, Array] = unwrap(read_scene)(row, n, soft, dof)
+    return found
+
+
+def row_width(scene: Scene) -> int:
+    """How many numbers a scene is."""
+    return sum([a.size for a in scene.arrays]) + scene.n
+
+
+def write_row(scene: Scene, section: Section, row: Array) -> None:
+    """Write a scene's numbers into a row."""
+    np.concatenate((*scene.arrays, scene.limits(section)), axis=None, out=row)
+
+
+def write_rows(count: int, width: int, **fields: Sequence[Array] | Array) -> Array:
+    """(m, width) read-only: rows of m scenes, field by field. Each field of `Given`, and `limits`, is an array (m, …),
+    or one for each scene; where all of these are one and the same, as after `replace`, it is copied once.
+    """
+    out, at = np.empty((count, width)), 0
+    for own in [fields[name] for name in (*GraspArrays._fields, "limits")]:
+        first = own[0]
+        if isinstance(own, np.ndarray):
+            whole = own.reshape(count, -1)
+        elif all([a is first for a in own]):
+            whole = first.reshape(1, -1)
+        else:
+            whole = np.concatenate(own).reshape(count, -1)
+        out[:, at : at + first.size] = whole
+        at += first.size
+    return read_only(out)
+
+
+# ----------------------------------------------------------------
+# The whole way from a scene to its certified answer in one compiled call, for scenes whose effects follow from data.
+#
+# It calls the very kernels that the single steps call (natural units and blocks, stamps, solver, certifier, contact
+# states, what is left free), in the same order; what it saves is the way in and out of compiled code. A scene is a
+# row of numbers and so is its answer: many of them are two matrices, and an answer is where the next one may start.
 
 
 class ScenePattern(NamedTuple):
@@ -46,11 +110,12 @@ class ScenePattern(NamedTuple):
     torsional: int
 
 
-# An answer's row begins with: Kaczmarz steps, Newton steps, solver's residual; the eight numbers of `Misses`; and what
+# An answer's row begins with: Kaczmarz steps, Newton steps, solver's residual; the eight numbers of `LawResiduals`; and
+# what
 # else is known: UNIQUE, locally; NO_ANSWER; NONE_HOLDS, where there is none, and in place of its twist there is the
 # proof in natural units. Then forces (c), twist (6) and centre (3), where the next one may start; motions (c), contact
 # states (n), unknowns (N).
-HEAD = 12
+HEADER_SIZE = 12
 UNIQUE, UNKNOWN, NONE_HOLDS, NO_ANSWER = 1.0, 0.0, -1.0, -2.0
 
 
@@ -65,47 +130,57 @@ def solve_scenes(scenes: Array, p: ScenePattern, start: Array, seed: int, rows: 
     for k in range(len(scenes)):
         row = rows[k]
         g, limits = read_scene(scenes[k], n, p.torsional, p.dof)
-        posed, blocks = pose(g, p.unknown)
+        posed, blocks = pose_grasp(g, p.unknown)
         x, t = np.zeros(p.at[4]), np.zeros(p.dof)
         if len(start) > 0:
-            begin(x, start, p, g.freedom, posed)
-        M, q = stamped_rows(p, blocks)
-        row[0], row[1], row[2], escapes = solved(p, M, q, blocks, limits, len(start) > 0, seed, x, t)
-        write_answer(row, p, g, limits, posed, blocks.every, x)
+            write_start(x, start, p, g.freedom, posed)
+        M, q = stamp_rows(p, blocks)
+        row[0], row[1], row[2], escapes = solve_unknowns(p, M, q, blocks, limits, len(start) > 0, seed, x, t)
+        write_answer(row, p, g, limits, posed, blocks.full_G, x)
         if escapes and row[11] == NO_ANSWER:
             row[11] = NONE_HOLDS
-            _put(row, HEAD + len(g.offset), t)
+            _write_array(row, HEADER_SIZE + len(g.offset), t)
 
 
 @kernel
-def write_answer(row: Array, p: ScenePattern, g: Given, limits: Array, posed: Posed, every: Array, x: Array) -> None:
+def write_answer(
+    row: Array, p: ScenePattern, g: GraspArrays, limits: Array, posed: GraspGeometry, every: Array, x: Array
+) -> None:
     """Certify the unknowns x (N,), and write what they say into the row, from its fourth number on."""
     at, n = (p.at[0], p.at[2], p.at[3]), len(p.contacts)
-    forces, free = in_si(x, p.unknown, p.at[1], at, g.prescribed, posed, p.dof)
+    forces, free = unknowns_in_si(x, p.unknown, p.at[1], at, g.prescribed, posed, p.dof)
     twist = np.dot(free, g.freedom)
-    friction = Friction(limits, p.faces, p.normals)
-    v, m = examine(g, posed, p.contacts, friction, g.offset, forces, twist, GROWTH)
+    friction = FrictionLimits(limits, p.faces, p.normals)
+    v, m = compute_motions_and_residuals(g, posed, p.contacts, friction, g.offset, forces, twist, GROWTH)
     row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10] = m
     row[11] = NO_ANSWER
-    end = _put(row, HEAD, forces)
-    end = _put(row, end, twist)
-    end = _put(row, end, posed.centre)
-    end = _put(row, end, v)
+    end = _write_array(row, HEADER_SIZE, forces)
+    end = _write_array(row, end, twist)
+    end = _write_array(row, end, posed.centre)
+    end = _write_array(row, end, v)
     for i in range(n):
         row[end + i] = 0.0  # states of what is no answer
-    _put(row, end + n, x)
+    _write_array(row, end + n, x)
     if max(m.balance, m.normal, m.cone, m.slip) <= CERTIFY:
         slow = ACTIVE * max(m.motion_size, posed.motion)
         states = find_states(p.contacts, friction, forces, v, ACTIVE * m.force_size, slow)
-        one = _unique(every, g.flexibility, posed.force / posed.motion, p.contacts, states, limits)
+        one = _is_unique(every, g.flexibility, posed.force / posed.motion, p.contacts, states, limits)
         row[11] = UNIQUE if one else UNKNOWN
         for i in range(n):
             row[end + i] = states.kind[i]
 
 
 @kernel
-def solved(
-    p: ScenePattern, M: Array, q: Array, blocks: Blocks, limits: Array, begun: bool, seed: int, x: Array, t: Array
+def solve_unknowns(
+    p: ScenePattern,
+    M: Array,
+    q: Array,
+    blocks: NaturalBlocks,
+    limits: Array,
+    begun: bool,
+    seed: int,
+    x: Array,
+    t: Array,
 ) -> tuple[int, int, float, bool]:
     """Write the answer's unknowns into x (N,), or the motion in which the object escapes into t (dof,); returns
     (Kaczmarz steps, Newton steps, residual, whether it escapes). begun : whether x is where to start.
@@ -113,45 +188,45 @@ def solved(
     own = np.empty(len(p.blocks))
     for k in range(len(own)):
         own[k] = limits[p.unknown[p.blocks[k, 0] - p.at[0]] // 3]
-    problem = in_order(M, q, p.role, p.blocks, p.order, own, p.faces, p.normals)
+    problem = reorder_problem(M, q, p.role, p.blocks, p.order, own, p.faces, p.normals)
     y, newton, r = np.zeros(len(x)), 0, np.inf
     if begun:
         y[:] = x[p.order]
-        _, newton, r = contact_run(problem, y, False, seed, 0, True, SOLVE * 1e-2)
+        _, newton, r = solve_contacts(problem, y, False, seed, 0, True, SOLVE * 1e-2)
     steps, escapes = 0, False
     if not r <= SOLVE:
-        hold(problem, problem.q > 0.0, np.zeros(len(problem.blocks), np.bool_), y)
-        best, more, r = newton_first(problem, y, True, SOLVE * 1e-2)
+        solve_sticking(problem, problem.q > 0.0, np.zeros(len(problem.blocks), np.bool_), y)
+        best, more, r = run_newton_first(problem, y, True, SOLVE * 1e-2)
         newton += more
         if r <= SOLVE * 1e-2:
             y[:] = best
-        elif find_escape(blocks.every, blocks.w, p.contacts, limits, p.faces, t) == ESCAPES:
+        elif find_escape(blocks.full_G, blocks.w, p.contacts, limits, p.faces, t) == ESCAPES:
             escapes = True  # no need to look any further
             y[:] = best
         else:
-            steps, more, r = in_turns(problem, y, best, r, seed, len(x), True, SOLVE * 1e-2)
+            steps, more, r = alternate_methods(problem, y, best, r, seed, len(x), True, SOLVE * 1e-2)
             newton += more
-        closed(problem, y)
+        clip_open_pairs(problem, y)
     x[p.order] = y
     return steps, newton, r, escapes
 
 
 @kernel
-def stamped_rows(p: ScenePattern, blocks: Blocks) -> tuple[Array, Array]:
+def stamp_rows(p: ScenePattern, blocks: NaturalBlocks) -> tuple[Array, Array]:
     """M and q: balance, gaps, tangential offsets and flexibility, as the effects stamp them."""
     normal, count, tangent, u, size = p.at
     M, q = np.zeros((size, size)), np.zeros(size)
-    couple(M, u, (normal, count, tangent), blocks.G, 1.0)
+    couple_block(M, u, (normal, count, tangent), blocks.G, 1.0)
     q[u : u + p.dof] += blocks.w
     q[normal : normal + count] += blocks.d[:count]
     q[tangent : tangent + len(blocks.d) - count] += blocks.d[count:]
     if p.flexible:
-        add_at(M, (normal, count, tangent), blocks.E)
+        add_force_block(M, (normal, count, tangent), blocks.E)
     return M, q
 
 
 @kernel
-def begin(x: Array, start: Array, p: ScenePattern, freedom: Array, posed: Posed) -> None:
+def write_start(x: Array, start: Array, p: ScenePattern, freedom: Array, posed: GraspGeometry) -> None:
     """Write the start into x, in natural units: its forces, and its twist seen at this scene's centre."""
     normal, count, tangent, u, _ = p.at
     c = len(start) - 9
@@ -171,20 +246,102 @@ def begin(x: Array, start: Array, p: ScenePattern, freedom: Array, posed: Posed)
 
 
 @kernel
-def _unique(every: Array, E: Array, softness: float, contacts: Ints, states: States, limits: Array) -> bool:
+def _is_unique(every: Array, E: Array, softness: float, contacts: Ints, states: ContactStates, limits: Array) -> bool:
     """Whether the active conditions leave nothing free, and no contact rests."""
     for k in states.kind:
         if k == RESTING:
             return False
-    K = saddle(E, softness, every, np.empty((0, every.shape[1])))
+    K = saddle_matrix(E, softness, every, np.empty((0, every.shape[1])))
     kept = np.arange(len(K)) >= len(E)
-    A, _ = active_rows(Laws(K, kept, contacts, limits, softness), states)
-    return bool(rank_of(A) == len(A))
+    A, _ = active_rows(LinearLaws(K, kept, contacts, limits, softness), states)
+    return bool(matrix_rank(A) == len(A))
 
 
 @kernel
-def _put(row: Array, at: int, values: Array) -> int:
+def _write_array(row: Array, at: int, values: Array) -> int:
     """Write an array into the row; returns where the next one goes."""
     for k in range(len(values)):
         row[at + k] = values[k]
     return at + len(values)
+
+
+# ----------------------------------------------------------------
+# A scene under a load of unknown size: the object is moved on by so much, and the load follows.
+#
+# With the load w + λ p, λ unknown, and one component of the object's motion prescribed,
+#
+#     G r + w + λ p = 0,    c · u = s,    v = Gᵀ u + E r + d    and the laws of contact and friction.
+#
+# Where λ has a largest value on a path, s goes on past it: a path that is led by s meets no solve without an answer
+# there. In natural units, a reflection takes p to the last axis of the wrenches; that row of balance says what λ is,
+# and c · u = s takes its place.
+
+
+@kernel
+def push_scene(
+    scene: Array, p: ScenePattern, load: Array, along: Array, travel: float, start: Array, seed: int, row: Array
+) -> float:
+    """Write the answer into a row, as `solve_scenes` does, under the scene's load and λ times another; returns λ.
+
+    load (6,) : that other load, force [N] and moment [N·m] about the world's origin; not 0 along what the object is
+    free to do. along (6,), travel : along · (motion of the object) = travel; along as a wrench about the world's origin
+    is. start : as in `solve_scenes`. The row says whether there is an answer.
+    """
+    g, limits = read_scene(scene, len(p.contacts), p.torsional, p.dof)
+    posed, blocks = pose_grasp(g, p.unknown)
+    push = _wrench_about(load, posed.centre)
+    a, c = (
+        _natural_wrench(push, g.freedom, posed.length),
+        _natural_wrench(_wrench_about(along, posed.centre), g.freedom, posed.length),
+    )
+    size, reach = np.sqrt(np.dot(a, a)), np.sqrt(np.dot(c, c))
+    mirror, sign = _reflection(a / size)
+    u, last = p.at[3], p.dof - 1
+    x, t = np.zeros(p.at[4]), np.zeros(p.dof)
+    if len(start) > 0:
+        write_start(x, start, p, g.freedom, posed)
+    M, q = stamp_rows(p, blocks)
+    turned, every, w = np.dot(mirror, M[u : u + p.dof]), np.dot(mirror, blocks.full_G), np.dot(mirror, blocks.w)
+    M[u : u + p.dof], q[u : u + p.dof] = turned, w
+    M[u + last] = 0.0
+    M[u + last, u : u + p.dof] = c / reach
+    q[u + last] = -travel / (reach * posed.motion)
+    every[last] = 0.0
+    free = NaturalBlocks(blocks.G, every, blocks.E, blocks.d, w)
+    balance, free.w[last] = w[last], 0.0
+    row[0], row[1], row[2], _ = solve_unknowns(p, M, q, free, limits, len(start) > 0, seed, x, t)
+    factor = -(balance + np.dot(turned[last], x)) * posed.force / (sign * size)
+    for j in range(6):
+        posed.wrench[j] += factor * push[j]
+    write_answer(row, p, g, limits, posed, blocks.full_G, x)
+    return float(factor)
+
+
+@kernel
+def _natural_wrench(wrench: Array, freedom: Array, length: float) -> Array:
+    """(dof,) of a wrench (6,) about the centre, along what the object may do; moments over the unit of length."""
+    out = np.zeros(len(freedom))
+    for i in range(len(freedom)):
+        for j in range(6):
+            out[i] += freedom[i, j] * wrench[j] / (1.0 if j < 3 else length)
+    return out
+
+
+@kernel
+def _wrench_about(wrench: Array, point: Array) -> Array:
+    """(6,) of a wrench about the world's origin, about a point (3,)."""
+    out = wrench.copy()
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        out[3 + k] -= point[i] * wrench[j] - point[j] * wrench[i]
+    return out
+
+
+@kernel
+def _reflection(axis: Array) -> tuple[Array, float]:
+    """(d, d) the reflection that takes a unit vector (d,) to the last axis times a sign, and this sign, which is the
+    one with which no digits cancel.
+    """
+    v, sign = axis.copy(), -1.0 if axis[-1] >= 0.0 else 1.0
+    v[-1] -= sign
+    return np.eye(len(v)) - np.outer(v, v) * (2.0 / np.dot(v, v)), sign

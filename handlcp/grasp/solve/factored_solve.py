@@ -1,6 +1,6 @@
 """The first stage of a solve for many contacts whose flexibility is a factor: contact by contact, in one compiled call.
 
-The same laws and steps as in `compiled_solve`, over blocks of three (`lcp/kernels/contact_blocks.py`), and the same row
+The same laws and steps as in `compiled_solve`, over blocks of three (`contact/block_newton.py`), and the same row
 of numbers as its answer. Where it leads to no answer, scenes go the other way, with E as a matrix.
 """
 
@@ -11,21 +11,25 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.model.flexibility import Factor
-from handlcp.grasp.model.grasp_matrix import Given, Posed, placed
-from handlcp.grasp.solve.compiled_solve import HEAD, UNIQUE, UNKNOWN, ScenePattern, begin
-from handlcp.grasp.verify.contact_laws import Friction, examine, examined, motions_of_factor
-from handlcp.grasp.verify.contact_states import GLIDING, SEPARATED, SLIDING, STICKING, States, find_states
-from handlcp.lcp.kernels.block_run import solved_blocks
-from handlcp.lcp.kernels.contact_blocks import Linked, determined_by
-from handlcp.lcp.kernels.contact_rows import Contacts
+from handlcp.contact.block_newton import LinkedContacts, is_determined, solve_blocks
+from handlcp.grasp.model.flexibility import FlexibilityFactor
+from handlcp.grasp.model.scene import GraspArrays, GraspGeometry, compute_geometry
+from handlcp.grasp.solve.compiled_solve import HEADER_SIZE, UNIQUE, UNKNOWN, ScenePattern, write_start
+from handlcp.grasp.verify.certifier import (
+    FrictionLimits,
+    compute_motions_and_residuals,
+    compute_residuals,
+    contact_motions_of_factor,
+)
+from handlcp.grasp.verify.contact_state import GLIDING, SEPARATED, SLIDING, STICKING, ContactStates, find_states
+from handlcp.lcp.kernels.contact_newton import ContactArrays
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.tolerances import ACTIVE, CERTIFY, GROWTH, SOLVE
 
-_LEAST = 1e-9  # pivots below this share of the largest say that something may be free
+_MIN_PIVOT_SHARE = 1e-9  # pivots below this share of the largest say that something may be free
 
 
-class Row(NamedTuple):
+class FactoredRow(NamedTuple):
     """A scene's numbers, one after the other, and how many joints and columns of their root there are: positions (3n),
     frames (9n), offset (3n), force, moment (3), freedom (36), J (3n nv), A (nv m), P (9n), limits (n). matrix :
     (3n, 3n) E where it was given as one, which answers are judged by; else (0, 0).
@@ -37,15 +41,15 @@ class Row(NamedTuple):
     matrix: Array
 
 
-class _Read(NamedTuple):
+class _FactoredScene(NamedTuple):
     """What a row says. limits (n,) : of friction."""
 
-    given: Given
-    factor: Factor
+    given: GraspArrays
+    factor: FlexibilityFactor
     limits: Array
 
 
-class Linear(NamedTuple):
+class LinearRows(NamedTuple):
     """The rows of `contact_blocks` that are linear: P (n, 3, 3), W, R (3n, m), d (3n,), S (m, m), w (m,); SI, contact
     axes.
     """
@@ -59,30 +63,30 @@ class Linear(NamedTuple):
 
 
 @kernel
-def solve_factored(scene: Row, p: ScenePattern, start: Array, row: Array) -> bool:
+def solve_factored(scene: FactoredRow, p: ScenePattern, start: Array, row: Array) -> bool:
     """Write the answer's row, as `solve_scenes` does; start as there. Returns whether it is an answer."""
     n = len(p.contacts)
-    read = _read(scene, n)
+    read = _read_row(scene, n)
     g = read.given
-    B, softness = _columns(read.factor)
-    posed = placed(g, softness)
-    linked = _linked(g, read.factor.pads, B, posed, softness, read.limits, p)
+    B, softness = _joint_columns(read.factor)
+    posed = compute_geometry(g, softness)
+    linked = _link_contacts(g, read.factor.pads, B, posed, softness, read.limits, p)
     r, z, begun = np.zeros(3 * n), np.zeros(scene.columns + 6), len(start) > 0
     if begun:
         x = np.zeros(p.at[4])
-        begin(x, start, p, g.freedom, posed)
-        from_unknowns(x, p, linked, r, z)
-    newton, residual = solved_blocks(linked, r, z, begun)
+        write_start(x, start, p, g.freedom, posed)
+        split_unknowns(x, p, linked, r, z)
+    newton, residual = solve_blocks(linked, r, z, begun)
     row[0], row[1], row[2] = 0.0, newton, residual
     if not residual <= SOLVE:
         return False
     for i in range(n):
         r[3 * i] = max(r[3 * i], 0.0)
-    return _write(row, p, read, posed, linked, r, z)
+    return _write_answer(row, p, read, posed, linked, r, z)
 
 
 @kernel
-def _read(scene: Row, n: int) -> _Read:
+def _read_row(scene: FactoredRow, n: int) -> _FactoredScene:
     """The arrays of a scene, as views of its row."""
     s, nv, m = scene.numbers, scene.joints, scene.columns
     a, b = 3 * n, 12 * n
@@ -90,16 +94,16 @@ def _read(scene: Row, n: int) -> _Read:
     e = c + 42
     f = e + 3 * n * nv
     h = f + nv * m
-    factor = Factor(s[e:f].reshape(3 * n, nv), s[f:h].reshape(nv, m), s[h : h + 9 * n].reshape(n, 3, 3))
-    g = Given(
+    factor = FlexibilityFactor(s[e:f].reshape(3 * n, nv), s[f:h].reshape(nv, m), s[h : h + 9 * n].reshape(n, 3, 3))
+    g = GraspArrays(
         s[:a].reshape(n, 3), s[a:b].reshape(n, 3, 3), scene.matrix, s[b:c], s[:0], s[:0].reshape(3, 0),
         s[c : c + 3], s[c + 3 : c + 6], s[c + 6 : e].reshape(6, 6),
     )  # fmt: skip
-    return _Read(g, factor, s[h + 9 * n :])
+    return _FactoredScene(g, factor, s[h + 9 * n :])
 
 
 @kernel
-def _columns(E: Factor) -> tuple[Array, Array]:
+def _joint_columns(E: FlexibilityFactor) -> tuple[Array, Array]:
     """(J A (3n, m), diagonal of E (3n,))."""
     c, (nv, m) = len(E.rows), E.root.shape
     B, softness = np.zeros((c, m)), np.empty(c)
@@ -116,7 +120,9 @@ def _columns(E: Factor) -> tuple[Array, Array]:
 
 
 @kernel
-def _linked(g: Given, pads: Array, B: Array, posed: Posed, softness: Array, limits: Array, p: ScenePattern) -> Linked:
+def _link_contacts(
+    g: GraspArrays, pads: Array, B: Array, posed: GraspGeometry, softness: Array, limits: Array, p: ScenePattern
+) -> LinkedContacts:
     """The problem in natural units; B = J A."""
     c, m = B.shape
     W, S, w = np.empty((c, m + 6)), np.zeros((m + 6, m + 6)), np.zeros(m + 6)
@@ -129,15 +135,17 @@ def _linked(g: Given, pads: Array, B: Array, posed: Posed, softness: Array, limi
         S[j, j] = 1.0
     for k in range(6):
         w[m + k] = posed.wrench[k]
-    return in_natural_units(Linear(pads, W, W, g.offset, S, w), posed, softness, limits, p, _LEAST)
+    return link_in_natural_units(LinearRows(pads, W, W, g.offset, S, w), posed, softness, limits, p, _MIN_PIVOT_SHARE)
 
 
 @kernel
-def in_natural_units(si: Linear, posed: Posed, softness: Array, limits: Array, p: ScenePattern, least: float) -> Linked:
+def link_in_natural_units(
+    si: LinearRows, posed: GraspGeometry, softness: Array, limits: Array, p: ScenePattern, least: float
+) -> LinkedContacts:
     """The problem in natural units, each contact's normal first.
 
     softness (3n,) : diagonal of the flexibility of all that gives way [m/N]. limits (n,) : of friction. least : as in
-    `Linked`.
+    `LinkedContacts`.
     """
     n, size = len(si.P), len(si.w)
     m, units, largest = size - 6, posed.force / posed.motion, 0.0
@@ -171,12 +179,12 @@ def in_natural_units(si: Linear, posed: Posed, softness: Array, limits: Array, p
         role[3 * i] = 1
         for a in range(3):
             blocks[i, a] = 3 * i + a
-    own_rows = Contacts(np.empty((0, 0)), np.empty(0), role, rho, blocks, limits.copy(), p.faces, p.normals)
-    return Linked(P, W, R, d, S, w, own_rows, least)
+    own_rows = ContactArrays(np.empty((0, 0)), np.empty(0), role, rho, blocks, limits.copy(), p.faces, p.normals)
+    return LinkedContacts(P, W, R, d, S, w, own_rows, least)
 
 
 @kernel
-def from_unknowns(x: Array, p: ScenePattern, linked: Linked, r: Array, z: Array) -> None:
+def split_unknowns(x: Array, p: ScenePattern, linked: LinkedContacts, r: Array, z: Array) -> None:
     """Write forces and shared motions from unknowns (N,) in the order of their layout."""
     normal, count, tangent, u, _ = p.at
     m = len(z) - 6
@@ -192,25 +200,27 @@ def from_unknowns(x: Array, p: ScenePattern, linked: Linked, r: Array, z: Array)
 
 
 @kernel
-def _write(row: Array, p: ScenePattern, read: _Read, posed: Posed, linked: Linked, r: Array, z: Array) -> bool:
+def _write_answer(
+    row: Array, p: ScenePattern, read: _FactoredScene, posed: GraspGeometry, linked: LinkedContacts, r: Array, z: Array
+) -> bool:
     """Certify forces and motion, and write what they say into the row; returns whether they are an answer."""
     n, m, g, limits = len(p.contacts), len(z) - 6, read.given, read.limits
     normal, count, tangent, u, _ = p.at
-    forces, twist, friction = np.empty(3 * n), np.empty(6), Friction(limits, p.faces, p.normals)
+    forces, twist, friction = np.empty(3 * n), np.empty(6), FrictionLimits(limits, p.faces, p.normals)
     for i in range(n):
         for a in range(3):
             forces[3 * i + a] = r[3 * i + (a + 1) % 3] * posed.force
     for k in range(6):
         twist[k] = z[m + k] * posed.motion / (1.0 if k < 3 else posed.length)
     if len(g.flexibility) > 0:
-        v, miss = examine(g, posed, p.contacts, friction, g.offset, forces, twist, GROWTH)
+        v, miss = compute_motions_and_residuals(g, posed, p.contacts, friction, g.offset, forces, twist, GROWTH)
     else:
-        moved = motions_of_factor(posed.grasp_matrix, read.factor, g.offset, forces, twist)
-        v, miss = moved.v, examined(g, posed, p.contacts, friction, g.offset, forces, moved, GROWTH)
+        moved = contact_motions_of_factor(posed.grasp_matrix, read.factor, g.offset, forces, twist)
+        v, miss = moved.v, compute_residuals(g, posed, p.contacts, friction, g.offset, forces, moved, GROWTH)
     row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10] = miss
     if not max(miss.balance, miss.normal, miss.cone, miss.slip) <= CERTIFY:
         return False
-    at = HEAD
+    at = HEADER_SIZE
     row[at : at + 3 * n] = forces
     row[at + 3 * n : at + 3 * n + 6] = twist
     row[at + 3 * n + 6 : at + 3 * n + 9] = posed.centre
@@ -227,16 +237,16 @@ def _write(row: Array, p: ScenePattern, read: _Read, posed: Posed, linked: Linke
         row[at + (normal + k if k < count else tangent + k - count)] = r[own - own % 3 + (own + 1) % 3]
     for k in range(6):
         row[at + u + k] = z[m + k]
-    row[11] = UNIQUE if _unique(linked, r, z, states, limits) else UNKNOWN
+    row[11] = UNIQUE if _is_unique(linked, r, z, states, limits) else UNKNOWN
     return True
 
 
 @kernel
-def _unique(linked: Linked, r: Array, z: Array, states: States, limits: Array) -> bool:
+def _is_unique(linked: LinkedContacts, r: Array, z: Array, states: ContactStates, limits: Array) -> bool:
     """Whether nothing is free, and rows of the laws and contact states say the same; else it is left to others."""
     n = len(states.kind)
     D, pushes = np.empty((n, 3, 4)), np.empty(n, np.bool_)
-    if not determined_by(linked, r, z, D, pushes):
+    if not is_determined(linked, r, z, D, pushes):
         return False
     for i in range(n):
         kind = states.kind[i]

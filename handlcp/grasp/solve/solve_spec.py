@@ -1,23 +1,366 @@
-"""The one way from a specification to its solution."""
+"""From a judged candidate to what a designer gets: status, states, uniqueness, the smallest motion, all in SI."""
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Callable, Iterable
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array
-from handlcp.grasp.answer.make_solution import without_numbers
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.assembly.build import build
-from handlcp.grasp.friction import Section
+from handlcp.check import Array, read_only
+from handlcp.contact.friction import Section
+from handlcp.grasp.assembly.problem import AnyProblem, GraspContactProblem, SolverCandidate, assemble, stamped_effects
+from handlcp.grasp.assembly.scene_builder import build_scene
+from handlcp.grasp.effects import Effect
+from handlcp.grasp.model.contact import MANY_CONTACTS, shift_twist
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.solve.compiled_answer import NOWHERE, start_from
-from handlcp.grasp.solve.stages import solve_built
-from handlcp.lcp import Status
+from handlcp.grasp.solution.solution import GraspSolution
+from handlcp.grasp.solution.uniqueness import Uniqueness, find_uniqueness, free_branches, minimum_norm_candidate
+from handlcp.grasp.solve.compiled_answer import NO_START, CompiledAnswer, solve_scene, start_values
+from handlcp.grasp.verify.certifier import Certification, Residuals, certify_candidate, forces_in_world
+from handlcp.grasp.verify.contact_state import classify_contacts, state_names
+from handlcp.lcp import (
+    BRIEF_SEARCH_STAGE,
+    FIRST_STAGE,
+    LONG_SEARCH_STAGE,
+    STAGES_BETWEEN_SEARCHES,
+    Auto,
+    Proposal,
+    Status,
+    as_chain,
+    proposals,
+    stage_line,
+)
 from handlcp.lcp.solve import AnySolver
 from handlcp.tolerances import FIXED_POINT
+
+if TYPE_CHECKING:
+    from handlcp.grasp.solve.equilibrium_search import EquilibriumSearch, EquilibriumSearchResult
+
+
+class CertifiedCandidate(NamedTuple):
+    """A candidate, what the certifier says of it, and how many steps of the method it took."""
+
+    candidate: SolverCandidate
+    verdict: Certification
+    iterations: int
+
+
+def make_solution(
+    spec: GraspSpec, scene: Scene, section: Section, effects: tuple[Effect, ...], judged: CertifiedCandidate,
+    trace: tuple[str, ...], smallest: bool = True,
+) -> GraspSolution:  # fmt: skip
+    """The solution from a candidate that the certifier passes; effects : all that were stamped. smallest : where it
+    leaves something free, the least forces and motion in place of the candidate's.
+    """
+    candidate, verdict, arm = judged.candidate, judged.verdict, spec.reference - scene.units.centre
+    states = classify_contacts(scene, section, candidate, verdict)
+    if not all(e.only_limits for e in effects):
+        return solution_from_numbers(spec, scene, section, judged, state_names(states.kind), None, trace, arm)
+    free = free_branches(scene, effects, section, states, candidate)
+    if free and smallest:
+        least = minimum_norm_candidate(scene, effects, section, states, candidate, verdict, free)
+        if (checked := certify_candidate(scene, effects, section, least)).residuals.passes:
+            judged = CertifiedCandidate(least, checked, judged.iterations)
+            states = classify_contacts(scene, section, least, checked)
+    free_to = replace(find_uniqueness(scene, free, arm), smallest=smallest)
+    return solution_from_numbers(spec, scene, section, judged, state_names(states.kind), free_to, trace, arm)
+
+
+def solution_from_numbers(
+    spec: GraspSpec, scene: Scene, section: Section, judged: CertifiedCandidate, states: tuple[str, ...],
+    uniqueness: Uniqueness | None, trace: tuple[str, ...], arm: Array,
+) -> GraspSolution:  # fmt: skip
+    """A SOLVED solution with these numbers, and with what moves the fingers reads off it; arm (3,) [m] leads from the
+    point that the candidate's twist refers to to the grasp's reference.
+    """
+    candidate, n = judged.candidate, scene.n
+    forces, motion = scene.to_contact_axes(candidate.components), scene.to_law_axes(judged.verdict.motion)
+    points = motion[: 3 * n].reshape(-1, 3)
+    if not all(scene.force_unknown):  # no law makes a finger under force control keep a gap or a slip
+        points = np.where(scene.force_unknown_mask[:, None], points, 0.0)
+    own = read_only(forces[: 3 * n].reshape(-1, 3))
+    torsion, spin, read, kind = None, None, dict[str, Any](), GraspSolution
+    if scene.soft:
+        torsion, spin = scene.scatter_torsion(forces[3 * n :]), scene.scatter_torsion(motion[3 * n :])
+    mechanism = spec.mechanism
+    if mechanism is not None:
+        kind, read = mechanism.solution, mechanism.solution_fields(scene, spec.effects, own, torsion, candidate.extra)
+    return kind(
+        status=Status.SOLVED, names=spec.names, forces=own,
+        forces_world=read_only(forces_in_world(scene.frames, candidate.components)), gap=read_only(points[:, 2]),
+        slip=read_only(points[:, :2]), object_displacement=read_only(shift_twist(candidate.twist, arm)),
+        contact_state=states, residuals=judged.verdict.residuals, uniqueness=uniqueness, certificate=None,
+        iterations=judged.iterations, trace=trace, extra=candidate.extra, torsion=torsion, spin=spin, scene=scene,
+        reference=spec.reference, spec=spec, section=section, **read,
+    )  # fmt: skip
+
+
+def as_not_holdable(made: GraspSolution, spec: GraspSpec, scene: Scene, twist: Array) -> GraspSolution:
+    """The solution without numbers, with the proof that nothing holds: a motion (6,) about the contacts' centre."""
+    return replace(made, status=Status.NOT_HOLDABLE, certificate=escape_certificate(spec, scene, twist))
+
+
+def escape_certificate(spec: GraspSpec, scene: Scene, twist: Array) -> Array:
+    """(6,) as a solution tells a motion about the contacts' centre: about the grasp's reference."""
+    return read_only(shift_twist(twist, spec.reference - scene.units.centre))
+
+
+def undecided_solution(
+    spec: GraspSpec, scene: Scene, section: Section, residuals: Residuals, iterations: int, trace: tuple[str, ...]
+) -> GraspSolution:
+    """UNDECIDED, without numbers that anybody could use."""
+    nothing = np.full(scene.components, np.nan)
+    judged = CertifiedCandidate(
+        SolverCandidate(nothing, np.full(6, np.nan), {}, len(scene.soft)), Certification(nothing, residuals), iterations
+    )
+    made = solution_from_numbers(spec, scene, section, judged, ("unknown",) * scene.n, None, trace, np.zeros(3))
+    return replace(made, status=Status.UNDECIDED)
+
+
+# ----------------------------------------------------------------
+# A grasp through the stages of its solver, until the certifier is content.
+
+
+# ----------------------------------------------------------------
+# The solution that a row of numbers stands for, its fields made when they are asked for.
+
+
+def lazy_solution(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
+    """SOLVED, from an answer that passes and leaves nothing free, of a scene without soft or anisotropic contacts."""
+    kind: type[GraspSolution] = GraspSolution if spec.mechanism is None else spec.mechanism.solution
+    return kind.with_deferred_fields(
+        _SolutionFields(spec, scene, found), status=Status.SOLVED, certificate=None, extra={}, yielding={}, scene=scene,
+        reference=spec.reference, spec=spec, section=section,
+    )  # fmt: skip
+
+
+def first_stage_trace(found: CompiledAnswer) -> tuple[str, ...]:
+    """The one line of the one stage."""
+    return (stage_line(FIRST_STAGE, found.outcome, found.iterations, found.residuals.worst),)
+
+
+class _SolutionFields:
+    """Makes fields of a solution by name."""
+
+    __slots__ = ("found", "scene", "spec")
+
+    def __init__(self, spec: GraspSpec, scene: Scene, found: CompiledAnswer) -> None:
+        self.spec, self.scene, self.found = spec, scene, found
+
+    def __call__(self, name: str) -> dict[str, Any]:
+        made = _FIELD_MAKERS.get(name)
+        return self.joints(name) if made is None else {name: made(self)}
+
+    @property
+    def forces(self) -> Array:
+        """(n, 3)."""
+        return self.found.components.reshape(-1, 3)
+
+    @property
+    def arm(self) -> Array:
+        """(3,) from the point that the answer's twist refers to to the grasp's reference [m]."""
+        return self.spec.reference - self.found.centre
+
+    def joints(self, name: str) -> dict[str, Any]:
+        """What the mechanism adds; torques are asked for most, and often alone."""
+        mechanism, effects = self.spec.mechanism, self.spec.effects
+        assert mechanism is not None  # only its solutions have more fields
+        if name == "torques" and not effects:
+            return {name: mechanism.torques(self.scene, self.forces)}
+        return mechanism.solution_fields(self.scene, effects, self.forces, None, {})
+
+
+_FIELD_MAKERS: dict[str, Callable[[_SolutionFields], Any]] = {
+    "names": lambda f: f.spec.names,
+    "forces": lambda f: f.forces,
+    "forces_world": lambda f: read_only(forces_in_world(f.scene.frames, f.found.components)),
+    "gap": lambda f: f.found.motion[2::3],
+    "slip": lambda f: f.found.motion.reshape(-1, 3)[:, :2],
+    "object_displacement": lambda f: read_only(shift_twist(f.found.twist, f.arm)),
+    "contact_state": lambda f: f.found.states,
+    "residuals": lambda f: f.found.residuals,
+    "uniqueness": lambda f: find_uniqueness(f.scene, (), f.arm),
+    "iterations": lambda f: f.found.iterations,
+    "trace": lambda f: first_stage_trace(f.found),
+}
+
+
+# ----------------------------------------------------------------
+
+# Multiply-adds of the first search, milliseconds, and of the second one, hundredths of a second. What the first leaves
+# open is more often an answer that Lemke's method finds at once than one that is not there
+BRIEF_SEARCH_WORK, _LONG_SEARCH_WORK = 1e6, 2e7
+_PROOF_WORDS, _NO_PROOF_WORDS = "nothing holds it", "no proof that nothing holds it"
+
+
+def solve_in_stages(
+    spec: GraspSpec, scene: Scene, section: Section, solver: AnySolver = None, start: Array = NO_START,
+    proof: bool = True, first: CompiledAnswer | None = None,
+) -> GraspSolution:  # fmt: skip
+    """Forces, slips and motion of `build(spec)`; start as in `compiled_answer.start_from`, proof as in `Grasp.solve`.
+
+    first : what the compiled first stage came to, where that is known.
+
+    The first stage of a scene whose effects follow from its data is one compiled call, and for most scenes there is no
+    other.
+    """
+    chain, asked = as_chain(solver), stamped_effects(spec.effects) if spec.effects else ()
+    if chain is None or asked:
+        return _run_all_stages(spec, scene, section, solver, start, None, proof)
+    found = solve_scene(scene, section, chain.seed, start) if first is None else first
+    if found.passes or found.escape is not None or not proof:
+        return conclude_first_stage(spec, scene, section, found)
+    return _run_all_stages(spec, scene, section, solver, start, found.proposal, proof)
+
+
+def conclude_first_stage(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
+    """The solution that the first stage comes to by itself: what it found, or the proof that nothing holds."""
+    if not found.passes:
+        return _refuse(spec, scene, section, found)
+    if found.is_unique and scene.scale is None and scene.prescribed is None and not scene.soft:
+        return lazy_solution(spec, scene, section, found)
+    judged = CertifiedCandidate(found.candidate, Certification(found.motion, found.residuals), found.iterations)
+    if not found.is_unique:
+        return make_solution(spec, scene, section, found.kind.design.effects, judged, first_stage_trace(found))
+    arm = spec.reference - found.centre
+    return solution_from_numbers(
+        spec, scene, section, judged, found.states, find_uniqueness(scene, (), arm), first_stage_trace(found), arm
+    )
+
+
+def _refuse(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
+    """NOT_HOLDABLE where that is proven, else UNDECIDED."""
+    from handlcp.grasp.verify.load_capacity import escape_in_si
+
+    escape = found.escape
+    trace = (*first_stage_trace(found), f"holdability: {_NO_PROOF_WORDS if escape is None else _PROOF_WORDS}")
+    made = undecided_solution(spec, scene, section, found.residuals, found.iterations, trace)
+    return made if escape is None else as_not_holdable(made, spec, scene, escape_in_si(scene, escape))
+
+
+def _run_all_stages(
+    spec: GraspSpec, scene: Scene, section: Section, solver: AnySolver, start: Array, first: Proposal | None,
+    proof: bool,
+) -> GraspSolution:  # fmt: skip
+    """One stage after the other; `first` is the first one's proposal, where that is known."""
+    from handlcp.grasp.solve.equilibrium_search import EquilibriumSearch
+
+    chain = as_chain(solver)
+    # The chain works on friction as a set, whatever the section: pyramids cost no more than the cone
+    problem = (assemble if chain is None else GraspContactProblem)(scene, section, stamped_effects(spec.effects))
+    begin: Array | None = None
+    if len(start):
+        twist = shift_twist(start[-9:-3], scene.units.centre - start[-3:])
+        begin = problem.natural(SolverCandidate(start[:-9], twist, {}, len(scene.soft)))
+    run = _StagedSolve(spec, problem)
+    stages = proposals(problem, solver, begin, first)
+    if run.run_stages(itertools.islice(stages, 1)) or run.prove_escape() or chain is None or not proof:
+        return run.solution()
+    assert isinstance(problem, GraspContactProblem)  # chains work on friction as a set
+    if not chain.searches:
+        run.run_stages(stages)
+        return run.solution()
+    search = EquilibriumSearch(problem)
+    # Each search goes on where the one before it stopped; then come so many of the stages that look for an answer
+    for name, work, then in (
+        (BRIEF_SEARCH_STAGE, BRIEF_SEARCH_WORK, STAGES_BETWEEN_SEARCHES),
+        (LONG_SEARCH_STAGE, _LONG_SEARCH_WORK, None),
+        (chain.search_stage, np.inf, 0),
+    ):
+        begun = search.is_brief or name == chain.search_stage
+        if begun and run.run_search(search, chain, min(work, chain.search_work * _work_factor(scene)), name):
+            break
+        if run.run_stages(itertools.islice(stages, then)):
+            break
+    return run.solution()
+
+
+def _work_factor(scene: Scene) -> float:
+    """How much more work a search may take with many contacts: one fit of all of them grows with their cube."""
+    return (scene.n / MANY_CONTACTS) ** 3 if scene.kind.has_many_contacts else 1.0
+
+
+def certify_known_answer(
+    spec: GraspSpec, scene: Scene, section: Section, candidate: SolverCandidate, name: str
+) -> GraspSolution:
+    """The solution that a known answer is, if the certifier agrees, with its own forces and motion where others satisfy
+    the same conditions, too. name : of where it is from, for the trace.
+    """
+    problem = GraspContactProblem(scene, section, stamped_effects(spec.effects))
+    run = _StagedSolve(spec, problem)
+    run.run_stages([(name, Proposal(problem.natural(candidate), 0, "known"))])
+    return run.solution(smallest=False)
+
+
+class _StagedSolve:
+    """The stages of one solve so far: what they found, what is proven, and a line of each."""
+
+    def __init__(self, spec: GraspSpec, problem: AnyProblem) -> None:
+        self.spec, self.problem, self.scene = spec, problem, problem.scene
+        self.trace: list[str] = []
+        self.best: CertifiedCandidate | None = None
+        self.escape: Array | None = None
+        self.proof: EquilibriumSearchResult | None = None
+
+    def run_stages(self, stages: Iterable[tuple[str, Proposal]]) -> bool:
+        """Whether one of these stages leads to an answer."""
+        for name, proposal in stages:
+            judged = self._certify(self.problem.candidate(proposal.z), proposal.iterations)
+            worst = judged.verdict.residuals.worst
+            self.trace.append(stage_line(name, proposal.outcome, proposal.iterations, worst))
+            if self.best is None or worst < self.best.verdict.residuals.worst:
+                self.best = judged
+            if judged.verdict.residuals.passes:
+                return True
+        return False
+
+    def prove_escape(self) -> bool:
+        """Whether it is proven that nothing holds the object."""
+        from handlcp.grasp.verify.load_capacity import find_escape_twist
+
+        self.escape = find_escape_twist(self.scene, self.problem.section)
+        self.trace.append(f"holdability: {_NO_PROOF_WORDS if self.escape is None else _PROOF_WORDS}")
+        return self.escape is not None
+
+    def run_search(self, search: EquilibriumSearch, chain: Auto, work: float, name: str) -> bool:
+        """Whether the search decides within its budget."""
+        found = search.run(work, chain.search_end())
+        self.trace.append(f"{name}: {found.words}")
+        if found.candidate is not None:
+            self.best = self._certify(found.candidate, 0 if self.best is None else self.best.iterations)
+        elif found.bounds is not None:
+            self.proof = found
+        return found.candidate is not None or found.bounds is not None
+
+    def _certify(self, candidate: SolverCandidate, iterations: int) -> CertifiedCandidate:
+        verdict = certify_candidate(self.scene, self.problem.effects, self.problem.section, candidate)
+        return CertifiedCandidate(candidate, verdict, iterations)
+
+    def solution(self, smallest: bool = True) -> GraspSolution:
+        """What all this comes to. smallest : as in `make_solution`."""
+        assert self.best is not None  # every solver proposes something
+        spec, scene, trace, residuals = self.spec, self.scene, tuple(self.trace), self.best.verdict.residuals
+        if residuals.passes:
+            return make_solution(spec, scene, self.problem.section, self.problem.effects, self.best, trace, smallest)
+        made = undecided_solution(spec, scene, self.problem.section, residuals, self.best.iterations, trace)
+        if self.escape is not None:
+            return as_not_holdable(made, spec, scene, self.escape)
+        if (found := self.proof) is None:
+            return made
+        certificate = None if found.escape is None else escape_certificate(spec, scene, scene.twist(found.escape))
+        return replace(
+            made, status=Status.NO_EQUILIBRIUM, bounds=found.bounds, cause=found.cause, certificate=certificate,
+            yielding=found.yielding,
+        )  # fmt: skip
+
+
+# ----------------------------------------------------------------
+# The one way from a specification to its solution.
+
 
 # ----------------------------------------------------------------
 # Grasps whose effects depend on the forces of the answer: solved again until the forces stay.
@@ -28,15 +371,15 @@ from handlcp.tolerances import FIXED_POINT
 # Where an effect has none under the forces (fingers buckle), where the forces keep changing, or where the changed grasp
 # has no answer, nothing is claimed.
 
-_MOST = 100  # solves
+_MAX_SOLVES = 100  # solves
 
 
-def force_dependent(spec: GraspSpec) -> bool:
+def is_force_dependent(spec: GraspSpec) -> bool:
     """Whether any effect depends on the forces of the answer."""
     return any(e.depends_on_forces for e in spec.effects)
 
 
-def under_forces(spec: GraspSpec, forces: Array) -> GraspSpec | str:
+def update_effects(spec: GraspSpec, forces: Array) -> GraspSpec | str:
     """The specification as it is under forces (n, 3) [N], contact axes; or, in words, why there is none."""
     effects = []
     for e in spec.effects:
@@ -47,47 +390,47 @@ def under_forces(spec: GraspSpec, forces: Array) -> GraspSpec | str:
     return spec.replace(effects=tuple(effects), asked=spec.asked)
 
 
-def solve_again(
-    spec: GraspSpec, scene: Scene, section: Section, solver: AnySolver = None, start: Array = NOWHERE,
+def solve_to_fixed_point(
+    spec: GraspSpec, scene: Scene, section: Section, solver: AnySolver = None, start: Array = NO_START,
     proof: bool = True,
 ) -> GraspSolution:  # fmt: skip
-    """As `stages.solve_built`; scene : of the unloaded fingers. The trace ends with how the iteration went. What is
+    """As `stages.solve_in_stages`; scene : of the unloaded fingers. The trace ends with how the iteration went. What is
     said of uniqueness holds for the last E.
     """
     forces, solution, where = np.zeros((scene.n, 3)), None, start
     if len(start):
-        forces = scene.physical(start[:-9])[: 3 * scene.n].reshape(-1, 3)
-    words = f"the forces still change after {_MOST} solves"
-    for count in range(1, _MOST + 1):
-        loaded = under_forces(spec, forces)
+        forces = scene.to_contact_axes(start[:-9])[: 3 * scene.n].reshape(-1, 3)
+    words = f"the forces still change after {_MAX_SOLVES} solves"
+    for count in range(1, _MAX_SOLVES + 1):
+        loaded = update_effects(spec, forces)
         if isinstance(loaded, str):
             words = loaded
             break
-        now = build(loaded)
-        solution = solve_built(loaded, now, section, solver, where, proof)
+        now = build_scene(loaded)
+        solution = solve_in_stages(loaded, now, section, solver, where, proof)
         if not solution.held:
             words = f"no answer with the flexibility under these forces, in solve {count}: {solution.status.name}"
             break
-        change, forces = _relative(solution.forces - forces, solution.forces), solution.forces
-        where = start_from(solution, now)
-        if change <= FIXED_POINT or count == _MOST:
-            made = _certified(spec, now, solution, f"{count} solves, forces change by {change:.1e}")
+        change, forces = _relative_change(solution.forces - forces, solution.forces), solution.forces
+        where = start_values(solution, now)
+        if change <= FIXED_POINT or count == _MAX_SOLVES:
+            made = _certify_again(spec, now, solution, f"{count} solves, forces change by {change:.1e}")
             if not isinstance(made, str):
                 return made
             words = made if change <= FIXED_POINT else words
     if len(start) and (solution is None or (count == 1 and not solution.held)):  # the start led nowhere
-        return solve_again(spec, scene, section, solver, proof=proof)
+        return solve_to_fixed_point(spec, scene, section, solver, proof=proof)
     assert solution is not None  # unloaded fingers always have an E
     trace = (*solution.trace, f"geometric stiffness: {words}")
     if solution.status is Status.NOT_HOLDABLE:  # whatever gives way, no force within friction balances the load
         return replace(solution, trace=trace)
     # What was proven of one E is not proven of all
-    return without_numbers(spec, scene, section, solution.residuals, solution.iterations, trace)
+    return undecided_solution(spec, scene, section, solution.residuals, solution.iterations, trace)
 
 
-def _certified(spec: GraspSpec, now: Scene, solution: GraspSolution, words: str) -> GraspSolution | str:
+def _certify_again(spec: GraspSpec, now: Scene, solution: GraspSolution, words: str) -> GraspSolution | str:
     """The solution with the effects' own law among its residuals, or why not."""
-    miss = missed(spec, now, solution.forces, solution.residuals.motion_scale)
+    miss = fixed_point_residual(spec, now, solution.forces, solution.residuals.motion_scale)
     if isinstance(miss, str):
         return miss
     residuals = replace(solution.residuals, effects=max(solution.residuals.effects, miss))
@@ -97,19 +440,19 @@ def _certified(spec: GraspSpec, now: Scene, solution: GraspSolution, words: str)
     return replace(solution, residuals=residuals, trace=(*solution.trace, f"geometric stiffness: {words}"))
 
 
-def missed(spec: GraspSpec, scene: Scene, forces: Array, motion_size: float) -> float | str:
+def fixed_point_residual(spec: GraspSpec, scene: Scene, forces: Array, motion_size: float) -> float | str:
     """How far E and the offsets of a scene are from those of the specification under these forces (n, 3) [N], relative;
     or, in words, why there are none. motion_size [m] : what offsets are measured by.
     """
-    own = under_forces(spec, forces)
+    own = update_effects(spec, forces)
     if isinstance(own, str):
         return own
-    there = build(own)
+    there = build_scene(own)
     off = float(abs(there.offset - scene.offset).max(initial=0.0)) / motion_size
-    return max(_relative(there.flexibility - scene.flexibility, scene.flexibility), off)
+    return max(_relative_change(there.flexibility - scene.flexibility, scene.flexibility), off)
 
 
-def _relative(difference: Array, of: Array) -> float:
+def _relative_change(difference: Array, of: Array) -> float:
     """The largest entry of a difference beside the largest of what differs."""
     size = float(abs(of).max(initial=0.0))
     return float(abs(difference).max(initial=0.0)) / size if size > 0.0 else 0.0
@@ -119,12 +462,12 @@ def _relative(difference: Array, of: Array) -> float:
 
 
 def solve_spec(
-    spec: GraspSpec, section: Section, solver: AnySolver = None, start: Array = NOWHERE, scene: Scene | None = None,
+    spec: GraspSpec, section: Section, solver: AnySolver = None, start: Array = NO_START, scene: Scene | None = None,
     proof: bool = True,
 ) -> GraspSolution:  # fmt: skip
     """The certified solution; its status says what it is worth, and nothing is raised for want of one.
 
     start : as in `compiled_answer.start_from`. scene : `build(spec)`, where that is known. proof : as in `Grasp.solve`.
     """
-    run = solve_again if spec.effects and force_dependent(spec) else solve_built
-    return run(spec, build(spec) if scene is None else scene, section, solver, start, proof)
+    run = solve_to_fixed_point if spec.effects and is_force_dependent(spec) else solve_in_stages
+    return run(spec, build_scene(spec) if scene is None else scene, section, solver, start, proof)

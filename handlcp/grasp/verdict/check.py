@@ -1,45 +1,217 @@
-"""The verdict on a grasp: one solve, then the loading followed in steps, then what would help."""
+"""Other equilibria of a grasp with few contacts, as far as a handful of solves finds them.
+
+Newton's method goes to the equilibrium near where it starts. It starts from the end of the loading, and from answers of
+the same grasp under other loads and squeezes, where one equilibrium may be the only one.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from handlcp import words
+from handlcp.check import read_only
+from handlcp.contact.friction import Section
 from handlcp.errors import Unsupported
 from handlcp.grasp.analysis.suggestions import Suggestion, Suggestions, suggest
-from handlcp.grasp.answer.reasons import equilibrium_reason
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.answer.verdict import HELD, OVER_LIMIT, UNDECIDED, Reason, Verdict, verdict_of
-from handlcp.grasp.assembly.build import build
-from handlcp.grasp.effects.joint_offset import unsqueezed
-from handlcp.grasp.friction import Section
+from handlcp.grasp.assembly.scene_builder import build_scene
+from handlcp.grasp.derivatives.parameter.parameter import (
+    MISSING_BALANCE,
+    MISSING_FORCES,
+    MISSING_TORQUE,
+    Trial,
+    parameters_by_effort,
+    round_two_digits,
+)
+from handlcp.grasp.effects.joint_offset import describe_missing_squeeze
+from handlcp.grasp.failure.failure_mode import find_exceeded, state_limits
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.advance import PATIENT, Patience
 from handlcp.grasp.path.follow import Loading, follow, sliding
 from handlcp.grasp.path.state import Outcome
+from handlcp.grasp.solution.solution import GraspSolution
+from handlcp.grasp.solution.verdict import (
+    HELD,
+    OVER_LIMIT,
+    UNDECIDED,
+    Reason,
+    Verdict,
+    equilibrium_reason,
+    make_verdict,
+    solution_motions,
+)
+from handlcp.grasp.solve.compiled_answer import start_values
 from handlcp.grasp.solve.solve_spec import solve_spec
-from handlcp.grasp.verdict.others import other_equilibria
 from handlcp.grasp.verdict.path_reasons import (
-    compared,
+    comparison_reasons,
     lost_reason,
     place_reasons,
     reached_reasons,
     rigid_reasons,
     slides_reason,
 )
-from handlcp.grasp.verdict.trials import advice
 from handlcp.lcp import Auto, Status
-from handlcp.progress import told
+from handlcp.progress import tick, told
+
+_MAX_CONTACTS = 4  # with more, equilibria are too many to look for
+_LOAD_SHARES, _SQUEEZE_SHARES = (0.0, 0.5, 2.0), (0.5, 2.0)  # shares of the grasp's own
+_OTHER_FORCE_SHARE = 0.01  # of the largest force
+
+_NEARBY_CHAIN = Auto(search_seconds=0.0)
+
+
+def other_equilibria(
+    spec: GraspSpec, scene: Scene, section: Section, solution: GraspSolution, end: GraspSolution
+) -> Iterator[Reason]:
+    """A note where another one than `solution` is found. end : of the loading."""
+    if spec.n > _MAX_CONTACTS or not scene.frictional or (solution.uniqueness and solution.uniqueness.others):
+        return
+    size = float(np.linalg.norm(solution.forces, axis=1).max(initial=0.0))
+    starts = [end] if end.held else []
+    starts += [s for s in (solve_spec(other, section, _NEARBY_CHAIN, proof=False) for other in _nearby(spec)) if s.held]
+    near = far = 0.0  # by how much forces differ, where motions are small, and anywhere
+    for start in starts:
+        found = solve_spec(spec, section, _NEARBY_CHAIN, start_values(start, scene), scene, proof=False)
+        if found.held and (found.uniqueness is None or found.uniqueness.forces_determined):
+            differ = float(np.linalg.norm(found.forces - solution.forces, axis=1).max()) / (size or 1.0)
+            near, far = near if solution_motions(found).too_large else max(near, differ), max(far, differ)
+    lists = "(grasp.equilibria() lists them)"
+    if near > _OTHER_FORCE_SHARE:
+        by = words.percent(near)
+        text = f"friction can hold the object in other ways, too, with forces that differ by {by} {lists}"
+        yield Reason("others", "note", text, {"forces_differ": near})
+    elif far > _OTHER_FORCE_SHARE:
+        text = f"the equations have other answers, too, with motions too large for them {lists}"
+        yield Reason("others", "note", text, {"forces_differ": far})
+
+
+def _nearby(spec: GraspSpec) -> Iterator[GraspSpec]:
+    for share in _LOAD_SHARES:
+        yield spec.replace(wrench=read_only(share * spec.wrench))
+    for share in _SQUEEZE_SHARES:
+        yield spec.replace(offset=read_only(share * spec.offset))
+
+
+# ----------------------------------------------------------------
+# What would help a grasp that does not hold, or not within its torque limits: changes that were tried, and hold.
+#
+# Each change is tried at a few values, the smallest first: by one solve, and where that holds by following the
+# loading in few steps. Only what then has the verdict HELD itself is advice.
+
+
+_TRIAL_STEPS = 5  # of a stage
+_SHIFT_SHARES = (0.1, 0.2)  # of the size, of the place where the object is gripped
+_MAX_FOLLOWED = 3  # loadings followed for one kind of change, at most
+
+
+def advice_reasons(
+    spec: GraspSpec,
+    section: Section,
+    order: Any,
+    over: bool,
+    holdable: bool,
+    judged: Callable[[GraspSpec], Verdict],
+    kinds: tuple[str, ...] = (),
+) -> Iterator[Reason]:
+    """What would hold, one sentence for each kind of change; or that nothing tried does. judged : the verdict on a
+    grasp, without advice. kinds : names of the parameters that alone are tried, where the reason is plain; () : all.
+
+    over : whether the grasp holds but for its torque limits. holdable : whether any force within friction balances the
+    load; if not, friction alone can help.
+    """
+    why = MISSING_TORQUE if over else MISSING_FORCES if holdable else MISSING_BALANCE
+    limited = spec.mechanism is not None and bool(np.isfinite(spec.mechanism.limits).any())
+    within, found, tried = " within the torque limits" if limited else "", False, list[str]()
+    changes = [list(p.trials(spec, why)) for p in parameters_by_effort() if p.name in kinds or not kinds]
+    for trials in changes if kinds else (list(_move_out_trials(spec)), *changes, list(_shift_trials(spec))):
+        if trials:
+            tried.append(trials[-1].text)
+        judgements = ((t, judged(t.spec)) for t in _trials_that_hold(trials, section, order))
+        if (helps := next(((t, verdict) for t, verdict in judgements if verdict.ok), None)) is not None:
+            trial, verdict = helps
+            values = {"change": trial.change, "value": trial.value}
+            yield Reason("advice", "advice", f"{trial.text} would hold it{within}{_describe_snap(verdict)}", values)
+            found = True
+    if tried and not found and not kinds:
+        text = f"nothing that was tried would hold it{within}, not even {words.either(tried)}"
+        yield Reason("advice", "advice", text, {"tried": tried})
+
+
+def _describe_snap(verdict: Verdict) -> str:
+    """Where an object that is held has snapped to another place on the way, by how far."""
+    events = () if verdict.loading is None else verdict.loading.events
+    return next((f", where {event.sentence}" for event in events if event.kind == "snaps"), "")
+
+
+def _trials_that_hold(trials: list[Trial], section: Section, order: Any) -> Iterator[Trial]:
+    """Those that hold to the end of the loading."""
+    promising = [t for t in trials if _solves_within_limits(t.spec, section)]
+    few = promising if len(promising) <= _MAX_FOLLOWED else [promising[k] for k in _spread_indices(len(promising))]
+    for trial in few:
+        tick(f"trying {trial.text}")
+        if _holds_within_limits(trial.spec, section, order):
+            yield trial
+
+
+def _spread_indices(count: int) -> list[int]:
+    """As many of them as are followed, the first and the last included."""
+    return [round(k * (count - 1) / (_MAX_FOLLOWED - 1)) for k in range(_MAX_FOLLOWED)]
+
+
+def _solves_within_limits(spec: GraspSpec, section: Section) -> bool:
+    """Whether one solve finds an equilibrium within the torque limits."""
+    found = solve_spec(spec, section, Auto(search_seconds=0.0), proof=False)
+    check = getattr(found, "torque_check", None)
+    return found.held and (check is None or not check.over)
+
+
+def _holds_within_limits(spec: GraspSpec, section: Section, order: Any) -> bool:
+    """Whether the end of the loading is reached within the torque limits."""
+    try:
+        path = follow(spec, section, None, order, None, _TRIAL_STEPS, None)
+    except Unsupported:
+        return False
+    if not path.held or spec.mechanism is None:
+        return path.held
+    return not find_exceeded(state_limits(spec), path.last.efforts)
+
+
+def _move_out_trials(spec: GraspSpec) -> Iterator[Trial]:
+    """The object out of the links that it begins inside."""
+    if spec.mechanism is not None and (found := spec.mechanism.move_object_out(spec)) is not None:
+        text, far, other = found
+        yield Trial("out", far, text, other)
+
+
+def _shift_trials(spec: GraspSpec) -> Iterator[Trial]:
+    """The object gripped elsewhere along the load."""
+    mechanism, load = spec.mechanism, spec.wrench[:3]
+    strength = float(np.linalg.norm(load))
+    if mechanism is None or strength == 0.0:
+        return
+    for share in _SHIFT_SHARES:
+        for way, name in ((1.0, "along"), (-1.0, "against")):
+            far = round_two_digits(share * build_scene(spec).units.length)
+            other = mechanism.regrip_shifted(spec, way * far * load / strength)
+            if other is not None:
+                yield Trial(
+                    "grip", way * far, f"the object {words.length(far)} farther {name} the load in the hand", other
+                )
+
+
+# ----------------------------------------------------------------
+# The verdict on a grasp: one solve, then the loading followed in steps, then what would help.
+
 
 # ----------------------------------------------------------------
 # What to change: effects left out that matter to an answer, and where a grasp fails, what was tried and holds.
 
 
-def suggested(
+def make_suggestions(
     spec: GraspSpec, section: Section, solution: GraspSolution, least: float, verdict: Verdict
 ) -> Suggestions:
     """Which effects that are left out matter, and what would help. verdict : of this grasp by `check`, or the
@@ -71,60 +243,67 @@ def _suggestion(r: Reason) -> Suggestion:
 # ----------------------------------------------------------------
 
 # Which another number of steps contradicts
-_OF_ONE_PATH = "no_squeeze", "lost", "slides_through", "no_equilibrium", "not_holdable"
-_CHAIN = Auto(search_seconds=0.0)
+_PATH_CODES = "no_squeeze", "lost", "slides_through", "no_equilibrium", "not_holdable"
+_QUICK_CHAIN = Auto(search_seconds=0.0)
 _ONE_SOLVE = "one solve, with squeeze and load at once in this posture"
-STEPS = 8  # of a stage; where something happens there are more
-_MORE = 2  # how often the number of steps is doubled, where fewer steps end differently
+STEPS_PER_STAGE = 8  # of a stage; where something happens there are more
+_MAX_DOUBLINGS = 2  # how often the number of steps is doubled, where fewer steps end differently
 
 
 @told("checking")
 def check(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution) -> Verdict:
     """See `Grasp.check`; solution : one solve of this grasp."""
-    verdict = judged(spec, scene, section, order, solution)
+    verdict = judge_grasp(spec, scene, section, order, solution)
     if verdict.word in (HELD, UNDECIDED) or verdict.about("not_followed"):
         return verdict
     over, holdable = verdict.word == OVER_LIMIT, solution.status is not Status.NOT_HOLDABLE
 
     def of(changed: GraspSpec) -> Verdict:
-        built = build(changed)
-        return judged(changed, built, section, order, solve_spec(changed, section, _CHAIN, proof=False))
+        built = build_scene(changed)
+        return judge_grasp(changed, built, section, order, solve_spec(changed, section, _QUICK_CHAIN, proof=False))
 
     kinds = ("squeeze",) if verdict.about("no_squeeze") else ()
-    return verdict_of([*verdict.reasons, *advice(spec, section, order, over, holdable, of, kinds)], verdict.loading)
+    return make_verdict(
+        [*verdict.reasons, *advice_reasons(spec, section, order, over, holdable, of, kinds)], verdict.loading
+    )
 
 
-def judged(
+def judge_grasp(
     spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution, patience: Patience = PATIENT
 ) -> Verdict:  # fmt: skip
     """The same without advice, which takes many times as long where the grasp does not hold. patience : as in
     `advance`.
     """
     try:
-        path, agree = followed_to(spec, section, order, patience)
+        path, agree = follow_until_agreed(spec, section, order, patience)
     except Unsupported as why:
         unfollowed = Reason("not_followed", "warning", f"the loading was not followed: {why}")
-        return verdict_of([*solution.verdict.reasons, unfollowed])
+        return make_verdict([*solution.verdict.reasons, unfollowed])
     reasons = [*_reasons(spec, scene, section, solution, path)]
     if not agree:
         text = "fewer and more steps of loading end differently: one says that it holds, another that it does not"
         reasons.append(Reason("steps_differ", "decides", text))
-        reasons = [r for r in reasons if r.code not in _OF_ONE_PATH]
-    return verdict_of(reasons, path)
+        reasons = [r for r in reasons if r.code not in _PATH_CODES]
+    return make_verdict(reasons, path)
 
 
-def followed_to(spec: GraspSpec, section: Section, order: Any, patience: Patience = PATIENT) -> tuple[Loading, bool]:
+def follow_until_agreed(
+    spec: GraspSpec, section: Section, order: Any, patience: Patience = PATIENT
+) -> tuple[Loading, bool]:
     """The loading in STEPS steps a stage, and whether it ends as with half as many. Where it does not, the number is
     doubled, up to twice. Where nothing slides and nothing happens, half as many steps are exact, and enough. Raises
     Unsupported.
     """
-    coarse, count = follow(spec, section, None, order, None, STEPS // 2, None, patience=patience), STEPS
-    if _sticks(coarse):
+    coarse, count = (
+        follow(spec, section, None, order, None, STEPS_PER_STAGE // 2, None, patience=patience),
+        STEPS_PER_STAGE,
+    )
+    if _sticks_throughout(coarse):
         return coarse, True  # such steps are exact, however long
-    path = follow(spec, section, None, order, None, STEPS, None, patience=patience)
+    path = follow(spec, section, None, order, None, STEPS_PER_STAGE, None, patience=patience)
     if path.outcome is Outcome.GAVE_UP:
         return path, True
-    for _ in range(_MORE):
+    for _ in range(_MAX_DOUBLINGS):
         if coarse.held == path.held:
             return path, True
         count *= 2
@@ -132,7 +311,7 @@ def followed_to(spec: GraspSpec, section: Section, order: Any, patience: Patienc
     return path, coarse.held == path.held
 
 
-def _sticks(path: Loading) -> bool:
+def _sticks_throughout(path: Loading) -> bool:
     """Whether the end is reached, nothing slides on the way, and nothing else happens."""
     return path.held and not path.events and not sliding(path)
 
@@ -146,13 +325,13 @@ def _reasons(
     if path.held:
         yield from reached_reasons(spec, scene, path)
         if solution.held:
-            yield from compared(solution, path)
+            yield from comparison_reasons(solution, path)
             yield from other_equilibria(spec, scene, section, solution, path.solution)
         elif solution.status is not Status.UNDECIDED:
             text = f"{_ONE_SOLVE}, finds no equilibrium: the grasp holds as it moves"
             yield Reason("only_followed", "warning", text, {"status": solution.status.name})
         return
-    if solution.status is not Status.NOT_HOLDABLE and (text := unsqueezed(spec)):
+    if solution.status is not Status.NOT_HOLDABLE and (text := describe_missing_squeeze(spec)):
         yield Reason("no_squeeze", "decides", text)
     if solution.status in (Status.NO_EQUILIBRIUM, Status.NOT_HOLDABLE):
         yield equilibrium_reason(solution.status, _without_advice(solution).diagnosis)

@@ -8,39 +8,42 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array
-from handlcp.grasp.answer.reasons import (
-    contacts_reason,
-    friction_reasons,
-    large_motion,
-    motion_reason,
-    no_load,
-    open_reasons,
-)  # fmt: skip
-from handlcp.grasp.answer.small_motions import NOTICED, Motions
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.answer.verdict import Reason
-from handlcp.grasp.cause.judge import over_closing
-from handlcp.grasp.cause.wording import pressed_in
-from handlcp.grasp.model.cables import Cables
+from handlcp.grasp.failure.failure_mode import find_exceeded_closing
+from handlcp.grasp.failure.failure_text import describe_pad_depth
+from handlcp.grasp.model.mechanism import Cables
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.model.spec import GraspSpec
 from handlcp.grasp.path.follow import Loading
 from handlcp.grasp.path.geometry import RIGID
 from handlcp.grasp.path.pull import Pull
 from handlcp.grasp.path.trajectory import closing_efforts
+from handlcp.grasp.solution.solution import GraspSolution
+from handlcp.grasp.solution.verdict import (
+    NOTICED_SHARE,
+    MotionSizes,
+    Reason,
+    contacts_reason,
+    friction_reasons,
+    large_motion_reasons,
+    motion_reason,
+    no_load_reasons,
+    open_reasons,
+)  # fmt: skip
 
-_SLIDES = 1e-4  # of the grasp's size: a contact that slides less on the way and sticks at the end is not named
-_ELSEWHERE = 0.15  # of the grasp's size: an object that slides farther has left its place
-_BEFORE = 0.98  # of the load at which the object is lost: if it slides through only from here on, that is not said
-_APART = 1e-5  # [m] a contact that began farther away and never pressed does not let go
-_TWIST = 1e-3  # [rad] the same of a soft finger's turn
+_NAMED_SLIDE = 1e-4  # of the grasp's size: a contact that slides less on the way and sticks at the end is not named
+_LEFT_PLACE_SHARE = 0.15  # of the grasp's size: an object that slides farther has left its place
+_NEAR_LOSS_SHARE = (
+    0.98  # of the load at which the object is lost: if it slides through only from here on, that is not said
+)
+_NEVER_TOUCHED_GAP = 1e-5  # [m] a contact that began farther away and never pressed does not let go
+_NAMED_TWIST = 1e-3  # [rad] the same of a soft finger's turn
 
 
 def lost_reason(path: Loading) -> Reason:
     """Where the object is lost, and why."""
     values = {"stage": path.lost_stage, "share": path.lost_at, "events": [str(e) for e in path.events]}
     text = f"the object is {path.why}"
-    if (slides := path.slides) is not None and slides.share < _BEFORE * (path.lost_at or 0.0):
+    if (slides := path.slides) is not None and slides.share < _NEAR_LOSS_SHARE * (path.lost_at or 0.0):
         values["slides_at"] = slides.share
         text += f"; it slides through from {words.percent(slides.share)} of stage {path.stages[slides.stage]!r} on"
     return Reason("lost", "decides", text, values)
@@ -79,17 +82,19 @@ def rigid_reasons(spec: GraspSpec) -> Iterator[Reason]:
 def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Reason]:
     """Of a loading whose end is reached: torques and postures at its end, what slid, how far the object moved."""
     last, mechanism = path.last, spec.mechanism
-    yield from no_load(spec)
+    yield from no_load_reasons(spec)
     if mechanism is not None:
         before = [*mechanism.command_reasons(spec), *place_reasons(spec, path)]
-        known = {_about(reason) for reason in before}
+        known = {_reason_key(reason) for reason in before}
         place = (path.state, path.object)
         found = mechanism.end_reasons(path.steps.torques[-1], last.yielded, place)
-        yield from (r for r in found if _about(r) not in known)
+        yield from (r for r in found if _reason_key(r) not in known)
         if mechanism.cables is not None:
             yield from mechanism.tension_reasons(last.pull.tension)
             yield from _slack_reasons(mechanism.cables, last.pull)
-        yield from mechanism.closing_reasons(over_closing(mechanism, lambda: closing_efforts(path.steps.states)))
+        yield from mechanism.closing_reasons(
+            find_exceeded_closing(mechanism, lambda: closing_efforts(path.steps.states))
+        )
         if "squeeze" in path.stages:
             closed = np.flatnonzero(path.steps.stage == path.stages.index("squeeze"))
             yield from mechanism.pulling_reasons(spec, path.steps.states[closed[-1]].stretched)
@@ -99,26 +104,26 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
         for e in spec.effects:
             for part in e.words(end.scene, end.names, end.extra):
                 yield Reason("effect", "note", part, {"effect": e.title})
-    slid, turned = _slid(path, scene.units.length)
-    came = (path.steps.forces[:, :, 2] > 0.0).any(axis=0) | (spec.offset[:, 2] <= _APART)
+    slid, turned = _slid_distances(path, scene.units.length)
+    came = (path.steps.forces[:, :, 2] > 0.0).any(axis=0) | (spec.offset[:, 2] <= _NEVER_TOUCHED_GAP)
     ends = zip(spec.names, last.kinds, came.tolist(), strict=True)
     apart = [n for n, kind, here in ends if kind == "separated" and here]
     yield contacts_reason(spec, slid, turned, apart)
     if end.held:
         yield from friction_reasons(spec.names, end.friction_used, last.kinds, " at the end" if slid else "")
     yield motion_reason(path.displacement, scene.force, scene.units.length)
-    yield from _slid_far(slid, scene.units.length)
+    yield from _far_slide_reasons(slid, scene.units.length)
     if (snap := next((e for e in path.events if e.kind == "snaps"), None)) is not None:
         text = f"{snap}: where it comes to rest depends on how fast and how evenly the hand closes"
         yield Reason("snaps", "warning", text, {"stage": snap.stage, "share": snap.share})
     k = spec.of_hand
-    if text := pressed_in(last.where.give[:k], last.iterate.frames[:k, :, 2], spec.names):
+    if text := describe_pad_depth(last.where.give[:k], last.iterate.frames[:k, :, 2], spec.names):
         yield Reason("pressed_in", "warning", text)
     if end.held:
         yield from () if mechanism is None else mechanism.open_reasons(end)
         yield from open_reasons(end.uniqueness)
     if not path.steps.geometry.follows:
-        yield from large_motion(_motions(path, scene, slid))
+        yield from large_motion_reasons(_path_motions(path, scene, slid))
 
 
 def _slack_reasons(cables: Cables, pull: Pull) -> Iterator[Reason]:
@@ -133,10 +138,10 @@ def place_reasons(spec: GraspSpec, path: Loading) -> Iterator[Reason]:
     first, mechanism = path.steps.states[0].where, spec.mechanism
     if mechanism is not None and path.steps.geometry.follows:
         when = f"before stage {path.stages[0]!r}" if path.stages else "in the given posture"
-        yield from mechanism.place_reasons(*mechanism.at_end(first.q, first.pose), when)
+        yield from mechanism.place_reasons(*mechanism.place_at(first.q, first.pose), when)
 
 
-def compared(solution: GraspSolution, path: Loading) -> Iterator[Reason]:
+def comparison_reasons(solution: GraspSolution, path: Loading) -> Iterator[Reason]:
     """How far the forces of one solve are from those at the end of the path, where that is worth a word, and the path
     leaves no choice of them.
     """
@@ -146,30 +151,30 @@ def compared(solution: GraspSolution, path: Loading) -> Iterator[Reason]:
     size = float(np.linalg.norm(there, axis=1).max(initial=0.0))
     off = np.linalg.norm(there - here, axis=1)
     k = int(off.argmax())
-    if size > 0.0 and (share := float(off[k]) / size) > NOTICED:
+    if size > 0.0 and (share := float(off[k]) / size) > NOTICED_SHARE:
         name = solution.names[k]
         off_by = f"{words.percent(share)} of the largest force ({name})"
         text = f"one solve, with squeeze and load at once in this posture, is off by {off_by}"
         yield Reason("followed_forces", "note", text, {"finger": name, "force_error": share})
 
 
-def _about(r: Reason) -> tuple[object, ...]:
+def _reason_key(r: Reason) -> tuple[object, ...]:
     """What tells reasons of two postures apart: with the same key they say the same of both."""
     links = tuple(sorted(str(link["link"]) for link in r.values.get("links", ())))
     return r.code, r.severity, r.values.get("joint"), links
 
 
-def _slid_far(slid: dict[str, float], size: float) -> Iterator[Reason]:
+def _far_slide_reasons(slid: dict[str, float], size: float) -> Iterator[Reason]:
     """Of an object that has slid so far past a finger that it rests somewhere else than where it was gripped."""
     far = max(slid.values(), default=0.0)
-    if far > _ELSEWHERE * size:
+    if far > _LEFT_PLACE_SHARE * size:
         name = next(n for n, d in slid.items() if d == far)
         past = f"the object slides {words.length(far)} past {name}"
         text = f"{past} before it comes to rest: it is held, but not where"
         yield Reason("contacts", "warning", f"{text} the hand gripped it", {"finger": name, "slid_m": far})
 
 
-def _slid(path: Loading, size: float) -> tuple[dict[str, float], dict[str, float]]:
+def _slid_distances(path: Loading, size: float) -> tuple[dict[str, float], dict[str, float]]:
     """How far the object slid past each finger [m], and turned on it [rad], in all: of those where it did noticeably,
     or still does at the end.
     """
@@ -178,13 +183,13 @@ def _slid(path: Loading, size: float) -> tuple[dict[str, float], dict[str, float
     way = steps.slid[-1]
     turn: Array = (abs(steps.spin) * slides)[1:].sum(axis=0)
     names, soft = steps.names, steps.torsion.any()
-    least = np.where(slides[-1], words.NOTHING, _SLIDES * size)
+    least = np.where(slides[-1], words.NOTHING, _NAMED_SLIDE * size)
     far = {n: float(d) for n, d, some in zip(names, way, least, strict=True) if d > some}
-    return far, {n: float(a) for n, a in zip(names, turn, strict=True) if a > _TWIST} if soft else {}
+    return far, {n: float(a) for n, a in zip(names, turn, strict=True) if a > _NAMED_TWIST} if soft else {}
 
 
-def _motions(path: Loading, scene: Scene, slid: dict[str, float]) -> Motions:
+def _path_motions(path: Loading, scene: Scene, slid: dict[str, float]) -> MotionSizes:
     u, size = path.displacement, scene.units.length
     shift, turn = (float(np.linalg.norm(part)) for part in (u[:3], u[3:]))
-    squeeze = -float(scene.lawful(scene.offset)[2 : 3 * scene.n : 3].min(initial=0.0))
-    return Motions(max(shift, turn * size), turn, max(slid.values(), default=0.0), squeeze, size)
+    squeeze = -float(scene.to_law_axes(scene.offset)[2 : 3 * scene.n : 3].min(initial=0.0))
+    return MotionSizes(max(shift, turn * size), turn, max(slid.values(), default=0.0), squeeze, size)

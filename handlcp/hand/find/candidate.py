@@ -10,20 +10,20 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.answer.verdict import Verdict
-from handlcp.grasp.cause.judge import UNDECIDED
-from handlcp.grasp.friction import as_section
+from handlcp.contact.friction import as_section
+from handlcp.geometry.object import Object
+from handlcp.grasp.failure.failure_mode import UNDECIDED
 from handlcp.grasp.path.advance import PATIENT, Patience
 from handlcp.grasp.path.follow import follow
-from handlcp.grasp.verdict.check import STEPS, judged
+from handlcp.grasp.solution.solution import GraspSolution
+from handlcp.grasp.solution.verdict import Verdict
+from handlcp.grasp.verdict.check import STEPS_PER_STAGE, judge_grasp
 from handlcp.hand.find.held import solved
 from handlcp.hand.hand_grasp import HandGrasp
-from handlcp.hand.objects.object import Object
-from handlcp.hand.robot.posture import Posture
 from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
 from handlcp.record import Record, columns_of, data_frame, pick
+from handlcp.robot.hand_model import HandPosture
 from handlcp.text_table import wrapped
 
 _STAGES = "squeeze", "load"
@@ -87,7 +87,7 @@ class Candidate(Record):
         return -self.held_force
 
     @property
-    def state(self) -> Posture:
+    def state(self) -> HandPosture:
         """The hand in the posture that touches."""
         return self.grasp.state
 
@@ -109,7 +109,7 @@ class Candidate(Record):
         slips and lets go again and again, is given up there: it is none that a search looks for.
         """
         section = as_section("cone", planar=False)
-        return judged(self.grasp.spec, self.grasp.scene, section, _STAGES, self.solution, self.patience)
+        return judge_grasp(self.grasp.spec, self.grasp.scene, section, _STAGES, self.solution, self.patience)
 
     @property
     def patience(self) -> Patience:
@@ -132,7 +132,7 @@ class Candidate(Record):
         path, section = self.verdict.loading, as_section("cone", planar=False)
         if not self.verdict.ok or path is None:
             return False
-        finer = follow(self.grasp.spec, section, None, _STAGES, None, 2 * STEPS, None)
+        finer = follow(self.grasp.spec, section, None, _STAGES, None, 2 * STEPS_PER_STAGE, None)
         if not finer.held or len(finer.steps.states) <= len(path.steps.states):  # a check may take as many
             return False
         end, other = path.displacement.reshape(2, 3), finer.displacement.reshape(2, 3)  # moved [m] and turned [rad]
@@ -201,7 +201,7 @@ def reserves(grasp: HandGrasp, solution: GraspSolution) -> tuple[float, float]:
     scene, k = grasp.scene, grasp.spec.of_hand
     soft = list(scene.soft)
     moments = np.zeros(scene.n) if solution.torsion is None else solution.torsion
-    forces, turning = np.split(scene.lawful(np.append(solution.forces, moments[soft])), [3 * scene.n])
+    forces, turning = np.split(scene.to_law_axes(np.append(solution.forces, moments[soft])), [3 * scene.n])
     spin = np.zeros(scene.n)
     spin[soft] = turning
     x, y, z = forces.reshape(-1, 3).T

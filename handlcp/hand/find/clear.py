@@ -12,12 +12,12 @@ import pinocchio as pin
 
 from handlcp.check import Array
 from handlcp.errors import URDFError
-from handlcp.grasp.model.kind import cross_rows
-from handlcp.hand.objects.inside import distances
-from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.solid import balls_of, box_of
-from handlcp.hand.robot.link_surface import LinkSurface
-from handlcp.hand.robot.model import HandModel
+from handlcp.geometry.distance import bounding_balls, bounding_box
+from handlcp.geometry.link_penetration import point_distances
+from handlcp.geometry.object import Object
+from handlcp.grasp.model.contact import cross_rows
+from handlcp.robot.hand_model import HandModel
+from handlcp.robot.link_surface import LinkSurface
 
 # ----------------------------------------------------------------
 # A posture of the hand and a placement of the object, together: what a search for grasps varies.
@@ -54,7 +54,7 @@ def free_ranges(hand: HandModel) -> tuple[Array, Array]:
 
 def size_of_object(obj: Object) -> float:
     """Half of the object's mean width [m]."""
-    low, high = box_of(obj.geometry)
+    low, high = bounding_box(obj.geometry)
     return float(np.mean(high - low)) / 2
 
 
@@ -81,7 +81,7 @@ def _corners(shape: Any) -> Array:
     """(m, 3) corners of a convex shape, or of a box around it."""
     if hasattr(shape, "points"):
         return np.array(shape.points(), dtype=float)
-    low, high = box_of(shape)
+    low, high = bounding_box(shape)
     return np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
 
 
@@ -124,7 +124,7 @@ class Links:
         balls = [_ball(link) for link in self._links]
         self._middles = np.array([middle for middle, _ in balls]).reshape(-1, 3)
         self._sizes = np.array([size for _, size in balls])
-        self._parts = [balls_of(link.parts) for link in self._links]
+        self._parts = [bounding_balls(link.parts) for link in self._links]
         every = [(i, j) for i, j in combinations(range(len(self._links)), 2) if self._apart(model, i, j)]
         at = hand.kinematics.frames_at(hand.neutral, self._frames)[0]
         self._pairs = np.array([pair for pair in every if not self._meet(at, *pair)], dtype=int).reshape(-1, 2)
@@ -162,7 +162,7 @@ class Links:
         R, o = place.rotation, place.position
         turns, shifts = R.T @ at[:, :3, :3], (at[:, :3, 3] - o) @ R
         local = np.einsum("kxy,ky->kx", turns[self._of], self._points) + shifts[self._of]
-        return distances(local, home, self._slack) - self._slack, local, columns
+        return point_distances(local, home, self._slack) - self._slack, local, columns
 
     def out_of_each_other(self, q: Array) -> bool:
         """Whether no two links of different fingers, and no finger and the palm, meet."""

@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.hand.asked.asked import HandAsked
+from handlcp.geometry.object import Object
 from handlcp.hand.find.candidate import Candidate
 from handlcp.hand.find.find import PINCH
 from handlcp.hand.find.pinch import Search, place_of
 from handlcp.hand.find.power import PowerSearch
-from handlcp.hand.objects.object import Object
-from handlcp.hand.robot.model import HandModel
-from handlcp.hand.state import HandState
+from handlcp.hand.hand import HandState
+from handlcp.hand.request import GraspRequest
+from handlcp.robot.hand_model import HandModel
 
 
 def continued(
@@ -41,7 +41,7 @@ def continued(
         found = Search(hand, hand.tip_numbers("fingers", fingers), obj, words, seed).from_place(place)
     else:
         own = near.grasp.spec.asked
-        assert isinstance(own, HandAsked)  # a search made it
+        assert isinstance(own, GraspRequest)  # a search made it
         words = {"wrench": None, **{k: v for k, v in asked.items() if k not in ("squeeze", "grip_force")}}
         search = PowerSearch(hand, obj, {"closing_torque": None, **words}, seed)
         state = HandState(hand, np.clip(own.state.q, hand.lower, hand.upper))

@@ -7,25 +7,24 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from handlcp.check import integer, yes_or_no
+from handlcp.contact.friction import laws_by_name
 from handlcp.errors import InputError, NoGraspFound
 from handlcp.extras import pip_install
-from handlcp.grasp.friction import laws_by_name
+from handlcp.geometry.link_contacts import contact_body_names
+from handlcp.geometry.mesh import object_advice
+from handlcp.geometry.object import Object
+from handlcp.geometry.shape import Mesh, check_object_kilograms, check_object_metres
 from handlcp.grasp.model import validate
-from handlcp.hand.asked.asked import DEFAULT
-from handlcp.hand.asked.closing import read_closing_torque
 from handlcp.hand.find.candidate import Found, stopped, told
 from handlcp.hand.find.pinch import Search
 from handlcp.hand.find.power import PowerSearch
-from handlcp.hand.objects.meshes import what_to_pass
-from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.shapes import Mesh, ask_for_kilograms, ask_for_metres
-from handlcp.hand.robot.convex import available
-from handlcp.hand.robot.model import HandModel
-from handlcp.hand.robot.posture import Posture, read_gravity
-from handlcp.hand.sites.touchers import link_names
-from handlcp.hand.squeeze import by_tip
+from handlcp.hand.request import DEFAULT_FRICTION
+from handlcp.hand.squeeze import read_by_tip
+from handlcp.hand.torque_closing import read_torque_by_joint
 from handlcp.keywords import helped
 from handlcp.progress import told as counted
+from handlcp.robot.hand_model import HandModel, HandPosture, read_gravity
+from handlcp.robot.link_surface import has_coacd
 
 PINCH, POWER, ANY = "pinch", "power", "any"
 KINDS = PINCH, POWER, ANY
@@ -84,11 +83,11 @@ def find_grasp(
     if not isinstance(hand, HandModel):
         raise InputError("hand", "a Hand", repr(hand))
     if not isinstance(obj, Object):
-        raise InputError("obj", what_to_pass(obj), repr(obj)[:80])
+        raise InputError("obj", object_advice(obj), repr(obj)[:80])
     tips, tries, seed = hand.tip_numbers("fingers", fingers), integer("tries", tries, 1), integer("seed", seed, 0)
     yes_or_no("throw", throw)
     check_closing(kind, squeeze, grip_force, closing_torque, fingers)
-    if kind != PINCH and isinstance(obj, Mesh) and not obj.convex and not available():
+    if kind != PINCH and isinstance(obj, Mesh) and not obj.convex and not has_coacd():
         expected = f"a convex object for a power grasp, or coacd for its convex parts ({pip_install('coacd')})"
         came = f"{obj!r}, which is not convex; its convex hull would be (trimesh: mesh.convex_hull)"
         raise InputError("obj", expected, came)
@@ -116,8 +115,8 @@ def searches_of(
 
     Raises InputError, UnknownName: what a search passes on is checked before it begins.
     """
-    ask_for_metres("obj", obj, Posture(hand, hand.neutral).tip_positions)
-    ask_for_kilograms("obj.mass", obj, hand.mass)
+    check_object_metres("obj", obj, HandPosture(hand, hand.neutral).tip_positions)
+    check_object_kilograms("obj.mass", obj, hand.mass)
     _check_asked(hand, kind, asked, tips)
     load = {name: asked.get(name) for name in ("friction", "wrench", "gravity")}
     searches = list[Search | PowerSearch]()
@@ -135,15 +134,15 @@ def _check_asked(hand: HandModel, kind: str, asked: Mapping[str, Any], tips: tup
     """Raises InputError for what no grasp can be asked with, UnknownName for fingers, links and joints."""
     names = [hand.fingertips[i] for i in tips]
     if (friction := asked.get("friction")) is not None:
-        known = names if kind == PINCH else list(dict.fromkeys((*hand.fingertips, *link_names(hand))))
-        laws_by_name(friction, known, [DEFAULT] * len(known))
+        known = names if kind == PINCH else list(dict.fromkeys((*hand.fingertips, *contact_body_names(hand))))
+        laws_by_name(friction, known, [DEFAULT_FRICTION] * len(known))
     validate.wrench(asked.get("wrench"), None)
     read_gravity(asked.get("gravity"))
     for name in ("squeeze", "grip_force"):
         if (value := asked.get(name)) is not None:
-            by_tip(name, value, names)
+            read_by_tip(name, value, names)
     if (torque := asked.get("closing_torque")) is not None:
-        read_closing_torque(torque, hand.joint_names)
+        read_torque_by_joint(torque, hand.joint_names)
 
 
 def missed(obj: Object, searches: Sequence[Search | PowerSearch]) -> str:

@@ -16,14 +16,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from handlcp.check import Array, read_only
-from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.contact.friction import as_section
 from handlcp.grasp.batch.solve_many import solve_many
-from handlcp.grasp.cause.wording import said
-from handlcp.grasp.friction import as_section
+from handlcp.grasp.failure.failure_text import describe_failures
 from handlcp.grasp.limits.directions import AXES
 from handlcp.grasp.limits.followed import Before
 from handlcp.grasp.path.advance import PATIENT, Patience
 from handlcp.grasp.path.state import STILL
+from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.hand.hand_grasp import HandGrasp
 
 _PUSHES = read_only(np.hstack([AXES, np.zeros((6, 3))]))
@@ -62,12 +62,12 @@ def followed(grasp: HandGrasp, least: float = 0.0, patience: Patience = PATIENT)
     if not before.held:
         return None
     if load.any() and (turned := before.limit(-2.0 * load, until=1.0)).factor < 1.0:
-        return Held(2.0 * turned.factor * float(np.linalg.norm(load[:3])), True, said(turned.binds, spec))
+        return Held(2.0 * turned.factor * float(np.linalg.norm(load[:3])), True, describe_failures(turned.binds, spec))
     force, gives_out = np.inf, ""
     for k in np.argsort(before.bounds(_PUSHES), kind="stable"):  # what holds more than a weaker one does not matter
         limit = before.limit(_PUSHES[k], until=force)
         if limit.factor < force:
-            force, gives_out = limit.factor, said(limit.binds, spec)
+            force, gives_out = limit.factor, describe_failures(limit.binds, spec)
         if force <= least:
             return None
     return Held(force, False, gives_out)

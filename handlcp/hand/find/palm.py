@@ -5,7 +5,7 @@ In half of the hands those that only spread fingers side by side stay near rest:
 In every other hand only the first bending joint of each finger closes, and those beyond it are bent beforehand: fingers
 that all curl up meet each other round a small object.
 The object comes from where the fingers bend to, straight towards the palm, until it touches something. A long object
-lies along the axes about which fingers bend, so that they can go round it. Then the hand closes as `hand/sites/wrap.py`
+lies along the axes about which fingers bend, so that they can go round it. Then the hand closes as `hand/closing.py`
 closes it, with points in place of surfaces. What encloses the object best is closed exactly later.
 
 enclosure = min over directions d of  max over links that touch of  μ |d - (d·n) n| - d·n,
@@ -24,17 +24,14 @@ from itertools import islice
 import numpy as np
 
 from handlcp.check import Array, Bools
+from handlcp.geometry.contact_detection import nearest_proximity
+from handlcp.geometry.distance import bounding_box, spread_directions
+from handlcp.geometry.link_contacts import ContactBody, body_frames
+from handlcp.geometry.object import Object
+from handlcp.hand.closing import bending_rates
 from handlcp.hand.find.clear import Place, free_ranges
 from handlcp.hand.find.skin import Skin, rough_distances
-from handlcp.hand.objects.detect import nearest
-from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.overlap import evenly
-from handlcp.hand.objects.solid import box_of
-from handlcp.hand.robot.model import HandModel
-from handlcp.hand.robot.posture import Posture
-from handlcp.hand.sites.sited import placed
-from handlcp.hand.sites.touchers import Toucher
-from handlcp.hand.sites.wrap import bending
+from handlcp.robot.hand_model import HandModel, HandPosture
 
 LAID = 1024  # placements that are compared
 CLOSED = 224  # of them, those that lie nearest to the palm, round which the hand closes
@@ -51,7 +48,7 @@ _TOUCHES = 3e-3  # [m] as far as points tell
 _CLOSING, _QUICKEST = 40, 0.02  # steps of closing, and the shortest, in radians
 _SETTLING, _EXACT, _AWAY, _STEEP = 12, 1e-6, 5e-3, 0.05  # steps to just touching, [m] there, [m] at first; n · way
 _PALM = 0.1  # more for what touches the palm, too
-_WAYS = evenly(40)  # in which the object may leave
+_WAYS = spread_directions(40)  # in which the object may leave
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,10 +81,10 @@ def laid(hand: HandModel, obj: Object, friction: float, seed: int, clear: Callab
     qs = np.where(middle.speed != 0.0, middle.opened, qs)
     bent = (u[:, 8:9] < 0.5) & (middle.speed != 0.0) & ~middle.first
     qs = np.where(bent, middle.opened + _BENT * 2.0 * u[:, 8:9] * (middle.shut - middle.opened), qs)
-    qs = np.where(hand.moves.all(axis=0), middle.rest, qs)  # a wrist
+    qs = np.where(hand.moving_joints.all(axis=0), middle.rest, qs)  # a wrist
     rotations, ways, aims = middle.drawn(u, home)
-    centre = 0.5 * np.sum(box_of(home.geometry), axis=0)
-    reach = float(np.linalg.norm(np.ptp(box_of(home.geometry), axis=0)))
+    centre = 0.5 * np.sum(bounding_box(home.geometry), axis=0)
+    reach = float(np.linalg.norm(np.ptp(bounding_box(home.geometry), axis=0)))
     starts = aims + ways * (reach + middle.size)
     positions = starts - rotations @ centre
     positions, resting = _come(skin, qs, home, (rotations, positions, ways), reach + middle.size)
@@ -99,15 +96,15 @@ def laid(hand: HandModel, obj: Object, friction: float, seed: int, clear: Callab
     return sorted(found, key=lambda one: -one.score)
 
 
-def settled(hand: HandModel, among: Iterable[Toucher], obj: Object, one: Laid) -> Place | None:
+def settled(hand: HandModel, among: Iterable[ContactBody], obj: Object, one: Laid) -> Place | None:
     """The place where the object just touches the open hand, as exactly as distances are known, along its way; None:
     none is near.
     """
     place, among = one.place, list(among)
     for _ in range(_SETTLING):
         target, least = place.of(obj), np.inf
-        for link, R, p in placed(Posture(hand, place.q), among):
-            near = nearest(link.shapes, p, R, target)
+        for link, R, p in body_frames(HandPosture(hand, place.q), among):
+            near = nearest_proximity(link.shapes, p, R, target)
             slope = float(near.normal @ one.way)
             if slope > _STEEP:
                 least = min(least, near.gap / slope)
@@ -132,10 +129,10 @@ class _Middle:
     def __init__(self, hand: HandModel, skin: Skin, home: Object) -> None:
         self.rest = np.clip(hand.neutral, *free_ranges(hand))
         lower, upper = free_ranges(hand)
-        half = np.where(hand.moves.all(axis=0), self.rest, 0.5 * (lower + upper))
-        at_rest = Posture(hand, self.rest)
+        half = np.where(hand.moving_joints.all(axis=0), self.rest, 0.5 * (lower + upper))
+        at_rest = HandPosture(hand, self.rest)
         between = at_rest.tip_positions.mean(axis=0)
-        self.speed = bending(hand, self.rest, home.moved_to(between - home.center_of_mass))
+        self.speed = bending_rates(hand, self.rest, home.moved_to(between - home.center_of_mass))
         low, high = (
             np.where(np.isfinite(hand.lower), hand.lower, lower),
             np.where(np.isfinite(hand.upper), hand.upper, upper),
@@ -143,11 +140,11 @@ class _Middle:
         self.opened = np.where(self.speed > 0.0, low, high)
         self.shut = np.where(self.speed > 0.0, high, low)
         self.first = np.zeros(hand.nv, dtype=bool)
-        for moved_by in hand.moves & (self.speed != 0.0):
+        for moved_by in hand.moving_joints & (self.speed != 0.0):
             self.first[np.flatnonzero(moved_by)[:1]] = True
         start = np.where(self.speed != 0.0, self.opened, half)
         end = np.where(self.speed != 0.0, self.shut, half)
-        closing = [Posture(hand, start + share * (end - start)) for share in _SHARES]
+        closing = [HandPosture(hand, start + share * (end - start)) for share in _SHARES]
         on_way = [closing[k].tip_positions for k in (0, 3, 6)]
         palm = skin.palm[skin.of]
         self.palm = (skin.at(start[None])[0][palm] if palm.any() else on_way[0]).mean(axis=0)
@@ -161,13 +158,13 @@ class _Middle:
         straight = self.closes - self.palm
         ways = [out / max(plain, 1e-12), straight / max(float(np.linalg.norm(straight)), 1e-12)]
         self.n, self.other = ways if plain >= _PLAIN else ways[::-1]
-        axes = at_rest.turning(hand.tips.every) @ self.speed
+        axes = at_rest.angular_jacobian(hand.tips.numbers) @ self.speed
         axes /= np.maximum(np.linalg.norm(axes, axis=1), 1e-12)[:, None]
         alike = axes @ axes.T
         shared = (alike**_AGREE).sum(axis=1)  # what most fingers bend about counts, a thumb hardly
         self.across = np.linalg.eigh((axes.T * shared) @ axes)[1][:, -1]
         np.fill_diagonal(alike, 0.0)
-        self.beside = ~(hand.moves & (alike.max(axis=1) < _SIDE_BY_SIDE)[:, None]).any(axis=0)
+        self.beside = ~(hand.moving_joints & (alike.max(axis=1) < _SIDE_BY_SIDE)[:, None]).any(axis=0)
         self.size = float(np.linalg.norm(on_way[0] - self.palm, axis=1).max())
 
     def drawn(self, u: Array, home: Object) -> tuple[Array, Array, Array]:
@@ -186,7 +183,7 @@ class _Middle:
         aside = np.cross(ways, along)
         x = np.cos(turn)[:, None] * along + np.sin(turn)[:, None] * aside
         hand_axes = np.stack([x, np.cross(ways, x), ways], axis=2)
-        low, high = box_of(home.geometry)
+        low, high = bounding_box(home.geometry)
         longest, shortest = np.argsort(-(high - low), kind="stable")[[0, 2]]
         # The longest edge along the axes of bending. Every other placement lies on the widest side, the rest on edge.
         sides = [_axes_with(int(longest), int(shortest)), _axes_with(int(longest), 3 - int(longest) - int(shortest))]
@@ -238,7 +235,7 @@ def _closed(
     """Where the hand has closed (k, nv), and the scores. closing (k, nv) : the joints that may turn."""
     if not places:
         return np.zeros((0, hand.nv)), []
-    qs, speed = np.array([p.q for p in places]), np.array([bending(hand, p.q, p.of(home)) for p in places])
+    qs, speed = np.array([p.q for p in places]), np.array([bending_rates(hand, p.q, p.of(home)) for p in places])
     speed = np.where(closing, speed, 0.0)
     R, o = np.array([p.rotation for p in places]), np.array([p.position for p in places])
     measure = rough_distances(home)

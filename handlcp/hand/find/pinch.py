@@ -10,21 +10,21 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.answer.solution import GraspSolution
+from handlcp.contact.friction import SoftFinger
+from handlcp.geometry.distance import bounding_box
+from handlcp.geometry.link_penetration import point_distances
+from handlcp.geometry.object import Object
 from handlcp.grasp.batch.solve_many import solve_many
-from handlcp.grasp.friction import SoftFinger
+from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.hand.find.candidate import Candidate, candidate_of
 from handlcp.hand.find.chosen import Chooser, firmest
 from handlcp.hand.find.clear import Links, Place, end_of, free_ranges, size_of_object
 from handlcp.hand.find.refused import skipping_refused
 from handlcp.hand.find.touch import RESERVE, Asked, Touch, brought_together, normal_forces
+from handlcp.hand.hand import HandState
 from handlcp.hand.hand_grasp import HandGrasp
-from handlcp.hand.objects.inside import distances
-from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.solid import box_of
-from handlcp.hand.robot.model import HandModel
-from handlcp.hand.state import HandState
 from handlcp.progress import tick
+from handlcp.robot.hand_model import HandModel
 
 # ----------------------------------------------------------------
 # Where to begin: postures all over the joint ranges, with the object between their fingertips.
@@ -58,9 +58,9 @@ def guesses(hand: HandModel, tips: tuple[int, ...], links: Links, obj: Object, k
     weights /= weights.sum(axis=1, keepdims=True)
     centres = np.einsum("ki,kix->kx", weights, points)
     rotations = _laid(points - centres[:, None], weights, rest)
-    middle = 0.5 * np.sum(box_of(obj.geometry), axis=0)
+    middle = 0.5 * np.sum(bounding_box(obj.geometry), axis=0)
     local = np.einsum("kix,kxy->kiy", every - centres[:, None], rotations) + middle
-    gaps = distances(local.reshape(-1, 3), obj).reshape(SAMPLES, -1)
+    gaps = point_distances(local.reshape(-1, 3), obj).reshape(SAMPLES, -1)
     inside = np.minimum(gaps[:, count:] - _OUTSIDE, 0.0)
     gaps = gaps[:, :count] - np.array([radius for _, radius in ends])
     cost = (gaps**2).mean(axis=1) + (inside**2).sum(axis=1) / count

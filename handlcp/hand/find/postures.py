@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from handlcp.check import Array, array, dimensions, number
 from handlcp.errors import InputError
-from handlcp.hand.objects.object import read_placement
+from handlcp.geometry.object import read_placement
 from handlcp.keywords import helped
 from handlcp.read_file import MOST_ARRAYS, MOST_YAML, parse_yaml, read_arrays, read_text
 

@@ -10,22 +10,22 @@ from typing import Any, ParamSpec
 import numpy as np
 
 from handlcp.check import Array, Bools
+from handlcp.geometry.link_contacts import ALL_LINKS, contact_bodies
+from handlcp.geometry.link_penetration import find_penetrating_links
+from handlcp.geometry.object import Object
 from handlcp.grasp.batch.solve_many import solve_many
-from handlcp.hand.asked.asked import HandAsked
-from handlcp.hand.asked.closing import closing_torques
+from handlcp.hand.closing import bending_rates
 from handlcp.hand.find.candidate import Candidate, candidate_of
 from handlcp.hand.find.chosen import Chooser, firmest
 from handlcp.hand.find.clear import Links
 from handlcp.hand.find.palm import LAID, Laid, laid, settled
 from handlcp.hand.find.refused import skipping_refused
+from handlcp.hand.hand import HandState
 from handlcp.hand.hand_grasp import HandGrasp
-from handlcp.hand.objects.inside import links_inside
-from handlcp.hand.objects.object import Object
-from handlcp.hand.robot.model import HandModel
-from handlcp.hand.sites.touchers import ALL, touchers
-from handlcp.hand.sites.wrap import bending
-from handlcp.hand.state import HandState
+from handlcp.hand.request import GraspRequest
+from handlcp.hand.torque_closing import read_closing_torques
 from handlcp.progress import tick
+from handlcp.robot.hand_model import HandModel
 
 SHARE, MOST = 0.5, 0.5  # of a joint's torque limit; [N·m], also where no limit is known
 _AT_ONCE, _SOLVED = 12, 48  # closed exactly and solved: of a round, and in all
@@ -57,7 +57,7 @@ class PowerSearch(Chooser):
     def __init__(self, hand: HandModel, obj: Object, asked: Mapping[str, Any], seed: int) -> None:
         super().__init__(LAID)
         self._hand, self._obj, self._asked, self._seed = hand, obj, dict(asked), seed
-        self._links, self._among = Links(hand, ()), touchers(hand, ALL)
+        self._links, self._among = Links(hand, ()), contact_bodies(hand, ALL_LINKS)
 
     def run(self, tries: int) -> list[Candidate]:
         """The grasps that hold when they are checked and followed, the best first."""
@@ -139,25 +139,25 @@ class PowerSearch(Chooser):
 
     @_none_where_refused
     def _closed(self, state: HandState, obj: Object, torque: Array) -> list[HandGrasp]:
-        asked = self._asked | {"closing_torque": torque, "links": ALL, "hold_object": True, "max_gap": REACH}
-        grasp = HandGrasp(HandAsked(state, obj, **asked).begun())
+        asked = self._asked | {"closing_torque": torque, "links": ALL_LINKS, "hold_object": True, "max_gap": REACH}
+        grasp = HandGrasp(GraspRequest(state, obj, **asked).spec_at_touch())
         if not encloses(self._hand, grasp):
             return []
         self.tried["enclosing"] += 1
         closed = HandState(self._hand, grasp.state.q)
         if not self._links.out_of_each_other(closed.q):
             return []
-        if any(link.depth > _DEEP for link in links_inside(grasp.state, obj, grasp.state.hand.tips.every)):
+        if any(link.depth > _DEEP for link in find_penetrating_links(grasp.state, obj, grasp.state.hand.tips.numbers)):
             return []
         self.tried["clear"] += 1
         return [grasp]
 
     def _torque(self, state: HandState, obj: Object, closing: Bools) -> Array:
         """(nv,) [N·m] of the joints that close (nv,), positive towards the object: as asked, or by their limits."""
-        way, asked = bending(self._hand, state.q, obj), self._asked["closing_torque"]
+        way, asked = bending_rates(self._hand, state.q, obj), self._asked["closing_torque"]
         if asked is None:
             return np.where(closing & (way != 0.0), closing_by_limit(self._hand), 0.0)
-        given = closing_torques(self._hand, way, asked)
+        given = read_closing_torques(self._hand, way, asked)
         return np.where(way != 0.0, np.where(closing, np.sign(way) * given, 0.0), given)
 
 
@@ -170,15 +170,15 @@ def closing_by_limit(hand: HandModel) -> Array:
     """(nv,) [N·m] with which joints close where nothing else is said: half of what they can close with and hold for
     good, at most 0.5 N·m, or as much for each joint of those that are driven together.
     """
-    C, least = hand.kinematics.coupling, np.minimum(hand.torque_limits, hand.torques.closes)
+    C, least = hand.kinematics.coupling, np.minimum(hand.torque_limits, hand.torques.closing_limits)
     return np.minimum(SHARE * least, MOST * (1.0 if C is None else abs(C).sum(axis=0)))
 
 
 def encloses(hand: HandModel, grasp: HandGrasp) -> bool:
     """Whether two links or more of fingers touch, and the palm, or links of two fingers or more on three sides."""
     of = grasp.state.hand.links_of_sites or ()
-    by_name = {t.name: t for t in touchers(hand, ALL)}
-    C, shared = hand.kinematics.coupling, hand.moves.all(axis=0)
+    by_name = {t.name: t for t in contact_bodies(hand, ALL_LINKS)}
+    C, shared = hand.kinematics.coupling, hand.moving_joints.all(axis=0)
     rows = {name: by_name[name].support[0] if C is None else by_name[name].support[0] @ abs(C) for name in set(of)}
     of_fingers = {name for name, row in rows.items() if ((row > 0.0) & ~shared).any()}
     if len(of_fingers) < 2:

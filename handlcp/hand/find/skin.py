@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, Bools
-from handlcp.hand.objects.inside import distances
-from handlcp.hand.objects.object import Object
-from handlcp.hand.objects.shapes import Mesh
-from handlcp.hand.objects.solid import box_of
-from handlcp.hand.objects.surface import beyond
-from handlcp.hand.robot.link_surface import planes, surface_points
-from handlcp.hand.robot.model import HandModel
-from handlcp.hand.sites.touchers import ALL, Toucher, touchers
+from handlcp.geometry.distance import bounding_box
+from handlcp.geometry.link_contacts import ALL_LINKS, ContactBody, contact_bodies
+from handlcp.geometry.link_penetration import point_distances
+from handlcp.geometry.mesh import plane_distances
+from handlcp.geometry.object import Object
+from handlcp.geometry.shape import Mesh
+from handlcp.robot.hand_model import HandModel
+from handlcp.robot.link_surface import hull_planes, surface_points
 
 _POINTS, _OF_PALM = 28, 60  # of a link, and of all links that no finger's joint moves
 _CELLS, _AROUND = 64, 0.01  # points of a grid along each edge; [m] how far it goes beyond the object
@@ -25,15 +25,15 @@ _FACES, _ALIKE = 80, 0.98  # planes of a mesh, at most; cosine from which two ar
 class Skin:
     """Points on all that may touch.
 
-    links : as `touchers` gives them. of (m,) : the link of each point. moves (links, nv) : whether a joint moves a
-    link. palm (links,) : whether a link is the palm's, which the joints of all fingers move alike, or none.
+    links : as `contact_bodies` gives them. of (m,) : the link of each point. moves (links, nv) : whether a joint moves
+    a link. palm (links,) : whether a link is the palm's, which the joints of all fingers move alike, or none.
     """
 
     def __init__(self, hand: HandModel) -> None:
         self._hand = hand
-        self.links: tuple[Toucher, ...] = touchers(hand, ALL)
-        self.moves: Bools = hand.kinematics.moved_by(np.array([t.support[0] for t in self.links]))
-        shared = hand.moves.all(axis=0)
+        self.links: tuple[ContactBody, ...] = contact_bodies(hand, ALL_LINKS)
+        self.moves: Bools = hand.kinematics.find_moving_joints(np.array([t.support[0] for t in self.links]))
+        shared = hand.moving_joints.all(axis=0)
         inner = ~(self.moves & ~shared).any(axis=1)
         carried = self.moves.sum(axis=1)
         self.palm: Bools = inner & (carried == carried[inner].max(initial=0))
@@ -55,7 +55,7 @@ class Skin:
         """(k, links) the smallest of each link's points (k, m)."""
         return np.asarray(np.minimum.reduceat(gaps, self.starts, axis=1))
 
-    def _points(self, link: Toucher, palm: bool) -> Array:
+    def _points(self, link: ContactBody, palm: bool) -> Array:
         """(k, 3) points of a link in the frame of its joint, far from each other."""
         found = surface_points([(s.geometry, s.rotation, s.translation) for s in link.shapes])
         assert found is not None  # all that may touch has a surface
@@ -78,16 +78,16 @@ Measure = Callable[[Array], Array]  # of points (…, 3) in the object's frame, 
 
 
 def rough_distances(obj: Object) -> Measure:
-    """As `distances`; of a mesh by the largest faces of its convex parts alone."""
+    """As `point_distances`; of a mesh by the largest faces of its convex parts alone."""
     if not isinstance(obj, Mesh):
-        return lambda x: distances(x.reshape(-1, 3), obj).reshape(x.shape[:-1])
+        return lambda x: point_distances(x.reshape(-1, 3), obj).reshape(x.shape[:-1])
     parts = [_beyond_faces(part) for part in obj.parts]
-    return parts[0] if len(parts) == 1 else _on_grid(parts, *box_of(obj.geometry))
+    return parts[0] if len(parts) == 1 else _on_grid(parts, *bounding_box(obj.geometry))
 
 
 def _beyond_faces(hull: Any) -> Measure:
     """How far points are beyond the face of a hull that they are furthest beyond."""
-    triangles, normals, offsets = planes(hull)
+    triangles, normals, offsets = hull_planes(hull)
     a, b, c = triangles.transpose(1, 0, 2)
     largest = np.argsort(-np.linalg.norm(np.cross(b - a, c - a), axis=1), kind="stable")
     kept = list[int]()
@@ -96,7 +96,7 @@ def _beyond_faces(hull: Any) -> Measure:
             kept.append(int(k))
     n, d = normals[kept], offsets[kept]
 
-    return lambda x: beyond(x.reshape(-1, 3), n, d).reshape(x.shape[:-1])
+    return lambda x: plane_distances(x.reshape(-1, 3), n, d).reshape(x.shape[:-1])
 
 
 def _on_grid(parts: Sequence[Measure], low: Array, high: Array) -> Measure:

@@ -9,13 +9,12 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.errors import Unsupported
-from handlcp.grasp.model.kind import cross_rows
+from handlcp.geometry.contact_detection import Proximity, nearest_proximity
+from handlcp.geometry.object import Object
+from handlcp.grasp.model.contact import cross_rows
 from handlcp.hand.find.clear import Links, Place, free_ranges, size_of_object
-from handlcp.hand.objects.detect import Proximity, nearest
-from handlcp.hand.objects.object import Object
-from handlcp.hand.robot.model import HandModel
-from handlcp.hand.robot.posture import Posture
-from handlcp.hand.robot.tip_geometry import TipShape
+from handlcp.robot.fingertip import TipShape
+from handlcp.robot.hand_model import HandModel, HandPosture
 
 # ----------------------------------------------------------------
 # Whether fingertips that touch can hold the object, and with which normal forces they should press.
@@ -120,7 +119,7 @@ def brought_together(
     scale = np.append(np.minimum(1.0, upper - lower), [size, size, size, 1.0, 1.0, 1.0])
     exact, least, idle = False, np.inf, 0
     for _ in range(_STEPS):
-        posture = Posture(hand, place.q.copy())
+        posture = HandPosture(hand, place.q.copy())
         try:
             near = [_near(posture, tip, home, place, exact) for tip in tips]
         except Unsupported:
@@ -171,13 +170,13 @@ def _smallest(rows: Array, wanted: Array, scale: Array, least: Array, most: Arra
     return x
 
 
-def _near(posture: Posture, tip: int, home: Object, place: Place, exact: bool) -> Proximity:
+def _near(posture: HandPosture, tip: int, home: Object, place: Place, exact: bool) -> Proximity:
     """Of a fingertip and the object at its place, world axes; measured with the object at home."""
     R, o = place.rotation, place.position
     p, Q = (posture.tip_positions[tip] - o) @ R, R.T @ posture.tip_rotations[tip]
     shapes = posture.hand.tip_shapes(tip)
     if exact or (len(shapes) == 1 and shapes[0].radius is not None):
-        found = nearest(shapes, p, Q, home)
+        found = nearest_proximity(shapes, p, Q, home)
     else:
         found = min((_by_coal(shape, p, Q, home) for shape in shapes), key=lambda one: one.gap)
     return Proximity(found.gap, R @ found.position + o, R @ found.tip_point + o, R @ found.normal)

@@ -1,18 +1,18 @@
-"""The same hand with other numbers, by name: first lengths, axes and places, then whole arguments, then others."""
+"""The numbers of a hand by the names with which `Hand.vary` changes them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from handlcp.errors import InputError
-from handlcp.hand.elasticity.motor import Drives
-from handlcp.hand.elasticity.stiffness import read_spring, stiff_as
-from handlcp.hand.elasticity.tendon_stiffness import TendonStiffness
-from handlcp.hand.parts import replaced
-from handlcp.hand.robot.model import HandModel
-from handlcp.hand.robot.source.description import COLLISION
-from handlcp.hand.vary.names import (
+import numpy as np
+
+from handlcp.actuation.joint_stiffness import JointStiffness, read_spring, with_motor_stiffness
+from handlcp.actuation.motor import Drives
+from handlcp.actuation.tendon_stiffness import TendonStiffness
+from handlcp.errors import InputError, UnknownName
+from handlcp.hand.hand_parts import replace_parts
+from handlcp.hand.vary.hand_shape import (
     AXIS,
     LENGTH,
     LIMIT,
@@ -21,96 +21,149 @@ from handlcp.hand.vary.names import (
     POSITION,
     RADIUS,
     STIFFNESS,
-    Changes,
-    argument,
+    HandChanges,
+    change_label,
+    joint_length,
     read_changes,
+    reshape_hand,
 )
-from handlcp.hand.vary.shape import reshaped
+from handlcp.robot.description import COLLISION
+from handlcp.robot.hand_model import HandModel
+
+# What a whole argument of `Hand.replace` is the common number of
+ARGUMENT_NUMBERS = {"joint_stiffness": STIFFNESS, "pad_flexibility": PAD, "torque_limits": LIMIT, "tip_radius": RADIUS}
+NUMBER_UNITS = {LENGTH: "m", STIFFNESS: "N·m/rad", LIMIT: "N·m", RADIUS: "m", PAD: "m/N"}
 
 
-def varied(hand: HandModel, by_tip: Mapping[str, Any], changes: Any) -> dict[str, Any]:
+def hand_numbers(hand: HandModel) -> dict[str, float]:
+    """Lengths [m], springs [N·m/rad] and torque limits [N·m] of joints, radii [m] and pads [m/N] of fingertips, by
+    name; those alone that are one number: not of springs that joints share, pads that differ by direction, …
+    """
+    joints, found = hand.joint_names, dict[str, float]()
+    for joint in hand.kinematics.movable:
+        if (length := joint_length(hand, joint)) is not None:
+            found[f"{joint}.{LENGTH}"] = length
+    if isinstance(hand.stiffness, JointStiffness) and np.count_nonzero(hand.stiffness.matrix) == len(joints):
+        springs = np.diagonal(hand.stiffness.matrix).tolist()
+        found |= {f"{joint}.{STIFFNESS}": spring for joint, spring in zip(joints, springs, strict=True)}
+    for joint, limit in zip(joints, hand.torques.limits.tolist(), strict=True):
+        if np.isfinite(limit):
+            found[f"{joint}.{LIMIT}"] = limit
+    for k, tip in enumerate(hand.fingertips):
+        shapes = hand.tip_shapes(k) if hand.tip_kind(k) in ("radius", COLLISION) else ()
+        if len(shapes) == 1 and shapes[0].is_central and shapes[0].radius is not None:
+            found[f"{tip}.{RADIUS}"] = shapes[0].radius
+        pad = hand.pads.blocks[k]
+        if (pad == pad[0, 0] * np.eye(3)).all():
+            found[f"{tip}.{PAD}"] = float(pad[0, 0])
+    return found
+
+
+def hand_number(hand: HandModel, name: str) -> float:
+    """One of these, or a whole argument such as "joint_stiffness" that is alike everywhere. Raises UnknownName."""
+    numbers = hand_numbers(hand)
+    if name in numbers:
+        return numbers[name]
+    ending = f".{ARGUMENT_NUMBERS.get(name, '?')}"
+    if len(alike := {value for other, value in numbers.items() if other.endswith(ending)}) == 1:
+        return alike.pop()
+    raise UnknownName("changes", "a number of the hand", [str(name)], [*numbers, *ARGUMENT_NUMBERS])
+
+
+def number_unit(name: str) -> str:
+    """Of a number by this name."""
+    return NUMBER_UNITS[ARGUMENT_NUMBERS.get(name, name.rpartition(".")[2])]
+
+
+# ----------------------------------------------------------------
+# The same hand with other numbers, by name: first lengths, axes and places, then whole arguments, then others.
+
+
+def vary_parts(hand: HandModel, by_tip: Mapping[str, Any], changes: Any) -> dict[str, Any]:
     """What changes of a hand, by attribute; changes as of `Hand.vary`. by_tip : what was passed fingertip by fingertip.
 
     Raises InputError, UnknownName, Unsupported, URDFError.
     """
     asked = read_changes(hand, changes)
-    step = _Step(hand, by_tip)
-    if any(asked.of(what) for what in (LENGTH, AXIS, POSITION)):
-        step.take(reshaped(hand, by_tip["radius"], asked))
-    if asked.whole:
-        step.replace(**asked.whole)
-    step.touch(asked)
-    step.spring(asked.of(STIFFNESS))
-    step.limit(asked.of(LIMIT))
-    step.drive(asked.of(MOTOR))
+    step = _VariationStep(hand, by_tip)
+    if any(asked.values_of(what) for what in (LENGTH, AXIS, POSITION)):
+        step.take_parts(reshape_hand(hand, by_tip["radius"], asked))
+    if asked.arguments:
+        step.replace_arguments(**asked.arguments)
+    step.change_tips(asked)
+    step.change_springs(asked.values_of(STIFFNESS))
+    step.change_limits(asked.values_of(LIMIT))
+    step.change_motors(asked.values_of(MOTOR))
     return step.parts
 
 
-class _Step:
+class _VariationStep:
     """The hand on its way: `hand` as it is so far, and the parts that differ."""
 
     def __init__(self, hand: HandModel, by_tip: Mapping[str, Any]) -> None:
         self.hand, self.by_tip = hand, by_tip
         self.parts: dict[str, Any] = {}
 
-    def take(self, parts: dict[str, Any]) -> None:
+    def take_parts(self, parts: dict[str, Any]) -> None:
         """Other parts, by attribute."""
         self.hand, self.by_tip = self.hand.with_parts(**parts), parts.get("_by_tip", self.by_tip)
         self.parts |= parts
 
-    def replace(self, **given: Any) -> None:
+    def replace_arguments(self, **given: Any) -> None:
         """Arguments of `Hand.replace`."""
-        self.take(replaced(self.hand, self.by_tip, given))
+        self.take_parts(replace_parts(self.hand, self.by_tip, given))
 
-    def touch(self, asked: Changes) -> None:
+    def change_tips(self, asked: HandChanges) -> None:
         """Radii of fingertips and pads, beside those of the others."""
         tips = self.hand.fingertips
-        if radii := asked.of(RADIUS):
+        if radii := asked.values_of(RADIUS):
             was = self.by_tip["radius"]
             own = {} if was is None else was if isinstance(was, Mapping) else dict.fromkeys(tips, was)
-            self.replace(tip_radius={**own, **radii})
-        if pads := asked.of(PAD):
-            links = {link: self.hand.pads.of_link(link) for link in self.hand.description.has(COLLISION)}
+            self.replace_arguments(tip_radius={**own, **radii})
+        if pads := asked.values_of(PAD):
+            links = {link: self.hand.pads.link_pad(link) for link in self.hand.description.links_with(COLLISION)}
             own = dict(zip(tips, self.hand.pads.blocks, strict=True))
-            self.replace(pad_flexibility={**links, **own, **pads})
+            self.replace_arguments(pad_flexibility={**links, **own, **pads})
 
-    def spring(self, springs: Mapping[str, Any]) -> None:
+    def change_springs(self, springs: Mapping[str, Any]) -> None:
         """Joints with springs of their own. Raises InputError for one that shares them with others."""
         if not springs:
             return
-        read = {joint: read_spring(argument(joint, STIFFNESS), k) for joint, k in springs.items()}
+        read = {joint: read_spring(change_label(joint, STIFFNESS), k) for joint, k in springs.items()}
         try:
-            self.take({"stiffness": stiff_as(self.hand.stiffness, read, self.hand.joint_names)})
+            self.take_parts({"stiffness": with_motor_stiffness(self.hand.stiffness, read, self.hand.joint_names)})
         except InputError:
             expected = "a joint with a spring of its own (joint_stiffness changes springs that joints share)"
-            raise InputError(argument(next(iter(springs)), STIFFNESS), expected, ", ".join(springs)) from None
+            raise InputError(change_label(next(iter(springs)), STIFFNESS), expected, ", ".join(springs)) from None
 
-    def limit(self, limits: Mapping[str, Any]) -> None:
+    def change_limits(self, limits: Mapping[str, Any]) -> None:
         """Torque limits, beside those that were passed of other joints."""
         if not limits:
             return
         joints, torques = self.hand.joint_names, self.hand.torques
-        bare = torques if torques.without is None else torques.without
-        driven = () if torques.drives is None else torques.drives.names(joints)
+        bare = torques if torques.without_motors is None else torques.without_motors
+        driven = () if torques.drives is None else torques.drives.motor_joints(joints)
         every = zip(joints, bare.limits.tolist(), strict=True)
         passed = {joint: x for joint, x in every if joint in bare.given and joint not in driven}
-        self.replace(torque_limits={**passed, **limits})
+        self.replace_arguments(torque_limits={**passed, **limits})
 
-    def drive(self, motors: Mapping[str, Any]) -> None:
+    def change_motors(self, motors: Mapping[str, Any]) -> None:
         """Motors of joints and tendons, beside those of the others."""
         joints, stiffness = self.hand.joint_names, self.hand.stiffness
         if own := {name: motor for name, motor in motors.items() if name in joints}:
-            self.replace(motors=_beside(joints, self.hand.torques.drives, own))
+            self.replace_arguments(motors=_merge_motors(joints, self.hand.torques.drives, own))
             said = {joint: m.stiffness for joint, m in own.items() if m is not None and m.stiffness is not None}
-            self.take({"stiffness": stiff_as(stiffness, said, joints)})  # of other joints, joint_stiffness may be newer
+            self.take_parts(
+                {"stiffness": with_motor_stiffness(stiffness, said, joints)}
+            )  # of other joints, joint_stiffness may be newer
         of_tendons = {name: motor for name, motor in motors.items() if name not in joints}
         if of_tendons and isinstance(stiffness, TendonStiffness):
-            made = stiffness.motored(_beside(stiffness.names, stiffness.drives, of_tendons))
+            made = stiffness.motored(_merge_motors(stiffness.names, stiffness.drives, of_tendons))
             made.check_driven_once(self.hand.torques.drives, joints)
-            self.take({"stiffness": made})
+            self.take_parts({"stiffness": made})
 
 
-def _beside(names: Sequence[str], drives: Drives | None, motors: Mapping[str, Any]) -> dict[str, Any]:
+def _merge_motors(names: Sequence[str], drives: Drives | None, motors: Mapping[str, Any]) -> dict[str, Any]:
     """Motors by name beside those that were there, of names in their order; None of a motor: it goes."""
-    was = {} if drives is None else dict(zip(names, drives.of, strict=True))
+    was = {} if drives is None else dict(zip(names, drives.motors, strict=True))
     return {name: motor for name, motor in {**was, **motors}.items() if motor is not None}

@@ -18,7 +18,7 @@ from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
 from handlcp.lcp.compiler import folders, link
-from handlcp.lcp.compiler.when import hint
+from handlcp.lcp.compiler.compile_policy import warn_not_kept
 
 
 class KernelCache:
@@ -35,11 +35,11 @@ class KernelCache:
     @property
     def cache_path(self) -> str:
         """The first folder."""
-        return str(next(iter(folders.folders()), ""))
+        return str(next(iter(folders.cache_folders()), ""))
 
     def stamp(self, types: Any, target: Any) -> int:
         """A number that changes when code for these types is kept anew; 0 where there is none."""
-        return folders.stamp(self._file(types, target.codegen()))
+        return folders.file_stamp(self._file(types, target.codegen()))
 
     def has(self, types: Any, target: Any) -> bool:
         """Whether there is compiled code for these types; the next `load_overload` finds it ready."""
@@ -55,11 +55,11 @@ class KernelCache:
         if not self.inside:
             return None
         try:
-            if (data := folders.read(self._file(types, target.codegen()))) is None:
+            if (data := folders.read_file(self._file(types, target.codegen()))) is None:
                 return None
             target.refresh()
             large, needs, reduced = pickle.loads(data)
-            if not all([_is_there(need) for need in needs]):
+            if not all([_is_linkable(need) for need in needs]):
                 return None
             found = CompileResult._rebuild(target, *reduced)
         except Exception:  # whatever is wrong with a file, it can be compiled anew
@@ -77,11 +77,11 @@ class KernelCache:
         if large:
             link.keep_apart(found, self.name, types)
         try:
-            why = folders.put(self._file(types, found.codegen), dumps((large, needs, found._reduce())))
+            why = folders.write_file(self._file(types, found.codegen), dumps((large, needs, found._reduce())))
         except Exception as error:
             why = f"{type(error).__name__}: {error}"
         if why is not None:
-            hint(why)
+            warn_not_kept(why)
 
     def enable(self) -> None:
         """Nothing: it is."""
@@ -99,7 +99,7 @@ class KernelCache:
         return f"{self.name}-{hashlib.sha256(said.encode()).hexdigest()[:24]}.nbc"
 
 
-def _is_there(need: link.Need) -> bool:
+def _is_linkable(need: link.LinkedKernel) -> bool:
     """Whether what compiled code calls is there under its symbol, or can be loaded."""
     module, _, name = need.kernel.rpartition(".")
     jit = getattr(sys.modules[module], name).dispatcher

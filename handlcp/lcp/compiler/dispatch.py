@@ -9,13 +9,13 @@ import numba
 from numba.core.registry import cpu_target
 from numba.extending import typeof_impl
 
-from handlcp.lcp.compiler import beside, link, when
+from handlcp.lcp.compiler import background_compile, compile_policy, link
 from handlcp.lcp.compiler.cache import KernelCache
-from handlcp.lcp.compiler.when import waiting
+from handlcp.lcp.compiler.compile_policy import announce_waiting
 from handlcp.progress import uncounted
 
 t: Any = numba.types
-link.use(cpu_target.target_context.codegen())
+link.install_library_class(cpu_target.target_context.codegen())
 
 _lock = threading.RLock()
 
@@ -31,14 +31,16 @@ def dispatcher(kernel: Any) -> Any:
             typeof_impl.register(type(kernel))(_typeof)
             jit = numba.njit(error_model="numpy", nogil=True, no_cfunc_wrapper=True)(kernel.function)
             jit._cache = KernelCache(kernel.function)
-            jit.compile = lambda types: _compiled(jit, types)
-            jit._compile_for_args = lambda *args: _decide(kernel, jit, args)  # numba's C code calls what it returns
-            jit.get_call_template = lambda args, kws: type(jit).get_call_template(jit, _general(args), kws)
+            jit.compile = lambda types: _compile(jit, types)
+            jit._compile_for_args = lambda *args: _choose_code(
+                kernel, jit, args
+            )  # numba's C code calls what it returns
+            jit.get_call_template = lambda args, kws: type(jit).get_call_template(jit, _general_types(args), kws)
             kernel.jit = kernel.run = jit
         return kernel.jit
 
 
-def _compiled(jit: Any, types: Any) -> Any:
+def _compile(jit: Any, types: Any) -> Any:
     with link.short_messages():
         return type(jit).compile(jit, types)
 
@@ -48,13 +50,13 @@ def _typeof(kernel: Any, _: Any) -> Any:
     return numba.types.Dispatcher(dispatcher(kernel))
 
 
-def _decide(kernel: Any, jit: Any, args: tuple[Any, ...]) -> Any:
+def _choose_code(kernel: Any, jit: Any, args: tuple[Any, ...]) -> Any:
     """What is to run for these arguments: compiled code, or the kernel as Python."""
     given = tuple([jit.typeof_pyval(a) for a in args])
     jit._types_active_call.clear()
-    types = tuple([_writable(one) for one in given])
+    types = tuple([_writable_type(one) for one in given])
     known = types in jit.overloads
-    if not known and types in kernel.missing and kernel.spent < kernel.look and not when.compiling_at_once():
+    if not known and types in kernel.missing and kernel.spent < kernel.look and not compile_policy.is_compiling_now():
         return kernel.interpret
     with uncounted():
         if not (known or _is_kept(kernel, jit, types) or _is_compiled(kernel, jit, types)):
@@ -71,17 +73,17 @@ def _decide(kernel: Any, jit: Any, args: tuple[Any, ...]) -> Any:
 # kernel that writes into one of these is found where it runs as Python.
 
 
-def _general(args: Any) -> Any:
+def _general_types(args: Any) -> Any:
     """Types of arguments in a call from another kernel, as the kernel is compiled for."""
-    return tuple([_writable(one) if isinstance(one, t.Array) else t.unliteral(one) for one in args])
+    return tuple([_writable_type(one) if isinstance(one, t.Array) else t.unliteral(one) for one in args])
 
 
-def _writable(one: Any) -> Any:
+def _writable_type(one: Any) -> Any:
     """A type of argument with arrays that may be written to."""
     if isinstance(one, t.Array):
         return one if one.mutable else one.copy(readonly=False)
     if isinstance(one, t.BaseTuple) and len(one):
-        parts = tuple([_writable(part) for part in one.types])
+        parts = tuple([_writable_type(part) for part in one.types])
         return one if parts == one.types else t.BaseTuple.from_types(parts, getattr(one, "instance_class", None))
     return one
 
@@ -102,13 +104,15 @@ def _is_kept(kernel: Any, jit: Any, types: Any) -> bool:
 
 def _is_compiled(kernel: Any, jit: Any, types: Any) -> bool:
     """Compile it where this call is to wait for that; else another process may be asked to. Returns whether it is."""
-    if not when.compiling_at_once():
-        if not (when.compiling_soon() or kernel.pays()):
+    if not compile_policy.is_compiling_now():
+        if not (compile_policy.is_compiling_in_background() or kernel.pays()):
             return False
-        if beside.possible() and jit._cache.inside and not kernel.missing[types]:  # else what is there does not fit
-            beside.ask(kernel.function, types)
+        if (
+            background_compile.can_compile() and jit._cache.inside and not kernel.missing[types]
+        ):  # else what is there does not fit
+            background_compile.request_compile(kernel.function, types)
             kernel.asked = True
             return False
-    with waiting(kernel.compiling_takes):
+    with announce_waiting(kernel.compiling_takes):
         jit.compile(types)
     return True

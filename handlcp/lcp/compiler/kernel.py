@@ -11,17 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.lcp.compiler import beside, when
+from handlcp.lcp.compiler import background_compile, compile_policy
 from handlcp.lcp.compiler.folders import is_kept
 
 
-class _Thread(threading.local):
+class _ThreadState(threading.local):
     """outermost : the kernel that this thread runs as Python, called by no other; None: it runs none."""
 
     outermost: Kernel | None = None
 
 
-_THREAD = _Thread()
+_THREAD = _ThreadState()
 
 
 class Kernel:
@@ -39,7 +39,7 @@ class Kernel:
 
     def __init__(self, function: Callable[..., Any]) -> None:
         update_wrapper(self, function)
-        self.function, self.run = function, self._undecided
+        self.function, self.run = function, self._run_or_fetch
         self.jit: Any = None
         self.spent, self.asked, self.look = 0.0, False, 0.0
         self.missing: dict[Any, int] = {}
@@ -60,7 +60,7 @@ class Kernel:
                 return self.function(*args)
             _THREAD.outermost = self
             with np.errstate(all="ignore"):
-                return _plain(self.function(*args))
+                return _as_python_numbers(self.function(*args))
         finally:
             if outermost:
                 _THREAD.outermost = None
@@ -68,14 +68,14 @@ class Kernel:
 
     def pays(self) -> bool:
         """Whether it has run as Python for so long that compiling it is worth what it costs."""
-        if self.spent > when.BESIDE and beside.possible():
-            return not self._comes_along
-        return self.spent > when.LEAST and self.spent > self.compiling_takes
+        if self.spent > compile_policy.BACKGROUND_AFTER_SECONDS and background_compile.can_compile():
+            return not self._is_compiled_with_caller
+        return self.spent > compile_policy.WAIT_AFTER_SECONDS and self.spent > self.compiling_takes
 
     @cached_property
     def compiling_takes(self) -> float:
         """Seconds, roughly, with all kernels that it calls."""
-        return when.compiling_takes(self._instructions)
+        return compile_policy.compile_seconds(self._instructions)
 
     @property
     def dispatcher(self) -> Any:
@@ -90,14 +90,14 @@ class Kernel:
 
     def wait(self, again: bool) -> None:
         """Go on as Python for a while. again : without asking numba's dispatcher, which has no code for any types."""
-        self.look = when.next_look(self.spent)
+        self.look = compile_policy.next_look(self.spent)
         if again:
-            self.run = self._undecided
+            self.run = self._run_or_fetch
 
-    def _undecided(self, *args: Any) -> Any:
+    def _run_or_fetch(self, *args: Any) -> Any:
         """Run it as Python, unless compiled code is worth fetching."""
-        if self.spent >= self.look or when.compiling_at_once():
-            if when.mode() == "interpreted":
+        if self.spent >= self.look or compile_policy.is_compiling_now():
+            if compile_policy.kernel_mode() == "interpreted":
                 self.run = self.interpret
             elif self._is_worth_a_look():
                 self.run = self.dispatcher  # until it has no code: `wait`
@@ -105,17 +105,19 @@ class Kernel:
         return self.interpret(*args)
 
     def _is_worth_a_look(self) -> bool:
-        if when.compiling_at_once() or (when.compiling_soon() and not self._comes_along):
+        if compile_policy.is_compiling_now() or (
+            compile_policy.is_compiling_in_background() and not self._is_compiled_with_caller
+        ):
             return True
-        if self.spent <= when.loading_takes():
+        if self.spent <= compile_policy.load_seconds():
             return False
         if self.asked or is_kept(f"{self.__module__}.{self.function.__qualname__}") or self.pays():
             return True
-        self.look = when.next_look(self.spent)
+        self.look = compile_policy.next_look(self.spent)
         return False
 
     @property
-    def _comes_along(self) -> bool:
+    def _is_compiled_with_caller(self) -> bool:
         """Whether a kernel that called it as Python is being compiled, and this one with it."""
         outermost = _THREAD.outermost
         return outermost is not None and outermost.asked
@@ -137,11 +139,11 @@ class Kernel:
         return sum(seen.values())
 
 
-def _plain(value: Any) -> Any:
+def _as_python_numbers(value: Any) -> Any:
     """A result as compiled code returns it: numpy's numbers as Python's."""
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, tuple):
-        parts = [_plain(v) for v in value]
+        parts = [_as_python_numbers(v) for v in value]
         return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
     return value

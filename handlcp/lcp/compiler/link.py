@@ -17,10 +17,10 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.extending import overload
 from numba.np import arrayobj
 
-_LARGE = 150  # instructions of LLVM, optimised: of these a call costs little
+_LARGE_KERNEL_INSTRUCTIONS = 150  # instructions of LLVM, optimised: of these a call costs little
 
 
-class Need(NamedTuple):
+class LinkedKernel(NamedTuple):
     """A kernel that compiled code calls: its dotted name, the types of its arguments, and its symbol."""
 
     kernel: str
@@ -33,8 +33,8 @@ class Library(JITCodeLibrary):  # type: ignore[misc]
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
-        self.own: Need | None = None
-        self.needs: dict[str, Need] = {}
+        self.own: LinkedKernel | None = None
+        self.needs: dict[str, LinkedKernel] = {}
 
     def add_linking_library(self, library: Any) -> None:
         """Whatever this code calls: taken in, unless it is a large kernel."""
@@ -46,7 +46,7 @@ class Library(JITCodeLibrary):  # type: ignore[misc]
             self.needs[own.symbol] = own
 
 
-def use(codegen: Any) -> None:
+def install_library_class(codegen: Any) -> None:
     """Let numba's code generator make such libraries. Nothing happens where it is not the one that is known."""
     if getattr(codegen, "_library_class", None) is JITCodeLibrary:
         codegen._library_class = Library
@@ -55,20 +55,20 @@ def use(codegen: Any) -> None:
 def is_large(found: Any) -> bool:
     """Whether a kernel that was just compiled is."""
     function = found.library.get_function(found.fndesc.llvm_func_name)
-    return sum(1 for block in function.blocks for _ in block.instructions) > _LARGE
+    return sum(1 for block in function.blocks for _ in block.instructions) > _LARGE_KERNEL_INSTRUCTIONS
 
 
 def keep_apart(found: Any, kernel: str, types: Any) -> None:
     """From now on callers of this kernel do not take it in."""
     if isinstance(found.library, Library):
-        found.library.own = Need(kernel, types, found.fndesc.llvm_func_name)
+        found.library.own = LinkedKernel(kernel, types, found.fndesc.llvm_func_name)
 
 
 # ----------------------------------------------------------------
 # Whatever assigns to a slice takes in numba's message about shapes that differ, with all that puts numbers into words:
 # up to half of the time that such a kernel takes to compile.
 
-_RAISES = "raise_with_shape_context"  # numba's stub for it, which is looked up when a kernel is compiled
+_NUMBA_RAISE_STUB = "raise_with_shape_context"  # numba's stub for it, which is looked up when a kernel is compiled
 
 
 def _shapes_differ(given: Any, wanted: Any) -> None:
@@ -76,7 +76,7 @@ def _shapes_differ(given: Any, wanted: Any) -> None:
 
 
 @overload(_shapes_differ, target="cpu")  # type: ignore[untyped-decorator]
-def _say_no_more(given: Any, wanted: Any) -> Any:
+def _overload_shapes_differ(given: Any, wanted: Any) -> Any:
     def raises(given: Any, wanted: Any) -> None:
         raise ValueError("cannot assign to a slice of another shape")
 
@@ -87,9 +87,9 @@ def _say_no_more(given: Any, wanted: Any) -> Any:
 def short_messages() -> Iterator[None]:
     """A block in which what is compiled has a message without numbers. Others wait with their compiling."""
     with global_compiler_lock:
-        theirs = getattr(arrayobj, _RAISES, None)
-        setattr(arrayobj, _RAISES, _shapes_differ)
+        theirs = getattr(arrayobj, _NUMBA_RAISE_STUB, None)
+        setattr(arrayobj, _NUMBA_RAISE_STUB, _shapes_differ)
         try:
             yield
         finally:
-            setattr(arrayobj, _RAISES, theirs)
+            setattr(arrayobj, _NUMBA_RAISE_STUB, theirs)

@@ -18,14 +18,16 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 def kernel(function: F) -> F:
     """Run as Python at first and compiled where that pays, by itself or called from other kernels; see
-    `handlcp.lcp.compiler.when`. Compiled code is kept on disk. Threads run it side by side.
+    `handlcp.lcp.compiler.compile_policy`. Compiled code is kept on disk. Threads run it side by side.
     """
     return cast(F, Kernel(function))
 
 
 # ----------------------------------------------------------------
 
-_NEAR = 0.1  # a pivot this share of its column's largest entry will do: growth stays small, and rows keep their zeros
+_PIVOT_SHARE = (
+    0.1  # a pivot this share of its column's largest entry will do: growth stays small, and rows keep their zeros
+)
 
 
 @kernel
@@ -127,7 +129,7 @@ def solve_ranked(A: Array, b: Array, x: Array, col: Ints, rank_tolerance: float)
                 rank = s
                 break
         p = s
-        while abs(A[p, s]) < _NEAR * best:
+        while abs(A[p, s]) < _PIVOT_SHARE * best:
             p += 1
         if p != s:
             _swap(A, b, s, p)

@@ -27,11 +27,11 @@ _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _MIX1 = np.uint64(0xBF58476D1CE4E5B9)
 _MIX2 = np.uint64(0x94D049BB133111EB)
 _S30, _S27, _S31, _S11 = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(11)
-_CORNER = 1.0 / np.sqrt(2.0) - 1.0
+_ORIGIN_WEIGHT = 1.0 / np.sqrt(2.0) - 1.0
 
 
 @kernel
-def uniform(state: Seeds) -> float:
+def draw_uniform(state: Seeds) -> float:
     """A number in [0, 1) from the SplitMix64 generator; `state` (1,) uint64 moves on."""
     state[0] += _GOLDEN
     x = state[0]
@@ -42,7 +42,7 @@ def uniform(state: Seeds) -> float:
 
 
 @kernel
-def greedy_row(p2: Array, g2: Array, best: float, total: float, frobenius: float, state: Seeds) -> int:
+def draw_greedy_row(p2: Array, g2: Array, best: float, total: float, frobenius: float, state: Seeds) -> int:
     """A row of set (22), drawn with probability |φ|² / Σ|φ|² over the set.
 
     p2, g2 (n,) are φ_i² and |g_i|², `total` and `frobenius` their sums, `best` is max p2 / g2.
@@ -54,7 +54,7 @@ def greedy_row(p2: Array, g2: Array, best: float, total: float, frobenius: float
     for i in range(n):
         if p2[i] >= bar * g2[i]:
             mass += p2[i]
-    pick, chosen = uniform(state) * mass, -1
+    pick, chosen = draw_uniform(state) * mass, -1
     for i in range(n):
         if p2[i] >= bar * g2[i] and p2[i] > 0.0:
             pick -= p2[i]
@@ -64,7 +64,7 @@ def greedy_row(p2: Array, g2: Array, best: float, total: float, frobenius: float
     return chosen
 
 
-class Rows(NamedTuple):
+class PlainRows(NamedTuple):
     """What every row needs of M (n, n): M, its transpose and M Mᵀ, all contiguous, so that every loop runs along a row;
     q (n,) and free (n,) bool.
     """
@@ -76,7 +76,7 @@ class Rows(NamedTuple):
     free: Bools
 
 
-class Slopes(NamedTuple):
+class RowSubgradients(NamedTuple):
     """Of every row i, (n,) each: φ, the subgradient a e_i + b M_i, φ² and |a e_i + b M_i|²."""
 
     phi: Array
@@ -87,13 +87,13 @@ class Slopes(NamedTuple):
 
 
 @kernel
-def slopes(n: int) -> Slopes:
+def new_row_subgradients(n: int) -> RowSubgradients:
     """Room for n rows."""
-    return Slopes(np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n))
+    return RowSubgradients(np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n))
 
 
 @kernel
-def linearise(p: Rows, z: Array, w: Array, s: Slopes) -> tuple[float, float, float]:
+def linearise_rows(p: PlainRows, z: Array, w: Array, s: RowSubgradients) -> tuple[float, float, float]:
     """Write `Slopes` at z and w (n,). Returns (Σ φ², Σ |g|², max φ² / |g|²)."""
     total, frobenius, best, best_size = 0.0, 0.0, 0.0, 1.0
     for i in range(len(z)):
@@ -106,7 +106,7 @@ def linearise(p: Rows, z: Array, w: Array, s: Slopes) -> tuple[float, float, flo
                 f = -2.0 * z[i] * w[i] / (rho + sum_) if sum_ > 0.0 else rho - sum_
                 c, d = z[i] / rho - 1.0, w[i] / rho - 1.0
             else:
-                f, c, d = 0.0, _CORNER, _CORNER
+                f, c, d = 0.0, _ORIGIN_WEIGHT, _ORIGIN_WEIGHT
         square, size = f * f, c * c + d * (2.0 * p.M[i, i] * c + d * p.MMT[i, i])
         total += square
         frobenius += size
@@ -117,7 +117,7 @@ def linearise(p: Rows, z: Array, w: Array, s: Slopes) -> tuple[float, float, flo
 
 
 @kernel
-def project(p: Rows, s: Slopes, i: int, z: Array, w: Array) -> None:
+def project_on_row(p: PlainRows, s: RowSubgradients, i: int, z: Array, w: Array) -> None:
     """Project z (n,) on the linearised row i, and move w (n,) along with it."""
     t = s.phi[i] / s.g2[i]
     ta, tb = t * s.a[i], t * s.b[i]
@@ -128,7 +128,7 @@ def project(p: Rows, s: Slopes, i: int, z: Array, w: Array) -> None:
 
 
 @kernel
-def recorded(history: Array, written: int, stride: int, step: int, norm: float) -> int:
+def record_step(history: Array, written: int, stride: int, step: int, norm: float) -> int:
     """Write (step, ‖Φ‖) into the next row of history, every `stride` steps (0: never). Returns the rows written."""
     if stride > 0 and step % stride == 0 and written < len(history):
         history[written, 0], history[written, 1] = step, norm
@@ -137,27 +137,27 @@ def recorded(history: Array, written: int, stride: int, step: int, norm: float) 
 
 
 @kernel
-def kaczmarz(
-    p: Rows, z: Array, w: Array, state: Seeds, steps: int, tolerance: float, stride: int, history: Array
+def run_kaczmarz(
+    p: PlainRows, z: Array, w: Array, state: Seeds, steps: int, tolerance: float, stride: int, history: Array
 ) -> tuple[int, float, int]:
     """Take up to `steps` greedy steps in place; stop at ‖Φ(z)‖₂ ≤ tolerance.
 
     z and w (n,) belong together on entry and on return. Every `stride` steps (0: never) a row (step, ‖Φ‖) goes into
     `history`. Returns (steps taken, ‖Φ‖₂, rows of history written).
     """
-    n, s = len(z), slopes(len(z))
+    n, s = len(z), new_row_subgradients(len(z))
     norm, written = np.inf, 0
     for step in range(steps + 1):
         if step > 0 and step % (4 * n) == 0:  # w drifts by rounding: renewed at O(n) a step in the mean
             multiply_add(p.M, z, p.q, w)
-        total, frobenius, best = linearise(p, z, w, s)
+        total, frobenius, best = linearise_rows(p, z, w, s)
         norm = np.sqrt(total)
-        written = recorded(history, written, stride, step, norm)
+        written = record_step(history, written, stride, step, norm)
         if not norm > tolerance or step == steps:  # NaN stops, too
             return step, norm, written
         # a row of zeros that no step can mend has them all
-        i = greedy_row(s.phi2, s.g2, best, total, frobenius, state) if best < np.inf else -1
+        i = draw_greedy_row(s.phi2, s.g2, best, total, frobenius, state) if best < np.inf else -1
         if i < 0:
             return step, norm, written
-        project(p, s, i, z, w)
+        project_on_row(p, s, i, z, w)
     return steps, norm, written

@@ -8,12 +8,12 @@ from handlcp.check import Array, Bools
 from handlcp.lcp.kernels.dense import kernel, multiply_add, solve_ranked
 from handlcp.tolerances import RANK
 
-_TIE = 1e-11
-_CORNER = 1.0 / np.sqrt(2.0) - 1.0
+_ACTIVE_SET_TIE = 1e-11
+_ORIGIN_WEIGHT = 1.0 / np.sqrt(2.0) - 1.0
 
 
 @kernel
-def residual(z: Array, w: Array, free: Bools) -> float:
+def complementarity_residual(z: Array, w: Array, free: Bools) -> float:
     """Max |min(z_i, w_i)| over complementary and |w_i| over free rows; NaN counts as infinite."""
     worst = 0.0
     for i in range(len(z)):
@@ -24,7 +24,7 @@ def residual(z: Array, w: Array, free: Bools) -> float:
 
 
 @kernel
-def size(z: Array) -> float:
+def unknown_size(z: Array) -> float:
     """max(1, largest |z_i|): what a residual is measured against."""
     largest = 1.0
     for x in z:
@@ -33,7 +33,9 @@ def size(z: Array) -> float:
 
 
 @kernel
-def active_set(M: Array, q: Array, free: Bools, z: Array, w: Array, steps: int, tolerance: float) -> tuple[int, float]:
+def run_active_set(
+    M: Array, q: Array, free: Bools, z: Array, w: Array, steps: int, tolerance: float
+) -> tuple[int, float]:
     """Semismooth Newton on min(z, w): with A = {free} ∪ {z_i > w_i}, solve M_AA z_A = -q_A, z elsewhere zero; repeat.
 
     On entry z and w guess the active set, on return they hold the last iterate. Stops when the residual is at most
@@ -60,11 +62,11 @@ def active_set(M: Array, q: Array, free: Bools, z: Array, w: Array, steps: int, 
             w[i] = q[i]
             for s in range(k):
                 w[i] += M[i, index[s]] * x[s]
-        r = residual(z, w, free)
-        if r <= tolerance * size(z):
+        r = complementarity_residual(z, w, free)
+        if r <= tolerance * unknown_size(z):
             return step + 1, r
         # a tie within rounding keeps its side: which way the last bit falls must not choose the path
-        tie = _TIE * size(z)
+        tie = _ACTIVE_SET_TIE * unknown_size(z)
         for i in range(n):
             if abs(z[i] - w[i]) > tie:
                 on[i] = free[i] or z[i] > w[i]
@@ -72,17 +74,17 @@ def active_set(M: Array, q: Array, free: Bools, z: Array, w: Array, steps: int, 
 
 
 @kernel
-def settled(M: Array, q: Array, free: Bools, z: Array, tolerance: float) -> tuple[Array, float]:
+def polish_active_set(M: Array, q: Array, free: Bools, z: Array, tolerance: float) -> tuple[Array, float]:
     """(z, residual) with the active set of z solved afresh; z itself where that is no better."""
     w, better = np.empty(len(q)), z.copy()
     multiply_add(M, z, q, w)
-    r = residual(z, w, free)
-    _, after = active_set(M, q, free, better, w, 4, tolerance)
+    r = complementarity_residual(z, w, free)
+    _, after = run_active_set(M, q, free, better, w, 4, tolerance)
     return (better, after) if after < r else (z, r)
 
 
 @kernel
-def _rows(z: Array, w: Array, free: Bools, phi: Array) -> float:
+def _fischer_burmeister_rows(z: Array, w: Array, free: Bools, phi: Array) -> float:
     """Write the Fischer–Burmeister rows φ. Returns ½‖Φ‖²."""
     merit = 0.0
     for i in range(len(z)):
@@ -92,7 +94,7 @@ def _rows(z: Array, w: Array, free: Bools, phi: Array) -> float:
 
 
 @kernel
-def damped_newton(
+def run_damped_newton(
     M: Array, q: Array, free: Bools, z: Array, w: Array, steps: int, tolerance: float
 ) -> tuple[int, float]:
     """Semismooth Newton on the Fischer–Burmeister rows with Armijo's rule on ½‖Φ‖² and a Levenberg–Marquardt step
@@ -104,9 +106,9 @@ def damped_newton(
     J, phi, new_phi, gradient = np.empty((n, n)), np.empty(n), np.empty(n), np.empty(n)
     d, z1, w1, col = np.empty(n), np.empty(n), np.empty(n), np.empty(n, np.int64)
     multiply_add(M, z, q, w)
-    merit = _rows(z, w, free, phi)
+    merit = _fischer_burmeister_rows(z, w, free, phi)
     for step in range(steps):
-        r = residual(z, w, free)
+        r = complementarity_residual(z, w, free)
         if r <= tolerance or r == np.inf:
             return step, r
         gradient[:] = 0.0
@@ -114,7 +116,7 @@ def damped_newton(
             a, b = 0.0, 1.0
             if not free[i]:
                 rho = np.sqrt(z[i] * z[i] + w[i] * w[i])
-                a, b = (z[i] / rho - 1.0, w[i] / rho - 1.0) if rho > 0.0 else (_CORNER, _CORNER)
+                a, b = (z[i] / rho - 1.0, w[i] / rho - 1.0) if rho > 0.0 else (_ORIGIN_WEIGHT, _ORIGIN_WEIGHT)
             for j in range(n):
                 J[i, j] = b * M[i, j]
             J[i, i] += a
@@ -135,11 +137,11 @@ def damped_newton(
         while True:
             z1[:] = z + t * d
             multiply_add(M, z1, q, w1)
-            new = _rows(z1, w1, free, new_phi)
+            new = _fischer_burmeister_rows(z1, w1, free, new_phi)
             if new <= merit + 1e-4 * t * slope:
                 break
             t *= 0.5
             if t < 1e-9:
                 return step, r
         z[:], w[:], phi[:], merit = z1, w1, new_phi, new
-    return steps, residual(z, w, free)
+    return steps, complementarity_residual(z, w, free)

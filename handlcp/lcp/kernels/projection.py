@@ -17,13 +17,15 @@ from handlcp.lcp.kernels.dense import kernel, multiply_add
 # 2          disc        interval along x    regular polygon, outward normals at 2πj/m from the first tangent
 # 3          ball                            polyhedron with the given outward unit normals
 
-_CORNER = 1e-12  # a projection this close to a corner, relative, is on the side it was computed on
-_TIE = 1e-12  # how far outside, in sizes of the answer, still counts as on a plane
-_MOST = 60  # changes of the active planes; a polyhedron of a hundred faces takes five
+_CORNER_TOLERANCE = 1e-12  # a projection this close to a corner, relative, is on the side it was computed on
+_PLANE_TIE = 1e-12  # how far outside, in sizes of the answer, still counts as on a plane
+_MAX_PLANE_CHANGES = 60  # changes of the active planes; a polyhedron of a hundred faces takes five
 
 
 @kernel
-def nearest(s: Array, tangents: int, a: float, slope: float, faces: int, normals: Array, p: Array, D: Array) -> None:
+def project_on_set(
+    s: Array, tangents: int, a: float, slope: float, faces: int, normals: Array, p: Array, D: Array
+) -> None:
     """P (3,) ← the point of the set nearest to s (3,); D (3, 4) ← its derivative by s, and by x_N with slope = da/dx_N.
 
     tangents : how many entries of s count; the others are zero. normals (f, 3) : outward, of a polyhedron. Where the
@@ -34,17 +36,17 @@ def nearest(s: Array, tangents: int, a: float, slope: float, faces: int, normals
         for j in range(4):
             D[i, j] = 0.0
     if tangents == 1 or faces == 2:
-        _in_interval(s, a, slope, p, D)
+        _project_on_interval(s, a, slope, p, D)
     elif faces == 0:
-        _in_ball(s, tangents, a, slope, p, D)
+        _project_on_ball(s, tangents, a, slope, p, D)
     elif tangents == 2:
-        _in_polygon(s, a, slope, faces, p, D)
+        _project_on_polygon(s, a, slope, faces, p, D)
     elif a > 0.0:
-        _in_polyhedron(s, a, slope, normals, p, D)
+        _project_on_polyhedron(s, a, slope, normals, p, D)
 
 
 @kernel
-def _in_interval(s: Array, a: float, slope: float, p: Array, D: Array) -> None:
+def _project_on_interval(s: Array, a: float, slope: float, p: Array, D: Array) -> None:
     if abs(s[0]) <= a:
         p[0], D[0, 0] = s[0], 1.0
     else:
@@ -53,7 +55,7 @@ def _in_interval(s: Array, a: float, slope: float, p: Array, D: Array) -> None:
 
 
 @kernel
-def _in_ball(s: Array, d: int, a: float, slope: float, p: Array, D: Array) -> None:
+def _project_on_ball(s: Array, d: int, a: float, slope: float, p: Array, D: Array) -> None:
     """P = a e with e = s / |s|, and dp = (a / |s|)(1 - e eᵀ) ds + e da."""
     square = 0.0
     for i in range(d):
@@ -73,7 +75,7 @@ def _in_ball(s: Array, d: int, a: float, slope: float, p: Array, D: Array) -> No
 
 
 @kernel
-def _in_polygon(s: Array, a: float, slope: float, faces: int, p: Array, D: Array) -> None:
+def _project_on_polygon(s: Array, a: float, slope: float, faces: int, p: Array, D: Array) -> None:
     if s[0] * s[0] + s[1] * s[1] <= a * a:  # within the inscribed circle
         p[0], p[1] = s[0], s[1]
         D[0, 0] = D[1, 1] = 1.0
@@ -87,7 +89,7 @@ def _in_polygon(s: Array, a: float, slope: float, faces: int, p: Array, D: Array
         D[0, 0] = D[1, 1] = 1.0
         return
     half = np.tan(0.5 * step)
-    if abs(along) > a * half * (1.0 + _CORNER):
+    if abs(along) > a * half * (1.0 + _CORNER_TOLERANCE):
         side = half if along > 0.0 else -half
         c, n = c - n * side, n + c * side
         p[0], p[1] = a * c, a * n
@@ -98,40 +100,40 @@ def _in_polygon(s: Array, a: float, slope: float, faces: int, p: Array, D: Array
 
 
 @kernel
-def _in_polyhedron(s: Array, a: float, slope: float, normals: Array, p: Array, D: Array) -> None:
+def _project_on_polyhedron(s: Array, a: float, slope: float, normals: Array, p: Array, D: Array) -> None:
     """Min |p - s| with nᵀp ≤ a for every normal n. Planes are added where p is farthest outside and dropped where they
     pull: a dual active-set method (Goldfarb & Idnani, Math. Program. 27, 1983) with three planes at most.
     """
-    tie = _TIE * max(a, abs(s[0]), abs(s[1]), abs(s[2]))
+    tie = _PLANE_TIE * max(a, abs(s[0]), abs(s[1]), abs(s[2]))
     p[:] = s
-    worst = _farthest(p, a, normals, tie)
+    worst = _farthest_plane(p, a, normals, tie)
     for i in range(3):
         D[i, i] = 1.0
     if worst < 0:
         return
     planes, weights, r, count = np.empty(3, np.int64), np.zeros(3), np.zeros(3), 0
-    for _ in range(_MOST):
-        count = _enter(worst, a, normals, planes, count, weights, p)
-        worst = _farthest(p, a, normals, tie)
+    for _ in range(_MAX_PLANE_CHANGES):
+        count = _activate_plane(worst, a, normals, planes, count, weights, p)
+        worst = _farthest_plane(p, a, normals, tie)
         if worst < 0:
             break
     # Of a change of s only what lies across the active planes is left; a change of a moves them all outward
     for c in range(3):
         for i in range(count):
             r[i] = normals[planes[i], c]
-        _solve(normals, planes, count, r)
+        _solve_normal_products(normals, planes, count, r)
         for i in range(count):
             for k in range(3):
                 D[k, c] -= r[i] * normals[planes[i], k]
     r[:] = 1.0
-    _solve(normals, planes, count, r)
+    _solve_normal_products(normals, planes, count, r)
     for i in range(count):
         for k in range(3):
             D[k, 3] += slope * r[i] * normals[planes[i], k]
 
 
 @kernel
-def _farthest(p: Array, a: float, normals: Array, tie: float) -> int:
+def _farthest_plane(p: Array, a: float, normals: Array, tie: float) -> int:
     """The plane that p lies outside of by most; -1: by no more than `tie` of any."""
     worst, out = -1, a + tie
     for j in range(len(normals)):
@@ -142,7 +144,7 @@ def _farthest(p: Array, a: float, normals: Array, tie: float) -> int:
 
 
 @kernel
-def _enter(worst: int, a: float, normals: Array, planes: Ints, count: int, weights: Array, p: Array) -> int:
+def _activate_plane(worst: int, a: float, normals: Array, planes: Ints, count: int, weights: Array, p: Array) -> int:
     """Move p onto the plane `worst`, as far as the active planes allow: where one of them would pull, it goes first.
 
     Returns how many planes are active then.
@@ -153,7 +155,7 @@ def _enter(worst: int, a: float, normals: Array, planes: Ints, count: int, weigh
         for i in range(count):
             m = normals[planes[i]]
             r[i] = m[0] * n[0] + m[1] * n[1] + m[2] * n[2]
-        _solve(normals, planes, count, r)
+        _solve_normal_products(normals, planes, count, r)
         across[:] = n
         drop, length = -1, np.inf
         for i in range(count):
@@ -182,7 +184,7 @@ def _enter(worst: int, a: float, normals: Array, planes: Ints, count: int, weigh
 
 
 @kernel
-def _solve(normals: Array, planes: Ints, count: int, x: Array) -> None:
+def _solve_normal_products(normals: Array, planes: Ints, count: int, x: Array) -> None:
     """X ← A⁻¹ x, A the products of the active normals, positive definite: elimination without pivoting."""
     A = np.empty((3, 3))
     for i in range(count):
@@ -206,13 +208,13 @@ def _solve(normals: Array, planes: Ints, count: int, x: Array) -> None:
 
 
 @kernel
-def product(a: Array, b: Array) -> Array:
+def multiply_entries(a: Array, b: Array) -> Array:
     """A b, entry by entry; what overflows is infinite, and the certifier refuses it."""
     return a * b
 
 
 @kernel
-def recompute(
+def recompute_residual(
     M: Array, q: Array, free: Bools, z_unit: Array, w_unit: Array, z: Array, growth: float
 ) -> tuple[Array, float]:
     """(w, residual): w = M z + q, and the worst of |min(z_i, w_i)|, |w_i| where free, in units of z and w.
@@ -233,17 +235,17 @@ def recompute(
 
 
 @kernel
-def recompute_natural(
+def recompute_natural_residual(
     M: Array, q: Array, free: Bools, z_unit: Array, w_unit: Array, x: Array, growth: float
 ) -> tuple[Array, Array, float]:
     """(z, w, residual): the same for z = x in units of z."""
-    z = product(x, z_unit)
-    w, residual = recompute(M, q, free, z_unit, w_unit, z, growth)
+    z = multiply_entries(x, z_unit)
+    w, residual = recompute_residual(M, q, free, z_unit, w_unit, z, growth)
     return z, w, residual
 
 
 @kernel
-def recompute_contact(
+def recompute_contact_residual(
     M: Array, q: Array, role: Ints, blocks: Ints, limits: Array, faces: int, normals: Array, x: Array
 ) -> tuple[Array, float, float]:
     """(y, worst, size) of a contact problem: the worst of |y_i| (free), |min(x_i, y_i)| (pairs), and for each block the
@@ -268,7 +270,7 @@ def recompute_contact(
                 if i >= 0:
                     s[d] = x[i] - pull * y[i]
                     d += 1
-            nearest(s, d, a, 0.0, faces, normals, P, unused)
+            project_on_set(s, d, a, 0.0, faces, normals, P, unused)
             for m in range(d):
                 off += (x[tangents[m]] - P[m]) ** 2
             worst = max(worst, np.sqrt(off))

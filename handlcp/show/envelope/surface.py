@@ -10,7 +10,7 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.errors import InputError
-from handlcp.grasp.cause.judge import EQUILIBRIUM, MOTION, OPENS, RANGE, SLIDES, SLIPS, TORQUE, UNDECIDED
+from handlcp.grasp.failure.failure_mode import EQUILIBRIUM, MOTION, OPENS, RANGE, SLIDES, SLIPS, TORQUE, UNDECIDED
 from handlcp.show.picture.overlay import nice
 from handlcp.study.envelope import Envelope
 from handlcp.study.envelope.causes import Sector, median

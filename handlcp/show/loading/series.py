@@ -10,9 +10,9 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, read_only
 from handlcp.grasp import Grasp, GraspSolution
-from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.follow import Loading
-from handlcp.hand.hand_grasp import grasp_of
+from handlcp.hand.hand_grasp import make_grasp
 from handlcp.show.style import BLUE, GREEN, PURPLE, RED, shortened, turns
 
 # ----------------------------------------------------------------
@@ -22,7 +22,7 @@ from handlcp.show.style import BLUE, GREEN, PURPLE, RED, shortened, turns
 def grasp_at_end(loading: Loading) -> Grasp:
     """The grasp at the last step of a loading: its contacts, its load and the hand's posture there."""
     last = loading.last
-    return grasp_of(loading.steps.grasp.made(last.iterate, last.loads))
+    return make_grasp(loading.steps.grasp.made(last.iterate, last.loads))
 
 
 def solution_at_end(loading: Loading) -> GraspSolution:

@@ -10,9 +10,9 @@ import pinocchio as pin
 
 from handlcp import words
 from handlcp.check import Array
+from handlcp.geometry.distance import outermost_points, spread_directions
 from handlcp.grasp import Grasp, Loading
 from handlcp.grasp.path.events import summary
-from handlcp.hand.objects.overlap import evenly, outermost
 from handlcp.show.page.frames import Frames, Snapshot, steps_shown
 from handlcp.show.page.meshes import FIXED, Meshes, Part, notes_of, parts_of
 from handlcp.show.picture.bodies import HAND, Body
@@ -140,7 +140,7 @@ def view_of(drawn: Content, parts: Sequence[Part], joints: list[list[float]] | N
 
 def _hull(triangles: Array) -> Array:
     """(k, 3, 3) a convex hull of the outermost points in 60 directions; the triangles where these lie in a plane."""
-    made = hull_of(outermost(triangles.reshape(-1, 3), evenly(60, 0.5)))
+    made = hull_of(outermost_points(triangles.reshape(-1, 3), spread_directions(60, 0.5)))
     return triangles if made is None else made
 
 

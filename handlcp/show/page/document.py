@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from handlcp.errors import InputError
+from handlcp.geometry.object import Object
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
-from handlcp.hand.hand_grasp import grasp_of
-from handlcp.hand.objects.object import Object
+from handlcp.hand.hand_grasp import make_grasp
 from handlcp.keywords import helped
 from handlcp.record import plain
 from handlcp.show.file import checked_page, three_js
@@ -67,7 +67,7 @@ def save_loading(
     Raises as `save`.
     """
     target = checked_page(path)
-    grasp = grasp_of(loading.steps.grasp.spec)
+    grasp = make_grasp(loading.steps.grasp.spec)
     drawn = Content(grasp, loading.solution, obj, verdict=verdict)
     shown = at_steps(loading, drawn.acts_at, getattr(grasp, "state", None))
     told = _outcome(loading) if verdict is None else _verdict(verdict)

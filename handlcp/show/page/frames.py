@@ -12,7 +12,7 @@ import pinocchio as pin
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution, Loading
-from handlcp.grasp.answer.reasons import friction_used
+from handlcp.grasp.solution.verdict import friction_used
 from handlcp.show.picture.content import LONGEST, NO_MOMENT
 from handlcp.show.picture.overlay import nice
 

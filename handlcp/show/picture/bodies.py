@@ -11,11 +11,11 @@ import pinocchio as pin
 
 from handlcp.check import Array
 from handlcp.errors import HandLCPError
+from handlcp.geometry.mesh import ClosedSurface
 from handlcp.grasp import Grasp
 from handlcp.hand import HandGrasp, HandState
-from handlcp.hand.objects.surface import Closed
-from handlcp.hand.robot.posture import Posture
-from handlcp.hand.robot.source.description import COLLISION, VISUAL
+from handlcp.robot.description import COLLISION, VISUAL
+from handlcp.robot.hand_model import HandPosture
 from handlcp.show.picture.shapes import box, capsule, hull, of_coal, placed
 
 Colour = tuple[float, float, float]  # red, green, blue from 0 to 1
@@ -112,7 +112,9 @@ def tip_shapes(grasp: Grasp, bodies: Sequence[Body]) -> list[Array]:
         if off <= near or (link := links.get(state.hand.fingertips[tip])) in seen:
             continue
         if link is not None:
-            whole = [b.triangles for b in _links(state, COLLISION, state.hand.description.readable(COLLISION) - {link})]
+            whole = [
+                b.triangles for b in _links(state, COLLISION, state.hand.description.readable_links(COLLISION) - {link})
+            ]
             if whole and min(_distance(p, tri) for tri in whole) < 0.5 * off:
                 out += whole
                 seen.add(link)
@@ -134,14 +136,14 @@ def _distance(point: Array, triangles: Array) -> float:
     middle = triangles.mean(axis=1)
     away = np.linalg.norm(middle - point, axis=1)
     reach = np.linalg.norm(triangles - middle[:, None], axis=2).max(axis=1)
-    return abs(float(Closed(triangles[away - reach <= away.min()]).closest(point[None])[0][0]))
+    return abs(float(ClosedSurface(triangles[away - reach <= away.min()]).closest(point[None])[0][0]))
 
 
-def _links(state: Posture, kind: str, known: set[str]) -> Iterator[Body]:
+def _links(state: HandPosture, kind: str, known: set[str]) -> Iterator[Body]:
     """Bodies of the links of a file that are not known yet and have geometry of this kind whose meshes are found."""
     described, kinematics = state.hand.description, state.hand.kinematics
     try:
-        parts = () if described.root is None else described.parts(kind, described.readable(kind) - known)
+        parts = () if described.root is None else described.load_shapes(kind, described.readable_links(kind) - known)
     except HandLCPError:
         return
     placements, _ = kinematics.frames_at(state.q, [part.frame for part in parts])

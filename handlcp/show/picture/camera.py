@@ -9,9 +9,9 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.grasp import Grasp
-from handlcp.grasp.model.contact import frame as frame_about
+from handlcp.grasp.model.contact import contact_frame as frame_about
 from handlcp.hand import HandGrasp
-from handlcp.lcp.compiler.when import at_once
+from handlcp.lcp.compiler.compile_policy import compile_now
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.show.picture.bodies import Body
 from handlcp.show.picture.shapes import coarse
@@ -25,7 +25,7 @@ def blank(h: int, w: int) -> Array:
     return np.ones((h, w, 3), dtype=np.float32)
 
 
-@at_once()  # a picture has a million pixels
+@compile_now()  # a picture has a million pixels
 def fill(colour: Array, depth: Array, triangles: Array, rgb: Array) -> None:
     """Draw triangles (m, 3, 3) with their colours rgb (m, 3) into the buffers colour (h, w, 3) and depth (h, w).
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.model.contact import frame
-from handlcp.hand.objects.table import corners_of
+from handlcp.geometry.table import hull_corners
+from handlcp.grasp.model.contact import contact_frame
 from handlcp.show.picture.camera import Camera
 from handlcp.show.style import INK
 
@@ -51,7 +51,7 @@ class Turn:
             across = axis - along * sight
             across /= np.linalg.norm(across)
             axis = np.sqrt(1 - _OPEN**2) * across + (_OPEN if along >= 0 else -_OPEN) * sight
-        x, y, _ = frame(axis, camera.axes[0] if abs(axis @ camera.axes[0]) < 0.9 else camera.axes[1]).T
+        x, y, _ = contact_frame(axis, camera.axes[0] if abs(axis @ camera.axes[0]) < 0.9 else camera.axes[1]).T
         sweep = np.radians(_LEAST + (_MOST - _LEAST) * self.share)
         a = np.pi / 2 + np.linspace(-sweep / 2, sweep / 2, _POINTS)
         points = self.centre + self.radius * (np.cos(a)[:, None] * x + np.sin(a)[:, None] * y)
@@ -210,4 +210,4 @@ def nice(value: float) -> float:
 
 def _outline(points: Array) -> Array:
     """Convex hull of screen points, in order; of points on a line, its ends."""
-    return np.asarray(points[corners_of(points, range(len(points)), 1e-9 * float(np.ptp(points, axis=0).max()))])
+    return np.asarray(points[hull_corners(points, range(len(points)), 1e-9 * float(np.ptp(points, axis=0).max()))])

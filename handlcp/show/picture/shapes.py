@@ -9,8 +9,8 @@ import coal
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.model.contact import frame
-from handlcp.hand.robot.link_surface import triangles_of
+from handlcp.grasp.model.contact import contact_frame
+from handlcp.robot.link_surface import mesh_triangles
 
 _MANY = 4000  # triangles: a surface of fewer is not made coarser
 AROUND = 96  # facets around a round shape
@@ -59,7 +59,7 @@ def capsule(start: Any, end: Any, radius: float) -> Array:
     up = [(radius * np.cos(x), length + radius * np.sin(x)) for x in t]
     shape = revolved([*low, *up], 20)
     axis = (b - a) / length if length > 0 else np.array([0.0, 0.0, 1.0])
-    return np.asarray(shape @ frame(axis).T + a)
+    return np.asarray(shape @ contact_frame(axis).T + a)
 
 
 def hull(points: Array, thickness: float) -> Array | None:
@@ -105,7 +105,7 @@ def of_coal(geometry: Any) -> Array | None:
     if isinstance(g, coal.Cone):
         return revolved([(0, -g.halfLength), (g.radius, -g.halfLength), (0, g.halfLength)])
     if isinstance(g, coal.BVHModelBase):
-        triangles = triangles_of(g)
+        triangles = mesh_triangles(g)
         return triangles if len(triangles) else None
     return hull(np.array(g.points()), 0.0) if isinstance(g, coal.ConvexBase) else None
 

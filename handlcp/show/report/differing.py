@@ -10,8 +10,8 @@ import pinocchio as pin
 
 from handlcp import words
 from handlcp.hand import Hand
-from handlcp.hand.vary.names import AXIS, LENGTH, POSITION
-from handlcp.hand.vary.values import numbers_of, unit_of
+from handlcp.hand.vary.hand_shape import AXIS, LENGTH, POSITION
+from handlcp.hand.vary.vary import hand_numbers, number_unit
 
 _NONE = "–"
 _DIGITS = 9  # to which numbers are the same
@@ -33,9 +33,9 @@ def differing(hands: Mapping[str, Hand]) -> list[tuple[str, ...]]:
 
 def _facts(hand: Hand) -> Iterator[tuple[str, Fact]]:
     """By name, such as "finger_1_distal.length"."""
-    numbers, model = numbers_of(hand), hand.model
+    numbers, model = hand_numbers(hand), hand.model
     for name, value in numbers.items():
-        yield name, (float(f"{value:.{_DIGITS}g}"), f"{value:.4g} {unit_of(name)}")
+        yield name, (float(f"{value:.{_DIGITS}g}"), f"{value:.4g} {number_unit(name)}")
     data, q = pin.Data(model), pin.neutral(model)
     for joint in hand.kinematics.movable:
         k = model.getJointId(joint)

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from handlcp import words
+from handlcp.contact.friction import as_law
 from handlcp.design.brief import Brief
 from handlcp.design.evaluation import Evaluation, shown
-from handlcp.grasp.friction import as_law
-from handlcp.hand import YCB, Box, Cylinder, Ellipsoid, Hand, Object, Sphere
+from handlcp.geometry import YCB, Box, Cylinder, Ellipsoid, Object, Sphere
+from handlcp.hand import Hand
 from handlcp.show.report.differing import differing
 
 _ALIKE = 0.01  # numbers that differ by a smaller share are alike

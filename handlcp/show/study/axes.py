@@ -9,7 +9,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.design.space import Choices
 from handlcp.design.study import Study
-from handlcp.hand.vary.values import COMMON, UNITS as OF_HANDS
+from handlcp.hand.vary.vary import ARGUMENT_NUMBERS, NUMBER_UNITS as OF_HANDS
 from handlcp.record import UNITS
 
 _NUMBERS = {"palm_radius": "m", "link_radius": "m", "tilt": "rad"}  # of `finger_hand`
@@ -37,7 +37,7 @@ def parameter(name: str) -> tuple[str, str]:
     """
     if name.startswith("brief."):
         return name, _BRIEF.get(name.removeprefix("brief."), "")
-    what = name.rpartition(".")[2] if "." in name else COMMON.get(name, "")
+    what = name.rpartition(".")[2] if "." in name else ARGUMENT_NUMBERS.get(name, "")
     if unit := OF_HANDS.get(what, "") or _NUMBERS.get(name, ""):
         return name, unit
     unit = label(name).partition(" [")[2].rstrip("]")

@@ -13,10 +13,10 @@ import numpy as np
 
 from handlcp.check import Array, Bools, integer, number
 from handlcp.lcp import LCP, Proposal
-from handlcp.lcp.compiler.when import at_once
+from handlcp.lcp.compiler.compile_policy import compile_now
 from handlcp.lcp.kernels.dense import kernel, multiply_add
-from handlcp.lcp.kernels.kaczmarz import Seeds, greedy_row, recorded
-from handlcp.lcp.problem import Scaled
+from handlcp.lcp.kernels.kaczmarz import Seeds, draw_greedy_row, record_step
+from handlcp.lcp.problem import ScaledLCP
 from handlcp.tolerances import SOLVE
 
 # ----------------------------------------------------------------
@@ -27,7 +27,7 @@ RES, STEPS = 1e-5, 20_000  # where the paper stops: ‖Φ‖₂ < RES, or after 
 UnitsOf = Literal["natural", "given"]
 
 
-def in_units(problem: LCP, units: UnitsOf) -> tuple[Scaled, Array]:
+def in_units(problem: LCP, units: UnitsOf) -> tuple[ScaledLCP, Array]:
     """(the problem in these units, sizes (n,)): z in these units divided by the sizes is z in natural units.
 
     "natural": the problem's own. "given": the user's, metres and newtons, as in the paper.
@@ -65,8 +65,8 @@ class AsPrinted:
         for name in ("max_iterations", "seed", "stride"):
             object.__setattr__(self, name, integer(name, getattr(self, name), 0))
 
-    @at_once()
-    def propose(self, problem: Scaled, start: Array | None = None) -> Proposal:
+    @compile_now()
+    def propose(self, problem: ScaledLCP, start: Array | None = None) -> Proposal:
         """Run from `start` (n,), zero when None."""
         z = np.zeros(len(problem.q)) if start is None else np.array(start, dtype=float)
         history = np.empty((1 + self.max_iterations // self.stride if self.stride else 0, 2))
@@ -74,7 +74,7 @@ class AsPrinted:
         words = "converged" if norm <= self.tol else f"{steps} Kaczmarz steps spent"
         return Proposal(z, steps, words, history[:written] if self.stride else None)
 
-    def run(self, problem: Scaled, z: Array, state: Seeds, history: Array) -> tuple[int, float, int]:
+    def run(self, problem: ScaledLCP, z: Array, state: Seeds, history: Array) -> tuple[int, float, int]:
         """Take the steps, in place on z. Returns (steps taken, ‖Φ‖₂, rows of history written)."""
         M, q, free = problem.M, problem.q, problem.free
         return _printed(M, q, free, z, state, self.max_iterations, self.tol, self.stride, history)
@@ -102,7 +102,7 @@ def _printed(
             p2[i] = phi[i] * phi[i]
             total += p2[i]
         norm = np.sqrt(total)
-        written = recorded(history, written, stride, step, norm)
+        written = record_step(history, written, stride, step, norm)
         if not norm > tolerance or step == steps:  # NaN stops, too
             return step, norm, written
         frobenius, best = 0.0, 0.0
@@ -118,7 +118,7 @@ def _printed(
                 best = p2[i] / g2[i]
         if not best < np.inf:  # a row of zeros that no step can mend
             return step, norm, written
-        i = greedy_row(p2, g2, best, total, frobenius, state)
+        i = draw_greedy_row(p2, g2, best, total, frobenius, state)
         t = phi[i] / g2[i]
         for j in range(n):
             z[j] -= t * J[i, j]

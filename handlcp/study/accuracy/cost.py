@@ -13,17 +13,17 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, integer, number, read_only, several
+from handlcp.contact.friction.section import MOST_FACES
 from handlcp.errors import InputError, UnknownName, Unsupported
 from handlcp.grasp import Effect, GeometricStiffness, Grasp, GraspSolution
-from handlcp.grasp.effects.finger_weight import FingerWeight
+from handlcp.grasp.derivatives.parameter.friction import with_friction
 from handlcp.grasp.effects.joint_offset import JointOffset
-from handlcp.grasp.friction.sections import MOST_FACES
+from handlcp.grasp.effects.joint_torque import FingerWeight
 from handlcp.grasp.model import validate
-from handlcp.grasp.parameter.friction import with_friction
 from handlcp.hand import HandGrasp
 from handlcp.keywords import helped
 from handlcp.lcp import Auto
-from handlcp.lcp.compiler.when import at_once
+from handlcp.lcp.compiler.compile_policy import compile_now
 from handlcp.study.accuracy.measure import Bench, Errors
 from handlcp.study.accuracy.methods import FACES, METHODS, TOLERANCES, Method, Setting, settings
 from handlcp.study.accuracy.result import CERTIFIED, NOT_RUN, OTHER, AccuracyCost, Conditions, LeftOut, Reference, Row
@@ -132,7 +132,7 @@ _FEWEST = 100  # steps: a run cut shorter, and shorter than twice the last one, 
 
 
 @helped()
-@at_once()
+@compile_now()
 def accuracy_cost(
     grasp: Grasp,
     *,

@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array
+from handlcp.contact.friction import as_section
 from handlcp.grasp import Grasp, GraspSolution
-from handlcp.grasp.assembly.candidate import Candidate, candidate_of
-from handlcp.grasp.assembly.contact_form import GraspContactProblem
-from handlcp.grasp.friction import as_section
-from handlcp.grasp.verify.judge import judge
+from handlcp.grasp.assembly.problem import GraspContactProblem, SolverCandidate, solution_candidate
+from handlcp.grasp.verify.certifier import certify_candidate
 from handlcp.hand import HandGrasp
 from handlcp.lcp import Auto, SemismoothNewton
 from handlcp.study.accuracy.as_printed import in_units
@@ -69,9 +68,9 @@ class Bench:
             run = solver.propose
         proposal, times = timed(lambda: subject, run, self.repeats, seconds)
         scene, candidate = self.grasp.scene, problem.candidate(proposal.z / units)
-        verdict = judge(scene, problem.effects, as_section(s.asked, scene.plane is not None), candidate)
+        verdict = certify_candidate(scene, problem.effects, as_section(s.asked, scene.plane is not None), candidate)
         worst = verdict.residuals.worst
-        slip = np.where(scene.governed_mask[:, None], verdict.motion.reshape(-1, 3)[:, :2], 0.0)
+        slip = np.where(scene.force_unknown_mask[:, None], verdict.motion.reshape(-1, 3)[:, :2], 0.0)
         said = _said(proposal.outcome) if worst > 0 and not verdict.residuals.passes else CERTIFIED
         found = _times(times) | {"iterations": proposal.iterations, "outcome": proposal.outcome}
         return self._row(s, said, worst, candidate, slip, found)
@@ -81,13 +80,13 @@ class Bench:
         chain, again = Auto(seed=self.seed), partial(type(self.grasp), self.grasp.spec)
         solution, times = timed(again, lambda g: g.solve(s.asked, chain, throw=False), self.repeats, seconds)
         assert solution.scene is not None
-        candidate = candidate_of(solution.scene, solution)
+        candidate = solution_candidate(solution.scene, solution)
         said = CERTIFIED if solution.held else solution.status.name.lower().replace("_", " ")
         found = _times(times) | {"iterations": solution.iterations, "outcome": solution.trace[-1]}
         return self._row(s, said, solution.residuals.worst, candidate, solution.slip, found)
 
     def _row(
-        self, s: Setting, said: str, worst: float, candidate: Candidate, slip: Array, found: dict[str, Any]
+        self, s: Setting, said: str, worst: float, candidate: SolverCandidate, slip: Array, found: dict[str, Any]
     ) -> Row:
         """The row. said : status, unless the candidate belongs to another equilibrium. found : further fields."""
         errors = self.errors(candidate.forces, slip)
@@ -99,12 +98,12 @@ class Bench:
         found |= errors | {"unknowns": self.unknowns(s), "residual": worst if np.isfinite(worst) else None}
         return Row(s.method.name, s.section, s.faces, s.tolerance, said, **found)
 
-    def _leads_elsewhere(self, candidate: Candidate) -> bool:
+    def _leads_elsewhere(self, candidate: SolverCandidate) -> bool:
         """Whether Newton's method on the exact cone leads from here to another certified equilibrium."""
         scene, problem = self.grasp.scene, self.grasp.problem("cone")
         assert isinstance(problem, GraspContactProblem)  # soft fingers are refused where the study begins
         there = problem.candidate(SemismoothNewton().propose_contact(problem, problem.natural(candidate)).z)
-        verdict = judge(scene, problem.effects, as_section("cone", scene.plane is not None), there)
+        verdict = certify_candidate(scene, problem.effects, as_section("cone", scene.plane is not None), there)
         off = self.errors(there.forces, self.errors.slip)["force_error"]
         return verdict.residuals.passes and off is not None and off > _SAME
 

@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, integer, number, several
+from handlcp.contact.friction import Pyramid, as_section
 from handlcp.doubled import MORE, SAFE
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
-from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.limits.followed import followed_limit, sliding as sliding_to_limit
 from handlcp.grasp.limits.load_limit import is_followed, load_of
 from handlcp.grasp.path.follow import follow, sliding
 from handlcp.grasp.path.state import Stage
 from handlcp.keywords import helped, helped_methods
-from handlcp.lcp.compiler.when import at_once
+from handlcp.lcp.compiler.compile_policy import compile_now
 from handlcp.record import Record
 from handlcp.study.accuracy.methods import share
 from handlcp.text_table import TextTable, wrapped
@@ -112,7 +112,7 @@ def _milliseconds(seconds: float) -> str:
 
 
 @helped()
-@at_once()
+@compile_now()
 def path_cost(
     grasp: Grasp, wrench: Any = None, *, geometry: str | None = None, faces: int | str | Pyramid = "cone",
     times: Sequence[float] = (0.5, 1, 2, 4, 8, 16), repeats: int = 3,
@@ -132,7 +132,7 @@ def path_cost(
     section = as_section(faces, planar=grasp.scene.kind.planar)
     spec, load = load_of(grasp.spec, wrench)
     how = "followed" if is_followed(spec, geometry) else "fixed"
-    rests = np.zeros(6) if spec.mechanism is not None else spec.resting
+    rests = np.zeros(6) if spec.mechanism is not None else spec.resting_wrench
 
     def limit(finer: float) -> _Answer:
         found = followed_limit(spec, section, load, _ANY, how, finer)

@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, Bools, array, read_only
+from handlcp.contact.friction import Section
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
-from handlcp.grasp.cause.judge import OBJECT, UNDECIDED, Cause
-from handlcp.grasp.friction import Section
+from handlcp.grasp.failure.failure_mode import OBJECT, UNDECIDED, FailureMode
 from handlcp.grasp.limits.directions import limits_of
-from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.model.validate import lift
-from handlcp.grasp.verify.bound import bound_of
+from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.model.validate import height_above
+from handlcp.grasp.verify.static_load_bound import static_load_bounds
 from handlcp.hand import HandGrasp
-from handlcp.lcp.compiler.when import soon
+from handlcp.lcp.compiler.compile_policy import compile_in_background
 from handlcp.progress import Progress, told
 
 # ----------------------------------------------------------------
@@ -80,7 +80,7 @@ def load_of(grasp: Grasp, of: Any, at: Any) -> Load:
     target = getattr(grasp, "target", None)
     mass = 0.0 if target is None else float(target.mass)
     spec, g = grasp.spec, 0.0
-    above = np.zeros(3) if spec.plane is None else spec.plane * lift(spec.positions, spec.reference, spec.plane)
+    above = np.zeros(3) if spec.plane is None else spec.plane * height_above(spec.positions, spec.reference, spec.plane)
     point = spec.reference + above if at is None else array("at", at, (3,), what="a point [m]")
     if of == GRAVITY:
         given = float(np.linalg.norm(grasp.given_gravity)) if isinstance(grasp, HandGrasp) else 0.0
@@ -95,7 +95,7 @@ def load_of(grasp: Grasp, of: Any, at: Any) -> Load:
 FIXED, FOLLOWED = "fixed", "followed"
 _PIECE = {FIXED: 64, FOLLOWED: 4}  # directions that are asked for at once
 
-Binds = tuple[Cause, ...]
+Binds = tuple[FailureMode, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +128,7 @@ class Question:
         """
         wrenches, m = self.wrenches(directions, given), len(directions)
         factors, binds, off = np.empty(m), list[Binds]([()] * m), np.empty(m)
-        with told("directions", m, progress) as done, soon(m):
+        with told("directions", m, progress) as done, compile_in_background(m):
             done(0)
             for spec, where in self.load.specs(directions):
                 every = np.flatnonzero(where)
@@ -141,9 +141,9 @@ class Question:
                         binds[k] = some
                     endless = here[np.isinf(found.factors)]
                     if len(endless):
-                        known = bound_of(spec, self.section, wrenches[endless]).factors
+                        known = static_load_bounds(spec, self.section, wrenches[endless]).factors
                         for k in endless[np.isfinite(known)].tolist():
-                            factors[k], binds[k] = np.nan, (Cause(UNDECIDED, OBJECT),)
+                            factors[k], binds[k] = np.nan, (FailureMode(UNDECIDED, OBJECT),)
                     done(len(here))
         return factors, tuple(binds), off
 
@@ -151,5 +151,5 @@ class Question:
         """(m,) the largest factors that any forces within friction and torque limits balance."""
         wrenches, found = self.wrenches(directions, given), np.empty(len(directions))
         for spec, where in self.load.specs(directions):
-            found[where] = bound_of(spec, self.section, wrenches[where]).factors
+            found[where] = static_load_bounds(spec, self.section, wrenches[where]).factors
         return found

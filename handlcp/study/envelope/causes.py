@@ -11,10 +11,10 @@ from scipy.spatial import ConvexHull, QhullError
 
 from handlcp.check import Array, Ints, array, dimensions, integer, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.cause.judge import Cause
-from handlcp.grasp.cause.wording import said
-from handlcp.grasp.model.contact import frame
-from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.failure.failure_mode import FailureMode
+from handlcp.grasp.failure.failure_text import describe_failures
+from handlcp.grasp.model.contact import contact_frame
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.study.envelope.grid import Grid, circle, sphere
 
 # ----------------------------------------------------------------
@@ -76,7 +76,7 @@ def _around(plane: Any, count: int) -> Asked:
         normal = array("directions", plane, (3,), what=_WHAT)
         if not normal.any():
             raise InputError("directions", "a plane's normal that is not zero", normal.tolist())
-        axes = frame(normal / np.linalg.norm(normal)).T[:2]
+        axes = contact_frame(normal / np.linalg.norm(normal)).T[:2]
     return Asked(circle(axes, count), plane=read_only(axes))
 
 
@@ -126,7 +126,7 @@ class Compliance:
 # ----------------------------------------------------------------
 # What gives out first in each direction, in words and as shares of all directions.
 
-Binds = tuple[Cause, ...]
+Binds = tuple[FailureMode, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +151,7 @@ def causes_of(
     all directions each stands for. spec : of the grasp.
     """
     keys = [frozenset(some) for some in binds]
-    first = dict[frozenset[Cause], int]()
+    first = dict[frozenset[FailureMode], int]()
     for k, key in enumerate(keys):
         first.setdefault(key, k)
     number = {key: k for k, key in enumerate(first)}
@@ -165,7 +165,7 @@ def causes_of(
         here = own == k
         some = binds[int(np.flatnonzero(here)[0])]
         middle = median(factors[here], shares[here])
-        found.append(Sector(some, said(some, spec), float(part[k]), float(factors[here].min()), middle))
+        found.append(Sector(some, describe_failures(some, spec), float(part[k]), float(factors[here].min()), middle))
     return tuple(found), rank[own]
 
 

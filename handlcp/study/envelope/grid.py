@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints, read_only
-from handlcp.hand.objects.surface import solid_angles
+from handlcp.geometry.mesh import solid_angles
 
 _GOLDEN = (1.0 + np.sqrt(5.0)) / 2.0
 

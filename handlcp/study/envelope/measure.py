@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Ints, integer, number
+from handlcp.contact.friction import Pyramid, as_section
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
-from handlcp.grasp.friction import Pyramid, as_section
-from handlcp.grasp.model.validate import lift, wrench
+from handlcp.grasp.model.validate import height_above, wrench
 from handlcp.grasp.path.follow import geometry_of
 from handlcp.keywords import helped
 from handlcp.progress import Progress
@@ -104,7 +104,7 @@ def _read(grasp: Grasp, directions: Any, of: Any, at: Any) -> tuple[Asked, Load]
     if of == WRENCH or asked.wrenches is not None:
         if asked.wrenches is None or of not in (FORCE, WRENCH):
             raise InputError("of", '"force", "torque" or "gravity" for directions, none for wrenches', repr(of)[:80])
-        height = lift(grasp.spec.positions, grasp.spec.reference, normal)
+        height = height_above(grasp.spec.positions, grasp.spec.reference, normal)
         for row in asked.wrenches:
             wrench(row, normal, height, "directions")
         return asked, load_of(grasp, WRENCH, at)

@@ -8,7 +8,7 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array
-from handlcp.grasp.cause.wording import NOTHING, said
+from handlcp.grasp.failure.failure_text import NOTHING_FAILS, describe_failures
 from handlcp.study.envelope.ask import FOLLOWED
 from handlcp.text_table import TextTable, wrapped
 
@@ -33,7 +33,7 @@ def headline(env: Any) -> str:
     if np.isnan(w.factor):
         return f"undecided {where}: no limit was found, although friction and torque limits end any load"
     if np.isinf(w.factor):
-        return f"{NOTHING}, in no direction"
+        return f"{NOTHING_FAILS}, in no direction"
     if env.strongest.factor == 0.0:
         return f"the grasp does not hold without a load: {_what(env, w)}"
     but = f" but {left} that are undecided" if left else ""
@@ -88,7 +88,7 @@ def direction(d: Array) -> str:
 
 
 def _what(env: Any, extreme: Any) -> str:
-    return said(extreme.binds, env.grasp.spec)
+    return describe_failures(extreme.binds, env.grasp.spec)
 
 
 def _in_any(env: Any) -> str:

@@ -20,8 +20,8 @@ import numpy as np
 
 from handlcp.check import Array, array, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.answer.solution import GraspSolution
-from handlcp.grasp.model.contact import frame
+from handlcp.grasp.model.contact import contact_frame
+from handlcp.grasp.solution.solution import GraspSolution
 
 _ON = 1e-9  # of the cylinder's size, or of the circle: a contact that is as near to the split is on it
 _NO_FORCE = 1e-9  # of the largest contact force: less is rounding
@@ -97,7 +97,7 @@ class Around:
 
     def _arcs(self, way: float) -> list[tuple[float, Array]]:
         """(force, normal) at the ends of every arc, and where the force is most (way 1) or least (-1) within it."""
-        x, y = frame(self.axis).T[:2]
+        x, y = contact_frame(self.axis).T[:2]
         p = np.stack([self.positions @ x, self.positions @ y])
         ends = np.unique(np.round((np.arctan2(p[1], p[0]) + 0.5 * np.pi) % np.pi, 12))
         found, least = list[tuple[float, Array]](), _NO_FORCE * float(abs(self.forces).max(initial=0.0))

@@ -9,12 +9,21 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.errors import InputError
 from handlcp.grasp import Loading, Verdict
-from handlcp.grasp.cause.judge import EQUILIBRIUM, OBJECT, UNDECIDED, Cause, Limits, binding, limits_of, used
-from handlcp.grasp.cause.wording import said
+from handlcp.grasp.failure.failure_mode import (
+    EQUILIBRIUM,
+    OBJECT,
+    UNDECIDED,
+    FailureMode,
+    StateLimits,
+    find_binding,
+    limit_shares,
+    state_limits,
+)
+from handlcp.grasp.failure.failure_text import describe_failures
 from handlcp.grasp.path.state import Outcome, State
 from handlcp.hand import HandGrasp
-from handlcp.hand.robot.model import HandModel
 from handlcp.lazy import lazy
+from handlcp.robot.hand_model import HandModel
 
 _SQUEEZE, _ALL = ("squeeze",), ("squeeze", "load")
 _BEYOND = 1.25  # times the grip that small motions ask for: how far a path goes that looks for a limit
@@ -34,7 +43,7 @@ class Closed:
 
     grasp: HandGrasp
     path: Loading
-    binds: tuple[Cause, ...]
+    binds: tuple[FailureMode, ...]
     says: str
 
     @lazy
@@ -45,7 +54,9 @@ class Closed:
 
 def ask_for_limits(hand: HandModel) -> None:
     """Raises InputError unless the torque of every joint is limited."""
-    unknown = [name for name, most in zip(hand.joint_names, hand.torques.pulls, strict=True) if not np.isfinite(most)]
+    unknown = [
+        name for name, most in zip(hand.joint_names, hand.torques.peak_limits, strict=True) if not np.isfinite(most)
+    ]
     if unknown:
         expected = "a hand with a torque limit for each joint: hand.replace(torque_limits=...)"
         raise InputError("hand", expected, f"none for {', '.join(unknown)}")
@@ -57,8 +68,8 @@ def closed(grasp: HandGrasp, force: Array, share: float) -> Closed:
     force (k,) : of the fingers [N]. share : of a torque limit that `force` needs where motions are small; there torques
     are proportional to the grip, and hand and object are followed from there.
     """
-    limits, factor = limits_of(grasp.spec, nominal=grasp.state.q), 1.0 / share
-    ends, lost = tuple[Cause, ...](), None
+    limits, factor = state_limits(grasp.spec, nominal=grasp.state.q), 1.0 / share
+    ends, lost = tuple[FailureMode, ...](), None
     for _ in range(_ROUNDS):
         path = grasp.replace(grip_force=_BEYOND * factor * force).follow(order=_SQUEEZE)
         within, ends = _within(limits, path)
@@ -76,14 +87,14 @@ def closed(grasp: HandGrasp, force: Array, share: float) -> Closed:
             break
         factor *= (1.0 - _WITHIN) / most
     if ends:
-        return Closed(made, path, ends, said(ends, grasp.spec))
+        return Closed(made, path, ends, describe_failures(ends, grasp.spec))
     if lost is None or lost.outcome is Outcome.GAVE_UP:
-        return Closed(made, path, (Cause(UNDECIDED, OBJECT),), "a harder grip was not followed to its end")
+        return Closed(made, path, (FailureMode(UNDECIDED, OBJECT),), "a harder grip was not followed to its end")
     why = lost.why.partition(": ")[2] or lost.why
-    return Closed(made, path, (Cause(EQUILIBRIUM, OBJECT),), f"a harder grip is not held: {why}")
+    return Closed(made, path, (FailureMode(EQUILIBRIUM, OBJECT),), f"a harder grip is not held: {why}")
 
 
-def _within(limits: Limits, path: Loading) -> tuple[float, tuple[Cause, ...]]:
+def _within(limits: StateLimits, path: Loading) -> tuple[float, tuple[FailureMode, ...]]:
     """The share of the squeeze up to which no joint is beyond a limit, and what is at one; () where none is."""
     states, shares = path.steps.states, path.steps.share
     most = np.array([_most(limits, state) for state in states])
@@ -97,10 +108,10 @@ def _within(limits: Limits, path: Loading) -> tuple[float, tuple[Cause, ...]]:
     return float(shares[k - 1] + part * (shares[k] - shares[k - 1])), _gives_out(limits, states[k])
 
 
-def _most(limits: Limits, state: State) -> float:
+def _most(limits: StateLimits, state: State) -> float:
     """The largest share of a joint limit that is used in a state; 0 where none is known."""
-    return float(np.nanmax(used(limits, state.efforts, state.where.q), initial=0.0))
+    return float(np.nanmax(limit_shares(limits, state.efforts, state.where.q), initial=0.0))
 
 
-def _gives_out(limits: Limits, state: State) -> tuple[Cause, ...]:
-    return binding(limits, state.efforts, state.where.q, near=_AT)
+def _gives_out(limits: StateLimits, state: State) -> tuple[FailureMode, ...]:
+    return find_binding(limits, state.efforts, state.where.q, near=_AT)

@@ -10,10 +10,11 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, array, number, several
 from handlcp.errors import HandLCPError, InputError, NoGraspFound, shown
-from handlcp.grasp.cause.judge import UNDECIDED
-from handlcp.hand import Cylinder, Hand, find_grasp
-from handlcp.hand.objects.shapes import ask_for_metres
-from handlcp.hand.pulling import KEEPS
+from handlcp.geometry import Cylinder
+from handlcp.geometry.shape import check_object_metres
+from handlcp.grasp.failure.failure_mode import UNDECIDED
+from handlcp.hand import Hand, find_grasp
+from handlcp.hand.torque_check import MIN_TORQUE_SHARE
 from handlcp.keywords import helped
 from handlcp.progress import told
 from handlcp.study.grip_strength.across import Around
@@ -68,7 +69,7 @@ def split_cylinder(
     split = None if normal is None else array("normal", normal, (3,))
     ask_for_limits(hand)
     cylinder = Cylinder(0.5 * wide, long, placement, mass=0.0)
-    ask_for_metres("diameter", cylinder, hand.at(hand.neutral).tip_positions)
+    check_object_metres("diameter", cylinder, hand.at(hand.neutral).tip_positions)
     missing = dict[str, str]()
 
     def made(kind: str, make: Callable[[], Closed]) -> Grip | None:
@@ -111,23 +112,28 @@ def _wrapped(hand: Hand, cylinder: Cylinder, friction: Any, placed: bool) -> Clo
     if placed:
         state = hand.at(hand.neutral)
         grasp = state.grasp(
-            cylinder, friction, gravity=_WEIGHTLESS, links="all", closing_torque=hand.torques.pulls, hold_object=True
+            cylinder,
+            friction,
+            gravity=_WEIGHTLESS,
+            links="all",
+            closing_torque=hand.torques.peak_limits,
+            hold_object=True,
         )
     else:
         found = find_grasp(hand, cylinder, kind=POWER, friction=friction, gravity=_WEIGHTLESS)
-        grasp = found[0].grasp.replace(closing_torque=hand.torques.pulls)
+        grasp = found[0].grasp.replace(closing_torque=hand.torques.peak_limits)
     path = grasp.follow(order=("squeeze",))
     return Closed(grasp, path, (), _left_of(grasp, path.last.stretched))
 
 
 def _left_of(grasp: Any, torque: Array) -> str:
     """What fingers hold of their torque, (nv,) [N·m], once the cylinder has been let go."""
-    pulling, shares = grasp.mechanism.pulling(grasp.spec, torque)
-    text, short = "every finger closes until a joint of it pulls with all its torque", pulling.short(shares)
+    pulling, shares = grasp.mechanism.motor_pull(grasp.spec, torque)
+    text, short = "every finger closes until a joint of it pulls with all its torque", pulling.weakest_joints(shares)
     if not short:
         return text
     least = words.percent(max(float(shares[short].min()), 0.0))
-    few = f"{len(short)} of {len(pulling.every)} keep less than {words.percent(KEEPS)} of it"
+    few = f"{len(short)} of {len(pulling.finger_numbers)} keep less than {words.percent(MIN_TORQUE_SHARE)} of it"
     return f"{text}, but once the cylinder is let go {few}, down to {least}"
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from handlcp import words
 from handlcp.check import Array
-from handlcp.grasp.cause.judge import Cause
+from handlcp.grasp.failure.failure_mode import FailureMode
 from handlcp.hand import HandGrasp, HandGraspSolution
 from handlcp.keywords import helped_methods
 from handlcp.lazy import lazy
@@ -44,7 +44,7 @@ class Grip(Record):
 
     kind: str
     normal: Array
-    binds: tuple[Cause, ...]
+    binds: tuple[FailureMode, ...]
     says: str
     word: str
     grasp: HandGrasp

@@ -21,20 +21,20 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, number, read_only
+from handlcp.contact.friction import Pyramid, as_section
 from handlcp.errors import InputError
+from handlcp.geometry import Object
 from handlcp.grasp import Grasp
-from handlcp.grasp.assembly.asked import again
-from handlcp.grasp.cause.judge import OBJECT, UNDECIDED, Cause
-from handlcp.grasp.cause.wording import said
-from handlcp.grasp.effects.joint_offset import unsqueezed
-from handlcp.grasp.friction import Pyramid, as_section
+from handlcp.grasp.effects.joint_offset import describe_missing_squeeze
+from handlcp.grasp.failure.failure_mode import OBJECT, UNDECIDED, FailureMode
+from handlcp.grasp.failure.failure_text import describe_failures
 from handlcp.grasp.limits.directions import AXES
 from handlcp.grasp.limits.load_limit import load_limit
-from handlcp.grasp.model.contact import frame
-from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.contact import contact_frame
+from handlcp.grasp.model.request import GraspSpec, with_changes
 from handlcp.grasp.path.follow import geometry_of
-from handlcp.hand import HandGrasp, Object
-from handlcp.hand.asked.asked import HandAsked
+from handlcp.hand import HandGrasp
+from handlcp.hand.request import GraspRequest
 from handlcp.progress import told
 from handlcp.study.envelope.ask import FIXED, FOLLOWED, GRAVITY, Load, Question, load_of
 from handlcp.study.envelope.grid import circle, sphere
@@ -92,9 +92,9 @@ def _about_the_mass(grasp: Grasp) -> Grasp:
     stays a weight while the object turns.
     """
     asked = grasp.spec.asked
-    if not isinstance(asked, HandAsked) or asked.reference is None or not isinstance(asked.target, Object):
+    if not isinstance(asked, GraspRequest) or asked.reference is None or not isinstance(asked.target, Object):
         return grasp
-    return HandGrasp(again(asked, {"reference": None}).spec())
+    return HandGrasp(with_changes(asked, {"reference": None}).spec())
 
 
 def _axes_of(plane: Array | None) -> Array:
@@ -106,7 +106,7 @@ def _axes_of(plane: Array | None) -> Array:
     flat = AXES[abs(AXES @ plane) < _IN_PLANE]
     if len(flat) == 4:
         return flat
-    x, y = frame(plane).T[:2]
+    x, y = contact_frame(plane).T[:2]
     return np.array([x, -x, y, -y])
 
 
@@ -139,8 +139,8 @@ class _Pull:
         limit = load_limit(spec, q.section, wrench, q.geometry, q.motion, q.turn, q.accuracy)
         mass, binds = limit.factor, limit.binds
         if np.isinf(mass) and np.isfinite(limit.bound):
-            mass, binds = np.nan, (Cause(UNDECIDED, OBJECT),)
-        says = (unsqueezed(spec) if mass < _NOTHING else "") or said(binds, spec)
+            mass, binds = np.nan, (FailureMode(UNDECIDED, OBJECT),)
+        says = (describe_missing_squeeze(spec) if mass < _NOTHING else "") or describe_failures(binds, spec)
         return Orientation(read_only(d.copy()), mass, binds, says, s, limit)
 
 
@@ -184,7 +184,7 @@ _RING = 6
 
 def _lowest(question: Question, plane: Array | None) -> tuple[Array, int]:
     """(3,) the direction of gravity with the least mass, and how many were tried."""
-    grid = sphere(_AROUND[question.geometry]) if plane is None else circle(frame(plane).T[:2], _IN_CIRCLE)
+    grid = sphere(_AROUND[question.geometry]) if plane is None else circle(contact_frame(plane).T[:2], _IN_CIRCLE)
     masses = _known(question, grid.points)
     edges, lower = grid.edges, np.ones(len(masses), dtype=bool)
     for a, b in (edges.T, edges.T[::-1]):
@@ -216,7 +216,7 @@ def _downhill(question: Question, d: Array, mass: float, step: float, plane: Arr
 
 def _around(d: Array, step: float, plane: Array | None) -> Array:
     """(k, 3) directions at this angle from d, evenly all around; in a plane the two beside it."""
-    x, y = frame(d).T[:2]
+    x, y = contact_frame(d).T[:2]
     turns = 2.0 * np.pi * np.arange(_RING) / _RING
     aside = np.outer(np.cos(turns), x) + np.outer(np.sin(turns), y)
     if plane is not None:

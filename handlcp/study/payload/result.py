@@ -10,8 +10,8 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import LoadLimit
-from handlcp.grasp.cause.judge import UNDECIDED, Cause
-from handlcp.grasp.cause.wording import said
+from handlcp.grasp.failure.failure_mode import UNDECIDED, FailureMode
+from handlcp.grasp.failure.failure_text import describe_failures
 from handlcp.keywords import helped_methods
 from handlcp.record import Record
 from handlcp.study.envelope.ask import Load
@@ -49,7 +49,7 @@ class Orientation(Record):
 
     direction: Array
     mass: float
-    binds: tuple[Cause, ...]
+    binds: tuple[FailureMode, ...]
     says: str
     acceleration: Array
     limit: LoadLimit
@@ -128,7 +128,7 @@ class Payload(Record):
         return self.worst.mass
 
     @property
-    def binds(self) -> tuple[Cause, ...]:
+    def binds(self) -> tuple[FailureMode, ...]:
         """What gives out first with that mass; `says` has it in words."""
         return self.worst.binds
 
@@ -186,7 +186,7 @@ class Payload(Record):
     def warnings(self) -> tuple[str, ...]:
         """In words, the links that the object begins inside, before the hand closes."""
         spec = self.load.grasp.spec
-        return () if spec.mechanism is None else tuple([r.sentence for r in spec.mechanism.begins_reasons(spec)])
+        return () if spec.mechanism is None else tuple([r.sentence for r in spec.mechanism.start_inside_reasons(spec)])
 
     def moving(self, row: Orientation) -> str:
         """In words, how the hand accelerates in a row; "" at rest."""
@@ -194,7 +194,7 @@ class Payload(Record):
 
     def cause(self, row: Orientation, letters: int) -> str:
         """What gives out first in a row, in words; in short where these have more letters."""
-        return row.says if len(row.says) <= letters else said(row.binds, self.load.grasp.spec, brief=True)
+        return row.says if len(row.says) <= letters else describe_failures(row.binds, self.load.grasp.spec, brief=True)
 
     def plot(self, path: Any = None, *, title: str = "") -> Any:
         """A bar for each direction of gravity: the mass, coloured by what gives out first. A matplotlib figure, or the

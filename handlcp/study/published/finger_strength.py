@@ -18,10 +18,11 @@ import pinocchio as pin
 
 from handlcp.check import Array, read_only, unit
 from handlcp.errors import InputError, URDFError
-from handlcp.grasp.model.contact import Contact, frame
-from handlcp.hand import Box, Hand, HandGrasp, HandGraspSolution, HandState, Sphere
-from handlcp.hand.objects.detect import nearest
-from handlcp.hand.sites.wrap import bending
+from handlcp.geometry import Box, Sphere
+from handlcp.geometry.contact_detection import nearest_proximity
+from handlcp.grasp.model.contact import Contact, contact_frame
+from handlcp.hand import Hand, HandGrasp, HandGraspSolution, HandState
+from handlcp.hand.closing import bending_rates
 from handlcp.keywords import helped
 from handlcp.progress import told
 from handlcp.study.published.finger_result import FingerForce, FingerStrength
@@ -81,7 +82,7 @@ def _states(hand: Hand, postures: Any) -> dict[str, HandState]:
 def _closing(hand: Hand) -> Array:
     """(nv,) how the joints that bend fingers turn, towards the middle of the fingertips of the neutral posture."""
     middle = hand.at(hand.neutral).tip_positions.mean(axis=0)
-    return bending(hand, hand.neutral, Sphere(_CELL, middle, mass=0.0))
+    return bending_rates(hand, hand.neutral, Sphere(_CELL, middle, mass=0.0))
 
 
 def _way(state: HandState, tip: int, speed: Array) -> Array:
@@ -111,8 +112,8 @@ def _touched(state: HandState, tip: int, n: Array) -> Array:
         shapes = state.hand.tip_shapes(tip)
     except URDFError:  # a link without geometry
         return read_only(p.copy())
-    cell = Box((_CELL, _CELL, _CELL), pin.SE3(frame(n), p + (_AWAY + 0.5 * _CELL) * n), mass=0.0)
-    near = nearest(shapes, p, R, cell)
+    cell = Box((_CELL, _CELL, _CELL), pin.SE3(contact_frame(n), p + (_AWAY + 0.5 * _CELL) * n), mass=0.0)
+    near = nearest_proximity(shapes, p, R, cell)
     return read_only(near.position - near.gap * n)
 
 

@@ -18,10 +18,11 @@ import numpy as np
 
 from handlcp.check import Array, number, unit
 from handlcp.errors import HandLCPError, InputError
+from handlcp.geometry import Box, Object, Sphere
+from handlcp.geometry.shape import check_object_metres
 from handlcp.grasp import Loading, Stage, TorqueSaturation
-from handlcp.grasp.cause.judge import Limits, exceeded, limits_of, used
-from handlcp.hand import Box, Found, Hand, HandGrasp, Object, Sphere, find_grasp
-from handlcp.hand.objects.shapes import ask_for_metres
+from handlcp.grasp.failure.failure_mode import StateLimits, is_exceeded, limit_shares, state_limits
+from handlcp.hand import Found, Hand, HandGrasp, find_grasp
 from handlcp.keywords import helped
 from handlcp.progress import told
 from handlcp.study.grip_strength.full_torque import ask_for_limits, closed
@@ -84,7 +85,7 @@ def lift_and_shake(
         SPHERE: Sphere(0.5 * size, mass=SHARES[SPHERE] * rated),
         CUBE: Box(size, mass=SHARES[CUBE] * rated),
     }
-    ask_for_metres("opening", objects[SPHERE], hand.at(hand.neutral).tip_positions)
+    check_object_metres("opening", objects[SPHERE], hand.at(hand.neutral).tip_positions)
     rows, missing = dict[str, Shaken | None](), dict[str, str]()
     with told("lifting and shaking"):
         for shape, obj in objects.items():
@@ -110,7 +111,7 @@ def _best(found: Found, shape: str, size: float, down: Array) -> Shaken:
         grasp = closed(candidate.grasp.replace(gravity=(_G + SHAKING) * down), grip, share).grasp
         for _ in range(_ROUNDS):
             row = shaken(grasp, shape, size, down)
-            if not exceeded(row.used):
+            if not is_exceeded(row.used):
                 break
             closer: Any = grasp.spec.asked
             grasp = grasp.replace(grip_force=np.array(closer.grip_force) * (1.0 - _WITHIN) / row.used)
@@ -123,12 +124,12 @@ def _best(found: Found, shape: str, size: float, down: Array) -> Shaken:
 def shaken(grasp: HandGrasp, shape: str, size: float, down: Array) -> Shaken:
     """A grasp whose object has its largest weight, m (g + a), lifted and shaken."""
     loading = grasp.follow(order=stages())
-    limits, target = limits_of(grasp.spec, nominal=grasp.state.q), grasp.target
+    limits, target = state_limits(grasp.spec, nominal=grasp.state.q), grasp.target
     assert target is not None  # it was placed
     share = max(_most(limits, loading), 0.0)
     moved = _moved(loading)
     says = loading.why
-    if loading.held and exceeded(share):
+    if loading.held and is_exceeded(share):
         says = f"{says.rstrip('.')}, but a joint needs {share:.3g} times its limit"
     elif loading.held and moved > ALLOWED:
         says = f"{says.rstrip('.')}, but the object slips too far"
@@ -138,7 +139,7 @@ def shaken(grasp: HandGrasp, shape: str, size: float, down: Array) -> Shaken:
         shape=shape,
         size=size,
         mass=target.mass,
-        held=loading.held and moved <= ALLOWED and not exceeded(share),
+        held=loading.held and moved <= ALLOWED and not is_exceeded(share),
         says=says.rstrip("."),
         moved=moved,
         allowed=ALLOWED,
@@ -159,10 +160,10 @@ def stages() -> list[Any]:
     return [*found, Stage("at rest", weight=rest)]
 
 
-def _most(limits: Limits, loading: Loading) -> float:
+def _most(limits: StateLimits, loading: Loading) -> float:
     """The largest share of a limit on the path; 0 where there is none."""
     states = loading.steps.states
-    return max([float(np.nanmax(used(limits, state.efforts, state.where.q), initial=0.0)) for state in states])
+    return max([float(np.nanmax(limit_shares(limits, state.efforts, state.where.q), initial=0.0)) for state in states])
 
 
 def _moved(loading: Loading) -> float:

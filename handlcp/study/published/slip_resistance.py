@@ -11,7 +11,7 @@ from handlcp import words
 from handlcp.check import Array, array, number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp, LoadLimit, TorqueSaturation
-from handlcp.grasp.cause.judge import SLIDES, SLIPS
+from handlcp.grasp.failure.failure_mode import SLIDES, SLIPS
 from handlcp.hand import Hand, HandGrasp
 from handlcp.keywords import helped
 from handlcp.lazy import lazy

@@ -14,12 +14,12 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Bools
-from handlcp.grasp.effects.finger_weight import FingerWeight
-from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.parameter.samples import Samples
+from handlcp.geometry.object import BOX, CYLINDER, Object
+from handlcp.grasp.derivatives.parameter.parameter import Samples
+from handlcp.grasp.effects.joint_torque import FingerWeight
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.hand.mechanism import HandMechanism, finger_flexibility
-from handlcp.hand.objects.object import BOX, CYLINDER, Object
-from handlcp.hand.robot.posture import Posture
+from handlcp.robot.hand_model import HandPosture
 
 
 class Nominal(NamedTuple):
@@ -88,7 +88,7 @@ class Joints:
     springs (m, nv), pads (m, k) : factors; None: nominal.
     """
 
-    postures: Sequence[Posture]
+    postures: Sequence[HandPosture]
     jacobian: Array
     root: Array
     stand_off: Array
@@ -153,7 +153,7 @@ def _joints(nominal: Nominal, hand: HandMechanism, samples: Samples, positions: 
     spec, m, k, nv = nominal.spec, samples.count, nominal.spec.of_hand, len(hand.names)
     away, springs = samples.get("joints"), samples.get("springs") if nominal.own else None
     points, axes = positions[:, :k], frames[:, :k].swapaxes(2, 3)
-    postures: Sequence[Posture] = [hand.posture] * m
+    postures: Sequence[HandPosture] = [hand.posture] * m
     J, stand_off = np.zeros((m, 3 * spec.n, nv)), np.broadcast_to(hand.stand_off, (m, k, 3))
     torque = next((e.torque for e in spec.effects if isinstance(e, FingerWeight)), np.zeros(nv))
     weight = np.broadcast_to(torque, (m, nv))

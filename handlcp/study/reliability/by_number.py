@@ -9,7 +9,7 @@ import numpy as np
 from handlcp.check import Array, Bools
 from handlcp.errors import NoGraspFound
 from handlcp.grasp.grasp import Grasp
-from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.study.reliability.arrays import Arrays
 from handlcp.study.reliability.place import Placer

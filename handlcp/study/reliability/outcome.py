@@ -9,18 +9,26 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints
+from handlcp.contact.friction import Pyramid, as_section
 from handlcp.grasp import GraspSolution, Solutions, solve_many
-from handlcp.grasp.answer.reasons import friction_margin
-from handlcp.grasp.answer.small_motions import is_adrift, motions, say_nothing, share_of
-from handlcp.grasp.answer.verdict import HELD, NOT_HELD, OVER_LIMIT, UNDECIDED
-from handlcp.grasp.batch.columns import shifted_rows
-from handlcp.grasp.batch.first_stage import STATUSES, Answers, solved_rows
-from handlcp.grasp.cause.judge import exceeded
-from handlcp.grasp.friction import Pyramid, as_section
+from handlcp.grasp.batch.first_stage import STATUSES, FirstStageAnswers, solve_rows
+from handlcp.grasp.batch.solutions import shift_twists
+from handlcp.grasp.failure.failure_mode import is_exceeded
 from handlcp.grasp.grasp import Grasp
-from handlcp.grasp.solve.compiled_answer import compiled_kind
-from handlcp.grasp.verdict.check import judged
-from handlcp.grasp.verify.contact_states import GLIDING, SLIDING, STICKING
+from handlcp.grasp.solution.verdict import (
+    HELD,
+    NOT_HELD,
+    OVER_LIMIT,
+    UNDECIDED,
+    force_error_share,
+    friction_margin,
+    is_adrift,
+    is_beyond_small_motions,
+    solution_motions,
+)
+from handlcp.grasp.solve.compiled_answer import get_compiled_kind
+from handlcp.grasp.verdict.check import judge_grasp
+from handlcp.grasp.verify.contact_state import GLIDING, SLIDING, STICKING
 from handlcp.lcp import Status
 from handlcp.study.reliability.arrays import Arrays
 from handlcp.study.reliability.place import Placer
@@ -45,7 +53,7 @@ class Outcomes:
     margin (m,) : what is left of friction or torque, whichever is less, as a share; NaN where nothing holds.
     again (m,) : which samples the solver's first stage left open, and were solved in full.
     unplaced (m,) : which are no grasp that could be judged; they are UNDECIDED.
-    far (m,) : which move so far that one solve says nothing (`say_nothing`); they are UNDECIDED.
+    far (m,) : which move so far that one solve says nothing (`is_beyond_small_motions`); they are UNDECIDED.
     """
 
     codes: Ints
@@ -102,34 +110,36 @@ def _first_stage(
     """
     scene = placer.grasp.scene
     section = as_section(faces, planar=scene.kind.planar)
-    kind, m, n = compiled_kind(scene, section), len(arrays.mu), scene.n
-    rows = solved_rows(placer.rows(arrays, kind, section.share), kind, workers)
-    found = Answers(kind, np.arange(m), rows)
-    held = found.passing
-    forces = found.moves(found.at)[0][:, : 3 * n]
+    kind, m, n = get_compiled_kind(scene, section), len(arrays.mu), scene.n
+    rows = solve_rows(placer.rows(arrays, kind, section.share), kind, workers)
+    found = FirstStageAnswers(kind, np.arange(m), rows)
+    held = found.is_certified
+    forces = found.forces_and_twists(found.at)[0][:, : 3 * n]
     codes = np.where(found.status == STATUSES.index(Status.UNDECIDED), WORDS.index(UNDECIDED), WORDS.index(NOT_HELD))
     most = np.zeros(m)
     if arrays.joints is not None and (mechanism := placer.spec.mechanism) is not None:
         torque = (forces[:, None] @ arrays.joints.jacobian)[:, 0] + arrays.joints.weight
         most = np.nan_to_num(abs(torque) / mechanism.limits).max(axis=1, initial=0.0)
-    codes[held] = np.where(exceeded(most[held]), WORDS.index(OVER_LIMIT), WORDS.index(HELD))
+    codes[held] = np.where(is_exceeded(most[held]), WORDS.index(OVER_LIMIT), WORDS.index(HELD))
     margin = np.where(held, 1.0 - np.maximum(_used(arrays.mu, forces.reshape(m, n, 3)), most), np.nan)
-    return codes, margin, held & _too_far(placer, arrays, found), held & ~found.unique
+    return codes, margin, held & _too_far(placer, arrays, found), held & ~found.is_unique
 
 
-def _too_far(placer: Placer, arrays: Arrays, found: Answers) -> Bools:
+def _too_far(placer: Placer, arrays: Arrays, found: FirstStageAnswers) -> Bools:
     """(m,) whether motions are too large for one solve, as `motions` says it of a solution."""
     spec, n, k = placer.spec, arrays.mu.shape[1], placer.spec.n - placer.grasp.scene.environment
-    twist, centre = found.moves(found.at)[1:]
-    motion, states = found.ends
+    twist, centre = found.forces_and_twists(found.at)[1:]
+    motion, states = found.motions_and_states
     offset = placer.offsets(arrays)[:, 2::3]
     size = np.sqrt(((arrays.positions - centre[:, None]) ** 2).sum(axis=2).mean(axis=1))
-    turn, shift = np.linalg.norm(twist[:, 3:], axis=1), shifted_rows(twist, spec.reference - centre)[:, :3]
+    turn, shift = np.linalg.norm(twist[:, 3:], axis=1), shift_twists(twist, spec.reference - centre)[:, :3]
     move = np.maximum(np.linalg.norm(shift, axis=1), turn * size)
     slip = np.linalg.norm(motion.reshape(-1, n, 3)[:, :, :2], axis=2).max(axis=1)
-    share = share_of(turn, move, slip, -offset.min(axis=1, initial=0.0), size)
+    share = force_error_share(turn, move, slip, -offset.min(axis=1, initial=0.0), size)
     sticks, slides = states == STICKING, (states == SLIDING) | (states == GLIDING)
-    return np.asarray(say_nothing(share, is_adrift(offset[:, :k], sticks[:, :k], slides[:, :k], arrays.mu[:, :k])))
+    return np.asarray(
+        is_beyond_small_motions(share, is_adrift(offset[:, :k], sticks[:, :k], slides[:, :k], arrays.mu[:, :k]))
+    )
 
 
 def _grasp_by_grasp(
@@ -138,7 +148,7 @@ def _grasp_by_grasp(
     """Codes and margins of some samples, which are made one by one, and which motions are too large."""
     grasps = [placer.grasp_of(arrays, int(k)) for k in some]
     found = solve_many(grasps, faces, workers=workers, proof=proof)
-    return _codes(found), _margins(grasps, found), np.array([s.held and motions(s).too_large for s in found])
+    return _codes(found), _margins(grasps, found), np.array([s.held and solution_motions(s).too_large for s in found])
 
 
 def checked(grasps: Sequence[Grasp], faces: int | str | Pyramid) -> Outcomes:
@@ -147,7 +157,7 @@ def checked(grasps: Sequence[Grasp], faces: int | str | Pyramid) -> Outcomes:
     for k, g in enumerate(grasps):
         section = as_section(faces, planar=g.scene.kind.planar)
         one = g.solve(faces, throw=False, proof=False)
-        verdict = judged(g.spec, g.scene, section, ("squeeze", "load"), one)
+        verdict = judge_grasp(g.spec, g.scene, section, ("squeeze", "load"), one)
         codes[k] = WORDS.index(verdict.word)
         path = verdict.loading
         end = one if path is None else path.solution if path.held else None
@@ -161,7 +171,7 @@ def margin_of(solution: GraspSolution) -> float:
     scene = solution.scene
     assert scene is not None  # every solution that is looked at here was made from one
     slack = friction_margin(scene, solution.forces, getattr(solution, "torsion", None))
-    limit = float((scene.mu * scene.lawful(_padded(scene, solution.forces))[2 : 3 * scene.n : 3]).sum())
+    limit = float((scene.mu * scene.to_law_axes(_padded(scene, solution.forces))[2 : 3 * scene.n : 3]).sum())
     used = 0.0 if limit <= 0.0 else 1.0 - float(np.nansum(slack)) / limit
     check = getattr(solution, "torque_check", None)
     return 1.0 - max(used, 0.0 if check is None else float(check.utilisation.max(initial=0.0)))
@@ -178,7 +188,7 @@ def _codes(found: Solutions) -> Ints:
     none = (names == Status.NOT_HOLDABLE.name) | (names == Status.NO_EQUILIBRIUM.name)
     codes[none] = WORDS.index(NOT_HELD)
     codes[found.held] = WORDS.index(HELD)
-    codes[found.held & exceeded(_most_used(found))] = WORDS.index(OVER_LIMIT)
+    codes[found.held & is_exceeded(_most_used(found))] = WORDS.index(OVER_LIMIT)
     return codes
 
 

@@ -9,19 +9,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from handlcp import words
+from handlcp.actuation.joint_stiffness import Elasticity, FingertipPads, JointStiffness
 from handlcp.check import Array, Bools, read_only
-from handlcp.grasp.effects.finger_weight import FingerWeight
+from handlcp.grasp.derivatives.parameter.parameter import Samples
 from handlcp.grasp.effects.joint_offset import JointOffset
+from handlcp.grasp.effects.joint_torque import FingerWeight
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model.contact import Contact
-from handlcp.grasp.model.spec import GraspSpec
-from handlcp.grasp.parameter.samples import Samples
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.solve.compiled_answer import CompiledKind
-from handlcp.grasp.solve.scene_row import write_rows
-from handlcp.hand.elasticity.elasticity import Elasticity
-from handlcp.hand.elasticity.stiffness import JointStiffness, Pads
+from handlcp.grasp.solve.compiled_solve import write_rows
 from handlcp.hand.mechanism import HandMechanism
-from handlcp.hand.robot.posture import Posture
+from handlcp.robot.hand_model import HandPosture
 from handlcp.study.reliability.arrays import Arrays, Joints, arrays_of, nominal_of
 from handlcp.study.reliability.spread import Dimension, varying
 
@@ -67,7 +66,7 @@ class Placer:
             frames=arrays.frames,
             flexibility=arrays.flexibility,
             offset=self.offsets(arrays),
-            prescribed=[scene.given.prescribed] * m,
+            prescribed=[scene.arrays.prescribed] * m,
             spin=np.zeros((m, 0)),
             force=force,
             moment=arrays.wrench[:, 3:] + np.cross(spec.reference, force),
@@ -160,7 +159,7 @@ class Placer:
             p, R = (c.position, c.rotation)
             if slid:
                 p, R = read_only(arrays.positions[k, i].copy()), read_only(arrays.frames[k, i].copy())
-            out.append(Contact.placed(p, R, law, c.planar, c.name))
+            out.append(Contact.from_arrays(p, R, law, c.planar, c.name))
         return tuple(out)
 
 
@@ -172,7 +171,7 @@ def _hand_of(hand: HandMechanism, arrays: Arrays, joints: Joints, k: int) -> Han
     if joints.pads is not None:
         blocks = model.pads.blocks.copy()
         blocks[list(hand.tips)] *= joints.pads[k][:, None, None]
-        parts["pads"] = Pads(blocks)
+        parts["pads"] = FingertipPads(blocks)
     if parts:
         posture = _with_parts(posture, model.with_parts(**parts))
     target = hand.target if hand.target is None else hand.target.weighing(float(arrays.mass[k]) * hand.target.mass)
@@ -191,11 +190,11 @@ def _hand_of(hand: HandMechanism, arrays: Arrays, joints: Joints, k: int) -> Han
 def _stiffer(springs: Elasticity, factors: Array) -> Elasticity:
     """Springs that are stiffer by factors (nv,), which are all alike for tendons and synergies."""
     if isinstance(springs, JointStiffness) and not springs.law[1]:
-        return springs.by_joint(factors)
-    return springs.stiffer(float(factors[0]))
+        return springs.scale_by_joint(factors)
+    return springs.scale_stiffness(float(factors[0]))
 
 
-def _with_parts(old: Posture, hand: Any) -> Posture:
+def _with_parts(old: HandPosture, hand: Any) -> HandPosture:
     """The posture of a hand that differs in springs and pads alone."""
     made = object.__new__(type(old))
     made.__dict__.update(old.__dict__, hand=hand)

@@ -12,9 +12,8 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, Ints, integer
 from handlcp.grasp import GraspSolution, Verdict
-from handlcp.grasp.answer.small_motions import motions
-from handlcp.grasp.answer.verdict import Reason
 from handlcp.grasp.grasp import Grasp
+from handlcp.grasp.solution.verdict import Reason, solution_motions
 from handlcp.keywords import helped_methods
 from handlcp.record import Record, data_frame
 from handlcp.study.reliability.interval import Chance, Influence, value_with
@@ -255,7 +254,7 @@ class Reliability(Record):
     def _follow(self) -> str:
         """What to ask instead, where samples move too far for one solve."""
         nominal = self.placer.grasp.solve(self.method.faces, throw=False)
-        also = "; the grasp itself is one of these" if nominal.held and motions(nominal).too_large else ""
+        also = "; the grasp itself is one of these" if nominal.held and solution_motions(nominal).too_large else ""
         return f'by="check" follows each sample while it is squeezed and loaded; it is slower, so ask for fewer{also}'
 
     def _told(self, sample: Sample) -> str:

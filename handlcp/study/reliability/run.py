@@ -15,11 +15,11 @@ import numpy as np
 from scipy.stats import qmc
 
 from handlcp.check import Array
+from handlcp.contact.friction import Pyramid
 from handlcp.errors import InputError, as_path, brief
-from handlcp.grasp.friction import Pyramid
-from handlcp.grasp.model.spec import GraspSpec
+from handlcp.grasp.model.request import GraspSpec
 from handlcp.hand.mechanism import HandMechanism
-from handlcp.lcp.compiler.when import soon
+from handlcp.lcp.compiler.compile_policy import compile_in_background
 from handlcp.progress import Progress, told
 from handlcp.read_file import MOST_ARRAYS, parse_json, read_arrays
 from handlcp.study.reliability.outcome import SOLVE, WORDS, Outcomes, among, checked, joined, solved
@@ -181,7 +181,7 @@ def run(placer: Placer, blocks: Blocks, method: Method, kept: Kept, progress: Pr
     size = _SLICE[method.by]
     quota = -(-method.decide * size // blocks.samples)
     written = time.monotonic()
-    with told("samples", blocks.samples, progress) as say, soon(blocks.samples):
+    with told("samples", blocks.samples, progress) as say, compile_in_background(blocks.samples):
         say(begin)
         try:
             for at in range(begin, blocks.samples, size):

@@ -29,10 +29,10 @@ from scipy import stats
 
 from handlcp.check import Array, number
 from handlcp.errors import InputError, UnknownName, keyed
+from handlcp.grasp.derivatives.parameter import Parameter, parameters
 from handlcp.grasp.grasp import Grasp
-from handlcp.grasp.parameter import Parameter, parameters
 from handlcp.hand.hand_grasp import HandGrasp
-from handlcp.hand.vary.values import COMMON, number_of, numbers_of, unit_of
+from handlcp.hand.vary.vary import ARGUMENT_NUMBERS, hand_number, hand_numbers, number_unit
 
 # ----------------------------------------------------------------
 # How one number of a grasp varies: a distribution, from what users pass.
@@ -144,8 +144,8 @@ def read_spread(grasp: Grasp, spread: Any) -> tuple[Dimension, ...]:
     if not isinstance(spread, Mapping):
         expected = "a mapping of what varies, such as {'friction': 0.1}"
         raise InputError("spread", expected, repr(spread)[:80])
-    known, numbers = varying(), numbers_of(grasp.state.hand) if isinstance(grasp, HandGrasp) else {}
-    own = [key for key in spread if key in numbers or (numbers and key in COMMON)]
+    known, numbers = varying(), hand_numbers(grasp.state.hand) if isinstance(grasp, HandGrasp) else {}
+    own = [key for key in spread if key in numbers or (numbers and key in ARGUMENT_NUMBERS)]
     if unknown := [str(key) for key in spread if key not in known and key not in own]:
         raise UnknownName("spread", "a parameter, or a number of the hand,", unknown, (*known, *numbers))
     if own and (beside := [key for key in _BY_PLACE if key in spread]):
@@ -165,8 +165,8 @@ def _of_hand(grasp: Grasp, name: str, given: Any) -> Dimension:
     """A number of the hand, by its name for `Hand.vary`."""
     assert isinstance(grasp, HandGrasp)
     with keyed({"changes": "spread"}):
-        mean = number_of(grasp.state.hand, name)
-    return Dimension(name, NUMBER, (), law_of(f"spread[{name!r}]", given, mean, 0.0), unit_of(name))
+        mean = hand_number(grasp.state.hand, name)
+    return Dimension(name, NUMBER, (), law_of(f"spread[{name!r}]", given, mean, 0.0), number_unit(name))
 
 
 def varying() -> dict[str, Parameter]:

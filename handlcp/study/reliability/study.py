@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import cores, integer, number
+from handlcp.contact.friction import Pyramid, as_section
 from handlcp.errors import InputError
-from handlcp.grasp.friction import Pyramid, as_section
 from handlcp.grasp.grasp import Grasp
 from handlcp.keywords import helped
 from handlcp.progress import Progress

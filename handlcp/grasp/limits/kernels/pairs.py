@@ -14,7 +14,7 @@ import numpy as np
 from handlcp.check import Array, Ints
 from handlcp.grasp.limits.kernels.parts import CLOSED, Parts, Place
 from handlcp.lcp.kernels.dense import kernel, solve_wide
-from handlcp.lcp.kernels.lemke import SOLVED, lemke
+from handlcp.lcp.lemke import SOLVED, pivot_lemke
 from handlcp.tolerances import PIVOT
 
 # ----------------------------------------------------------------
@@ -161,7 +161,7 @@ def solve_pairs(M: Array, q: Array, basis: Ints, gamma: Array) -> int:
 
 @kernel
 def _by_lemke(M: Array, q: Array, cover: Array, basis: Ints, gamma: Array, size: float) -> bool:
-    ended, _, z = lemke(M, q, cover, _PIVOTS * len(q), PIVOT)
+    ended, _, z = pivot_lemke(M, q, cover, _PIVOTS * len(q), PIVOT)
     if ended != SOLVED:
         return False
     for i in range(len(q)):

@@ -18,8 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.tangent.active_set import Laws, active_rows, all_stick, inverted, saddle
-from handlcp.grasp.verify.contact_states import SEPARATED, States
+from handlcp.grasp.derivatives.active_set import LinearLaws, active_rows, all_sticking, saddle_matrix, solve_inverse
+from handlcp.grasp.verify.contact_state import SEPARATED, ContactStates
 from handlcp.lcp.kernels.dense import kernel
 
 OPEN, CLOSED, OPENS, CLOSES = 0, 1, 2, 3  # the last two: no force and no gap, after a force or after a gap
@@ -104,13 +104,13 @@ def update(p: Parts, closed: Ints, yields: Ints, known: Inverse) -> None:
     known.closed[:] = closed
     known.yields[:] = yields
     m, dof, k = len(p.E), len(p.G), len(p.rows)
-    kept, states = np.zeros(m + dof + k, np.bool_), all_stick(len(closed))
+    kept, states = np.zeros(m + dof + k, np.bool_), all_sticking(len(closed))
     kept[m : m + dof] = True
     kept[m + dof :] = yields == 1
     for i in range(len(closed)):
         if closed[i] == OPEN:
             states.kind[i] = SEPARATED
-    laws = Laws(saddle(p.E, 1.0, p.G, p.rows), kept, p.contacts, p.mu, 1.0)
+    laws = LinearLaws(saddle_matrix(p.E, 1.0, p.G, p.rows), kept, p.contacts, p.mu, 1.0)
     known.loose[0] = 0
     if _put_inverse(laws, states, known):
         return
@@ -126,16 +126,16 @@ def update(p: Parts, closed: Ints, yields: Ints, known: Inverse) -> None:
 
 
 @kernel
-def _put_inverse(laws: Laws, states: States, known: Inverse) -> bool:
+def _put_inverse(laws: LinearLaws, states: ContactStates, known: Inverse) -> bool:
     """Write W; False where there is none."""
     A, B = active_rows(laws, states)
-    X, found = inverted(A, B[:, : len(A)], _NO_PIVOT)
+    X, found = solve_inverse(A, B[:, : len(A)], _NO_PIVOT)
     known.W[:] = -X
     return found
 
 
 @kernel
-def _loose(p: Parts, laws: Laws, states: States, Z: Array) -> int:
+def _loose(p: Parts, laws: LinearLaws, states: ContactStates, Z: Array) -> int:
     """Write motions that no contact feels into the columns of Z; returns how many."""
     m = len(p.E)
     moves, C = np.flatnonzero(laws.kept[m:]), np.zeros((m, len(Z)))

@@ -17,8 +17,14 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.lcp.kernels.contact_rows import Contacts, row_scales
-from handlcp.lcp.kernels.contact_run import closed, contact_newton, hold, newton_first
+from handlcp.lcp.kernels.contact_newton import (
+    ContactArrays,
+    clip_open_pairs,
+    row_scales,
+    run_contact_newton,
+    run_newton_first,
+    solve_sticking,
+)
 from handlcp.lcp.kernels.dense import kernel, multiply_add
 from handlcp.tolerances import SOLVE
 
@@ -36,8 +42,8 @@ class Still(NamedTuple):
     contacts (n, 4), m, dof, round (n,) : as in `still_of`. bare : the problem without the damper.
     """
 
-    problem: Contacts
-    bare: Contacts
+    problem: ContactArrays
+    bare: ContactArrays
     base: Array
     load: Array
     contacts: Ints
@@ -79,10 +85,10 @@ def still_of(
                     role[contacts[i, a]] = 2
     blocks, limits = blocks[:count].copy(), limits[:count].copy()
     rho, now = row_scales(M, blocks), np.zeros(size)
-    bare = Contacts(M.copy(), now, role, rho, blocks, limits, faces, normals)
+    bare = ContactArrays(M.copy(), now, role, rho, blocks, limits, faces, normals)
     for a in range(m, m + dof):
         M[a, a] = -_SLOW
-    problem = Contacts(M, now, role, rho, blocks, limits, faces, normals)
+    problem = ContactArrays(M, now, role, rho, blocks, limits, faces, normals)
     return Still(problem, bare, q, load.copy(), contacts, round_, m, dof)
 
 
@@ -102,14 +108,14 @@ def euler(g: Still, x: Array, z: Array, start: Array, factor: float, cold: bool,
         q[m + a] += factor * g.load[a] + _SLOW * x[m + a]
     if cold:
         out[:] = 0.0
-        hold(p, q > 0.0, np.zeros(len(p.blocks), np.bool_), out)
+        solve_sticking(p, q > 0.0, np.zeros(len(p.blocks), np.bool_), out)
     else:
         out[:] = start
-    best, _, r = newton_first(p, out, cold, _EXACT)
+    best, _, r = run_newton_first(p, out, cold, _EXACT)
     if not r <= SOLVE:
         return 0, np.nan
     out[:] = best
-    closed(p, out)
+    clip_open_pairs(p, out)
     square, work, largest = 0.0, 0.0, 0.0
     for i in range(m):
         largest = max(largest, abs(out[i]))
@@ -124,10 +130,10 @@ def euler(g: Still, x: Array, z: Array, start: Array, factor: float, cold: bool,
         for a in range(dof):
             q[m + a] -= _SLOW * x[m + a]
         other = out.copy()
-        _, r = contact_newton(g.bare, other, _UNDAMPED, _EXACT)
+        _, r = run_contact_newton(g.bare, other, _UNDAMPED, _EXACT)
         if r * max(1.0, np.max(np.abs(other))) <= _HELD * largest:
             out[:] = other
-            closed(p, out)
+            clip_open_pairs(p, out)
             return 2, 0.0
         for a in range(dof):
             q[m + a] += _SLOW * x[m + a]
@@ -146,14 +152,14 @@ def viscous(g: Still, x: Array, z: Array, factor: float, slow: float, out: Array
         p.q[m + a] += factor * g.load[a] + slow * x[m + a]
         p.M[m + a, m + a] = -slow
     out[:] = x
-    best, _, r = newton_first(p, out, False, _EXACT)
+    best, _, r = run_newton_first(p, out, False, _EXACT)
     if not r <= SOLVE:
-        hold(p, p.q > 0.0, np.zeros(len(p.blocks), np.bool_), out)
-        best, _, r = newton_first(p, out, True, _EXACT)
+        solve_sticking(p, p.q > 0.0, np.zeros(len(p.blocks), np.bool_), out)
+        best, _, r = run_newton_first(p, out, True, _EXACT)
     for a in range(dof):
         p.M[m + a, m + a] = -_SLOW
     out[:] = best
-    closed(p, out)
+    clip_open_pairs(p, out)
     return bool(r <= SOLVE)
 
 

@@ -9,7 +9,7 @@ z = Aᵀ (Jᵀ r + T_u u + T_q δq + T_s δs)
     v  = Q r + (Gᵀ + Q F_u) u + (Q F_q - J) δq + D ŝ' + d
 
 each contact sees its own force and what all share, z and u, and so do the rows of z and of balance:
-the problem of `lcp/kernels/contact_blocks.py`. Its cost grows with the number of contacts, not with its cube.
+the problem of `contact/block_newton.py`. Its cost grows with the number of contacts, not with its cube.
 """
 
 from __future__ import annotations
@@ -19,17 +19,16 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.grasp.model.grasp_matrix import Given, Posed, placed, wrench_map
+from handlcp.contact.block_newton import solve_blocks, tangent_stiffness_blocks
+from handlcp.grasp.model.scene import GraspArrays, GraspGeometry, compute_geometry, wrench_map
 from handlcp.grasp.path.newton.answer import Found, put, written
 from handlcp.grasp.path.newton.iteration import begun_from, carried, loaded, middle, told
 from handlcp.grasp.path.newton.linear_solve import ANY, Rules, accepted, kinds_in_step
 from handlcp.grasp.path.newton.numbers import Laws, Situation
 from handlcp.grasp.path.newton.tangent import Turned, turned_forces
-from handlcp.grasp.solve.compiled_solve import begin
-from handlcp.grasp.solve.factored_solve import Linear, from_unknowns, in_natural_units
-from handlcp.grasp.verify.contact_laws import Friction, Moved, examined
-from handlcp.lcp.kernels.block_run import solved_blocks
-from handlcp.lcp.kernels.contact_blocks import met_blocks
+from handlcp.grasp.solve.compiled_solve import write_start
+from handlcp.grasp.solve.factored_solve import LinearRows, link_in_natural_units, split_unknowns
+from handlcp.grasp.verify.certifier import ContactMotions, FrictionLimits, compute_residuals
 from handlcp.lcp.kernels.dense import kernel, product, solve_wide
 from handlcp.tolerances import SOLVE
 
@@ -66,7 +65,7 @@ class _Tangent(NamedTuple):
     turned: Turned
     pads: _Pads
     shared: _Shared
-    linear: Linear
+    linear: LinearRows
     softness: Array
 
 
@@ -84,19 +83,19 @@ def iteration_by_contact(
         return
     force, moment = loaded(s.loads)
     none, no_matrix, no_spin = np.zeros(0), np.zeros((0, 0)), np.zeros((3, 0))
-    g = Given(s.touch.positions, s.frames, no_matrix, t.linear.d, none, no_spin, force, moment, laws.freedom)
-    posed = placed(g, t.softness)
+    g = GraspArrays(s.touch.positions, s.frames, no_matrix, t.linear.d, none, no_spin, force, moment, laws.freedom)
+    posed = compute_geometry(g, t.softness)
     m = len(t.linear.w) - 6
     for k in range(6):
         t.linear.w[m + k] += posed.wrench[k]
-    problem = in_natural_units(t.linear, posed, t.softness, rules.limits, p, 0.0)
+    problem = link_in_natural_units(t.linear, posed, t.softness, rules.limits, p, 0.0)
     z, warm = np.zeros(m + 6), begun and len(start) > 0
     r[:] = 0.0
     if warm:
         x = np.zeros(p.at[4])
-        begin(x, start, p, laws.freedom, posed)
-        from_unknowns(x, p, problem, r, z)
-    _, residual = solved_blocks(problem, r, z, warm)
+        write_start(x, start, p, laws.freedom, posed)
+        split_unknowns(x, p, problem, r, z)
+    _, residual = solve_blocks(problem, r, z, warm)
     if not residual <= SOLVE:
         return
     good, found = _answered(s, rules, t, g, posed, r, z, residual)
@@ -104,7 +103,7 @@ def iteration_by_contact(
         return
     written(s, laws, centre, found, row)
     if row[1] <= near:
-        determined, push = met_blocks(problem, r, z)
+        determined, push = tangent_stiffness_blocks(problem, r, z)
         put(row, len(row) - 36, push.reshape(-1))
         row[0] = row[2] = 1.0 if determined else 0.0
 
@@ -171,7 +170,7 @@ def _shared(s: Situation, turned: Turned, pads: _Pads, command: Array) -> _Share
 
 
 @kernel
-def _linear(s: Situation, pads: _Pads, shared: _Shared, centre: Array) -> tuple[Linear, Array]:
+def _linear(s: Situation, pads: _Pads, shared: _Shared, centre: Array) -> tuple[LinearRows, Array]:
     """The problem in SI, contacts in their own axes, and the diagonal of what gives way (3n,)."""
     el, loads, damping, moves = s.elastic, s.loads, s.damping, len(pads.follow) > 0
     (n3, nv), m = el.J.shape, el.root.shape[1]
@@ -208,12 +207,12 @@ def _linear(s: Situation, pads: _Pads, shared: _Shared, centre: Array) -> tuple[
     for b in range(6):
         w[m + b] -= damping.body[b] * damping.done[b]
         S[m + b, m + b] += damping.body[b]
-    return Linear(pads.Q, W, R, d, S, w), softness
+    return LinearRows(pads.Q, W, R, d, S, w), softness
 
 
 @kernel
 def _answered(
-    s: Situation, rules: Rules, t: _Tangent, g: Given, posed: Posed, r: Array, z: Array, residual: float
+    s: Situation, rules: Rules, t: _Tangent, g: GraspArrays, posed: GraspGeometry, r: Array, z: Array, residual: float
 ) -> tuple[bool, Found]:
     """(whether it passes, what it says) of a solution in natural units."""
     el, p, linear, Q = s.elastic, rules.pattern, t.linear, t.pads.Q
@@ -255,8 +254,10 @@ def _answered(
     posed.wrench[:] = lacks
     if len(t.turned.force) > 0:
         _turn(torque, t.turned, t.pads, own, change, twist)
-    friction = Friction(rules.limits, p.faces, p.normals)
-    misses = examined(g, posed, p.contacts, friction, offset, own, Moved(v, size, terms, t.softness), ANY)
+    friction = FrictionLimits(rules.limits, p.faces, p.normals)
+    misses = compute_residuals(
+        g, posed, p.contacts, friction, offset, own, ContactMotions(v, size, terms, t.softness), ANY
+    )
     kinds = kinds_in_step(p.contacts, friction, misses, posed, own, v)
     return accepted(misses, posed, residual, 1), Found(own, v, twist, kinds, np.zeros(0), change, torque)
 

@@ -11,15 +11,24 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.assembly.candidate import in_si
-from handlcp.grasp.model.grasp_matrix import Given, Posed, pose
+from handlcp.grasp.assembly.problem import unknowns_in_si
+from handlcp.grasp.model.scene import GraspArrays, GraspGeometry, pose_grasp
 from handlcp.grasp.path.newton.numbers import Laws
 from handlcp.grasp.path.newton.tangent import Condensed
-from handlcp.grasp.solve.compiled_solve import ScenePattern, begin, stamped_rows
-from handlcp.grasp.verify.contact_laws import Friction, Misses, examine
-from handlcp.grasp.verify.contact_states import find_states
-from handlcp.lcp.kernels.contact_rows import Contacts, in_order, rows, work
-from handlcp.lcp.kernels.contact_run import closed, hold, in_turns, jacobian, newton_first
+from handlcp.grasp.solve.compiled_solve import ScenePattern, stamp_rows, write_start
+from handlcp.grasp.verify.certifier import FrictionLimits, LawResiduals, compute_motions_and_residuals
+from handlcp.grasp.verify.contact_state import find_states
+from handlcp.lcp.kernels.contact_newton import (
+    ContactArrays,
+    alternate_methods,
+    clip_open_pairs,
+    evaluate_rows,
+    new_subgradient,
+    reorder_problem,
+    run_newton_first,
+    solve_sticking,
+    write_jacobian,
+)
 from handlcp.lcp.kernels.dense import kernel, multiply_add, product, solve_wide
 from handlcp.tolerances import ACTIVE, CERTIFY, SOLVE
 
@@ -54,7 +63,7 @@ class Rules(NamedTuple):
 @kernel
 def linear_problem(
     positions: Array, frames: Array, rules: Rules, t: Condensed, force: Array, moment: Array, start: Array
-) -> tuple[Given, Posed, Contacts, Array]:
+) -> tuple[GraspArrays, GraspGeometry, ContactArrays, Array]:
     """The grasp as it stands about the iterate, its natural units, its problem, and where the solve begins (N,).
 
     t : the tangent there. force, moment (3,) : the load, about the world's origin. start : as in `solve_scenes`.
@@ -74,9 +83,9 @@ def linear_problem(
         for j in range(c):
             E[i, j] = t.V_r[i, j] * s[i] * s[j]
     offset = t.d * s
-    g = Given(positions, turned, E, offset, np.zeros(c), spin, force, moment, laws.freedom)
-    posed, blocks = pose(g, p.unknown)
-    M, q = stamped_rows(p, blocks)
+    g = GraspArrays(positions, turned, E, offset, np.zeros(c), spin, force, moment, laws.freedom)
+    posed, blocks = pose_grasp(g, p.unknown)
+    M, q = stamp_rows(p, blocks)
     normal, count, tangent, u, size = p.at
     U = laws.freedom.copy() * posed.motion  # (dof, 6) twists of the natural unknowns
     P = laws.freedom.copy() / posed.force  # wrenches to natural rows
@@ -111,19 +120,19 @@ def linear_problem(
                 M[giving.at + b, giving.at + e] -= t.L[b, 7 + c + e] * posed.motion / posed.force
     x = np.zeros(size)
     if len(start) > 0:
-        begin(x, start, p, laws.freedom, posed)
+        write_start(x, start, p, laws.freedom, posed)
     for b in range(k):
         q[giving.at + b] += giving.room[b] / posed.force
         x[giving.at + b] = giving.begun[b] / posed.motion
     own = np.empty(len(p.blocks))
     for b in range(len(own)):
         own[b] = rules.limits[p.unknown[p.blocks[b, 0] - normal] // 3]
-    return g, posed, in_order(M, q, p.role, p.blocks, p.order, own, p.faces, p.normals), x[p.order]
+    return g, posed, reorder_problem(M, q, p.role, p.blocks, p.order, own, p.faces, p.normals), x[p.order]
 
 
 @kernel
 def answered(
-    g: Given, posed: Posed, rules: Rules, t: Condensed, y: Array, residual: float
+    g: GraspArrays, posed: GraspGeometry, rules: Rules, t: Condensed, y: Array, residual: float
 ) -> tuple[bool, Array, Array, Array, Ints, Array]:
     """(whether a solution y (N,) passes, forces (c,) and motions (c,) in contact axes, twist (6,) of the object about
     the contacts' centre, contact states (n,), motions (k,) of limits that give way).
@@ -133,7 +142,7 @@ def answered(
     normal, count, tangent, u, size = p.at
     x = np.empty(size)
     x[p.order] = y
-    own, free = in_si(x, p.unknown, count, (normal, tangent, u), g.prescribed, posed, p.dof)
+    own, free = unknowns_in_si(x, p.unknown, count, (normal, tangent, u), g.prescribed, posed, p.dof)
     twist, forces = np.zeros(6), own * s
     for i in range(p.dof):
         for j in range(6):
@@ -152,14 +161,16 @@ def answered(
             posed.wrench[j] += t.B_r[j, i] * forces[i]
         for i in range(6):
             posed.wrench[j] += t.B_u[j, i] * twist[i]
-    friction = Friction(rules.limits, p.faces, p.normals)
-    v, misses = examine(g, posed, p.contacts, friction, offset, own, twist, ANY)
+    friction = FrictionLimits(rules.limits, p.faces, p.normals)
+    v, misses = compute_motions_and_residuals(g, posed, p.contacts, friction, offset, own, twist, ANY)
     kinds = kinds_in_step(p.contacts, friction, misses, posed, own, v)
     return accepted(misses, posed, residual, k), forces, v / s, twist, kinds, gives
 
 
 @kernel
-def kinds_in_step(contacts: Ints, friction: Friction, misses: Misses, posed: Posed, own: Array, v: Array) -> Ints:
+def kinds_in_step(
+    contacts: Ints, friction: FrictionLimits, misses: LawResiduals, posed: GraspGeometry, own: Array, v: Array
+) -> Ints:
     """(n,) contact states of forces (c,) and motions (c,).
 
     A contact slides where it slips by more than a solver leaves of a slip that is zero. Any wider limit would be a
@@ -170,7 +181,7 @@ def kinds_in_step(contacts: Ints, friction: Friction, misses: Misses, posed: Pos
 
 
 @kernel
-def accepted(misses: Misses, posed: Posed, residual: float, k: int) -> bool:
+def accepted(misses: LawResiduals, posed: GraspGeometry, residual: float, k: int) -> bool:
     """Whether a solution is an answer; k : how many rows the misses do not see."""
     worst = max(misses.balance, misses.normal, misses.cone, misses.slip)
     nothing = misses.force_size <= _NOTHING * posed.force  # what is left of forces that are zero has no relative miss
@@ -178,36 +189,36 @@ def accepted(misses: Misses, posed: Posed, residual: float, k: int) -> bool:
 
 
 @kernel
-def solved(problem: Contacts, y: Array, begun: bool, seed: int) -> float:
+def solved(problem: ContactArrays, y: Array, begun: bool, seed: int) -> float:
     """Solve in place, from y (N,) where `begun`; where that leads nowhere, from contacts that all stick, then with
     Kaczmarz steps between Newton's. Returns the residual.
     """
     cold = not begun
     while True:
         if cold:
-            hold(problem, problem.q > 0.0, np.zeros(len(problem.blocks), np.bool_), y)
-        best, _, r = newton_first(problem, y, cold, SOLVE * 1e-2)
+            solve_sticking(problem, problem.q > 0.0, np.zeros(len(problem.blocks), np.bool_), y)
+        best, _, r = run_newton_first(problem, y, cold, SOLVE * 1e-2)
         if cold or r <= SOLVE:
             break
         cold = True
     if cold and not r <= SOLVE * 1e-2:
-        _, _, r = in_turns(problem, y, best, r, seed, len(y), True, SOLVE * 1e-2)
+        _, _, r = alternate_methods(problem, y, best, r, seed, len(y), True, SOLVE * 1e-2)
     else:
         y[:] = best
-    closed(problem, y)
+    clip_open_pairs(problem, y)
     return r
 
 
 @kernel
-def met(problem: Contacts, y: Array, p: ScenePattern) -> tuple[bool, Array]:
+def met(problem: ContactArrays, y: Array, p: ScenePattern) -> tuple[bool, Array]:
     """(dof, dof) the wrench that a small motion of the object meets, contacts and fingers following it as they are:
     natural units, along the motion where it drives it further; and whether there is one.
     """
     n, u, dof = len(y), p.at[3], p.dof
-    F, w, J, g = np.empty(n), np.empty(n), np.empty((n, n)), work(problem)
+    F, w, J, g = np.empty(n), np.empty(n), np.empty((n, n)), new_subgradient(problem)
     multiply_add(problem.M, y, problem.q, w)
-    rows(problem, y, w, F, g)
-    jacobian(problem, g, J)
+    evaluate_rows(problem, y, w, F, g)
+    write_jacobian(problem, g, J)
     place, a, b = np.empty(n, np.int64), 0, n - dof  # the object's motion last
     for i in range(n):
         if u <= p.order[i] < u + dof:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
-from handlcp.grasp.model.kind import cross_rows
+from handlcp.grasp.model.contact import cross_rows
 from handlcp.grasp.model.mechanism import joint_flexibility
 from handlcp.grasp.path.newton.tangent import Moving, Touch
 

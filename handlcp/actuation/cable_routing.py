@@ -1,0 +1,182 @@
+"""How tendons lie in a posture: their arms, and the posts that they rub on.
+
+Arms of a tendon are given, or those of its route there. Of a route each round body that the cable lies on is a post,
+whose wrap changes with the posture.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from handlcp.actuation.route import Around, BoundRoutes, Pulley, Route
+from handlcp.check import Array, Ints, array, dimensions, number, per_name, read_only
+from handlcp.errors import InputError
+from handlcp.grasp.model.mechanism import NO_WRAP_SIDES
+
+Arms = dict[str, dict[str, float]]
+_FRICTION_ARGUMENT = "Tendons.friction"
+_read_friction = partial(number, minimum=0.0)
+
+
+class CableLayout(NamedTuple):
+    """arms (t, nv) : R [m/rad, m/m]. shift (t,) : l - R q, with l drawn in by the joints since their posture zero [m].
+    of (m,), grips (m,), posts (m, nv), turning, sides (b, 3) : as `Cables` has them.
+    """
+
+    arms: Array
+    shift: Array
+    post_tendon: Ints
+    wrap_friction: Array
+    posts: Array
+    moment_arm_stiffness: Callable[[Array], Array] | None
+    wrap_sides: Array = NO_WRAP_SIDES
+
+
+class _Posts(NamedTuple):
+    """m posts, those of a tendon in their order. of (m,), grips (m,), rows (m, nv) : as `Cables` has them, of routes μ
+    and 0. legs (m,) : number of the leg that goes round it, among those of all routes; -1: of a tendon without.
+    """
+
+    post_tendon: Ints
+    wrap_friction: Array
+    arms: Array
+    legs: Ints
+
+
+@dataclass(frozen=True, eq=False)
+class CableRouting:
+    """Of t tendons over nv joints. arms (t, nv) : as they were given, 0 of those with routes. order : of each tendon,
+    the joints in the order in which it passes them. grips : μθ of each of these by joint (nv,); μ of a route. routes :
+    by number of the tendon.
+    """
+
+    arms: Array
+    order: list[list[int]]
+    wrap_friction: list[Array | float]
+    routes: dict[int, Route]
+
+    @cached_property
+    def posts(self) -> _Posts:
+        """One for each joint where a tendon has friction, and each round body of a route that has: all of them, so that
+        there are as many in every posture.
+        """
+        nv, none, leg = self.arms.shape[1], np.zeros(self.arms.shape[1]), 0
+        posts = list[tuple[int, float, Array, int]]()
+        for i, (order, grips) in enumerate(zip(self.order, self.wrap_friction, strict=True)):
+            if i in self.routes:
+                legs, most = self.routes[i].legs, float(np.max(grips))
+                around = [leg + k for k, one in enumerate(legs) if one.body is not None and most > 0.0]
+                posts += [(i, most, none, k) for k in around]
+                leg += len(legs)
+            else:
+                posts += _joint_posts(i, self.arms[i], order, np.asarray(grips))
+        return _Posts(
+            np.array([p[0] for p in posts], dtype=np.int64), read_only(np.array([p[1] for p in posts])),
+            read_only(np.array([p[2] for p in posts]).reshape(-1, nv)), np.array([p[3] for p in posts], dtype=np.int64),
+        )  # fmt: skip
+
+    def remap_points(self, point: Callable[[str, Array], Array]) -> CableRouting:
+        """Along routes whose places are elsewhere on their links; point : as of `Site.moved`."""
+        return replace(self, routes={i: route.moved(point) for i, route in self.routes.items()})
+
+    def bind_routes(self, kinematics: Any, names: Sequence[str]) -> BoundRoutes | None:
+        """The routes on the links of a hand. Raises UnknownName."""
+        named = tuple([f"Tendons.moment_arms[{names[i]!r}]" for i in self.routes])
+        return BoundRoutes(tuple(self.routes.values()), kinematics, named) if named else None
+
+    def lay_out(self, bound: BoundRoutes | None, q: Array) -> CableLayout:
+        """With joints at q (nv,). Raises InputError as `BoundRoutes.at`."""
+        posts = self.posts
+        if bound is None:
+            return CableLayout(
+                self.arms, read_only(np.zeros(len(self.arms))), posts.post_tendon, posts.wrap_friction, posts.arms, None
+            )
+        routed = self._routed_tendons
+        strung, posed = bound.evaluate(q)
+        R, shift = self.arms.copy(), np.zeros(len(self.arms))
+        R[routed], shift[routed] = strung.arms, -strung.lengths - strung.arms @ q
+        grips, rows = posts.wrap_friction, posts.arms
+        if len(grips):
+            on, legs = posts.legs >= 0, posts.legs
+            grips = read_only(np.where(on, grips * strung.wrap_angles[legs], grips))
+            rows = read_only(np.where(on[:, None], strung.arms_beyond[legs], rows))
+        turning, sides = (
+            partial(bound.moment_arm_stiffness, posed, routed),
+            read_only(strung.wrap_sides[self._wrapping_legs]),
+        )
+        return CableLayout(read_only(R), read_only(shift), posts.post_tendon, grips, rows, turning, sides)
+
+    def describe_bodies(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Round bodies that routes pass, in words; names (t,)."""
+        places = [(names[i], p, leg.body) for i, route in self.routes.items()
+                  for leg in route.legs for p in [route.places[leg.body or 0]] if isinstance(p, Around)]  # fmt: skip
+        return tuple([f"{name!r} the {place.shape} at places[{k}], on {place.link}" for name, place, k in places])
+
+    @cached_property
+    def _wrapping_legs(self) -> Ints:
+        """Numbers of legs that go round a body, among those of all routes."""
+        every = [leg.body is not None for route in self.routes.values() for leg in route.legs]
+        return np.flatnonzero(every)
+
+    @cached_property
+    def _routed_tendons(self) -> Ints:
+        """Numbers of tendons with routes."""
+        return np.array([*self.routes], dtype=np.int64)
+
+
+def _joint_posts(tendon: int, arms: Array, order: list[int], grips: Array) -> list[tuple[int, float, Array, int]]:
+    """One post for each joint that has friction; beyond it the tendon moves the joints that it passes from there on."""
+    every = np.arange(len(arms))
+    return [
+        (tendon, float(grips[j]), np.where(np.isin(every, order[k:]), arms, 0.0), -1)
+        for k, j in enumerate(order)
+        if grips[j] > 0.0
+    ]
+
+
+def read_cable_routing(
+    names: Sequence[str], R: Array, arms: Mapping[str, Any] | None, friction: Any, joints: Sequence[str]
+) -> CableRouting:
+    """From what users pass. names (t,), R (t, nv) : 0 of those with routes. arms : by tendon, if they were given so.
+    Raises InputError, UnknownName.
+    """
+    routes = {} if arms is None else {i: arms[name] for i, name in enumerate(names) if isinstance(arms[name], Route)}
+    order = [np.flatnonzero(row).tolist() for row in R]
+    if arms is not None:
+        own = [arms[name] for name in names]
+        order = [[] if isinstance(row, Route) else [joints.index(j) for j, x in row.items() if x] for row in own]
+    if isinstance(friction, Mapping):
+        given = per_name(_FRICTION_ARGUMENT, friction, names, "a tendon")
+        rows = [given.get(name, 0.0) for name in names]
+    elif dimensions(friction) == 0:
+        rows = [friction] * len(names)
+    else:
+        matrix = array(_FRICTION_ARGUMENT, friction, R.shape, what="μθ ≥ 0, one row for each tendon,")
+        rows = [dict(zip(joints, row.tolist(), strict=True)) for row in matrix]
+    every = isinstance(friction, Mapping)
+    grips = [
+        _read_tendon_friction(
+            f"{_FRICTION_ARGUMENT}[{name!r}]" if every else _FRICTION_ARGUMENT, row, joints, i in routes
+        )
+        for i, (name, row) in enumerate(zip(names, rows, strict=True))
+    ]
+    for i, route in routes.items():
+        if np.max(grips[i]) > 0.0 and any(isinstance(place, Pulley) for place in route.places[1:]):
+            raise InputError(_FRICTION_ARGUMENT, f"0 for {names[i]!r}, which a pulley divides", f"{np.max(grips[i]):g}")
+    return CableRouting(R, order, grips, routes)
+
+
+def _read_tendon_friction(argument: str, value: Any, joints: Sequence[str], routed: bool) -> Array | float:
+    """(nv,) μθ of one tendon at the joints; μ of one with a route."""
+    if not isinstance(value, Mapping):
+        one = _read_friction(argument, value)
+        return one if routed else np.full(len(joints), one)
+    if routed:
+        raise InputError(argument, "one coefficient of friction, of all that the route goes around", repr(value)[:80])
+    values = per_name(argument, value, joints, "a joint")
+    return np.array([_read_friction(f"{argument}[{joint!r}]", values.get(joint, 0.0)) for joint in joints])

@@ -1,0 +1,325 @@
+"""The stiffness of joints that tendons move, and what the tendons do: where arms are given, and along routes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import Any, Self, TypeVar
+
+import numpy as np
+
+from handlcp.actuation.cable_routing import CableLayout, CableRouting
+from handlcp.actuation.joint_stiffness import TENDON_TENSION, Effort, JointStiffness, inverse_root, orthonormal_basis
+from handlcp.actuation.motor import Drives, check_driven_once, read_tendon_motors
+from handlcp.actuation.route import BoundRoutes, Route
+from handlcp.check import Array, Bools, read_only
+from handlcp.errors import InputError
+from handlcp.grasp.model.mechanism import Cables
+from handlcp.tolerances import SEMIDEFINITE
+
+TENDON_EQUATION = "K = K_p + Rᵀ k R,  t = k R δq"
+CablesAtPosture = Callable[[Array], tuple[Cables, Array]]
+TendonStiffnessT = TypeVar("TendonStiffnessT", bound="TendonStiffness")
+_TORQUE_ROUNDING = 1e-6  # of the largest torque of a command: less is rounding
+_MAX_CACHED_POSTURES = 8  # postures, which steps ask for again
+_MIN_LOOSE_SHARE = 0.1  # of the largest motion: joints that move less are not named as loose
+
+
+@dataclass(frozen=True, eq=False)
+class TendonModel:
+    """Tendons over joints: names (t,), joints (nv,), springs (t, t), passive (nv, nv) with inf of rigid joints,
+    pretension and limits (t,), how they lie, and their motors. stated : whether a file says all of it.
+    """
+
+    names: tuple[str, ...]
+    joints: Sequence[str]
+    springs: Array
+    passive: Array
+    pretension: Array
+    limits: Array
+    routing: CableRouting
+    drives: Drives | None
+    is_from_file: bool = False
+
+    def stiffness_at(
+        self, kind: type[TendonStiffnessT], bound: BoundRoutes | None, q: Array, way: CablesAtPosture | None
+    ) -> TendonStiffnessT:
+        """Of this kind, in a posture q (nv,)."""
+        laid = self.routing.lay_out(bound, q)
+        cables = self._posture_cables(laid, way)
+        through = cables.arms.T @ self.springs @ cables.arms  # no load reaches the tendons through a rigid joint
+        K = self.passive + (through + through.T) / 2
+        if not self._min_passive_stiffness > SEMIDEFINITE * float(
+            through.trace() + self._passive_trace
+        ):  # no less than its largest eigenvalue
+            check_no_loose_motion(K, ~self._is_elastic, self.joints)
+        made = kind(K, laid.arms, cables, self._compliance_root(K))
+        return made if self.drives is None else made.with_motors(self.drives, self.limits)
+
+    def _compliance_root(self, K: Array) -> Array | None:
+        """(nv, nv) as of `JointStiffness`; None: not known."""
+        if not self.routing.routes or not self._are_all_elastic:
+            return None
+        A = np.zeros_like(K)
+        return A if inverse_root(K, A) else None
+
+    @cached_property
+    def _is_elastic(self) -> Bools:
+        """(nv,) joints that are not rigid."""
+        return np.asarray(np.isfinite(np.diagonal(self.passive)))
+
+    @cached_property
+    def _are_all_elastic(self) -> bool:
+        return bool(self._is_elastic.all())
+
+    @cached_property
+    def _min_passive_stiffness(self) -> float:
+        """The least stiffness that joints' own springs give any motion [N·m/rad]: where it counts, no arm matters."""
+        own = self.passive[np.ix_(self._is_elastic, self._is_elastic)]
+        return float(np.linalg.eigvalsh(own)[0]) if len(own) else np.inf
+
+    @cached_property
+    def _passive_trace(self) -> float:
+        """Trace of these springs."""
+        return float(np.diagonal(self.passive)[self._is_elastic].sum())
+
+    @cached_property
+    def _common_cables(self) -> Cables:
+        """What of them is the same in every posture."""
+        none, posts = np.zeros(len(self.joints)), self.routing.posts
+        own = read_only(np.where(np.isinf(self.passive), 0.0, self.passive))
+        most, arms = tension_limits(self.drives, self.limits), self.routing.arms
+        return Cables(
+            self.names,
+            arms,
+            self.springs,
+            own,
+            none,
+            self.pretension,
+            most,
+            posts.post_tendon,
+            posts.wrap_friction,
+            posts.arms,
+            none,
+            wrapped_bodies=self.routing.describe_bodies(self.names),
+        )
+
+    def _posture_cables(self, laid: CableLayout, way: CablesAtPosture | None) -> Cables:
+        """As a path needs them."""
+        arms, posts = laid.arms, laid.posts
+        if not self._are_all_elastic:
+            arms, posts = (read_only(np.where(self._is_elastic, rows, 0.0)) for rows in (arms, posts))
+        turning = laid.moment_arm_stiffness
+        if turning is not None and not self._are_all_elastic:
+            turning = partial(self._mask_rigid_joints, turning)
+        return self._common_cables._replace(
+            arms=arms,
+            wrap_friction=laid.wrap_friction,
+            posts=posts,
+            shift=laid.shift,
+            elasticity_at=way,
+            moment_arm_stiffness=turning,
+            wrap_sides=laid.wrap_sides,
+        )
+
+    def _mask_rigid_joints(self, turning: Callable[[Array], Array], tension: Array) -> Array:
+        """As `Cables` has it, 0 of rigid joints."""
+        return np.asarray(turning(tension) * np.outer(self._is_elastic, self._is_elastic))
+
+
+class TendonStiffness(JointStiffness):
+    """K = K_p + Rᵀ k R, and the tendons behind it; arms (t, nv) : R as it was given. drives : motors of tendons, None
+    without; bears (t,) : what tendons bear, whatever their motors hold [N]. `cables.limits` are the smaller of both.
+    """
+
+    drives: Drives | None = None
+
+    def __init__(self, matrix: Array, arms: Array, cables: Cables, root: Array | None = None) -> None:
+        super().__init__(matrix, root=root)
+        self.arms, self.cables, self.strength = arms, cables, cables.limits
+
+    def with_motors(self, drives: Drives | None, bears: Array) -> Self:
+        """The same with these motors, of tendons that bear so much, (t,) [N]."""
+        made = copy(self)
+        made.drives, made.strength, made.cables = (
+            drives,
+            bears,
+            self.cables._replace(limits=tension_limits(drives, bears)),
+        )
+        return made
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """(t,) of the tendons."""
+        return self.cables.names
+
+    def motored(self, motors: Mapping[str, Any] | None) -> TendonStiffness:
+        """The same with motors by tendon, None: without. Raises InputError, UnknownName."""
+        return self.with_motors(read_tendon_motors(motors, self.names, self.cables.pretension), self.strength)
+
+    @property
+    def closing_tensions(self) -> Array:
+        """(t,) with which motors can draw tendons in [N]; inf where no motor says it."""
+        return np.full(len(self.strength), np.inf) if self.drives is None else self.drives.closing_limits
+
+    def check_driven_once(self, drives: Drives | None, joints: Sequence[str]) -> None:
+        """No joint has a motor of its own that a tendon with a motor moves."""
+        check_driven_once(self.arms, self.drives, drives, joints)
+
+    @property
+    def routes(self) -> dict[str, Route]:
+        """Of the tendons that have one, by name."""
+        return {}
+
+    @property
+    def own_springs(self) -> Array:
+        """Of `passive`."""
+        return np.asarray(self.cables.passive.diagonal())
+
+    @property
+    def command_directions(self) -> Array:
+        """K⁻¹ Rᵀ: where the springs let the joints go when a tendon is drawn in."""
+        return orthonormal_basis(self.root @ (self.arms @ self.root).T)
+
+    def scale_stiffness(self, factor: float) -> TendonStiffness:
+        """The same with every spring so many times as stiff."""
+        c = self.cables
+        springs, passive = read_only(factor * c.springs), read_only(factor * c.passive)
+        made = TendonStiffness(self.matrix * factor, self.arms, c._replace(springs=springs, passive=passive))
+        return made.with_motors(self.drives, self.strength)
+
+    def effort(self, torque: Array, command: Array) -> Effort:
+        """The tension t = k R K⁻¹ τ + t_c [N]: how much harder each tendon pulls; below 0 it pulls less. t_c is what it
+        takes to turn the joints to where they are commanded against their own springs, Rᵀ t_c = K_p δq_c.
+        """
+        c = self.cables
+        tension = c.springs @ (self.arms @ self.deflection(torque))
+        if command.any():
+            tension = tension + np.linalg.lstsq(self.arms.T, c.passive @ command)[0]
+        return self._make_effort(tension, tension + c.initial_tension)
+
+    def tension_effort(self, values: Array) -> Effort:
+        """With which tendons pull, (t,) [N]."""
+        return self._make_effort(values, values)
+
+    def _make_effort(self, values: Array, whole: Array) -> Effort:
+        """Of tendons; whole (t,) : tensions with what they pulled with before [N]."""
+        limits = self.cables.limits
+        return Effort(
+            TENDON_TENSION, "N", self.names, read_only(values), limits, read_only(np.maximum(whole, 0.0) / limits)
+        )
+
+    def actuator_torque(self, torque: Array, command: Array) -> Array:
+        """Rᵀ t."""
+        return np.asarray(self.arms.T @ self.effort(torque, command).values)
+
+    def unmade_torque(self, command: Array) -> Array:
+        """Tendons that pull make torques Rᵀ (t - T₀), none of them below 0; what else K δq_c asks for, springs at the
+        joints would have to be commanded to, or tendons would have to push.
+        """
+        asked = self.command_torque(command)
+        left = self.cables.unmade_torque(asked)
+        return np.where(abs(left) > _TORQUE_ROUNDING * abs(asked).max(initial=0.0), left, 0.0)
+
+    @property
+    def law(self) -> tuple[str, str]:
+        """For `explain()`."""
+        t, nv = self.arms.shape
+        return TENDON_EQUATION, f"{t} tendon{'s' if t > 1 else ''} over {nv} joints"
+
+
+class RoutedStiffness(TendonStiffness):
+    """Of tendons that run along routes, in one posture."""
+
+    _model: TendonModel
+    _cache: TendonPostureCache
+    _q: Array
+
+    @property
+    def is_from_file(self) -> bool:
+        """As made."""
+        return self._model.is_from_file
+
+    def as_from_file(self) -> RoutedStiffness:
+        """The same, said by a file."""
+        return self.from_model(replace(self._model, is_from_file=True), self._cache.kinematics, self._q)
+
+    @classmethod
+    def from_model(cls, made: TendonModel, kinematics: Any, q: Array) -> RoutedStiffness:
+        """On the links of a hand, at q (nv,). Raises InputError, UnknownName."""
+        return TendonPostureCache(made, kinematics).stiffness_at(q)
+
+    @property
+    def routes(self) -> dict[str, Route]:
+        """Of the tendons that have one, by name."""
+        return {self._model.names[i]: route for i, route in self._model.routing.routes.items()}
+
+    def motored(self, motors: Mapping[str, Any] | None) -> RoutedStiffness:
+        """The same with motors by tendon, None: without. Raises InputError, UnknownName."""
+        drives = read_tendon_motors(motors, self.names, self.cables.pretension)
+        return self.from_model(replace(self._model, drives=drives), self._cache.kinematics, self._q)
+
+    def in_posture(self, kinematics: Any, q: Array) -> RoutedStiffness:
+        """In another posture, of a hand with these kinematics."""
+        return (
+            self._cache.stiffness_at(q)
+            if kinematics is self._cache.kinematics
+            else self.from_model(self._model, kinematics, q)
+        )
+
+    def remap_points(self, kinematics: Any, point: Callable[[str, Array], Array]) -> RoutedStiffness:
+        """On links of other lengths, of a hand with these kinematics; point : where a point (3,) of a link is then."""
+        return self.from_model(
+            replace(self._model, routing=self._model.routing.remap_points(point)), kinematics, self._q
+        )
+
+
+class TendonPostureCache:
+    """Tendons along routes on the links of a hand, in one posture after the other. Raises UnknownName."""
+
+    def __init__(self, made: TendonModel, kinematics: Any) -> None:
+        self.model, self.kinematics = made, kinematics
+        self._bound = made.routing.bind_routes(kinematics, made.names)
+        self._lately = dict[bytes, RoutedStiffness]()
+
+    def stiffness_at(self, q: Array) -> RoutedStiffness:
+        """With joints at q (nv,). Raises InputError."""
+        key = q.tobytes()
+        if (found := self._lately.get(key)) is None:
+            if len(self._lately) >= _MAX_CACHED_POSTURES:
+                self._lately.clear()
+            found = self._lately[key] = self.model.stiffness_at(RoutedStiffness, self._bound, q, self.cables_at)
+            found._model, found._cache, found._q = self.model, self, q
+        return found
+
+    def cables_at(self, q: Array) -> tuple[Cables, Array]:
+        """As `Cables` asks for it."""
+        there = self.stiffness_at(q)
+        return there.cables, there.root
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without what it has worked out lately."""
+        return {**self.__dict__, "_lately": {}}
+
+
+def tension_limits(drives: Drives | None, bears: Array) -> Array:
+    """(t,) what tendons that bear so much (t,) hold for good with these motors [N]."""
+    return bears if drives is None else read_only(np.minimum(bears, drives.holding_limits(bears)))
+
+
+def check_no_loose_motion(K: Array, rigid: Bools, joints: Sequence[str]) -> None:
+    """Raises InputError with the joints of every motion that K does not resist."""
+    free = np.flatnonzero(~rigid)
+    size = np.sqrt(np.diagonal(K)[free])
+    size[size == 0.0] = 1.0
+    scaled = K[np.ix_(free, free)] / np.outer(size, size)  # without units, so that hinges and slides compare
+    stiff, motions = np.linalg.eigh(scaled)
+    loose = motions[:, stiff <= SEMIDEFINITE * max(1.0, float(stiff[-1]))] if len(free) else motions
+    if loose.shape[1]:
+        moves = abs(loose).max(axis=1)
+        named = [joints[i] for i, m in zip(free.tolist(), moves, strict=True) if m > _MIN_LOOSE_SHARE * moves.max()]
+        expected = "tendons and passive springs that leave no joint without one"
+        together = " against each other" if len(named) > loose.shape[1] else ""
+        raise InputError("Tendons.passive", expected, f"nothing that springs back {', '.join(named)}{together}")

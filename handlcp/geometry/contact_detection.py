@@ -1,0 +1,417 @@
+"""Where a ball that is swept along a line or over a rectangle is nearest to an object, or to its corner, compiled.
+
+A capsule is a ball swept along a line, the face of a box a ball without radius swept over a rectangle. Of all its
+stations c + s a + t b, -1 ≤ s, t ≤ 1, the nearest one counts. The signed distance φ of a convex object is a convex
+function of the station, so that each slope a · ∇φ grows along a, and the nearest station is where it changes its sign.
+
+As the shape moves, the nearest station stays where the normal n is across the line:
+
+    a · n = 0,   ds = -(aᵀ N δc + (ω × a) · n) / (aᵀ N a)
+
+δc is the motion of the station on the shape, ω how fast the shape turns, N the turning of the normal by the station.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from handlcp.check import Array
+from handlcp.contact.friction import FrictionLaw
+from handlcp.errors import InputError, NotReached
+from handlcp.extras import pip_install
+from handlcp.geometry.distance import bounding_box, coal_distance, shape_size, signed_distance
+from handlcp.geometry.object import Object, closest_on_surface
+from handlcp.grasp.model.contact import Contact, cross_rows
+from handlcp.lcp.kernels.dense import kernel
+from handlcp.robot.fingertip import SweptBall, TipShape
+from handlcp.robot.hand_model import HandPosture
+from handlcp.robot.link_surface import has_coacd
+from handlcp.words import first_largest
+
+_MAX_SWEEPS = 40  # over a rectangle, one line after the other
+_MAX_HALVINGS = 120
+_STATION_TOLERANCE = 1e-13  # of the line's half length
+_MIN_CURVATURE = 1e-6  # curvature along a line, times the object's size, below which stations do not move
+
+
+@kernel
+def nearest_station(kind: int, sizes: Array, c: Array, spans: Array, at: Array) -> Array:
+    """(3,) the station nearest to a shape of this kind and sizes (`closest_on_surface`); c (3,), spans (2, 3) in its
+    axes. Writes s and t into at (2,).
+    """
+    point = c.copy()
+    at[0] = at[1] = 0.0
+    lines = 0
+    for k in range(2):
+        if spans[k, 0] != 0.0 or spans[k, 1] != 0.0 or spans[k, 2] != 0.0:
+            lines += 1
+    for _ in range(_MAX_SWEEPS if lines > 1 else lines):
+        moved = 0.0
+        for k in range(lines):
+            before = at[k]
+            for a in range(3):
+                point[a] -= before * spans[k, a]
+            at[k] = _nearest_on_line(kind, sizes, point, spans[k])
+            for a in range(3):
+                point[a] += at[k] * spans[k, a]
+            moved = max(moved, abs(at[k] - before))
+        if moved <= _STATION_TOLERANCE:
+            break
+    return point
+
+
+@kernel
+def _nearest_on_line(kind: int, sizes: Array, c: Array, span: Array) -> float:
+    """S in [-1, 1] of the station nearest to the shape: where the slope changes its sign, by false position, the value
+    at an end that stays halved (the Illinois method), and every third time in the middle.
+    """
+    low, high = -1.0, 1.0
+    f, g = _distance_slope(kind, sizes, c, span, low), _distance_slope(kind, sizes, c, span, high)
+    if f >= 0.0 and g <= 0.0:
+        return 0.0
+    if f >= 0.0:
+        return low
+    if g <= 0.0:
+        return high
+    side, s = 0, 0.0
+    for k in range(_MAX_HALVINGS):
+        s = (low * g - high * f) / (g - f)
+        if k % 3 == 2 or not low < s < high:
+            s = 0.5 * (low + high)
+        h = _distance_slope(kind, sizes, c, span, s)
+        if h == 0.0 or high - low <= _STATION_TOLERANCE:
+            break
+        if h < 0.0:
+            low, f = s, h
+            g *= 0.5 if side < 0 else 1.0
+            side = -1
+        else:
+            high, g = s, h
+            f *= 0.5 if side > 0 else 1.0
+            side = 1
+    return s
+
+
+@kernel
+def _distance_slope(kind: int, sizes: Array, c: Array, span: Array, s: float) -> float:
+    """Of the distance along the line."""
+    point = np.empty(3)
+    for a in range(3):
+        point[a] = c[a] + s * span[a]
+    _, _, out = closest_on_surface(kind, sizes, point)
+    return float(out[0] * span[0] + out[1] * span[1] + out[2] * span[2])
+
+
+@kernel
+def write_station_motion(
+    N: Array, normal: Array, spans: Array, at: Array, arm: Array, size: float, moves: Array
+) -> None:
+    """Write moves (3, 6): the motion of the nearest station by that of the shape, (v; ω) of a point `arm` (3,) before
+    it. N (3, 3) turns the normal (3,) by the station's motion; spans (2, 3), all in world axes.
+    """
+    for a in range(3):
+        b, c = (a + 1) % 3, (a + 2) % 3
+        for j in range(6):
+            moves[a, j] = 0.0
+        moves[a, a] = 1.0
+        moves[a, 3 + b], moves[a, 3 + c] = arm[c], -arm[b]
+    D, right, free = np.zeros((2, 2)), np.zeros((2, 6)), np.zeros(2)
+    for k in range(2):
+        along = N @ spans[k]
+        length = spans[k] @ spans[k]
+        if length > 0.0 and abs(at[k]) < 1.0 and -(spans[k] @ along) * size > _MIN_CURVATURE * length:
+            free[k] = 1.0
+            for m in range(2):
+                D[m, k] = spans[m] @ along
+            across = np.cross(spans[k], normal)
+            for j in range(6):
+                for a in range(3):
+                    right[k, j] -= along[a] * moves[a, j]
+                if j >= 3:
+                    right[k, j] -= across[j - 3]
+    for k in range(2):
+        if free[k] == 0.0:
+            D[k, :] = D[:, k] = 0.0
+            D[k, k] = 1.0
+    det = D[0, 0] * D[1, 1] - D[0, 1] * D[1, 0]
+    if det == 0.0:
+        return
+    for j in range(6):
+        s = (D[1, 1] * right[0, j] - D[0, 1] * right[1, j]) / det
+        t = (D[0, 0] * right[1, j] - D[1, 0] * right[0, j]) / det
+        for a in range(3):
+            moves[a, j] += s * spans[0, a] + t * spans[1, a]
+
+
+# ----------------------------------------------------------------
+# A corner of an object that stands on a flat face of a link. The contact stays a point of the object, while the face
+# moves on below it. Its normal is the face's, and turns with the link; beyond the face's rim it turns about the rim,
+# which is round.
+
+
+@kernel
+def write_corner_contact(
+    x: Array, place: Array, R: Array, beside: Array, face: Array, radius: float, normal: Array, turn: Array,
+    shift: Array,
+) -> float:  # fmt: skip
+    """The gap between a corner at x (3,) and a face, a ball of this radius swept about `beside` (3,) along the rows of
+    `face` (2, 3), whose product points out of the link: in a frame at place (3,) with rotation R (3, 3). Writes the
+    normal (3,), and how it turns and the contact shifts with the link, which moves by v + ω × (x - place): turn, shift
+    (3, 6) as in `Touch`.
+    """
+    d, spans = x - place, np.zeros((2, 3))
+    for a in range(3):
+        for b in range(3):
+            d[a] -= R[a, b] * beside[b]
+            for k in range(2):
+                spans[k, a] += R[a, b] * face[k, b]
+    out = np.cross(spans[0], spans[1])
+    out /= np.sqrt(out @ out)
+    over = np.zeros((3, 3))  # takes what of a motion changes d: all of it that does not run along the face
+    for a in range(3):
+        for b in range(3):
+            over[a, b] = out[a] * out[b]
+    outside = False
+    for k in range(2):
+        size = spans[k] @ spans[k]
+        share = (d @ spans[k]) / size
+        if abs(share) > 1.0:
+            outside = True
+            for a in range(3):
+                for b in range(3):
+                    over[a, b] += spans[k, a] * spans[k, b] / size
+        d = d - min(max(share, -1.0), 1.0) * spans[k]
+    away = np.sqrt(d @ d) if outside else d @ out
+    normal[:] = d / away if outside else out
+    turn[:], shift[:] = 0.0, 0.0
+    arm, e = x - place, np.zeros(3)
+    for a in range(3):
+        e[:] = 0.0
+        e[a] = 1.0
+        turn[:, 3 + a] = np.cross(e, normal)
+        if outside:
+            moved, turned = over @ e, over @ np.cross(e, arm)
+            turn[:, a] = -(moved - normal * (normal @ moved)) / away
+            turn[:, 3 + a] -= (turned - normal * (normal @ turned)) / away
+    return float(away) - radius
+
+
+# ----------------------------------------------------------------
+# Detection of contacts: nearest points, normal and signed gap between a fingertip and an object.
+#
+# Those of spherical fingertips are closed forms of the object; those of others are coal's, checked.
+
+
+_IDENTITY = np.eye(3)  # for balls, whose rotation does not matter
+
+
+@dataclass(frozen=True, slots=True)
+class Proximity:
+    """Where a fingertip and an object are nearest to each other: world axes, metres.
+
+    gap : signed distance, negative when they overlap. position : (3,) on the object's surface. tip_point : (3,) on
+    the fingertip's surface. normal : (3,) unit, from the tip into the object.
+    """
+
+    gap: float
+    position: Array
+    tip_point: Array
+    normal: Array
+
+
+def nearest_proximity(shapes: tuple[TipShape, ...], position: Array, rotation: Array, obj: Object) -> Proximity:
+    """The proximity of the nearest of a tip's shapes; position (3,) and rotation (3, 3) are those of the tip frame.
+
+    Raises InputError for an object that is not convex where the tip is not a sphere; Unsupported where a distance
+    cannot be computed.
+    """
+    return min([shape_proximity(shape, position, rotation, obj) for shape in shapes], key=lambda one: one.gap)
+
+
+def shape_proximity(s: TipShape, position: Array, rotation: Array, obj: Object) -> Proximity:
+    """As `nearest`, of one shape."""
+    if s.is_central:
+        return _measure_proximity(s, position, _IDENTITY, obj)
+    if s.face is not None and s.corner is not None:
+        return _corner_proximity(s.face, s.corner, position, rotation, obj)
+    if s.face is not None and obj.known is not None:
+        return _face_proximity(s.face, position, rotation, obj)
+    return _measure_proximity(s, position + rotation @ s.translation, rotation @ s.rotation, obj)
+
+
+def quick_proximity(shape: TipShape, p: Array, R: Array, obj: Object, gap: float, about: float) -> Proximity:
+    """As `nearest`, of one shape whose gap is known to be `gap`, give or take `about` [m]: where coal says so, too, and
+    the object is convex, that is not confirmed any further.
+    """
+    by_face = shape.face is not None and (shape.corner is not None or obj.known is not None)
+    if shape.radius is None and not by_face and obj.triangles is None:
+        at = R @ shape.rotation, p + R @ shape.translation
+        found, on_tip, on_object, normal = coal_distance(shape.geometry, at, obj.geometry, obj.frame)
+        if abs(found - gap) <= about and abs(float(normal @ normal) - 1.0) < 1e-9:
+            return Proximity(found, on_object, on_tip, normal)
+    return shape_proximity(shape, p, R, obj)
+
+
+def detect_tip_contacts(
+    state: HandPosture, tips: tuple[int, ...], obj: Object, laws: Sequence[FrictionLaw], max_gap: float
+) -> tuple[tuple[Contact, ...], Array]:
+    """A contact and a signed gap [m] for each of the tips numbered `tips`, whose frictions are `laws`.
+
+    Raises NotReached, naming all fingertips that are farther than `max_gap` [m] from the object.
+    """
+    hand = state.hand
+    names = [hand.fingertips[i] for i in tips]
+    near = [nearest_proximity(hand.tip_shapes(i), state.tip_positions[i], state.tip_rotations[i], obj) for i in tips]
+    if far := {name: p.gap for name, p in zip(names, near, strict=True) if not p.gap <= max_gap}:
+        raise NotReached("fingers", f"fingertips within max_gap = {max_gap * 1e3:g} mm of the object", far)
+    positions, normals = np.array([p.position for p in near]), np.array([p.normal for p in near])
+    return _make_contacts(positions, normals, laws, names), np.array([p.gap for p in near])
+
+
+def _measure_proximity(shape: TipShape, p: Array, R: Array, obj: Object) -> Proximity:
+    if shape.radius is not None:
+        known = obj.closest(p)
+        if known is not None:
+            away, x, outward = known
+            return Proximity(away - shape.radius, x, p - shape.radius * outward, -outward)
+    elif obj.triangles is not None and not has_coacd():
+        expected = f"spherical fingertips for an object that is not convex, or its parts ({pip_install('coacd')})"
+        raise InputError("tip_radius", expected, f"a {type(shape.geometry).__name__}")
+    names, parts = (f"{shape.name} ({type(shape.geometry).__name__})", obj), obj.parts
+
+    def measured(k: int) -> Proximity:
+        gap, on_tip, on_object, normal = signed_distance(shape.geometry, (R, p), parts[k], obj.frame, names)
+        return Proximity(gap, on_object, on_tip, normal)
+
+    return measured(0) if len(parts) == 1 else search_nearest(_gap_lower_bounds(shape.geometry, p, obj), measured)
+
+
+def _gap_lower_bounds(geometry: Any, p: Array, obj: Object) -> Array:
+    """How near the object's parts are at least to a shape at p (3,) [m], by a ball and boxes around them."""
+    (R, o), low, high = obj.frame, *np.array([bounding_box(part) for part in obj.parts]).transpose(1, 0, 2)
+    x = (p - o) @ R
+    away = np.maximum(np.maximum(low - x, x - high), 0.0)
+    return np.asarray(np.sqrt((away * away).sum(axis=1)) - np.sqrt(3.0) * shape_size(geometry))
+
+
+def search_nearest(least: Array, measured: Callable[[int], Proximity]) -> Proximity:
+    """The nearest of m things; least (m,) : how near each is at least [m]. They are measured in that order, as long as
+    the next could be nearer than what was found.
+    """
+    found: Proximity | None = None
+    for k in np.argsort(least, kind="stable").tolist():
+        if found is not None and found.gap < least[k]:
+            break
+        one = measured(k)
+        found = one if found is None or one.gap < found.gap else found
+    assert found is not None  # there is one at least
+    return found
+
+
+def _make_contacts(
+    positions: Array, normals: Array, laws: Sequence[FrictionLaw], names: list[str]
+) -> tuple[Contact, ...]:
+    """What `Contact(position, normal, law, None, name)` makes, with all frames at once and without its checks."""
+    z = normals / np.sqrt((normals * normals).sum(axis=1))[:, None]
+    x = np.eye(3)[np.argmin(np.round(abs(z), 9), axis=1)]
+    x -= z * (x * z).sum(axis=1)[:, None]
+    x /= np.sqrt((x * x).sum(axis=1))[:, None]
+    frames = np.stack([x, cross_rows(z, x), z], axis=2)
+    positions.flags.writeable = frames.flags.writeable = False
+    return tuple([
+        Contact.from_arrays(p, R, law, False, name) if law.x_axis is None else Contact(p, R[:, 2], law, None, name)
+        for p, R, law, name in zip(positions, frames, laws, names, strict=True)
+    ])  # fmt: skip
+
+
+def _face_proximity(face: SweptBall, p: Array, R: Array, obj: Object) -> Proximity:
+    """Of a swept ball in a frame at p (3,) with rotation R (3, 3), and an object that `closest_on_surface` knows."""
+    (kind, sizes), (Q, q), at = obj.known, obj.frame, np.zeros(2)  # type: ignore[misc]  # the caller saw to it
+    station = nearest_station(kind, sizes, (p + R @ face.centre - q) @ Q, face.spans @ R.T @ Q, at)
+    away, on, out = closest_on_surface(kind, sizes, station)
+    outward = Q @ out
+    return Proximity(away - face.radius, Q @ on + q, Q @ station + q - face.radius * outward, -outward)
+
+
+def _corner_proximity(face: SweptBall, corner: Array, p: Array, R: Array, obj: Object) -> Proximity:
+    """Of a corner of the object, in the axes of its shape, and a face in a frame at p (3,) with rotation R (3, 3)."""
+    (Q, q), normal, rows = obj.frame, np.empty(3), np.empty((2, 3, 6))
+    x = Q @ corner + q
+    gap = write_corner_contact(x, p, R, *face, normal, rows[0], rows[1])
+    return Proximity(gap, x, x - gap * normal, normal)
+
+
+# ----------------------------------------------------------------
+# What of a shape touches an object where both are flat: the points that are nearest when it is tilted a little.
+
+
+TILT_ANGLE = 2e-3  # [rad]
+MIN_SPREAD = 1.5e-3  # [m] farther apart, points are not those of a curved surface
+# Along no axis of a link: tilted toward an edge alone, a face touches anywhere on that edge, and not at its corners
+_TANGENT_SEED = np.array([0.62, 0.34, 0.71])
+_TILT_DIRECTIONS = np.array([(np.cos(a), np.sin(a)) for a in 0.2 + np.arange(8) * np.pi / 4])
+
+
+def find_tilted_points(
+    shapes: tuple[Any, ...], p: Array, R: Array, obj: Object, near: Proximity, angle: float = TILT_ANGLE
+) -> tuple[Array, Array]:
+    """Points (8, 3) of the shapes, where they are, that are nearest when they are tilted by an angle [rad] in eight
+    directions about where they are nearest now, and the object's points (8, 3) opposite. The frame is at p (3,) with
+    rotation R (3, 3).
+    """
+    x, n = tangent_in_frame(R, near.normal), near.normal
+    axes = np.stack([x, cross_rows(n, x), n], axis=1)
+    away = tilt_gap_change(max(shape_size(shape.geometry) for shape in shapes), angle)
+    own, opposite = np.empty((8, 3)), np.empty((8, 3))
+    for k, turn in enumerate(axes @ _tilt_rotations(angle) @ axes.T):
+        lifted = near.tip_point - away * n
+        there = nearest_proximity(shapes, lifted + turn @ (p - near.tip_point), turn @ R, obj)
+        own[k] = near.tip_point + (there.tip_point - lifted) @ turn
+        opposite[k] = there.position
+    return own, opposite
+
+
+def tilt_gap_change(size: float, angle: float = TILT_ANGLE) -> float:
+    """[m] By how much the gap of a shape of this size [m] changes as it is tilted, at most."""
+    return 2.0 * angle * size
+
+
+@lru_cache(maxsize=8)
+def _tilt_rotations(angle: float) -> Array:
+    """(8, 3, 3) rotations by an angle [rad] that raise z in each of eight directions across it."""
+    return np.array([pin.exp3(angle * np.array([-b, a, 0.0])) for a, b in _TILT_DIRECTIONS])
+
+
+def tangent_in_frame(R: Array, normal: Array) -> Array:
+    """(3,) a unit vector across the normal (3,), which turns with a frame whose rotation is R (3, 3)."""
+    x = R @ _TANGENT_SEED
+    x = x - normal * (normal @ x)
+    return np.asarray(x / np.sqrt(x @ x))
+
+
+def is_wide(along: Array, apart: float = MIN_SPREAD) -> bool:
+    """Whether points at (m,) along an axis [m] are farther apart than those of a curved surface, which touches at a
+    point.
+    """
+    return bool(np.ptp(along) > apart)
+
+
+def choose_corners(flat: Array, apart: float = MIN_SPREAD) -> list[int]:
+    """Numbers of two to four of points (m, 2) that span what all do, the farthest from those before first; none but
+    the first two are nearer to each other than `apart` [m]. Of those that are as far but for rounding, the first.
+
+    The points are more than `apart` wide, or one is enough, which `is_wide` says: no other measure decides it here.
+    """
+    chosen = [first_largest(np.linalg.norm(flat, axis=1))]
+    while len(chosen) < 4:
+        away = np.linalg.norm(flat[:, None] - flat[chosen], axis=2).min(axis=1)
+        if away.max() <= (apart if len(chosen) > 1 else 0.0):
+            break
+        chosen.append(first_largest(away))
+    return chosen

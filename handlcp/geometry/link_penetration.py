@@ -1,0 +1,293 @@
+"""Links that are inside the object, and what else is doubtful about a posture, as reasons of a verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array, Ints
+from handlcp.errors import InputError, URDFError
+from handlcp.geometry.contact_detection import nearest_proximity
+from handlcp.geometry.distance import bounding_box
+from handlcp.geometry.object import Object
+from handlcp.geometry.shape import Box, Cylinder, Ellipsoid, Mesh, Sphere
+from handlcp.grasp.failure.failure_mode import StateLimits, is_exceeded, limit_shares
+from handlcp.grasp.solution.verdict import Reason
+from handlcp.lcp.kernels.dense import kernel
+from handlcp.robot.fingertip import make_sphere_tip
+from handlcp.robot.hand_model import HandPosture
+
+# ----------------------------------------------------------------
+# Links inside an object: which, and how deep. The model knows contacts of fingertips alone.
+
+_MAX_MEASURED_POINTS = 24  # points of a link that are measured one by one, where no formula measures all at once
+_IDENTITY = np.eye(3)
+_MAX_LINK_DEPTH = 1e-3  # [m] a link deeper in the object cannot be there
+_MAX_TIP_LINK_DEPTH = 4e-3  # [m] the same of a link with a fingertip on the object, half the radius of a usual one
+
+
+@dataclass(frozen=True, slots=True)
+class LinkPenetration:
+    """A link that is inside the object. depth : of its deepest point below the object's surface [m], beyond that of its
+    fingertip where it carries one. tip : that fingertip, or None. left_out : of the links that may touch.
+    """
+
+    link: str
+    depth: float
+    tip: str | None
+    left_out: bool
+
+    @property
+    def is_impossible(self) -> bool:
+        """Whether it is so deep that the hand cannot be there."""
+        return self.depth > (_MAX_LINK_DEPTH if self.tip is None else _MAX_TIP_LINK_DEPTH)
+
+
+def find_penetrating_links(posture: HandPosture, obj: Object, tips: tuple[int, ...]) -> tuple[LinkPenetration, ...]:
+    """The links inside the object, the deepest first; tips : numbers of the fingertips that are meant to touch it.
+
+    A link that carries such a fingertip may be as deep as the fingertip is: that much its pad is compressed.
+    Raises URDFError where the links' meshes cannot be read.
+    """
+    hand = posture.hand
+    links = hand.link_surfaces
+    if not links:
+        return ()
+    placements, _ = hand.kinematics.frames_at(posture.q, [link.frame for link in links])
+    carried = dict[int, list[int]]()
+    for i in tips:
+        carried.setdefault(hand.tips.places[i].joint, []).append(i)
+    centre, around = bounding_ball(obj)
+    found = []
+    for link, placement in zip(links, placements, strict=True):
+        R, p = placement[:3, :3], placement[:3, 3]
+        if float(np.linalg.norm(p - centre)) > link.reach + around:
+            continue
+        depth = _largest_depth(*link.net, R, p, obj)
+        own = carried.get(link.joint, ())
+        if depth > 0.0 and own:
+            depth -= max(0.0, *(-_tip_gap(posture, tip, obj) for tip in own))
+        if depth > 0.0:
+            left_out = hand.may_touch is not None and link.name not in hand.may_touch
+            found.append(LinkPenetration(link.name, depth, hand.fingertips[own[0]] if own else None, left_out))
+    return tuple(sorted(found, key=lambda one: -one.depth))
+
+
+def _tip_gap(posture: HandPosture, tip: int, obj: Object) -> float:
+    """Signed distance of a fingertip [m]; 0 where nothing is known of its shape."""
+    try:
+        shapes = posture.hand.tip_shapes(tip)
+        return nearest_proximity(shapes, posture.tip_positions[tip], posture.tip_rotations[tip], obj).gap
+    except InputError:
+        return 0.0
+
+
+def _largest_depth(points: Array, radii: Array, R: Array, p: Array, obj: Object) -> float:
+    """How deep the deepest of balls is in the object [m]; ≤ 0: none is. They have radii (m,), and are at points (m, 3)
+    of a frame at p (3,) with rotation R (3, 3).
+    """
+    Q, q = obj.frame
+    if isinstance(obj, Mesh):
+        x, rough, of = np.empty_like(points), np.empty(len(points)), np.empty(len(points), np.int64)
+        count = _select_in_box(points, radii, Q.T @ R, Q.T @ (p - q), *bounding_box(obj.geometry), x, rough, of)
+        x, rough, radii = x[:count], rough[:count], radii[of[:count]]
+    else:
+        x = points @ (Q.T @ R).T + Q.T @ (p - q)
+        if (known := _exact_distances(x, obj)) is not None:
+            return float((radii - known).max())
+        rough = _rough_distances(x, obj) - radii
+    least = np.argsort(rough)[: np.count_nonzero(rough < 0.0)]
+    if not len(least):
+        return 0.0
+    few = np.unique(
+        np.concatenate([least[:: max(1, len(least) // _MAX_MEASURED_POINTS)], least[:_MAX_MEASURED_POINTS]])
+    )
+    at = x[few] @ Q.T + q
+    if (nearby := obj.closest_all(at)) is not None:
+        return float((radii[few] - nearby[0]).max())
+    return max(-_ball_gap(x, float(r), obj) for x, r in zip(at, radii[few], strict=True))
+
+
+@kernel
+def _select_in_box(
+    points: Array, radii: Array, R: Array, p: Array, low: Array, high: Array, x: Array, gaps: Array, of: Ints
+) -> int:  # fmt: skip
+    """How many of balls (m,) at points (m, 3) of a frame at p (3,) with rotation R (3, 3) reach into a box. Writes,
+    from the first row on, where they are into x (m, 3), their signed distances from the box, and their numbers.
+    """
+    count = 0
+    for i in range(len(points)):
+        off2, most = 0.0, -np.inf
+        for a in range(3):
+            at = p[a] + R[a, 0] * points[i, 0] + R[a, 1] * points[i, 1] + R[a, 2] * points[i, 2]
+            x[count, a] = at
+            off = max(low[a] - at, at - high[a])
+            most = max(most, off)
+            off2 += max(off, 0.0) ** 2
+        gaps[count] = np.sqrt(off2) + min(most, 0.0) - radii[i]
+        if gaps[count] < 0.0:
+            of[count] = i
+            count += 1
+    return count
+
+
+def point_distances(x: Array, obj: Object, within: Array | float = np.inf) -> Array:
+    """(m,) signed distances of points (m, 3) in the object's frame [m]: exact for a ball, a box and a cylinder. Of an
+    ellipsoid rough; of a convex mesh, the largest distance to a face's plane: exact inside, at most too small outside.
+
+    within (m,) : [m] points of a mesh which are farther from the box around it are not measured any closer.
+    """
+    known = _exact_distances(x, obj)
+    if known is not None:
+        return known
+    rough = _rough_distances(x, obj)
+    near = rough <= within
+    if isinstance(obj, Mesh) and (beyond := obj.beyond(x[near])) is not None:
+        rough[near] = beyond
+    return rough
+
+
+def _exact_distances(x: Array, obj: Object) -> Array | None:
+    """(m,) signed distances of points in the object's frame, where a formula has them."""
+    if isinstance(obj, Sphere):
+        return np.asarray(np.linalg.norm(x, axis=1) - obj.radius)
+    if isinstance(obj, Box):
+        return _box_distances(abs(x) - 0.5 * obj.size)
+    if isinstance(obj, Cylinder):
+        away = np.hypot(x[:, 0], x[:, 1]) - obj.radius
+        return _box_distances(np.stack([away, abs(x[:, 2]) - 0.5 * obj.length], axis=1))
+    return None
+
+
+def _box_distances(beyond: Array) -> Array:
+    """(m,) signed distances from how far points lie beyond each pair of faces (m, k)."""
+    return np.asarray(np.linalg.norm(np.maximum(beyond, 0.0), axis=1) + np.minimum(beyond.max(axis=1), 0.0))
+
+
+def _rough_distances(x: Array, obj: Object) -> Array:
+    """(m,) what orders points by their depth, and is not above their signed distance by much."""
+    if isinstance(obj, Ellipsoid):
+        level = np.linalg.norm(x / obj.radii, axis=1)
+        return np.asarray((level - 1.0) * float(obj.radii.min()))
+    low, high = bounding_box(obj.geometry)  # around a mesh
+    return _box_distances(abs(x - 0.5 * (low + high)) - 0.5 * (high - low))
+
+
+def _mesh_corners(obj: Object) -> Array:
+    """(m, 3) of a mesh, or of its hull, in its own frame."""
+    if obj.triangles is not None:
+        return obj.triangles.reshape(-1, 3)
+    return np.array(obj.geometry.points(), dtype=float)
+
+
+def bounding_ball(obj: Object) -> tuple[Array, float]:
+    """Centre (3,) and radius [m] of a ball that holds the object."""
+    place = obj.placement
+    if isinstance(obj, Sphere):
+        return place.translation, obj.radius
+    if isinstance(obj, Box):
+        return place.translation, 0.5 * float(np.linalg.norm(obj.size))
+    if isinstance(obj, Cylinder):
+        return place.translation, float(np.hypot(obj.radius, 0.5 * obj.length))
+    if isinstance(obj, Ellipsoid):
+        return place.translation, float(obj.radii.max())
+    corners = _mesh_corners(obj)
+    middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+    return place.act(middle), float(np.linalg.norm(corners - middle, axis=1).max())
+
+
+def _ball_gap(point: Array, radius: float, obj: Object) -> float:
+    """Signed distance of a ball at a point (3,) [m]."""
+    tiny = 1e-6  # a ball without any radius is none
+    return nearest_proximity(make_sphere_tip(radius + tiny), point, _IDENTITY, obj).gap + tiny
+
+
+# ----------------------------------------------------------------
+# What a posture says about holding an object: joints past the ends of their ranges, links inside the object.
+
+_MAX_RANGE_EXCESS = 0.05  # [rad]; past its range by more, the joint cannot be there
+_GEOMETRY_TOLERANCE = 2e-4  # [m] collision geometry is no more exact than that
+
+
+def posture_reasons(posture: HandPosture, obj: Object | None, tips: tuple[int, ...], when: str) -> Iterator[Reason]:
+    """Of a hand that touches an object with the fingertips numbered `tips`; None: an object that is not known.
+
+    when : the hand is in this posture, such as "before the hand squeezes".
+    """
+    yield from _range_reasons(posture, when)
+    if obj is None:
+        return
+    try:
+        inside = find_penetrating_links(posture, obj, tips)
+    except URDFError as error:
+        text = f"whether links are inside the object is not known: {error}"
+        yield Reason("link_inside", "warning", text)
+        return
+    if not posture.hand.link_surfaces:
+        text = "no link has collision geometry: whether links are inside the object is not checked"
+        yield Reason("link_inside", "warning", text)
+    seen = [one for one in inside if one.depth > _GEOMETRY_TOLERANCE]
+    tips_alone = posture.hand.links_of_sites is None
+    for these in _group_alike(seen):
+        yield _penetration_reason(these, when, tips_alone)
+
+
+def _group_alike(found: list[LinkPenetration]) -> list[list[LinkPenetration]]:
+    """Those that one sentence is about, together."""
+    groups = dict[tuple[bool, bool, bool], list[LinkPenetration]]()
+    for one in found:
+        groups.setdefault((one.tip is not None, not one.is_impossible, one.left_out and one.tip is None), []).append(
+            one
+        )
+    return [groups[key] for key in sorted(groups)]
+
+
+def find_impossible_links(posture: HandPosture, obj: Object, tips: tuple[int, ...]) -> tuple[set[str], str]:
+    """Links that are so deep in the object beside their contacts, or without any, that the hand cannot be there, and a
+    sentence about them.
+    """
+    deep = [one for one in find_penetrating_links(posture, obj, tips) if one.is_impossible]
+    said = [_penetration_reason(these, "soon after", False) for these in _group_alike(deep)]
+    return {one.link for one in deep}, "; ".join([reason.sentence for reason in said])
+
+
+def _penetration_reason(links: list[LinkPenetration], when: str, tips_alone: bool) -> Reason:
+    """Of links that are alike, the deepest first. tips_alone : whether fingertips are all that may touch."""
+    values = {"links": [{"link": one.link, "depth_m": one.depth, "fingertip": one.tip} for one in links]}
+    first, more = links[0], len(links) - 1
+    beside_tip, far = first.tip is not None, first.is_impossible
+    who = f"{first.link} and {more} more link{'s' if more > 1 else ''} are up to" if more else f"{first.link} is"
+    if beside_tip:
+        kind = "fingertip" if tips_alone else "contact"
+        than = f"their {kind}s" if more else f"its {kind} {first.tip}"
+        text = f"{when}, {who} {words.length(first.depth)} deeper in the object than {than}"
+    else:
+        text = f"{when}, {who} {words.length(first.depth)} inside the object"
+    if not tips_alone and not beside_tip:
+        them = "them" if more else "it"
+        lets = f"links= leaves {them} out" if first.left_out else f"a larger max_gap lets {them} touch"
+        text += f", and {'they are' if more else 'it is'} not among the contacts: {lets}"
+        return Reason("link_inside", "decides" if far else "warning", text, values)
+    if far:
+        return Reason("link_inside", "decides", f"{text}: the hand cannot take this posture", values)
+    only = ": only fingertips are taken to touch it" if tips_alone else ""
+    return Reason("link_inside", "warning", f"{text}{only}", values)
+
+
+def _range_reasons(posture: HandPosture, when: str) -> Iterator[Reason]:
+    hand, q = posture.hand, posture.q
+    past = np.maximum(hand.lower - q, q - hand.upper)
+    limits = StateLimits((), hand.joint_names, hand.torque_limits, hand.lower, hand.upper)
+    shares = limit_shares(limits, np.zeros(hand.nv), q)[hand.nv :]
+    for k in np.flatnonzero(is_exceeded(shares)):
+        name, by = hand.joint_names[k], float(past[k])
+        much = words.length(by) if name in hand.sliding else words.angle(by)
+        text = f"{when}, {name} is {much} past the end of its range"
+        values = {"joint": name, "position": float(q[k]), "lower": float(hand.lower[k]), "upper": float(hand.upper[k])}
+        if by > _MAX_RANGE_EXCESS:
+            yield Reason("joint_range", "decides", f"{text}: the hand cannot take this posture", values)
+        else:
+            yield Reason("joint_range", "warning", text, values)

@@ -1,0 +1,23 @@
+"""The numbers that a grasp is made of, one a file.
+
+A parameter is found by its class (`parameter.py`): the files of this folder are imported, whatever their names, and
+each says everything about its parameter. Sensitivities, reliability, best change, advice and required values take
+parameters from here by name. Adding one is adding a file.
+"""
+
+from importlib import import_module
+from pkgutil import iter_modules
+
+from handlcp.grasp.derivatives.parameter.parameter import (
+    Parameter,
+    Shown,
+    find_parameter,
+    parameters,
+    parameters_by_effort,
+    present_parameters,
+)
+
+for _module in iter_modules(__path__):
+    import_module(f"{__name__}.{_module.name}")
+
+__all__ = ["Parameter", "Shown", "find_parameter", "parameters", "parameters_by_effort", "present_parameters"]

@@ -1,0 +1,352 @@
+"""Many grasps that differ from one in numbers, as arrays: what parameters write to, without making a grasp of each."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from handlcp import words
+from handlcp.check import Array, Bools, per_name, read_only
+from handlcp.errors import InputError, Unsupported
+from handlcp.grasp.assembly.scene_builder import build_scene
+from handlcp.grasp.derivatives.linearisation_point import LawChange, LinearisationPoint, zero_change
+from handlcp.grasp.effects.joint_torque import TorqueSaturation
+from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.model.scene import wrench_map
+
+
+@dataclass
+class Samples:
+    """m samples of the grasp `spec`; what nobody has written to is as it is there.
+
+    written : arrays (m, …) by name.
+        friction (m, n) coefficients [-]; slides (m, k, 2) of the fingers' contacts along their tangents [m];
+        springs (m, nv), (m, 1) without a hand : factors on the stiffness of the joints; pads (m, k) : on the
+        flexibility of the fingertips' pads; joints (m, nv) : how far they stand off [rad, m];
+        mass, load, squeeze (m, 1) : factors on the object's weight, on what else loads it, on preloads and commands.
+    remade : for parameters without such an array, what makes the grasp with a value, and the values (m,).
+    """
+
+    spec: GraspSpec
+    count: int
+    written: dict[str, Array] = field(default_factory=dict)
+    remade: list[tuple[Callable[[GraspSpec, float], GraspSpec], Array]] = field(default_factory=list)
+
+    def array(self, name: str, nominal: Array | float, *shape: int) -> Array:
+        """(m, *shape) to write to, full of the nominal values when it is first asked for."""
+        if name not in self.written:
+            self.written[name] = np.broadcast_to(nominal, (self.count, *shape)).astype(float)
+        return self.written[name]
+
+    def put(self, name: str, nominal: Array | float, count: int, at: tuple[int, ...], values: Array) -> None:
+        """Write values (m,) into some of `count` entries, () all of them, in place of what was written there."""
+        self.array(name, nominal, count)[:, list(at) if at else slice(None)] = values[:, None]
+
+    def times(self, name: str, count: int, at: tuple[int, ...], factors: Array) -> None:
+        """Multiply some of `count` factors, () all of them, by factors (m,): two parameters may write the same."""
+        self.array(name, 1.0, count)[:, list(at) if at else slice(None)] *= factors[:, None]
+
+    def get(self, name: str) -> Array | None:
+        """What was written; None: nothing."""
+        return self.written.get(name)
+
+
+# ----------------------------------------------------------------
+# What any change of a grasp changes in the laws of an answer: central differences of its laws, not of its answer.
+#
+#     δv ≈ [v(p + h) - v(p - h)] / 2h,    forces, motion and contact states staying as they are
+#
+# What is differenced is smooth and costs no solve; with steps as the parameters have them, the error is about 1e-9 of
+# the largest change.
+
+
+def difference_laws(
+    answer: LinearisationPoint, count: int, h: float, made: Callable[[int, float], GraspSpec]
+) -> LawChange:
+    """Of the laws of grasps made(k, ±h)."""
+    change = zero_change(answer, count)
+    for k in range(count):
+        try:
+            ahead, behind = _evaluate_laws(answer, made(k, h)), _evaluate_laws(answer, made(k, -h))
+        except InputError:  # no such grasp, as where a link leaves the plane of a planar one
+            change.motion[:, k] = np.nan
+            continue
+        for column, a, b in zip(
+            (change.motion, change.balance, change.friction, change.torque), ahead, behind, strict=True
+        ):
+            column[:, k] = (a - b) / (2.0 * h)
+    return change
+
+
+def _evaluate_laws(answer: LinearisationPoint, spec: GraspSpec) -> tuple[Array, Array, Array, Array]:
+    """(v, b, μ, τ) of the answer's forces and motion in another grasp: motions (c,) in the laws' coordinates, the
+    wrench (6,) that is left over about the answer's reference, the sections' coefficients (n,), torques (nv,).
+    """
+    effects = []
+    for e in spec.effects:
+        made = e.under(spec, answer.forces, spec.effects) if e.depends_on_forces else e
+        if isinstance(made, str):
+            raise Unsupported(made)
+        effects.append(made)
+    spec = spec.replace(effects=tuple(effects))
+    scene, r = build_scene(spec), answer.law_forces
+    G = wrench_map(scene.positions, answer.spec.reference, scene.frames, scene.arrays.spin)
+    v = G.T @ answer.twist + scene.flexibility @ r + scene.offset
+    for e in spec.effects:
+        if (more := e.opening(scene, answer.extra)) is not None:
+            v = v + more
+    b = G @ r
+    b[:3] += scene.force
+    b[3:] += scene.moment - np.cross(answer.spec.reference, scene.force)
+    if spec.mechanism is None:
+        return v, b, scene.limits(answer.section), np.zeros(0)
+    others = tuple([e for e in spec.effects if not isinstance(e, TorqueSaturation)])
+    torque = spec.mechanism.joints(scene, others, answer.forces, answer.torsion, answer.extra).torque
+    return v, b, scene.limits(answer.section), torque
+
+
+# ----------------------------------------------------------------
+# What a parameter is: its name, shape and nominal values, and how a grasp changes with it.
+#
+# A parameter is one class in one file of this folder, found by its class: no other file needs a line for it. It says
+#
+#     what it is                          `shape`, `values`, `without`
+#     the same grasp with other values    `varied`, `scaled`
+#     what it changes in the laws         `change`, in closed form; unless it says so, by differences of the laws
+#     what tables show of it              `shown`
+#     what of it may be uncertain         `entries`, and in many samples at once `write`
+#     what a designer can do with it      `shares`, by a share of it; `trials`, what may make a grasp hold
+#
+# Only `shape`, `values` and `varied` must be said.
+
+
+class ParameterEntry(NamedTuple):
+    """One number that may be uncertain on its own.
+
+    name : for tables. at : which entry it is, such as a contact; () : all of them together. mean : nominal value, of
+    which a standard deviation is a share; None: it is about 0, and has one in its own unit. least : the least possible
+    value. unit : of its values, "×" for a factor. given : what was asked for it. argument : what that was called.
+    """
+
+    name: str
+    at: tuple[int, ...]
+    mean: float | None
+    least: float
+    unit: str
+    given: Any
+    argument: str
+
+
+class Shown(NamedTuple):
+    """A change that the table of derivatives shows. text : the change in words. ways : directions in the parameter's
+    shape, by where they are; of several, the table shows the one that does most. slight : where it changes no force, it
+    is left out.
+    """
+
+    text: str
+    ways: Sequence[tuple[str, Array]]
+    slight: bool = False
+
+
+class Trial(NamedTuple):
+    """A changed grasp that may hold. change : what was changed. value : of that. text : the change in words."""
+
+    change: str
+    value: float
+    text: str
+    spec: GraspSpec
+
+
+# Why a grasp does not hold, and so what may help it
+MISSING_BALANCE = "balance"  # no forces within friction and limits balance the load
+MISSING_FORCES = "forces"  # such forces exist, but nothing creates them
+MISSING_TORQUE = "torque"  # it holds, but joints are over their torque limits
+
+SHARE_WORDS = "standard deviation, as a share"  # in `uncertain`
+TABLE_SHARE = 0.1  # the share of a parameter by which tables change it
+
+_KINDS: dict[tuple[str, str], type[Parameter]] = {}
+
+
+class Parameter(ABC):
+    """One parameter; subclasses override what they need.
+
+    name : of `<quantity>_by_<name>`. order : place in lists. effort : how much it takes to change: 0 a command, 1 a
+    surface, 2 a part, 3 a motor; advice tries the least first. step : [SI] that leaves central differences about as
+    much rounding as truncation. together : whether a common change of all entries has a meaning. common : what the
+    table of a path's end calls that change; "" : it does not show it. spread : what `reliability` calls it; "" : it
+    does not vary there. uncertain : what varies there, and what a number for it is.
+    """
+
+    name: ClassVar[str] = ""
+    order: ClassVar[int] = 1000
+    effort: ClassVar[int] = 2
+    step: ClassVar[float] = 1e-6
+    together: ClassVar[bool] = False
+    common: ClassVar[str] = ""
+    spread: ClassVar[str] = ""
+    uncertain: ClassVar[str] = ""
+
+    def __init_subclass__(cls, **more: Any) -> None:
+        super().__init_subclass__(**more)
+        if vars(cls).get("name"):  # what has no name of its own is a base of others
+            _KINDS[cls.__module__, cls.__qualname__] = cls
+
+    # ---- what it is
+    @abstractmethod
+    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
+        """Of its entries; (0,) where a grasp has none."""
+
+    @abstractmethod
+    def values(self, spec: GraspSpec) -> Array:
+        """Nominal values in its shape, SI; 0 where a size has no meaning, such as of a position."""
+
+    def without(self, spec: GraspSpec) -> Bools:
+        """(entries,) which are no number to change, such as the coefficient of a contact without friction; () none."""
+        return np.zeros(0, bool)
+
+    # ---- the same grasp with other values
+    @abstractmethod
+    def varied(self, spec: GraspSpec, k: int, step: float) -> GraspSpec:
+        """The grasp with the k-th entry larger by a step; contacts, commands and offsets stay unless it says so. Of a
+        hand's grasp change its mechanism, too: a loading that is followed asks that, not the specification.
+        """
+
+    def varied_all(self, spec: GraspSpec, steps: Array) -> GraspSpec:
+        """The grasp with each entry larger by a step of its own, steps in its shape; `without` stay as they are."""
+        keeps = self.without(spec)
+        for k, step in enumerate(steps.reshape(-1)):
+            if step != 0.0 and not (len(keeps) and keeps[k]):
+                spec = self.varied(spec, k, float(step))
+        return spec
+
+    def scaled(self, spec: GraspSpec, factor: float) -> GraspSpec | None:
+        """The grasp with all of it times a factor; None: there is nothing of it."""
+        values = self.values(spec)
+        return self.varied_all(spec, (factor - 1.0) * values) if values.any() else None
+
+    # ---- what it changes in the laws of an answer
+    def change(self, answer: LinearisationPoint) -> LawChange:
+        """What each entry changes in the laws that an answer satisfies; here by central differences of these laws."""
+        spec = answer.spec
+        count = int(np.prod(self.shape(spec)))
+        return difference_laws(answer, count, self.step, lambda k, h: self.varied(spec, k, h))
+
+    # ---- what tables show of it
+    def shown(self, answer: LinearisationPoint) -> Shown | None:
+        """The change of it that the table of an answer's derivatives shows; None: none."""
+        return None
+
+    # ---- what of it may be uncertain
+    def entries(self, spec: GraspSpec, argument: str, given: Any) -> Sequence[ParameterEntry]:
+        """What varies for a number or distribution of all together, or for a mapping by the names of entries; here
+        factors about 1. Raises InputError, UnknownName.
+        """
+        return factor_entries(self.spread, argument, given, spec.names, "a contact")
+
+    def write(self, samples: Samples, at: tuple[int, ...], values: Array) -> None:
+        """Write the values (m,) of one entry into m samples; here by making each sample's grasp anew."""
+        nominal = self.values(samples.spec).reshape(-1)
+        some = np.zeros(len(nominal), bool)
+        some[list(at) if at else slice(None)] = True
+
+        def made(spec: GraspSpec, factor: float) -> GraspSpec:
+            steps = np.where(some, (factor - 1.0) * nominal, 0.0)
+            return self.varied_all(spec, steps.reshape(self.shape(spec)))
+
+        samples.remade.append((made, values))
+
+    # ---- what a designer can do with it
+    def shares(self, spec: GraspSpec, share: float) -> Iterator[tuple[str, GraspSpec | None]]:
+        """(the change in words, the changed grasp) of a share such as 0.1 more or less of it; None: it has none."""
+        return iter(())
+
+    def trials(self, spec: GraspSpec, why: str) -> Iterator[Trial]:
+        """Changes that may make a grasp hold that does not, the smallest first; why : `MISSING_BALANCE`,
+        `MISSING_FORCES`, `TORQUE`.
+        """
+        return iter(())
+
+
+def parameters() -> tuple[Parameter, ...]:
+    """All there are, in order."""
+    return _make_parameters(tuple(_KINDS.values()))
+
+
+def present_parameters(spec: GraspSpec) -> tuple[Parameter, ...]:
+    """Those that a grasp has any entry of."""
+    return tuple([p for p in parameters() if 0 not in p.shape(spec)])
+
+
+def parameters_by_effort() -> tuple[Parameter, ...]:
+    """The same, those first that take the least effort to change."""
+    return tuple(sorted(parameters(), key=lambda p: p.effort))
+
+
+def find_parameter(name: str) -> Parameter:
+    """The one of this name."""
+    return next(p for p in parameters() if p.name == name)
+
+
+@cache
+def _make_parameters(kinds: tuple[type[Parameter], ...]) -> tuple[Parameter, ...]:
+    """One of each, in order."""
+    return tuple(sorted([kind() for kind in kinds], key=lambda p: p.order))
+
+
+# ---------------------------------------------------------------- for subclasses
+class ContactParameter(Parameter):
+    """One entry for each contact, (n,)."""
+
+    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
+        return (spec.n,)
+
+
+class JointParameter(Parameter):
+    """One entry for each joint of a hand, (nv,)."""
+
+    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
+        return (0 if spec.mechanism is None else len(spec.mechanism.names),)
+
+
+def factor_entries(of: str, argument: str, given: Any, names: Sequence[str], kind: str) -> Sequence[ParameterEntry]:
+    """Factors about 1, never negative: one for all entries, or for a mapping one for each that it names; kind : of
+    these names, such as "a joint".
+    """
+    if not isinstance(given, Mapping):
+        return (ParameterEntry(of, (), 1.0, 0.0, "×", given, argument),)
+    named = per_name(argument, given, names, kind)
+    return [
+        ParameterEntry(f"{of} {name}", indices_named(names, name), 1.0, 0.0, "×", own, f"{argument}[{name!r}]")
+        for name, own in named.items()
+    ]
+
+
+def indices_named(names: Sequence[str], name: str) -> tuple[int, ...]:
+    """All entries of this name."""
+    return tuple([i for i, other in enumerate(names) if other == name])
+
+
+def scale_both_ways(
+    scaled: Callable[[float], GraspSpec | None], share: float, what: tuple[str, str]
+) -> Iterator[tuple[str, GraspSpec | None]]:
+    """`shares` of a share more and of one less; what : the words for both, with the share as {}."""
+    for text, factor in zip(what, (1.0 + share, 1.0 - share), strict=True):
+        yield text.format(words.percent(share)), scaled(factor)
+
+
+def with_larger_entry(values: Array, k: int, step: float) -> Array:
+    """A copy with its k-th entry larger."""
+    out = values.copy()
+    out.reshape(-1)[k] += step
+    return read_only(out)
+
+
+def round_two_digits(x: float) -> float:
+    """Rounded as it is said."""
+    return float(f"{x:.2g}")

@@ -1,0 +1,208 @@
+"""Derivatives of what a whole path leads to, such as a load limit, by differences of whole paths.
+
+    ahead = [y(p + h) - y(p)] / h,    behind = [y(p) - y(p - h)] / h,    y'(p) = (ahead + behind) / 2
+
+A path depends on its history: which contact slid first, and how far, has to be gone through again. Where the two sides
+differ by more than a tenth there is no derivative, and NaN stands for it: events change places there, so that the end
+jumps or has a corner. A symmetric grasp is such a place: one finger weaker than the others slides first, however little
+weaker it is. A common change of all fingers keeps the symmetry, and has a derivative.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from handlcp.check import Array, number, read_only
+from handlcp.errors import UnknownName
+from handlcp.grasp.derivatives.parameter import find_parameter, parameters_by_effort, present_parameters
+from handlcp.grasp.derivatives.parameter.parameter import TABLE_SHARE
+from handlcp.grasp.model.request import GraspSpec
+from handlcp.keywords import helped_methods
+from handlcp.record import plain
+from handlcp.text_table import TextTable, wrapped
+from handlcp.words import first_largest
+
+# ----------------------------------------------------------------
+# What common changes of a grasp do to the end of a path, in a table, to first order.
+
+
+def path_table(s: Any, here: dict[str, Array]) -> str:
+    """Of a `PathSensitivity`: each row a tenth more of a parameter, of all fingers or joints together."""
+    rows, unclear = [], []
+    for p in parameters_by_effort():
+        if not p.common or p.name not in s.parameters or not (changes := s.of_share(p.name, TABLE_SHARE)):
+            continue
+        found = [_largest_change(here[name], change) for name, change in changes.items()]
+        rows.append((f"{p.common} +10 %", *(_format_number(x) for x in found)))
+        if not np.isfinite(found).all():
+            unclear.append(p.common)
+    now = [f"{abs(value).max(initial=0.0):.4g}" for value in here.values()]
+    heads = ("all fingers, all joints", *here)
+    lines = [str(TextTable(heads, (("now", *now), *rows), "<" + ">" * len(here)))]
+    if any(value.ndim for value in here.values()):
+        lines.append("Of each quantity its largest component, SI: its size, and the change of it.")
+    if unclear:
+        lines.append(wrapped(f"–: no derivative, for the end jumps or has a corner there ({', '.join(unclear)})."))
+    return "\n".join(lines)
+
+
+def _largest_change(here: Array, change: Array) -> float:
+    """The change of the size of the largest component."""
+    if not here.size:
+        return 0.0
+    flat = here.reshape(-1)
+    k = first_largest(abs(flat))
+    return float(change.reshape(-1)[k] * (-1.0 if flat[k] < 0.0 else 1.0))
+
+
+def _format_number(x: float) -> str:
+    return "–" if not np.isfinite(x) else "0" if x == 0.0 else f"{x:+.3g}"
+
+
+# ----------------------------------------------------------------
+
+_MAX_SIDE_GAP = 0.1  # of the larger side: where they differ by more, there is no derivative
+_ROUGHNESS_SHARE = (
+    1e-3  # of the largest entry of a quantity: entries that differ by less differ by the roughness of the path
+)
+_ROUNDING_SHARE = 1e-10  # of a quantity, which a difference divides by the step
+_ALL_PREFIX = "all_"
+
+
+class TwoSidedDifferences(NamedTuple):
+    """Differences on the two sides, each in the shape of the quantity followed by that of the parameter, SI."""
+
+    ahead: Array
+    behind: Array
+    derivative: Array
+
+
+@helped_methods
+class PathSensitivity:
+    """Derivatives `<quantity>_by_<parameter>` of the end of a path: arrays in the shape of the quantity followed by
+    that of the parameter, SI, as in `Sensitivity`, whose parameters these are. `all_friction`, `all_pads`,
+    `all_squeeze`, `all_stiffness` and `all_torque_limits` are the same change of all fingers or joints at once, without
+    a shape of their own. Each is made of differences of whole paths when it is first asked for: two paths for each
+    entry of the parameter. NaN where a path has no such end, and where it jumps or has a corner: `jumps` names those
+    that were asked for, `sides` has what was found on either side.
+    """
+
+    def __init__(self, spec: GraspSpec, end: Callable[[GraspSpec], dict[str, Array]], coarser: float = 1.0) -> None:
+        """End : the quantities at the end of the path of a grasp. coarser : times the steps of the parameters."""
+        self._spec, self._end, self._coarser = spec, end, coarser
+        self._here = end(spec)
+        self._found: dict[str, dict[str, TwoSidedDifferences]] = {}
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """What there are derivatives by."""
+        each = present_parameters(self._spec)
+        return (*(p.name for p in each), *(_ALL_PREFIX + p.name for p in each if p.together))
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What there are derivatives of."""
+        return tuple(self._here)
+
+    @property
+    def jumps(self) -> tuple[str, ...]:
+        """Of the derivatives asked for so far, those with an entry where the end jumps or has a corner."""
+        return tuple([
+            f"{quantity}_by_{parameter}" for parameter, found in self._found.items() for quantity, s in found.items()
+            if (np.isnan(s.derivative) & np.isfinite(s.ahead) & np.isfinite(s.behind)).any()
+        ])  # fmt: skip
+
+    def of(self, quantity: str, parameter: str) -> Array:
+        """The derivative, as the attribute. Raises UnknownName."""
+        return self.sides(quantity, parameter).derivative
+
+    def error(self, quantity: str, parameter: str) -> Array:
+        """By how much the derivatives on the two sides differ, in the same shape. Raises UnknownName."""
+        ahead, behind, _ = self.sides(quantity, parameter)
+        with np.errstate(invalid="ignore"):
+            return read_only(np.asarray(abs(ahead - behind)))
+
+    def sides(self, quantity: str, parameter: str) -> TwoSidedDifferences:
+        """The differences where the parameter is a little larger, and where it is a little smaller. Where the end jumps
+        they say which way, but not how fast. Raises UnknownName.
+        """
+        if quantity not in self._here:
+            raise UnknownName("quantity", "a quantity", [str(quantity)], self.quantities)
+        if parameter not in self.parameters:
+            raise UnknownName("parameter", "a parameter", [str(parameter)], self.parameters)
+        if parameter not in self._found:
+            self._found[parameter] = self._differences(parameter)
+        return self._found[parameter][quantity]
+
+    def of_share(self, parameter: str, share: float) -> dict[str, Array]:
+        """By quantity, its change to first order when all entries of a parameter grow by a share of themselves; {}
+        where they are all zero.
+        """
+        share = number("share", share)
+        if parameter not in (names := [p.name for p in present_parameters(self._spec)]):
+            raise UnknownName("parameter", "a parameter", [str(parameter)], names)
+        of = find_parameter(parameter)
+        sizes = of.values(self._spec)
+        largest = float(abs(sizes).max(initial=0.0))
+        if largest == 0.0:
+            return {}
+        h = of.step * self._coarser
+        ahead, behind = (self._end(of.varied_all(self._spec, way * h * sizes / largest)) for way in (1, -1))
+        rates = {name: self._sides(name, ahead, behind, h).derivative for name in self._here}
+        return {name: share * largest * rate for name, rate in rates.items()}
+
+    def _differences(self, parameter: str) -> dict[str, TwoSidedDifferences]:
+        if parameter.startswith(_ALL_PREFIX):
+            every = find_parameter(parameter.removeprefix(_ALL_PREFIX))
+            h, ones = every.step * self._coarser, np.ones(every.shape(self._spec))
+            ahead, behind = (self._end(every.varied_all(self._spec, way * h * ones)) for way in (1, -1))
+            return {of: self._sides(of, ahead, behind, h) for of in self._here}
+        one = find_parameter(parameter)
+        shape, h = one.shape(self._spec), one.step * self._coarser
+        columns: dict[str, list[TwoSidedDifferences]] = {name: [] for name in self._here}
+        for k in range(int(np.prod(shape))):
+            ahead, behind = (self._end(one.varied(self._spec, k, step)) for step in (h, -h))
+            for of, pairs in columns.items():
+                pairs.append(self._sides(of, ahead, behind, h))
+        return {of: TwoSidedDifferences(*[_stack_columns(list(one), shape) for one in zip(*pairs, strict=True)])
+                for of, pairs in columns.items()}  # fmt: skip
+
+    def _sides(self, name: str, ahead: dict[str, Array], behind: dict[str, Array], h: float) -> TwoSidedDifferences:
+        here = self._here[name]
+        with np.errstate(invalid="ignore"):  # no limit at all: inf - inf
+            a, b = np.asarray((ahead[name] - here) / h), np.asarray((here - behind[name]) / h)
+            larger = np.maximum(abs(a), abs(b))
+            least = _ROUGHNESS_SHARE * np.nanmax(larger, initial=0.0) if larger.size > 1 else 0.0
+            rounding = _ROUNDING_SHARE * np.nanmax(abs(here), initial=0.0) / h
+            same = abs(a - b) <= np.maximum(_MAX_SIDE_GAP * larger, least + rounding)
+        return TwoSidedDifferences(read_only(a), read_only(b), read_only(np.where(same, (a + b) / 2.0, np.nan)))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, SI: the quantities, and the derivatives asked for so far, None for what is no number; `jumps`."""
+        found = {f"{of}_by_{by}": plain(s.derivative) for by, each in self._found.items() for of, s in each.items()}
+        return {**{name: plain(here) for name, here in self._here.items()}, **found, "jumps": list(self.jumps)}
+
+    def __str__(self) -> str:
+        """What a tenth more of each parameter, of all fingers or joints together, does to each quantity."""
+        return path_table(self, self._here)
+
+    def __repr__(self) -> str:
+        return f"PathSensitivity(of={', '.join(self.quantities)})"
+
+    def __getattr__(self, name: str) -> Any:
+        """`<quantity>_by_<parameter>`."""
+        quantity, by, parameter = name.partition("_by_")
+        if not by or name.startswith("_"):
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
+        return self.of(quantity, parameter)
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *(f"{q}_by_{p}" for q in self.quantities for p in self.parameters)]
+
+
+def _stack_columns(columns: list[Array], shape: tuple[int, ...]) -> Array:
+    whole = np.stack(columns, axis=-1)
+    return read_only(whole.reshape(*whole.shape[:-1], *shape))

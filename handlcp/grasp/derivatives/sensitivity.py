@@ -1,0 +1,364 @@
+"""What matters most, in a table: what changes that a designer could make do to an answer, to first order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from handlcp.check import Array, array, read_only
+from handlcp.errors import InputError, UnknownName
+from handlcp.grasp.derivatives.linearisation_point import LawChange, LinearisationPoint, ResponseRates
+from handlcp.grasp.derivatives.parameter import (
+    Shown,
+    find_parameter,
+    parameters,
+    parameters_by_effort,
+    present_parameters,
+)
+from handlcp.grasp.derivatives.parameter.posture import depth_change_at
+from handlcp.grasp.derivatives.response import DerivativeKink, LinearResponse
+from handlcp.keywords import helped_methods
+from handlcp.record import Record, data_frame, plain
+from handlcp.text_table import TextTable, wrapped
+from handlcp.tolerances import ACTIVE
+from handlcp.words import first_largest
+
+# ----------------------------------------------------------------
+# Everything of an answer that can be differentiated, from the rates of its forces, motion and slips.
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """unit : of the quantity. rate : (…, p) its rates. joints : whether only a hand has it."""
+
+    unit: str
+    rate: Callable[[LinearisationPoint, ResponseRates, LawChange], Array]
+    joints: bool = False
+
+
+def _by_point(answer: LinearisationPoint, by_component: Array) -> Array:
+    """(n, 3, p) of the contact points."""
+    n = answer.scene.n
+    return by_component[: 3 * n].reshape(n, 3, -1)
+
+
+def _by_soft_contact(answer: LinearisationPoint, by_component: Array) -> Array:
+    """(n, p) about the normals, 0 of contacts that bear no moment."""
+    out = np.zeros((answer.scene.n, by_component.shape[1]))
+    out[list(answer.scene.soft)] = by_component[3 * answer.scene.n :]
+    return out
+
+
+def _relative_motion(answer: LinearisationPoint, rates: ResponseRates) -> Array:
+    """(n, 3, p) motions of the object past the fingertips; 0 where a prescribed force makes the finger follow."""
+    points = _by_point(answer, rates.slip)
+    return points if all(answer.scene.force_unknown) else np.where(answer.force_unknown[:, None, None], points, 0.0)
+
+
+def _torques(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> Array:
+    """τ = Jᵀ r + …"""
+    return np.asarray(answer.torque_rows.T @ rates.forces + change.torque)
+
+
+def _torque_margin(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> Array:
+    """Limit less |τ|; NaN of a joint without a limit."""
+    mechanism = answer.spec.mechanism
+    limits = np.zeros(0) if mechanism is None else mechanism.limits
+    margin = change.torque_limits - np.sign(answer.joints.torque)[:, None] * _torques(answer, rates, change)
+    return np.where(np.isfinite(limits)[:, None], margin, np.nan)
+
+
+def _friction_margin(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> Array:
+    """μ r_N - |r̂_T|, of the exact law; NaN without friction. Without a tangential force any change takes from it."""
+    scene, n = answer.scene, answer.scene.n
+    lawful, out = rates.forces / answer.scale[:, None], np.full((n, rates.forces.shape[1]), np.nan)
+    limits = answer.friction.limits
+    for i in range(n):
+        if scene.mu[i] <= 0.0:
+            continue
+        own = [3 * i, 3 * i + 1, *([3 * n + scene.soft.index(i)] if i in scene.soft else [])]
+        r, z = answer.law_forces[own], 3 * i + 2
+        size = float(np.sqrt(r @ r))
+        used = r @ lawful[own] / size if size > answer.force_tolerance else np.sqrt((lawful[own] ** 2).sum(axis=0))
+        grows = change.friction[i] * (scene.mu[i] / limits[i] if limits[i] > 0.0 else 0.0)
+        out[i] = scene.mu[i] * lawful[z] + grows * answer.law_forces[z] - used
+    return out
+
+
+QUANTITIES = {
+    "forces": Quantity("N", lambda a, r, c: _by_point(a, r.forces)),
+    "torsion": Quantity("N·m", lambda a, r, c: _by_soft_contact(a, r.forces)),
+    "torques": Quantity("N·m", _torques, joints=True),
+    "slip": Quantity("m", lambda a, r, c: _relative_motion(a, r)[:, :2]),
+    "gap": Quantity("m", lambda a, r, c: _relative_motion(a, r)[:, 2]),
+    "displacement": Quantity("m, rad", lambda a, r, c: r.motion),
+    "friction_margin": Quantity("N", _friction_margin),
+    "torque_margin": Quantity("N·m", _torque_margin, joints=True),
+}
+
+
+# ----------------------------------------------------------------
+
+_FORCE_TOLERANCE = 1e-3  # of the largest force
+_COLUMN_ROUNDING = 1e-6  # of the largest number in a column
+
+
+def describe_sensitivity(s: Any, answer: LinearisationPoint) -> str:
+    """Of a `Sensitivity`, and where its derivatives have two sides or none."""
+    changes, least = _shown_changes(s, answer), _least_margin_contact(answer)
+    effects = [
+        np.array([_change_effect(s.along(parameter, way).ahead, answer, least) for _, way in row.ways])
+        for parameter, row in changes
+    ]
+    largest = np.nan_to_num(abs(np.concatenate(effects))).max(axis=0)
+    scale, cells = np.where(largest > 0.0, largest, 1.0), []
+    for (_, row), each in zip(changes, effects, strict=True):
+        most = first_largest((np.nan_to_num(abs(each)) / scale).sum(axis=1))  # all columns count alike
+        rounded = np.where(abs(each[most]) < _COLUMN_ROUNDING * scale, 0.0, each[most])
+        cells.append((row.text, row.ways[most][0], *_format_effect(rounded.tolist())))
+    torque = ("torque\nN·m",) if "torques" in s.quantities else ()
+    heads = ("change", "where", "force\nN", "to spare\nN", *torque, "motion\nmm")
+    lines = [str(TextTable(heads, tuple(cells), "<<" + ">" * (len(heads) - 2)))]
+    lines.append(wrapped(_legend(answer, least, bool(torque))))
+    if kinks := [str(k) for k in s.kinks if not k.by]:  # of these rows
+        lines.append(wrapped(f"Two sides, of which this is one: {'; '.join(kinks)}.", "  "))
+    if s.free:
+        count = f"{s.free} direction{'s' if s.free > 1 else ''}"
+        lines.append(wrapped(f"Left free in {count}: – is what they change, or a change without an answer.", "  "))
+    return "\n".join(lines)
+
+
+def _legend(answer: LinearisationPoint, least: int | None, torque: bool) -> str:
+    """What the columns are."""
+    spare = "no contact sticks with friction to spare"
+    if least is not None:
+        spare = f"the friction to spare at {answer.spec.names[least]}, of all that stick the nearest to sliding"
+    more = ", the largest torque" if torque else ""
+    single = "The last two rows are one contact each, where the change does most."
+    return f"Changes of the largest force, {spare}{more}, and how far the object moves. {single}"
+
+
+def _shown_changes(s: Any, answer: LinearisationPoint) -> list[tuple[str, Shown]]:
+    """(parameter, what of it is shown), those first that take the least effort to change; single contacts last."""
+    known = [(p.name, row) for p in parameters_by_effort() if (row := p.shown(answer)) is not None]
+    some = [(name, row) for name, row in known if not (row.slight and _is_nothing(s, answer, name, row))]
+    return sorted(some, key=lambda one: len(one[1].ways) > 1)
+
+
+def _is_nothing(s: Any, answer: LinearisationPoint, parameter: str, row: Shown) -> bool:
+    """Whether a change matters to no force."""
+    rates = [s.along(parameter, way).ahead["forces"] for _, way in row.ways]
+    return bool(np.nanmax(np.abs(rates), initial=0.0) <= _FORCE_TOLERANCE * abs(answer.forces).max())
+
+
+def _change_effect(rate: dict[str, Array], answer: LinearisationPoint, least: int | None) -> list[float]:
+    """Of a change on the largest force, the margin of the contact with the least of it, the largest torque and the
+    motion, in mm.
+    """
+    sizes = np.sqrt((answer.forces**2).sum(axis=1))
+    i = first_largest(sizes)
+    found = [float(answer.forces[i] @ rate["forces"][i] / sizes[i]) if sizes[i] > 0.0 else 0.0]
+    found.append(np.nan if least is None else float(rate["friction_margin"][least]))
+    if "torques" in rate:
+        torque = answer.joints.torque
+        j = first_largest(abs(torque))
+        found.append(float(np.sign(torque[j]) * rate["torques"][j]))
+    moved = rate["displacement"][:3]
+    return [*found, 1e3 * float(np.sqrt(moved @ moved))]
+
+
+def _least_margin_contact(answer: LinearisationPoint) -> int | None:
+    """The contact that presses and sticks with the least margin; None where none does."""
+    scene, lawful = answer.scene, answer.law_forces
+    margins = np.full(scene.n, np.inf)
+    for i in range(scene.n):
+        push = lawful[3 * i + 2]
+        own = [int(j) for j in scene.kind.contact_components[i, 1:] if j >= 0]
+        spare = scene.mu[i] * push - float(np.sqrt(lawful[own] @ lawful[own]))
+        if own and push > answer.force_tolerance and spare > answer.force_tolerance:
+            margins[i] = spare
+    return first_largest(-margins) if np.isfinite(margins).any() else None
+
+
+def _format_effect(effect: list[float]) -> list[str]:
+    """Three digits, all but the motion with a sign; – for what is no number."""
+    *signed, moved = effect
+    return [*(_format_value(x, "+.3g") for x in signed), _format_value(moved, ".3g")]
+
+
+def _format_value(x: float, form: str) -> str:
+    return "–" if not np.isfinite(x) else "0" if x == 0.0 else f"{x:{form}}"
+
+
+# ----------------------------------------------------------------
+# Derivatives of an answer, made when they are asked for.
+
+
+_REBUILT_PARAMETERS = "posture", "lengths"  # by these the grasp is made again as it was asked for
+
+
+@dataclass(frozen=True, eq=False)
+class DirectionalDerivatives:
+    """What an answer does while a parameter moves along a direction: derivatives per unit of it, where it begins to
+    grow (`ahead`) and where it begins to shrink (`behind`). Both are the same away from kinks. Each maps a quantity to
+    its derivative, in the shape that the quantity has in the solution; NaN: there is no answer on that side.
+    """
+
+    ahead: dict[str, Array]
+    behind: dict[str, Array]
+
+
+@helped_methods
+class Sensitivity(Record):
+    """Derivatives of a solution, `<quantity>_by_<parameter>`: read-only arrays in the shape of the quantity followed by
+    that of the parameter, SI. Made by `solution.sensitivity()`.
+
+    Quantities: forces (n, 3) contact axes, torsion (n,) of soft fingers, slip (n, 2), gap (n,), displacement (6,) about
+    the reference, friction_margin (n,); of a hand torques (nv,), torque_margin (nv,).
+    Parameters: wrench (6,) about the reference, squeeze (n,) [m], pads (n,) [m/N], friction (n,) the coefficient, with
+    which the law grows as a whole, positions (n, 3) [m] world axes, normals (n, 3) turns of the contact axes about
+    themselves [rad]; of a hand stiffness (nv,) [N·m/rad], joint_offset (nv,) [rad], torque_limits (nv,) [N·m], which
+    matter beside `TorqueSaturation`, posture (nv,) [rad], lengths (m, 3) [m] of `length_names`.
+
+    One parameter changes and all else stays: contacts, offsets and commands of the joints stay as they are while
+    contacts move or turn. By posture and lengths the grasp is made again as it was asked for: contacts on an object are
+    detected anew, those that were given stay, and so do the arguments squeeze, grip_force and joint_offset. (These two
+    are central differences of what is detected, not of answers.)
+
+    Contacts keep their states. Where a state depends on the direction of a change, `kinks` says which, and each entry
+    is the derivative for a parameter that grows; `along` has both sides. By posture and lengths alone, a fingertip that
+    just touches the object it was detected on is such a kink: what is deeper counts as squeezed as `close_on` squeezes,
+    with the sideways motion of the tip, and a gap does not. NaN: not determined, because the solution leaves it free,
+    or no answer lies in that direction.
+    """
+
+    def __init__(self, answer: LinearisationPoint) -> None:
+        self._answer = answer
+        self._response = LinearResponse.from_point(answer)
+        self._rates: dict[str, tuple[ResponseRates, LawChange]] = {}
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """What there are derivatives by."""
+        return tuple([p.name for p in present_parameters(self._answer.spec)])
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What there are derivatives of."""
+        hand = self._answer.spec.mechanism is not None
+        return tuple([name for name, q in QUANTITIES.items() if hand or not q.joints])
+
+    @property
+    def length_names(self) -> tuple[str, ...]:
+        """(m,) joints and fingertips whose places are `lengths`; () without a hand."""
+        mechanism = self._answer.spec.mechanism
+        return () if mechanism is None else mechanism.lengths
+
+    @property
+    def kinks(self) -> tuple[DerivativeKink, ...]:
+        """Where a derivative has two sides; () where nothing does."""
+        return (*self._response.kinks, *_touching_kinks(self._answer))
+
+    @property
+    def free(self) -> int:
+        """In how many directions forces and motion are free, so that derivatives along them are NaN."""
+        return int(self._response.free.shape[1])
+
+    def of(self, quantity: str, parameter: str) -> Array:
+        """The derivative, as the attribute `<quantity>_by_<parameter>`. Raises UnknownName, and Unsupported where a
+        grasp has no such derivative.
+        """
+        if quantity not in QUANTITIES or (QUANTITIES[quantity].joints and self._answer.spec.mechanism is None):
+            raise UnknownName("quantity", "a quantity", [str(quantity)], self.quantities)
+        rates, change = self._rates_by(parameter)
+        found = QUANTITIES[quantity].rate(self._answer, rates, change.ahead)
+        return read_only(found.reshape(*found.shape[:-1], *self._shape(parameter)))
+
+    def along(self, parameter: str, direction: Any) -> DirectionalDerivatives:
+        """The derivatives along a direction, an array in the parameter's shape, on both sides. Raises UnknownName,
+        InputError.
+        """
+        _, change = self._rates_by(parameter)
+        way = array("direction", direction, self._shape(parameter)).reshape(-1)
+        ahead, behind = self._one_side(change.along_direction(way)), self._one_side(change.along_direction(-way))
+        return DirectionalDerivatives(ahead, {name: read_only(-rate) for name, rate in behind.items()})
+
+    def _one_side(self, change: LawChange) -> dict[str, Array]:
+        rates = self._response.rates_for(change)
+        return {name: read_only(QUANTITIES[name].rate(self._answer, rates, change)[..., 0]) for name in self.quantities}
+
+    def _shape(self, parameter: str) -> tuple[int, ...]:
+        return find_parameter(parameter).shape(self._answer.spec)
+
+    def _rates_by(self, parameter: str) -> tuple[ResponseRates, LawChange]:
+        if (known := self._rates.get(parameter)) is not None:
+            return known
+        spec = self._answer.spec
+        of = next((p for p in parameters() if p.name == parameter and 0 not in p.shape(spec)), None)
+        if of is None:
+            raise UnknownName("parameter", "a parameter", [str(parameter)], self.parameters)
+        change = of.change(self._answer)
+        known = self._rates[parameter] = self._response.rates_for(change.ahead), change
+        return known
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as plain data, by name: nested lists, SI, None for what is not a finite number; and the kinks."""
+        found: dict[str, Any] = {"kinks": [str(k) for k in self.kinks], "free_directions": self.free}
+        return found | {f"{q}_by_{p}": plain(self.of(q, p)) for p in self.parameters for q in self.quantities}
+
+    def to_frame(self, quantity: str, parameter: str) -> Any:
+        """A pandas table of one derivative: a row for each entry of the quantity, a column for each of the parameter,
+        both named by their numbers, such as "0.2". Raises UnknownName, and Unsupported without pandas.
+        """
+        value = self.of(quantity, parameter)
+        of = self._shape(parameter)
+        rows, columns = value.shape[: value.ndim - len(of)], [".".join(map(str, k)) for k in np.ndindex(*of)]
+        flat = value.reshape(-1, len(columns))
+        index = [".".join(map(str, k)) for k in np.ndindex(*rows)]
+        return data_frame({name: flat[:, k] for k, name in enumerate(columns)}, index)
+
+    def __str__(self) -> str:
+        """What a tenth more of each parameter, at all fingers or joints together, does to the largest force, the
+        friction to spare, the largest torque, and the motion.
+        """
+        return describe_sensitivity(self, self._answer)
+
+    def __getattr__(self, name: str) -> Array:
+        """`<quantity>_by_<parameter>`."""
+        quantity, by, parameter = name.partition("_by_")
+        if not by or quantity not in QUANTITIES or all(p.name != parameter for p in parameters()):
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
+        value = self.of(quantity, parameter)
+        self.__dict__[name] = value
+        return value
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *(f"{q}_by_{p}" for q in self.quantities for p in self.parameters)]
+
+
+def _touching_kinks(answer: LinearisationPoint) -> tuple[DerivativeKink, ...]:
+    """Fingertips that just touch, where that gives derivatives by posture and lengths two sides."""
+    deeper, mechanism = depth_change_at(answer), answer.spec.mechanism
+    found = None if mechanism is None else mechanism.inside_depths(answer.spec)
+    if deeper is None or found is None:
+        return ()
+    some = [int(i) for i in deeper.contacts if found[1][i]]
+    return tuple(
+        [
+            DerivativeKink(answer.spec.names[i], "just touches where it was detected", i, _REBUILT_PARAMETERS)
+            for i in some
+        ]
+    )
+
+
+def make_sensitivity(solution: Any) -> Sensitivity:
+    """Of a `GraspSolution`. Raises InputError for one that is not held, and so has no forces."""
+    s = solution
+    if not s.held or s.spec is None or s.scene is None or s.section is None:
+        raise InputError("solution", "a solution that is held: others have no forces", s.status.name)
+    weak, slow = ACTIVE * s.residuals.force_scale, ACTIVE * max(s.residuals.motion_scale, s.scene.units.motion)
+    twist = s.object_displacement
+    return Sensitivity(LinearisationPoint(s.spec, s.scene, s.section, s.forces, s.torsion, twist, s.extra, weak, slow))

@@ -1,0 +1,362 @@
+"""What was asked of a grasp, as data."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Iterator, KeysView, Mapping, ValuesView
+from dataclasses import dataclass
+from functools import reduce
+from typing import Any, Self
+
+import numpy as np
+
+from handlcp.check import Array, array, dimensions, number, read_only, sealed, several
+from handlcp.contact.friction import FrictionLaw, laws_by_name
+from handlcp.errors import InputError
+from handlcp.grasp.model import validate
+from handlcp.grasp.model.contact import Contact, Placement, contact_frame, cross_rows
+from handlcp.grasp.model.effect import Effect
+from handlcp.grasp.model.flexibility import Flexibility, flexibility_matrix, holds_flexibility, stored_flexibility
+from handlcp.keywords import helped_init
+from handlcp.lazy import lazy
+
+_ARRAY_FIELDS = ("positions", "frames", "wrench", "reference", "flexibility", "offset")
+
+
+@holds_flexibility
+@dataclass(frozen=True, eq=False)
+class GraspSpec(Placement):
+    """A grasp before it is built: sound arrays, read-only, SI. Immutable; `build` makes a `Scene` of it.
+
+    Besides what `Placement` says: wrench (6,) force and torque about reference (3,) that the world applies to the
+    object. flexibility (3n, 3n) of fingers and environment in contact axes, made of a `Flexibility` where one was
+    given, and offset (n, 3) of the object relative to them before any load, both without what the effects add.
+    effects : all that were asked for, in `effects=` or by an argument of their own, such as `finger_weight=`. asked :
+    the arguments that all this was made of, which `replace` of a grasp changes; None: they are not known, as after any
+    change of the specification itself.
+    """
+
+    wrench: Array
+    reference: Array
+    flexibility: Array
+    offset: Array
+    effects: tuple[Effect, ...] = ()
+    asked: Any = None
+
+    def __post_init__(self) -> None:
+        """Raises InputError where shapes do not fit one another; the numbers were checked where they came in."""
+        n = self.n
+        shapes = ((n, 3), (n, 3, 3), (6,), (3,), (3 * n, 3 * n), (n, 3))
+        arrays = (self.positions, self.frames, self.wrench, self.reference, stored_flexibility(self), self.offset)
+        if tuple([a.shape for a in arrays]) == shapes:
+            return
+        for name, value, shape in zip(_ARRAY_FIELDS, arrays, shapes, strict=True):
+            if value.shape != shape:
+                raise InputError(f"GraspSpec.{name}", f"shape {shape} with {n} contacts", value.shape)
+
+    def replace(self, **changes: Any) -> Self:
+        """The same with other values of some fields."""
+        return dataclasses.replace(self, **({"asked": None, "flexibility": stored_flexibility(self)} | changes))
+
+    def with_laws(self, laws: tuple[FrictionLaw, ...]) -> Self:
+        """The same with other friction, a law for each contact."""
+        return self.replace(contacts=tuple([c.with_friction(f) for c, f in zip(self.contacts, laws, strict=True)]))
+
+    def with_squeeze(self, extra: float) -> Self:
+        """The same with `extra` [m] more squeeze of every finger whose force is not prescribed."""
+        offset = self.offset.copy()
+        offset[self.free_fingers, 2] -= extra
+        return self.replace(offset=read_only(offset))
+
+    @property
+    def resting_wrench(self) -> Array:
+        """(6,) what is on the object before another load grows, about the reference [N, N·m]: its weight, where a hand
+        knows it; of contacts without a hand the whole wrench, of which nobody knows what is weight.
+        """
+        return self.wrench if self.mechanism is None else self.mechanism.weight_of_object(self.reference)
+
+    @property
+    def free_fingers(self) -> list[int]:
+        """Numbers of the fingers whose force is not prescribed: those that a squeeze acts on."""
+        known = {i for e in self.effects for i in e.prescribed()}
+        return [i for i in range(self.of_hand) if i not in known]
+
+    def fingers_alone(self) -> Self:
+        """The same without the environment."""
+        k, mechanism = self.of_hand, self.mechanism
+        if mechanism is not None:
+            mechanism = dataclasses.replace(mechanism, jacobian=mechanism.jacobian[: 3 * k])
+        return self.replace(
+            contacts=self.contacts[:k], positions=self.positions[:k], frames=self.frames[:k], offset=self.offset[:k],
+            flexibility=read_only(self.flexibility[: 3 * k, : 3 * k].copy()), fingers=None, mechanism=mechanism,
+        )  # fmt: skip
+
+    @lazy
+    def names(self) -> tuple[str, ...]:
+        """(n,) finger names: the contacts' own, or "finger 1", "finger 2", …; then the environment's."""
+        return tuple([c.name or f"finger {i + 1}" for i, c in enumerate(self.contacts)])
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """After pickling, read-only again."""
+        self.__dict__.update(sealed(state))
+
+
+def wrench_about(point: Array, force: Array, moment: Array) -> Array:
+    """(6,) the wrench about a point (3,) from its force and its moment about the world's origin, (3,) each."""
+    return read_only(np.append(force, moment - cross_rows(point, force)))
+
+
+# ----------------------------------------------------------------
+# What the object touches besides the hand: a table, a wall, a fixture.
+#
+#     E = blkdiag(E_fingers, E_environment),    J_environment = 0
+#
+# An environment contact is a contact like any other (unilateral, with friction and a gap) whose finger is the world. No
+# joint moves it, so that its rows of the Jacobian are zero, no preload squeezes it and no soft wrist carries it; what
+# gives way is the environment itself: 0, a rigid one. In all arrays the fingers come first, the environment's contacts
+# last.
+
+
+@helped_init()
+class Environment:
+    """m contacts of the world with the object, for `Grasp(..., environment=...)` and `state.grasp(..., environment=)`.
+
+    contacts : sequence of `Contact`, m of them, normals into the object; one without a name becomes "environment 1", …
+    flexibility : [m/N] as in `Grasp`: a number, a (3,) diagonal for each, (m, 3, 3) blocks or the (3m, 3m) matrix in
+        contact axes; 0: rigid. Several contacts on something rigid seldom have determined forces.
+    gap : [m] a number or (m,), from the object to each; < 0: it overlaps, and is squeezed by as much.
+
+    Attributes: contacts, flexibility (3m, 3m), gap (m,). Immutable. Raises InputError.
+    """
+
+    __slots__ = ("contacts", "flexibility", "gap")
+
+    contacts: tuple[Contact, ...]
+    flexibility: Array
+    gap: Array
+
+    def __init__(self, contacts: Iterable[Contact], flexibility: Any = 0.0, gap: Any = 0.0) -> None:
+        cs = validate.contacts(contacts)
+        m = len(cs)
+        given = np.full(m, number("gap", gap)) if dimensions(gap) == 0 else array("gap", gap, (m,))
+        E = validate.flexibility(flexibility, m, cs[0].planar)
+        for name, value in (("contacts", cs), ("flexibility", E), ("gap", read_only(given))):
+            object.__setattr__(self, name, value)
+
+    @property
+    def offset(self) -> Array:
+        """(m, 3) the gaps as offsets in contact axes [m]."""
+        return np.column_stack([np.zeros((len(self.gap), 2)), self.gap])
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"an Environment is immutable: {name} cannot be set")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Environment, (self.contacts, self.flexibility, self.gap))
+
+    def __repr__(self) -> str:
+        return f"Environment({list(self.contacts)!r})"
+
+
+def join_environments(value: Any) -> Environment:
+    """One environment of one or several, every contact with a name of its own. Raises InputError."""
+    expected = "an Environment (of a Table: table.under(obj)), or a sequence of them"
+    parts = (value,) if isinstance(value, Environment) else several("environment", value, expected)
+    for k, part in enumerate(parts):
+        if not isinstance(part, Environment):
+            raise InputError(f"environment[{k}]", "an Environment", repr(part)[:80])
+    if not parts:
+        raise InputError("environment", "at least one Environment, or None", "an empty sequence")
+    given = [c for part in parts for c in part.contacts]
+    names = [c.name or f"environment {k}" for k, c in enumerate(given, 1)]
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise InputError("environment", "a different name for each contact", f"several called {', '.join(twice)}")
+    blocks = reduce(join_flexibilities, [part.flexibility for part in parts])
+    contacts = [c.with_name(name) for c, name in zip(given, names, strict=True)]
+    return Environment(contacts, blocks, np.concatenate([part.gap for part in parts]))
+
+
+def join_flexibilities(first: Array, last: Array) -> Array:
+    """blkdiag(first, last), read-only: neither moves under the other's forces."""
+    both = np.pad(first, (0, len(last)))
+    both[len(first) :, len(first) :] = last
+    return read_only(both)
+
+
+def join_offsets(value: Any, preload: Any, fingers: int, last: Array) -> Array:
+    """(n, 3) offsets of all contacts, from those of the fingers, `last` being the environment's, or from all of them.
+
+    value, preload : as in `Grasp`; a preload is the fingers' alone.
+    """
+    n = fingers + len(last)
+    if value is not None and dimensions(value) == 2 and len(value) == n:
+        every = array("offset", value, (n, 3))
+        value, last = every[:fingers], every[fingers:]
+    return read_only(np.concatenate([validate.offset(value, preload, fingers), last]))
+
+
+# ----------------------------------------------------------------
+# What users ask of a grasp: the arguments as they were given, and the specification made of them.
+
+
+_MAX_NESTING = 4  # lists in lists; nothing that is asked has more
+
+
+@dataclass(frozen=True, eq=False)
+class ContactGraspRequest:
+    """The arguments of `Grasp`. A grasp keeps them, and `replace` makes it again with some of them changed."""
+
+    contacts: Any
+    wrench: Any = None
+    flexibility: Any = 0.0
+    preload: Any = 0.0
+    offset: Any = None
+    reference: Any = (0.0, 0.0, 0.0)
+    effects: Any = ()
+    plane: Any = None
+    environment: Any = None
+
+    def __post_init__(self) -> None:
+        freeze(self)
+
+    def spec(self) -> GraspSpec:
+        """See `Grasp`. Raises InputError."""
+        cs = validate.contacts(self.contacts)
+        k, around = len(cs), None if self.environment is None else join_environments(self.environment)
+        if around is not None:
+            cs = validate.contacts((*cs, *around.contacts))
+        positions, frames, normal = validate.positions_and_frames(self.plane, cs)
+        point = validate.reference(self.reference, normal, positions)
+        load = validate.wrench(self.wrench, normal, validate.height_above(positions, point, normal))
+        own = self.flexibility
+        E = (
+            own
+            if _can_stay_factor(own, k, around)
+            else validate.flexibility(flexibility_matrix(own), k, normal is not None)
+        )
+        d = join_offsets(self.offset, self.preload, k, np.zeros((0, 3)) if around is None else around.offset)
+        if around is not None:
+            E = join_flexibilities(flexibility_matrix(E), around.flexibility)
+        fingers, R = None if around is None else k, read_only(frames)
+        spec = GraspSpec(cs, read_only(positions), R, normal, fingers, None, load, point, E, d)
+        return to_spec(spec, self.effects).replace(asked=self)
+
+    def with_values(self, given: dict[str, Any]) -> Self:
+        """With other values of some, as `said` has them; friction is that of the contacts."""
+        if "friction" in given:
+            cs = validate.contacts(self.contacts)
+            names = [c.name or f"finger {i + 1}" for i, c in enumerate(cs)]
+            laws = laws_by_name(given.pop("friction"), names, [c.friction for c in cs])
+            given["contacts"] = tuple([replace_friction(c, law) for c, law in zip(cs, laws, strict=True)])
+        made: Self = with_changes(self, given)
+        return made
+
+
+def _can_stay_factor(E: Any, contacts: int, around: Environment | None) -> bool:
+    """Whether a flexibility can stay the factor that it was given as; else it is read as a matrix."""
+    return isinstance(E, Flexibility) and around is None and E.shape[0] == 3 * contacts
+
+
+def require_spec_alone(spec: GraspSpec, others: tuple[Any, ...]) -> GraspSpec:
+    """A specification that is passed to `Grasp`, where the other arguments say nothing. Raises InputError."""
+    wrench, _, _, offset, _, effects, plane, environment = others
+    if any(x is not None for x in (wrench, offset, plane, environment)) or effects != ():
+        raise InputError("contacts", "contacts, where other arguments are given", "a GraspSpec, which says all of it")
+    return spec
+
+
+def rebuild(spec: GraspSpec, given: dict[str, Any]) -> GraspSpec:
+    """A grasp without a hand, made again with other arguments; see `Grasp.replace`."""
+    given = drop_unset(given)
+    if not given:
+        return spec
+    asked = (spec.asked if isinstance(spec.asked, ContactGraspRequest) else _request_of(spec)).with_values(given)
+    return replace_load(spec, asked.wrench, asked) if set(given) == {"wrench"} else asked.spec()
+
+
+def replace_load(spec: GraspSpec, wrench: Any, asked: Any) -> GraspSpec:
+    """The same grasp under another whole load, as `asked` has it: it shares all its other arrays."""
+    height = validate.height_above(spec.positions, spec.reference, spec.plane)
+    return spec.replace(wrench=validate.wrench(wrench, spec.plane, height), asked=asked)
+
+
+def _request_of(spec: GraspSpec) -> ContactGraspRequest:
+    """Arguments that make a grasp of which a specification alone is known."""
+    k, around = spec.of_hand, environment_of(spec)
+    plane = None if spec.contacts[0].planar else spec.plane
+    effects = tuple([e for e in spec.effects if e.by_name])
+    E = stored_flexibility(spec) if k == spec.n else spec.flexibility[: 3 * k, : 3 * k]
+    d = hand_offset(spec.offset, k)
+    return ContactGraspRequest(spec.contacts[:k], spec.wrench, E, 0.0, d, spec.reference, effects, plane, around)
+
+
+def hand_offset(offset: Array, fingers: int) -> Array:
+    """Rows of an offset (n, 3) [m]: the fingers', where the environment's are gaps, which it says itself."""
+    return offset if offset[fingers:, :2].any() else offset[:fingers]
+
+
+def environment_of(spec: GraspSpec) -> Environment | None:
+    """The environment of a grasp, without what offsets move it along its tangents."""
+    k = spec.of_hand
+    if k == spec.n:
+        return None
+    return Environment(spec.contacts[k:], spec.flexibility[3 * k :, 3 * k :], spec.offset[k:, 2])
+
+
+def to_spec(spec: GraspSpec, effects: Any) -> GraspSpec:
+    """The specification with the effects that a user asks for by name, besides those it has. Raises InputError."""
+    asked = validate.effects(effects, spec)
+    return spec.replace(effects=(*asked, *spec.effects)) if asked else spec
+
+
+def drop_unset(given: dict[str, Any]) -> dict[str, Any]:
+    """What is to be replaced: all that is not None; an environment of nothing is none."""
+    found = {name: value for name, value in given.items() if value is not None}
+    if isinstance(around := found.get("environment"), (tuple, list)) and not around:
+        found["environment"] = None
+    return found
+
+
+def replace_friction(contact: Contact, law: FrictionLaw) -> Contact:
+    """The contact under another law, its axes kept unless the law says where x lies."""
+    if law.x_axis is None:
+        return contact.with_friction(law)
+    if contact.planar:
+        return Contact(contact.position[:2], contact.normal[:2], law, None, contact.name)
+    return contact.with_friction(law).with_pose(
+        contact.position, contact_frame(contact.normal, array("tangent", law.x_axis, (3,)))
+    )
+
+
+def freeze(asked: Any) -> None:
+    """Later changes of what was passed do not reach the fields of a dataclass."""
+    values = vars(asked)
+    for name, value in values.items():
+        if type(value) not in _IMMUTABLE_TYPES:
+            values[name] = _freeze_value(value)
+
+
+def with_changes(asked: Any, changes: dict[str, Any]) -> Any:
+    """The dataclass with other values of some fields; the rest is fastened already."""
+    made = object.__new__(type(asked))
+    vars(made).update(vars(asked) | {name: _freeze_value(value) for name, value in changes.items()})
+    return made
+
+
+_IMMUTABLE_TYPES = frozenset({type(None), bool, int, float, str, Contact, Environment})
+
+
+def _freeze_value(value: Any, depth: int = 0) -> Any:
+    """Arrays copied; lists, views and iterators as tuples."""
+    if type(value) in _IMMUTABLE_TYPES:
+        return value
+    if isinstance(value, np.ndarray):
+        copy: Array = value if not value.flags.writeable and value.base is None else read_only(value.copy())
+        return copy
+    if type(value) is tuple and all([type(x) in _IMMUTABLE_TYPES for x in value]):
+        return value
+    if isinstance(value, Mapping):
+        return {key: _freeze_value(x, depth + 1) for key, x in value.items()}
+    if isinstance(value, (list, tuple, Iterator, KeysView, ValuesView)):
+        return tuple([_freeze_value(x, depth + 1) for x in value]) if depth < _MAX_NESTING else value
+    return value

@@ -1,1 +1,0 @@
-"""Derivatives of an answer, from the contact conditions that hold at it."""

@@ -1,1 +1,0 @@
-"""How a hand deflects under load: joint springs, tendons, synergies and pads."""

@@ -1,1 +1,0 @@
-"""A hand and its object in motion, for loading in steps."""

@@ -1,1 +1,0 @@
-"""What a hand holds: shapes, the contacts that geometry finds on them, and closing the fingers. Imports robot."""

@@ -1,0 +1,243 @@
+"""What may be wrong with a hand's description: doubts about its geometry, joints, ranges and limits."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, overload
+
+import numpy as np
+
+from handlcp import words
+from handlcp.actuation.joint_stiffness import Elasticity
+from handlcp.errors import HandLCPError, InputError, Unsupported
+from handlcp.grasp.solution.verdict import Reason
+from handlcp.keywords import helped, helped_methods
+from handlcp.record import Record
+from handlcp.robot.description import COLLISION, VISUAL, RobotDescription, read_robot
+from handlcp.robot.fingertip import choose_obvious_tips, find_tip_candidates
+from handlcp.robot.joint import SEVERITIES, SHARED_LIMIT, Doubt, read_joint_facts
+from handlcp.robot.joint_audit import (
+    friction_doubts,
+    joint_doubts,
+    one_sided_doubts,
+    property_doubts,
+    range_doubts,
+    sag_doubts,
+    slide_doubts,
+    spring_doubts,
+    unequal_doubts,
+)
+from handlcp.robot.kinematics import Kinematics
+from handlcp.robot.link_shape import shape_doubts
+from handlcp.robot.servo_stiffness import has_servos, read_file_stiffness
+from handlcp.robot.urdf import build_model, mesh_folders
+from handlcp.text_table import wrapped
+
+# ----------------------------------------------------------------
+# The audit: every doubt about the numbers of a hand, the most serious first. A parser accepts all of them.
+
+_SEVERITY_HEADS = {
+    "serious": "Serious: can change a verdict",
+    "minor": "Minor: changes numbers",
+    "information": "Information",
+}
+SERVO_DOUBT = Doubt(
+    "hand", "joint stiffness is kp of the file's position actuators, often chosen for a simulation",
+    "joint_stiffness as measured: stiffness_from", "minor", "stiffness",
+)  # fmt: skip
+_SAID_ELSEWHERE = ("limit unknown", "geometry")  # a verdict has warnings of its own about these
+
+
+@helped_methods
+@dataclass(frozen=True, slots=True)
+class Audit(Record, Sequence[Doubt]):
+    """The doubts about one hand, the most serious first; a sequence that is empty (false) when there are none. Prints
+    in lines of at most 80 columns.
+    """
+
+    entries = ("source", "summary", "doubts")
+
+    source: str
+    doubts: tuple[Doubt, ...]
+
+    @overload
+    def __getitem__(self, index: int) -> Doubt: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Doubt, ...]: ...
+    def __getitem__(self, index: int | slice) -> Doubt | tuple[Doubt, ...]:
+        return self.doubts[index]
+
+    def __len__(self) -> int:
+        return len(self.doubts)
+
+    def about(self, joint: str) -> tuple[Doubt, ...]:
+        """The doubts that name a joint."""
+        return tuple(d for d in self.doubts if joint in d.joint.split(", "))
+
+    @property
+    def serious(self) -> tuple[Doubt, ...]:
+        """The doubts that can change a verdict."""
+        return tuple(d for d in self.doubts if d.severity == "serious")
+
+    @property
+    def summary(self) -> str:
+        """How many of each severity, such as "1 serious, 2 minor"."""
+        count = Counter(d.severity for d in self.doubts)
+        return ", ".join(f"{count[s]} {s}" for s in SEVERITIES if count[s]) or "no doubts"
+
+    def __str__(self) -> str:
+        lines = [f"{self.source}: {self.summary}"]
+        for severity in SEVERITIES:
+            these = [d for d in self.doubts if d.severity == severity]
+            lines += [_SEVERITY_HEADS[severity]] if these else []
+            for d in these:
+                lines.append(wrapped(str(d), "      ", "  "))
+        return "\n".join(lines)
+
+
+def make_audit(source: str, doubts: Iterable[Doubt]) -> Audit:
+    """The most serious doubts first, else in their order."""
+    return Audit(source, tuple(sorted(doubts, key=lambda d: SEVERITIES.index(d.severity))))
+
+
+@helped()
+def audit_urdf(path: Any, base: str | None = None, package_dirs: Any = None) -> Audit:
+    """Audit a URDF or MJCF file (below link `base` if given) without building a hand from it.
+
+    Raises URDFError for a file that is missing or not a URDF, UnknownName for an unknown base; Unsupported for an MJCF
+    file without MuJoCo.
+    """
+    root, file, found, meshes = read_robot("path", path, base, package_dirs=package_dirs)
+    name, folders = file.name if file is not None else root.get("name", ""), mesh_folders(package_dirs, file)
+    facts = read_joint_facts(root)
+    try:
+        kinematics = Kinematics(build_model("path", root, name), facts)
+    except HandLCPError:  # what makes no hand has doubts, too
+        kinematics = None
+    described = RobotDescription(name, kinematics and kinematics.model, facts, root, folders, (), found, meshes)
+    return make_audit(name, file_doubts(described, kinematics))
+
+
+def file_doubts(described: RobotDescription, kinematics: Kinematics | None) -> tuple[Doubt, ...]:
+    """Those about a file of which nothing else is known."""
+    return (*description_doubts(described, (), kinematics), *_file_stiffness_doubts(described, kinematics))
+
+
+def _file_stiffness_doubts(described: RobotDescription, kinematics: Kinematics | None) -> Iterator[Doubt]:
+    """Whether a file says how stiff its joints are, and whether it can be."""
+    sliding = [f.is_slide for f in described.facts] or [False]
+    unit = words.unit_of_joints(words.stiffness_unit, sliding)
+    advice = f"joint_stiffness: {unit}, a number, a mapping by joint name or a matrix"
+    try:
+        stiffness = read_file_stiffness(described, kinematics) if kinematics is not None else None
+    except InputError:
+        stiffness = None
+    if stiffness is None or kinematics is None:
+        yield Doubt("hand", "the file says nothing of joint stiffness", advice, "minor", "stiffness")
+        return
+    yield SERVO_DOUBT
+    yield from slide_doubts(described.facts, _stiffness_by_joint(stiffness, kinematics.joint_names))
+    found = choose_obvious_tips(find_tip_candidates(described))
+    tips = [(c.name, kinematics.model.getFrameId(c.link), c.point) for c in found]
+    yield from sag_doubts(kinematics, tips, stiffness.compliance(np.eye(kinematics.nv)))
+    efforts = {f.name: f.effort for f in described.facts}
+    yield from spring_doubts(kinematics, stiffness, np.array([efforts[name] for name in kinematics.joint_names]))
+
+
+def stiffness_doubts(hand: Any) -> Iterator[Doubt]:
+    """Of the stiffness that a hand has: one number for all joints, or that of the file."""
+    if hand.stiffness.uniform:
+        where = "is not that of the file" if has_servos(hand.description) else "is in no file"
+        unit = words.unit_of_joints(words.stiffness_unit, [name in hand.sliding for name in hand.joint_names])
+        what = f"joint stiffness {where}: {hand.stiffness.matrix[0, 0]:g} {unit} was passed for every joint"
+        advice = "joint_stiffness as measured, by joint name or as a matrix"
+        yield Doubt("hand", what, advice, "minor", "stiffness")
+    if hand.sliding:
+        yield from slide_doubts(hand.kinematics.facts, _stiffness_by_joint(hand.stiffness, hand.joint_names))
+    if hand.stiffness.is_from_file:
+        yield SERVO_DOUBT
+        tips = [(name, frame, None) for name, frame in zip(hand.fingertips, hand.tips.frames, strict=True)]
+        yield from sag_doubts(hand.kinematics, tips, hand.joint_compliance)
+        yield from spring_doubts(hand.kinematics, hand.stiffness, hand.torque_limits)
+
+
+def _stiffness_by_joint(stiffness: Elasticity, joints: Sequence[str]) -> dict[str, float]:
+    """Joint → its stiffness; nothing of a transmission that leaves some loose."""
+    try:
+        own = np.diagonal(stiffness.matrix)
+    except Unsupported:
+        return {}
+    return dict(zip(joints, own.tolist(), strict=True))
+
+
+def description_doubts(
+    described: RobotDescription, limits_given: Iterable[str] = (), kinematics: Kinematics | None = None
+) -> tuple[Doubt, ...]:
+    """The doubts about a robot as it was read, in no order of importance.
+
+    limits_given : joints whose torque limit was passed; efforts don't count. kinematics : None where nothing but the
+    file is known.
+    """
+    joints = joint_doubts(described.facts, limits_given)
+    ranges = range_doubts(described.facts, kinematics)
+    stated, own = property_doubts(described.facts), [f for f in described.facts if f.name not in set(limits_given)]
+    unlike = (*friction_doubts(own), *one_sided_doubts(own), *unequal_doubts(own, described.servos, kinematics))
+    free = {f.name for f in own}
+    read = [d for d in described.doubts if d.about != SHARED_LIMIT or free.intersection(d.joint.split(", "))]
+    return (*joints, *ranges, *stated, *unlike, *read, *geometry_doubts(described))
+
+
+def doubt_reasons(doubts: Iterable[Doubt]) -> Iterator[Reason]:
+    """A warning for each serious doubt, to stand beside the verdict that rests on it; without limits of motors there is
+    none.
+    """
+    for d in doubts:
+        if d.severity != "serious" or d.about in _SAID_ELSEWHERE:
+            continue
+        joints = d.joint.split(", ")
+        code = {"torque limit": "limit_doubtful", SHARED_LIMIT: "limit_shared"}.get(d.about, "hand_doubtful")
+        yield Reason(code, "decides" if d.about == SHARED_LIMIT else "warning", d.sentence, {"joints": joints})
+
+
+# ----------------------------------------------------------------
+# Doubts about the geometry of links: what is missing, what that leaves unchecked, and sizes that cannot be.
+
+_GEOMETRY_ADVICE = "a file with collision geometry, or tip_radius for the fingertips"
+
+
+def geometry_doubts(described: RobotDescription) -> Iterator[Doubt]:
+    """Of a robot's links."""
+    solid, seen = described.links_with(COLLISION), described.links_with(VISUAL)
+    if not solid:
+        what = "no link has collision geometry: whether links are inside the object is not checked"
+        yield Doubt("hand", what, _GEOMETRY_ADVICE, "serious", "geometry")
+    elif bare := [name for name in seen if name not in solid]:
+        what = "without collision geometry: not checked to be outside the object"
+        yield Doubt(", ".join(bare), what, _GEOMETRY_ADVICE, "minor", "geometry")
+    for kind, severity in ((COLLISION, "serious"), (VISUAL, "information")):
+        if missing := _missing_meshes(described, kind):
+            what = f"mesh files of {kind} geometry are not found: {words.listed(missing)}"
+            yield Doubt("hand", what, "package_dirs with the folder that holds them", severity, "geometry")
+    if described.model is not None:
+        yield from shape_doubts(described.collision_sizes, described.model)
+
+
+def tip_doubts(hand: Any) -> Iterator[Doubt]:
+    """Of the fingertips of a hand: what contacts are found on."""
+    drawn = [name for i, name in enumerate(hand.fingertips) if hand.tip_kind(i) == VISUAL]
+    if drawn:
+        what = "nothing there collides, so contacts are found on what is drawn of it"
+        yield Doubt(", ".join(drawn), what, "tip_radius, or a file with collision geometry", "minor", "geometry")
+    bare = [name for i, name in enumerate(hand.fingertips) if hand.tip_kind(i) == ""]
+    if bare:
+        what = "its link has no geometry, so that no contact with an object can be found"
+        yield Doubt(", ".join(bare), what, "tip_radius", "serious", "geometry")
+
+
+def _missing_meshes(described: RobotDescription, kind: str) -> list[str]:
+    """Addresses of meshes that are not found."""
+    meshes = () if described.root is None else described.root.iterfind(f"link/{kind}/geometry/mesh")
+    missing = [mesh.get("filename", "") for mesh in meshes if not described.has_mesh(mesh)]
+    return list(dict.fromkeys(missing))

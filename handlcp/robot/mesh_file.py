@@ -1,0 +1,280 @@
+"""Mesh files, looked at before assimp reads them: of which kind, how large, and how much they unfold to."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import defaultdict, deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from math import isfinite
+from pathlib import Path
+
+import numpy as np
+
+from handlcp.errors import InputError, unreadable
+from handlcp.read_file import MOST_MESH, ElementCounter, Refusal, read_bytes, walk_xml
+
+MESH_SUFFIXES = (".stl", ".obj", ".dae", ".ply")
+MESH_FILE_EXPECTED = "an STL, OBJ, DAE or PLY file"
+_MAX_NODE_COPIES = (
+    10_000  # nodes and geometries of a Collada scene, each counted as often as it stands there: 5 kB each
+)
+_MATERIAL_LINE = re.compile(rb"^\s*mtllib\s+(.*?)\s*$", re.MULTILINE)
+_INTEGER_TAGS = ("p", "v", "h", "vcount", "int_array")  # elements of Collada whose text is whole numbers
+_REAL_TAGS = (
+    "float_array",
+    "matrix",
+    "rotate",
+    "translate",
+    "scale",
+    "lookat",
+    "skew",
+    "bind_shape_matrix",
+)  # and numbers
+_UNIT_RANGE = 1e-9, 1e3  # metres of one: from nanometres to kilometres
+_INSTANCE_TAGS = ("instance_node", "instance_geometry", "instance_controller")
+
+
+def check_mesh_file(argument: str, file: Path, error: Refusal = InputError) -> None:
+    """Raises `error` for a file that is missing, too large, of another kind than its ending says, or unfolds to more
+    than it seems to hold.
+    """
+    data = read_bytes(argument, file, "a mesh file", MOST_MESH, error)
+    kind, shown = file.suffix.lower(), repr(str(file))
+    if kind not in MESH_SUFFIXES:
+        raise error(argument, f"{MESH_FILE_EXPECTED} (hl.Mesh takes what trimesh has loaded, too)", shown)
+    if kind == ".dae":
+        scene = _ColladaScene(argument, shown, error)
+        walk_xml(data, scene)
+        scene.check(len(data))
+    elif kind == ".obj":
+        for name in _MATERIAL_LINE.findall(data):  # assimp would wait for a device
+            beside = file.parent / name.decode(errors="replace")
+            if why := unreadable(beside):
+                if why != "does not exist":
+                    raise error(argument, "an OBJ file with files of materials", f"{shown}: {name!r}, which {why}")
+            else:
+                read_bytes(argument, beside, "a file of materials", MOST_MESH, error)
+    elif kind == ".ply" and not is_ply(data):
+        raise error(argument, "a PLY file", f"{shown}, which does not hold what its header lists")
+
+
+class _ColladaScene(ElementCounter):
+    """What stands in which node of a Collada file: nodes stand in nodes, and are copied into others by name."""
+
+    def __init__(self, argument: str, shown: str, error: Refusal) -> None:
+        super().__init__(argument, shown, error)
+        self._contents = defaultdict[int, list[int | str]](list)  # node → nodes, and names of copies, in it
+        self._nodes_by_name = defaultdict[str, list[int]](list)
+        self._nodes, self._open, self._largest = 0, [0], 0
+        self._text: list[str] | None = None  # of the element that is open, where it has to be numbers
+
+    def data(self, text: str) -> None:
+        """Text in an element."""
+        if self._text is not None:
+            self._text.append(text)
+
+    def start(self, tag: str, attributes: dict[str, str]) -> None:
+        super().start(tag, attributes)
+        name = tag.rpartition("}")[2]
+        if name in ("node", "visual_scene"):
+            self._nodes += 1
+            self._contents[self._open[-1]].append(self._nodes)
+            self._open.append(self._nodes)
+            for called in {attributes.get(key) for key in ("id", "name", "sid")}:
+                if called:
+                    self._nodes_by_name[called].append(self._nodes)
+        elif name in _INSTANCE_TAGS:
+            self._contents[self._open[-1]].append(attributes.get("url", "").lstrip("#"))
+        if name == "unit" and "meter" in attributes:
+            self._check_unit(attributes["meter"])
+        for key in ("count", "offset", "stride"):
+            if key in attributes:
+                self._check_numbers(attributes[key].split(), whole=True)
+                self._largest = max(self._largest, int(attributes[key][:20] or 0))
+        self._text = [] if name in _INTEGER_TAGS or name in _REAL_TAGS else None
+
+    def end(self, tag: str) -> None:
+        super().end(tag)
+        name = tag.rpartition("}")[2]
+        if name in ("node", "visual_scene"):
+            self._open.pop()
+        if self._text is not None:
+            self._check_numbers("".join(self._text).split(), name in _INTEGER_TAGS)
+            self._text = None
+
+    def _check_unit(self, text: str) -> None:
+        try:
+            metres = float(text)
+        except ValueError:
+            metres = math.nan
+        if not _UNIT_RANGE[0] <= metres <= _UNIT_RANGE[1]:
+            expected = f'a Collada file with a unit of {_UNIT_RANGE[0]:g} to {_UNIT_RANGE[1]:g} m in <unit meter="…">'
+            raise self.refuse(expected, f"with {text[:40]!r}")
+
+    def _check_numbers(self, words: list[str], whole: bool) -> None:
+        """Raises the file's error for what is no number: assimp never comes past it."""
+        try:
+            if whole and not all(map(str.isdecimal, words)):
+                words = [word if word.removeprefix("-").isdecimal() else f"{word}?" for word in words]
+            deque(map(float, words), maxlen=0)
+        except ValueError as failure:
+            raise self.refuse("a Collada file of numbers", f"({str(failure)[:80]})") from None
+
+    def check(self, size: int) -> None:
+        """Raises the file's error where nodes are copied into each other without end, or too often."""
+        if self._largest > size:
+            raise self.refuse("a Collada file", f"with a count of {self._largest} in {size} bytes")
+        total = dict[int, int]()  # node → how many stand in it, 0 while they are counted
+        path = [(0, self._inner_nodes(0))]  # from the top to the node that is looked into, with what is left of each
+        while path:
+            node, left = path[-1]
+            total.setdefault(node, 0)
+            for inner in left:
+                if inner not in total:
+                    path.append((inner, self._inner_nodes(inner)))
+                    break
+                if inner in [above for above, _ in path]:
+                    raise self.refuse("a Collada file", "whose nodes stand in each other")
+            else:
+                total[node] = 1 + len(self._contents[node]) + sum(total[n] for n in self._inner_nodes(node))
+                if total[node] > _MAX_NODE_COPIES:
+                    raise self.refuse(
+                        f"a Collada file of at most {_MAX_NODE_COPIES} nodes, copies counted", "with more"
+                    )
+                path.pop()
+
+    def _inner_nodes(self, node: int) -> Iterator[int]:
+        """The nodes that stand in one, copies by name among them."""
+        for one in self._contents[node]:
+            yield from self._nodes_by_name.get(one, ()) if isinstance(one, str) else (one,)
+
+
+# ----------------------------------------------------------------
+# Whether a PLY file is what its header says. assimp takes its numbers at their word, and reads beyond its memory.
+
+
+_NUMBER_TYPES = {
+    "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4",
+    "double": "f8", "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4",
+    "float32": "f4", "float64": "f8",
+}  # fmt: skip
+_INDEX_NAMES = ("vertex_indices", "vertex_index")
+_BYTE_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+_MAX_FACE_CORNERS = 1000  # of a face
+
+
+@dataclass
+class _PlyElement:
+    """name, count : such as vertex, 4. properties : name, type of the numbers, type of how many of a list, or ""."""
+
+    name: str
+    count: int
+    properties: list[tuple[str, str, str]] = field(default_factory=list)
+
+
+def is_ply(data: bytes) -> bool:
+    """Whether all that the header lists is there, with numbers where it says numbers, and faces have their corners."""
+    try:
+        _check_ply(data)
+    except (ValueError, KeyError, IndexError, OverflowError):
+        return False
+    return True
+
+
+def _check_ply(data: bytes) -> None:
+    head, mark, _ = data.partition(b"end_header")
+    start = data.index(b"\n", len(head) + len(mark)) + 1
+    if data[len(head) + len(mark) : start].strip():
+        raise ValueError("end_header")
+    order, elements = _read_ply_header(head.decode("ascii"))
+    vertices = next((element for element in elements if element.name == "vertex"), None)
+    if vertices is None or not {"x", "y", "z"} <= {name for name, _, _ in vertices.properties}:
+        raise ValueError("vertices")
+    if any(lists for _, _, lists in vertices.properties):
+        raise ValueError("lists of vertices")
+    if order:
+        _check_ply_binary(data[start:], order, elements, vertices.count)
+    else:
+        _check_ply_text(data[start:].decode("ascii"), elements, vertices.count)
+
+
+def _read_ply_header(text: str) -> tuple[str, list[_PlyElement]]:
+    """The byte order, "" of text, and the elements. Raises ValueError."""
+    first, second, *lines = text.replace("\r\n", "\n").removesuffix("\n").split("\n")
+    kind = second.split()
+    if first != "ply" or len(kind) != 3 or kind[0] != "format" or kind[2] != "1.0":
+        raise ValueError("header")
+    elements = list[_PlyElement]()
+    for line in lines:
+        match line.split():
+            case ["comment" | "obj_info", *_]:
+                continue
+            case ["element", name, count] if count.isascii() and count.isdigit():
+                elements.append(_PlyElement(name, int(count)))
+            case ["property", "list", lists, kind_of, name]:
+                elements[-1].properties.append((name, _NUMBER_TYPES[kind_of], _NUMBER_TYPES[lists]))
+            case ["property", kind_of, name]:
+                elements[-1].properties.append((name, _NUMBER_TYPES[kind_of], ""))
+            case _:
+                raise ValueError(line)
+    return _BYTE_ORDERS[kind[1]], elements
+
+
+def _check_ply_text(body: str, elements: Sequence[_PlyElement], vertices: int) -> None:
+    """One line for each of an element."""
+    lines = body.replace("\r\n", "\n").rstrip("\n ").split("\n")
+    if len(lines) != sum(element.count for element in elements):
+        raise ValueError("lines")
+    at = 0
+    for element in elements:
+        for line in lines[at : at + element.count]:
+            words, k = line.split(" "), 0
+            words = [word for word in words if word]
+            for name, _, lists in element.properties:
+                count = int(words[k]) if lists else 1
+                own = words[k + 1 : k + 1 + count] if lists else words[k : k + 1]
+                k += count + bool(lists)
+                if lists and not 0 <= count <= _MAX_FACE_CORNERS:
+                    raise ValueError("a list")
+                if name in _INDEX_NAMES:
+                    _check_corners([int(word) for word in own], vertices)
+                elif not all(isfinite(float(word)) for word in own):
+                    raise ValueError("not finite")
+            if k != len(words):
+                raise ValueError(line)
+        at += element.count
+
+
+def _check_ply_binary(body: bytes, order: str, elements: Sequence[_PlyElement], vertices: int) -> None:
+    at = 0
+    for element in elements:
+        if not any(lists for _, _, lists in element.properties):
+            at += element.count * sum(np.dtype(kind).itemsize for _, kind, _ in element.properties)
+            continue
+        for _ in range(element.count):
+            if at >= len(body):
+                raise ValueError("too short")
+            for name, kind, lists in element.properties:
+                count = 1
+                if lists:
+                    count = int(_binary_integers(body, order + lists, 1, at)[0])
+                    at += np.dtype(lists).itemsize
+                    if not 0 <= count <= _MAX_FACE_CORNERS:
+                        raise ValueError("a list")
+                if name in _INDEX_NAMES:
+                    _check_corners(_binary_integers(body, order + kind, count, at), vertices)
+                at += count * np.dtype(kind).itemsize
+    if at != len(body):
+        raise ValueError("length")
+
+
+def _binary_integers(body: bytes, kind: str, count: int, at: int) -> list[int]:
+    """Raises ValueError where there are fewer."""
+    return [int(number) for number in np.frombuffer(body, kind, count, at)]
+
+
+def _check_corners(numbers: list[int], vertices: int) -> None:
+    if numbers and not (min(numbers) >= 0 and max(numbers) < vertices):
+        raise ValueError("a corner that is not there")

@@ -1,0 +1,153 @@
+"""How much an MJCF file asks MuJoCo to build, and its includes with it, counted before MuJoCo compiles it."""
+
+from __future__ import annotations
+
+import math
+import struct
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator
+from pathlib import Path
+
+from handlcp.errors import URDFError, unreadable
+from handlcp.read_file import MOST_MESH, MOST_XML, parse_xml, read_bytes
+
+MAX_BUILT_ELEMENTS = 10_000  # elements, those that are replicated counted each time; real hands have some hundred
+_MAX_PIXELS = 100_000_000  # of all textures together: 300 MB
+_MAX_HEIGHTS = 10_000_000  # of all height fields together
+_MAX_LENGTHRANGE_STEPS = (
+    10_000  # of the simulation that measures the length of an actuator; MuJoCo's own number is 1000
+)
+_MAX_INCLUDE_DEPTH = 20  # files that include each other
+_REPLICATING_TAGS = ("replicate", "composite", "flexcomp")  # count : how often
+_FILE_TAGS = ("mesh", "hfield", "texture", "skin", "flexcomp")
+
+# Element ("" : any), attribute → the largest number that is allowed in it. Memory is taken for each.
+_MAX_VALUES = {
+    ("size", "nkey"): 10_000, ("size", "njmax"): 1_000_000, ("size", "nconmax"): 1_000_000,
+    ("size", "nstack"): 10_000_000, ("size", "nuserdata"): 1_000_000,
+    **{("size", f"nuser_{of}"): 1000 for of in ("body", "jnt", "geom", "site", "cam", "tendon", "actuator", "sensor")},
+    ("user", "dim"): 1000, ("", "actdim"): 1000, ("", "nsample"): 1000, ("mesh", "octree_maxdepth"): 6,
+    ("mesh", "params"): 100,
+}  # fmt: skip
+
+
+def check_mjcf_size(argument: str, text: bytes, path: Path | None) -> None:
+    """Raises URDFError for an MJCF text that asks for more than a hand needs. path : of its file; None: a string."""
+    shown = "the XML string" if path is None else repr(str(path))
+    _ModelCount(argument, path).check(parse_xml(argument, text, shown, URDFError), len(text), shown)
+
+
+class _ModelCount:
+    """Counts one model with all that it includes."""
+
+    def __init__(self, argument: str, path: Path | None) -> None:
+        self._argument, self._folder = argument, Path() if path is None else path.parent
+        self._shown, self._bytes, self._pixels, self._heights = "", 0, 0.0, 0.0
+        self._count_by_file = dict[Path, float]()  # how much an included file builds
+        self._open_files = list[Path]() if path is None else [path.resolve()]
+        self._largest_attached = 0.0  # the most that a model which can be attached builds
+        self._folders = [self._folder]  # where files may be
+
+    def check(self, root: ET.Element, size: int, shown: str) -> None:
+        self._shown, self._bytes = shown, size
+        self._check_contents(root)
+        if self._count_children(root) > MAX_BUILT_ELEMENTS:
+            raise self._refuse(
+                f"a model of at most {MAX_BUILT_ELEMENTS} elements, those of copies counted each time", "more"
+            )
+
+    def _refuse(self, expected: str, came: str) -> URDFError:
+        return URDFError(self._argument, expected, f"{self._shown}, with {came}")
+
+    def _check_contents(self, root: ET.Element) -> None:
+        """What is not counted by element: folders, numbers, files, models to attach."""
+        for compiler in root.iter("compiler"):
+            named = [compiler.get(name) for name in ("meshdir", "assetdir", "texturedir")]
+            self._folders += [folder / name for folder in self._folders[:1] for name in named if name]
+        for element in root.iter():
+            self._check_numbers(element)
+            if element.tag in _FILE_TAGS and element.get("file"):
+                self._check_file(element.get("file", ""))
+        for model in root.iter("model"):
+            self._largest_attached = max(self._largest_attached, self._count_included(model))
+
+    def _count_children(self, element: ET.Element) -> float:
+        return sum(self._count_element(child) for child in element)
+
+    def _count_element(self, element: ET.Element) -> float:
+        """How many elements this one builds."""
+        if element.tag == "include":
+            return 1 + self._count_included(element)
+        if element.tag == "attach":
+            return 1 + self._largest_attached
+        within = 1 + self._count_children(element)
+        if element.tag in _REPLICATING_TAGS:
+            return within * math.prod(max(1.0, x) for x in _attribute_numbers(element.get("count", "")))
+        return within
+
+    def _count_included(self, element: ET.Element) -> float:
+        """How much the file that an element names builds; 0 where there is none, which MuJoCo says."""
+        name = element.get("file", "")
+        found = [f for folder in (self._folder, self._open_files[-1].parent if self._open_files else self._folder)
+                 if name and _is_there(f := folder / name)]  # fmt: skip
+        if not found:
+            return 0.0
+        file = found[0].resolve()
+        if file in self._count_by_file:
+            return self._count_by_file[file]
+        if file in self._open_files or len(self._open_files) > _MAX_INCLUDE_DEPTH:
+            raise self._refuse("files that do not include each other", f"{name!r} in a circle")
+        data = read_bytes(self._argument, file, "an MJCF file", MOST_XML, URDFError)
+        self._bytes += len(data)
+        if self._bytes > MOST_XML:
+            raise self._refuse(f"at most {MOST_XML // 10**6} MB of XML, with all includes", "more")
+        root = parse_xml(self._argument, data, repr(str(file)), URDFError)
+        self._open_files.append(file)
+        self._check_contents(root)
+        self._count_by_file[file] = built = self._count_children(root)
+        self._open_files.pop()
+        return built
+
+    def _check_numbers(self, element: ET.Element) -> None:
+        for attribute, text in element.attrib.items():
+            largest = _MAX_VALUES.get((element.tag, attribute), _MAX_VALUES.get(("", attribute), math.inf))
+            if largest < math.inf and max(_attribute_numbers(text), default=0.0) > largest:
+                raise self._refuse(f"at most {largest} as {attribute} of <{element.tag}>", repr(text[:40]))
+        if element.tag == "texture":
+            sides = [max(_attribute_numbers(element.get(name, "")), default=0.0) for name in ("width", "height")]
+            self._pixels += math.prod(sides) * (6 if element.get("type", "cube") != "2d" else 1)
+        if element.tag == "hfield":
+            sides = [max(_attribute_numbers(element.get(name, "")), default=0.0) for name in ("nrow", "ncol")]
+            self._heights += math.prod(sides)
+        if self._pixels > _MAX_PIXELS or self._heights > _MAX_HEIGHTS:
+            raise self._refuse(f"textures of at most {_MAX_PIXELS} pixels, {_MAX_HEIGHTS} heights", "more")
+        if element.tag == "lengthrange":
+            total, step = (max(_attribute_numbers(element.get(name, "")), default=default)
+                           for name, default in (("inttotal", 10.0), ("timestep", 0.01)))  # fmt: skip
+            if not 0.0 < total <= _MAX_LENGTHRANGE_STEPS * step:
+                raise self._refuse(
+                    f"a <lengthrange> of at most {_MAX_LENGTHRANGE_STEPS} steps", f"{total:g} s of {step:g} s"
+                )
+
+    def _check_file(self, name: str) -> None:
+        """Raises URDFError for a mesh or picture that is too large, or is none."""
+        for file in dict.fromkeys(f for folder in self._folders for f in (folder / name, folder / Path(name).name)):
+            if _is_there(file):
+                data = read_bytes(self._argument, file, "a mesh or picture", MOST_MESH, URDFError)
+                if data[:8] == b"\x89PNG\r\n\x1a\n" and len(data) >= 24:
+                    self._pixels += math.prod(struct.unpack(">II", data[16:24]))
+
+
+def _is_there(file: Path) -> bool:
+    """Whether there is something of this name, a file or not."""
+    return not (why := unreadable(file)) or why in ("is a folder", "is no file")
+
+
+def _attribute_numbers(text: str) -> Iterator[float]:
+    """Those of an attribute; what is none counts as 0."""
+    for word in text.split():
+        try:
+            value = float(word)
+        except ValueError:
+            continue
+        yield value if value == value else math.inf

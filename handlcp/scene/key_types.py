@@ -1,0 +1,186 @@
+"""What a key of a file may hold. Each kind says it in words, and those words are what its error expects."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator, ValidationError, WrapValidator
+from pydantic_core import PydanticCustomError
+
+from handlcp.contact.friction import friction_laws
+
+# ----------------------------------------------------------------
+# What the tables of a scene file are made of, for pydantic: refusals in words, and tables known only when read.
+
+
+class FileTable(BaseModel):
+    """A table of a scene file: no keys but its own, no conversions but integers to numbers."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
+class ExpectedWords(WrapValidator):
+    """Any refusal inside becomes one: `words`."""
+
+    words: str
+
+    def __init__(self, words: str) -> None:
+        def check(value: Any, inner: Any) -> Any:
+            try:
+                return inner(value)
+            except ValidationError:
+                raise PydanticCustomError("expected", "{words}", {"words": words}) from None
+
+        super().__init__(check)
+        object.__setattr__(self, "words", words)
+
+
+class DeferredTable(PlainValidator):
+    """A table whose keys depend on what is imported by the time a file is read.
+
+    model : returns it.
+    """
+
+    model: Callable[[], type[FileTable]]
+
+    def __init__(self, model: Callable[[], type[FileTable]]) -> None:
+        def check(value: Any) -> FileTable:
+            return model().model_validate(value)
+
+        super().__init__(check)
+        object.__setattr__(self, "model", model)
+
+
+# ----------------------------------------------------------------
+
+SHAPES = ("box", "sphere", "cylinder", "ellipsoid", "mesh", "ycb")
+
+_Finite = Annotated[float, Field(allow_inf_nan=False)]
+_Above0 = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+_From0 = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+_Above0OrInf = Annotated[float, Field(gt=0)]  # inf: rigid, or without limit
+_From0OrInf = Annotated[float, Field(ge=0)]
+_Three = Annotated[list[_Finite], Field(min_length=3, max_length=3)]
+_ThreeAbove0 = Annotated[list[_Above0], Field(min_length=3, max_length=3)]
+_ThreeFrom0 = Annotated[list[_From0], Field(min_length=3, max_length=3)]
+_Diagonal = _From0 | _ThreeFrom0
+_PerJoint = _Above0OrInf | list[_Above0OrInf] | dict[str, _Above0OrInf]
+
+Text = Annotated[str, ExpectedWords("a string")]
+Names = Annotated[list[str], Field(min_length=1), ExpectedWords("a list of names")]
+Links = Annotated[
+    Literal["tips", "all"] | Annotated[list[str], Field(min_length=1)],
+    ExpectedWords('"tips", "all" or a list of names'),
+]
+Switch = Annotated[bool, ExpectedWords("true or false")]
+FingerWeight = Annotated[bool | Literal["torques"], ExpectedWords('true, false or "torques"')]
+
+Number = Annotated[_Finite, ExpectedWords("a finite number")]
+Positive = Annotated[_Above0, ExpectedWords("a number > 0")]
+PositiveOrInf = Annotated[_Above0OrInf, ExpectedWords("a number > 0, or inf")]
+NotNegative = Annotated[_From0, ExpectedWords("a number ≥ 0")]
+Vector = Annotated[_Three, ExpectedWords("three finite numbers")]
+PlanarVector = Annotated[
+    list[_Finite], Field(min_length=2, max_length=3), ExpectedWords("three finite numbers (two in a planar scene)")
+]
+Lengths = Annotated[_ThreeAbove0, ExpectedWords("three numbers > 0")]
+Size = Annotated[_Above0 | _ThreeAbove0, ExpectedWords("a number > 0 or three of them")]
+
+Stiffness = Annotated[
+    _PerJoint, ExpectedWords("a number > 0 (inf: rigid), one for each joint, or a table by joint name")
+]
+Springs = Annotated[
+    _From0OrInf | list[_From0OrInf] | dict[str, _From0OrInf],
+    ExpectedWords("a number ≥ 0 (inf: rigid), one for each, or a table by name"),
+]
+Arms = Annotated[
+    Annotated[list[list[_Finite]], Field(min_length=1)] | Annotated[dict[str, dict[str, _Finite]], Field(min_length=1)],
+    ExpectedWords("a table by name of tables by joint name, or a list with one number for each joint for each"),
+]
+TorqueLimits = Annotated[
+    _PerJoint, ExpectedWords("a number > 0 (inf: no limit), one for each joint, or a table by joint name")
+]
+PadFlexibility = Annotated[
+    _Diagonal | dict[str, _Diagonal], ExpectedWords("a number ≥ 0, three of them, or a table by fingertip or link")
+]
+Radius = Annotated[_Above0 | dict[str, _Above0], ExpectedWords("a number > 0, or a table by fingertip")]
+Posture = Annotated[
+    list[_Finite] | dict[str, _Finite], ExpectedWords("one finite number for each joint, or a table by joint name")
+]
+
+
+def _check_law_table(value: dict[str, Any]) -> dict[str, Any]:
+    """The table of a friction law with keys of its own."""
+    if not any(set(needed) <= set(value) <= {*needed, *more} for needed, more in _law_keys()):
+        raise ValueError("keys of no friction law")
+    return value
+
+
+def _check_finger_table(value: dict[str, Any]) -> dict[str, Any]:
+    """A table by finger; no finger is called like a key of a law, nearly right tables are."""
+    if any(key in needed or key in more for needed, more in _law_keys() for key in value):
+        raise ValueError("keys of a friction law")
+    return value
+
+
+def _law_keys() -> list[tuple[dict[str, str], dict[str, str]]]:
+    return [law.file_keys for law in friction_laws() if law.file_keys[0]]
+
+
+_LawTable = Annotated[dict[str, _Finite | _Three], AfterValidator(_check_law_table)]
+_Law = _From0 | Literal["frictionless"] | _LawTable
+
+
+def _describe_laws() -> str:
+    """How to write each friction law, in words."""
+    words = ['a coefficient ≥ 0, "frictionless"']
+    for law in friction_laws():
+        needed, more = law.file_keys
+        if needed:
+            also = f" (also {', '.join(more)})" if more else ""
+            words.append(f"{{{', '.join(needed)}}}{also} for {law.__name__}")
+    return f"{', '.join(words[:-1])} or {words[-1]}"
+
+
+_LAW_WORDS = _describe_laws()
+Friction = Annotated[_Law, ExpectedWords(_LAW_WORDS)]
+_ByFinger = Annotated[dict[str, _Law], AfterValidator(_check_finger_table)]
+FrictionByFinger = Annotated[_Law | _ByFinger, ExpectedWords(f"{_LAW_WORDS}, or a table of these by finger")]
+Preload = Annotated[
+    _Finite | list[_Finite] | dict[str, _Finite],
+    ExpectedWords("a finite number, one for each contact, or a table by finger"),
+]
+ClosingTorque = Annotated[
+    _From0 | list[_Finite] | dict[str, _Finite],
+    ExpectedWords("a number ≥ 0, one finite number for each joint, or a table of these by joint name"),
+]
+JointFriction = Annotated[
+    _From0 | list[_From0] | dict[str, _From0],
+    ExpectedWords("a number ≥ 0, one for each joint, or a table of these by joint name"),
+]
+Pretension = Annotated[
+    _From0OrInf | list[_From0OrInf] | dict[str, _From0OrInf],
+    ExpectedWords("a number ≥ 0 (inf: taut whatever comes), one for each tendon, or a table of these by tendon"),
+]
+Grips = Annotated[
+    _From0 | list[list[_From0]] | dict[str, _From0 | dict[str, _From0]],
+    ExpectedWords("a number ≥ 0, or a table by tendon of numbers or of tables by joint name"),
+]
+TensionLimits = Annotated[
+    _PerJoint, ExpectedWords("a number > 0 (inf: no limit), one for each tendon, or a table of these by tendon")
+]
+ByTip = Annotated[
+    _From0 | list[_From0] | dict[str, _From0],
+    ExpectedWords("a number ≥ 0, one for each fingertip, or a table by fingertip"),
+]
+Flexibility = Annotated[
+    _Diagonal | list[list[_Finite]] | list[list[list[_Finite]]],
+    ExpectedWords("a number ≥ 0, three of them, (n, 3, 3) blocks or a (3n, 3n) matrix"),
+]
+Softness = Annotated[_Diagonal, ExpectedWords("a number ≥ 0 or three of them")]
+Faces = Annotated[Annotated[int, Field(ge=3)] | Literal["cone"], ExpectedWords('an integer ≥ 3 or "cone"')]
+Seed = Annotated[int, Field(ge=0), ExpectedWords("an integer ≥ 0")]
+Orientations = Annotated[Literal[6, "any"], ExpectedWords('6 or "any"')]
+Kind = Annotated[Literal["pinch", "power", "any"], ExpectedWords('"pinch", "power" or "any"')]
+Count = Annotated[int, Field(ge=1), ExpectedWords("an integer ≥ 1")]
