@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+import handlcp.actuation as actuation
+import handlcp.geometry as geometry
 import handlcp.grasp as mechanics
 import handlcp.hand as robots
 from handlcp.actuation.transmission import SYNERGIES, TENDONS
@@ -133,7 +135,7 @@ class Trial:
 def arguments(entry: EffectDescription) -> dict[str, Any]:
     """The keyword arguments that `in_python` shows; the package wrote that text itself."""
     names = {kind.__name__: kind for kind in mechanics.effect_kinds()}
-    names |= {name: getattr(room, name) for room in (mechanics, robots) for name in dir(room)}
+    names |= {name: getattr(room, name) for room in (mechanics, actuation, geometry, robots) for name in dir(room)}
     return dict(eval(f"dict({entry.in_python})", names))
 
 
