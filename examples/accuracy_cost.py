@@ -13,9 +13,9 @@ from rich.console import Console
 
 import handlcp as hl
 from handlcp import scene
-from handlcp.show.accuracy import all_tables, save
-from handlcp.show.file import checked
-from handlcp.study import paper
+from handlcp.studies import paper
+from handlcp.viz.accuracy import all_tables, save
+from handlcp.viz.output_file import check_picture_path
 
 HERE = Path(__file__).parent
 
@@ -53,7 +53,7 @@ def write(costs: list[tuple[str, hl.AccuracyCost]], path: hl.PathCost, folder: P
 
 def main(folder: Path = HERE) -> None:
     """Both studies, the tables, the pictures."""
-    checked(folder / "accuracy_cost.png")  # before two minutes are spent
+    check_picture_path(folder / "accuracy_cost.png")  # before two minutes are spent
     for path in write(what_accuracy_costs(), what_a_path_costs(), folder, Console()):
         print(f"Written: {path}")
 

@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from pathlib import PurePosixPath
 from typing import Any
 
-from handlcp.study.effect_catalogue import Cost, costs, entries
+from handlcp.studies.effect_catalogue import Cost, costs, entries
 
 WHERE = PurePosixPath("handlcp/grasp/effects")  # the page's folder in the repository
 THE_SCENE = ("object balance", "unilateral contact", "Coulomb friction")  # bring the reference scene's unknowns

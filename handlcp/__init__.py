@@ -30,7 +30,7 @@ for _descriptor in range(3):  # closed ones lead nowhere: a file opened in their
     except OSError:
         os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
 
-_named, _, __all__ = attach_stub(__name__, __file__)
+_load_name, _, __all__ = attach_stub(__name__, __file__)
 _ROOMS = ("actuation", "errors", "geometry", "grasp", "hand", "lcp", "robot", "simulator")
 
 
@@ -39,7 +39,7 @@ def __getattr__(name: str) -> Any:
     line in the list.
     """
     if name in __all__:
-        return _named(name)
+        return _load_name(name)
     if name in _ROOMS:
         return import_module(f"handlcp.{name}")
     if not name.startswith("_"):

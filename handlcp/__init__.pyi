@@ -118,25 +118,22 @@ from .robot import (
     describe_urdf as describe_urdf,
     tendon_routes as tendon_routes,
 )
-from .show.report.report import report as report
 from .simulator.export import to_mujoco as to_mujoco
-from .study.accuracy.cost import accuracy_cost as accuracy_cost
-from .study.accuracy.on_paths import PathCost as PathCost, path_cost as path_cost
-from .study.accuracy.result import AccuracyCost as AccuracyCost
-from .study.envelope.measure import envelope as envelope
-from .study.envelope.result import Envelope as Envelope
-from .study.grip_strength.measure import split_cylinder as split_cylinder
-from .study.grip_strength.result import SplitCylinder as SplitCylinder
-from .study.payload.result import Payload as Payload
-from .study.published.finger_result import FingerStrength as FingerStrength
-from .study.published.finger_strength import finger_strength as finger_strength
-from .study.published.lift_and_shake import lift_and_shake as lift_and_shake
-from .study.published.lift_result import LiftAndShake as LiftAndShake
-from .study.published.slip_resistance import SlipResistance as SlipResistance, slip_resistance as slip_resistance
-from .study.reliability.interval import Chance as Chance, Influence as Influence
-from .study.reliability.result import Reliability as Reliability, Sample as Sample
-from .study.reliability.study import reliability as reliability
-from .study.varied import Slopes as Slopes, slopes as slopes, vary_grasp as vary_grasp
+from .studies.accuracy.cost import accuracy_cost as accuracy_cost
+from .studies.accuracy.on_paths import PathCost as PathCost, path_cost as path_cost
+from .studies.accuracy.result import AccuracyCost as AccuracyCost
+from .studies.envelope.measure import envelope as envelope
+from .studies.envelope.result import Envelope as Envelope
+from .studies.grip_strength.measure import split_cylinder as split_cylinder
+from .studies.grip_strength.result import SplitCylinder as SplitCylinder
+from .studies.payload.result import Payload as Payload
+from .studies.perturbation import Slopes as Slopes, slopes as slopes, vary_grasp as vary_grasp
+from .studies.published.finger_strength import FingerStrength as FingerStrength, finger_strength as finger_strength
+from .studies.published.lift_and_shake import LiftAndShake as LiftAndShake, lift_and_shake as lift_and_shake
+from .studies.published.slip_resistance import SlipResistance as SlipResistance, slip_resistance as slip_resistance
+from .studies.reliability.chance import Chance as Chance, Influence as Influence
+from .studies.reliability.estimate import Reliability as Reliability, Sample as Sample, reliability as reliability
+from .viz.report.report import report as report
 
 __version__: str
 

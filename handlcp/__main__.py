@@ -8,20 +8,20 @@ import sys
 import threading
 from contextlib import suppress
 
-INTERRUPTED = 130  # as a shell reports a program that Ctrl-C ended
-TIDYING = 1.0  # how long that may take at most [s]
+EXIT_INTERRUPTED = 130  # as a shell reports a program that Ctrl-C ended
+MAX_CLEANUP_SECONDS = 1.0  # how long that may take at most [s]
 
 
 def main() -> None:
     """Run the command line. Exit status: see `handlcp.cli.app`; 130 after Ctrl-C; 141 where the output was closed."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # a shell may have it ignored
-        signal.signal(signal.SIGINT, _interrupted)
+        signal.signal(signal.SIGINT, _exit_on_interrupt)
     from handlcp.cli import main as run  # a second of imports
 
     run()
 
 
-def _interrupted(*_: object) -> None:
+def _exit_on_interrupt(*_: object) -> None:
     """End this program at once; an exception would be swallowed, or printed, wherever it happens to arrive."""
     if os.isatty(2):
         os.write(2, b"\x1b[?25h\n")  # a progress bar hides the cursor
@@ -34,8 +34,8 @@ def _interrupted(*_: object) -> None:
     if "multiprocessing.util" in sys.modules:
         tidying = threading.Thread(target=_unlink_semaphores, daemon=True)
         tidying.start()
-        tidying.join(TIDYING)
-    os._exit(INTERRUPTED)
+        tidying.join(MAX_CLEANUP_SECONDS)
+    os._exit(EXIT_INTERRUPTED)
 
 
 def _unlink_semaphores() -> None:

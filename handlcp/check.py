@@ -2,25 +2,33 @@
 
 from __future__ import annotations
 
+import inspect
 import os
-from collections.abc import Mapping, Sequence
-from typing import Any
+import re
+import typing
+from collections.abc import Callable, Mapping, Sequence
+from difflib import get_close_matches
+from functools import cached_property, wraps
+from types import FunctionType, NoneType, UnionType
+from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 import numpy.typing as npt
 
-from handlcp.errors import InputError, UnknownName, shown
-from handlcp.tolerances import LARGEST, SEMIDEFINITE, SYMMETRY
+from handlcp.errors import InputError, UnknownName, WrongCall, shorten_repr
+from handlcp.tolerances import MAX_NUMBER, SEMIDEFINITE_TOLERANCE, SYMMETRY_TOLERANCE
 
 _FLOAT = np.dtype(float)
-_NEARLY_UNIT = 1e-3  # a normal off by less was rounded or computed, and is normalised; by more, it is a mistake
+_UNIT_LENGTH_TOLERANCE = (
+    1e-3  # a normal off by less was rounded or computed, and is normalised; by more, it is a mistake
+)
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 
 
-_NO_NUMBERS = (str, bytes, bool, complex, np.complexfloating, np.bool_, list, tuple, dict, set, np.ma.MaskedArray)
+_NON_NUMBER_TYPES = (str, bytes, bool, complex, np.complexfloating, np.bool_, list, tuple, dict, set, np.ma.MaskedArray)
 
 
 def read_only(a: Array) -> Array:
@@ -29,15 +37,15 @@ def read_only(a: Array) -> Array:
     return a
 
 
-_NOTHING = read_only(np.zeros(0))
+_EMPTY_ARRAY = read_only(np.zeros(0))
 
 
-def nothing() -> Array:
+def empty_array() -> Array:
     """An empty read-only array (0,), the default of fields that most scenes leave empty."""
-    return _NOTHING
+    return _EMPTY_ARRAY
 
 
-def sealed(state: dict[str, Any]) -> dict[str, Any]:
+def freeze_arrays(state: dict[str, Any]) -> dict[str, Any]:
     """Make the arrays of an object's attributes read-only: those that were pickled come back writable."""
     for value in state.values():
         if isinstance(value, np.ndarray):
@@ -45,8 +53,8 @@ def sealed(state: dict[str, Any]) -> dict[str, Any]:
     return state
 
 
-def array(
-    argument: str, value: Any, *shapes: tuple[int, ...], what: str = "finite numbers", largest: float = LARGEST
+def check_array(
+    argument: str, value: Any, *shapes: tuple[int, ...], what: str = "finite numbers", largest: float = MAX_NUMBER
 ) -> Array:
     """A fresh read-only float array of one of `shapes` (-1: any length), finite and at most `largest` in size."""
     try:
@@ -56,19 +64,21 @@ def array(
     except (TypeError, ValueError, OverflowError):
         a = None
     if a is None:
-        raise InputError(argument, f"{what} of shape {_names(shapes)}", shown(value))
-    if shapes and a.shape not in shapes and not any(_fits(a.shape, s) for s in shapes):
-        raise InputError(argument, f"{what} of shape {_names(shapes)}", f"shape {a.shape}")
+        raise InputError(argument, f"{what} of shape {_format_shapes(shapes)}", shorten_repr(value))
+    if shapes and a.shape not in shapes and not any(_is_of_shape(a.shape, s) for s in shapes):
+        raise InputError(argument, f"{what} of shape {_format_shapes(shapes)}", f"shape {a.shape}")
     size = abs(a)
     if not size.max(initial=0.0) <= largest:  # nor is it where one is not a number
         if not np.isfinite(a).all():
-            raise InputError(argument, what, f"{shown(value)} with {int((~np.isfinite(a)).sum())} entries not finite")
+            raise InputError(
+                argument, what, f"{shorten_repr(value)} with {int((~np.isfinite(a)).sum())} entries not finite"
+            )
         raise InputError(argument, f"{what} up to {largest:g} in size", f"{size.max():.3g}")
     a[size < 1.0 / largest**2] = 0.0  # their reciprocals would overflow
     return read_only(a)
 
 
-def dimensions(value: Any) -> int:
+def count_dimensions(value: Any) -> int:
     """How many dimensions an array of the value has; -1 for lists of different lengths, which make no array."""
     try:
         return int(np.ndim(value))
@@ -76,51 +86,53 @@ def dimensions(value: Any) -> int:
         return -1
 
 
-def number(
+def check_number(
     argument: str, value: Any, *, minimum: float = -np.inf, above: float = -np.inf, finite: bool = True
 ) -> float:
     """A real number ≥ `minimum` and > `above`, of a size that floats can square, unless infinity is welcome."""
     bound = f" ≥ {minimum:g}" if minimum > -np.inf else f" > {above:g}" if above > -np.inf else ""
     expected = f"a {'finite ' if finite else ''}number{bound}"
-    if isinstance(value, _NO_NUMBERS) or (
+    if isinstance(value, _NON_NUMBER_TYPES) or (
         isinstance(value, np.ndarray) and (value.ndim > 0 or value.dtype.kind not in "iuf")
     ):
-        raise InputError(argument, expected, shown(value))
+        raise InputError(argument, expected, shorten_repr(value))
     try:
         x = float(value)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(argument, expected, shown(value)) from None
-    if abs(x) < 1.0 / LARGEST**2:
+        raise InputError(argument, expected, shorten_repr(value)) from None
+    if abs(x) < 1.0 / MAX_NUMBER**2:
         x = 0.0  # its reciprocal would overflow
-    if LARGEST < abs(x) < np.inf:
-        raise InputError(argument, f"{expected}, at most {LARGEST:g} in size", f"{x:g}")
+    if MAX_NUMBER < abs(x) < np.inf:
+        raise InputError(argument, f"{expected}, at most {MAX_NUMBER:g} in size", f"{x:g}")
     low = x < minimum or (x <= above and above > -np.inf)
     if low or x != x or (finite and abs(x) == np.inf):
         raise InputError(argument, expected, x)
     return x
 
 
-def integer(argument: str, value: Any, least: int, most: int = 2**63 - 1) -> int:
+def check_integer(argument: str, value: Any, least: int, most: int = 2**63 - 1) -> int:
     """A whole number from `least` to `most`."""
     whole = isinstance(value, (int, np.integer)) and not isinstance(value, (bool, np.bool_))
     if not whole or not least <= int(value) <= most:
-        raise InputError(argument, f"an integer ≥ {least}{f' and ≤ {most}' if most < 2**63 - 1 else ''}", shown(value))
+        raise InputError(
+            argument, f"an integer ≥ {least}{f' and ≤ {most}' if most < 2**63 - 1 else ''}", shorten_repr(value)
+        )
     return int(value)
 
 
-def cores(workers: Any) -> int:
+def check_workers(workers: Any) -> int:
     """How many work at a time on this machine: an integer ≥ 1, or None for one a core."""
-    return (os.cpu_count() or 1) if workers is None else integer("workers", workers, 1)
+    return (os.cpu_count() or 1) if workers is None else check_integer("workers", workers, 1)
 
 
-def yes_or_no(argument: str, value: Any) -> bool:
+def check_flag(argument: str, value: Any) -> bool:
     """True or False, and nothing that is only taken for one of them. Raises InputError."""
     if not isinstance(value, bool):
         raise InputError(argument, "True or False", repr(value)[:80])
     return value
 
 
-def several(argument: str, value: Any, expected: str) -> tuple[Any, ...]:
+def check_sequence(argument: str, value: Any, expected: str) -> tuple[Any, ...]:
     """What a sequence, a set or an array holds; a text, a mapping and a single number hold nothing. Raises InputError,
     which says what is `expected`.
     """
@@ -129,10 +141,10 @@ def several(argument: str, value: Any, expected: str) -> tuple[Any, ...]:
             raise TypeError
         return tuple(value)
     except TypeError:  # nor does an array without dimensions
-        raise InputError(argument, expected, shown(value)) from None
+        raise InputError(argument, expected, shorten_repr(value)) from None
 
 
-def per_name(argument: str, values: Mapping[Any, Any], names: Sequence[str], kind: str) -> dict[str, Any]:
+def check_keys(argument: str, values: Mapping[Any, Any], names: Sequence[str], kind: str) -> dict[str, Any]:
     """The mapping with its keys checked against `names`. Raises UnknownName, listing them."""
     unknown = [str(key) for key in values if key not in names]
     if unknown:
@@ -140,49 +152,289 @@ def per_name(argument: str, values: Mapping[Any, Any], names: Sequence[str], kin
     return dict(values)
 
 
-def unit(argument: str, value: Any, *shapes: tuple[int, ...]) -> Array:
+def check_unit_vector(argument: str, value: Any, *shapes: tuple[int, ...]) -> Array:
     """A unit vector, normalised to the last bit; its length may differ from one by less than 1e-3."""
-    a = array(argument, value, *shapes)
+    a = check_array(argument, value, *shapes)
     norm = float(np.linalg.norm(a))
-    if not abs(norm - 1) < _NEARLY_UNIT:
+    if not abs(norm - 1) < _UNIT_LENGTH_TOLERANCE:
         meant = "" if norm == 0.0 else f"; is {[round(x, 6) for x in (a / norm).tolist()]} meant?"
         raise InputError(argument, "a unit vector", f"{a.tolist()} of length {norm:.6g}{meant}")
     return read_only(a / norm)
 
 
-def symmetric(argument: str, a: Array) -> Array:
+def check_symmetric(argument: str, a: Array) -> Array:
     """The symmetric part of a matrix that is symmetric to rounding."""
     size = float(abs(a).max(initial=0.0))
     skew = float(abs(a - a.T).max(initial=0.0))
-    if skew > SYMMETRY * size:
+    if skew > SYMMETRY_TOLERANCE * size:
         found = f"one whose entries differ from its transpose by up to {skew:.3g}"
         raise InputError(argument, "a symmetric matrix", found)
     return read_only((a + a.T) / 2)
 
 
-def psd(argument: str, a: Array) -> Array:
+def check_psd(argument: str, a: Array) -> Array:
     """A symmetric positive semidefinite matrix: no eigenvalue is below 0 but for rounding."""
-    a = symmetric(argument, a)
+    a = check_symmetric(argument, a)
     if a.size:
         eig = np.linalg.eigvalsh(a)
-        if eig[0] < -SEMIDEFINITE * max(float(eig[-1]), 0.0) or eig[-1] < 0:
+        if eig[0] < -SEMIDEFINITE_TOLERANCE * max(float(eig[-1]), 0.0) or eig[-1] < 0:
             raise InputError(argument, "a positive semidefinite matrix", f"one with the eigenvalue {eig[0]:.6g}")
     return a
 
 
-def spd(argument: str, a: Array) -> Array:
+def check_spd(argument: str, a: Array) -> Array:
     """A symmetric positive definite matrix."""
-    a = symmetric(argument, a)
+    a = check_symmetric(argument, a)
     if a.size:
         eig = np.linalg.eigvalsh(a)
-        if eig[0] <= SEMIDEFINITE * abs(float(eig[-1])):
+        if eig[0] <= SEMIDEFINITE_TOLERANCE * abs(float(eig[-1])):
             raise InputError(argument, "a positive definite matrix", f"one with the eigenvalue {eig[0]:.6g}")
     return a
 
 
-def _fits(shape: tuple[int, ...], wanted: tuple[int, ...]) -> bool:
+def _is_of_shape(shape: tuple[int, ...], wanted: tuple[int, ...]) -> bool:
     return len(shape) == len(wanted) and all(w in (-1, s) for s, w in zip(shape, wanted, strict=True))
 
 
-def _names(shapes: Sequence[tuple[int, ...]]) -> str:
+def _format_shapes(shapes: Sequence[tuple[int, ...]]) -> str:
     return " or ".join(str(s).replace("-1", "n") for s in shapes) or "any"
+
+
+# ----------------------------------------------------------------
+# What a public call takes: its keywords, as many arguments as it has, and the kinds that its annotations name.
+#
+# Public functions, classes that users make, and classes with public methods have a decorator of this file each. Numbers
+# and arrays are checked by the functions themselves, which know bounds and shapes (`check.py`).
+
+
+_F = TypeVar("_F", bound=Callable[..., Any])
+_C = TypeVar("_C", bound=type)
+_UNION_SEPARATOR = re.compile(r"\|(?![^\[]*\])")  # between the alternatives of an annotation, not within brackets
+
+
+def check_call(*told: str, **elsewhere: str) -> Callable[[_F], _F]:
+    """Decorate a function or method so that calls which do not fit it are refused in words that help.
+
+    WrongCall is raised for a keyword that it does not know, with the nearest that it has, or with where it belongs; and
+    for too few or too many arguments. InputError is raised where the annotation names a flag, a text, a mapping, a
+    function or a class, and something else came.
+
+    told : parameters that the function itself checks, in words that help more.
+    elsewhere : keyword that it does not know → where what it means belongs.
+    """
+
+    def decorate(function: _F) -> _F:
+        call = _CallRules(function, told, elsewhere)
+
+        @wraps(function)
+        def checked_function(*args: Any, **given: Any) -> Any:
+            for kind, value in zip(call.accepted_in_order, args, strict=False):
+                if kind is not None:
+                    kind.check(value)
+            if call.accepted_rest is not None:
+                for value in args[len(call.accepted_in_order) :]:
+                    call.accepted_rest.check(value)
+            for name, value in given.items():
+                if (kind := call.accepted_values.get(name)) is not None:
+                    kind.check(value)
+            try:
+                return function(*args, **given)
+            except TypeError:
+                call.check(args, given)
+                raise
+
+        checked_function._is_helped = True  # type: ignore[attr-defined]
+        return cast(_F, checked_function)
+
+    return decorate
+
+
+def check_init_call(*told: str) -> Callable[[_C], _C]:
+    """Decorate a class that users make, such as a dataclass, so that calls of it are checked as those of a function."""
+
+    def decorate(kind: _C) -> _C:
+        kind.__init__ = check_call(*told)(kind.__init__)  # type: ignore[misc]
+        return kind
+
+    return decorate
+
+
+def check_method_calls(kind: _C) -> _C:
+    """Decorate a class so that calls of its public methods are checked; inherited methods stay as they are."""
+    for name, member in list(vars(kind).items()):
+        if not name.startswith("_") and isinstance(member, FunctionType):
+            setattr(kind, name, _check_call_once(member))
+        elif not name.startswith("_") and isinstance(member, (classmethod, staticmethod)):
+            setattr(kind, name, type(member)(_check_call_once(member.__func__)))
+    return kind
+
+
+def _check_call_once(function: _F) -> _F:
+    return function if hasattr(function, "_is_helped") else check_call()(function)
+
+
+def require_keyword(name: str, expected: str, unless: str = "") -> Callable[[_F], _F]:
+    """Decorate a function with a required keyword: leaving it out raises InputError, which says what is expected.
+
+    name : the keyword.
+    expected : in words.
+    unless : another keyword, which may say the same; "": there is none.
+    """
+
+    def decorate(function: _F) -> _F:
+        @wraps(function)
+        def checked_function(*args: Any, **given: Any) -> Any:
+            if name not in given and unless not in given:
+                raise InputError(name, expected, "none")
+            return function(*args, **given)
+
+        return cast(_F, checked_function)
+
+    return decorate
+
+
+class _AcceptedValues(NamedTuple):
+    """The values that a parameter takes.
+
+    name : of the parameter.
+    types : of the values.
+    function : whether functions may come.
+    said : what is expected, in words, for refusals.
+    """
+
+    name: str
+    types: tuple[type, ...]
+    takes_functions: bool
+    expected: str
+
+    def check(self, value: object) -> None:
+        """Check that a value is one of them; a class, which makes things, is no function. Raises InputError."""
+        called = self.takes_functions and callable(value) and not isinstance(value, type)
+        if not (isinstance(value, self.types) or called):
+            raise InputError(self.name, self.expected, shorten_repr(value))
+
+
+class _CallRules:
+    """What is known of a function that users call, looked up when it is first called."""
+
+    def __init__(self, function: Callable[..., Any], told: tuple[str, ...], elsewhere: dict[str, str]) -> None:
+        self.function, self.self_checked, self.hints = function, told, elsewhere
+
+    @cached_property
+    def signature(self) -> inspect.Signature:
+        return inspect.signature(self.function)
+
+    @cached_property
+    def accepted_values(self) -> dict[str, _AcceptedValues]:
+        """Values that parameters take, by name; those that take anything, or that the function checks, are left out."""
+        known = inspect.unwrap(self.function).__globals__
+        found = {
+            p.name: _accepted_values(p, known)
+            for p in self.signature.parameters.values()
+            if p.name not in self.self_checked
+        }
+        return {name: kind for name, kind in found.items() if kind is not None}
+
+    @cached_property
+    def accepted_in_order(self) -> list[_AcceptedValues | None]:
+        """Values of the parameters that may be passed without a name, in their order."""
+        named = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+        return [self.accepted_values.get(p.name) for p in self.signature.parameters.values() if p.kind in named]
+
+    @cached_property
+    def accepted_rest(self) -> _AcceptedValues | None:
+        """Values of the parameter that takes any number of arguments more, such as `*texts`; None: there is none."""
+        every = [p for p in self.signature.parameters.values() if p.kind is p.VAR_POSITIONAL]
+        return self.accepted_values.get(every[0].name) if every else None
+
+    def check(self, args: tuple[Any, ...], given: dict[str, Any]) -> None:
+        """Check that the function takes these arguments. Raises WrongCall."""
+        every = self.signature.parameters
+        known = [p.name for p in every.values() if p.name not in ("self", "cls")]
+        called_as = self.function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
+        if not any(p.kind is p.VAR_KEYWORD for p in every.values()) and (new := [k for k in given if k not in every]):
+            raise WrongCall(new[0], "; ".join(_describe_unknown(called_as, name, known, self.hints) for name in new))
+        try:
+            self.signature.bind(*args, **given)
+        except TypeError as error:
+            name = next((name for name in known if repr(name) in str(error)), "")
+            raise WrongCall(name, f"{called_as}(): {error}; it takes {', '.join(known) or 'nothing'}") from None
+
+
+def _accepted_values(parameter: inspect.Parameter, known: Mapping[str, Any]) -> _AcceptedValues | None:
+    """The values that a parameter's annotation allows; None where it allows anything."""
+    annotation = parameter.annotation
+    if not isinstance(annotation, str) or parameter.kind is parameter.VAR_KEYWORD:
+        return None
+    parts = _UNION_SEPARATOR.split(annotation.strip("'\""))
+    found = [_types_of_part(part.strip(), known) for part in parts]
+    if not all(found):
+        return None
+    types = {kind for few in found for kind in few}
+    if parameter.default is not parameter.empty:
+        types.add(type(parameter.default))  # such as ... for "not given"
+    said = _describe_types(types)
+    return _AcceptedValues(parameter.name, tuple(types - {FunctionType}), FunctionType in types, said)
+
+
+def _types_of_part(part: str, known: Mapping[str, Any]) -> tuple[type, ...]:
+    """The types that one alternative of an annotation names; () where the function itself checks its values."""
+    plain = {"bool": bool, "str": str, "None": NoneType, "Mapping": Mapping, "dict": dict, "Callable": FunctionType}
+    head = part.partition("[")[0]
+    return (plain[head],) if head in plain else _types_of_alias(known.get(head))
+
+
+def _types_of_alias(value: Any) -> tuple[type, ...]:
+    """The types that a name in an annotation stands for: a class of the package, or a union of such kinds."""
+    if isinstance(value, UnionType) or typing.get_origin(value) is typing.Union:
+        found = [_types_of_alias(one) for one in typing.get_args(value)]
+        return tuple([kind for few in found for kind in few]) if all(found) else ()
+    if typing.get_origin(value) in (Callable, dict):
+        return (FunctionType,) if typing.get_origin(value) is Callable else (Mapping,)
+    if value in (bool, str, NoneType):
+        return (value,)
+    own = isinstance(value, type) and value.__module__.startswith("handlcp") and not getattr(value, "_is_protocol", 0)
+    return (value,) if own else ()
+
+
+_TYPE_DESCRIPTIONS = {
+    bool: "True or False",
+    str: "a text",
+    NoneType: "None",
+    FunctionType: "a function",
+    Mapping: "a mapping",
+}
+_UNDESCRIBED_TYPES = (type(...), int, float, tuple)  # of defaults, which need no word
+
+
+def _describe_types(types: set[type]) -> str:
+    """The types in words for refusals, such as "a text or None"."""
+    words = [
+        _TYPE_DESCRIPTIONS.get(kind) or f"{'an' if kind.__name__[0] in 'AEIOU' else 'a'} {kind.__name__}"
+        for kind in types
+        if kind not in _UNDESCRIBED_TYPES
+    ]
+    words.sort(key=lambda word: (word == "None", word))
+    return " or ".join(part for part in (", ".join(words[:-1]), words[-1]) if part)
+
+
+# What other books and programs call parameters of ours
+_FOREIGN_NAMES = {
+    "mu": ("friction",),
+    "friction_coefficient": ("friction",),
+    "load": ("wrench",),
+    "force": ("wrench", "load"),
+    "object": ("target",),
+    "angles": ("q",),
+    "posture": ("q",),
+    "stiffness": ("joint_stiffness",),
+}
+
+
+def _describe_unknown(function: str, name: str, known: list[str], elsewhere: dict[str, str]) -> str:
+    """What is said of a keyword that a function does not know: where it belongs, the nearest, or all there are."""
+    text = f"{function}() takes no {name!r}"
+    if name in elsewhere:
+        return f"{text}: {elsewhere[name]}"
+    near = [word for word in _FOREIGN_NAMES.get(name, ()) if word in known] or get_close_matches(name, known, 1, 0.6)
+    return f"{text}; did you mean {near[0]!r}?" if near else f"{text}; it takes {', '.join(known) or 'nothing'}"

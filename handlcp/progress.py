@@ -22,15 +22,15 @@ from handlcp.errors import InputError
 
 Progress = bool | Callable[[int, int], None] | None
 
-PATIENCE = 2.0  # what ends within this time gets no line [s]
-EVERY = 0.1  # between two drawings [s]
+SILENT_SECONDS = 2.0  # what ends within this time gets no line [s]
+REDRAW_SECONDS = 0.1  # between two drawings [s]
 _NEVER = float("inf")
-_here = threading.local()  # its `line` : of the outermost call of this thread
+_thread_state = threading.local()  # its `line` : of the outermost call of this thread
 clock = time.monotonic
 
 
 @contextmanager
-def told(
+def track_progress(
     what: str, total: int | None = None, asked: Any = None, begun: int | None = None
 ) -> Iterator[Callable[[int], None]]:
     """Show how far a long call has come, around it or as its decorator.
@@ -47,92 +47,97 @@ def told(
     """
     if not (asked is None or isinstance(asked, bool) or callable(asked)):
         raise InputError("progress", "True, False, None, or a function of (done, total)", repr(asked)[:80])
-    outer: _Line | None = getattr(_here, "line", None)
+    outer: _ProgressLine | None = getattr(_thread_state, "line", None)
     if outer is not None and not callable(asked):
-        inner = _Count(what, total, begun)
+        inner = _ProgressCount(what, total, begun)
         line = outer
-        yield lambda more: line.tick(str(inner.plus(more)))
+        yield lambda more: line.set_detail(str(inner.add(more)))
         return
-    line = _Line(_Count(what, total, begun), _NEVER if callable(asked) else _after(asked), asked is True)
-    _here.line = line
+    line = _ProgressLine(
+        _ProgressCount(what, total, begun), _NEVER if callable(asked) else _line_delay(asked), asked is True
+    )
+    _thread_state.line = line
     try:
         if callable(asked):
-            yield _calling(asked, total or 0, begun)
+            yield _make_callback(asked, total or 0, begun)
         else:
-            yield line.say
+            yield line.advance
     finally:
-        _here.line = outer
+        _thread_state.line = outer
         line.end()
 
 
 @contextmanager
-def steps(patience: float = PATIENCE) -> Iterator[Callable[[int, int | None, str], None]]:
+def track_steps(patience: float = SILENT_SECONDS) -> Iterator[Callable[[int, int | None, str], None]]:
     """Show how many steps of a study are done: yields what to call with that number, of how many, and what comes next.
 
     Nothing is drawn within a step, which may be measuring times.
 
     patience : how long the study may take without a line [s].
     """
-    outer, line = getattr(_here, "line", None), _Line(_Count("", None), _after(None, patience), False)
-    _here.line = _Line(_Count("", None), _NEVER, False)
+    outer, line = (
+        getattr(_thread_state, "line", None),
+        _ProgressLine(_ProgressCount("", None), _line_delay(None, patience), False),
+    )
+    _thread_state.line = _ProgressLine(_ProgressCount("", None), _NEVER, False)
     try:
-        yield line.at
+        yield line.update
     finally:
-        _here.line = outer
+        _thread_state.line = outer
         line.end()
 
 
-_BETWEEN = 0.02  # [s] between two looks at a thread's computing time, which cost up to a millisecond each
+_CLOCK_CHECK_SECONDS = 0.02  # [s] between two looks at a thread's computing time, which cost up to a millisecond each
 
 
-class OutOfTime(Exception):
+class TimeBudgetError(Exception):
     """A call took longer than its time budget allows."""
 
 
 @contextmanager
-def within(seconds: float) -> Iterator[None]:
+def time_budget(seconds: float) -> Iterator[None]:
     """End calls in this block at their first step after so much computing time of this thread [s], with an error."""
-    outer = getattr(_here, "until", _NEVER)
-    _here.until, _here.look = min(outer, _counted() + seconds), 0.0
+    outer = getattr(_thread_state, "until", _NEVER)
+    _thread_state.until, _thread_state.look = min(outer, _budgeted_time() + seconds), 0.0
     try:
         yield
     finally:
-        _here.until = outer
+        _thread_state.until = outer
 
 
 @contextmanager
-def uncounted() -> Iterator[None]:
+def exclude_from_budget() -> Iterator[None]:
     """Keep what this block computes out of the time budget, such as compiling, which serves all calls."""
-    before = _counted()
+    before = _budgeted_time()
     try:
         yield
     finally:
-        _here.free = getattr(_here, "free", 0.0) + _counted() - before
+        _thread_state.free = getattr(_thread_state, "free", 0.0) + _budgeted_time() - before
 
 
-def _counted() -> float:
+def _budgeted_time() -> float:
     """Computing time of this thread [s]."""
-    return time.thread_time() - float(getattr(_here, "free", 0.0))
+    return time.thread_time() - float(getattr(_thread_state, "free", 0.0))
 
 
-def tick(detail: str) -> None:
+def report_progress(detail: str) -> None:
     """Say that a step of whatever is going on is done.
 
     detail : how far it has come, such as "stage 'load' at 40 %".
 
     Raises an error where the time budget of the calls around it is used up.
     """
-    until = getattr(_here, "until", _NEVER)
-    if until < _NEVER and (now := time.perf_counter()) >= _here.look:
-        _here.look = now + _BETWEEN
-        if _counted() > until:
-            raise OutOfTime
-    line: _Line | None = getattr(_here, "line", None)
+    until = getattr(_thread_state, "until", _NEVER)
+    if until < _NEVER and (now := time.perf_counter()) >= _thread_state.look:
+        _thread_state.look = now + _CLOCK_CHECK_SECONDS
+        if _budgeted_time() > until:
+            raise TimeBudgetError
+    line: _ProgressLine | None = getattr(_thread_state, "line", None)
     if line is not None:
-        line.tick(detail)
+        line.set_detail(detail)
 
 
-def _after(asked: bool | None, patience: float = PATIENCE) -> float:
+def _line_delay(asked: bool | None, patience: float = SILENT_SECONDS) -> float:
     """How long a call may take until there is a line [s]. Raises InputError for a wrong HANDLCP_PROGRESS."""
     said = os.environ.get("HANDLCP_PROGRESS") or "auto"
     if said not in ("auto", "off"):
@@ -144,18 +149,18 @@ def _after(asked: bool | None, patience: float = PATIENCE) -> float:
     return patience if said == "auto" and alone and terminal else _NEVER
 
 
-def _calling(function: Callable[[int, int], None], total: int, begun: int | None) -> Callable[[int], None]:
-    count = _Count("", total, begun)
+def _make_callback(function: Callable[[int, int], None], total: int, begun: int | None) -> Callable[[int], None]:
+    count = _ProgressCount("", total, begun)
 
     def say(more: int) -> None:
-        function(count.plus(more).done, total)
+        function(count.add(more).done, total)
 
     if not total:
         function(0, 0)
     return say
 
 
-class _Count:
+class _ProgressCount:
     """How many of something are done.
 
     begun : how many were done before, in a call that goes on with another's work; None: it does not.
@@ -163,9 +168,9 @@ class _Count:
 
     def __init__(self, what: str, total: int | None, begun: int | None = None) -> None:
         self.what, self.total, self.done = what, total, begun or 0
-        self.begun, self.since = begun, clock()
+        self.done_before, self.started_at = begun, clock()
 
-    def plus(self, more: int) -> _Count:
+    def add(self, more: int) -> _ProgressCount:
         """Add so many that are done."""
         self.done += more
         return self
@@ -177,62 +182,62 @@ class _Count:
 
     def _pace(self) -> str:
         """The time of each and what is left, such as ", 0.42 s each, 0:12:30 left"; "" where not known or asked for."""
-        if self.begun is None or self.total is None or self.done <= self.begun:
+        if self.done_before is None or self.total is None or self.done <= self.done_before:
             return ""
-        each = (clock() - self.since) / (self.done - self.begun)
+        each = (clock() - self.started_at) / (self.done - self.done_before)
         left = timedelta(seconds=round(each * (self.total - self.done)))
         return f", {each:.2g} s each, {left} left"
 
 
-class _Line:
+class _ProgressLine:
     """The line of one call.
 
     after : how long the call may take without one [s].
     stays : whether it stays when the call has ended.
     """
 
-    def __init__(self, count: _Count, after: float, stays: bool) -> None:
+    def __init__(self, count: _ProgressCount, after: float, stays: bool) -> None:
         self.count, self.stays, self.detail = count, stays, ""
-        self.due = clock() + after  # when it is drawn next
+        self.next_draw = clock() + after  # when it is drawn next
         self.bar: Any = None
 
-    def say(self, more: int) -> None:
+    def advance(self, more: int) -> None:
         """Draw that so many more are done."""
-        self.count.plus(more)
+        self.count.add(more)
         self._draw()
 
-    def at(self, done: int, total: int | None, what: str) -> None:
+    def update(self, done: int, total: int | None, what: str) -> None:
         """Draw how many are done, of how many, and what is next."""
         self.count.done, self.count.total, self.count.what = done, total, what
         self._draw()
 
-    def tick(self, detail: str) -> None:
+    def set_detail(self, detail: str) -> None:
         """Draw how far the current one has come."""
         self.detail = detail
         self._draw()
 
     def end(self) -> None:
         """End the line with its call."""
-        if self.stays and self.due < _NEVER:
-            self.due = 0.0
+        if self.stays and self.next_draw < _NEVER:
+            self.next_draw = 0.0
             self._draw()
         if self.bar is not None:
             self.bar.stop()
 
     def _draw(self) -> None:
         now = clock()
-        if now < self.due:
+        if now < self.next_draw:
             return
-        self.due = now + EVERY
+        self.next_draw = now + REDRAW_SECONDS
         if self.bar is None:
-            self.bar = _bar(self.stays, self.count.total)
+            self.bar = _make_bar(self.stays, self.count.total)
             self.bar.start()
         text = ", ".join(part for part in (str(self.count), self.detail) if part)
         task = self.bar.task_ids[0]
         self.bar.update(task, completed=self.count.done, total=self.count.total, description=text, refresh=True)
 
 
-def _bar(stays: bool, total: int | None) -> Any:
+def _make_bar(stays: bool, total: int | None) -> Any:
     """What rich draws on stderr."""
     from rich.console import Console  # rich takes a while to import, and most calls end before they need it
     from rich.progress import BarColumn, Progress as Bar, TextColumn, TimeElapsedColumn

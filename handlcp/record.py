@@ -16,20 +16,20 @@ import json
 import math
 import platform
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
-from handlcp.extras import missing
-from handlcp.keywords import helped_methods
+from handlcp.check import check_method_calls
+from handlcp.errors import missing_library
 from handlcp.version import VERSION
-from handlcp.views import view
 from handlcp.write_file import write_file
 
-UNITS = {
+UNIT_SUFFIXES = {
     "Nm_per_rad": "N·m/rad",
     "m_per_s2": "m/s²",
     "N_Nm": "N, N·m",
@@ -41,11 +41,11 @@ UNITS = {
     "m": "m",
     "s": "s",
 }
-_ENTRY = re.compile(r"(?P<key>\S+)(?: \((?P<shape>[^)]*)\))?(?: = (?P<path>\S+))?")
-_UNIT = re.compile(rf"_({'|'.join(UNITS)})$")
+_ENTRY_PATTERN = re.compile(r"(?P<key>\S+)(?: \((?P<shape>[^)]*)\))?(?: = (?P<path>\S+))?")
+_UNIT_PATTERN = re.compile(rf"_({'|'.join(UNIT_SUFFIXES)})$")
 
 
-class Entry(NamedTuple):
+class RecordEntry(NamedTuple):
     """One entry of a record, read off its line.
 
     key : in dictionaries.
@@ -59,7 +59,7 @@ class Entry(NamedTuple):
     shape: tuple[str, ...]
     path: str
 
-    def of(self, source: Any) -> Any:
+    def value_in(self, source: Any) -> Any:
         """The value of this entry in a record, as it stands there; None where something on the way is None."""
         for name in self.path.split("."):
             if source is not None:
@@ -68,60 +68,62 @@ class Entry(NamedTuple):
 
 
 @cache
-def entry(line: str) -> Entry:
+def parse_entry(line: str) -> RecordEntry:
     """The entry that a line describes."""
-    found = _ENTRY.fullmatch(line)
+    found = _ENTRY_PATTERN.fullmatch(line)
     assert found is not None, line  # a test reads them all
-    unit = _UNIT.search(found["key"])
+    unit = _UNIT_PATTERN.search(found["key"])
     shape = tuple(re.findall(r"\w+", found["shape"] or ""))
     path = found["path"] or found["key"][: unit and unit.start()]
-    return Entry(found["key"], UNITS[unit[1]] if unit else "", shape, path)
+    return RecordEntry(found["key"], UNIT_SUFFIXES[unit[1]] if unit else "", shape, path)
 
 
-def pick(source: Any, *lines: str) -> dict[str, Any]:
+def pick_entries(source: Any, *lines: str) -> dict[str, Any]:
     """The entries that these lines describe, of anything with these attributes, as plain data."""
     found: dict[str, Any] = {}
-    for one in map(entry, lines):
+    for one in map(parse_entry, lines):
         *outer, key = one.key.split(".")
         within = found
         for name in outer:
             within = within.setdefault(name, {})
-        within[key] = twist(one.of(source)) if one.shape == ("twist",) else plain(one.of(source))
+        within[key] = (
+            twist_to_plain(one.value_in(source)) if one.shape == ("twist",) else to_plain(one.value_in(source))
+        )
     return found
 
 
-def plain(value: Any) -> Any:
+def to_plain(value: Any) -> Any:
     """Records, dataclasses and named tuples as dictionaries, arrays as lists, enumerations by name, numpy's numbers as
     Python's, and None for numbers that are not finite.
     """
     if isinstance(value, Record):
         return value.to_dict()
     if is_dataclass(value):
-        return {f.name: plain(getattr(value, f.name)) for f in fields(value)}
+        return {f.name: to_plain(getattr(value, f.name)) for f in fields(value)}
     if hasattr(value, "_fields"):
-        return plain(value._asdict())
+        return to_plain(value._asdict())
     if isinstance(value, Mapping):
-        return {str(k): plain(v) for k, v in value.items()}
+        return {str(k): to_plain(v) for k, v in value.items()}
     if isinstance(value, (list, tuple)):
-        return [plain(v) for v in value]
+        return [to_plain(v) for v in value]
     if isinstance(value, Enum):
         return value.name
     if hasattr(value, "tolist"):
-        return plain(value.tolist())
+        return to_plain(value.tolist())
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def twist(motion: Any) -> dict[str, Any] | None:
+def twist_to_plain(motion: Any) -> dict[str, Any] | None:
     """A motion (6,) [m, rad] as a dictionary of its two halves; None where there is none."""
-    return None if motion is None else {"linear_m": plain(motion[:3]), "angular_rad": plain(motion[3:])}
+    return None if motion is None else {"linear_m": to_plain(motion[:3]), "angular_rad": to_plain(motion[3:])}
 
 
-def json_text(value: Any, ascii_only: bool = False) -> str:
+def to_json_text(value: Any, ascii_only: bool = False) -> str:
     """The value as JSON; numbers that are not finite are null."""
-    return json.dumps(plain(value), indent=2, ensure_ascii=ascii_only, allow_nan=False)
+    return json.dumps(to_plain(value), indent=2, ensure_ascii=ascii_only, allow_nan=False)
 
 
-def versions(*packages: str) -> dict[str, str | None]:
+def package_versions(*packages: str) -> dict[str, str | None]:
     """The versions of handlcp, of Python and of these packages; None for one that is not installed."""
     from importlib.metadata import PackageNotFoundError, version  # for JSON alone
 
@@ -134,7 +136,7 @@ def versions(*packages: str) -> dict[str, str | None]:
     return found
 
 
-@helped_methods
+@check_method_calls
 class Record:
     """Base of answers that are plain data.
 
@@ -146,25 +148,25 @@ class Record:
 
     def to_dict(self) -> dict[str, Any]:
         """The whole answer as plain data: SI units in the key names, None for what is not a finite number."""
-        return pick(self, *self._lines())
+        return pick_entries(self, *self._entry_lines())
 
     def to_row(self) -> dict[str, Any]:
         """`to_dict` without dictionaries in it, for a row of a table: keys within keys are joined by dots."""
-        return dict(_flat("", self.to_dict()))
+        return dict(_flatten("", self.to_dict()))
 
     def to_json(self, path: Any = None) -> str | Path:
         """What `to_dict` gives as JSON: the text, or the file that it was written to.
 
         path : of the file; None: the text is returned. Raises InputError for a file that cannot be written.
         """
-        text = json_text(self.to_dict())
+        text = to_json_text(self.to_dict())
         if path is None:
             return text
         return write_file("path", path, text + "\n")
 
     def _repr_html_(self) -> str:
         """What a notebook shows is what prints."""
-        text: str = view("text_html")(self)
+        text: str = load_display("text_html")(self)
         return text
 
     def __rich__(self) -> Any:
@@ -173,13 +175,13 @@ class Record:
 
         return Text(str(self))
 
-    def _lines(self) -> tuple[str, ...]:
+    def _entry_lines(self) -> tuple[str, ...]:
         if self.entries is not None:
             return self.entries
         return tuple([f"{f.name} = {f.name}" for f in fields(self)])  # type: ignore[arg-type]
 
 
-def _flat(key: str, value: Any) -> Iterable[tuple[str, Any]]:
+def _flatten(key: str, value: Any) -> Iterable[tuple[str, Any]]:
     """(key, value) of everything in dictionaries, and in lists of dictionaries; other lists stay."""
     within: Iterable[tuple[Any, Any]] = ()
     if isinstance(value, dict):
@@ -189,29 +191,39 @@ def _flat(key: str, value: Any) -> Iterable[tuple[str, Any]]:
     else:
         yield key, value
     for name, v in within:
-        yield from _flat(f"{key}.{name}" if key else str(name), v)
+        yield from _flatten(f"{key}.{name}" if key else str(name), v)
 
 
-def data_frame(columns: Mapping[str, Any], index: Any = None) -> Any:
+def make_data_frame(columns: Mapping[str, Any], index: Any = None) -> Any:
     """A `pandas.DataFrame`; pandas is imported here alone. Raises Unsupported without it."""
     try:
         from pandas import DataFrame
     except ImportError:
-        raise missing("tables need pandas", "pandas") from None
+        raise missing_library("tables need pandas", "pandas") from None
     return DataFrame(dict(columns), index=index)
 
 
-def columns(source: Any, *lines: str) -> dict[str, Any]:
+def columns_from_arrays(source: Any, *lines: str) -> dict[str, Any]:
     """A column for each line: an array of the source, as it stands there."""
-    return {one.key: one.of(source) for one in map(entry, lines)}
+    return {one.key: one.value_in(source) for one in map(parse_entry, lines)}
 
 
-def rows(columns: Mapping[str, Any]) -> list[dict[str, Any]]:
+def rows_from_columns(columns: Mapping[str, Any]) -> list[dict[str, Any]]:
     """A dictionary for each row of a table."""
     return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
-def columns_of(rows: Iterable[Any], *lines: str) -> dict[str, Any]:
+def columns_from_rows(rows: Iterable[Any], *lines: str) -> dict[str, Any]:
     """A column for each line, with what it is in each of the rows."""
     every = list(rows)
-    return {one.key: [one.of(row) for row in every] for one in map(entry, lines)}
+    return {one.key: [one.value_in(row) for row in every] for one in map(parse_entry, lines)}
+
+
+# ----------------------------------------------------------------
+# The one step upward: answers offer their pictures, tables and pages, and grasps studies of theirs, which the rooms
+# above them make.
+
+
+def load_display(name: str) -> Callable[..., Any]:
+    """A function of `handlcp.viz.doors`, imported when it is called for: no answer pays for a picture nobody draws."""
+    return getattr(import_module("handlcp.viz.doors"), name)  # type: ignore[no-any-return]

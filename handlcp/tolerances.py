@@ -7,68 +7,68 @@ A threshold that serves one computation alone stands beside it.
 from __future__ import annotations
 
 # What a solver aims for: natural residual in nondimensional units. Newton's last step usually reaches 1e-14.
-SOLVE = 1e-10
+SOLVE_TOLERANCE = 1e-10
 
 # ... and where friction limits of 1e-6 ask more of a residual than the rest does.
-FINE = SOLVE * 1e-2
+FINE_SOLVE_TOLERANCE = SOLVE_TOLERANCE * 1e-2
 
 # What a certifier accepts as SOLVED: the worst residual relative to the scene. Two decades above the solvers' aim: the
 # certifier measures other quantities than the solver (physics instead of the scaled complementarity problem).
-CERTIFY = 1e-8
+CERTIFY_TOLERANCE = 1e-8
 
 # Residuals are measured against the size of the answer where that exceeds the problem's own (rounding grows with the
 # numbers), up to this many times: huge cancelling forces must not excuse a wrong answer.
-GROWTH = 1e3
+MAX_RESIDUAL_GROWTH = 1e3
 
 # A contact is called "on the limit", "touching" or "at rest" within this share of the scene's force or displacement.
-ACTIVE = 1e-7
+ACTIVE_TOLERANCE = 1e-7
 
 # A joint is over its torque limit, or past the end of its range, and an object farther than it may be, where it uses
 # more than 1 + this of what there is. A limit that an answer or a path was led to is met to about 1e-8; motors and
 # gears are known to no more than 1e-3.
-OVER = 1e-6
+OVER_LIMIT_TOLERANCE = 1e-6
 
 # Free unknowns are eliminated when the estimated reciprocal condition of their block exceeds this: eliminating
 # costs about eps / rcond in accuracy, which must stay well under what a certifier accepts.
-ELIMINATE_RCOND = 1e-7
+MIN_ELIMINATION_RCOND = 1e-7
 
 # Forces that come out of a problem made of themselves: solved again until they change by no more than this share.
-FIXED_POINT = 1e-10
+FIXED_POINT_TOLERANCE = 1e-10
 
 # Singular values (and complete pivots) below this share of the largest count as zero.
-RANK = 1e-10
+RANK_TOLERANCE = 1e-10
 
 # Lemke: a pivot below this share of its column is no pivot; ratios closer than this are a tie.
-PIVOT = 1e-11
+PIVOT_TOLERANCE = 1e-11
 
 # Matrices users pass: symmetric to this share of the largest entry; eigenvalues negative by this share count as zero.
-SYMMETRY = 1e-9
-SEMIDEFINITE = 1e-9
+SYMMETRY_TOLERANCE = 1e-9
+SEMIDEFINITE_TOLERANCE = 1e-9
 
 # Numbers users pass may be this large in size (and their reciprocals, squared, still fit a float64): more than any
 # unit of length or force could make of a hand. Raw complementarity problems are scaled first and may be larger.
-LARGEST = 1e60
-LARGEST_RAW = 1e150
+MAX_NUMBER = 1e60
+MAX_RAW_NUMBER = 1e150
 
 # A soft finger's moment is worked with as a force at the lever μ_τ/μ, and its flexibility grows as the lever squared.
 # Beyond this many sizes of the grasp rounding alone is more than a solver aims for: 2e-16 · lever² > 1e-10.
-LEVER = 1e3
+MAX_LEVER = 1e3
 
 # Friction coefficients of soft fingers: beyond it, where the moment matters at all, the lever is so short that it falls
 # below what counts as zero, and a proof would overlook the moment.
-STEEPEST = 1e4
+MAX_SOFT_FINGER_FRICTION = 1e4
 
 # Length of a normal may differ from one by this (absolute: a normal has no unit).
-UNIT_NORMAL = 1e-6
+UNIT_NORMAL_TOLERANCE = 1e-6
 
 # Relative: how closely a limit in one posture is found, from event to event
-EVENTS_END = 1e-6
+EVENT_TOLERANCE = 1e-6
 
 # An object slides through where no contact that presses sticks any more and it gives way faster than so many times its
 # speed while something stuck, once that has led it so much farther (of the contacts' distances, turns in radians:
 # 0.6 mm or 1.1° on a cube of 50 mm); a snap counts with all its way. It snaps where it goes so many times farther than
 # it was about to, and by more than the last number.
-FASTER = 10.0
-RUNS = 0.02
-JUMPS = 5.0
-NO_SNAP = 2e-3
+SLIDE_THROUGH_SPEEDUP = 10.0
+SLIDE_THROUGH_DISTANCE = 0.02
+SNAP_RATIO = 5.0
+MIN_SNAP_DISTANCE = 2e-3

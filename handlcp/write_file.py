@@ -22,10 +22,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from handlcp.errors import InputError, as_path, writing
+from handlcp.errors import InputError, as_path, refuse_unwritable
 
-_MOST_LINKS = 40  # symbolic links on the way to a file, as Linux has it
-_NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+_MAX_SYMLINKS = 40  # symbolic links on the way to a file, as Linux has it
+_NEW_FILE_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
 
 
 def write_file(argument: str, file: Any, content: str | bytes) -> Path:
@@ -38,15 +38,15 @@ def write_file(argument: str, file: Any, content: str | bytes) -> Path:
     """
     path = as_path(argument, file)
     data = content.encode("utf-8", "backslashreplace") if isinstance(content, str) else content
-    with writing(argument, path):
-        if (descriptor := _descriptor_of(path)) is not None:
+    with refuse_unwritable(argument, path):
+        if (descriptor := _find_descriptor(path)) is not None:
             _flush_streams()
-            write_all(_own_stdout(descriptor), data)
+            write_all(_stdout_descriptor(descriptor), data)
         elif _is_special(path):
             with path.open("wb", buffering=0) as out:
                 write_all(out.fileno(), data)
         else:
-            _replace(path, data)
+            _replace_file(path, data)
     return path
 
 
@@ -56,15 +56,15 @@ def check_destination(argument: str, file: Any) -> Path:
     What the file holds stays as it is, and a file that did not exist does not exist afterwards. Raises InputError.
     """
     path = as_path(argument, file)
-    with writing(argument, path):
+    with refuse_unwritable(argument, path):
         if not path.absolute().parent.is_dir():
             raise InputError(argument, "a file in a folder that exists", repr(str(path)))
-        if (descriptor := _descriptor_of(path)) is not None:
-            os.fstat(_own_stdout(descriptor))
+        if (descriptor := _find_descriptor(path)) is not None:
+            os.fstat(_stdout_descriptor(descriptor))
         elif _is_special(path):
             _check_device(path)
         else:
-            descriptor, beside = _new_beside(_target_of(path))
+            descriptor, beside = _create_temporary(_resolve_target(path))
             os.close(descriptor)
             os.unlink(beside)
     return path
@@ -74,9 +74,9 @@ def check_destination(argument: str, file: Any) -> Path:
 # A file in the place of another.
 
 
-def _replace(file: Path, data: bytes) -> None:
-    target = _target_of(file)
-    descriptor, beside = _new_beside(target)
+def _replace_file(file: Path, data: bytes) -> None:
+    target = _resolve_target(file)
+    descriptor, beside = _create_temporary(target)
     try:
         try:
             write_all(descriptor, data)
@@ -94,17 +94,17 @@ def _replace(file: Path, data: bytes) -> None:
         raise
 
 
-def _target_of(file: Path) -> Path:
+def _resolve_target(file: Path) -> Path:
     """The file that a path leads to, past all links. Raises OSError for one that may not be written."""
     with suppress(FileNotFoundError):
         os.close(os.open(file, os.O_WRONLY))
     return Path(os.path.realpath(file))
 
 
-def _new_beside(target: Path) -> tuple[int, Path]:
+def _create_temporary(target: Path) -> tuple[int, Path]:
     """An open new file in the folder of another: its descriptor and its path."""
     beside = target.with_name(f".{secrets.token_hex(8)}.tmp")
-    return os.open(beside, _NEW, 0o666), beside
+    return os.open(beside, _NEW_FILE_FLAGS, 0o666), beside
 
 
 def _keep_owner(descriptor: int, target: Path) -> None:
@@ -132,13 +132,13 @@ def write_all(descriptor: int, data: bytes) -> None:
 # Places that are no files: descriptors, pipes, devices.
 
 
-def _descriptor_of(file: Path) -> int | None:
+def _find_descriptor(file: Path) -> int | None:
     """The number of the open descriptor of this process that a path is a name of, such as /dev/stdout; None: of none.
 
     Opened anew, a file that stdout was redirected to would be written from its beginning.
     """
     path = os.path.abspath(file)
-    for _ in range(_MOST_LINKS):
+    for _ in range(_MAX_SYMLINKS):
         folder, name = os.path.split(path)
         folder = os.path.realpath(folder)
         if name.isdecimal() and folder in ("/dev/fd", f"/proc/{os.getpid()}/fd"):
@@ -149,7 +149,7 @@ def _descriptor_of(file: Path) -> int | None:
     return None
 
 
-def _own_stdout(descriptor: int) -> int:
+def _stdout_descriptor(descriptor: int) -> int:
     """Descriptor 1 is where stdout goes, wherever the command line has moved that; others are themselves."""
     if descriptor == 1:
         with suppress(AttributeError, OSError, ValueError):  # there is none, or it is no file, or closed

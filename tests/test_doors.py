@@ -27,11 +27,11 @@ DOORS = {
     "handlcp.robot",
     "handlcp.geometry",
     "handlcp.simulator",
-    "handlcp.show",
-    "handlcp.study",
-    "handlcp.study.accuracy",
-    "handlcp.study.paper",
-    "handlcp.study.effect_catalogue",
+    "handlcp.viz",
+    "handlcp.studies",
+    "handlcp.studies.accuracy",
+    "handlcp.studies.paper",
+    "handlcp.studies.effect_catalogue",
 }
 SUPPORT = TESTS / "support"
 FILES = [p for p in sorted(TESTS.rglob("*.py")) if p.parent != SUPPORT and p != pathlib.Path(__file__)]
@@ -156,7 +156,7 @@ def test_each_way_inside_is_seen(source, what):
     [
         "import handlcp as hl\nhl.grasp.Pyramid(8)\nhl.lcp.Proposal",
         "from handlcp.grasp import Verdict",
-        "from handlcp.study.accuracy import METHODS",
+        "from handlcp.studies.accuracy import METHODS",
         "import sys\ncommand = [sys.executable, '-m', 'handlcp.cli']",
         "class A:\n    def go(self):\n        return self._x",
     ],

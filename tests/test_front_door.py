@@ -9,7 +9,7 @@ import pytest
 
 import handlcp as hl
 from tests.docs.blocks import Page, blocks_of
-from tests.support.extras import LIBRARIES, missing, pip_install
+from tests.support.extras import LIBRARY_REQUIREMENTS, missing_library, pip_command
 from tests.support.registry import definitions_of_a_test
 
 ROOT = pathlib.Path(__file__).parents[1]
@@ -53,15 +53,15 @@ def test_what_is_said_to_be_installed_is_what_the_extras_have():
 
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
     every = {one for requirements in extras.values() for one in requirements}
-    assert set(LIBRARIES.values()) <= every
+    assert set(LIBRARY_REQUIREMENTS.values()) <= every
 
 
-@pytest.mark.parametrize("library", LIBRARIES)
+@pytest.mark.parametrize("library", LIBRARY_REQUIREMENTS)
 def test_the_command_names_the_library_in_quotes(library):
-    assert re.fullmatch(r"pip install '[\w-]+>=[\d.]+'", pip_install(library))
-    error = missing("this needs it", library)
+    assert re.fullmatch(r"pip install '[\w-]+>=[\d.]+'", pip_command(library))
+    error = missing_library("this needs it", library)
     assert isinstance(error, hl.Unsupported)
-    assert str(error) == f"this needs it: {pip_install(library)}"
+    assert str(error) == f"this needs it: {pip_command(library)}"
 
 
 def test_nothing_says_to_install_this_package_from_an_index_or_without_quotes():

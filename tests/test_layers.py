@@ -1,6 +1,6 @@
-"""Imports run one way: cli → show → design → study → scene → simulator → hand → grasp → contact → lcp → check → record,
-text_table, words, views, doubled, lazy, keywords, progress, read_file, extras, write_file, errors, tolerances, version.
-Answers reach their pictures and pages through `views`, by name, when they are asked for.
+"""Imports run one way: cli → viz → design → studies → scene → simulator → hand → grasp → contact → lcp → record,
+words, refinement, lazy_property, check, progress, read_file, write_file, errors, tolerances, version.
+Answers reach their pictures and pages through `record.load_display`, by name, when they are asked for.
 
 Every import counts, wherever it stands: on top of a file, inside a function, or for type checkers alone.
 """
@@ -20,17 +20,13 @@ ORDER = [
     "tolerances",
     "errors",
     "write_file",
-    "extras",
     "read_file",
     "progress",
-    "keywords",
-    "lazy",
-    "doubled",
-    "views",
-    "words",
-    "text_table",
-    "record",
     "check",
+    "lazy_property",
+    "refinement",
+    "words",
+    "record",
     "lcp",
     "contact",
     "grasp",
@@ -40,9 +36,9 @@ ORDER = [
     "hand",
     "simulator",
     "scene",
-    "study",
+    "studies",
     "design",
-    "show",
+    "viz",
     "cli",
 ]
 # Of grasp, as the table of handlcp/README.md has them
@@ -134,7 +130,7 @@ def test_the_page_lists_the_rooms_of_grasp_in_the_same_order():
 
 
 def test_only_pictures_import_matplotlib():
-    others = [p for p in FILES if p.relative_to(ROOT).parts[0] != "show"]
+    others = [p for p in FILES if p.relative_to(ROOT).parts[0] != "viz"]
     assert not [short(p) for p in others if re.search(r"(import|from) matplotlib", p.read_text(encoding="utf-8"))]
 
 

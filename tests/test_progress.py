@@ -20,25 +20,25 @@ from handlcp import scene as scenes
 from handlcp.cli import app
 from tests.design.hands import pinch as levers
 from tests.support.progress import (
-    EVERY,
     NINE_SECONDS,
-    PATIENCE,
+    REDRAW_SECONDS,
+    SILENT_SECONDS,
     Clock,
-    OutOfTime,
     Terminal,
-    steps,
+    TimeBudgetError,
+    exclude_from_budget,
+    report_progress,
     terminal_with,
-    tick,
-    told,
-    uncounted,
-    within,
+    time_budget,
+    track_progress,
+    track_steps,
 )
 
 CUBE = pathlib.Path(__file__).parents[1] / "examples" / "cube_three_fingers.toml"
 
 
 def count_to(number, clock, each, total=None):
-    with told("parts", total) as say:
+    with track_progress("parts", total) as say:
         for _ in range(number):
             clock.now += each
             say(1)
@@ -55,7 +55,7 @@ def test_a_call_that_takes_long_has_a_line_that_is_gone_when_it_ends(monkeypatch
 def test_a_call_that_goes_on_says_how_long_each_takes_and_how_long_is_left(monkeypatch):
     clock = Clock()
     terminal = terminal_with(monkeypatch, clock)
-    with told("designs", 4000, begun=1000) as say:
+    with track_progress("designs", 4000, begun=1000) as say:
         for _ in range(10):
             clock.now += 1.5
             say(1)
@@ -65,7 +65,7 @@ def test_a_call_that_goes_on_says_how_long_each_takes_and_how_long_is_left(monke
 def test_a_short_call_draws_nothing(monkeypatch):
     clock = Clock()
     terminal = terminal_with(monkeypatch, clock)
-    count_to(10, clock, 0.99 * PATIENCE / 10)
+    count_to(10, clock, 0.99 * SILENT_SECONDS / 10)
     assert terminal.getvalue() == ""
 
 
@@ -74,7 +74,7 @@ def test_it_is_drawn_ten_times_a_second_at_most(monkeypatch):
     terminal = terminal_with(monkeypatch, clock)
     count_to(1000, clock, 0.01)  # ten seconds, eight of them with a line
     drawn = len(re.findall(r"parts \d+", terminal.text))
-    assert 0.8 * 8 / EVERY <= drawn <= 1.01 * 8 / EVERY + 2  # once more as it ends
+    assert 0.8 * 8 / REDRAW_SECONDS <= drawn <= 1.01 * 8 / REDRAW_SECONDS + 2  # once more as it ends
 
 
 class Pipe(io.StringIO):
@@ -92,7 +92,7 @@ def test_nothing_is_drawn_where_nobody_looks_or_nobody_wants_it(why, monkeypatch
     asked = {"False": False, "function": lambda done, total: seen.append((done, total))}.get(why)
 
     def call():
-        with told("parts", 3, asked) as say:
+        with track_progress("parts", 3, asked) as say:
             for _ in range(3):
                 clock.now += 5.0
                 count_to(2, clock, 5.0)  # nor is a call inside it
@@ -112,12 +112,12 @@ def test_nothing_is_drawn_where_nobody_looks_or_nobody_wants_it(why, monkeypatch
 def test_the_calls_inside_a_call_share_its_line(monkeypatch):
     clock = Clock()
     terminal = terminal_with(monkeypatch, clock)
-    with told("changes", 4) as say:
+    with track_progress("changes", 4) as say:
         say(1)
         count_to(2, clock, 3.0)
-        tick("stage 'load' at 40 %")  # too soon after the last
+        report_progress("stage 'load' at 40 %")  # too soon after the last
         clock.now += 1.0
-        tick("stage 'load' at 45 %")
+        report_progress("stage 'load' at 45 %")
     drawn = re.findall(r"changes 1/4, ([^\u2501]*?) *[\u2501\u2578\u257a]", terminal.text)
     assert list(dict.fromkeys(drawn)) == ["parts 1", "parts 2", "stage 'load' at 45 %"]
     assert terminal.left.strip() == ""
@@ -128,7 +128,7 @@ def test_what_ends_a_call_early_ends_its_line_and_the_next_call_has_its_own(monk
     terminal = terminal_with(monkeypatch, clock)
 
     def stopped():
-        with told("parts") as say:
+        with track_progress("parts") as say:
             clock.now += 3.0
             say(1)
             raise KeyboardInterrupt
@@ -141,14 +141,14 @@ def test_what_ends_a_call_early_ends_its_line_and_the_next_call_has_its_own(monk
     before = len(terminal.getvalue())
     count_to(1, clock, 1.0)
     assert len(terminal.getvalue()) == before
-    tick("of nothing")
+    report_progress("of nothing")
     assert len(terminal.getvalue()) == before
 
 
 def test_true_asks_for_a_line_that_stays_in_a_pipe_too(monkeypatch):
     clock = Clock()
     pipe = terminal_with(monkeypatch, clock, Pipe)
-    with told("parts", 3, True) as say:
+    with track_progress("parts", 3, True) as say:
         say(3)
     assert "parts 3/3" in pipe.getvalue()
 
@@ -157,13 +157,13 @@ def test_steps_of_a_study_are_drawn_and_nothing_inside_them(monkeypatch):
     """What is inside may be measuring times."""
     clock = Clock()
     terminal = terminal_with(monkeypatch, clock)
-    with steps() as at:
+    with track_steps() as at:
         clock.now += 3.0
         count_to(2, clock, 3.0)
         assert terminal.getvalue() == ""
         at(1, 2, "faces")
         clock.now += 3.0
-        tick("inside")
+        report_progress("inside")
     assert "faces 1/2" in terminal.text
     assert "inside" not in terminal.text
     assert "parts" not in terminal.text
@@ -206,7 +206,7 @@ CALLS = {
 
 @pytest.mark.parametrize("what", CALLS)
 def test_each_long_call_says_how_far_it_is(what, monkeypatch, tmp_path):
-    terminal = terminal_with(monkeypatch, Clock(each=1.1 * PATIENCE))
+    terminal = terminal_with(monkeypatch, Clock(each=1.1 * SILENT_SECONDS))
     CALLS[what](tmp_path)
     assert what in terminal.text
     assert terminal.left.strip() == ""
@@ -231,7 +231,7 @@ def test_a_command_leaves_the_line_to_the_call_that_it_makes(monkeypatch):
     """The runner's stderr is no terminal; that of the process is, where the call is made alone."""
     arguments = ["envelope", str(CUBE), "--directions", "xz,24", "--adaptive", "0", "--faces", "8", "--fixed"]
     done = CliRunner().invoke(app, arguments)
-    terminal = terminal_with(monkeypatch, Clock(each=1.1 * PATIENCE))
+    terminal = terminal_with(monkeypatch, Clock(each=1.1 * SILENT_SECONDS))
     env = hl.envelope(scenes.load(CUBE).build(), ("xz", 24), faces=8, adaptive=0, geometry="fixed")
     assert "directions 24/24" in terminal.text
     assert str(env) in done.stdout
@@ -267,16 +267,16 @@ def test_what_is_compiled_on_the_way_counts_for_no_limit_of_computing_time(monke
     clock = Clock()
     monkeypatch.setattr("time.thread_time", clock)
     monkeypatch.setattr("time.perf_counter", clock)
-    with within(9.0):
-        with within(5.0):
-            with uncounted():
+    with time_budget(9.0):
+        with time_budget(5.0):
+            with exclude_from_budget():
                 clock.now += 100.0
-            tick("far in")
+            report_progress("far in")
             clock.now += 6.0
-            with pytest.raises(OutOfTime):
-                tick("too far in")
-        tick("beyond it")
+            with pytest.raises(TimeBudgetError):
+                report_progress("too far in")
+        report_progress("beyond it")
         clock.now += 4.0
-        with pytest.raises(OutOfTime):
-            tick("too far beyond")
-    tick("without a limit")
+        with pytest.raises(TimeBudgetError):
+            report_progress("too far beyond")
+    report_progress("without a limit")

@@ -30,7 +30,7 @@ def listed(folder):
 EVERY = """
 from pathlib import Path
 import handlcp as hl
-from handlcp.study.accuracy import accuracy_cost
+from handlcp.studies.accuracy import accuracy_cost
 from tests.support.sweeps import write_table
 
 folder = Path({folder!r})

@@ -15,7 +15,18 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.design.blocks import Vector, along, link, mount, palm, pose, revolute, robot, text as text_of, tip
+from handlcp.design.urdf_parts import (
+    Vector,
+    axis_point,
+    format_urdf,
+    make_link,
+    make_palm,
+    make_pose,
+    make_revolute_joint,
+    make_robot,
+    make_tip,
+    make_tip_mount,
+)
 
 PROXIMAL, DISTAL = 0.050, 0.040  # link lengths [m]
 LINK_RADIUS, TIP_RADIUS = 0.007, 0.008  # [m]
@@ -33,17 +44,17 @@ def finger(
     """Links and joints of one finger that stands at `root` on the palm, pointing along root's x or z axis."""
 
     def joint(kind: str, parent: str, origin: np.ndarray) -> Any:
-        return revolute(f"{name}_{kind}", parent, origin, axis, EFFORT[kind], SPEED, ranges[kind])
+        return make_revolute_joint(f"{name}_{kind}", parent, origin, axis, EFFORT[kind], SPEED, ranges[kind])
 
     links = [
-        link(f"{name}_proximal_link", MASS["proximal"], LINK_RADIUS, PROXIMAL, direction),
-        link(f"{name}_distal_link", MASS["distal"], LINK_RADIUS, DISTAL, direction),
-        tip(f"{name}_tip", MASS["tip"], TIP_RADIUS),
+        make_link(f"{name}_proximal_link", MASS["proximal"], LINK_RADIUS, PROXIMAL, direction),
+        make_link(f"{name}_distal_link", MASS["distal"], LINK_RADIUS, DISTAL, direction),
+        make_tip(f"{name}_tip", MASS["tip"], TIP_RADIUS),
     ]
     joints = [
         joint("proximal", "palm", root),
-        joint("distal", f"{name}_proximal_link", pose(along(direction, PROXIMAL))),
-        mount(name, f"{name}_distal_link", pose(along(direction, DISTAL))),
+        joint("distal", f"{name}_proximal_link", make_pose(axis_point(direction, PROXIMAL))),
+        make_tip_mount(name, f"{name}_distal_link", make_pose(axis_point(direction, DISTAL))),
     ]
     return links, joints
 
@@ -52,13 +63,13 @@ def upright(name: str, n: int) -> Any:
     """N fingers around a circle on a round palm, pointing along +z; positive angles turn them inward."""
     ranges = {"proximal": (-0.5, 1.6), "distal": (0.0, 1.9)}
     angles = [2 * pi * i / n for i in range(n)]
-    return robot(
+    return make_robot(
         name,
-        palm(MASS["palm"], PALM_RADIUS, PALM_HEIGHT, PALM_HEIGHT / 2),
+        make_palm(MASS["palm"], PALM_RADIUS, PALM_HEIGHT, PALM_HEIGHT / 2),
         [
             finger(
                 f"finger_{i + 1}",
-                pose((CIRCLE * cos(a), CIRCLE * sin(a), 0.0), (0.0, 0.0, a)),
+                make_pose((CIRCLE * cos(a), CIRCLE * sin(a), 0.0), (0.0, 0.0, a)),
                 "z",
                 (0.0, -1.0, 0.0),
                 ranges,
@@ -73,13 +84,13 @@ def ring(name: str, n: int) -> Any:
     height = 0.010
     ranges = {"proximal": (-1.2, 1.2), "distal": (-1.9, 1.9)}
     angles = [2 * pi * i / n for i in range(n)]
-    return robot(
+    return make_robot(
         name,
-        palm(0.4, RING, height, 2 * height),
+        make_palm(0.4, RING, height, 2 * height),
         [
             finger(
                 f"finger_{i + 1}",
-                pose((RING * cos(a), RING * sin(a), 0.0), (0.0, 0.0, a + pi)),
+                make_pose((RING * cos(a), RING * sin(a), 0.0), (0.0, 0.0, a + pi)),
                 "x",
                 (0.0, 0.0, 1.0),
                 ranges,
@@ -99,7 +110,7 @@ HANDS = {
 
 def text(name: str) -> bytes:
     """The URDF of one hand as the bytes of its file."""
-    return text_of(HANDS[name](), "Written by urdf/generate.py: change that, not this.")
+    return format_urdf(HANDS[name](), "Written by urdf/generate.py: change that, not this.")
 
 
 def main(folder: Path) -> None:

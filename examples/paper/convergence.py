@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 import handlcp as hl
-from handlcp.study import paper
+from handlcp.studies import paper
 
 FOLDER = Path(__file__).parents[1]
 RES, STEPS = 1e-5, 20_000  # where the paper stops: ‖Φ‖₂ < RES, or after so many steps

@@ -28,7 +28,7 @@ from rich.table import Table
 from scipy.optimize import nnls
 
 import handlcp as hl
-from handlcp.study import paper
+from handlcp.studies import paper
 
 ON_FACE = 1e-3  # a force counts as on a face within this share of the largest force: generous to the printed numbers
 FITS, FITS_SLIPS = 1e-4, 0.02  # misses that are allowed, as shares of the largest elastic displacement

@@ -30,7 +30,7 @@ from rich.table import Table
 from rich.text import Text
 
 import handlcp as hl
-from handlcp.study import paper
+from handlcp.studies import paper
 
 RES, STEPS = 1e-5, 20_000  # where the paper stops: ‖Φ‖₂ < RES, or after so many steps (section 5)
 NATURAL_RES, NATURAL_STEPS = 1e-9, 500_000  # of runs in natural units

@@ -14,13 +14,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from handlcp.actuation.route import Around, BoundRoutes, Pulley, Route
-from handlcp.check import Array, Ints, array, dimensions, number, per_name, read_only
+from handlcp.check import Array, Ints, check_array, check_keys, check_number, count_dimensions, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.model.mechanism import NO_WRAP_SIDES
 
 Arms = dict[str, dict[str, float]]
 _FRICTION_ARGUMENT = "Tendons.friction"
-_read_friction = partial(number, minimum=0.0)
+_read_friction = partial(check_number, minimum=0.0)
 
 
 class CableLayout(NamedTuple):
@@ -151,12 +151,12 @@ def read_cable_routing(
         own = [arms[name] for name in names]
         order = [[] if isinstance(row, Route) else [joints.index(j) for j, x in row.items() if x] for row in own]
     if isinstance(friction, Mapping):
-        given = per_name(_FRICTION_ARGUMENT, friction, names, "a tendon")
+        given = check_keys(_FRICTION_ARGUMENT, friction, names, "a tendon")
         rows = [given.get(name, 0.0) for name in names]
-    elif dimensions(friction) == 0:
+    elif count_dimensions(friction) == 0:
         rows = [friction] * len(names)
     else:
-        matrix = array(_FRICTION_ARGUMENT, friction, R.shape, what="μθ ≥ 0, one row for each tendon,")
+        matrix = check_array(_FRICTION_ARGUMENT, friction, R.shape, what="μθ ≥ 0, one row for each tendon,")
         rows = [dict(zip(joints, row.tolist(), strict=True)) for row in matrix]
     every = isinstance(friction, Mapping)
     grips = [
@@ -178,5 +178,5 @@ def _read_tendon_friction(argument: str, value: Any, joints: Sequence[str], rout
         return one if routed else np.full(len(joints), one)
     if routed:
         raise InputError(argument, "one coefficient of friction, of all that the route goes around", repr(value)[:80])
-    values = per_name(argument, value, joints, "a joint")
+    values = check_keys(argument, value, joints, "a joint")
     return np.array([_read_friction(f"{argument}[{joint!r}]", values.get(joint, 0.0)) for joint in joints])

@@ -17,14 +17,24 @@ from typing import Any, Self
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, array, dimensions, number, per_name, psd, read_only, sealed, spd
+from handlcp.check import (
+    Array,
+    check_array,
+    check_keys,
+    check_method_calls,
+    check_number,
+    check_psd,
+    check_spd,
+    count_dimensions,
+    freeze_arrays,
+    read_only,
+)
 from handlcp.errors import InputError
 from handlcp.grasp.model.mechanism import joint_flexibility
-from handlcp.keywords import helped_methods
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.record import Record
-from handlcp.text_table import TextTable
-from handlcp.tolerances import SEMIDEFINITE
+from handlcp.tolerances import SEMIDEFINITE_TOLERANCE
+from handlcp.words import TextTable
 
 TRANSMISSION = "transmission"  # the effect's name in `explain()`
 TENDON_TENSION = "tendon tension"  # the kind of effort of a tendon
@@ -57,13 +67,13 @@ class Effort(Record):
     def table(self) -> TextTable:
         """One by one, with limits and the shares of them where there are any."""
         heads: tuple[str, ...] = (self.kind, self.unit)
-        columns, align = [words.column(self.values.tolist())], "<>"
+        columns, align = [words.format_column(self.values.tolist())], "<>"
         if (limited := np.isfinite(self.limits)).any():
-            most = zip(words.column(self.limits.tolist()), limited.tolist(), strict=True)
+            most = zip(words.format_column(self.limits.tolist()), limited.tolist(), strict=True)
             shares = zip(self.used.tolist(), limited.tolist(), strict=True)
             heads, align = (*heads, f"limit\n{self.unit}", "of limit"), "<>>>"
             columns.append([text if its else "none" for text, its in most])
-            columns.append([words.percent(share) if its else "–" for share, its in shares])
+            columns.append([words.format_percent(share) if its else "–" for share, its in shares])
         return TextTable(heads, tuple(zip(self.names, *columns, strict=True)), align)
 
     def __str__(self) -> str:
@@ -160,14 +170,14 @@ class Elasticity:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Arrays stay read-only when pickled."""
-        self.__dict__.update(sealed(state))
+        self.__dict__.update(freeze_arrays(state))
 
 
 def orthonormal_basis(motions: Array) -> Array:
     """(nv, r) orthonormal basis of what columns (nv, m) span, each as good as any other whatever its length."""
     lengths = np.sqrt((motions * motions).sum(axis=0))
     U, s, _ = np.linalg.svd(motions[:, lengths > 0.0] / lengths[lengths > 0.0], full_matrices=False)
-    return read_only(U[:, s > SEMIDEFINITE])
+    return read_only(U[:, s > SEMIDEFINITE_TOLERANCE])
 
 
 def check_numbers(argument: str, value: Any, read: Callable[[str, Any], float]) -> None:
@@ -178,16 +188,16 @@ def check_numbers(argument: str, value: Any, read: Callable[[str, Any], float]) 
     if isinstance(value, Mapping):
         for name, one in value.items():
             check_numbers(f"{argument}[{name!r}]", one, read)
-    elif dimensions(value) == 0:
+    elif count_dimensions(value) == 0:
         read(argument, value)
-    elif dimensions(value) == 1:
+    elif count_dimensions(value) == 1:
         for k, one in enumerate(value):
             read(f"{argument}[{k}]", one)
     else:
-        array(argument, value, (-1, -1))
+        check_array(argument, value, (-1, -1))
 
 
-@helped_methods
+@check_method_calls
 class Transmission:
     """What users pass in place of a joint stiffness where an actuator moves several joints."""
 
@@ -209,7 +219,7 @@ GivenRows = Array | dict[str, dict[str, float]]
 def check_rows(argument: str, value: Any) -> GivenRows:
     """Finite rows (m, nv), or as many named mappings of joint names to numbers; m ≥ 1. Raises InputError."""
     if not isinstance(value, Mapping):
-        rows = array(argument, value, (-1, -1))
+        rows = check_array(argument, value, (-1, -1))
         if not len(rows):
             raise InputError(argument, "a row for each, at least one", f"shape {rows.shape}")
         return rows
@@ -217,7 +227,7 @@ def check_rows(argument: str, value: Any) -> GivenRows:
     for name, row in value.items():
         if not isinstance(row, Mapping):
             raise InputError(f"{argument}[{name!r}]", "a mapping of joint names to numbers", repr(row)[:80])
-        out[str(name)] = {str(j): number(f"{argument}[{name!r}][{j!r}]", x) for j, x in row.items()}
+        out[str(name)] = {str(j): check_number(f"{argument}[{name!r}][{j!r}]", x) for j, x in row.items()}
     if not out:
         raise InputError(argument, "one name or more", "none")
     return out
@@ -231,7 +241,7 @@ def read_rows(argument: str, given: GivenRows, kind: str, joints: Sequence[str])
     if isinstance(given, dict):
         names, rows = tuple(given), np.zeros((len(given), len(joints)))
         for name, row, out in zip(names, given.values(), rows, strict=True):
-            for joint, x in per_name(f"{argument}[{name!r}]", row, joints, "a joint").items():
+            for joint, x in check_keys(f"{argument}[{name!r}]", row, joints, "a joint").items():
                 out[joints.index(joint)] = x
     else:
         names, rows = tuple(f"{kind} {i + 1}" for i in range(len(given))), given
@@ -252,12 +262,12 @@ def read_springs(
     read : checks a number, as in `springs`. Raises InputError, UnknownName.
     """
     if isinstance(value, Mapping):
-        values = per_name(argument, value, names, f"a {kind}")
+        values = check_keys(argument, value, names, f"a {kind}")
         if missing := [name for name in names if name not in values]:
             raise InputError(argument, f"a stiffness for every {kind}, {', '.join(missing)} included", sorted(values))
         return np.diag([read(f"{argument}[{name!r}]", values[name]) for name in names])
     diagonal = diagonal_springs(argument, value, names, read)
-    return spd(argument, array(argument, value, (len(names), len(names)))) if diagonal is None else diagonal
+    return check_spd(argument, check_array(argument, value, (len(names), len(names)))) if diagonal is None else diagonal
 
 
 # ----------------------------------------------------------------
@@ -310,17 +320,17 @@ def read_stiffness(
     if isinstance(value, Transmission):
         return value.for_joints(joints, kinematics)
     if isinstance(value, Mapping):
-        values = per_name(argument, value, joints, "a joint")
+        values = check_keys(argument, value, joints, "a joint")
         if missing := [name for name in joints if name not in values]:
             expected = f"a stiffness for every joint (numpy.inf: rigid), {', '.join(missing)} included"
             raise InputError(argument, expected, f"only {sorted(values)}")
         return JointStiffness(np.diag([read_spring(f"{argument}[{name!r}]", values[name]) for name in joints]))
     diagonal = diagonal_springs(argument, value, joints, read_spring)
     if diagonal is not None:
-        return JointStiffness(diagonal, uniform=dimensions(value) == 0)
+        return JointStiffness(diagonal, uniform=count_dimensions(value) == 0)
     square = (len(joints), len(joints))
-    matrix = array(argument, value, square, what="N·m/rad, finite, one row for each joint,")
-    return JointStiffness(spd(argument, matrix))
+    matrix = check_array(argument, value, square, what="N·m/rad, finite, one row for each joint,")
+    return JointStiffness(check_spd(argument, matrix))
 
 
 def with_motor_stiffness(elasticity: Elasticity, own: Mapping[str, float], joints: Sequence[str]) -> Elasticity:
@@ -348,9 +358,9 @@ def diagonal_springs(
     read : checks a number, from the argument's name and the value. Raises InputError.
     """
     m = len(names)
-    if dimensions(value) == 0:
+    if count_dimensions(value) == 0:
         return np.diag(np.full(m, read(argument, value)))
-    if dimensions(value) != 1:
+    if count_dimensions(value) != 1:
         return None
     if len(value) != m:
         raise InputError(argument, f"{m} values, one for each of {', '.join(names)}", f"{len(value)} of them")
@@ -359,7 +369,7 @@ def diagonal_springs(
 
 def read_spring(argument: str, value: Any) -> float:
     """[N·m/rad] of one joint; None and inf are rigid. Raises InputError."""
-    return np.inf if value is None else number(argument, value, above=0.0, finite=False)
+    return np.inf if value is None else check_number(argument, value, above=0.0, finite=False)
 
 
 # ----------------------------------------------------------------
@@ -438,18 +448,18 @@ def read_pads(value: Any, tips: Sequence[str], links: Sequence[str] = ()) -> Fin
     """
     argument, n = "pad_flexibility", len(tips)
     if isinstance(value, Mapping):
-        values = per_name(argument, value, tuple(dict.fromkeys((*tips, *links))), "a fingertip or link")
+        values = check_keys(argument, value, tuple(dict.fromkeys((*tips, *links))), "a fingertip or link")
         given = {name: _read_pad(f"{argument}[{name!r}]", pad) for name, pad in values.items()}
         return FingertipPads(np.array([given.get(tip, np.zeros((3, 3))) for tip in tips]), given)
-    if dimensions(value) == 3:
-        stack = array(argument, value, (n, 3, 3))
-        return FingertipPads(np.array([psd(f"{argument}[{i}]", block) for i, block in enumerate(stack)]))
+    if count_dimensions(value) == 3:
+        stack = check_array(argument, value, (n, 3, 3))
+        return FingertipPads(np.array([check_psd(f"{argument}[{i}]", block) for i, block in enumerate(stack)]))
     pad = _read_pad(argument, value)
-    return FingertipPads(np.tile(pad, (n, 1, 1)), None, pad if dimensions(value) == 0 else None)
+    return FingertipPads(np.tile(pad, (n, 1, 1)), None, pad if count_dimensions(value) == 0 else None)
 
 
 def _read_pad(argument: str, value: Any) -> Array:
     if isinstance(value, (str, bytes, bool)) or value is None:
         raise InputError(argument, "a flexibility [m/N]: a number, (3,) or (3, 3)", repr(value))
-    a = array(argument, value, (), (3,), (3, 3))
-    return psd(argument, np.eye(3) * a if a.ndim < 2 else a)
+    a = check_array(argument, value, (), (3,), (3, 3))
+    return check_psd(argument, np.eye(3) * a if a.ndim < 2 else a)

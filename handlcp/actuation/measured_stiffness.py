@@ -15,9 +15,8 @@ import numpy as np
 from scipy import stats
 
 from handlcp import words
-from handlcp.check import Array, array
+from handlcp.check import Array, check_array, check_call
 from handlcp.errors import InputError
-from handlcp.keywords import helped
 from handlcp.record import Record
 
 _MIN_READINGS = 3  # points: two have no scatter
@@ -55,7 +54,7 @@ class MeasuredStiffness(Record):
 
     def __str__(self) -> str:
         said = [
-            f"stiffness {self.stiffness:.4g} ± {words.percent(self.spread)} (N·m/rad; of a pad N/m)",
+            f"stiffness {self.stiffness:.4g} ± {words.format_percent(self.spread)} (N·m/rad; of a pad N/m)",
             f"flexibility {self.flexibility:.4g} (rad/(N·m); of a pad m/N)",
             f"unloaded at {self.rest:.3g} ± {self.rest_error:.1g} (rad; of a pad m)",
         ]
@@ -68,7 +67,7 @@ class MeasuredStiffness(Record):
         return "\n".join((*said, bent, "measure about the load that the hand will have"))
 
 
-@helped()
+@check_call()
 def stiffness_from(angle: Any, torque: Any) -> MeasuredStiffness:
     """The stiffness of a spring from readings: of a joint, or of a pad in the same way.
 
@@ -84,7 +83,7 @@ def stiffness_from(angle: Any, torque: Any) -> MeasuredStiffness:
     Raises InputError for fewer than 3 readings, different lengths, readings or loads that are all the same, and a
     stiffness that is not positive. Source: Draper & Smith, Applied Regression Analysis (1998), sections 1, 12 and 14.
     """
-    read, load = (array(name, x, (-1,)) for name, x in (("angle", angle), ("torque", torque)))
+    read, load = (check_array(name, x, (-1,)) for name, x in (("angle", angle), ("torque", torque)))
     if len(read) != len(load):
         raise InputError("torque", f"a load for each of {len(read)} readings", f"{len(load)} of them")
     for name, x in (("angle", read), ("torque", load)):

@@ -26,16 +26,15 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, number, per_name, read_only
+from handlcp.check import Array, check_init_call, check_keys, check_method_calls, check_number, read_only
 from handlcp.errors import InputError
-from handlcp.keywords import helped_init, helped_methods
-from handlcp.lazy import lazy
+from handlcp.lazy_property import lazy_property
 
 CONTINUOUS, HOLDING = "continuous", "holding"  # which of the two a joint is held by
 
 
-@helped_init()
-@helped_methods
+@check_init_call()
+@check_method_calls
 @dataclass(frozen=True)
 class Motor:
     """One motor with its gear, for `motors=` of a hand, or of `Tendons`: what is said of the joint is then said of the
@@ -69,14 +68,14 @@ class Motor:
 
     def __post_init__(self) -> None:
         own: dict[str, float | None] = {
-            "continuous": number("Motor.continuous", self.continuous, above=0.0),
-            "friction": number("Motor.friction", self.friction, minimum=0.0),
-            "reduction": number("Motor.reduction", self.reduction, above=0.0),
-            "efficiency": number("Motor.efficiency", self.efficiency, above=0.0),
+            "continuous": check_number("Motor.continuous", self.continuous, above=0.0),
+            "friction": check_number("Motor.friction", self.friction, minimum=0.0),
+            "reduction": check_number("Motor.reduction", self.reduction, above=0.0),
+            "efficiency": check_number("Motor.efficiency", self.efficiency, above=0.0),
         }
         for name in ("peak", "holding", "stiffness", "thermal_time"):
             value, finite = getattr(self, name), name in ("peak", "thermal_time")
-            own[name] = None if value is None else number(f"Motor.{name}", value, above=0.0, finite=finite)
+            own[name] = None if value is None else check_number(f"Motor.{name}", value, above=0.0, finite=finite)
         for name, value in own.items():
             object.__setattr__(self, name, value)
         if self.efficiency > 1.0:
@@ -125,7 +124,7 @@ class Motor:
         """U [-] : what the motor gives for a torque at the joint [N·m], as a share of what it gives for good; 0 where
         friction or the gear carries all of it.
         """
-        torque = number("torque", torque)
+        torque = check_number("torque", torque)
         if abs(torque) <= (self.holding or 0.0):
             return 0.0
         return max(abs(torque) - self.friction, 0.0) / self.for_good
@@ -168,12 +167,12 @@ class Drives:
         every = zip(joints, self.motors, strict=True)
         return {joint: m.stiffness for joint, m in every if m is not None and m.stiffness is not None}
 
-    @lazy
+    @lazy_property
     def friction(self) -> Array:
         """(nv,) τ_f [N·m]."""
         return self._motor_values("friction", np.zeros(len(self.motors)))
 
-    @lazy
+    @lazy_property
     def closing_limits(self) -> Array:
         """(nv,) with which the joints can close [N·m]; inf of a joint without a motor."""
         return self._motor_values("closes", np.full(len(self.motors), np.inf))
@@ -203,7 +202,7 @@ def read_motors(value: Any, names: Sequence[str], argument: str = "motors", kind
     if not isinstance(value, Mapping):
         expected = f"a Motor for every {kind}, or a mapping of {kind} names to Motors"
         raise InputError(argument, expected, repr(value)[:80])
-    named = per_name(argument, value, names, f"a {kind}")
+    named = check_keys(argument, value, names, f"a {kind}")
     for name, motor in named.items():
         if not isinstance(motor, Motor):
             raise InputError(f"{argument}[{name!r}]", "a Motor", repr(motor)[:80])

@@ -17,9 +17,18 @@ from handlcp.actuation.cable_kinematics import (
     add_moment_arm_stiffness,
     evaluate_cable_paths,
 )
-from handlcp.check import Array, Ints, array, dimensions, number, read_only, several, unit
-from handlcp.errors import InputError, UnknownName, Unsupported, shown
-from handlcp.keywords import helped_init
+from handlcp.check import (
+    Array,
+    Ints,
+    check_array,
+    check_init_call,
+    check_number,
+    check_sequence,
+    check_unit_vector,
+    count_dimensions,
+    read_only,
+)
+from handlcp.errors import InputError, UnknownName, Unsupported, shorten_repr
 
 CYLINDER, SPHERE = "cylinder", "sphere"
 
@@ -28,7 +37,7 @@ _PLACEMENT_EXPECTED = (
 )
 
 
-@helped_init("link")
+@check_init_call("link")
 @dataclass(frozen=True, eq=False)
 class Site:
     """A hole that the cable runs through, or an end that is knotted. link : that carries it. point : (3,) in the link's
@@ -40,14 +49,16 @@ class Site:
 
     def __post_init__(self) -> None:
         check_link_name("Site.link", self.link)
-        object.__setattr__(self, "point", array("Site.point", self.point, (3,), what="metres in the link's frame"))
+        object.__setattr__(
+            self, "point", check_array("Site.point", self.point, (3,), what="metres in the link's frame")
+        )
 
     def moved(self, point: Callable[[str, Array], Array]) -> Site:
         """Where the link's lengths are others; point : of the name of a link and a point of it (3,), where that is."""
         return replace(self, point=point(self.link, self.point))
 
 
-@helped_init()
+@check_init_call()
 @dataclass(frozen=True, eq=False)
 class Pulley:
     """A loose pulley, from which a branch of its own begins. divisor : > 0, of the branch's length and tension: 2 for
@@ -57,10 +68,10 @@ class Pulley:
     divisor: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "divisor", number("Pulley.divisor", self.divisor, above=0.0))
+        object.__setattr__(self, "divisor", check_number("Pulley.divisor", self.divisor, above=0.0))
 
 
-@helped_init()
+@check_init_call()
 @dataclass(frozen=True, eq=False)
 class Around:
     """A round body that the cable lies on where it is in the way, between two sites outside it. No friction.
@@ -90,10 +101,12 @@ class Around:
         check_link_name("Around.link", self.link)
         if self.shape not in (CYLINDER, SPHERE):
             raise InputError("Around.shape", f'"{CYLINDER}" or "{SPHERE}"', repr(self.shape))
-        object.__setattr__(self, "radius", number("Around.radius", self.radius, above=0.0))
+        object.__setattr__(self, "radius", check_number("Around.radius", self.radius, above=0.0))
         object.__setattr__(self, "placement", _read_placement(self.placement, self.shape))
         if self.side is not None:
-            object.__setattr__(self, "side", array("Around.side", self.side, (3,), what="metres in the link's frame"))
+            object.__setattr__(
+                self, "side", check_array("Around.side", self.side, (3,), what="metres in the link's frame")
+            )
             self._check_side()
 
     def moved(self, point: Callable[[str, Array], Array]) -> Around:
@@ -129,14 +142,14 @@ def _read_placement(value: Any, shape: str) -> tuple[Array, Array]:
     """Centre (3,) [m] and axis (3,). Raises InputError."""
     name = "Around.placement"
     if isinstance(value, pin.SE3):
-        return array(name, value.translation, (3,)), unit(name, value.rotation[:, 2], (3,))
-    if shape == SPHERE and dimensions(value) == 1:
-        return array(name, value, (3,), what="metres in the link's frame"), read_only(np.array([0.0, 0.0, 1.0]))
-    value = several(name, value, _PLACEMENT_EXPECTED)
+        return check_array(name, value.translation, (3,)), check_unit_vector(name, value.rotation[:, 2], (3,))
+    if shape == SPHERE and count_dimensions(value) == 1:
+        return check_array(name, value, (3,), what="metres in the link's frame"), read_only(np.array([0.0, 0.0, 1.0]))
+    value = check_sequence(name, value, _PLACEMENT_EXPECTED)
     if len(value) != 2:
-        raise InputError(name, _PLACEMENT_EXPECTED, shown(value))
-    centre = array(f"{name}[0]", value[0], (3,), what="metres in the link's frame")
-    return centre, unit(f"{name}[1]", value[1], (3,))
+        raise InputError(name, _PLACEMENT_EXPECTED, shorten_repr(value))
+    centre = check_array(f"{name}[0]", value[0], (3,), what="metres in the link's frame")
+    return centre, check_unit_vector(f"{name}[1]", value[1], (3,))
 
 
 # ----------------------------------------------------------------
@@ -173,7 +186,7 @@ class _Leg(NamedTuple):
     divisor: float
 
 
-@helped_init()
+@check_init_call()
 @dataclass(frozen=True, eq=False)
 class Route:
     """The places that a tendon passes, in their order.

@@ -17,7 +17,7 @@ from handlcp.actuation.route import BoundRoutes, Route
 from handlcp.check import Array, Bools, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.model.mechanism import Cables
-from handlcp.tolerances import SEMIDEFINITE
+from handlcp.tolerances import SEMIDEFINITE_TOLERANCE
 
 TENDON_EQUATION = "K = K_p + Rᵀ k R,  t = k R δq"
 CablesAtPosture = Callable[[Array], tuple[Cables, Array]]
@@ -51,7 +51,7 @@ class TendonModel:
         cables = self._posture_cables(laid, way)
         through = cables.arms.T @ self.springs @ cables.arms  # no load reaches the tendons through a rigid joint
         K = self.passive + (through + through.T) / 2
-        if not self._min_passive_stiffness > SEMIDEFINITE * float(
+        if not self._min_passive_stiffness > SEMIDEFINITE_TOLERANCE * float(
             through.trace() + self._passive_trace
         ):  # no less than its largest eigenvalue
             check_no_loose_motion(K, ~self._is_elastic, self.joints)
@@ -316,7 +316,7 @@ def check_no_loose_motion(K: Array, rigid: Bools, joints: Sequence[str]) -> None
     size[size == 0.0] = 1.0
     scaled = K[np.ix_(free, free)] / np.outer(size, size)  # without units, so that hinges and slides compare
     stiff, motions = np.linalg.eigh(scaled)
-    loose = motions[:, stiff <= SEMIDEFINITE * max(1.0, float(stiff[-1]))] if len(free) else motions
+    loose = motions[:, stiff <= SEMIDEFINITE_TOLERANCE * max(1.0, float(stiff[-1]))] if len(free) else motions
     if loose.shape[1]:
         moves = abs(loose).max(axis=1)
         named = [joints[i] for i, m in zip(free.tolist(), moves, strict=True) if m > _MIN_LOOSE_SHARE * moves.max()]

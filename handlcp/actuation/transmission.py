@@ -27,11 +27,20 @@ from handlcp.actuation.joint_stiffness import (
 from handlcp.actuation.motor import read_tendon_motors
 from handlcp.actuation.route import Route
 from handlcp.actuation.tendon_stiffness import TENDON_EQUATION, RoutedStiffness, TendonModel, TendonStiffness
-from handlcp.check import Array, array, dimensions, number, per_name, psd, read_only
+from handlcp.check import (
+    Array,
+    check_array,
+    check_init_call,
+    check_keys,
+    check_method_calls,
+    check_number,
+    check_psd,
+    count_dimensions,
+    read_only,
+)
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.analysis.explanation import EffectDescription
-from handlcp.keywords import helped_init, helped_methods
-from handlcp.tolerances import SEMIDEFINITE
+from handlcp.tolerances import SEMIDEFINITE_TOLERANCE
 
 # ----------------------------------------------------------------
 # Tendons: elastic cables over several joints, usually fewer of them than joints.
@@ -59,16 +68,16 @@ TENDONS = EffectDescription(
     module=__name__,
 )
 
-_read_tendon_spring = partial(number, above=0.0)
-_read_passive_spring = partial(number, minimum=0.0, finite=False)
-_read_pretension = partial(number, minimum=0.0, finite=False)
-_read_tension_limit = partial(number, above=0.0, finite=False)
-_read_friction = partial(number, minimum=0.0)
+_read_tendon_spring = partial(check_number, above=0.0)
+_read_passive_spring = partial(check_number, minimum=0.0, finite=False)
+_read_pretension = partial(check_number, minimum=0.0, finite=False)
+_read_tension_limit = partial(check_number, above=0.0, finite=False)
+_read_friction = partial(check_number, minimum=0.0)
 _ARMS_ARGUMENT = "Tendons.moment_arms"
 
 
-@helped_init()
-@helped_methods
+@check_init_call()
+@check_method_calls
 @dataclass(frozen=True, eq=False)
 class Tendons(Transmission):
     """Pass it as a hand's `joint_stiffness`.
@@ -175,9 +184,9 @@ def _read_by_tendon(
 ) -> Array:
     """(t,) numbers from one for all, (t,), or a mapping, `out` for tendons that it leaves out."""
     if isinstance(value, Mapping):
-        values = per_name(argument, value, names, "a tendon")
+        values = check_keys(argument, value, names, "a tendon")
         return read_only(np.array([read(f"{argument}[{n!r}]", values[n]) if n in values else out for n in names]))
-    if dimensions(value) == 0:
+    if count_dimensions(value) == 0:
         return read_only(np.full(len(names), read(argument, value)))
     if len(value) != len(names):
         raise InputError(argument, f"{len(names)} numbers, one for each tendon", f"{len(value)} of them")
@@ -187,13 +196,13 @@ def _read_by_tendon(
 def _read_passive(argument: str, value: Any, joints: Sequence[str]) -> Array:
     """(nv, nv) K_p, with inf on the diagonal of a rigid joint."""
     if isinstance(value, Mapping):
-        values = per_name(argument, value, joints, "a joint")
+        values = check_keys(argument, value, joints, "a joint")
         return np.diag([_read_passive_spring(f"{argument}[{j!r}]", values.get(j, 0.0)) for j in joints])
     diagonal = diagonal_springs(argument, value, joints, _read_passive_spring)
     if diagonal is not None:
         return diagonal
     n = len(joints)
-    return psd(argument, array(argument, value, (n, n), what="N·m/rad, finite, one row for each joint,"))
+    return check_psd(argument, check_array(argument, value, (n, n), what="N·m/rad, finite, one row for each joint,"))
 
 
 # ----------------------------------------------------------------
@@ -225,10 +234,10 @@ SYNERGIES = EffectDescription(
 )
 
 
-_read_actuator_spring = partial(number, above=0.0, finite=False)
+_read_actuator_spring = partial(check_number, above=0.0, finite=False)
 
 
-@helped_init()
+@check_init_call()
 @dataclass(frozen=True, eq=False)
 class Synergies(Transmission):
     """Pass it as a hand's `joint_stiffness`.
@@ -249,7 +258,7 @@ class Synergies(Transmission):
 
     def __post_init__(self) -> None:
         """Check what does not depend on the joints. `S` becomes rows, one for each actuator."""
-        columns = self.S if isinstance(self.S, Mapping) else array("Synergies.S", self.S, (-1, -1)).T
+        columns = self.S if isinstance(self.S, Mapping) else check_array("Synergies.S", self.S, (-1, -1)).T
         rows = check_rows("Synergies.S", columns)
         object.__setattr__(self, "S", rows)
         if not isinstance(self.stiffness, Mapping):
@@ -284,7 +293,7 @@ class SynergyCompliance(Elasticity):
         """(nv, nv) K = C⁻¹. Raises Unsupported where C is singular: some joints only move together."""
         U, s, _ = np.linalg.svd(self.root, full_matrices=False)
         nv = len(self.root)
-        if len(s) < nv or s[-1] ** 2 <= SEMIDEFINITE * s[0] ** 2:
+        if len(s) < nv or s[-1] ** 2 <= SEMIDEFINITE_TOLERANCE * s[0] ** 2:
             raise Unsupported(
                 f"{len(self.names)} synergies move {nv} joints that are rigid but for them: these have a compliance "
                 "(hand.joint_compliance) and no stiffness"

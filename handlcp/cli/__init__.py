@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import sys
 
-from handlcp.cli.app import app, lost, open_streams
+from handlcp.cli.app import app, prepare_streams, report_lost_output
 
 from handlcp.cli.solve import follow, solve  # isort: skip  commands are listed in this order
-from handlcp.cli.demo import demo  # isort: skip
+from handlcp.cli.solve import demo  # isort: skip
 from handlcp.cli.limits import envelope, limits  # isort: skip
-from handlcp.cli.payload import payload  # isort: skip
-from handlcp.cli.evaluate import evaluate  # isort: skip
-from handlcp.cli.sweep import sweep  # isort: skip
+from handlcp.cli.limits import payload  # isort: skip
+from handlcp.cli.design import evaluate  # isort: skip
+from handlcp.cli.design import sweep  # isort: skip
 from handlcp.cli.motors import motors, reliability  # isort: skip
 from handlcp.cli.accuracy import accuracy, compare  # isort: skip
 from handlcp.cli.lists import audit, effects, hands, keys, paper, warm  # isort: skip
@@ -24,7 +24,7 @@ __all__ = [
 
 def main() -> None:
     """The command line without what `handlcp.__main__` does against Ctrl-C."""
-    open_streams()
+    prepare_streams()
     status: object = 0
     try:
         app()
@@ -35,6 +35,6 @@ def main() -> None:
             sys.stdout.flush()
         except OSError as error:
             if status != 2:  # else it has been said
-                lost(error.strerror or str(error))
+                report_lost_output(error.strerror or str(error))
             status = 2
     sys.exit(status)  # type: ignore[arg-type]

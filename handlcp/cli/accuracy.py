@@ -11,11 +11,20 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from handlcp.cli.app import Json, app, check_files, load_scene, print_json, say, say_files, titled
+from handlcp.cli.app import (
+    JsonOption,
+    app,
+    check_output_files,
+    load_scene,
+    open_console,
+    print_files,
+    print_json,
+    print_sentence,
+)
 from handlcp.errors import NoSolutionFound
 from handlcp.hand import HandGrasp
-from handlcp.progress import steps
-from handlcp.show import tables
+from handlcp.progress import track_steps
+from handlcp.viz import terminal_table as tables
 from handlcp.write_file import check_destination
 
 # ----------------------------------------------------------------
@@ -25,7 +34,7 @@ from handlcp.write_file import check_destination
 @app.command()
 def accuracy(
     scene: Annotated[Path, typer.Argument(help="A scene file (TOML).")],
-    json: Json = False,
+    json: JsonOption = False,
     csv: Annotated[Path | None, typer.Option(help="Write every setting into this file, one a line.")] = None,
     plot: Annotated[Path | None, typer.Option(help="Draw error against time (png, svg, pdf).")] = None,
     seconds: Annotated[float, typer.Option(help="What the study may take, compilation aside.")] = 60.0,
@@ -35,16 +44,16 @@ def accuracy(
     Exit status 0, 1 if nothing holds the object exactly (there is nothing to compare with), 2 bad input.
     """
     from handlcp import scene as scenes
-    from handlcp.show.accuracy import all_tables, save
-    from handlcp.study.accuracy import accuracy_cost
+    from handlcp.studies.accuracy import accuracy_cost
+    from handlcp.viz.accuracy import all_tables, save
 
     file = scenes.load(scene)
-    check_files(plot)
+    check_output_files(plot)
     if csv is not None:
         check_destination("csv", csv)
     grasp = file.build()
     try:
-        with steps() as progress:
+        with track_steps() as progress:
             cost = accuracy_cost(grasp, seconds=seconds, progress=progress)
     except NoSolutionFound as error:
         status, why = error.solution.status.name, error.solution.diagnosis
@@ -60,13 +69,13 @@ def accuracy(
     if json:
         print_json({"title": file.title} | cost.to_dict())
         return
-    out = titled(file.title)
+    out = open_console(file.title)
     for table in all_tables(cost):
         out.print(table)
     out.print(Text(f"{cost.summary}."))
     for note in cost.notes:
-        say(out, "Note", "yellow", note)
-    say_files(out, Written=[csv, plot])
+        print_sentence(out, "Note", "yellow", note)
+    print_files(out, Written=[csv, plot])
 
 
 # ----------------------------------------------------------------
@@ -76,7 +85,7 @@ def accuracy(
 @app.command()
 def compare(
     scene: Annotated[Path, typer.Argument(help="A scene file (TOML) with a hand.")],
-    json: Json = False,
+    json: JsonOption = False,
     together: Annotated[bool, typer.Option("--together", help="Squeeze, weight and load in proportion.")] = False,
     seconds: Annotated[float, typer.Option(help="Of each stage in MuJoCo; 8 where contacts slide far.")] = 2.0,
     steps: Annotated[int, typer.Option(help="Of each stage in handlcp.")] = 40,
@@ -95,28 +104,30 @@ def compare(
         print_json({"title": file.title} | found.to_dict())
     else:
         assert isinstance(grasp, HandGrasp)  # MuJoCo had it
-        _print(titled(file.title), grasp, found)
+        _print_comparison(open_console(file.title), grasp, found)
     raise typer.Exit(0 if found.both_hold else 1)
 
 
-def _print(out: Console, grasp: HandGrasp, found: Any) -> None:
+def _print_comparison(out: Console, grasp: HandGrasp, found: Any) -> None:
     if found.both_hold:
-        for table in _tables(grasp, found):
+        for table in _comparison_tables(grasp, found):
             out.print(table)
-        say(out, "Difference", "bold", found.difference)
+        print_sentence(out, "Difference", "bold", found.difference)
     for name, one in (("handlcp", found.loading), ("MuJoCo", found.simulation)):
-        say(out, f"{name}: {one.word}", f"bold {'green' if one.held else 'red'}", one.sentence)
+        print_sentence(out, f"{name}: {one.word}", f"bold {'green' if one.held else 'red'}", one.sentence)
     agree, colour = ("They agree", "green") if found.agree else ("They do not agree", "red")
-    say(out, agree, f"bold {colour}", f"tolerance: {found.tolerance}")
+    print_sentence(out, agree, f"bold {colour}", f"tolerance: {found.tolerance}")
     ratio = found.simulation.seconds / found.seconds
-    say(out, "Time", "bold", f"handlcp {found.seconds:.3g} s, MuJoCo {found.simulation.seconds:.3g} s, {ratio:.0f} ×")
+    print_sentence(
+        out, "Time", "bold", f"handlcp {found.seconds:.3g} s, MuJoCo {found.simulation.seconds:.3g} s, {ratio:.0f} ×"
+    )
 
 
-def _tables(grasp: HandGrasp, found: Any) -> list[Table]:
+def _comparison_tables(grasp: HandGrasp, found: Any) -> list[Table]:
     """Forces, torques and motions at the end, both and their difference."""
     ours, theirs = found.loading, found.simulation
     forces = [
-        (name, _vector(a), _vector(b), f"{np.linalg.norm(a - b):.4f}")
+        (name, _format_vector(a), _format_vector(b), f"{np.linalg.norm(a - b):.4f}")
         for name, a, b in zip(theirs.names, ours.solution.forces_world, theirs.forces_world, strict=True)
     ]
     torques = [
@@ -126,14 +137,14 @@ def _tables(grasp: HandGrasp, found: Any) -> list[Table]:
     motion = []
     for what, part in (("mm", slice(0, 3)), ("mrad", slice(3, 6))):
         a, b = 1e3 * ours.displacement[part], 1e3 * theirs.displacement[part]
-        motion.append((what, _vector(a), _vector(b), f"{np.linalg.norm(a - b):.4f}"))
+        motion.append((what, _format_vector(a), _format_vector(b), f"{np.linalg.norm(a - b):.4f}"))
     both = "handlcp", "MuJoCo", "apart"
     return [
-        tables.table("Forces", ("contact", *both), "|>>>", forces, "N, on the object, world axes"),
-        tables.table("Torques", ("joint", *both), "<>>>", torques, "N·m (N of prismatic joints)"),
-        tables.table("Motion of the object", ("", *both), "<>>>", motion, "since the start, world axes"),
+        tables.make_table("Forces", ("contact", *both), "|>>>", forces, "N, on the object, world axes"),
+        tables.make_table("Torques", ("joint", *both), "<>>>", torques, "N·m (N of prismatic joints)"),
+        tables.make_table("Motion of the object", ("", *both), "<>>>", motion, "since the start, world axes"),
     ]
 
 
-def _vector(values: Any) -> str:
+def _format_vector(values: Any) -> str:
     return " ".join(f"{x:6.3f}" if abs(x) < 99.0 else f"{x:6.1f}" for x in values)

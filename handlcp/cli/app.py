@@ -26,34 +26,34 @@ from rich.table import Table
 from rich.text import Text
 from typer.core import TyperGroup
 
-from handlcp.errors import HandLCPError, InputError, brief
+from handlcp.errors import HandLCPError, InputError, shorten_text
 from handlcp.grasp import Grasp
-from handlcp.record import json_text
-from handlcp.show.file import checked, checked_page
+from handlcp.record import to_json_text
 from handlcp.version import VERSION
+from handlcp.viz.output_file import check_page_path, check_picture_path
 
 if TYPE_CHECKING:
     from handlcp.scene import SceneFile
 
 
-class _Commands(TyperGroup):
+class _CommandGroup(TyperGroup):
     """Bad input, be it an option or a file, becomes one message on stderr and exit status 2."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         if not args:  # the help
             return super().parse_args(ctx, args)
-        with _refusals():
+        with _report_refusals():
             if "" in args:  # as a path it would mean this folder
                 raise InputError("an argument", "a file, a name or a number", "'', which is empty")
             return super().parse_args(ctx, args)
 
     def invoke(self, ctx: Any) -> Any:
-        with _refusals():
+        with _report_refusals():
             return super().invoke(ctx)
 
 
 @contextmanager
-def _refusals() -> Iterator[None]:
+def _report_refusals() -> Iterator[None]:
     try:
         yield
     except HandLCPError as error:
@@ -61,14 +61,14 @@ def _refusals() -> Iterator[None]:
     except OSError as error:
         if error.errno == errno.EPIPE:
             raise
-        what = "output" if error.filename is None else brief(repr(error.filename))
+        what = "output" if error.filename is None else shorten_text(repr(error.filename))
         _refuse(f"{what}: {error.strerror or error}")
     except Exception as error:
         # Typer's own refusals of options; which class they have differs with its version
         if (message := getattr(error, "format_message", None)) is None:
             raise
         path = getattr(getattr(error, "ctx", None), "command_path", "handlcp")
-        _refuse(f"{brief(message().strip().rstrip('.'))}; `{path} --help` says what it takes")
+        _refuse(f"{shorten_text(message().strip().rstrip('.'))}; `{path} --help` says what it takes")
 
 
 def _refuse(message: str) -> NoReturn:
@@ -78,7 +78,7 @@ def _refuse(message: str) -> NoReturn:
 
 
 app = typer.Typer(
-    cls=_Commands,
+    cls=_CommandGroup,
     name="handlcp",
     help="Does this hand hold this object under this load, with which grasp forces, what slips, which joint gives out?",
     no_args_is_help=True,
@@ -88,15 +88,15 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-Scene = Annotated[Path, typer.Argument(help="A scene file (TOML); `handlcp keys` lists what it may hold.")]
-Faces = Annotated[str | None, typer.Option(help='Faces of the friction pyramids, or "cone", over the file\'s.')]
-Motion = Annotated[
+SceneArgument = Annotated[Path, typer.Argument(help="A scene file (TOML); `handlcp keys` lists what it may hold.")]
+FacesOption = Annotated[str | None, typer.Option(help='Faces of the friction pyramids, or "cone", over the file\'s.')]
+MotionOption = Annotated[
     float | None, typer.Option(help="How far the load may move the object, in m, such as 0.002; without: any distance.")
 ]
-Turn = Annotated[
+TurnOption = Annotated[
     float | None, typer.Option(help="How far the load may turn the object, in rad, such as 0.05; without: any angle.")
 ]
-Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, nothing else.")]
+JsonOption = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, nothing else.")]
 
 
 def _show_version(asked: bool) -> None:
@@ -106,7 +106,7 @@ def _show_version(asked: bool) -> None:
 
 
 @app.callback()
-def common(
+def common_options(
     version: Annotated[
         bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version.")
     ] = False,
@@ -116,15 +116,15 @@ def common(
 
 def print_json(value: dict[str, Any]) -> None:
     """Print one JSON object on stdout; numbers that are not finite become null. ASCII where stdout has nothing else."""
-    text = json_text(value)
+    text = to_json_text(value)
     try:
         text.encode(getattr(sys.stdout, "encoding", None) or "utf-8")
     except UnicodeEncodeError:
-        text = json_text(value, ascii_only=True)
+        text = to_json_text(value, ascii_only=True)
     typer.echo(text)
 
 
-def titled(title: str) -> Console:
+def open_console(title: str) -> Console:
     """The console, with the scene's title printed on it."""
     out = Console()
     if title:
@@ -150,12 +150,12 @@ def load_scene(path: Path) -> SceneFile:
     return scene.load(path)
 
 
-def sides_of(own: Any, faces: str | None) -> Any:
+def choose_faces(own: Any, faces: str | None) -> Any:
     """Faces of the friction pyramids, or "cone", from --faces over the scene file's own. Raises InputError."""
     if faces is None or faces == "cone":
         return own if faces is None else faces
     if not (faces.isascii() and faces.isdecimal()) or len(faces) > 9 or int(faces) < 3:
-        raise InputError("--faces", 'an integer ≥ 3 or "cone"', brief(repr(faces)))
+        raise InputError("--faces", 'an integer ≥ 3 or "cone"', shorten_text(repr(faces)))
     return int(faces)
 
 
@@ -168,12 +168,12 @@ def follow_option(neither: str) -> Any:
     return typer.Option("--followed/--fixed", help=f"{sentence}: {neither}.")
 
 
-def geometry_of(followed: bool | None) -> str | None:
+def choose_geometry(followed: bool | None) -> str | None:
     """The geometry that --followed/--fixed asks for; None where neither was said."""
     return {None: None, True: "followed", False: "fixed"}[followed]
 
 
-def check_allowed(grasp: Grasp, motion: float | None, turn: float | None = None) -> None:
+def check_motion_limits(grasp: Grasp, motion: float | None, turn: float | None = None) -> None:
     """Check that --motion is less than the size of the grasp, and --turn no more than half a turn.
 
     motion : [m]; None: not given.
@@ -190,16 +190,16 @@ def check_allowed(grasp: Grasp, motion: float | None, turn: float | None = None)
         raise InputError("--turn", "rad, no more than half a turn", meant)
 
 
-def check_files(*pictures: Path | None, page: Path | None = None) -> None:
+def check_output_files(*pictures: Path | None, page: Path | None = None) -> None:
     """Check before a long computation that pictures and page can be written. Raises InputError, Unsupported."""
     for file in pictures:
         if file is not None:
-            checked(file)
+            check_picture_path(file)
     if page is not None:
-        checked_page(page)
+        check_page_path(page)
 
 
-def say_files(out: Console, **written: Sequence[Path | None]) -> None:
+def print_files(out: Console, **written: Sequence[Path | None]) -> None:
     """Print which files were written, by what they are, such as Picture=[...]."""
     for what, files in written.items():
         for file in files:
@@ -207,7 +207,7 @@ def say_files(out: Console, **written: Sequence[Path | None]) -> None:
                 out.print(Text(f"{what}: {file}", style="dim"))
 
 
-def say(out: Console, word: str, style: str, sentence: str) -> None:
+def print_sentence(out: Console, word: str, style: str, sentence: str) -> None:
     """Print a sentence after a coloured word."""
     out.print(Text.assemble((f"{word}: ", style), f"{sentence}."))
 
@@ -221,12 +221,14 @@ _SPELLINGS = """
     - –—−─━   ... …   . ·    * •     # █     | │┃‖   x ×   / ÷   +- ±   ~ ≈∝∼   <= ≤   >= ≥   != ≠   << ≪   >> ≫   inf ∞
     u µ       _|_ ⟂   -> →   <- ←    ^ ↑     v ↓     ok ✓  no ✗  in ∈   d ∂     " “”„  ' ‘’   ss ß
 """
-_WORDS = iter(_SPELLINGS.split())
-_SPELT = {"√": "sqrt ", "Σ": "sum ", "°": " deg"}
-_SPELT |= {character: plain for plain, every in zip(_WORDS, _WORDS, strict=True) for character in every}
+_spelling_words = iter(_SPELLINGS.split())
+_ASCII_SPELLINGS = {"√": "sqrt ", "Σ": "sum ", "°": " deg"}
+_ASCII_SPELLINGS |= {
+    character: plain for plain, every in zip(_spelling_words, _spelling_words, strict=True) for character in every
+}
 
 
-def open_streams() -> None:
+def prepare_streams() -> None:
     """Make stdout this program's own, and both streams able to print anything. Ends the program where stdout has no
     room.
 
@@ -235,15 +237,15 @@ def open_streams() -> None:
     """
     if hasattr(signal, "SIGPIPE"):
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)
-    codecs.register_error("spelt", spelt)
+    codecs.register_error("spelt", spell_in_ascii)
     out = sys.stdout
     for stream in (out, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="spelt")
     if not isinstance(out, TextIOWrapper) or out is not sys.__stdout__:
         return
-    if full(1):
-        lost()
+    if is_full_device(1):
+        report_lost_output()
         raise SystemExit(2)
     ours, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
@@ -251,7 +253,7 @@ def open_streams() -> None:
     sys.stdout = open(ours, "w", encoding=out.encoding, errors="spelt")  # noqa: SIM115
 
 
-def full(descriptor: int) -> bool:
+def is_full_device(descriptor: int) -> bool:
     """Whether a descriptor leads to a device that takes nothing, such as /dev/full.
 
     This is asked before the work; whether a disk is full is known afterwards.
@@ -265,7 +267,7 @@ def full(descriptor: int) -> bool:
     return False
 
 
-def lost(why: str = "No space left on device") -> None:
+def report_lost_output(why: str = "No space left on device") -> None:
     """Say on stderr that stdout took no output, and keep quiet about what is still in its buffer."""
     print(f"Error: output: expected a stream that takes it, got {why}", file=sys.stderr)
     nowhere = os.open(os.devnull, os.O_WRONLY)
@@ -273,15 +275,15 @@ def lost(why: str = "No space left on device") -> None:
     os.close(nowhere)
 
 
-def spelt(error: UnicodeError) -> tuple[str, int]:
+def spell_in_ascii(error: UnicodeError) -> tuple[str, int]:
     """Spell characters that an encoding lacks in ASCII: an error handler as `codecs.register_error` takes it."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
-    return "".join(_ascii(c) for c in error.object[error.start : error.end]), error.end
+    return "".join(_spell_character(c) for c in error.object[error.start : error.end]), error.end
 
 
-def _ascii(character: str) -> str:
-    if (known := _SPELT.get(character)) is not None:
+def _spell_character(character: str) -> str:
+    if (known := _ASCII_SPELLINGS.get(character)) is not None:
         return known
     if unicodedata.combining(character):
         return ""

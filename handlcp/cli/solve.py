@@ -1,8 +1,10 @@
-"""`handlcp solve` and `handlcp follow`: the verdict, contacts, joint torques; a scene loaded in steps."""
+"""`handlcp solve`, `follow` and `demo`: the verdict, contacts, joint torques; a scene loaded in steps; an example."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from importlib import resources
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -12,40 +14,41 @@ from rich.padding import Padding
 from rich.text import Text
 
 from handlcp.cli.app import (
-    Faces,
-    Json,
-    Scene,
+    FacesOption,
+    JsonOption,
+    SceneArgument,
     app,
-    check_files,
+    check_output_files,
+    choose_faces,
     load_scene,
+    open_console,
+    print_files,
     print_json,
+    print_sentence,
     print_tables,
-    say,
-    say_files,
-    sides_of,
-    titled,
 )
 from handlcp.contact.friction import as_section
-from handlcp.errors import InputError
+from handlcp.errors import InputError, pip_command, refuse_unwritable
 from handlcp.grasp import Explanation, Grasp, GraspSolution, Loading, Suggestions, Verdict
 from handlcp.grasp.verdict.check import make_suggestions
 from handlcp.lcp import Auto
-from handlcp.show import tables
-from handlcp.show.doors import plot as draw_grasp
-from handlcp.show.file import drawn
-from handlcp.show.loading import report
-from handlcp.show.loading.report import solution_tables
-from handlcp.show.loading.series import solution_at_end
-from handlcp.show.record import record
+from handlcp.viz import terminal_table as tables
+from handlcp.viz.doors import plot as draw_grasp
+from handlcp.viz.loading import figure as report
+from handlcp.viz.loading.curves import solution_at_end
+from handlcp.viz.loading.figure import solution_tables
+from handlcp.viz.output_file import draw_or_save
+from handlcp.viz.solution_output import solution_record
+from handlcp.write_file import write_file
 
-_NO_SHARES = "No shares of the time: they are measured at an answer, and there is none."
-_COLOURS = {"HELD": "green", "UNDECIDED": "yellow"}  # the rest is red
+_NO_SHARES_NOTE = "No shares of the time: they are measured at an answer, and there is none."
+_WORD_COLOURS = {"HELD": "green", "UNDECIDED": "yellow"}  # the rest is red
 
 
 @app.command()
 def solve(
-    scene: Scene,
-    json: Json = False,
+    scene: SceneArgument,
+    json: JsonOption = False,
     plot: Annotated[Path | None, typer.Option(help="Draw the grasp into this file (png, svg, pdf).")] = None,
     page: Annotated[
         Path | None, typer.Option(help="Write a page to turn the grasp on, with its loading, into this HTML file.")
@@ -67,49 +70,49 @@ def solve(
     The hand is followed while it squeezes and is loaded, and the tables are of the end. Where that is not reached, or
     with --accuracy, they are of one solve, squeeze and load at once.
     """
-    check_files(plot, page=page)
+    check_output_files(plot, page=page)
     file = load_scene(scene)
-    sides = _sides(file.solve_with.faces, faces, accuracy)
+    sides = _choose_faces(file.solve_with.faces, faces, accuracy)
     solver = Auto(seed=file.solve_with.seed if seed is None else seed)
     grasp = file.build()
     explanation = grasp.explain(sides, measure=explain)
     solution = grasp.solve(sides, solver, throw=False, accuracy=accuracy)
     judged = grasp.check(faces=sides, solution=solution)
-    shown = _shown(solution, judged)
+    shown = _choose_solution(solution, judged)
     if plot is not None:
         draw_grasp(solution, plot, file.shape(), file.title, judged)
     if page is not None:
-        from handlcp.show.page.document import save
+        from handlcp.viz.page.document import write_grasp_page
 
-        save(grasp, solution, page, file.shape(), file.title, judged)
-    left_out = _suggested(grasp, solution, sides, judged) if suggest else None
+        write_grasp_page(grasp, solution, page, file.shape(), file.title, judged)
+    left_out = _suggest(grasp, solution, sides, judged) if suggest else None
     if json:
-        print_json({"title": file.title} | record(grasp, solution, explanation, left_out, judged))
+        print_json({"title": file.title} | solution_record(grasp, solution, explanation, left_out, judged))
     else:
-        out = titled(file.title)
-        _print(out, solution, judged, shown, ("Advice",) if suggest else ())
-        _print_more(out, left_out, explanation if explain else None)
-        say_files(out, Picture=[plot], Page=[page])
+        out = open_console(file.title)
+        _print_solution(out, solution, judged, shown, ("Advice",) if suggest else ())
+        _print_extras(out, left_out, explanation if explain else None)
+        print_files(out, Picture=[plot], Page=[page])
     short = solution.held and solution.accuracy is not None and not solution.accuracy.met
     raise typer.Exit(1 if short or not judged.ok else 0)
 
 
-def _sides(own: Any, faces: str | None, accuracy: float | None) -> Any:
+def _choose_faces(own: Any, faces: str | None, accuracy: float | None) -> Any:
     """Faces of the friction pyramids, or "cone". Raises InputError.
 
     own : the scene file's.
     """
     if accuracy is not None and faces is not None:
         raise InputError("--accuracy", "nothing where --faces is given: it chooses them", f"{accuracy:g}")
-    return "cone" if accuracy is not None else sides_of(own, faces)
+    return "cone" if accuracy is not None else choose_faces(own, faces)
 
 
-def _suggested(grasp: Grasp, solution: GraspSolution, sides: Any, judged: Verdict) -> Suggestions:
+def _suggest(grasp: Grasp, solution: GraspSolution, sides: Any, judged: Verdict) -> Suggestions:
     """What `grasp.suggest` returns, without finding the verdict again."""
     return make_suggestions(grasp.spec, as_section(sides, planar=grasp.scene.kind.planar), solution, 0.05, judged)
 
 
-class _Shown(NamedTuple):
+class _TabledSolution(NamedTuple):
     """The solution that the tables show.
 
     when : what their titles add.
@@ -117,35 +120,37 @@ class _Shown(NamedTuple):
     """
 
     solution: GraspSolution
-    when: str = ""
-    whole: bool = False
+    title_end: str = ""
+    has_whole_slip: bool = False
 
 
-def _shown(solution: GraspSolution, judged: Verdict) -> _Shown:
+def _choose_solution(solution: GraspSolution, judged: Verdict) -> _TabledSolution:
     """The end of the loading that the verdict is about, where it is reached; else the one solve."""
     path = judged.loading
     if path is None:
-        return _Shown(solution)
+        return _TabledSolution(solution)
     if path.reached and solution.accuracy is None and (end := solution_at_end(path)).held:
-        return _Shown(end, ", squeezed and loaded", True)
-    return _Shown(solution, ", one solve: squeeze and load at once")
+        return _TabledSolution(end, ", squeezed and loaded", True)
+    return _TabledSolution(solution, ", one solve: squeeze and load at once")
 
 
-def _print(out: Console, solution: GraspSolution, judged: Verdict, shown: _Shown, without: Sequence[str]) -> None:
+def _print_solution(
+    out: Console, solution: GraspSolution, judged: Verdict, shown: _TabledSolution, without: Sequence[str]
+) -> None:
     """Verdict and accuracy, the tables, then warnings and advice but for those `without`, which are told later."""
     (word, text), *rest = judged.paragraphs
-    say(out, word, f"bold {_COLOURS.get(word, 'red')}", text)
+    print_sentence(out, word, f"bold {_WORD_COLOURS.get(word, 'red')}", text)
     if (reached := solution.accuracy) is not None and solution.held:
         words = f"{reached}" if reached.met else f"{reached}: not shown to keep it"
-        say(out, "Accuracy", "green" if reached.met else "bold red", words)
+        print_sentence(out, "Accuracy", "green" if reached.met else "bold red", words)
     out.print()
-    print_tables(out, solution_tables(shown.solution, shown.when, shown.whole))
+    print_tables(out, solution_tables(shown.solution, shown.title_end, shown.has_whole_slip))
     for head, sentence in rest:
         if head not in without:
-            say(out, head, "yellow" if head == "Warning" else "cyan", sentence)
+            print_sentence(out, head, "yellow" if head == "Warning" else "cyan", sentence)
 
 
-def _print_more(out: Console, left_out: Suggestions | None, explanation: Explanation | None) -> None:
+def _print_extras(out: Console, left_out: Suggestions | None, explanation: Explanation | None) -> None:
     """What was asked for besides: suggestions, effects and what they cost."""
     if left_out is not None:
         out.print(Text("Suggestions:", style="yellow"))
@@ -154,7 +159,7 @@ def _print_more(out: Console, left_out: Suggestions | None, explanation: Explana
     if explanation is not None:
         out.print(tables.effect_table(explanation))
         if explanation.seconds is None:
-            out.print(Text(_NO_SHARES, style="dim"))
+            out.print(Text(_NO_SHARES_NOTE, style="dim"))
 
 
 # ----------------------------------------------------------------
@@ -163,8 +168,8 @@ def _print_more(out: Console, left_out: Suggestions | None, explanation: Explana
 
 @app.command()
 def follow(
-    scene: Scene,
-    json: Json = False,
+    scene: SceneArgument,
+    json: JsonOption = False,
     plot: Annotated[
         Path | None, typer.Option(help="Draw forces, motion and torques over the load into this file (png, svg, pdf).")
     ] = None,
@@ -178,24 +183,24 @@ def follow(
     fixed: Annotated[
         bool, typer.Option("--fixed", help="Keep this posture's contacts: small motions, as in `handlcp solve`.")
     ] = False,
-    faces: Faces = None,
+    faces: FacesOption = None,
     steps: Annotated[int, typer.Option(help="Steps of a stage, more where something happens.")] = 40,
 ) -> None:
     """Load a scene in steps: the hand squeezes, then weight and load come. Exit status 0 HELD, 1 not, 2 bad input.
 
     The hand is followed as it moves, contacts are detected anew in every step.
     """
-    check_files(plot, picture, page=page)
+    check_output_files(plot, picture, page=page)
     read = load_scene(scene)
-    sides = sides_of(read.solve_with.faces, faces)
+    sides = choose_faces(read.solve_with.faces, faces)
     stages = tuple([name.strip() for name in order.split(",")])
     found = read.build().follow(order=stages, geometry="fixed" if fixed else None, faces=sides, steps=steps)
     if plot is not None:
         found.plot(plot, title=read.title)
     if picture is not None:
-        from handlcp.show.loading.report import picture as at_end
+        from handlcp.viz.loading.figure import draw_end_picture as at_end
 
-        drawn(picture, at_end, found, read.title, read.shape())
+        draw_or_save(picture, at_end, found, read.title, read.shape())
     if page is not None:
         found.page(page, obj=read.shape(), title=read.title)
     if json:
@@ -207,11 +212,59 @@ def follow(
 
 def _print_loading(found: Loading, title: str, files: list[Path | None], page: Path | None) -> None:
     """The outcome, the object's motion, what happens on the way, contacts and joints at the end."""
-    out = titled(title)
-    say(out, found.word, f"bold {_COLOURS.get(found.word, 'red')}", found.sentence)
-    say(out, "Motion", "bold", report.motion(found))
+    out = open_console(title)
+    print_sentence(out, found.word, f"bold {_WORD_COLOURS.get(found.word, 'red')}", found.sentence)
+    print_sentence(out, "Motion", "bold", report.describe_object_motion(found))
     out.print()
     if (happens := report.event_table(found)) is not None:
         out.print(happens)
     print_tables(out, report.end_tables(found))
-    say_files(out, Picture=files, Page=[page])
+    print_files(out, Picture=files, Page=[page])
+
+
+# ----------------------------------------------------------------
+# `handlcp demo`: what the package answers, on a scene that it brings along.
+
+
+_EXAMPLE_FILE = "cube_three_fingers.toml"  # of the examples at the top of the checkout
+_OPTIONAL_OUTPUTS = {"matplotlib": "a picture", "trimesh": "a page to turn"}  # library: what it makes
+
+
+@app.command()
+def demo(
+    folder: Annotated[
+        Path, typer.Argument(help="Where scene, picture and page go; it is made where it is missing.")
+    ] = Path("handlcp_demo"),
+) -> None:
+    """A cube in a hand of three fingers: verdict, picture, page, and the scene file to go on from. Takes seconds.
+
+    A scene file that is there already is kept and run. Exit status as of `handlcp solve`.
+    """
+    scene = _write_scene(folder / "cube.toml")
+    there = {library: find_spec(library) is not None for library in _OPTIONAL_OUTPUTS}
+    plot, page = scene.with_suffix(".png"), scene.with_suffix(".html")
+    try:
+        solve(scene, plot=plot if there["matplotlib"] else None, page=page if there["trimesh"] else None)
+    except typer.Exit as done:
+        out = Console(soft_wrap=True)
+        print_files(out, Scene=[scene])
+        for library in [library for library, found in there.items() if not found]:
+            out.print(Text(f"For {_OPTIONAL_OUTPUTS[library]}, too: {pip_command(library)}"))
+        out.print(Text(f"Next: open the page, change the scene, and see: handlcp solve {scene}"))
+        raise typer.Exit(done.exit_code) from None
+
+
+def _write_scene(file: Path) -> Path:
+    """The scene file, written unless it is there. Raises InputError where it cannot be."""
+    if not file.exists():
+        with refuse_unwritable("FOLDER", file):
+            file.parent.mkdir(parents=True, exist_ok=True)
+        write_file("FOLDER", file, _find_example().read_bytes())
+    return file
+
+
+def _find_example() -> Path:
+    """The scene of an installed package, or of a checkout."""
+    package = Path(str(resources.files("handlcp.cli"))).parent
+    places = [package / "examples", package.parent / "examples"]
+    return next(file for place in places if (file := place / _EXAMPLE_FILE).is_file())

@@ -17,9 +17,9 @@ from handlcp.grasp import Contact, Coulomb, Grasp, SoftFinger, solve_many
 from handlcp.hand import GraspStream, HandGrasp, example_hand
 from handlcp.lcp import LCP, NSNGRK, Auto, Lemke, SemismoothNewton, solve_lcp
 from handlcp.lcp.compiler.compile_policy import MANY_CALLS
-from handlcp.study.accuracy.as_printed import AsPrinted, in_units
-from handlcp.study.effect_catalogue import entries, trials
-from handlcp.study.envelope import envelope
+from handlcp.studies.accuracy.as_printed import AsPrinted, in_units
+from handlcp.studies.effect_catalogue import entries, trials
+from handlcp.studies.envelope import envelope
 
 _NO_SEARCH = Auto(search_seconds=0)
 

@@ -21,7 +21,7 @@ import numpy as np
 from handlcp.check import Array, Bools
 from handlcp.lcp.kernels.contact_newton import ContactArrays, Subgradient, evaluate_rows, new_subgradient
 from handlcp.lcp.kernels.dense import kernel, solve_ranked, solve_wide
-from handlcp.tolerances import SOLVE
+from handlcp.tolerances import SOLVE_TOLERANCE
 
 
 class LinkedContacts(NamedTuple):
@@ -261,7 +261,7 @@ def solve_blocks(p: LinkedContacts, r: Array, z: Array, begun: bool) -> tuple[in
     newton, residual = 0, np.inf
     if begun:
         newton, residual = _run_newton(p, r, z, False)
-        if residual <= SOLVE:
+        if residual <= SOLVE_TOLERANCE:
             return newton, residual
     apart = np.empty(len(p.P), np.bool_)
     for i in range(len(apart)):
@@ -271,7 +271,7 @@ def solve_blocks(p: LinkedContacts, r: Array, z: Array, begun: bool) -> tuple[in
     steps, residual = _run_newton(p, r, z, True)
     newton += steps
     copies, pull, k = np.zeros(len(r)), np.zeros(len(r)), 0
-    while not residual <= SOLVE and k < len(_PROXIMAL_ROUNDS):
+    while not residual <= SOLVE_TOLERANCE and k < len(_PROXIMAL_ROUNDS):
         proximal_blocks(p, copies, pull, _PROXIMAL_ROUNDS[k], _PROXIMAL_WEIGHT, z)
         r[:] = copies
         steps, residual = _run_newton(p, r, z, False)
@@ -289,7 +289,7 @@ def _run_newton(p: LinkedContacts, r: Array, z: Array, cold: bool) -> tuple[int,
         before, _ = newton_blocks(
             LinkedContacts(p.P, p.W, p.R, p.d, p.S, p.w, ball, p.least), r, z, _MAX_BALL_STEPS, _BALL_TOLERANCE
         )
-    steps, residual = newton_blocks(p, r, z, _MAX_NEWTON_STEPS, SOLVE * 1e-2)
+    steps, residual = newton_blocks(p, r, z, _MAX_NEWTON_STEPS, SOLVE_TOLERANCE * 1e-2)
     return before + steps, residual
 
 

@@ -17,7 +17,7 @@ from typing import TypeAlias
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.design.brief import WEIGHT, Brief
+from handlcp.design.brief import WEIGHT_NAME, Brief
 from handlcp.design.evaluation import NOT_FOUND, ObjectCase
 from handlcp.design.judged import Known, judged, unloaded
 from handlcp.geometry.object import Object
@@ -32,7 +32,7 @@ from handlcp.hand.find.pinch import SOLVED, Search, place_of
 from handlcp.hand.hand import Hand
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.robot.hand_model import DEFAULT_GRAVITY
-from handlcp.study.payload.ask import SIX, pulls_of
+from handlcp.studies.payload.largest_mass import SIX, unit_mass_loads
 
 _TRIALS = 24  # around a better grasp
 _WIDE, _WIDER, _NARROWER = 0.5, 1.5, 0.9  # how far around: at first, after a better one, after any other
@@ -53,7 +53,7 @@ def best_grasp(hand: Hand, brief: Brief, obj: Object, known: Known) -> ObjectCas
                     best.offer(one)
     if best.one is not None:
         return judged(brief, obj, best.one, known)
-    names, why = (WEIGHT, *brief.loads), missed(obj, searches)
+    names, why = (WEIGHT_NAME, *brief.loads), missed(obj, searches)
     return ObjectCase(NOT_FOUND, dict.fromkeys(names, NOT_FOUND), dict.fromkeys(names, 0.0), 0.0, why)
 
 
@@ -141,7 +141,7 @@ class Best:
         enough = (1.0 - _BELOW) * self._brief.safety
         least = enough if self.holds else min(self.case.factor, enough)
         weight = self.case.payload if self.holds else least * self._obj.mass
-        weights = [(*pull, weight) for pull in pulls_of(grasp, self._brief.acceleration)]
+        weights = [(*pull, weight) for pull in unit_mass_loads(grasp, self._brief.acceleration)]
         return weights + [(grasp.spec, load, least) for load in self._brief.loads.values()]
 
 

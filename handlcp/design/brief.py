@@ -10,23 +10,35 @@ from typing import Any, Self
 
 import numpy as np
 
-from handlcp.check import Array, array, dimensions, integer, number, read_only
+from handlcp.check import (
+    Array,
+    check_array,
+    check_call,
+    check_integer,
+    check_method_calls,
+    check_number,
+    count_dimensions,
+    read_only,
+)
 from handlcp.contact.friction import as_law
 from handlcp.errors import InputError, as_path
 from handlcp.geometry.object import Object
 from handlcp.hand.find.find import PINCH, check_closing
 from handlcp.hand.squeeze import read_by_tip
 from handlcp.hand.torque_closing import read_torque_by_joint
-from handlcp.keywords import helped, helped_methods
-from handlcp.study.payload.ask import SIX, check_orientations
+from handlcp.studies.payload.largest_mass import SIX, check_orientations
 from handlcp.write_file import write_file
 
-WEIGHT = "weight"  # what the object's own weight is called among its loads
-_WRENCH = "force [N] and torque [N·m] beside the weight"
-_CLOSING = ("squeeze", "grip_force", "closing_torque")  # arguments of `find_grasp` that say how hard the hand closes
+WEIGHT_NAME = "weight"  # what the object's own weight is called among its loads
+_WRENCH_EXPECTED = "force [N] and torque [N·m] beside the weight"
+_CLOSING_ARGUMENTS = (
+    "squeeze",
+    "grip_force",
+    "closing_torque",
+)  # arguments of `find_grasp` that say how hard the hand closes
 
 
-@helped_methods
+@check_method_calls
 @dataclass(frozen=True, eq=False)
 class Brief:
     """What a hand must do, for `evaluate`. Immutable.
@@ -63,30 +75,30 @@ class Brief:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        above = partial(number, above=0.0)
+        above = partial(check_number, above=0.0)
         put = partial(object.__setattr__, self)
-        put("objects", _objects(self.objects))
-        put("loads", _loads(self.loads))
+        put("objects", _read_objects(self.objects))
+        put("loads", _read_loads(self.loads))
         as_law(self.friction)
         check_orientations(self.orientations)
-        put("acceleration", number("acceleration", self.acceleration, minimum=0.0))
+        put("acceleration", check_number("acceleration", self.acceleration, minimum=0.0))
         for name in ("motion", "most_force"):
             value = getattr(self, name)
             put(name, None if value is None else above(name, value))
         put("safety", above("safety", self.safety))
         check_closing(self.kind, self.squeeze, self.grip_force, self.closing_torque)
-        _check_sizes(self.closing)
-        put("tries", integer("tries", self.tries, 1))
-        put("seed", integer("seed", self.seed, 0))
+        _check_closing_values(self.closing)
+        put("tries", check_integer("tries", self.tries, 1))
+        put("seed", check_integer("seed", self.seed, 0))
 
     @classmethod
     def from_toml(cls, path: Any) -> Self:
         """The brief of a TOML file, whose keys `handlcp keys --brief` lists. Raises SceneFileError for a file that is
         missing, is no TOML, or holds other keys or kinds of values; otherwise InputError. Both name file and key.
         """
-        from handlcp.design.brief_file import loaded  # pydantic is paid for by those who read files
+        from handlcp.design.brief_file import load_brief  # pydantic is paid for by those who read files
 
-        return loaded(path, cls)
+        return load_brief(path, cls)
 
     def to_toml(self, path: Any = None) -> str | Path:
         """The brief as TOML: the text, or the file that it was written to; `from_toml` reads the same brief. Placements
@@ -94,18 +106,18 @@ class Brief:
 
         Raises InputError for what a file has no key for, such as a mesh from memory, and one that cannot be written.
         """
-        from handlcp.design.brief_file import toml_text  # pydantic, as above
+        from handlcp.design.brief_file import brief_to_toml  # pydantic, as above
 
         if path is None:
-            return toml_text(self, Path())
+            return brief_to_toml(self, Path())
         file = as_path("path", path)
-        text = toml_text(self, file.parent)
+        text = brief_to_toml(self, file.parent)
         return write_file("path", file, text)
 
     @property
     def closing(self) -> dict[str, Any]:
         """How hard the hand closes, as arguments of `find_grasp`."""
-        return {name: value for name in _CLOSING if (value := getattr(self, name)) is not None}
+        return {name: value for name in _CLOSING_ARGUMENTS if (value := getattr(self, name)) is not None}
 
     @property
     def most_motion(self) -> float:
@@ -113,13 +125,13 @@ class Brief:
         return np.inf if self.motion is None else self.motion
 
 
-Brief.__init__ = helped(mass="it is the object's: Box(..., mass=...)")(Brief.__init__)  # type: ignore[method-assign]
+Brief.__init__ = check_call(mass="it is the object's: Box(..., mass=...)")(Brief.__init__)  # type: ignore[method-assign]
 
 
-def _check_sizes(closing: Mapping[str, Any]) -> None:
+def _check_closing_values(closing: Mapping[str, Any]) -> None:
     """Check that values are forces, depths or torques; the names of the hand are not known yet. Raises InputError."""
     for argument, value in closing.items():
-        count = len(value) if dimensions(value) == 1 else 1
+        count = len(value) if count_dimensions(value) == 1 else 1
         names = list(value) if isinstance(value, Mapping) else [str(k) for k in range(count)]
         if argument == "closing_torque":
             read_torque_by_joint(value, names)
@@ -127,7 +139,7 @@ def _check_sizes(closing: Mapping[str, Any]) -> None:
             read_by_tip(argument, value, names)
 
 
-def _objects(given: Any) -> dict[str, Object]:
+def _read_objects(given: Any) -> dict[str, Object]:
     """The objects of a brief by name, from what a user gives for them. Raises InputError."""
     expected = "an object such as Sphere(0.03), a sequence of them, or a mapping of names to them; at least one"
     if isinstance(given, Object):
@@ -146,19 +158,21 @@ def _objects(given: Any) -> dict[str, Object]:
     return named
 
 
-def _loads(given: Any) -> dict[str, Array]:
+def _read_loads(given: Any) -> dict[str, Array]:
     """The loads of a brief by name, (6,) each [N, N·m], from what a user gives for them. Raises InputError."""
     if given is None:
         return {}
     if isinstance(given, Mapping):
         named = {str(name): load for name, load in given.items()}
     else:
-        rows = given if isinstance(given, Sequence | np.ndarray) and dimensions(given) != 1 else [given]
+        rows = given if isinstance(given, Sequence | np.ndarray) and count_dimensions(given) != 1 else [given]
         named = {f"load {k + 1}": load for k, load in enumerate(rows)}
-    found = {name: array(f"loads[{name!r}]", load, (6,), what=_WRENCH) for name, load in named.items()}
+    found = {name: check_array(f"loads[{name!r}]", load, (6,), what=_WRENCH_EXPECTED) for name, load in named.items()}
     for name, load in found.items():
         if not load.any():
             raise InputError(f"loads[{name!r}]", "a load that is not zero: the weight is there anyway", load.tolist())
-        if name == WEIGHT:
-            raise InputError("loads", f"another name than {WEIGHT!r}, which the object's own weight has", repr(name))
+        if name == WEIGHT_NAME:
+            raise InputError(
+                "loads", f"another name than {WEIGHT_NAME!r}, which the object's own weight has", repr(name)
+            )
     return {name: read_only(load) for name, load in found.items()}

@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from handlcp.contact.friction import as_law
-from handlcp.errors import InputError, keyed
+from handlcp.errors import InputError, translate_arguments
 from handlcp.geometry import YCB, Box, Cylinder, Ellipsoid, Mesh, Object, Sphere
 from handlcp.scene import key_types as k
 from handlcp.scene.build import make_object
@@ -21,7 +21,7 @@ from handlcp.scene.keys import read_tables, read_text_file
 from handlcp.scene.scene_tables import make_law
 from handlcp.scene.schema import LoadTable, ObjectTable
 
-Made = TypeVar("Made")
+BriefT = TypeVar("BriefT")
 
 # ----------------------------------------------------------------
 
@@ -63,7 +63,7 @@ class BriefTables(FileTable):
     """instead of loads: the only one"""
 
     @model_validator(mode="after")
-    def _said_once(self) -> BriefTables:
+    def _check_said_once(self) -> BriefTables:
         """An object, or several by name; and at most one way of saying loads."""
         if (self.object is None) == (not self.objects):
             came = "neither" if self.object is None else "both"
@@ -74,7 +74,7 @@ class BriefTables(FileTable):
 
 
 # Arguments of a brief, and the keys that they come from
-_KEYS = {
+_BRIEF_KEYS = {
     "friction": "friction",
     "orientations": "orientations",
     "acceleration": "acceleration_m_per_s2",
@@ -90,7 +90,7 @@ _KEYS = {
 }
 
 
-def loaded(path: Any, make: Callable[..., Made]) -> Made:
+def load_brief(path: Any, make: Callable[..., BriefT]) -> BriefT:
     """Read the brief of a TOML file; see `Brief.from_toml`.
 
     make : what makes a brief of its arguments, such as the class `Brief`.
@@ -104,8 +104,8 @@ def loaded(path: Any, make: Callable[..., Made]) -> Made:
             objects = make_object(table.object, file.parent)
         if table.load is not None:
             loads = [*table.load.force_N, *table.load.torque_Nm]
-        given = {argument: getattr(table, key) for argument, key in _KEYS.items()}
-        with keyed(_KEYS):
+        given = {argument: getattr(table, key) for argument, key in _BRIEF_KEYS.items()}
+        with translate_arguments(_BRIEF_KEYS):
             return make(objects, loads, **{**given, "friction": make_law(table.friction, "friction")})
     except InputError as error:
         error.args = (f"{file.name}: {error}",)
@@ -116,22 +116,24 @@ def loaded(path: Any, make: Callable[..., Made]) -> Made:
 # Writing: numbers as Python prints them, which reads back to the same bits.
 
 
-def toml_text(brief: Any, folder: Path) -> str:
+def brief_to_toml(brief: Any, folder: Path) -> str:
     """A brief as TOML, with files of meshes relative to the folder. Raises InputError for what has no key."""
     plain = BriefTables.model_fields
     said: dict[str, Any] = {
         key: value
-        for argument, key in _KEYS.items()
-        if (value := _plain(getattr(brief, argument))) is not None and value != plain[key].default
+        for argument, key in _BRIEF_KEYS.items()
+        if (value := _to_python(getattr(brief, argument))) is not None and value != plain[key].default
     }
-    said["friction"] = _friction(brief.friction)
-    tables = {("objects", name): _object(name, obj, folder) for name, obj in brief.objects.items()}
+    said["friction"] = _friction_to_toml(brief.friction)
+    tables = {("objects", name): _object_table(name, obj, folder) for name, obj in brief.objects.items()}
     for name, load in brief.loads.items():
         tables["loads", name] = {"force_N": load[:3].tolist(), "torque_Nm": load[3:].tolist()}
-    return "\n".join([*_lines(said), *[line for path, table in tables.items() for line in _section(path, table)], ""])
+    return "\n".join(
+        [*_format_lines(said), *[line for path, table in tables.items() for line in _format_section(path, table)], ""]
+    )
 
 
-def _friction(given: Any) -> Any:
+def _friction_to_toml(given: Any) -> Any:
     law = as_law(given)
     written = law.to_file()
     if make_law(written) != law:
@@ -139,7 +141,7 @@ def _friction(given: Any) -> Any:
     return written
 
 
-def _object(name: str, obj: Object, folder: Path) -> dict[str, Any]:
+def _object_table(name: str, obj: Object, folder: Path) -> dict[str, Any]:
     """The table of an object."""
     match obj:
         case Box():
@@ -153,13 +155,13 @@ def _object(name: str, obj: Object, folder: Path) -> dict[str, Any]:
         case YCB():
             table = {"shape": "ycb", "name": obj.name}
         case Mesh(path=Path() as file):
-            table = {"shape": "mesh", "file": _relative(file, folder), "scale": obj.scale.tolist()}
+            table = {"shape": "mesh", "file": _relative_path(file, folder), "scale": obj.scale.tolist()}
         case _:
             raise InputError(f"objects[{name!r}]", "a shape that files have, a mesh from a file", repr(obj)[:80])
     return table | {"mass_kg": obj.mass}
 
 
-def _relative(file: Path, folder: Path) -> str:
+def _relative_path(file: Path, folder: Path) -> str:
     """A path from the folder to the file; the whole of it where they have no root in common."""
     try:
         return Path(os.path.relpath(file.resolve(), folder.resolve())).as_posix()
@@ -167,35 +169,35 @@ def _relative(file: Path, folder: Path) -> str:
         return file.resolve().as_posix()
 
 
-def _section(path: tuple[str, ...], table: Mapping[str, Any]) -> list[str]:
-    return ["", f"[{'.'.join(_key(part) for part in path)}]", *_lines(table)]
+def _format_section(path: tuple[str, ...], table: Mapping[str, Any]) -> list[str]:
+    return ["", f"[{'.'.join(_format_key(part) for part in path)}]", *_format_lines(table)]
 
 
-def _lines(table: Mapping[str, Any]) -> Iterator[str]:
-    return (f"{_key(key)} = {_value(value)}" for key, value in table.items())
+def _format_lines(table: Mapping[str, Any]) -> Iterator[str]:
+    return (f"{_format_key(key)} = {_format_value(value)}" for key, value in table.items())
 
 
-def _value(value: Any) -> str:
+def _format_value(value: Any) -> str:
     """A value as TOML."""
     match value:
         case str():
             return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
         case dict():
-            return f"{{ {', '.join(_lines(value))} }}"
+            return f"{{ {', '.join(_format_lines(value))} }}"
         case list() | tuple():
-            return f"[{', '.join(map(_value, value))}]"
+            return f"[{', '.join(map(_format_value, value))}]"
         case _:
             return repr(value)
 
 
-def _key(name: str) -> str:
-    return name if name.isascii() and name.replace("-", "_").isidentifier() else _value(name)
+def _format_key(name: str) -> str:
+    return name if name.isascii() and name.replace("-", "_").isidentifier() else _format_value(name)
 
 
-def _plain(value: Any) -> Any:
+def _to_python(value: Any) -> Any:
     """Arrays and their numbers as lists and Python's numbers."""
     if isinstance(value, Mapping):
-        return {str(key): _plain(inner) for key, inner in value.items()}
+        return {str(key): _to_python(inner) for key, inner in value.items()}
     if isinstance(value, (list, tuple, np.ndarray, np.generic)):
-        return [_plain(one) for one in value] if isinstance(value, (list, tuple)) else value.tolist()
+        return [_to_python(one) for one in value] if isinstance(value, (list, tuple)) else value.tolist()
     return value

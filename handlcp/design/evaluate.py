@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from handlcp.check import check_call
 from handlcp.design.best_grasp import best_grasp, worth
 from handlcp.design.brief import Brief
 from handlcp.design.evaluation import Evaluation, ObjectCase
@@ -15,13 +16,12 @@ from handlcp.errors import InputError
 from handlcp.hand.find.continued import continued
 from handlcp.hand.find.find import ANY
 from handlcp.hand.hand import Hand
-from handlcp.keywords import helped
-from handlcp.progress import told
+from handlcp.progress import track_progress
 from handlcp.robot.hand_model import DEFAULT_GRAVITY
 
 
-@helped()
-@told("evaluating")
+@check_call()
+@track_progress("evaluating")
 def evaluate(hand: Hand, brief: Brief, near: Evaluation | None = None) -> Evaluation:
     """Find grasps of the brief's objects, and judge each by its loading followed in steps.
 
@@ -39,10 +39,10 @@ def evaluate(hand: Hand, brief: Brief, near: Evaluation | None = None) -> Evalua
         raise InputError("brief", "a Brief", repr(brief)[:80])
     if near is not None and not isinstance(near, Evaluation):
         raise InputError("near", "an Evaluation of another hand, or None", repr(near)[:80])
-    with told("objects", len(brief.objects)) as done:
+    with track_progress("objects", len(brief.objects)) as done:
         cases = dict[str, ObjectCase]()
         for name in brief.objects:
-            cases[name] = _case(hand, brief, name, near, Known())
+            cases[name] = _evaluate_object(hand, brief, name, near, Known())
             done(1)
     return Evaluation(cases)
 
@@ -54,38 +54,40 @@ def evaluate_worst(hand: Hand, brief: Brief, near: Evaluation | None = None) -> 
     least what they say. Arguments as in `evaluate`.
     """
     known, cases = Known(), dict[str, ObjectCase]()
-    for name in sorted(brief.objects, key=lambda name: _factor(near, name)):  # what was the worst nearby comes first
-        cases[name] = _case(hand, brief, name, near, known)
+    for name in sorted(
+        brief.objects, key=lambda name: _nearby_factor(near, name)
+    ):  # what was the worst nearby comes first
+        cases[name] = _evaluate_object(hand, brief, name, near, known)
         known.add(cases[name])
     return Evaluation({name: cases[name] for name in brief.objects})
 
 
-def _factor(near: Evaluation | None, name: str) -> float:
+def _nearby_factor(near: Evaluation | None, name: str) -> float:
     """How many times an object was held in another evaluation, infinite where that is not known."""
     return np.inf if near is None or name not in near.cases else near.cases[name].factor
 
 
-def evaluate_along(hand: Hand, brief: Brief, near: Evaluation) -> Evaluation:
+def evaluate_same_grasps(hand: Hand, brief: Brief, near: Evaluation) -> Evaluation:
     """Judge the grasps of `near` alone, otherwise as `evaluate_worst`: differences between hands need the same grasps.
 
     An object whose grasp is lost on the way is left out.
     """
     known, cases = Known(), dict[str, ObjectCase]()
-    for name in sorted(brief.objects, key=lambda name: _factor(near, name)):
-        if (case := _brought(hand, brief, name, near, known)) is not None:
+    for name in sorted(brief.objects, key=lambda name: _nearby_factor(near, name)):
+        if (case := _bring_grasp(hand, brief, name, near, known)) is not None:
             cases[name] = case
             known.add(case)
     return Evaluation({name: cases[name] for name in brief.objects if name in cases})
 
 
-def _case(hand: Hand, brief: Brief, name: str, near: Evaluation | None, known: Known) -> ObjectCase:
+def _evaluate_object(hand: Hand, brief: Brief, name: str, near: Evaluation | None, known: Known) -> ObjectCase:
     """Judge the grasp that the search finds for one object, or that of `near` where it does better."""
     found = best_grasp(hand, brief, brief.objects[name], known)
-    brought = None if near is None else _brought(hand, brief, name, near, known)
+    brought = None if near is None else _bring_grasp(hand, brief, name, near, known)
     return found if brought is None or worth(brought) <= worth(found) else brought
 
 
-def _brought(hand: Hand, brief: Brief, name: str, near: Evaluation, known: Known) -> ObjectCase | None:
+def _bring_grasp(hand: Hand, brief: Brief, name: str, near: Evaluation, known: Known) -> ObjectCase | None:
     """The grasp of another hand, brought along; None where there is none, or it is lost on the way."""
     obj, asked = brief.objects[name], {"friction": brief.friction, "gravity": DEFAULT_GRAVITY, **brief.closing}
     there = near.cases[name].candidate if name in near.cases else None

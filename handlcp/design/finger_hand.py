@@ -7,41 +7,29 @@ palm's, z = 0 where the fingers stand.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from math import cos, hypot, pi, sin
-from typing import Any
+from math import cos, hypot, pi, radians, sin
+from typing import Any, TypeVar
 
-from handlcp.check import integer
-from handlcp.design.by_finger import (
-    Pairs,
-    Read,
-    Row,
-    T,
-    angle,
-    by_finger,
-    ends,
-    followed,
-    for_joints,
-    lengths,
-    positive,
-)
-from handlcp.errors import InputError, shown
+import numpy as np
+
+from handlcp.check import check_array, check_call, check_integer, check_keys, check_number, count_dimensions
+from handlcp.errors import InputError, shorten_repr
 from handlcp.hand.hand import Hand
-from handlcp.keywords import helped
 from handlcp.write_file import write_file
 
-LENGTHS: Row = (0.05, 0.04)  # [m]
-RANGES = (-0.5, 1.6), (0.0, 1.9)  # [rad] of the first joint of a finger, and of those beyond it
-EFFORTS = 0.8, 0.4  # [N·m] likewise
-SPEED = 6.0  # [rad/s]
-PALM_RADIUS, PALM_HEIGHT, RADIUS = 0.04, 0.020, 0.008  # [m]
-DENSITY = {"palm": 1300.0, "link": 3000.0, "tip": 1400.0}  # [kg/m³] about those of the example hands, motors included
-MOST = 30  # fingers
+LINK_LENGTHS: FloatRow = (0.05, 0.04)  # [m]
+JOINT_RANGES = (-0.5, 1.6), (0.0, 1.9)  # [rad] of the first joint of a finger, and of those beyond it
+EFFORT_LIMITS = 0.8, 0.4  # [N·m] likewise
+SPEED_LIMIT = 6.0  # [rad/s]
+PALM_RADIUS, PALM_HEIGHT, LINK_RADIUS = 0.04, 0.020, 0.008  # [m]
+DENSITIES = {"palm": 1300.0, "link": 3000.0, "tip": 1400.0}  # [kg/m³] about those of the example hands, motors included
+MAX_FINGERS = 30  # fingers
 
 
 @dataclass(frozen=True, slots=True)
-class _Finger:
+class _FingerShape:
     """The numbers of one finger with k links.
 
     lengths : (k,) of its links [m].
@@ -54,22 +42,22 @@ class _Finger:
     """
 
     name: str
-    lengths: Row
+    lengths: FloatRow
     radius: float
-    tip: float
-    out: float
+    tip_radius: float
+    axis_distance: float
     angle: float
     tilt: float
-    ranges: Pairs
-    follow: Row | None
+    ranges: RangePairs
+    coupling: FloatRow | None
 
     @property
-    def place(self) -> tuple[float, float]:
+    def base_position(self) -> tuple[float, float]:
         """Where the finger stands on the palm: x and y [m], axes of the palm."""
-        return self.out * cos(self.angle), self.out * sin(self.angle)
+        return self.axis_distance * cos(self.angle), self.axis_distance * sin(self.angle)
 
     @property
-    def kinds(self) -> list[str]:
+    def link_names(self) -> list[str]:
         """What its links are called, from the palm outwards."""
         inner = len(self.lengths) - 2
         if inner < 0:
@@ -77,12 +65,12 @@ class _Finger:
         return ["proximal", *(["middle"] if inner == 1 else [f"middle_{i + 1}" for i in range(inner)]), "distal"]
 
 
-@helped()
+@check_call()
 def finger_hand(
     fingers: int = 3,
-    link_lengths: Any = LENGTHS,
+    link_lengths: Any = LINK_LENGTHS,
     palm_radius: Any = PALM_RADIUS,
-    link_radius: Any = RADIUS,
+    link_radius: Any = LINK_RADIUS,
     *,
     tip_radius: Any = None,
     angles: Any = None,
@@ -124,7 +112,7 @@ def finger_hand(
     fingertips. Raises InputError, also for fingers that overlap on the palm; UnknownName.
     """
     if not isinstance(name, str) or not name.strip() or not name.isprintable():
-        raise InputError("name", "a name of printable characters", shown(name))
+        raise InputError("name", "a name of printable characters", shorten_repr(name))
     given = {
         "link_lengths": link_lengths,
         "palm_radius": palm_radius,
@@ -135,9 +123,9 @@ def finger_hand(
         "ranges": ranges,
         "coupling": coupling,
     }
-    made = _read(integer("fingers", fingers, 1, MOST), given)
-    _check_apart(made, "palm_radius" if angles is None else "angles")
-    urdf = _urdf(name, made)
+    made = _read_fingers(check_integer("fingers", fingers, 1, MAX_FINGERS), given)
+    _check_no_overlap(made, "palm_radius" if angles is None else "angles")
+    urdf = _make_urdf(name, made)
     if file is not None:
         write_file("file", file, urdf)
     return Hand.from_urdf(
@@ -150,35 +138,38 @@ def finger_hand(
     )
 
 
-def _read(n: int, given: Mapping[str, Any]) -> list[_Finger]:
+def _read_fingers(n: int, given: Mapping[str, Any]) -> list[_FingerShape]:
     """The n fingers that the arguments of `finger_hand` describe. Raises InputError, UnknownName."""
     names = [f"finger_{i + 1}" for i in range(n)]
 
-    def each(argument: str, default: Sequence[T], read: Read[T], deep: int = 0) -> list[T]:
-        return by_finger(argument, given[argument], names, default, read, deep)
+    def each(argument: str, default: Sequence[T], read: ValueReader[T], deep: int = 0) -> list[T]:
+        return read_by_finger(argument, given[argument], names, default, read, deep)
 
-    rows, radii = each("link_lengths", [LENGTHS] * n, lengths, 1), each("link_radius", [RADIUS] * n, positive)
-    tips, out = each("tip_radius", radii, positive), each("palm_radius", [PALM_RADIUS] * n, positive)
-    about, lean = each("angles", [2 * pi * i / n for i in range(n)], angle), each("tilt", [0.0] * n, angle)
-    no_pairs: list[Pairs | None] = [None] * n
-    between, follow = each("ranges", no_pairs, ends, 1), each("coupling", [None] * n, followed)
+    rows, radii = (
+        each("link_lengths", [LINK_LENGTHS] * n, read_link_lengths, 1),
+        each("link_radius", [LINK_RADIUS] * n, read_length),
+    )
+    tips, out = each("tip_radius", radii, read_length), each("palm_radius", [PALM_RADIUS] * n, read_length)
+    about, lean = each("angles", [2 * pi * i / n for i in range(n)], read_angle), each("tilt", [0.0] * n, read_angle)
+    no_pairs: list[RangePairs | None] = [None] * n
+    between, follow = each("ranges", no_pairs, read_ranges, 1), each("coupling", [None] * n, read_coupling)
     made = []
     for i, (finger, row) in enumerate(zip(names, rows, strict=True)):
         k, turns, led = len(row), between[i], follow[i]
         if turns is None:
-            turns = (RANGES[0], *[RANGES[1]] * (k - 1))
-        turns = for_joints(f"ranges[{finger!r}]", turns, k, "pairs of ends")
+            turns = (JOINT_RANGES[0], *[JOINT_RANGES[1]] * (k - 1))
+        turns = spread_over_joints(f"ranges[{finger!r}]", turns, k, "pairs of ends")
         if led is not None:
-            led = for_joints(f"coupling[{finger!r}]", led, k - 1, "numbers of joints beyond the first")
-        made.append(_Finger(finger, row, radii[i], tips[i], out[i], about[i], lean[i], turns, led))
+            led = spread_over_joints(f"coupling[{finger!r}]", led, k - 1, "numbers of joints beyond the first")
+        made.append(_FingerShape(finger, row, radii[i], tips[i], out[i], about[i], lean[i], turns, led))
     return made
 
 
-def _check_apart(fingers: Sequence[_Finger], argument: str) -> None:
+def _check_no_overlap(fingers: Sequence[_FingerShape], argument: str) -> None:
     """Check that fingers do not overlap where they stand. Raises InputError."""
     for i, one in enumerate(fingers):
         for other in fingers[:i]:
-            (x, y), (a, b) = one.place, other.place
+            (x, y), (a, b) = one.base_position, other.base_position
             apart, wide = hypot(x - a, y - b), one.radius + other.radius
             if apart < wide:
                 came = f"{other.name} and {one.name} {1e3 * apart:.3g} mm from each other, which overlap"
@@ -186,30 +177,128 @@ def _check_apart(fingers: Sequence[_Finger], argument: str) -> None:
                 raise InputError(argument, expected, came)
 
 
-def _urdf(name: str, fingers: Sequence[_Finger]) -> bytes:
+def _make_urdf(name: str, fingers: Sequence[_FingerShape]) -> bytes:
     """The text of the hand's file."""
-    from handlcp.design.blocks import palm, robot, text
+    from handlcp.design.urdf_parts import format_urdf, make_palm, make_robot
 
-    reach = max(finger.out + finger.radius for finger in fingers)
-    base = palm(DENSITY["palm"] * pi * reach**2 * PALM_HEIGHT, reach, PALM_HEIGHT, PALM_HEIGHT / 2)
-    return text(robot(name, base, [_parts(finger) for finger in fingers]), "Made by handlcp.finger_hand")
+    reach = max(finger.axis_distance + finger.radius for finger in fingers)
+    base = make_palm(DENSITIES["palm"] * pi * reach**2 * PALM_HEIGHT, reach, PALM_HEIGHT, PALM_HEIGHT / 2)
+    return format_urdf(
+        make_robot(name, base, [_make_finger(finger) for finger in fingers]), "Made by handlcp.finger_hand"
+    )
 
 
-def _parts(finger: _Finger) -> tuple[list[Any], list[Any]]:
+def _make_finger(finger: _FingerShape) -> tuple[list[Any], list[Any]]:
     """Links and joints of a finger."""
-    from handlcp.design.blocks import link, mount, pose, revolute, tip
+    from handlcp.design.urdf_parts import make_link, make_pose, make_revolute_joint, make_tip, make_tip_mount
 
     links, joints, follows = list[Any](), list[Any](), None
-    parent, at = "palm", pose((*finger.place, 0.0), (0.0, finger.tilt, finger.angle))
-    for i, (kind, length) in enumerate(zip(finger.kinds, finger.lengths, strict=True)):
+    parent, at = "palm", make_pose((*finger.base_position, 0.0), (0.0, finger.tilt, finger.angle))
+    for i, (kind, length) in enumerate(zip(finger.link_names, finger.lengths, strict=True)):
         joint = f"{finger.name}_{kind}"
-        if i and finger.follow is not None:
-            follows = (joints[-1].name, finger.follow[i - 1])
-        axis, effort = (0.0, -1.0, 0.0), EFFORTS[min(i, 1)]
-        joints.append(revolute(joint, parent, at, axis, effort, SPEED, finger.ranges[i], follows))
-        mass = DENSITY["link"] * pi * finger.radius**2 * length
-        links.append(link(f"{joint}_link", mass, finger.radius, length, "z", rounded=True))
-        parent, at = f"{joint}_link", pose((0.0, 0.0, length))
-    links.append(tip(f"{finger.name}_tip", DENSITY["tip"] * 4 / 3 * pi * finger.tip**3, finger.tip))
-    joints.append(mount(finger.name, parent, at))
+        if i and finger.coupling is not None:
+            follows = (joints[-1].name, finger.coupling[i - 1])
+        axis, effort = (0.0, -1.0, 0.0), EFFORT_LIMITS[min(i, 1)]
+        joints.append(make_revolute_joint(joint, parent, at, axis, effort, SPEED_LIMIT, finger.ranges[i], follows))
+        mass = DENSITIES["link"] * pi * finger.radius**2 * length
+        links.append(make_link(f"{joint}_link", mass, finger.radius, length, "z", rounded=True))
+        parent, at = f"{joint}_link", make_pose((0.0, 0.0, length))
+    links.append(
+        make_tip(f"{finger.name}_tip", DENSITIES["tip"] * 4 / 3 * pi * finger.tip_radius**3, finger.tip_radius)
+    )
+    joints.append(make_tip_mount(finger.name, parent, at))
     return links, joints
+
+
+# ----------------------------------------------------------------
+# What users pass finger by finger: one value for all, a sequence of as many, or a mapping by name.
+
+
+_MAX_LENGTH = 1.0  # [m] no link, fingertip or palm is larger
+T = TypeVar("T")
+ValueReader = Callable[[str, Any], T]
+FloatRow = tuple[float, ...]
+RangePairs = tuple[tuple[float, float], ...]
+
+
+def read_by_finger(
+    argument: str, value: Any, fingers: Sequence[str], default: Sequence[T], read: ValueReader[T], deep: int
+) -> list[T]:
+    """One value for each finger, from one for all, a sequence of as many, or a mapping by name.
+
+    argument : what the caller calls the value, for messages.
+    value : what the user gave; None: `default`.
+    fingers : (n,) names.
+    default : (n,) values of fingers that a mapping leaves out.
+    read : checks the value of one finger.
+    deep : number of dimensions that one finger's plainest value has, such as 0 for a number.
+
+    Raises InputError, UnknownName.
+    """
+    if value is None:
+        return list(default)
+    if isinstance(value, Mapping):
+        named = check_keys(argument, value, fingers, "a finger")
+        every = zip(fingers, default, strict=True)
+        return [read(f"{argument}[{f!r}]", named[f]) if f in named else own for f, own in every]
+    if not isinstance(value, (Sequence, np.ndarray)) or isinstance(value, str) or count_dimensions(value) in (0, deep):
+        return [read(argument, value)] * len(fingers)
+    if len(value) != len(fingers):
+        raise InputError(
+            argument, f"one for all {len(fingers)} fingers, or as many, or a mapping by finger", repr(value)[:80]
+        )
+    return [read(f"{argument}[{i}]", one) for i, one in enumerate(value)]
+
+
+def read_length(argument: str, value: Any) -> float:
+    """A length above 0 [m], refused where millimetres seem to be meant. Raises InputError."""
+    length = check_number(argument, value, above=0.0)
+    if length > _MAX_LENGTH:
+        expected = f"a length in metres of at most {_MAX_LENGTH:g} (if millimetres are meant, {length / 1e3:g})"
+        raise InputError(argument, expected, f"{length:g}")
+    return length
+
+
+def read_angle(argument: str, value: Any) -> float:
+    """An angle of at most one turn [rad], refused where degrees seem to be meant. Raises InputError."""
+    turn = check_number(argument, value)
+    if abs(turn) > 2.0 * pi:
+        expected = f"an angle in radians of at most one turn (if degrees are meant, {radians(turn):.4g})"
+        raise InputError(argument, expected, f"{turn:g}")
+    return turn
+
+
+def read_link_lengths(argument: str, value: Any) -> FloatRow:
+    """Lengths (k,) of the k ≥ 1 links of a finger [m]. Raises InputError."""
+    row = check_array(argument, value, (-1,), what="lengths of the links of a finger [m]")
+    if not len(row):
+        raise InputError(argument, "lengths of the links of a finger [m], at least one", "none")
+    return tuple([read_length(f"{argument}[{i}]", x) for i, x in enumerate(row.tolist())])
+
+
+def read_ranges(argument: str, value: Any) -> RangePairs:
+    """Lower and upper end [rad] of each joint of a finger, one pair of all of them. Raises InputError."""
+    rows = check_array(argument, value, (2,), (-1, 2), what="lower and upper ends of the joints' ranges [rad]").reshape(
+        -1, 2
+    )
+    if not len(rows) or not (rows[:, 0] < rows[:, 1]).all():
+        raise InputError(argument, "a lower end below the upper end [rad]", repr(value)[:80])
+    return tuple([(read_angle(argument, low), read_angle(argument, high)) for low, high in rows.tolist()])
+
+
+def read_coupling(argument: str, value: Any) -> FloatRow | None:
+    """How far each joint beyond the first turns for each radian of the one before [-], or one number for all of them.
+
+    None: these joints are free. Raises InputError.
+    """
+    if value is None:
+        return None
+    return tuple(check_array(argument, value, (), (-1,)).reshape(-1).tolist())
+
+
+def spread_over_joints(argument: str, value: tuple[T, ...], count: int, what: str) -> tuple[T, ...]:
+    """One value for each of so many joints, from as many or from one of all. Raises InputError."""
+    every = value * count if len(value) == 1 else value
+    if len(every) != count:
+        raise InputError(argument, f"{what}: one for all, or {count} of them", f"{len(value)}")
+    return every

@@ -17,7 +17,7 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.contact.friction import as_section
-from handlcp.design.brief import WEIGHT, Brief
+from handlcp.design.brief import WEIGHT_NAME, Brief
 from handlcp.design.evaluation import NOT_FOUND, ObjectCase
 from handlcp.geometry.object import Object
 from handlcp.grasp import LoadLimit
@@ -29,7 +29,7 @@ from handlcp.grasp.path.advance import Patience
 from handlcp.grasp.solution.verdict import HELD, NOT_HELD, OVER_LIMIT, UNDECIDED
 from handlcp.hand.find.candidate import Candidate
 from handlcp.hand.hand_grasp import HandGrasp
-from handlcp.study.payload.ask import ANY, payload, pulls_of
+from handlcp.studies.payload.largest_mass import ANY, payload, unit_mass_loads
 
 _MOTORS = {TORQUE, TENSION}
 _WORST = (NOT_FOUND, NOT_HELD, UNDECIDED, OVER_LIMIT, HELD)
@@ -59,19 +59,19 @@ def judged(brief: Brief, obj: Object, one: Candidate, known: Known, near: Object
     weights = _weights(grasp, brief, safety * obj.mass, max(known.payload, known.factor * obj.mass), likely)
     masses = tuple(min(limit.factor, until) for limit, until in weights)
     mass = min(masses)
-    factors = {WEIGHT: mass / obj.mass if obj.mass else np.inf}
+    factors = {WEIGHT_NAME: mass / obj.mass if obj.mass else np.inf}
     before = unloaded(brief, spec)
     likely = () if near is None else [near.factors[name] for name in brief.loads if name in near.factors]
     asked = [(before, load) for load in brief.loads.values()]
-    loads = up_to_the_first(asked, safety, min(factors[WEIGHT], known.factor), likely)
+    loads = up_to_the_first(asked, safety, min(factors[WEIGHT_NAME], known.factor), likely)
     limits = dict(zip(brief.loads, loads, strict=True))
     factors |= {name: min(limit.factor, until) for name, (limit, until) in limits.items()}
-    causes = {WEIGHT: min([limit for limit, _ in weights], key=lambda limit: limit.factor).binds}
+    causes = {WEIGHT_NAME: min([limit for limit, _ in weights], key=lambda limit: limit.factor).binds}
     causes |= {name: limit.binds for name, (limit, _) in limits.items()}
-    ends = {WEIGHT: _most([_up_to(limit, safety * obj.mass) for limit, _ in weights])}
+    ends = {WEIGHT_NAME: _most([_up_to(limit, safety * obj.mass) for limit, _ in weights])}
     ends |= {name: _up_to(limit, safety) for name, (limit, _) in limits.items()}
     verdicts = {name: _word(factors[name], safety, causes[name]) for name in factors}
-    verdicts[WEIGHT] = _worst((verdicts[WEIGHT], one.verdict.word))
+    verdicts[WEIGHT_NAME] = _worst((verdicts[WEIGHT_NAME], one.verdict.word))
     worst = min(factors, key=lambda name: factors[name])
     gives_out = describe_failures(causes[worst], spec) if causes[worst] else ""
     bears = np.inf if brief.most_force is None else brief.most_force
@@ -96,7 +96,7 @@ def _weights(
     if brief.orientations == ANY:
         rows = payload(grasp, ANY, brief.acceleration, motion=brief.motion).by_orientation
         return [(row.limit, np.inf) for row in rows]
-    pulls = pulls_of(grasp, brief.acceleration)
+    pulls = unit_mass_loads(grasp, brief.acceleration)
     specs = {id(spec): spec for spec, _ in pulls}  # several where gravity pulls at fingers that weigh something
     befores = {key: unloaded(brief, spec) for key, spec in specs.items()}
     loads = [(befores[id(spec)], wrench) for spec, wrench in pulls]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, Bools, integer, several
+from handlcp.check import Array, Bools, check_integer, check_method_calls, check_sequence
 from handlcp.design.evaluation import Evaluation
 from handlcp.design.space import Space
 from handlcp.design.sweep.again import evaluations
@@ -18,26 +19,24 @@ from handlcp.design.sweep.journal import beside, read
 from handlcp.design.sweep.same import check_same, digest, too_old
 from handlcp.design.sweep.table import DESCRIBED, check_rows, checked_table, columns_of, read_table
 from handlcp.design.sweep.work import DESIGN, ERROR, Maker, Row, in_order
-from handlcp.errors import InputError, UnknownName, brief as shortly, keyed
+from handlcp.errors import InputError, UnknownName, shorten_text as shortly, translate_arguments
 from handlcp.grasp.solution.verdict import HELD
-from handlcp.keywords import helped_methods
-from handlcp.record import data_frame, entry
-from handlcp.text_table import TextTable, wrapped
-from handlcp.views import view
+from handlcp.record import load_display, make_data_frame, parse_entry
+from handlcp.words import TextTable, wrap_text
 
-PAYLOAD, TORQUE = "payload_kg", "-torque_Nm"
-_SHOWN = 10  # rows that are printed, and of each, besides the parameters:
-_HEADS = {
+PAYLOAD_COLUMN, LESS_TORQUE_COLUMN = "payload_kg", "-torque_Nm"
+_MAX_PRINTED_ROWS = 10  # rows that are printed, and of each, besides the parameters:
+_PRINTED_HEADS = {
     "verdict": "verdict",
     "factor": "factor",
     "payload_kg": "payload\nkg",
     "torque_Nm": "torque\nN·m",
     "motion_m": "moves\nmm",
 }
-ALIASES = {"motor_torque": "torque_Nm"}
+COLUMN_ALIASES = {"motor_torque": "torque_Nm"}
 
 
-@helped_methods
+@check_method_calls
 class Study:
     """Designs of a sweep with their outcomes, in rows. Prints as a short table; iterates over rows, as dictionaries.
 
@@ -49,7 +48,7 @@ class Study:
 
     def __init__(self, sweep: Row, rows: Sequence[Row], maker: Maker | None = None) -> None:
         self.sweep, self.columns, self._maker = sweep, columns_of(rows), maker
-        self._which = ""  # designs of a larger table these are
+        self._description = ""  # designs of a larger table these are
         self.names = tuple(sweep["space"])
 
     @classmethod
@@ -59,7 +58,7 @@ class Study:
         make, brief : as of `sweep`, for `page`, which makes hands again. Raises InputError, also for another `make` or
         brief than the sweep's; Unsupported for Parquet without pyarrow.
         """
-        with keyed({"out": "path"}):
+        with translate_arguments({"out": "path"}):
             file = checked_table(path)
             if file.exists() or not beside(file).exists():
                 sweep, rows = read_table(file)
@@ -96,19 +95,19 @@ class Study:
 
     def to_frame(self) -> Any:
         """A pandas table with a row for each design. Raises Unsupported without pandas."""
-        return data_frame(self.columns)
+        return make_data_frame(self.columns)
 
     # ---------------------------------------------------------------- The best.
 
-    def best(self, n: int = 10, by: str = PAYLOAD, held: bool = False) -> Self:
+    def best(self, n: int = 10, by: str = PAYLOAD_COLUMN, held: bool = False) -> Self:
         """The first n by a column, the largest first; with a minus before its name, the smallest. Designs that hold all
         that the brief asks come before others.
 
         by : a column, or what an `Evaluation` calls it, such as "payload" or "-torque". held : only designs that hold
         all that the brief asks. Designs of which the number is not known are left out. Raises InputError, UnknownName.
         """
-        most = integer("n", n, 1)
-        wanted, holds = self.wanted(by)[:, 0], self._held()
+        most = check_integer("n", n, 1)
+        wanted, holds = self.wanted(by)[:, 0], self._is_held()
         order = np.lexsort((-wanted, ~holds))
         found = order[~np.isnan(wanted[order]) & (holds[order] if held else True)][:most]
         return self.some(found, f"the best {len(found)} of {len(self)} designs by {by}")
@@ -123,23 +122,23 @@ class Study:
 
         Raises InputError, UnknownName.
         """
-        wanted = self.wanted(*(by or (PAYLOAD, TORQUE)))
-        known = ~np.isnan(wanted).any(axis=1) & (self._held() if held else True)
+        wanted = self.wanted(*(by or (PAYLOAD_COLUMN, LESS_TORQUE_COLUMN)))
+        known = ~np.isnan(wanted).any(axis=1) & (self._is_held() if held else True)
         at = np.flatnonzero(known)
-        front = at[not_beaten(wanted[at])]
+        front = at[is_pareto_optimal(wanted[at])]
         which = f"{len(front)} of {len(self)} designs, which no other one beats"
         return self.some(front[np.argsort(-wanted[front, 0], kind="stable")], which)
 
     def wanted(self, *by: str) -> Array:
         """(n, k) of these columns, of which more is better; NaN where nothing is known. Raises InputError."""
-        return np.array([self._wanted(name) for name in by]).T.reshape(len(self), len(by))
+        return np.array([self._column_to_maximise(name) for name in by]).T.reshape(len(self), len(by))
 
     def column_of(self, name: Any) -> str:
         """The column of a name, without its minus. Raises UnknownName."""
         if not self.columns:
             raise InputError("study", "designs", "none so far")
         bare = str(name).removeprefix("-")
-        named = {entry(line).path: entry(line).key for line in Evaluation.entries} | ALIASES
+        named = {parse_entry(line).path: parse_entry(line).key for line in Evaluation.entries} | COLUMN_ALIASES
         for known in (bare, named.get(bare)):
             if known in self.columns:
                 return str(known)
@@ -148,7 +147,7 @@ class Study:
             raise InputError("study", "designs that could be evaluated", came)
         raise UnknownName("by", "a column", [str(name)], self.columns)
 
-    def _wanted(self, name: Any) -> Array:
+    def _column_to_maximise(self, name: Any) -> Array:
         column = self.column_of(name)
         values = self.columns[column]
         if not all(value is None or isinstance(value, int | float) for value in values):
@@ -156,7 +155,7 @@ class Study:
         found = np.array([np.nan if value is None else float(value) for value in values])
         return -found if str(name).startswith("-") else found
 
-    def _held(self) -> Bools:
+    def _is_held(self) -> Bools:
         return np.array([value is True for value in self.columns.get("holds", [False] * len(self))], dtype=bool)
 
     def some(self, at: Iterable[Any], which: str = "") -> Self:
@@ -166,9 +165,11 @@ class Study:
         which : what the designs are called when they are printed.
         """
         last = len(self) - 1
-        rows = [integer(f"at[{i}]", k, 0, last) for i, k in enumerate(several("at", at, "numbers of rows"))]
+        rows = [
+            check_integer(f"at[{i}]", k, 0, last) for i, k in enumerate(check_sequence("at", at, "numbers of rows"))
+        ]
         made = type(self)(self.sweep, (), self._maker)
-        made._which = which
+        made._description = which
         made.columns = {name: [column[k] for k in rows] for name, column in self.columns.items()}
         return made
 
@@ -183,7 +184,7 @@ class Study:
             raise InputError("make", "Study.load(path, make, brief), to make hands again", "a study without them")
         return evaluations(self.sweep, self._maker, self.columns[DESIGN])
 
-    def plot(self, path: Any = None, title: str = "", by: Sequence[str] = (PAYLOAD, TORQUE)) -> Any:
+    def plot(self, path: Any = None, title: str = "", by: Sequence[str] = (PAYLOAD_COLUMN, LESS_TORQUE_COLUMN)) -> Any:
         """A figure of the designs and their front, of all parameters as lines, and of what each parameter explains.
 
         The front is by two columns as in `pareto`. Below it stands the mean of the first column along each parameter,
@@ -191,14 +192,16 @@ class Study:
 
         path : a file to write, .png, .svg, .pdf or .jpg. Raises InputError; Unsupported without matplotlib.
         """
-        return view("study_plot")(self, path, title, by)
+        return load_display("study_plot")(self, path, title, by)
 
-    def page(self, path: Any, title: str = "", by: Sequence[str] = (PAYLOAD, TORQUE), most: int = 50) -> Path:
+    def page(
+        self, path: Any, title: str = "", by: Sequence[str] = (PAYLOAD_COLUMN, LESS_TORQUE_COLUMN), most: int = 50
+    ) -> Path:
         """A page that needs no network: a design on the front is clicked, and its hand turns beside its numbers. Hands
         are made and evaluated again. by : two columns as in `pareto`. most : designs with a hand, evenly along the
         front. Raises InputError; Unsupported without trimesh.
         """
-        return Path(view("study_page")(self, path, title, by, most))
+        return Path(load_display("study_page")(self, path, title, by, most))
 
     @property
     def space(self) -> Space:
@@ -206,27 +209,27 @@ class Study:
         return Space(self.sweep["space"])
 
     def __str__(self) -> str:
-        free, rows = list(self.space.free), [self._printed(k) for k in range(min(len(self), _SHOWN))]
-        outcome = {name: head for name, head in _HEADS.items() if any(name in row for row in rows)}
+        free, rows = list(self.space.free), [self._printed_row(k) for k in range(min(len(self), _MAX_PRINTED_ROWS))]
+        outcome = {name: head for name, head in _PRINTED_HEADS.items() if any(name in row for row in rows)}
         heads = (DESIGN, *[name.replace(".", ".\n", 1) for name in free], *outcome.values())
         shown = [DESIGN, *free, *outcome]
-        cells = tuple([tuple([_cell(name, row.get(name)) for name in shown]) for row in rows])
+        cells = tuple([tuple([_format_cell(name, row.get(name)) for name in shown]) for row in rows])
         table = str(TextTable(heads, cells, "<" + "".join("<" if name == "verdict" else ">" for name in shown[1:])))
-        more = f"\n… {len(self) - _SHOWN} more" if len(self) > _SHOWN else ""
+        more = f"\n… {len(self) - _MAX_PRINTED_ROWS} more" if len(self) > _MAX_PRINTED_ROWS else ""
         why = self.why_failed
         head = f"Beware: {old}. " if (old := too_old(self.sweep)) else ""
         head += f"{self.counts}." + (f" Most often: {why}" if why else "")
-        return wrapped(head) + (f"\n\n{table}{more}" if cells else "")
+        return wrap_text(head) + (f"\n\n{table}{more}" if cells else "")
 
     @property
     def counts(self) -> str:
         """How many designs there are, hold what the brief asks, and failed, in words."""
-        count, held, failed = len(self), int(self._held().sum()), len(self.failed)
-        which = self._which or f"{count} {'design' if count == 1 else 'designs'}"
+        count, held, failed = len(self), int(self._is_held().sum()), len(self.failed)
+        which = self._description or f"{count} {'design' if count == 1 else 'designs'}"
         holding = f"{held} {'holds' if held == 1 else 'hold'} what the brief asks"
-        return words.listed([which, holding, *([f"{failed} failed"] if failed else [])])
+        return words.list_names([which, holding, *([f"{failed} failed"] if failed else [])])
 
-    def _printed(self, k: int) -> Row:
+    def _printed_row(self, k: int) -> Row:
         """A row with its verdict, the worst of all objects."""
         row = {name: column[k] for name, column in self.columns.items()}
         if "holds" in row:
@@ -238,7 +241,7 @@ class Study:
         return f"Study({len(self)} designs of {list(self.names)})"
 
 
-def not_beaten(wanted: Array) -> Bools:
+def is_pareto_optimal(wanted: Array) -> Bools:
     """(n,) whether no other row of (n, k) is at least as large in all columns and larger in one."""
     order = np.lexsort(-wanted.T[::-1])  # whoever beats a row comes before it
     front = np.zeros((0, wanted.shape[1]))
@@ -251,10 +254,71 @@ def not_beaten(wanted: Array) -> Bools:
     return found
 
 
-def _cell(name: str, value: Any) -> str:
+def _format_cell(name: str, value: Any) -> str:
     if value is None:
         return "–"
     if value == np.inf:
         return "any"
     value = 1e3 * value if name == "motion_m" else value
     return f"{value:.3g}" if isinstance(value, float) else str(value)
+
+
+# ----------------------------------------------------------------
+# What an outcome is on average along each parameter, and how much of its variance that explains, from any samples.
+#
+#     S = Var(E(y | x)) / Var(y)      first-order Sobol index of a parameter x
+#
+# Samples are sorted into k classes by x, each with as many, or into the values of x where these are few. The share of
+# the variance between classes is η² = 1 - W / V, with W the sum of squares about the means of the classes and V that
+# about the mean of all. By chance alone it is (k - 1) / (n - 1); freed of that it is Kelley's
+#
+#     ε² = 1 - W / (n - k) · (n - 1) / V
+#
+# (T. L. Kelley, An unbiased correlation ratio measure, PNAS 21, 1935; indices from given data: E. Plischke, E.
+# Borgonovo, C. L. Smith, European Journal of Operational Research 226, 2013). What y changes within a class by x
+# itself is missed: of a straight line 1 / k² of the index. Parameters are taken to be independent, as the samples of
+# a sweep are.
+
+
+_CLASS_EXPONENT = 0.4  # k = n^0.4 classes: more of them follow y better, fewer are less noisy
+
+
+@dataclass(frozen=True, slots=True)
+class MainEffect:
+    """The main effect of one parameter on an outcome, over k classes of its values.
+
+    places : (k,) of the classes, as unit coordinates.
+    means : (k,) of the outcome.
+    errors : (k,) standard errors of the means.
+    index : first-order Sobol index [-], NaN where nothing varies or samples are few; what is below 0 is chance.
+    """
+
+    places: Array
+    means: Array
+    errors: Array
+    index: float
+
+
+def main_effect(x: Array, y: Array) -> MainEffect:
+    """The main effect of a parameter, from n samples.
+
+    x : (n,) unit coordinates of the parameter.
+    y : (n,) the outcome, finite.
+    """
+    n, values = len(x), np.unique(x)
+    most = max(2, round(n**_CLASS_EXPONENT))
+    if len(values) <= most:
+        number = np.searchsorted(values, x)
+    else:
+        number = np.empty(n, dtype=int)
+        number[np.argsort(x, kind="stable")] = np.arange(n) * most // n
+    k = int(number.max(initial=0)) + 1
+    count = np.bincount(number, minlength=k)
+    means = np.bincount(number, y, k) / count
+    squares = np.bincount(number, (y - means[number]) ** 2, k)
+    total = float(((y - y.mean()) ** 2).sum()) if n else 0.0
+    known = n > k and total > 0.0 and len(values) > 1
+    index = 1.0 - float(squares.sum()) / (n - k) * (n - 1) / total if known else np.nan
+    with np.errstate(divide="ignore", invalid="ignore"):
+        errors = np.sqrt(squares / (count - 1) / count)
+    return MainEffect(np.bincount(number, x, k) / count, means, np.nan_to_num(errors, posinf=0.0), index)

@@ -23,8 +23,7 @@ import pinocchio as pin
 
 from handlcp.check import Array
 from handlcp.contact.friction import FrictionLaw
-from handlcp.errors import InputError, NotReached
-from handlcp.extras import pip_install
+from handlcp.errors import InputError, NotReached, pip_command
 from handlcp.geometry.distance import bounding_box, coal_distance, shape_size, signed_distance
 from handlcp.geometry.object import Object, closest_on_surface
 from handlcp.grasp.model.contact import Contact, cross_rows
@@ -32,7 +31,7 @@ from handlcp.lcp.kernels.dense import kernel
 from handlcp.robot.fingertip import SweptBall, TipShape
 from handlcp.robot.hand_model import HandPosture
 from handlcp.robot.link_surface import has_coacd
-from handlcp.words import first_largest
+from handlcp.words import first_largest_index
 
 _MAX_SWEEPS = 40  # over a rectangle, one line after the other
 _MAX_HALVINGS = 120
@@ -281,7 +280,7 @@ def _measure_proximity(shape: TipShape, p: Array, R: Array, obj: Object) -> Prox
             away, x, outward = known
             return Proximity(away - shape.radius, x, p - shape.radius * outward, -outward)
     elif obj.triangles is not None and not has_coacd():
-        expected = f"spherical fingertips for an object that is not convex, or its parts ({pip_install('coacd')})"
+        expected = f"spherical fingertips for an object that is not convex, or its parts ({pip_command('coacd')})"
         raise InputError("tip_radius", expected, f"a {type(shape.geometry).__name__}")
     names, parts = (f"{shape.name} ({type(shape.geometry).__name__})", obj), obj.parts
 
@@ -408,10 +407,10 @@ def choose_corners(flat: Array, apart: float = MIN_SPREAD) -> list[int]:
 
     The points are more than `apart` wide, or one is enough, which `is_wide` says: no other measure decides it here.
     """
-    chosen = [first_largest(np.linalg.norm(flat, axis=1))]
+    chosen = [first_largest_index(np.linalg.norm(flat, axis=1))]
     while len(chosen) < 4:
         away = np.linalg.norm(flat[:, None] - flat[chosen], axis=2).min(axis=1)
         if away.max() <= (apart if len(chosen) > 1 else 0.0):
             break
-        chosen.append(first_largest(away))
+        chosen.append(first_largest_index(away))
     return chosen

@@ -247,7 +247,7 @@ def check_outside(argument: str, link: str, gap: float) -> None:
     """Raises InputError where the link whose gap [m] is the least of all is deep inside the object."""
     if gap < -_MAX_START_DEPTH:
         expected = "an object beside the hand, where no link begins inside it"
-        raise InputError(argument, expected, f"{link}, {words.length(-gap)} inside it")
+        raise InputError(argument, expected, f"{link}, {words.format_length(-gap)} inside it")
 
 
 # ----------------------------------------------------------------

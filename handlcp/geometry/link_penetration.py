@@ -263,9 +263,9 @@ def _penetration_reason(links: list[LinkPenetration], when: str, tips_alone: boo
     if beside_tip:
         kind = "fingertip" if tips_alone else "contact"
         than = f"their {kind}s" if more else f"its {kind} {first.tip}"
-        text = f"{when}, {who} {words.length(first.depth)} deeper in the object than {than}"
+        text = f"{when}, {who} {words.format_length(first.depth)} deeper in the object than {than}"
     else:
-        text = f"{when}, {who} {words.length(first.depth)} inside the object"
+        text = f"{when}, {who} {words.format_length(first.depth)} inside the object"
     if not tips_alone and not beside_tip:
         them = "them" if more else "it"
         lets = f"links= leaves {them} out" if first.left_out else f"a larger max_gap lets {them} touch"
@@ -284,7 +284,7 @@ def _range_reasons(posture: HandPosture, when: str) -> Iterator[Reason]:
     shares = limit_shares(limits, np.zeros(hand.nv), q)[hand.nv :]
     for k in np.flatnonzero(is_exceeded(shares)):
         name, by = hand.joint_names[k], float(past[k])
-        much = words.length(by) if name in hand.sliding else words.angle(by)
+        much = words.format_length(by) if name in hand.sliding else words.format_angle(by)
         text = f"{when}, {name} is {much} past the end of its range"
         values = {"joint": name, "position": float(q[k]), "lower": float(hand.lower[k]), "upper": float(hand.upper[k])}
         if by > _MAX_RANGE_EXCESS:

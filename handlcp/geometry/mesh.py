@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import coal
 import numpy as np
 
-from handlcp.check import Array, Ints, array, read_only
+from handlcp.check import Array, Ints, check_array, read_only
 from handlcp.errors import InputError, as_path
 from handlcp.geometry.object import ObjectSolid
 from handlcp.lcp.kernels.dense import kernel
@@ -232,7 +232,7 @@ class MeshSurface:
     units: str | None
 
     def __init__(self, vertices: Any, faces: Any, units: Any = None) -> None:
-        corners = array("mesh.vertices", np.asarray(vertices), (-1, 3))
+        corners = check_array("mesh.vertices", np.asarray(vertices), (-1, 3))
         rows = np.array(faces, dtype=np.int64)
         fits = rows.ndim == 2 and rows.shape[1] == 3 and rows.min(initial=0) >= 0
         if not fits or rows.max(initial=0) >= len(corners):

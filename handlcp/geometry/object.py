@@ -10,13 +10,12 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp import words
-from handlcp.check import Array, array, number, read_only
+from handlcp.check import Array, check_array, check_call, check_number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.analysis.explanation import EffectDescription
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import cross_rows
 from handlcp.grasp.model.request import GraspSpec
-from handlcp.keywords import helped
 from handlcp.lcp.kernels.dense import kernel
 
 # ----------------------------------------------------------------
@@ -218,7 +217,7 @@ class Object:
         """(3,) [m], world axes."""
         return read_only(np.asarray(self._placement.act(self._centre)))
 
-    @helped()
+    @check_call()
     def moved_to(self, placement: Any) -> Self:
         """The same object at another placement, given as on making it."""
         return self._copy_with(read_placement(placement), self.mass)
@@ -237,10 +236,10 @@ class Object:
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
-    @helped()
+    @check_call()
     def weighing(self, mass: Any) -> Self:
         """The same object with another mass [kg]."""
-        return self._copy_with(self._placement, number("mass", mass, minimum=0.0))
+        return self._copy_with(self._placement, check_number("mass", mass, minimum=0.0))
 
     @property
     def parts(self) -> tuple[Any, ...]:
@@ -287,7 +286,7 @@ def read_placement(value: Any) -> Any:
     a = (
         value.homogeneous.copy()
         if isinstance(value, pin.SE3)
-        else array("placement", value, (3,), (4, 4), what=expected)
+        else check_array("placement", value, (3,), (4, 4), what=expected)
     )
     if a.shape == (3,):
         return pin.SE3(np.eye(3), a)
@@ -312,10 +311,10 @@ def read_placement(value: Any) -> Any:
 
 def _read_mass(mass: Any, density: Any, volume: float) -> float:
     if density is None:
-        return 0.0 if mass is None else number("mass", mass, minimum=0.0)
+        return 0.0 if mass is None else check_number("mass", mass, minimum=0.0)
     if mass is not None:
         raise InputError("density", "None where a mass is given", repr(density))
-    value = number("density", density, minimum=0.0)
+    value = check_number("density", density, minimum=0.0)
     if not volume > 0:
         raise InputError("density", "None for a mesh that is not closed (pass its mass)", repr(density))
     return value * volume
@@ -359,8 +358,8 @@ def describe_missing_weight(spec: GraspSpec, weight: Array) -> str:
     if along >= (1.0 - 1e-9) * size:
         return ""
     return (
-        f"the object's weight of {words.force(size)} is left out: replace(wrench=...) gave the whole load, "
-        f"which pulls along gravity with {words.force(along)}; replace(load=...) comes beside the weight"
+        f"the object's weight of {words.format_force(size)} is left out: replace(wrench=...) gave the whole load, "
+        f"which pulls along gravity with {words.format_force(along)}; replace(load=...) comes beside the weight"
     )
 
 

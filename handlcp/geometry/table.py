@@ -7,14 +7,23 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, dimensions, number, read_only, several, unit
+from handlcp.check import (
+    Array,
+    check_array,
+    check_init_call,
+    check_method_calls,
+    check_number,
+    check_sequence,
+    check_unit_vector,
+    count_dimensions,
+    read_only,
+)
 from handlcp.contact.friction import Coulomb, FrictionLaw, Frictionless, as_law
 from handlcp.errors import InputError, NotReached
 from handlcp.geometry.object import Object
 from handlcp.geometry.shape import Box, Cylinder, Ellipsoid, Mesh, Sphere
 from handlcp.grasp.model.contact import Contact, contact_frame
 from handlcp.grasp.model.request import Environment, join_environments
-from handlcp.keywords import helped_init, helped_methods
 
 # ----------------------------------------------------------------
 # Where an object meets a plane: the points that can touch it, and no more of them than are needed.
@@ -137,8 +146,8 @@ def _turn_distance(a: Array, b: Array, c: Array) -> float:
 # ----------------------------------------------------------------
 
 
-@helped_init()
-@helped_methods
+@check_init_call()
+@check_method_calls
 class Table:
     """A half-space: a table under the object, a wall beside it. Immutable.
 
@@ -177,15 +186,15 @@ class Table:
             raise InputError("friction", "a coefficient, Coulomb(mu) or Frictionless()", repr(friction))
         if not isinstance(name, str):
             raise InputError("name", "a string", repr(name))
-        if dimensions(flexibility) == 0:
-            soft = read_only(np.full(3, number("flexibility", flexibility, minimum=0.0)))
-        elif ((soft := array("flexibility", flexibility, (3,))) < 0).any():
+        if count_dimensions(flexibility) == 0:
+            soft = read_only(np.full(3, check_number("flexibility", flexibility, minimum=0.0)))
+        elif ((soft := check_array("flexibility", flexibility, (3,))) < 0).any():
             raise InputError("flexibility", "entries ≥ 0", soft.tolist())
-        object.__setattr__(self, "point", array("point", point, (3,)))
-        object.__setattr__(self, "normal", unit("normal", normal, (3,)))
+        object.__setattr__(self, "point", check_array("point", point, (3,)))
+        object.__setattr__(self, "normal", check_unit_vector("normal", normal, (3,)))
         object.__setattr__(self, "friction", law)
         object.__setattr__(self, "flexibility", soft)
-        object.__setattr__(self, "max_gap", number("max_gap", max_gap, minimum=0.0))
+        object.__setattr__(self, "max_gap", check_number("max_gap", max_gap, minimum=0.0))
         object.__setattr__(self, "name", name)
 
     def under(self, obj: Object) -> Environment:
@@ -222,7 +231,7 @@ def read_environment(value: Any, obj: Object | None) -> Environment:
     """The environment meant by an `Environment`, a `Table`, or a sequence of them. Raises InputError, NotReached."""
     alone, expected = isinstance(value, (Environment, Table)), "a Table, an Environment, or a sequence of them"
     parts = []
-    for k, part in enumerate([value] if alone else several("environment", value, expected)):
+    for k, part in enumerate([value] if alone else check_sequence("environment", value, expected)):
         if isinstance(part, Table):
             if obj is None:
                 expected = "an Environment where contacts are given: a Table finds its contacts with an object"

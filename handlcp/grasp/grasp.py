@@ -7,16 +7,15 @@ from collections.abc import Iterable
 from functools import cache
 from typing import TYPE_CHECKING, Any, Self, overload
 
-from handlcp.check import Array, number, read_only, yes_or_no
+from handlcp.check import Array, check_call, check_flag, check_init_call, check_method_calls, check_number, read_only
 from handlcp.contact.friction import Pyramid, Section, as_section
-from handlcp.errors import InputError, NoSolutionFound, shown
+from handlcp.errors import InputError, NoSolutionFound, shorten_repr
 from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.request import ContactGraspRequest, GraspSpec, rebuild, require_spec_alone
 from handlcp.grasp.model.scene import Scene
-from handlcp.keywords import helped, helped_init, helped_methods
-from handlcp.views import view
+from handlcp.record import load_display
 
 if TYPE_CHECKING:
     from handlcp.grasp.analysis.equilibria import Equilibria
@@ -34,7 +33,7 @@ if TYPE_CHECKING:
     from handlcp.lcp import Auto, ContactSolver, Solver
 
 
-@helped_methods
+@check_method_calls
 class GraspQuestions(ABC):
     """Base of `Grasp`: what is asked of it, as `spec` (data) and `scene` (arrays) have it."""
 
@@ -56,7 +55,7 @@ class GraspQuestions(ABC):
         from handlcp.grasp.verdict.check import make_suggestions
 
         solution = self._take_solution(faces, solution)
-        number("least", least, minimum=0.0)
+        check_number("least", least, minimum=0.0)
         verdict = solution.verdict if solution.verdict.ok else self.check(faces=faces, solution=solution)
         return make_suggestions(self.spec, self._section(faces), solution, least, verdict)
 
@@ -115,9 +114,9 @@ class GraspQuestions(ABC):
         """
         from handlcp.grasp.analysis.equilibria import equilibria
 
-        return equilibria(self.spec, self._section(faces), number("seconds", seconds, above=0.0))
+        return equilibria(self.spec, self._section(faces), check_number("seconds", seconds, above=0.0))
 
-    @helped(most_force="what an object bears is asked by required_grip(most_force=...)")
+    @check_call(most_force="what an object bears is asked by required_grip(most_force=...)")
     def check(
         self, order: Any = ("squeeze", "load"), faces: int | str | Pyramid = "cone",
         solution: GraspSolution | None = None,
@@ -206,7 +205,7 @@ class GraspQuestions(ABC):
         gives out. For repeated use design for `first_slip` of the rows: beyond it a finger slides each time. Raises
         InputError, Unsupported (known forces; an accuracy that is not reached).
         """
-        return view("payload")(self, orientations, acceleration, geometry, faces, motion, turn, accuracy)
+        return load_display("payload")(self, orientations, acceleration, geometry, faces, motion, turn, accuracy)
 
     def margins(
         self, solution: GraspSolution | None = None, faces: int | str | Pyramid = "cone", length: float | None = None
@@ -228,7 +227,7 @@ class GraspQuestions(ABC):
         if solution is None:
             return self.solve(faces, throw=False)
         if not isinstance(solution, GraspSolution) or len(solution.forces) != self.scene.n:
-            raise InputError("solution", "a solution of this grasp, or None", shown(solution))
+            raise InputError("solution", "a solution of this grasp, or None", shorten_repr(solution))
         return solution
 
     def _section(self, faces: int | str | Pyramid) -> Section:
@@ -248,8 +247,8 @@ def _solve_functions() -> tuple[Any, Any, Any]:
     return solve_with_advice, start_values, make_no_solution_error
 
 
-@helped_init()
-@helped_methods
+@check_init_call()
+@check_method_calls
 class Grasp(GraspQuestions):
     """Fingers on an object under a load. Immutable.
 
@@ -365,7 +364,7 @@ class Grasp(GraspQuestions):
         from handlcp.lcp import Auto
 
         if not (chain is None or isinstance(chain, Auto)):
-            raise InputError("chain", "an Auto, or None", shown(chain))
+            raise InputError("chain", "an Auto, or None", shorten_repr(chain))
         return (chain or Auto()).plan(
             GraspContactProblem(self.scene, self._section(faces), stamped_effects(self.spec.effects))
         )
@@ -386,14 +385,14 @@ class Grasp(GraspQuestions):
         InputError for bad arguments, faces and accuracy both among them.
         """
         solve_with_advice, start_from, no_solution = _solve_functions()
-        where, proof = start_from(start, self.scene), yes_or_no("proof", proof)
+        where, proof = start_from(start, self.scene), check_flag("proof", proof)
         if accuracy is None:
             section = self._section(faces)
             solution: GraspSolution = solve_with_advice(self.spec, section, solver, where, self.scene, proof)
         elif faces == "cone":
             from handlcp.grasp.analysis.solve_to_accuracy import solve_to_accuracy
 
-            asked = number("accuracy", accuracy, above=0.0)
+            asked = check_number("accuracy", accuracy, above=0.0)
             section, solution = self._section("cone"), solve_to_accuracy(self.spec, asked, solver, where, proof)
         else:
             raise InputError("accuracy", "no faces beside it: it is of the exact cone", f"faces={faces!r}")

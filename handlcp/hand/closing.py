@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, Bools, array, number, per_name, read_only
+from handlcp.check import Array, Bools, check_array, check_keys, check_number, read_only
 from handlcp.errors import InputError, NotReached
 from handlcp.geometry.contact_detection import Proximity, nearest_proximity, search_nearest
 from handlcp.geometry.distance import bounding_balls, shape_size
@@ -90,9 +90,9 @@ def wrap_hand(
 
 def _read_rates(value: Any, hand: HandModel) -> Array:
     if isinstance(value, Mapping):
-        named = per_name("wrap", value, hand.joint_names, "a joint")
-        return np.array([number(f"wrap[{j!r}]", named[j]) if j in named else 0.0 for j in hand.joint_names])
-    return array("wrap", value, (hand.nv,), what="True, a mapping of joints to speeds, or a speed for each joint")
+        named = check_keys("wrap", value, hand.joint_names, "a joint")
+        return np.array([check_number(f"wrap[{j!r}]", named[j]) if j in named else 0.0 for j in hand.joint_names])
+    return check_array("wrap", value, (hand.nv,), what="True, a mapping of joints to speeds, or a speed for each joint")
 
 
 def bending_rates(hand: HandModel, q: Array, obj: Object) -> Array:
@@ -276,7 +276,7 @@ def close_fingertips(
     """
     if not isinstance(obj, Object):
         raise InputError("obj", object_advice(obj), repr(obj)[:80])
-    tolerance = number("tolerance", tolerance, above=0.0)
+    tolerance = check_number("tolerance", tolerance, above=0.0)
     tips = hand.tip_numbers("fingers", fingers)
     check_object_metres("obj", obj, HandPosture(hand, hand.neutral).tip_positions)
     depths = read_by_tip("squeeze", squeeze, [hand.fingertips[i] for i in tips]).tolist()
@@ -316,7 +316,7 @@ def _describe_shared_joints(hand: HandModel, tip: int) -> str:
         return ""
     others.remove(hand.fingertips[tip])
     return (
-        f"; no joint moves {hand.fingertips[tip]} without {words.either(others)}, "
+        f"; no joint moves {hand.fingertips[tip]} without {words.join_alternatives(others)}, "
         "so that they cannot be closed on the object one by one: close a hand with one fingertip a finger, or give "
         "the posture"
     )

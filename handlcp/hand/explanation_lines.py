@@ -30,7 +30,7 @@ def _spring_lines(hand: HandModel, against: Array | None) -> Iterator[Explanatio
     """Those that joints have beside actuators and tendons."""
     own, beside = hand.stiffness.own_springs, hand.stiffness.parallel_springs
     if (alone := own * (beside == 0.0)).any():
-        largest = words.first_largest(alone)
+        largest = words.first_largest_index(alone)
         most = f"{float(alone[largest]):.3g} {words.stiffness_unit(hand.joint_names[largest] in hand.sliding)}"
         yield "springs at joints", "K_p", True, f"{_list_joints(hand, alone)}, up to {most}: part of K", ""
     if against is not None:
@@ -60,13 +60,13 @@ def _tendon_lines(hand: HandModel) -> Iterator[ExplanationLine]:
         return
     cables, drives = stiffness.cables, stiffness.drives
     if (cables.wrap_friction > 0.0).any():
-        who = words.listed(
+        who = words.list_names(
             [cables.names[k] for k in sorted(set(cables.post_tendon[cables.wrap_friction > 0.0].tolist()))]
         )
         most = f"μθ up to {float(cables.wrap_friction.max()):.3g} at one place"
         yield "tendon friction", "t e^(-μθ) ≤ t' ≤ t e^(μθ)", True, f"{who}, {most}", FOLLOWED_LOADINGS
     if (known := np.isfinite(cables.pretension)).any():
-        least = words.force(float(cables.pretension[known].min()))
+        least = words.format_force(float(cables.pretension[known].min()))
         yield (
             "tendons that pull alone",
             "t ≥ 0",
@@ -75,19 +75,19 @@ def _tendon_lines(hand: HandModel) -> Iterator[ExplanationLine]:
             FOLLOWED_LOADINGS,
         )
     if drives is not None and drives.friction.any():
-        most = words.force(float(drives.friction.max()))
-        where = words.listed(drives.motor_joints(cables.names))
+        most = words.format_force(float(drives.friction.max()))
+        where = words.list_names(drives.motor_joints(cables.names))
         text = f"up to {most} at {where}: before the cable, so that it changes no force"
         yield "motor friction", "t_m = t ± f", True, f"{text}, but what motors close with and hold", ""
 
 
 def _format_largest_effort(hand: HandModel, efforts: Array) -> str:
     """Of efforts (nv,), in the unit of its joint."""
-    largest = words.first_largest(efforts)
-    return words.effort(float(efforts[largest]), words.effort_unit(hand.joint_names[largest] in hand.sliding))
+    largest = words.first_largest_index(efforts)
+    return words.format_effort(float(efforts[largest]), words.effort_unit(hand.joint_names[largest] in hand.sliding))
 
 
 def _list_joints(hand: HandModel, values: Array) -> str:
     """At which joints values (nv,) are not zero."""
     at = [joint for joint, value in zip(hand.joint_names, values.tolist(), strict=True) if value]
-    return "at every joint" if len(at) == hand.nv else f"at {words.listed(at)}"
+    return "at every joint" if len(at) == hand.nv else f"at {words.list_names(at)}"

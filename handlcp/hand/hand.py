@@ -11,10 +11,8 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.actuation.joint_stiffness import STIFFNESS_EXPECTED
-from handlcp.check import Array, read_only
-from handlcp.errors import HandLCPError, InputError, UnknownName
-from handlcp.extras import missing
-from handlcp.keywords import helped, helped_methods, needed
+from handlcp.check import Array, check_call, check_method_calls, read_only, require_keyword
+from handlcp.errors import HandLCPError, InputError, UnknownName, missing_library
 from handlcp.robot.description import COLLISION, RobotDescription
 from handlcp.robot.hand_model import DEFAULT_GRAVITY, HandModel, HandPosture
 
@@ -24,7 +22,7 @@ if TYPE_CHECKING:
 WeightGiven: TypeAlias = bool | Literal["torques"]
 
 
-@helped_methods
+@check_method_calls
 class HandState(HandPosture):
     """A hand in one posture, made by `hand.at(q)`; `grasp` makes its grasps. Immutable.
 
@@ -135,7 +133,7 @@ _MAX_PAST_TURN, _MAX_PAST_SLIDE = pi / 2.0, 0.1  # rad, m
 _STIFFNESS_EXPECTED = f"{STIFFNESS_EXPECTED} (no URDF says it)"
 
 
-@helped_methods
+@check_method_calls
 class Hand(HandModel):
     """A hand with elastic joints and fingertips, made by `Hand.from_urdf`, `from_mjcf` or `from_model`; what it
     promises is said at `HandModel`.
@@ -147,7 +145,7 @@ class Hand(HandModel):
     _by_tip: dict[str, Any]  # what was passed fingertip by fingertip
 
     @classmethod
-    @needed("joint_stiffness", _STIFFNESS_EXPECTED, "motors")
+    @require_keyword("joint_stiffness", _STIFFNESS_EXPECTED, "motors")
     def from_urdf(
         cls,
         source: Any,
@@ -240,7 +238,7 @@ class Hand(HandModel):
         )
 
     @classmethod
-    @needed("joint_stiffness", _STIFFNESS_EXPECTED, "motors")
+    @require_keyword("joint_stiffness", _STIFFNESS_EXPECTED, "motors")
     def from_model(
         cls,
         model: Any,
@@ -290,7 +288,7 @@ class Hand(HandModel):
             made.__dict__.pop(found, None)
         return made
 
-    @helped()
+    @check_call()
     def replace(
         self,
         *,
@@ -319,7 +317,7 @@ class Hand(HandModel):
         }  # fmt: skip
         return self._rebuild(replace_parts(self, self._by_tip, {k: v for k, v in given.items() if v is not ...}))
 
-    @helped("changes")
+    @check_call("changes")
     def vary(self, changes: Mapping[str, Any]) -> Self:
         """The same hand with other numbers, by name; the rest stays, and no file is written.
 
@@ -348,7 +346,7 @@ class Hand(HandModel):
         if unknown := [str(name) for name in links if name not in known]:
             raise UnknownName("links", "a link with collision geometry", unknown, known)
         if not has_coacd():
-            raise missing("convex parts of a mesh that is not convex need coacd", "coacd")
+            raise missing_library("convex parts of a mesh that is not convex need coacd", "coacd")
         return self.with_parts(in_parts_of=self.in_parts_of | frozenset(links))
 
     @property

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, check_call, check_init_call, check_method_calls, read_only
 from handlcp.contact.friction import Pyramid, as_section
 from handlcp.errors import InputError, Unsupported, WrongCall
 from handlcp.geometry.object import Object, describe_missing_weight, object_weight_wrench
@@ -23,18 +23,17 @@ from handlcp.grasp.solve.solve_spec import is_force_dependent
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.request import GraspRequest
 from handlcp.hand.solution import HandGraspSolution
-from handlcp.keywords import helped, helped_init, helped_methods
 from handlcp.lcp import Auto, ContactSolver, Solver
-from handlcp.progress import told
+from handlcp.progress import track_progress
 from handlcp.robot.hand_model import HandPosture
-from handlcp.tolerances import SEMIDEFINITE
+from handlcp.tolerances import SEMIDEFINITE_TOLERANCE
 
 if TYPE_CHECKING:
     from handlcp.grasp.analysis.required_value import Required
     from handlcp.hand.motor_requirement import RequiredTorque
 
 
-@helped_methods
+@check_method_calls
 class HandRequirements(Grasp):
     """Base of `HandGrasp`: questions about its motors, and about how hard it closes."""
 
@@ -69,7 +68,7 @@ class HandRequirements(Grasp):
             if tried and callable(progress):
                 progress(tried)
 
-        with told("grips tried", None, by_count if callable(progress) else progress) as say:
+        with track_progress("grips tried", None, by_count if callable(progress) else progress) as say:
             section = self._section(faces)
             return find_required_torque(self.spec, section, loads, safety, tolerance, lambda _: say(1), most_force)
 
@@ -105,8 +104,8 @@ if TYPE_CHECKING:
     from handlcp.grasp.analysis.explanation import Explanation
 
 
-@helped_init()
-@helped_methods
+@check_init_call()
+@check_method_calls
 class HandGrasp(HandRequirements):
     """A `Grasp` that knows its hand. Made by `state.grasp(...)`; the attributes are read off its specification."""
 
@@ -206,7 +205,7 @@ class HandGrasp(HandRequirements):
         """(n, 3) the offset without what effects add to it: gaps, preloads and `offset` [m]."""
         return self.spec.offset
 
-    @helped(joint_stiffness="it is the hand's: hand.replace(joint_stiffness=...)", faces="grasp.solve(faces=...)",
+    @check_call(joint_stiffness="it is the hand's: hand.replace(joint_stiffness=...)", faces="grasp.solve(faces=...)",
             solver="grasp.solve(solver=...)", order="grasp.check(order=...)",
             torque_limits="they are the hand's: hand.replace(torque_limits=...)",
             pad_flexibility="it is the hand's: hand.replace(pad_flexibility=...)",
@@ -247,7 +246,7 @@ class HandGrasp(HandRequirements):
                 _check_joint_flexibility(made.spec, "GeometricStiffness" if bent else "soft fingers")
         return made
 
-    @helped("start")  # which may be of a stream
+    @check_call("start")  # which may be of a stream
     def solve(
         self, faces: int | str | Pyramid = "cone", solver: Solver | ContactSolver | Auto | None = None,
         throw: bool = True, accuracy: float | None = None, start: GraspSolution | None = None, proof: bool = True,
@@ -311,6 +310,6 @@ def _check_joint_flexibility(spec: GraspSpec, beside: str) -> None:
     """Raises InputError unless E has the joints' share, which turns soft fingertips and bends under forces."""
     assert spec.mechanism is not None  # a hand's
     pads = np.linalg.eigvalsh(spec.flexibility - spec.mechanism.compliance(spec.mechanism.jacobian))
-    if pads[0] < -SEMIDEFINITE * float(abs(spec.flexibility).max(initial=0.0)):
+    if pads[0] < -SEMIDEFINITE_TOLERANCE * float(abs(spec.flexibility).max(initial=0.0)):
         expected = f"that of the hand's joints, and what else gives way, beside {beside}"
         raise InputError("flexibility", expected, f"less than its joints have by up to {-pads[0]:.3g} m/N")

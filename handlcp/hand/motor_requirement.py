@@ -17,7 +17,7 @@ import numpy as np
 
 from handlcp import words
 from handlcp.actuation.motor import Drives, Motor
-from handlcp.check import Array, Bools, array, number, per_name, read_only
+from handlcp.check import Array, Bools, check_array, check_keys, check_method_calls, check_number, read_only
 from handlcp.errors import InputError
 from handlcp.geometry.object import object_weight_wrench
 from handlcp.grasp.derivatives.parameter.stiffness import with_torque_limits
@@ -27,9 +27,8 @@ from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.solution.verdict import HELD
 from handlcp.hand.mechanism import hand_mechanism
 from handlcp.hand.request import rebuild_hand_grasp
-from handlcp.keywords import helped_methods
-from handlcp.record import Record, columns, pick, plain, rows
-from handlcp.text_table import TextTable, wrapped
+from handlcp.record import Record, columns_from_arrays, pick_entries, rows_from_columns, to_plain
+from handlcp.words import TextTable, wrap_text
 
 _TENSION_ROUNDING = 1e-6  # of the largest tension: less is rounding
 
@@ -105,10 +104,12 @@ class RequiredTension:
     @property
     def table(self) -> TextTable:
         """Tendon by tendon."""
-        numbers = words.column(self.peak.tolist()), words.column(self.continuous.tolist())
+        numbers = words.format_column(self.peak.tolist()), words.format_column(self.continuous.tolist())
         least = zip(self.tendons, self.least.tolist(), strict=True)
         says = [
-            f"goes slack; {words.force(-low)} more of pretension at most keep it taut" if name in self.slack else ""
+            f"goes slack; {words.format_force(-low)} more of pretension at most keep it taut"
+            if name in self.slack
+            else ""
             for name, low in least
         ]
         every = tuple(zip(self.tendons, *numbers, says, strict=True))
@@ -120,7 +121,7 @@ class RequiredTension:
             "tendon = tendons", "tension_N = tension", "held_N = held", "peak_N = peak", "continuous_N = continuous",
             "least_N = least",
         )  # fmt: skip
-        found: list[dict[str, Any]] = plain(rows(columns(self, *lines)))
+        found: list[dict[str, Any]] = to_plain(rows_from_columns(columns_from_arrays(self, *lines)))
         return found
 
 
@@ -147,7 +148,7 @@ class LoadCase:
 
 def read_load_cases(spec: GraspSpec, loads: Any, safety: Any) -> tuple[LoadCase, ...]:
     """The loads of a brief, as `HandGrasp.required_torque` takes them. Raises InputError, UnknownName."""
-    factor = number("safety", safety, above=0.0)
+    factor = check_number("safety", safety, above=0.0)
     bare = with_torque_limits(spec, np.full(len(hand_mechanism(spec).names), np.inf))
     return tuple([LoadCase(name, _apply_load(bare, said, factor)) for name, said in _name_loads(spec, loads)])
 
@@ -161,7 +162,7 @@ def _name_loads(spec: GraspSpec, loads: Any) -> list[tuple[str, dict[str, Any]]]
             raise InputError("loads", "at least one load", "none")
         return [(str(name), _read_load(f"loads[{name!r}]", value, spec)) for name, value in loads.items()]
     shapes = ((6,), (-1, 6)) if spec.plane is None else ((6,), (-1, 6), (3,), (-1, 3))
-    rows = np.atleast_2d(array("loads", loads, *shapes, what="loads (m, 6) or by name: finite numbers"))
+    rows = np.atleast_2d(check_array("loads", loads, *shapes, what="loads (m, 6) or by name: finite numbers"))
     if not len(rows):
         raise InputError("loads", "at least one load", "none")
     return [(f"load {k}" if len(rows) > 1 else _SINGLE_LOAD_NAME, {"load": row}) for k, row in enumerate(rows, 1)]
@@ -169,9 +170,9 @@ def _name_loads(spec: GraspSpec, loads: Any) -> list[tuple[str, dict[str, Any]]]
 
 def _read_load(argument: str, value: Any, spec: GraspSpec) -> dict[str, Any]:
     if isinstance(value, Mapping):
-        return per_name(argument, value, _LOAD_PARTS, "a part of a load")
+        return check_keys(argument, value, _LOAD_PARTS, "a part of a load")
     shapes = ((6,),) if spec.plane is None else ((6,), (3,))
-    return {"load": array(argument, value, *shapes)}
+    return {"load": check_array(argument, value, *shapes)}
 
 
 def _apply_load(spec: GraspSpec, said: dict[str, Any], factor: float) -> GraspSpec:
@@ -182,7 +183,7 @@ def _apply_load(spec: GraspSpec, said: dict[str, Any], factor: float) -> GraspSp
     given: dict[str, Any] = {"load": factor * np.asarray(said.get("load", own), dtype=float)}
     mass = said.get("mass", None if target is None else target.mass)
     if "mass" in said or mass:
-        given["mass"] = factor * number("mass", mass, minimum=0.0)
+        given["mass"] = factor * check_number("mass", mass, minimum=0.0)
     if "gravity" in said:
         given["gravity"] = said["gravity"]
     return rebuild_hand_grasp(spec, given)
@@ -191,7 +192,7 @@ def _apply_load(spec: GraspSpec, said: dict[str, Any], factor: float) -> GraspSp
 # ----------------------------------------------------------------
 
 
-@helped_methods
+@check_method_calls
 @dataclass(frozen=True, slots=True, eq=False)
 class RequiredTorque(Record):
     """The torque that each joint needs so that every load of a brief, times the safety factor, holds.
@@ -301,12 +302,12 @@ class RequiredTorque(Record):
         """Of each joint, to print: name, peak, continuous and limit [N·m], those of slides with their own unit where
         others turn, share of the limit, what sizes the peak, remark.
         """
-        peak, held, rows = words.column(self.peak), words.column(self.continuous), []
+        peak, held, rows = words.format_column(self.peak), words.format_column(self.continuous), []
         used = self._largest if self.drives is None else self.held
         for k, (joint, load, limit) in enumerate(zip(self.joints, self.sized_by, self.limits.tolist(), strict=True)):
             finite = np.isfinite(limit)
             most = f"{limit:.4g}" if finite else "none" if self.known[k] else "unknown"
-            share = words.percent(float(used[k] / limit)) if finite else "–"
+            share = words.format_percent(float(used[k] / limit)) if finite else "–"
             own = " N" if joint in self.sliding and self.unit != "N" else ""
             most += own if finite else ""
             rows.append(
@@ -339,7 +340,7 @@ class RequiredTorque(Record):
         if not self.holds:
             return self.sentence
         if not self.confirmed:
-            return wrapped(f"NOT CONFIRMED: {self.sentence}") + f"\n\n{self._table_text}"
+            return wrap_text(f"NOT CONFIRMED: {self.sentence}") + f"\n\n{self._table_text}"
         return f"{self._table_text}\n{self.sentence}"
 
     @property
@@ -351,12 +352,12 @@ class RequiredTorque(Record):
         """The grip, what less of it does, and whether the hand's own limits are enough."""
         many = f"{len(self.loads)} loads" if len(self.loads) > 1 else self.loads[0]
         beside = f"{many} × {self.safety:g}, weight included," if self.safety != 1.0 else many
-        pressed = ", ".join([f"{words.force(f)} ({name})" for name, f in self.grip.items()])
+        pressed = ", ".join([f"{words.format_force(f)} ({name})" for name, f in self.grip.items()])
         if self._is_grip_equal:
-            pressed = f"{words.force(next(iter(self.grip.values())))} at each fingertip"
+            pressed = f"{words.format_force(next(iter(self.grip.values())))} at each fingertip"
         if not self.holds:
             assert self.lost is not None
-            return wrapped(
+            return wrap_text(
                 f"No grip was found that holds {beside.rstrip(',')}. With {pressed}, {_format_loss(self.lost)}."
             )
         if self.confirmed:
@@ -366,14 +367,14 @@ class RequiredTorque(Record):
             parts += [f"{name} is {self.verdicts[name]}: {why}." for name, why in self.reasons.items()]
         if self.fails is not None and self.lost is not None:
             parts.append(f"With {100 * self.fails:.4g} % of it, {self.lost[0]} is lost.")
-        if idle := [name for name, f in self.grip.items() if words.force(f) == words.force(0.0)]:
-            who = "the fingertips" if len(idle) == len(self.grip) else words.all_of(idle)
+        if idle := [name for name, f in self.grip.items() if words.format_force(f) == words.format_force(0.0)]:
+            who = "the fingertips" if len(idle) == len(self.grip) else words.join_names(idle)
             parts.append(f"0 N is to touch without pressing: load and other fingers press the object against {who}.")
         if self.weak:
             parts.append(f"As the hand is, {describe_torque_excess(self.weak)}.")
         elif self.enough:
             parts.append("The hand's own torque limits are enough.")
-        return wrapped(" ".join(parts))
+        return wrap_text(" ".join(parts))
 
     @property
     def _unconfirmed_loads(self) -> str:
@@ -395,8 +396,8 @@ class RequiredTorque(Record):
         )  # fmt: skip
         by_load = [dict(zip(self.loads, column, strict=True)) for column in self.torques.T]
         lost = None if self.lost is None else dict(zip(("load", "why"), self.lost, strict=True))
-        joints = rows(columns(self, *lines) | {"by_load_Nm": by_load})
-        return {**pick(self, *self.entries), "lost": lost, "joints": plain(joints)} | (
+        joints = rows_from_columns(columns_from_arrays(self, *lines) | {"by_load_Nm": by_load})
+        return {**pick_entries(self, *self.entries), "lost": lost, "joints": to_plain(joints)} | (
             {} if self.tensions is None else {"tendons": self.tensions.to_dict()}
         )
 

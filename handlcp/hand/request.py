@@ -9,7 +9,7 @@ from typing import Any, cast
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, array, number, per_name, read_only, several, yes_or_no
+from handlcp.check import Array, check_array, check_flag, check_keys, check_number, check_sequence, read_only
 from handlcp.contact.friction import Coulomb, as_law, laws_by_name
 from handlcp.errors import InputError, NotReached
 from handlcp.geometry.contact_detection import detect_tip_contacts
@@ -97,13 +97,13 @@ def read_given_contacts(
     if isinstance(target, Mapping):
         if fingers is None:
             fingers = [name for name in hand.fingertips if name in target]
-        per_name("contacts", target, hand.fingertips, "a fingertip")
+        check_keys("contacts", target, hand.fingertips, "a fingertip")
         tips = hand.tip_numbers("fingers", fingers)
         if missing := [name for name in fingers if name not in target]:
             raise InputError("contacts", f"a Contact for {', '.join(missing)}", f"only {sorted(target)}")
         contacts = validate.contacts(target[name] for name in fingers)
     else:
-        given = several(
+        given = check_sequence(
             "target", target, "an object (Box, Sphere, …), contacts, or a mapping of fingertips to contacts"
         )
         tips, contacts = hand.tip_numbers("fingers", fingers), validate.contacts(given)
@@ -226,7 +226,7 @@ class GraspRequest:
             read_only(d), _make_finger_weight(self.state, weighed, g),
         )  # fmt: skip
         spec = apply_command(to_spec(spec, self.effects), self.squeeze, self.grip_force, offset)
-        keeps = yes_or_no("hold_object", self.hold_object)
+        keeps = check_flag("hold_object", self.hold_object)
         return start_open(spec, closed, keeps).replace(asked=replace(self, closed=closed))
 
     def scale_command(self, factor: float) -> tuple[str, str, GraspSpec] | None:
@@ -237,7 +237,7 @@ class GraspRequest:
         if name is None:
             return None
         value, (what, unit) = getattr(self, name), _COMMAND_UNITS[name]
-        text = f"{words.percent(factor)} of the {what}"
+        text = f"{words.format_percent(factor)} of the {what}"
         if isinstance(value, Mapping):
             value = {who: factor * np.asarray(size, dtype=float) for who, size in value.items()}
         else:
@@ -289,7 +289,7 @@ class GraspRequest:
 
     def _touch_distance(self, unsaid: float) -> float:
         """[m] How far is still touching; `unsaid` where nothing is asked."""
-        return unsaid if self.max_gap is None else number("max_gap", self.max_gap, minimum=0.0)
+        return unsaid if self.max_gap is None else check_number("max_gap", self.max_gap, minimum=0.0)
 
     @property
     def _has_joint_command(self) -> bool:
@@ -406,7 +406,10 @@ def _change_load(
         return given | {"load": given["wrench"], "wrench": None}
     if "load" in given:
         shapes = ((6,),) if spec.plane is None else ((6,), (3,))
-        return given | {"load": None, "wrench": array("load", given["load"], *shapes, what=validate.WRENCH_EXPECTED)}
+        return given | {
+            "load": None,
+            "wrench": check_array("load", given["load"], *shapes, what=validate.WRENCH_EXPECTED),
+        }
     if weighing and asked.load is not None:
         own = object_weight_wrench(mechanism.target, mechanism.gravity, spec.reference)
         return given | {"load": None, "wrench": spec.wrench - own}

@@ -11,7 +11,7 @@ from handlcp.check import Array
 from handlcp.grasp.failure.failure_text import describe_torque_excess
 from handlcp.grasp.solution.solution import GraspSolution, format_solution
 from handlcp.hand.torque_check import TorqueCheck
-from handlcp.record import columns
+from handlcp.record import columns_from_arrays
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,7 +69,7 @@ class HandGraspSolution(GraspSolution):
 
     def _tables(self) -> dict[str, tuple[dict[str, Any], list[str]]]:
         lines = "torque_Nm", "limit_Nm", "utilisation", "margin_Nm"
-        joints = columns(self.torque_check, *lines) | {"yield_rad": self.joint_yield}
+        joints = columns_from_arrays(self.torque_check, *lines) | {"yield_rad": self.joint_yield}
         return super()._tables() | {"joints": (joints, list(self.torque_check.joints))}
 
     def __str__(self) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, dimensions, number, per_name, read_only
+from handlcp.check import Array, check_array, check_keys, check_number, count_dimensions, read_only
 from handlcp.errors import InputError, URDFError
 from handlcp.geometry.link_contacts import expand_link_values
 from handlcp.geometry.link_penetration import find_penetrating_links
@@ -23,7 +23,7 @@ from handlcp.grasp.effects.joint_offset import (
 )
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.solution.verdict import Reason
-from handlcp.words import all_of, length
+from handlcp.words import format_length, join_names
 
 # ----------------------------------------------------------------
 # What is asked of fingertips and no command of the joints makes, and a squeeze that goes on from an earlier one.
@@ -104,7 +104,7 @@ def start_link_depths(spec: GraspSpec) -> dict[str, float]:
 def start_penetration_reasons(spec: GraspSpec) -> Iterator[Reason]:
     """A warning where the object begins inside links: how deep in which."""
     if depths := start_link_depths(spec):
-        where = all_of([f"{length(depth)} inside {link}" for link, depth in depths.items()])
+        where = join_names([f"{format_length(depth)} inside {link}" for link, depth in depths.items()])
         links = [{"link": link, "depth_m": depth} for link, depth in depths.items()]
         yield Reason("link_inside", "warning", f"the object begins {where}: move it out by as much", {"links": links})
 
@@ -125,7 +125,7 @@ def move_out_of_link(spec: GraspSpec) -> tuple[str, float, GraspSpec] | None:
         return None
     try:
         return (
-            f"the object {length(depth)} farther out of {link}",
+            f"the object {format_length(depth)} farther out of {link}",
             depth,
             moved((depth + OVERLAP_TOLERANCE) / size * way),
         )
@@ -182,12 +182,12 @@ _MAX_CLOSING_OVERLAP = 2e-4  # [m] links that close until they touch overlap by 
 def read_by_tip(argument: str, value: Any, names: Sequence[str]) -> Array:
     """(k,) ≥ 0 from a number, (k,), or a mapping by fingertip (others: 0). Raises InputError, UnknownName."""
     if isinstance(value, Mapping):
-        given = per_name(argument, value, names, "a fingertip")
-        values = np.array([number(f"{argument}[{name!r}]", given.get(name, 0.0), minimum=0.0) for name in names])
-    elif dimensions(value) == 0:
-        values = np.full(len(names), number(argument, value, minimum=0.0))
+        given = check_keys(argument, value, names, "a fingertip")
+        values = np.array([check_number(f"{argument}[{name!r}]", given.get(name, 0.0), minimum=0.0) for name in names])
+    elif count_dimensions(value) == 0:
+        values = np.full(len(names), check_number(argument, value, minimum=0.0))
     else:
-        values = array(argument, value, (len(names),))
+        values = check_array(argument, value, (len(names),))
         if (values < 0.0).any():
             raise InputError(argument, "numbers ≥ 0", values.tolist())
     if argument == "squeeze" and (deepest := float(values.max(initial=0.0))) > _MAX_SQUEEZE:
@@ -322,10 +322,10 @@ def read_joint_offset(value: Any, joints: Sequence[str]) -> Array:
     if value is None:
         return read_only(np.zeros(len(joints)))
     if isinstance(value, Mapping):
-        named = per_name("joint_offset", value, joints, "a joint")
-        given = {joint: number(f"joint_offset[{joint!r}]", v) for joint, v in named.items()}
+        named = check_keys("joint_offset", value, joints, "a joint")
+        given = {joint: check_number(f"joint_offset[{joint!r}]", v) for joint, v in named.items()}
         return read_only(np.array([given.get(joint, 0.0) for joint in joints]))
-    return array("joint_offset", value, (len(joints),))
+    return check_array("joint_offset", value, (len(joints),))
 
 
 COMMAND_ARGUMENTS = ("squeeze", "grip_force", "joint_offset", "closing_torque")

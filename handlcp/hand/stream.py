@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.actuation.joint_stiffness import Effort, tip_flexibility
-from handlcp.check import Array, array, integer, read_only
+from handlcp.check import Array, check_array, check_init_call, check_integer, check_method_calls, read_only
 from handlcp.contact.friction import Pyramid, as_section
 from handlcp.errors import InputError
 from handlcp.grasp.assembly.scene_builder import add_flexibility, add_offset
@@ -28,7 +28,6 @@ from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.squeeze import read_joint_offset
 from handlcp.hand.torque_check import TorqueCheck, torque_check
-from handlcp.keywords import helped_init, helped_methods
 from handlcp.lcp import Status
 from handlcp.lcp.compiler.compile_policy import compile_now
 from handlcp.robot.kinematics import contact_jacobian, jacobian_columns
@@ -184,8 +183,8 @@ class MovingHand:
 # ----------------------------------------------------------------
 
 
-@helped_init()
-@helped_methods
+@check_init_call()
+@check_method_calls
 class GraspStream:
     """Follows one grasp: `update` takes what moved and returns certified forces, slips, motion and joint torques.
 
@@ -220,7 +219,7 @@ class GraspStream:
         if scene.scale is not None:
             laws = ", ".join(dict.fromkeys(type(c.friction).__name__ for c in grasp.contacts))
             raise InputError("grasp", "one with Coulomb's friction; grasp.solve(start=...) follows any", laws)
-        self._first, self._given_start, self._seed = grasp, start, integer("seed", seed, 0)
+        self._first, self._given_start, self._seed = grasp, start, check_integer("seed", seed, 0)
         self._section = as_section(faces, planar=spec.planar)
         self._kind, self._start = get_compiled_kind(scene, self._section), start_values(start, scene)
         self._anew = self._start
@@ -271,7 +270,7 @@ class GraspStream:
         if joint_offset is not None:
             command = read_joint_offset(joint_offset, self._joints("joint_offset", joint_offset).hand.joint_names)
         load = None if wrench is None else validate.wrench(wrench, self._at.plane, self._lift)
-        shift = None if offset is None else array("offset", offset, *self._shapes(3))
+        shift = None if offset is None else check_array("offset", offset, *self._shapes(3))
         points, axes = self._spatial("positions", positions, 3), self._spatial("frames", frames, 3, 3)
         if axes is not None:
             axes = validate.frames(axes, len(axes))
@@ -373,7 +372,7 @@ class GraspStream:
         return self._hand
 
     def _spatial(self, argument: str, value: Any, *rest: int) -> Array | None:
-        given = None if value is None else array(argument, value, *self._shapes(*rest))
+        given = None if value is None else check_array(argument, value, *self._shapes(*rest))
         if given is not None and self._at.planar:
             raise InputError(argument, "None in a planar scene, whose contacts stay", f"shape {given.shape}")
         return given

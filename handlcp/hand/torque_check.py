@@ -19,9 +19,8 @@ from handlcp.grasp.failure.failure_mode import TENSION, TORQUE, FailureMode, is_
 from handlcp.grasp.failure.failure_text import describe_torque_excess
 from handlcp.grasp.solution.force_bounds import find_torque_bounds, format_span, is_apart, torque_shares
 from handlcp.grasp.solution.verdict import Reason
-from handlcp.record import Record
-from handlcp.text_table import TextTable, wrapped
-from handlcp.views import view
+from handlcp.record import Record, load_display
+from handlcp.words import TextTable, wrap_text
 
 
 class TorqueRow(NamedTuple):
@@ -115,7 +114,7 @@ class TorqueCheck(Record):
             return "no joint has a torque limit"
         if len(held) == len(self):
             return "gears hold all joints, whatever their torques"
-        return f"gears hold {words.listed(held)}, whatever the torque; no other joint has a torque limit"
+        return f"gears hold {words.list_names(held)}, whatever the torque; no other joint has a torque limit"
 
     @property
     def over(self) -> tuple[TorqueRow, ...]:
@@ -153,7 +152,7 @@ class TorqueCheck(Record):
         """Joint by joint, with a remark in the last column."""
         known = [limit for limit in self.limit.tolist() if np.isfinite(limit)]
         units = {row.unit for row in self}
-        unit, size = words.prefixed(max(units, key=len), [10.0 * x for x in (*self.torque.tolist(), *known)])
+        unit, size = words.choose_prefix(max(units, key=len), [10.0 * x for x in (*self.torque.tolist(), *known)])
         if len(units) > 1:
             unit, size = "N·m", 1.0
         limits = [_format_limit(r._replace(limit=r.limit / size)) for r in self]
@@ -171,14 +170,14 @@ class TorqueCheck(Record):
         """
         if row.over and row.known:
             lasts = row.lasts
-            return f"holds for {words.duration(lasts)}" if lasts else "over limit"
+            return f"holds for {words.format_duration(lasts)}" if lasts else "over limit"
         if row.joint in self.yielding:
             return "yields"
         closest = row.joint == self.binding and bool(np.isfinite(row.limit))
         return ", ".join([word for word in (row.held_by, "closest" * closest) if word])
 
     def __str__(self) -> str:
-        return f"{self.table}\n{wrapped(self.verdict)}"
+        return f"{self.table}\n{wrap_text(self.verdict)}"
 
     @property
     def verdict(self) -> str:
@@ -188,17 +187,17 @@ class TorqueCheck(Record):
         if np.isnan(self.torque).any():
             return "No torques: the grasp was not solved."
         if self.unknown:
-            return f"Without a torque limit: {words.listed(self.unknown)}. Pass torque_limits."
+            return f"Without a torque limit: {words.list_names(self.unknown)}. Pass torque_limits."
         if self.yielding:
             one = len(self.yielding) == 1
             gives = "gives way at its limit" if one else "give way at their limits"
-            return f"All joints hold; {words.listed(self.yielding)} {gives}."
+            return f"All joints hold; {words.list_names(self.yielding)} {gives}."
         if self.binding is None or not np.isfinite(self[self.binding].limit):
             return f"{self.unlimited[0].upper()}{self.unlimited[1:]}."
         return f"All joints hold; {self.binding} is closest to its limit."
 
     def __rich__(self) -> Any:
-        return view("torque_table")(self)
+        return load_display("torque_table")(self)
 
 
 def torque_check(
@@ -217,7 +216,7 @@ def _format_limit(row: TorqueRow) -> str:
 
 
 def _format_share(row: TorqueRow) -> str:
-    return "–" if not row.known or np.isinf(row.limit) else words.percent(row.utilisation)
+    return "–" if not row.known or np.isinf(row.limit) else words.format_percent(row.utilisation)
 
 
 def _format_torques(values: Array) -> list[str]:
@@ -266,10 +265,10 @@ def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
         nearest = check[check.binding]
         yield _nearest_limit_reason(JOINT_EFFORT, nearest, "" if np.isfinite(nearest.limit) else check.unlimited)
     if check.yielding:
-        text = f"{words.listed(check.yielding)} {'yield' if len(check.yielding) > 1 else 'yields'} at the limit"
+        text = f"{words.list_names(check.yielding)} {'yield' if len(check.yielding) > 1 else 'yields'} at the limit"
         yield Reason("torque", "note", text, {"yielding": check.yielding})
     if check.unknown:
-        text = f"torque limits not known, torques not judged: {words.listed(check.unknown)}"
+        text = f"torque limits not known, torques not judged: {words.list_names(check.unknown)}"
         yield Reason("limit_unknown", "warning", text, {"joints": check.unknown})
 
 
@@ -301,20 +300,20 @@ def _over_limit_reason(kind: EffortKind, rows: Sequence[TorqueRow]) -> Reason:
     values = {f"{kind.member}s": [_row_values(kind, r) for r in rows]}
     if any(r.lasts == 0.0 for r in rows):
         needs = [f"{r.joint} needs {_format_effort(kind, r.unit, abs(r.torque), r.limit)}" for r in rows]
-        text = f"the contacts could hold the object, the {kind.weak_part} cannot: {words.listed(needs)}"
+        text = f"the contacts could hold the object, the {kind.weak_part} cannot: {words.list_names(needs)}"
         return Reason(f"{kind.code}_over_limit", "decides", text, values)
-    needs = [f"{r.joint} gives {words.percent(r.motor.share(r.torque))} of continuous" for r in rows if r.motor]
+    needs = [f"{r.joint} gives {words.format_percent(r.motor.share(r.torque))} of continuous" for r in rows if r.motor]
     known = [r.lasts for r in rows if r.lasts is not None]
     least = "not for longer than the motor's thermal time"
     if len(known) == len(rows):
-        least = f"begun cold, the first motor overheats after {words.duration(min(known))}"
-    text = f"the hand holds the object, but not for good: {words.listed(needs)}; {least}"
+        least = f"begun cold, the first motor overheats after {words.format_duration(min(known))}"
+    text = f"the hand holds the object, but not for good: {words.list_names(needs)}; {least}"
     return Reason("overheats", "decides", text, values | {"lasts_s": min(known) if len(known) == len(rows) else None})
 
 
 def _nearest_limit_reason(kind: EffortKind, r: TorqueRow, unlimited: str = "") -> Reason:
-    of = f"{words.effort(r.limit, r.unit)}{f' {r.held_by}' if r.held_by else ''}"
-    text = f"the {kind.member} closest to its limit is {r.joint} at {words.percent(r.utilisation)} of {of}"
+    of = f"{words.format_effort(r.limit, r.unit)}{f' {r.held_by}' if r.held_by else ''}"
+    text = f"the {kind.member} closest to its limit is {r.joint} at {words.format_percent(r.utilisation)} of {of}"
     return Reason(kind.code, "note", unlimited or text, _row_values(kind, r))
 
 
@@ -336,7 +335,9 @@ def unmade_reasons(
         missing = abs(arms @ np.linalg.lstsq(arms, asked)[0] - asked).max()  # if tendons could push, too
         which = "more tendons" if missing > _MAX_UNMADE_SHARE * abs(asked).max() else "tendons that pull the other way"
         text = f"no tendons make this command by pulling: it takes {which}"
-    listed = words.listed([f"{name} with {words.effort(t, words.effort_unit(name in sliding))}" for name, t in needs])
+    listed = words.list_names(
+        [f"{name} with {words.format_effort(t, words.effort_unit(name in sliding))}" for name, t in needs]
+    )
     values = {"joints": [name for name, _ in needs], "torques_Nm": [t for _, t in needs], "share": share}
     yield Reason(
         "command_not_made", "decides" if share > _MAX_UNMADE_SHARE else "warning", f"{text} to turn {listed}", values
@@ -360,14 +361,14 @@ def closing_reasons(
             f"{name} needs {_format_effort(kind, words.effort_unit(name in sliding), *each)}" for name, *each in both
         ]
         rubs = " less dry friction" if kind is TENDON_EFFORT and drives.friction[at].any() else ""
-        text = f"closing takes more than the motors give (peak{rubs}): {words.listed(needs)}"
+        text = f"closing takes more than the motors give (peak{rubs}): {words.list_names(needs)}"
         values = {f"{kind.member}s": [kind.reason_values(*each) for each in both]}
         yield Reason("closing_over_peak", "decides", text, values)
 
 
 def _format_effort(kind: EffortKind, unit: str, effort: float, limit: float) -> str:
     """Such as "0.21 N·m of 0.2 N·m"."""
-    return " of ".join(words.efforts((effort, limit), "N" if kind is TENDON_EFFORT else unit))
+    return " of ".join(words.format_efforts((effort, limit), "N" if kind is TENDON_EFFORT else unit))
 
 
 def _row_values(kind: EffortKind, r: TorqueRow) -> dict[str, Any]:
@@ -401,7 +402,7 @@ def open_torque_reasons(s: Any) -> Iterator[Reason]:
         yield Reason("torques_open", "warning", f"{text}: no statics can tell", values)
     elif not is_exceeded(most).any():
         k = largest_share_index(most)
-        share = words.percent(most[k])
+        share = words.format_percent(most[k])
         text = f"whatever the forces that are open are, no joint needs more than {share} of its limit"
         yield Reason("torques_open", "note", f"{text} ({check.joints[k]})", values)
 
@@ -409,7 +410,7 @@ def open_torque_reasons(s: Any) -> Iterator[Reason]:
 def _format_limit_share(least: float, most: float) -> str:
     if np.isfinite(most):
         return f"{format_span(least, most)} of its limit"
-    return f"{words.percent(least)} of its limit, or any amount more"
+    return f"{words.format_percent(least)} of its limit, or any amount more"
 
 
 # ----------------------------------------------------------------
@@ -471,11 +472,11 @@ def motor_pull_reasons(
         asked = abs(pulling.closing_torque)
         both = [(joints[k], (float(shares[k] * asked[k]), float(asked[k]))) for k in short]
         units = {joint: words.effort_unit(joint in sliding) for joint, _ in both}
-        needs = [f"{joint} {' of '.join(words.efforts(each, units[joint]))}" for joint, each in both]
-        text = f"where the hand has closed, fingers pull with less than the closing torque: {words.listed(needs)}"
+        needs = [f"{joint} {' of '.join(words.format_efforts(each, units[joint]))}" for joint, each in both]
+        text = f"where the hand has closed, fingers pull with less than the closing torque: {words.list_names(needs)}"
         if beyond := [joints[k] for k in np.flatnonzero(shares > MAX_TORQUE_SHARE).tolist()]:
             whose = "its" if len(beyond) == 1 else "their"
-            text += f"; turning on, they would drive {words.listed(beyond)} farther beyond {whose} closing torque"
+            text += f"; turning on, they would drive {words.list_names(beyond)} farther beyond {whose} closing torque"
         elif stuck:
             text += "; no state was found in which they press harder, and what stops them is not known"
         values = [

@@ -16,7 +16,7 @@ import numpy as np
 from handlcp import words
 from handlcp.actuation.motor import Motor
 from handlcp.actuation.tendon_stiffness import TendonStiffness
-from handlcp.check import Array, Bools, array, dimensions, number, per_name, read_only
+from handlcp.check import Array, Bools, check_array, check_keys, check_number, count_dimensions, read_only
 from handlcp.contact.friction import Section, as_section
 from handlcp.errors import InputError, NotReached, Unsupported
 from handlcp.geometry.link_contacts import ALL_LINKS, body_gaps, contact_bodies, nearest_links
@@ -31,9 +31,9 @@ from handlcp.hand.closing import bending_rates, wrap_hand
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.squeeze import read_joint_offset
 from handlcp.hand.torque_check import MotorPull
-from handlcp.progress import told
+from handlcp.progress import track_progress
 from handlcp.robot.hand_model import HandModel, HandPosture
-from handlcp.tolerances import OVER
+from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
 _TOUCH_DISTANCE = 1e-5  # [m] from a link to the object it touches, where a hand has closed
 _TENSION_ROUNDING = 1e-9  # of the largest tension: less is none
@@ -101,7 +101,11 @@ def _check_joint_motors(hand: HandModel, torque: Array) -> None:
     if drives is None:
         return
     for joint, motor, pull in zip(hand.joint_names, drives.motors, abs(torque).tolist(), strict=True):
-        if motor is not None and pull > 0.0 and not motor.friction < pull <= motor.at_peak * (1.0 + OVER):
+        if (
+            motor is not None
+            and pull > 0.0
+            and not motor.friction < pull <= motor.at_peak * (1.0 + OVER_LIMIT_TOLERANCE)
+        ):
             unit = words.effort_unit(joint in hand.sliding)
             expected = f"{_friction_words(motor)}at most the peak of its motor, {motor.at_peak:g} {unit} at the joint"
             raise InputError(f"closing_torque[{joint!r}]", expected, f"{pull:g}")
@@ -119,7 +123,11 @@ def _take_tendon_friction(hand: HandModel, torque: Array) -> Array:
     more[abs(more) <= _TENSION_ROUNDING * abs(more).max()] = 0.0
     every = zip(cables.names, drives.motors, abs(more).tolist(), abs(tension).tolist(), strict=True)
     for name, motor, drawn, pull in every:
-        if motor is not None and drawn > 0.0 and not (motor.friction < drawn and pull <= motor.at_peak * (1.0 + OVER)):
+        if (
+            motor is not None
+            and drawn > 0.0
+            and not (motor.friction < drawn and pull <= motor.at_peak * (1.0 + OVER_LIMIT_TOLERANCE))
+        ):
             expected = (
                 f"{_friction_words(motor)}at most the peak of its motor, {motor.at_peak:g} N in the tendon {name!r}"
             )
@@ -140,12 +148,12 @@ def _signed_torques(hand: HandModel, way: Array, value: Any) -> Array:
 def read_torque_by_joint(value: Any, joints: Sequence[str]) -> Array:
     """(nv,) [N·m] from a number ≥ 0, (nv,), or a mapping by joint name (others: 0). Raises InputError, UnknownName."""
     if isinstance(value, Mapping):
-        named = per_name("closing_torque", value, joints, "a joint")
-        given = {joint: number(f"closing_torque[{joint!r}]", v) for joint, v in named.items()}
+        named = check_keys("closing_torque", value, joints, "a joint")
+        given = {joint: check_number(f"closing_torque[{joint!r}]", v) for joint, v in named.items()}
         return np.array([given.get(joint, 0.0) for joint in joints])
-    if dimensions(value) == 0:
-        return np.full(len(joints), number("closing_torque", value, minimum=0.0))
-    return array("closing_torque", value, (len(joints),))
+    if count_dimensions(value) == 0:
+        return np.full(len(joints), check_number("closing_torque", value, minimum=0.0))
+    return check_array("closing_torque", value, (len(joints),))
 
 
 def find_carrying_joints(state: HandPosture, q: Array, obj: Object) -> Bools:
@@ -207,7 +215,7 @@ _TORQUE_TOLERANCE = 1e-3  # of the torque: as near to it is there
 _MAX_OTHER_TORQUE_SHARE = 1.1  # times its torque: no finger turns on that drives a joint of another beyond this
 
 
-@told("closing the hand")
+@track_progress("closing the hand")
 def follow_torque_closing(spec: GraspSpec, torque: Array) -> tuple[GraspSpec, bool]:
     """The grasp, commanded by K⁻¹ τ beyond where the hand touches, with motors that have turned on until they pull with
     torque (nv,) [N·m]; and whether steps of it ended without an answer before. A finger that pulls no harder for

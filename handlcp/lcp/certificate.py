@@ -10,7 +10,7 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from handlcp.check import Array, Bools, array, number, read_only
+from handlcp.check import Array, Bools, check_array, check_number, read_only
 from handlcp.errors import InputError
 from handlcp.lcp.contact_problem import ContactProblem, FrictionSets, Pattern
 from handlcp.lcp.kernels.newton import run_active_set
@@ -22,7 +22,7 @@ from handlcp.lcp.kernels.projection import (
 )
 from handlcp.lcp.modes.mode_search import ModeSearch
 from handlcp.lcp.problem import LCP, ScaledLCP, Status
-from handlcp.tolerances import CERTIFY, GROWTH, SOLVE
+from handlcp.tolerances import CERTIFY_TOLERANCE, MAX_RESIDUAL_GROWTH, SOLVE_TOLERANCE
 
 # ----------------------------------------------------------------
 # The certifier: recomputes residuals from M, q and z alone. It imports no solver, and NaN never passes.
@@ -35,16 +35,18 @@ def natural_residual(problem: LCP, z: Array) -> tuple[Array, float]:
     cancelling multipliers must not excuse a wrong answer. Not finite anywhere: infinite.
     """
     units = problem.scaled.units
-    return recompute_residual(problem.M, problem.q, problem.free, units.z, units.w, z, GROWTH)
+    return recompute_residual(problem.M, problem.q, problem.free, units.z, units.w, z, MAX_RESIDUAL_GROWTH)
 
 
-def certify(problem: LCP, z: Array, tolerance: float = CERTIFY) -> tuple[Status, Array, float]:
+def certify(problem: LCP, z: Array, tolerance: float = CERTIFY_TOLERANCE) -> tuple[Status, Array, float]:
     """(status, w, residual) of a candidate z (n,) in the user's units: SOLVED or UNDECIDED."""
     w, residual = natural_residual(problem, z)
     return (Status.SOLVED if residual <= tolerance else Status.UNDECIDED), w, residual
 
 
-def certify_contact(problem: ContactProblem, x: Array, tolerance: float = CERTIFY) -> tuple[Status, Array, float]:
+def certify_contact(
+    problem: ContactProblem, x: Array, tolerance: float = CERTIFY_TOLERANCE
+) -> tuple[Status, Array, float]:
     """(status, y, residual) of a candidate x (n,) in natural units; y in the user's units.
 
     residual: the worst of |y_i| (free), |min(x_i, y_i)| (pairs) and, in each friction block, the excess over the limit
@@ -52,7 +54,7 @@ def certify_contact(problem: ContactProblem, x: Array, tolerance: float = CERTIF
     """
     p, s = problem, problem.sets
     y, worst, size = recompute_contact_residual(p.M, p.q, p.role, p.blocks, s.limits, s.faces, s.normals, x)
-    residual = worst / min(size, GROWTH)
+    residual = worst / min(size, MAX_RESIDUAL_GROWTH)
     return (Status.SOLVED if residual <= tolerance else Status.UNDECIDED), y * problem.units.w, residual
 
 
@@ -63,11 +65,13 @@ def certify_scaled(problem: LCP | ContactProblem, x: Array) -> tuple[Array, Stat
         solved = status is Status.SOLVED  # what is no answer may overflow
         return (x * problem.units.z if solved else multiply_entries(x, problem.units.z)), status, y, residual
     units = problem.scaled.units
-    z, w, residual = recompute_natural_residual(problem.M, problem.q, problem.free, units.z, units.w, x, GROWTH)
-    return z, (Status.SOLVED if residual <= CERTIFY else Status.UNDECIDED), w, residual
+    z, w, residual = recompute_natural_residual(
+        problem.M, problem.q, problem.free, units.z, units.w, x, MAX_RESIDUAL_GROWTH
+    )
+    return z, (Status.SOLVED if residual <= CERTIFY_TOLERANCE else Status.UNDECIDED), w, residual
 
 
-def is_farkas(problem: LCP, y: Array, tolerance: float = CERTIFY) -> bool:
+def is_farkas(problem: LCP, y: Array, tolerance: float = CERTIFY_TOLERANCE) -> bool:
     """Whether y (n,) proves that no z ≥ 0 (free: any) has w ≥ 0 (free: = 0): y_i ≥ 0, Mᵀy ≤ 0 (free: = 0), qᵀy < 0.
 
     Then 0 ≤ yᵀw = (Mᵀy)ᵀz + qᵀy ≤ qᵀy < 0 for every such z, a contradiction. Signs are exact for y and relative to
@@ -156,7 +160,7 @@ def search_active_sets(
     Raises InputError for bounds that are not positive.
     """
     s, start = problem.scaled, time.monotonic()
-    number("work", work, above=0.0)
+    check_number("work", work, above=0.0)
     size = _DEFAULT_BOX * (1.0 + float(abs(s.q).max(initial=0.0)))
     Z, W = _box_bound("bound_z", bound_z, size, s.free, np.inf), _box_bound("bound_w", bound_w, size, s.free, 0.0)
     ok = accept or (lambda z: certify(problem, multiply_entries(z, s.units.z))[0] is Status.SOLVED)
@@ -171,7 +175,7 @@ def search_active_sets(
 
 def _box_bound(name: str, value: Any, default: float, free: Bools, elsewhere: float) -> Array:
     n = len(free)
-    out = np.full(n, default) if value is None else np.zeros(n) + array(name, value, (), (n,))
+    out = np.full(n, default) if value is None else np.zeros(n) + check_array(name, value, (), (n,))
     if not (out > 0).all():
         raise InputError(name, "positive bounds", f"a smallest of {out.min():.3g}")
     out[free] = elsewhere
@@ -181,5 +185,5 @@ def _box_bound(name: str, value: Any, default: float, free: Bools, elsewhere: fl
 def _solve_active_set(s: ScaledLCP, on: Bools) -> Array:
     """M_AA z_A = -q_A for the active set A = on, and a few Newton steps from there should its signs be wrong."""
     z, w = np.where(on, 1.0, 0.0), np.where(on, 0.0, 1.0)
-    run_active_set(s.M, s.q, s.free, z, w, 4, SOLVE * 1e-3)
+    run_active_set(s.M, s.q, s.free, z, w, 4, SOLVE_TOLERANCE * 1e-3)
     return z

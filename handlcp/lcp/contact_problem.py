@@ -12,11 +12,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints, read_only
-from handlcp.lazy import lazy
+from handlcp.lazy_property import lazy_property
 from handlcp.lcp.kernels.contact_newton import ContactArrays, reorder_problem, solve_contacts, solve_sticking
 from handlcp.lcp.kernels.dense import kernel, multiply_add
 from handlcp.lcp.problem import LCP, ScaledLCP, Units
-from handlcp.tolerances import ELIMINATE_RCOND
+from handlcp.tolerances import MIN_ELIMINATION_RCOND
 
 
 @kernel
@@ -152,12 +152,12 @@ class ContactProblem:
         self.n, self.free, self.role, self.blocks = len(q), pattern.free, pattern.role, pattern.blocks
         self.limits, self.faces, self._units = sets.limits, sets.faces, units
 
-    @lazy
+    @lazy_property
     def units(self) -> Units:
         """Natural sizes of every x and y."""
         return self._units if isinstance(self._units, Units) else self._units()
 
-    @lazy
+    @lazy_property
     def packed_arrays(self) -> tuple[Array, Ints]:
         """What kernels work on: the problem as two rows of numbers, as in `contact_packed`."""
         s, p = self.sets, self.pattern
@@ -217,7 +217,7 @@ class MultiplierLCP(LCP):
             first = own.stop
         c = pairs + many
         S, s, self._X, self._x0, self.rcond = _eliminate_free(M, q, c)
-        free, self.eliminated = np.arange(len(q)) >= c, self.rcond > ELIMINATE_RCOND
+        free, self.eliminated = np.arange(len(q)) >= c, self.rcond > MIN_ELIMINATION_RCOND
         free.flags.writeable = False
         if self.eliminated:
             M, q, free, z, w = S, s, free[:c], z[:c], w[:c]

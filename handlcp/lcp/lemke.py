@@ -11,12 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from handlcp.check import Array, Bools, Ints, integer, number, read_only
-from handlcp.keywords import helped_init
+from handlcp.check import Array, Bools, Ints, check_init_call, check_integer, check_number, read_only
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.lcp.kernels.newton import polish_active_set
 from handlcp.lcp.problem import Proposal, ScaledLCP
-from handlcp.tolerances import PIVOT, RANK, SOLVE
+from handlcp.tolerances import PIVOT_TOLERANCE, RANK_TOLERANCE, SOLVE_TOLERANCE
 
 SOLVED, RAY, SPENT = 0, 1, 2
 
@@ -142,7 +141,7 @@ def eliminate_free(problem: ScaledLCP) -> ReducedLCP:
     n = len(q)
     swapped, (U, sv, Vt) = _regularise_free(M, free)
     S, B = free | swapped, ~(free | swapped)
-    keep = sv > RANK * sv.max(initial=0.0)
+    keep = sv > RANK_TOLERANCE * sv.max(initial=0.0)
     # Columns of `right`: y of the swapped pairs (unknowns of the new problem), x_B, constant
     own = np.eye(int(S.sum()))[:, swapped[S]]
     right = np.hstack([own, -M[np.ix_(S, B)], -q[S, None]])
@@ -165,17 +164,17 @@ def _regularise_free(M: Array, free: Bools) -> tuple[Bools, tuple[Array, Array, 
     while True:
         S, B = free | swapped, np.flatnonzero(~(free | swapped))
         U, sv, Vt = np.linalg.svd(M[np.ix_(S, S)])
-        null = sv <= RANK * sv.max(initial=0.0)
+        null = sv <= RANK_TOLERANCE * sv.max(initial=0.0)
         # How strongly each candidate resists what is singular, from its row (seen by Vt) and its column (seen by U)
         column = U[:, null].T @ M[np.ix_(S, B)]
         size, other = np.linalg.norm(column, axis=0), np.linalg.norm(M[np.ix_(B, S)] @ Vt[null].T, axis=1)
         strength = size * other
-        if strength.max(initial=0.0) <= RANK:  # as where nothing is singular, or no pair is left
+        if strength.max(initial=0.0) <= RANK_TOLERANCE:  # as where nothing is singular, or no pair is left
             return swapped, (U, sv, Vt)
         from scipy.linalg import qr  # a tenth of a second of import that only singular blocks should pay
 
         _, _, order = qr(column * np.sqrt(strength / np.maximum(size**2, 1e-300)), mode="economic", pivoting=True)
-        useful = [j for j in order[: int(null.sum())] if strength[j] > RANK]
+        useful = [j for j in order[: int(null.sum())] if strength[j] > RANK_TOLERANCE]
         swapped[B[useful or [int(strength.argmax())]]] = True
 
 
@@ -183,7 +182,7 @@ def _regularise_free(M: Array, free: Bools) -> tuple[Bools, tuple[Array, Array, 
 # Lemke's method (paper, Algorithm 1): the classic, exact on what it can solve.
 
 
-@helped_init()
+@check_init_call()
 @dataclass(frozen=True, slots=True)
 class Lemke:
     """Complementary pivoting with lexicographic ties and relative tolerances, compiled.
@@ -200,14 +199,14 @@ class Lemke:
     max_iterations: int | None = None
     coverings: int = 3
     seed: int = 0
-    pivot_tolerance: float = PIVOT
+    pivot_tolerance: float = PIVOT_TOLERANCE
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "pivot_tolerance", number("pivot_tolerance", self.pivot_tolerance, above=0.0))
+        object.__setattr__(self, "pivot_tolerance", check_number("pivot_tolerance", self.pivot_tolerance, above=0.0))
         if self.max_iterations is not None:
-            integer("max_iterations", self.max_iterations, 1)
-        integer("coverings", self.coverings, 1)
-        integer("seed", self.seed, 0)
+            check_integer("max_iterations", self.max_iterations, 1)
+        check_integer("coverings", self.coverings, 1)
+        check_integer("seed", self.seed, 0)
 
     def propose(self, problem: ScaledLCP, start: Array | None = None) -> Proposal:
         """Pivot from the origin; Lemke's method knows no warm start, so `start` only names the size."""
@@ -220,7 +219,7 @@ class Lemke:
         else:
             z, pivots, outcome = self._solve(problem.M, problem.q)
         # The same active set solved afresh from M: pivoting's accumulated rounding goes away
-        z, _ = polish_active_set(problem.M, problem.q, problem.free, z, SOLVE * 1e-3)
+        z, _ = polish_active_set(problem.M, problem.q, problem.free, z, SOLVE_TOLERANCE * 1e-3)
         return Proposal(z, pivots, outcome)
 
     def _solve(self, M: Array, q: Array) -> tuple[Array, int, str]:

@@ -13,11 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, Bools, array, read_only
-from handlcp.errors import InputError, shown
-from handlcp.keywords import helped_init, helped_methods
-from handlcp.lazy import lazy
-from handlcp.tolerances import LARGEST_RAW
+from handlcp.check import Array, Bools, check_array, check_init_call, check_method_calls, read_only
+from handlcp.errors import InputError, shorten_repr
+from handlcp.lazy_property import lazy_property
+from handlcp.tolerances import MAX_RAW_NUMBER
 
 _MAX_SWEEPS = 12  # Ruiz's iteration halves the logarithmic spread each time: 2^-12 of it is left
 _MIN_UNIT, _MAX_UNIT = 1e-300, 1e250  # units: their products with numbers in natural units still fit a float64
@@ -108,8 +107,8 @@ class ScaledLCP:
         self.M, self.q, self.free, self.units = M, q, free, units
 
 
-@helped_init()
-@helped_methods
+@check_init_call()
+@check_method_calls
 class LCP:
     """Find z with w = M z + q, where w_i = 0 for free i, and 0 ≤ z_i ⟂ w_i ≥ 0 for the others.
 
@@ -125,9 +124,9 @@ class LCP:
     """
 
     def __init__(self, M: Any, q: Any, free: Any = None, *, units: Units | None = None) -> None:
-        self.q: Array = array("q", q, (-1,), largest=LARGEST_RAW)
+        self.q: Array = check_array("q", q, (-1,), largest=MAX_RAW_NUMBER)
         n = len(self.q)
-        self.__dict__["M"] = array("M", M, (n, n), largest=LARGEST_RAW)
+        self.__dict__["M"] = check_array("M", M, (n, n), largest=MAX_RAW_NUMBER)
         self.free: Bools = _free_mask(free, n)
         if units is not None:
             _check_units(units, self.M, self.q)
@@ -139,13 +138,13 @@ class LCP:
         self.__dict__["scaled"] = scaled
         self.q = read_only(scaled.q * scaled.units.w)
 
-    @lazy
+    @lazy_property
     def M(self) -> Array:
         """(n, n) matrix in the user's units."""
         s = self.scaled
         return read_only(s.M * s.units.w[:, None] / s.units.z)
 
-    @lazy
+    @lazy_property
     def scaled(self) -> ScaledLCP:
         """The problem in natural units: what solvers see."""
         units = self._units or equilibrate(self.M, self.q)
@@ -176,7 +175,7 @@ def _free_mask(free: Any, n: int) -> Bools:
     try:
         mask = np.zeros(n, bool) if free is None else np.array(free)
     except ValueError:  # lists of different lengths
-        raise InputError("free", f"a boolean mask of shape ({n},)", shown(free)) from None
+        raise InputError("free", f"a boolean mask of shape ({n},)", shorten_repr(free)) from None
     if mask.dtype != bool or mask.shape != (n,):
         raise InputError("free", f"a boolean mask of shape ({n},)", f"dtype {mask.dtype}, shape {mask.shape}")
     mask.flags.writeable = False
@@ -187,7 +186,7 @@ def _check_units(units: Units, M: Array, q: Array) -> None:
     if not isinstance(units, Units):
         raise InputError("units", "Units(z, w)", repr(units))
     for name, u in (("units.z", units.z), ("units.w", units.w)):
-        if not (array(name, u, (len(q),), largest=LARGEST_RAW) > 0).all():
+        if not (check_array(name, u, (len(q),), largest=MAX_RAW_NUMBER) > 0).all():
             raise InputError(name, "positive numbers", f"a smallest of {u.min():.3g}")
     with np.errstate(over="ignore"):
         fits = np.isfinite(M / units.w[:, None] * units.z).all() and np.isfinite(q / units.w).all()

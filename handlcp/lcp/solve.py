@@ -17,9 +17,8 @@ from functools import cache, lru_cache, partial
 
 import numpy as np
 
-from handlcp.check import Array, array, integer, number, read_only
+from handlcp.check import Array, check_array, check_call, check_init_call, check_integer, check_number, read_only
 from handlcp.errors import InputError, NoSolutionFound, Unsupported
-from handlcp.keywords import helped, helped_init
 from handlcp.lcp.certificate import certify, certify_scaled, farkas_vector, search_active_sets
 from handlcp.lcp.contact_problem import ContactProblem, MultiplierLCP
 from handlcp.lcp.lemke import Lemke
@@ -34,7 +33,7 @@ from handlcp.lcp.solver import (
     scale_by_limits,
     solve_compiled,
 )
-from handlcp.tolerances import FINE, SOLVE
+from handlcp.tolerances import FINE_SOLVE_TOLERANCE, SOLVE_TOLERANCE
 
 Stage = tuple[str, Callable[[], Proposal | None]]
 
@@ -47,10 +46,10 @@ _FIRST_STAGE_ON_SET = FIRST_STAGE + _ON_SET_SUFFIX
 _START_FACES = (16, 4)  # of pyramids whose answers are worth a start, besides the own or one of 8 faces
 _MAX_PIVOTED_FACES = 16  # faces beyond which pivoting costs more than the other methods
 _MAX_OTHER_STARTS = 30  # other starts: most that help are among the first ten
-_FINE_NEWTON = SemismoothNewton(tol=FINE)
+_FINE_NEWTON = SemismoothNewton(tol=FINE_SOLVE_TOLERANCE)
 
 
-@helped_init()
+@check_init_call()
 @dataclass(frozen=True, slots=True)
 class Auto:
     """Stages until the certifier is content; `plan` lists them for a problem, the solution's `trace` those that ran.
@@ -78,10 +77,10 @@ class Auto:
 
     def __post_init__(self) -> None:
         for name in ("seed", "restarts"):
-            integer(name, getattr(self, name), 0)
-        number("search_work", self.search_work, minimum=0.0)
+            check_integer(name, getattr(self, name), 0)
+        check_number("search_work", self.search_work, minimum=0.0)
         if self.search_seconds is not math.inf:
-            number("search_seconds", self.search_seconds, minimum=0.0, finite=False)
+            check_number("search_seconds", self.search_seconds, minimum=0.0, finite=False)
 
     def first(self, problem: LCP | ContactProblem, start: Array | None = None) -> tuple[str, Proposal]:
         """(method, candidate) of the first stage: most problems end here, before any list of stages is made."""
@@ -93,7 +92,9 @@ class Auto:
         return _NSNGRK_STAGE, _nsngrk(self.seed, 3 * problem.n).propose(problem.scaled, start)
 
     def _newton_first(self, problem: ContactProblem, start: Array | None) -> tuple[Array, int, str]:
-        return solve_compiled(problem, self.seed, problem.n, True, SOLVE, start)  # as `NSNGRK` with so many steps
+        return solve_compiled(
+            problem, self.seed, problem.n, True, SOLVE_TOLERANCE, start
+        )  # as `NSNGRK` with so many steps
 
     def others(self, problem: LCP | ContactProblem, start: Array | None = None) -> Iterator[tuple[str, Proposal]]:
         """(method, candidate) of the stages after the first, each computed when asked for."""
@@ -264,7 +265,7 @@ def _nsngrk(seed: int, most: int) -> NSNGRK:
 AnySolver = Solver | ContactSolver | Auto | None
 
 
-@helped()
+@check_call()
 def solve_lcp(
     problem: LCP | ContactProblem, solver: AnySolver = None, throw: bool = True, start: Array | None = None
 ) -> LCPSolution:
@@ -291,7 +292,7 @@ def _solve(problem: LCP | ContactProblem, solver: AnySolver, start: Array | None
     """Stage by stage, until the certifier is content; else the best there was."""
     units = problem.scaled.units if isinstance(problem, LCP) else problem.units
     if start is not None:
-        start = array("start", start, (problem.n,)) / units.z
+        start = check_array("start", start, (problem.n,)) / units.z
     trace: list[str] = []
     best: tuple[Array, Array, Status, float, Proposal] | None = None
     chain = as_chain(solver)

@@ -9,15 +9,14 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from handlcp.check import Array, Bools, integer, number
+from handlcp.check import Array, Bools, check_init_call, check_integer, check_number
 from handlcp.errors import InputError
-from handlcp.keywords import helped_init
 from handlcp.lcp.contact_problem import ContactProblem, solve_packed, solve_sticking_packed
 from handlcp.lcp.kernels.dense import kernel, multiply_add
 from handlcp.lcp.kernels.kaczmarz import PlainRows, Seeds, run_kaczmarz
 from handlcp.lcp.kernels.newton import polish_active_set, run_active_set, run_damped_newton, unknown_size
 from handlcp.lcp.problem import Proposal, ScaledLCP
-from handlcp.tolerances import FINE, SOLVE
+from handlcp.tolerances import FINE_SOLVE_TOLERANCE, SOLVE_TOLERANCE
 
 # ---------------------------------------------------------------- What every solver is.
 
@@ -64,7 +63,7 @@ def solve_compiled(
     """
     numbers, whole = problem.packed_arrays
     x = np.empty(problem.n) if start is None else np.array(start, dtype=float)
-    aim = min(tolerance, SOLVE) * 1e-2 if polish else tolerance
+    aim = min(tolerance, SOLVE_TOLERANCE) * 1e-2 if polish else tolerance
     steps, newton, r = solve_packed(numbers, whole, x, start is None, seed, most, polish, aim)
     return x, steps if most else newton, describe_outcome(r <= tolerance, steps, newton)
 
@@ -110,7 +109,7 @@ def scale_by_limits(problem: ContactProblem) -> tuple[ContactProblem, Array]:
 # The semismooth Newton method alone: few steps where it converges, from a start that is near enough.
 
 
-@helped_init()
+@check_init_call()
 @dataclass(frozen=True, slots=True)
 class SemismoothNewton:
     """Damped semismooth Newton on the Fischer–Burmeister equations (De Luca, Facchinei & Kanzow 1996), compiled; on
@@ -122,12 +121,12 @@ class SemismoothNewton:
     It descends on ½‖Φ‖², whose local minima may not solve the problem: friction makes it non-monotone.
     """
 
-    tol: float = SOLVE
+    tol: float = SOLVE_TOLERANCE
     max_iterations: int = 100
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "tol", number("tol", self.tol, above=0.0))
-        object.__setattr__(self, "max_iterations", integer("max_iterations", self.max_iterations, 1))
+        object.__setattr__(self, "tol", check_number("tol", self.tol, above=0.0))
+        object.__setattr__(self, "max_iterations", check_integer("max_iterations", self.max_iterations, 1))
 
     def propose(self, problem: ScaledLCP, start: Array | None = None) -> Proposal:
         """Run from `start` (n,), zero when None; an exact active-set solve takes the last digits."""
@@ -146,7 +145,7 @@ class SemismoothNewton:
 # NSNGRK, the core: greedy randomized Kaczmarz steps, ended by exact Newton steps once the active set settles.
 
 
-@helped_init()
+@check_init_call()
 @dataclass(frozen=True, slots=True)
 class NSNGRK:
     """Newton–subgradient non-smooth greedy randomized Kaczmarz (paper, Algorithm 2), compiled.
@@ -162,7 +161,7 @@ class NSNGRK:
     The paper's analytic subgradient is used instead of forward differences (n times cheaper, and exact).
     """
 
-    tol: float = SOLVE
+    tol: float = SOLVE_TOLERANCE
     max_iterations: int = 20_000
     seed: int = 0
     polish: bool = True
@@ -170,9 +169,9 @@ class NSNGRK:
 
     def __post_init__(self) -> None:
         # One number type each: another would be compiled anew
-        object.__setattr__(self, "tol", number("tol", self.tol, above=0.0))
+        object.__setattr__(self, "tol", check_number("tol", self.tol, above=0.0))
         for name in ("max_iterations", "seed", "stride"):
-            object.__setattr__(self, name, integer(name, getattr(self, name), 0))
+            object.__setattr__(self, name, check_integer(name, getattr(self, name), 0))
         if not isinstance(self.polish, bool):
             raise InputError("polish", "True or False", repr(self.polish))
 
@@ -254,8 +253,8 @@ class OtherStarts:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        integer("tries", self.tries, 1)
-        integer("seed", self.seed, 0)
+        check_integer("tries", self.tries, 1)
+        check_integer("seed", self.seed, 0)
 
     def propose_contact(self, problem: ContactProblem, start: Array | None = None) -> Proposal:
         """The first start that converges, else the last; a `start` (n,) is tried before all others."""
@@ -267,7 +266,9 @@ class OtherStarts:
             slippery = rng.random(len(problem.blocks)) < (k % 2) * rng.random()
             return solve_sticking_contacts(problem, apart, slippery)
 
-        return self._first_converged(lambda x: propose_compiled(problem, 0, 0, True, FINE, x), held_by_some, start)
+        return self._first_converged(
+            lambda x: propose_compiled(problem, 0, 0, True, FINE_SOLVE_TOLERANCE, x), held_by_some, start
+        )
 
     def propose(self, problem: ScaledLCP, start: Array | None = None) -> Proposal:
         """The same for a plain problem: the unknowns of a random active set start at 0.1 to 10, the others at 0."""

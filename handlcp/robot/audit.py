@@ -11,9 +11,9 @@ import numpy as np
 
 from handlcp import words
 from handlcp.actuation.joint_stiffness import Elasticity
+from handlcp.check import check_call, check_method_calls
 from handlcp.errors import HandLCPError, InputError, Unsupported
 from handlcp.grasp.solution.verdict import Reason
-from handlcp.keywords import helped, helped_methods
 from handlcp.record import Record
 from handlcp.robot.description import COLLISION, VISUAL, RobotDescription, read_robot
 from handlcp.robot.fingertip import choose_obvious_tips, find_tip_candidates
@@ -33,7 +33,7 @@ from handlcp.robot.kinematics import Kinematics
 from handlcp.robot.link_shape import shape_doubts
 from handlcp.robot.servo_stiffness import has_servos, read_file_stiffness
 from handlcp.robot.urdf import build_model, mesh_folders
-from handlcp.text_table import wrapped
+from handlcp.words import wrap_text
 
 # ----------------------------------------------------------------
 # The audit: every doubt about the numbers of a hand, the most serious first. A parser accepts all of them.
@@ -50,7 +50,7 @@ SERVO_DOUBT = Doubt(
 _SAID_ELSEWHERE = ("limit unknown", "geometry")  # a verdict has warnings of its own about these
 
 
-@helped_methods
+@check_method_calls
 @dataclass(frozen=True, slots=True)
 class Audit(Record, Sequence[Doubt]):
     """The doubts about one hand, the most serious first; a sequence that is empty (false) when there are none. Prints
@@ -93,7 +93,7 @@ class Audit(Record, Sequence[Doubt]):
             these = [d for d in self.doubts if d.severity == severity]
             lines += [_SEVERITY_HEADS[severity]] if these else []
             for d in these:
-                lines.append(wrapped(str(d), "      ", "  "))
+                lines.append(wrap_text(str(d), "      ", "  "))
         return "\n".join(lines)
 
 
@@ -102,7 +102,7 @@ def make_audit(source: str, doubts: Iterable[Doubt]) -> Audit:
     return Audit(source, tuple(sorted(doubts, key=lambda d: SEVERITIES.index(d.severity))))
 
 
-@helped()
+@check_call()
 def audit_urdf(path: Any, base: str | None = None, package_dirs: Any = None) -> Audit:
     """Audit a URDF or MJCF file (below link `base` if given) without building a hand from it.
 
@@ -218,7 +218,7 @@ def geometry_doubts(described: RobotDescription) -> Iterator[Doubt]:
         yield Doubt(", ".join(bare), what, _GEOMETRY_ADVICE, "minor", "geometry")
     for kind, severity in ((COLLISION, "serious"), (VISUAL, "information")):
         if missing := _missing_meshes(described, kind):
-            what = f"mesh files of {kind} geometry are not found: {words.listed(missing)}"
+            what = f"mesh files of {kind} geometry are not found: {words.list_names(missing)}"
             yield Doubt("hand", what, "package_dirs with the folder that holds them", severity, "geometry")
     if described.model is not None:
         yield from shape_doubts(described.collision_sizes, described.model)

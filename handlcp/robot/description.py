@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import pinocchio as pin
 
 from handlcp.actuation.route import Route
+from handlcp.check import check_call
 from handlcp.errors import InputError, Unsupported, URDFError
-from handlcp.keywords import helped
-from handlcp.lazy import lazy
-from handlcp.read_file import MOST_XML, parse_xml, read_bytes
+from handlcp.lazy_property import lazy_property
+from handlcp.read_file import MAX_XML_BYTES, parse_xml, read_bytes
 from handlcp.robot.joint import (
     Doubt,
     JointFacts,
@@ -127,7 +127,7 @@ class RobotDescription:
         check_shapes(link_sizes(found, self.model), self.model)
         return found
 
-    @lazy
+    @lazy_property
     def collision_sizes(self) -> dict[str, LinkSize]:
         """How large the collision geometry of each link is whose mesh files are found; without those that cannot be
         read.
@@ -227,8 +227,8 @@ def read_content(argument: str, source: Any) -> tuple[bytes, Path | None]:
     """Bytes, and the path that they are from."""
     if isinstance(source, str) and source.lstrip("\ufeff \t\r\n").startswith("<"):
         text = source.lstrip("\ufeff \t\r\n").encode(errors="replace")
-        if len(text) > MOST_XML:
-            raise URDFError(argument, f"at most {MOST_XML // 10**6} MB of XML", f"{len(text) / 1e6:.0f} MB")
+        if len(text) > MAX_XML_BYTES:
+            raise URDFError(argument, f"at most {MAX_XML_BYTES // 10**6} MB of XML", f"{len(text) / 1e6:.0f} MB")
         return text, None
     try:
         path = Path(source)
@@ -237,7 +237,7 @@ def read_content(argument: str, source: Any) -> tuple[bytes, Path | None]:
         raise InputError(argument, expected, repr(source)[:80]) from None
     if len(name := str(path)) > _MAX_PATH_LETTERS:
         raise URDFError(argument, "the path of a URDF file", f"{name[:60]!r}…, a name of {len(name)} letters")
-    return read_bytes(argument, path, "a URDF file", MOST_XML, URDFError), path
+    return read_bytes(argument, path, "a URDF file", MAX_XML_BYTES, URDFError), path
 
 
 def _expected_kinds(kinds: tuple[str, ...], came: str) -> str:
@@ -355,7 +355,7 @@ def _is_movable(joint: ET.Element) -> bool:
 # The routes of an MJCF file's tendons, for whoever says the rest of them.
 
 
-@helped()
+@check_call()
 def tendon_routes(source: Any) -> dict[str, Route]:
     """The spatial tendons of an MJCF file as routes, by name, for `Tendons`; those that are sums of joint angles are
     left out.

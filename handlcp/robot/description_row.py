@@ -18,7 +18,7 @@ from handlcp.robot.description import RobotDescription
 from handlcp.robot.fingertip import TipShape
 from handlcp.robot.joint import JointFacts
 from handlcp.robot.servo_stiffness import ServoStiffness
-from handlcp.text_table import WIDTH, wrapped
+from handlcp.words import MAX_TEXT_WIDTH, wrap_text
 
 GIVEN_SOURCE, DEFAULT_SOURCE, NO_SOURCE = "given", "default", "nowhere"
 _MODEL_SOURCE = "the Pinocchio model"
@@ -174,12 +174,12 @@ def origin_lines(origins: Sequence[OriginRow], stated: Sequence[StatedRow]) -> I
         yield "Where numbers come from"
     for row in rows:
         several = sum(other.number == row.number for other in rows) > 1
-        who = f" of {words.listed(row.of)}" if several else ""
-        yield wrapped(f"{row.number}{who}: {row.source}", "      ", "  ")
+        who = f" of {words.list_names(row.of)}" if several else ""
+        yield wrap_text(f"{row.number}{who}: {row.source}", "      ", "  ")
     if stated:
         yield "Also stated by the file"
     for s in stated:
-        yield wrapped(f"{s.what}: {_format_values(s)} ({s.tag}; {s.used})", "      ", "  ")
+        yield wrap_text(f"{s.what}: {_format_values(s)} ({s.tag}; {s.used})", "      ", "  ")
 
 
 def _format_values(row: StatedRow) -> str:
@@ -297,7 +297,7 @@ def format_description(hand: Any) -> str:
     taken = [t for t in hand.fingertips if t.taken]
     fingers = _format_count(len(taken), "fingertip") if taken else "no fingertips chosen"
     facts = f"{_format_count(len(hand.joints), 'joint')}, {fingers}, {hand.mass:.3g} kg, {x} × {y} × {z} mm"
-    lines = [wrapped(head, "    "), wrapped(facts, "    ")]
+    lines = [wrap_text(head, "    "), wrap_text(facts, "    ")]
     lines += _tip_lines("Fingertips", taken)
     rest = [t for t in hand.fingertips if not t.taken]
     lines += _tip_lines(
@@ -311,10 +311,10 @@ def format_description(hand: Any) -> str:
             shift = f" {'-' if c.offset < 0 else '+'} {abs(c.offset):g}" if c.offset else ""
             between = next((chain[1:-1] for chain in hand.chains if chain[0] == c.joint), ())
             by = f" (by {', '.join(between)})" if between else ""
-            lines.append(wrapped(f"{c.joint} = {c.factor:g} × {c.follows}{shift}{by}", "      ", "  "))
+            lines.append(wrap_text(f"{c.joint} = {c.factor:g} × {c.follows}{shift}{by}", "      ", "  "))
     if said := list(origin_lines(hand.origins, hand.stated)):
         lines += ["", *said]
-    lines += ["", _link_line(hand.links), wrapped(f"Audit: {hand.audit.summary}", "    ")]
+    lines += ["", _link_line(hand.links), wrap_text(f"Audit: {hand.audit.summary}", "    ")]
     return "\n".join(lines)
 
 
@@ -326,9 +326,9 @@ def _tip_lines(title: str, tips: Sequence[TipRow]) -> Iterator[str]:
             if t.reason == "named":
                 where = f", point ({', '.join(f'{1e3 * v:.1f}' for v in t.point)}) mm" if t.point is not None else ""
                 on = f"on {t.link}{where}" if t.link != t.name or where else "the frame of this name"
-                yield wrapped(f"{t.name}: {on}", "      ", "  ")
+                yield wrap_text(f"{t.name}: {on}", "      ", "  ")
             else:
-                yield wrapped(f"{t.name}: {t.reason}", "      ", "  ")
+                yield wrap_text(f"{t.name}: {t.reason}", "      ", "  ")
 
 
 def _touch_lines(rows: Sequence[TouchRow]) -> Iterator[str]:
@@ -340,7 +340,7 @@ def _touch_lines(rows: Sequence[TouchRow]) -> Iterator[str]:
         yield ""
         yield 'What may touch, with links="all" of a grasp'
         for text, names in alike.items():
-            yield wrapped(f"{', '.join(names)}: {text}", "      ", "  ")
+            yield wrap_text(f"{', '.join(names)}: {text}", "      ", "  ")
 
 
 def _format_pad(pad: Array) -> str:
@@ -349,8 +349,8 @@ def _format_pad(pad: Array) -> str:
         return "rigid"
     own = pad.diagonal()
     if abs(pad - own[0] * np.eye(3)).max() <= 1e-12 * abs(pad).max():
-        return f"pad {words.length(float(own[0]))}/N"
-    return f"pad up to {words.length(float(np.linalg.eigvalsh(pad)[-1]))}/N"
+        return f"pad {words.format_length(float(own[0]))}/N"
+    return f"pad up to {words.format_length(float(np.linalg.eigvalsh(pad)[-1]))}/N"
 
 
 def describe_shape(shape: TipShape) -> str:
@@ -377,8 +377,8 @@ def _joint_lines(joints: Sequence[JointRow]) -> Iterator[str]:
     sprung = any(j.stiffness is not None for j in joints)
     columns = _COLUMN_WIDTHS if sprung else _COLUMN_WIDTHS[:3]
     widest = max(len(j.name) for j in joints) + 2
-    beside = widest + sum(columns) <= WIDTH
-    width = widest if beside else WIDTH - sum(columns)
+    beside = widest + sum(columns) <= MAX_TEXT_WIDTH
+    width = widest if beside else MAX_TEXT_WIDTH - sum(columns)
     heads = ["from", "to", "limit", "stiffness"][: len(columns)]
     units = ["rad", "rad", "N·m", "N·m/rad"][: len(columns)]
     yield "Joint".ljust(width) + "".join(h.rjust(w) for h, w in zip(heads, columns, strict=True))
@@ -388,7 +388,7 @@ def _joint_lines(joints: Sequence[JointRow]) -> Iterator[str]:
         if j.fingertips != last:
             last = j.fingertips
             who = last[0] if len(last) == 1 else f"{', '.join(last)}" if last else "no fingertip"
-            yield wrapped(f"moves {who}:", "    ")
+            yield wrap_text(f"moves {who}:", "    ")
         cells = [_format_number(j.lower), _format_number(j.upper), _format_limit(j.torque_limit)]
         cells += [_format_spring(j.stiffness)] if sprung else []
         numbers = "".join(c.rjust(w) for c, w in zip(cells, columns, strict=True))
@@ -404,12 +404,12 @@ def _tendon_lines(rows: Sequence[TendonRow]) -> Iterator[str]:
     if rows:
         yield from ("", "Tendons")
     for t in rows:
-        says = [", ".join([f"{joint} by {words.length(arm)}" for joint, arm in t.arms.items()])]
+        says = [", ".join([f"{joint} by {words.format_length(arm)}" for joint, arm in t.arms.items()])]
         if t.tension_limit is not None:
-            says.append(f"at most {words.force(t.tension_limit)} for good")
+            says.append(f"at most {words.format_force(t.tension_limit)} for good")
         if t.closes is not None:
-            says.append(f"closes with {words.force(t.closes)}")
-        yield wrapped(f"{t.name}: {'; '.join(says)}", "      ", "  ")
+            says.append(f"closes with {words.format_force(t.closes)}")
+        yield wrap_text(f"{t.name}: {'; '.join(says)}", "      ", "  ")
 
 
 def _link_line(links: Sequence[Any]) -> str:
@@ -418,7 +418,7 @@ def _link_line(links: Sequence[Any]) -> str:
     bare, light = sum(k.geometry != "collision" for k in moved), sum(not k.mass for k in moved)
     lacks = [f"{n} without {what}" for n, what in ((bare, "collision geometry"), (light, "mass")) if n]
     text = f"{_format_count(len(links), 'link')}, {len(moved)} of them moved by joints"
-    return wrapped(text + (f"; of these, {' and '.join(lacks)}" if lacks else ""), "    ")
+    return wrap_text(text + (f"; of these, {' and '.join(lacks)}" if lacks else ""), "    ")
 
 
 def _format_count(count: int, what: str) -> str:

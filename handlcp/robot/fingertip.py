@@ -11,7 +11,7 @@ import coal
 import numpy as np
 import pinocchio as pin
 
-from handlcp.check import Array, array, number, per_name, read_only
+from handlcp.check import Array, check_array, check_keys, check_number, read_only
 from handlcp.errors import HandLCPError, InputError, UnknownName, URDFError
 from handlcp.robot.description import COLLISION, VISUAL, RobotDescription
 from handlcp.robot.link_shape import LinkShape
@@ -272,7 +272,7 @@ def _read_tip(name: Any, value: Any) -> tuple[Any, Any, Array | None]:
         raise InputError(
             f"fingertips[{name!r}]", 'a link, or a link and a point on it, ("link", (x, y, z))', repr(value)[:80]
         )
-    point = array(f"fingertips[{name!r}]", value[1], (3,), what="the point on the link [m], in the link's frame,")
+    point = check_array(f"fingertips[{name!r}]", value[1], (3,), what="the point on the link [m], in the link's frame,")
     if abs(point).max() > _MAX_POINT_DISTANCE:
         expected = "a point on the link in metres (millimetres? divide by 1000)"
         raise InputError(f"fingertips[{name!r}]", expected, f"{point.tolist()}")
@@ -416,13 +416,13 @@ def read_tip_radii(value: Any, tips: Sequence[str]) -> dict[str, float]:
     if value is None:
         return {}
     if isinstance(value, Mapping):
-        given = per_name("tip_radius", value, tips, "a fingertip")
+        given = check_keys("tip_radius", value, tips, "a fingertip")
         return {tip: _read_radius(f"tip_radius[{tip!r}]", r) for tip, r in given.items()}
     return dict.fromkeys(tips, _read_radius("tip_radius", value))
 
 
 def _read_radius(argument: str, value: Any) -> float:
-    radius = number(argument, value, above=0.0)
+    radius = check_number(argument, value, above=0.0)
     if radius > _MAX_TIP_RADIUS:
         expected = f"a radius in metres (if millimetres are meant, {radius / 1e3:g})"
         raise InputError(argument, expected, f"{radius:g}, a fingertip {2 * radius:g} m wide")

@@ -11,10 +11,9 @@ import pinocchio as pin
 
 from handlcp.actuation.joint_stiffness import Elasticity
 from handlcp.actuation.tendon_stiffness import TendonStiffness
-from handlcp.check import Array
+from handlcp.check import Array, check_call, check_method_calls
 from handlcp.errors import HandLCPError, InputError
-from handlcp.keywords import helped, helped_methods
-from handlcp.record import Record, pick
+from handlcp.record import Record, pick_entries
 from handlcp.robot.audit import Audit, file_doubts, make_audit
 from handlcp.robot.description import COLLISION, VISUAL, RobotDescription, describe_xml
 from handlcp.robot.description_row import (
@@ -83,7 +82,7 @@ _ROW_ENTRIES = {
 }
 
 
-@helped_methods
+@check_method_calls
 @dataclass(frozen=True)
 class HandDescription(Record):
     """A hand in words and numbers; iterates over its joints, prints in lines of at most 80 columns.
@@ -125,14 +124,16 @@ class HandDescription(Record):
 
     def to_dict(self) -> dict[str, Any]:
         """For JSON: SI units in the keys; None where nothing is known, or a range has no end."""
-        rows = {name: [pick(row, *lines) for row in getattr(self, name)] for name, lines in _ROW_ENTRIES.items()}
-        return pick(self, *self.entries) | rows
+        rows = {
+            name: [pick_entries(row, *lines) for row in getattr(self, name)] for name, lines in _ROW_ENTRIES.items()
+        }
+        return pick_entries(self, *self.entries) | rows
 
     def __str__(self) -> str:
         return format_description(self)
 
 
-@helped()
+@check_call()
 def describe_urdf(path: Any, base: str | None = None, package_dirs: Any = None) -> HandDescription:
     """Describe a URDF or MJCF file, or its text, of which nothing is known yet; below link `base` if given.
 

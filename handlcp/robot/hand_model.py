@@ -10,21 +10,29 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.actuation.joint_stiffness import Elasticity, FingertipPads, tip_flexibility
-from handlcp.check import Array, array, integer, number, read_only, sealed, several
+from handlcp.check import (
+    Array,
+    check_array,
+    check_integer,
+    check_method_calls,
+    check_number,
+    check_sequence,
+    freeze_arrays,
+    read_only,
+)
 from handlcp.errors import InputError, UnknownName
-from handlcp.keywords import helped_methods
-from handlcp.lazy import lazy
+from handlcp.lazy_property import lazy_property
 from handlcp.robot.description import RobotDescription
 from handlcp.robot.fingertip import TipFrames, TipGeometry, TipShape
 from handlcp.robot.joint import Doubt, TorqueLimits
 from handlcp.robot.kinematics import Kinematics
-from handlcp.tolerances import LARGEST
+from handlcp.tolerances import MAX_NUMBER
 
 if TYPE_CHECKING:
     from handlcp.robot.link_surface import LinkSurface
 
 
-@helped_methods
+@check_method_calls
 class HandModel:
     """The parts of a hand with elastic joints and fingertips. Immutable, safe to share between threads, picklable.
 
@@ -92,12 +100,12 @@ class HandModel:
         """(n, nv) bool: which independent joint moves which fingertip."""
         return self.kinematics.find_moving_joints(self.tips.support[:, 0, :])
 
-    @lazy
+    @lazy_property
     def mass(self) -> float:
         """[kg] of all its links; 0 where the file says none."""
         return sum(float(inertia.mass) for inertia in self.kinematics.model.inertias)
 
-    @lazy
+    @lazy_property
     def sliding(self) -> tuple[str, ...]:
         """Names of prismatic joints, whose torques are forces [N]."""
         return tuple([fact.name for fact in self.kinematics.facts if fact.kind == "prismatic"])
@@ -152,9 +160,9 @@ class HandModel:
 
     def _tip_number(self, tip: int) -> int:
         """The number of a fingertip. Raises InputError."""
-        return integer("tip", tip, 0, len(self.fingertips) - 1)
+        return check_integer("tip", tip, 0, len(self.fingertips) - 1)
 
-    @lazy
+    @lazy_property
     def doubts(self) -> tuple[Doubt, ...]:
         """About the robot as it was read and its fingertips; those about torque limits that were passed left out."""
         from handlcp.robot.audit import description_doubts, tip_doubts
@@ -168,7 +176,7 @@ class HandModel:
         every = (*description_doubts(self.description, self.torques.given, self.kinematics), *own)
         return tuple(d for d in every if not settled.get(d.about))
 
-    @lazy
+    @lazy_property
     def link_surfaces(self) -> tuple[LinkSurface, ...]:
         """The links' collision geometry, loaded when first asked for. Raises URDFError."""
         from handlcp.robot.link_surface import link_surfaces
@@ -179,12 +187,12 @@ class HandModel:
         """The same hand with springs as they are with joints at q (nv,), where tendons that run along routes have arms
         of their own.
         """
-        stiffness = self.stiffness.in_posture(self.kinematics, array("q", q, (self.nv,)))
+        stiffness = self.stiffness.in_posture(self.kinematics, check_array("q", q, (self.nv,)))
         return self if stiffness is self.stiffness else self.with_parts(stiffness=stiffness)
 
     def scale_stiffness(self, factor: float) -> Self:
         """The same hand with springs that are so many times as stiff."""
-        return self.with_parts(stiffness=self.stiffness.scale_stiffness(number("factor", factor, above=0.0)))
+        return self.with_parts(stiffness=self.stiffness.scale_stiffness(check_number("factor", factor, above=0.0)))
 
     def with_parts(self, **parts: Any) -> Self:
         """The same hand with other parts, such as `stiffness` or `pads`."""
@@ -205,7 +213,7 @@ class HandModel:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Arrays stay read-only when pickled."""
-        self.__dict__.update(sealed(state))
+        self.__dict__.update(freeze_arrays(state))
 
     def __repr__(self) -> str:
         named = f"fingertips={list(self.fingertips)}, joints={list(self.joint_names)}"
@@ -222,10 +230,10 @@ _GRAVITY_EXPECTED = "an acceleration [m/s²], such as (0, 0, -9.81) or (0, 0, 0)
 
 def read_gravity(value: Any) -> Array:
     """(3,) [m/s²] as a user gives it, world axes. Raises InputError, which offers a vector for a size alone."""
-    if isinstance(value, (int, float)) and not isinstance(value, bool) and 0.0 < abs(value) <= LARGEST:
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and 0.0 < abs(value) <= MAX_NUMBER:
         came = f"{value:g} (is (0, 0, {-abs(value):g}) meant?)"
         raise InputError("gravity", f"{_GRAVITY_EXPECTED} of shape (3,)", came)
-    return array("gravity", value, (3,), what=_GRAVITY_EXPECTED)
+    return check_array("gravity", value, (3,), what=_GRAVITY_EXPECTED)
 
 
 # A joint moves a point p = (x, y, z) of its finger by v + ω × p = v + x a + y b + z c. `_SPREAD` maps (v; ω) to
@@ -237,7 +245,7 @@ _TWIST_BASIS[[6, 8], [5, 3]] = -1.0, 1.0  # b = (-ω_z, 0, ω_x)
 _TWIST_BASIS[[9, 10], [4, 3]] = 1.0, -1.0  # c = (ω_y, -ω_x, 0)
 
 
-@helped_methods
+@check_method_calls
 class HandPosture:
     """Immutable; all arrays read-only, world axes, metres and radians.
 
@@ -260,13 +268,13 @@ class HandPosture:
         self.__dict__.update(hand=hand, q=read_only(q), _spread=np.dot(_TWIST_BASIS, columns).reshape(4, -1))
         self.__dict__.update(tip_positions=placements[:, :3, 3], tip_rotations=placements[:, :3, :3])
 
-    @lazy
+    @lazy_property
     def jacobian(self) -> Array:
         """(3n, nv) translational Jacobian of the tip origins, world axes."""
         J = self.jacobian_at(self.tip_positions, self.hand.tips.numbers)
         return read_only(J.reshape(-1, self.hand.nv))
 
-    @lazy
+    @lazy_property
     def flexibility(self) -> Array:
         """(3n, 3n) symmetric positive semidefinite flexibility at the tips [m/N], world axes, the pads included."""
         pads = self.hand.pads.rotate_blocks(lambda: self.tip_rotations, self.hand.tips.numbers)
@@ -274,7 +282,7 @@ class HandPosture:
 
     def jacobian_at(self, points: Array, tips: tuple[int, ...]) -> Array:
         """(…, m, 3, nv) Jacobian v + ω × p of points (…, m, 3) that move with the tips numbered `tips`, world axes."""
-        tips, at = self._tip_numbers(tips), array("points", points)
+        tips, at = self._tip_numbers(tips), check_array("points", points)
         if at.ndim < 2 or at.shape[-2:] != (len(tips), 3):
             raise InputError("points", f"finite numbers of shape (…, {len(tips)}, 3)", f"shape {at.shape}")
         J = np.dot(at, self._spread[1:]) + self._spread[0]
@@ -296,8 +304,8 @@ class HandPosture:
         every = self.hand.tips.numbers
         if isinstance(tips, tuple) and tips == every:
             return every
-        given = several("tips", tips, "numbers of fingertips")
-        return tuple([integer(f"tips[{k}]", tip, 0, len(every) - 1) for k, tip in enumerate(given)])
+        given = check_sequence("tips", tips, "numbers of fingertips")
+        return tuple([check_integer(f"tips[{k}]", tip, 0, len(every) - 1) for k, tip in enumerate(given)])
 
     def _reduce_to_independent(self, J: Array, tips: tuple[int, ...]) -> Array:
         """(m, 3, nv) from columns (m, 3, joints): 0 where a joint moves no tip; mimic joints added to their masters."""

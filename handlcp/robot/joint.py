@@ -23,7 +23,7 @@ import numpy as np
 
 from handlcp import words
 from handlcp.actuation.motor import Drives
-from handlcp.check import Array, array, dimensions, number, per_name, read_only
+from handlcp.check import Array, check_array, check_keys, check_number, count_dimensions, read_only
 from handlcp.errors import InputError, URDFError
 from handlcp.robot.urdf import LARGEST_NUMBER, joint_link
 
@@ -317,7 +317,7 @@ class Doubt:
     @property
     def sentence(self) -> str:
         """For a verdict, where many joints are shortened to four."""
-        who = words.listed(self.joint.split(", "))
+        who = words.list_names(self.joint.split(", "))
         if self.about == "torque limit":
             return f"the torque limits of {who} are doubtful: {self.what}; torque_limits= confirms or corrects them"
         return f"{who}: {self.what}; pass {self.advice}"
@@ -408,14 +408,14 @@ def read_torque_limits(
 def _passed_limits(value: Any, joints: Sequence[str], facts: Mapping[str, JointFacts]) -> TorqueLimits:
     argument, named = "torque_limits", dict[str, Any]()
     if isinstance(value, Mapping):
-        named = per_name(argument, value, joints, "a joint")
-    elif dimensions(value) == 1 and len(value) == len(joints):
+        named = check_keys(argument, value, joints, "a joint")
+    elif count_dimensions(value) == 1 and len(value) == len(joints):
         named = dict(zip(joints, value, strict=True))
-    elif dimensions(value):
+    elif count_dimensions(value):
         raise InputError(argument, f"{len(joints)} values, one for each of {', '.join(joints)}", repr(value))
     elif value is not None:
-        named = dict.fromkeys(joints, number(argument, value, above=0.0, finite=False))
-    given = {joint: number(f"{argument}[{joint!r}]", v, above=0.0, finite=False) for joint, v in named.items()}
+        named = dict.fromkeys(joints, check_number(argument, value, above=0.0, finite=False))
+    given = {joint: check_number(f"{argument}[{joint!r}]", v, above=0.0, finite=False) for joint, v in named.items()}
     known = {joint: facts[joint].effort for joint in joints if 0 < facts[joint].effort < np.inf} | given
     limits = np.array([known.get(joint, np.inf) for joint in joints])
     return TorqueLimits(read_only(limits), tuple(joint in known for joint in joints), tuple(given))
@@ -433,9 +433,9 @@ def read_joint_friction(value: Any, joints: Sequence[str], facts: Mapping[str, J
             raise InputError(argument, 'a number, a mapping by joint name, or "file"', repr(value))
         value = {joint: facts[joint].properties.friction for joint in joints}
     if isinstance(value, Mapping):
-        named = per_name(argument, value, joints, "a joint")
-        return read_only(np.array([number(f"{argument}[{j!r}]", named.get(j, 0.0), minimum=0.0) for j in joints]))
-    if dimensions(value) == 0:
-        return read_only(np.full(len(joints), number(argument, value, minimum=0.0)))
-    given = array(argument, value, (len(joints),))
-    return read_only(np.array([number(f"{argument}[{k}]", x, minimum=0.0) for k, x in enumerate(given.tolist())]))
+        named = check_keys(argument, value, joints, "a joint")
+        return read_only(np.array([check_number(f"{argument}[{j!r}]", named.get(j, 0.0), minimum=0.0) for j in joints]))
+    if count_dimensions(value) == 0:
+        return read_only(np.full(len(joints), check_number(argument, value, minimum=0.0)))
+    given = check_array(argument, value, (len(joints),))
+    return read_only(np.array([check_number(f"{argument}[{k}]", x, minimum=0.0) for k, x in enumerate(given.tolist())]))

@@ -300,7 +300,7 @@ def friction_doubts(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
     ]
     if high:
         worst = max(f.properties.friction / f.effort for f in high)
-        what = f"dry friction of the file takes up to {words.percent(worst)} of the effort limit"
+        what = f"dry friction of the file takes up to {words.format_percent(worst)} of the effort limit"
         yield Doubt(", ".join(f.name for f in high), what, "a file with measured friction", "minor", "friction")
 
 
@@ -407,8 +407,8 @@ def sag_doubts(kinematics: Kinematics, tips: Sequence[tuple[str, int, Any]], com
         if (sag := float(np.linalg.norm(motion, 2)) if len(own) else 0.0) > _MAX_SAG:
             sags[name] = sag
     if sags:
-        worst = list(sags)[words.first_largest(np.array(list(sags.values())))]
-        far = words.length(sags[worst])
+        worst = list(sags)[words.first_largest_index(np.array(list(sags.values())))]
+        far = words.format_length(sags[worst])
         what = f"kp of the file is so small that a finger's own weight moves its tip by {far} ({worst})"
         yield Doubt(", ".join(sags), what, "joint_stiffness as measured: stiffness_from", "minor", "stiffness")
 
@@ -420,7 +420,7 @@ def slide_doubts(facts: Sequence[JointFacts], stiffness: Mapping[str, float]) ->
     if soft:
         least = min(soft.values())
         what = (
-            f"joint stiffness of {least:g} N/m lets a slide give way by {words.length(1.0 / least)} under 1 N, "
+            f"joint stiffness of {least:g} N/m lets a slide give way by {words.format_length(1.0 / least)} under 1 N, "
             "as if N·m/rad were taken for N/m"
         )
         yield Doubt(", ".join(soft), what, "joint_stiffness of slides in N/m, 1e4 say", "serious", "slide")
@@ -441,7 +441,7 @@ def spring_doubts(kinematics: Kinematics, stiffness: Elasticity, limits: Array) 
     shares[stiffness.parallel_springs > 0.0] = 0.0
     if much := [name for name, share in zip(joints, shares, strict=True) if share > _MIN_SPRING_SHARE]:
         what = (
-            f"springs of the file pull with up to {words.percent(float(shares.max()))} of what drives give "
+            f"springs of the file pull with up to {words.format_percent(float(shares.max()))} of what drives give "
             "in the middle of the range; torques and tensions here leave out what drives give against them"
         )
         yield Doubt(", ".join(much), what, "limits that are lower by that", "minor", "spring")

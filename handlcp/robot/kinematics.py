@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from handlcp.check import Array, Bools, array, per_name, read_only, sealed
+from handlcp.check import Array, Bools, check_array, check_keys, freeze_arrays, read_only
 from handlcp.errors import InputError, URDFError
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.robot.joint import JointFacts, movable_joints, read_ranges, resolve_mimics
@@ -47,13 +47,13 @@ class Kinematics:
     def read_posture(self, argument: str, q: Any) -> Array:
         """(nv,) positions, read-only, from a vector or a mapping of all joints. Raises InputError, UnknownName."""
         if isinstance(q, Mapping):
-            values = per_name(argument, q, self.joint_names, "a joint")
+            values = check_keys(argument, q, self.joint_names, "a joint")
             if missing := [name for name in self.joint_names if name not in values]:
                 expected = f"a position for every joint, {', '.join(missing)} included"
                 raise InputError(argument, expected, f"only {sorted(values)}")
             q = [values[name] for name in self.joint_names]
         try:
-            return array(argument, q, (self.nv,))
+            return check_array(argument, q, (self.nv,))
         except InputError as error:
             expected = f"finite positions of the {self.nv} joints [{', '.join(self.joint_names)}]"
             raise InputError(argument, expected, error.got) from None
@@ -106,7 +106,7 @@ class Kinematics:
         return {name: value for name, value in self.__dict__.items() if name != "_local"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(sealed(state))
+        self.__dict__.update(freeze_arrays(state))
         self._local = threading.local()
 
 

@@ -220,7 +220,7 @@ def _likely_cause(large: Mapping[str, LinkSize]) -> str:
 
 def _describe_too_large(large: Mapping[str, LinkSize], width: float) -> str:
     reach = max(size.reach for size in large.values())
-    names = words.listed(list(large))
+    names = words.list_names(list(large))
     return f"{names} reaching {reach:.3g} m from the link's frame, on a skeleton {width:.2g} m wide"
 
 

@@ -15,8 +15,8 @@ import coal
 import numpy as np
 
 from handlcp.check import Array, Ints, read_only
-from handlcp.extras import missing
-from handlcp.lazy import lazy
+from handlcp.errors import missing_library
+from handlcp.lazy_property import lazy_property
 from handlcp.robot.description import COLLISION, RobotDescription
 
 # ---------------------------------------------------------------- Convex hulls as coal's shapes.
@@ -146,7 +146,7 @@ class LinkSurface:
     parts: tuple[tuple[Any, Array, Array], ...]
     reach: float
 
-    @lazy
+    @lazy_property
     def net(self) -> PointsAndRadii:
         """Points (m, 3) in the link's frame and radii (m,) : balls whose surfaces are, or lie on, the link's [m]."""
         nets = [(x @ R.T + p, r) for shape, R, p in self.parts for x, r in _shape_points(shape)]
@@ -297,7 +297,7 @@ def convex_parts(triangles: Array) -> tuple[Any, ...]:
     search, ACM Trans. Graphics 41 (2022).
     """
     if not has_coacd():
-        raise missing("convex parts of a mesh that is not convex need coacd", "coacd")
+        raise missing_library("convex parts of a mesh that is not convex need coacd", "coacd")
     import coacd  # type: ignore[import-untyped]
 
     coacd.set_log_level("error")

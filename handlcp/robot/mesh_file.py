@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from handlcp.errors import InputError, unreadable
-from handlcp.read_file import MOST_MESH, ElementCounter, Refusal, read_bytes, walk_xml
+from handlcp.errors import InputError, why_unreadable
+from handlcp.read_file import MAX_MESH_BYTES, ElementCounter, InputErrorClass, read_bytes, walk_xml
 
 MESH_SUFFIXES = (".stl", ".obj", ".dae", ".ply")
 MESH_FILE_EXPECTED = "an STL, OBJ, DAE or PLY file"
@@ -36,11 +36,11 @@ _UNIT_RANGE = 1e-9, 1e3  # metres of one: from nanometres to kilometres
 _INSTANCE_TAGS = ("instance_node", "instance_geometry", "instance_controller")
 
 
-def check_mesh_file(argument: str, file: Path, error: Refusal = InputError) -> None:
+def check_mesh_file(argument: str, file: Path, error: InputErrorClass = InputError) -> None:
     """Raises `error` for a file that is missing, too large, of another kind than its ending says, or unfolds to more
     than it seems to hold.
     """
-    data = read_bytes(argument, file, "a mesh file", MOST_MESH, error)
+    data = read_bytes(argument, file, "a mesh file", MAX_MESH_BYTES, error)
     kind, shown = file.suffix.lower(), repr(str(file))
     if kind not in MESH_SUFFIXES:
         raise error(argument, f"{MESH_FILE_EXPECTED} (hl.Mesh takes what trimesh has loaded, too)", shown)
@@ -51,11 +51,11 @@ def check_mesh_file(argument: str, file: Path, error: Refusal = InputError) -> N
     elif kind == ".obj":
         for name in _MATERIAL_LINE.findall(data):  # assimp would wait for a device
             beside = file.parent / name.decode(errors="replace")
-            if why := unreadable(beside):
+            if why := why_unreadable(beside):
                 if why != "does not exist":
                     raise error(argument, "an OBJ file with files of materials", f"{shown}: {name!r}, which {why}")
             else:
-                read_bytes(argument, beside, "a file of materials", MOST_MESH, error)
+                read_bytes(argument, beside, "a file of materials", MAX_MESH_BYTES, error)
     elif kind == ".ply" and not is_ply(data):
         raise error(argument, "a PLY file", f"{shown}, which does not hold what its header lists")
 
@@ -63,7 +63,7 @@ def check_mesh_file(argument: str, file: Path, error: Refusal = InputError) -> N
 class _ColladaScene(ElementCounter):
     """What stands in which node of a Collada file: nodes stand in nodes, and are copied into others by name."""
 
-    def __init__(self, argument: str, shown: str, error: Refusal) -> None:
+    def __init__(self, argument: str, shown: str, error: InputErrorClass) -> None:
         super().__init__(argument, shown, error)
         self._contents = defaultdict[int, list[int | str]](list)  # node → nodes, and names of copies, in it
         self._nodes_by_name = defaultdict[str, list[int]](list)
@@ -111,7 +111,7 @@ class _ColladaScene(ElementCounter):
             metres = math.nan
         if not _UNIT_RANGE[0] <= metres <= _UNIT_RANGE[1]:
             expected = f'a Collada file with a unit of {_UNIT_RANGE[0]:g} to {_UNIT_RANGE[1]:g} m in <unit meter="…">'
-            raise self.refuse(expected, f"with {text[:40]!r}")
+            raise self.make_error(expected, f"with {text[:40]!r}")
 
     def _check_numbers(self, words: list[str], whole: bool) -> None:
         """Raises the file's error for what is no number: assimp never comes past it."""
@@ -120,12 +120,12 @@ class _ColladaScene(ElementCounter):
                 words = [word if word.removeprefix("-").isdecimal() else f"{word}?" for word in words]
             deque(map(float, words), maxlen=0)
         except ValueError as failure:
-            raise self.refuse("a Collada file of numbers", f"({str(failure)[:80]})") from None
+            raise self.make_error("a Collada file of numbers", f"({str(failure)[:80]})") from None
 
     def check(self, size: int) -> None:
         """Raises the file's error where nodes are copied into each other without end, or too often."""
         if self._largest > size:
-            raise self.refuse("a Collada file", f"with a count of {self._largest} in {size} bytes")
+            raise self.make_error("a Collada file", f"with a count of {self._largest} in {size} bytes")
         total = dict[int, int]()  # node → how many stand in it, 0 while they are counted
         path = [(0, self._inner_nodes(0))]  # from the top to the node that is looked into, with what is left of each
         while path:
@@ -136,11 +136,11 @@ class _ColladaScene(ElementCounter):
                     path.append((inner, self._inner_nodes(inner)))
                     break
                 if inner in [above for above, _ in path]:
-                    raise self.refuse("a Collada file", "whose nodes stand in each other")
+                    raise self.make_error("a Collada file", "whose nodes stand in each other")
             else:
                 total[node] = 1 + len(self._contents[node]) + sum(total[n] for n in self._inner_nodes(node))
                 if total[node] > _MAX_NODE_COPIES:
-                    raise self.refuse(
+                    raise self.make_error(
                         f"a Collada file of at most {_MAX_NODE_COPIES} nodes, copies counted", "with more"
                     )
                 path.pop()

@@ -34,9 +34,8 @@ import pinocchio as pin
 
 from handlcp import words
 from handlcp.check import Array
-from handlcp.errors import URDFError
-from handlcp.extras import missing
-from handlcp.read_file import MOST_XML, read_bytes
+from handlcp.errors import URDFError, missing_library
+from handlcp.read_file import MAX_XML_BYTES, read_bytes
 from handlcp.robot.joint import SHARED_LIMIT, Doubt
 from handlcp.robot.link_shape import CompiledMesh, quaternion_rotation
 from handlcp.robot.mjcf_cable import write_cables
@@ -79,8 +78,8 @@ def compile_mjcf(source: str, path: Path | None) -> Any:
     try:
         import mujoco
     except ImportError:
-        raise missing("no MJCF file is read without MuJoCo", "mujoco") from None
-    text = source.encode() if path is None else read_bytes("source", path, "an MJCF file", MOST_XML, URDFError)
+        raise missing_library("no MJCF file is read without MuJoCo", "mujoco") from None
+    text = source.encode() if path is None else read_bytes("source", path, "an MJCF file", MAX_XML_BYTES, URDFError)
     check_mjcf_size("source", text, path)
     try:
         read = mujoco.MjModel.from_xml_path if path is not None else mujoco.MjModel.from_xml_string
@@ -315,7 +314,7 @@ def _shared_motor_doubts(limited: dict[str, list[int]], names: list[str], follow
     moved = dict.fromkeys([names[_find_leader(follows, j)] for a in found for j in limited[a]])
     what = (
         f"limits of actuators that move several joints, or one that follows another, are read joint by joint "
-        f"({words.listed(list(found))}): what the motors hold is not judged"
+        f"({words.list_names(list(found))}): what the motors hold is not judged"
     )
     advice = "torque_limits of these joints, as large as the actuators can hold together"
     return [Doubt(", ".join(moved), what, advice, "serious", SHARED_LIMIT)]

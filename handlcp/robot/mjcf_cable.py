@@ -259,7 +259,7 @@ def write_cables(root: ET.Element, model: Any, servos: dict[int, float]) -> Iter
             (why, about or SERVO_TOPIC, _TENDONS_ADVICE + (_SIGN_ADVICE if limit <= 0.0 else "")), []
         ).extend(who)
     for (why, about, advice), who in found.items():
-        what = f"servos ({words.listed(who)}) act on tendons along a path in space{why}"
+        what = f"servos ({words.list_names(who)}) act on tendons along a path in space{why}"
         yield Doubt("hand", what, advice, "minor", about)
     yield from _tendon_property_doubts(model, names)
 
@@ -273,7 +273,7 @@ def _tendon_property_doubts(model: Any, names: dict[int, str]) -> Iterator[Doubt
         (ranged, "a range of their own, at whose ends they would stop", "ranges of joints that keep it", "range"),
     ):
         if those:
-            said = f"of tendons ({words.listed(those)}) {what} is left out"
+            said = f"of tendons ({words.list_names(those)}) {what} is left out"
             yield Doubt("hand", said, advice, "minor", about)
     for t in names:
         if (k := float(np.ravel(model.tendon_stiffness[t])[0])) > 0.0:

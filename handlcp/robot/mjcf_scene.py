@@ -54,7 +54,7 @@ def _left_out_doubts(model: Any, names: Sequence[str], out: Sequence[int], trees
         "without a joint": [b for b in out if b not in trees and not _is_free(model, b)],
         "that no actuator drives": [b for b in out if b in trees],
     }
-    said = [f"{words.listed([names[b] for b in these])} ({why})" for why, these in kinds.items() if these]
+    said = [f"{words.list_names([names[b] for b in these])} ({why})" for why, these in kinds.items() if these]
     if shapes:
         said.append("the shapes of the world body")
     if said:

@@ -8,8 +8,8 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from pathlib import Path
 
-from handlcp.errors import URDFError, unreadable
-from handlcp.read_file import MOST_MESH, MOST_XML, parse_xml, read_bytes
+from handlcp.errors import URDFError, why_unreadable
+from handlcp.read_file import MAX_MESH_BYTES, MAX_XML_BYTES, parse_xml, read_bytes
 
 MAX_BUILT_ELEMENTS = 10_000  # elements, those that are replicated counted each time; real hands have some hundred
 _MAX_PIXELS = 100_000_000  # of all textures together: 300 MB
@@ -97,10 +97,10 @@ class _ModelCount:
             return self._count_by_file[file]
         if file in self._open_files or len(self._open_files) > _MAX_INCLUDE_DEPTH:
             raise self._refuse("files that do not include each other", f"{name!r} in a circle")
-        data = read_bytes(self._argument, file, "an MJCF file", MOST_XML, URDFError)
+        data = read_bytes(self._argument, file, "an MJCF file", MAX_XML_BYTES, URDFError)
         self._bytes += len(data)
-        if self._bytes > MOST_XML:
-            raise self._refuse(f"at most {MOST_XML // 10**6} MB of XML, with all includes", "more")
+        if self._bytes > MAX_XML_BYTES:
+            raise self._refuse(f"at most {MAX_XML_BYTES // 10**6} MB of XML, with all includes", "more")
         root = parse_xml(self._argument, data, repr(str(file)), URDFError)
         self._open_files.append(file)
         self._check_contents(root)
@@ -133,14 +133,14 @@ class _ModelCount:
         """Raises URDFError for a mesh or picture that is too large, or is none."""
         for file in dict.fromkeys(f for folder in self._folders for f in (folder / name, folder / Path(name).name)):
             if _is_there(file):
-                data = read_bytes(self._argument, file, "a mesh or picture", MOST_MESH, URDFError)
+                data = read_bytes(self._argument, file, "a mesh or picture", MAX_MESH_BYTES, URDFError)
                 if data[:8] == b"\x89PNG\r\n\x1a\n" and len(data) >= 24:
                     self._pixels += math.prod(struct.unpack(">II", data[16:24]))
 
 
 def _is_there(file: Path) -> bool:
     """Whether there is something of this name, a file or not."""
-    return not (why := unreadable(file)) or why in ("is a folder", "is no file")
+    return not (why := why_unreadable(file)) or why in ("is a folder", "is no file")
 
 
 def _attribute_numbers(text: str) -> Iterator[float]:

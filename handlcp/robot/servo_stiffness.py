@@ -45,7 +45,7 @@ from handlcp.robot.mjcf_cable import (
     read_cables,
     rest_angles,
 )
-from handlcp.tolerances import SEMIDEFINITE
+from handlcp.tolerances import SEMIDEFINITE_TOLERANCE
 
 FROM_FILE = "file"  # what users pass for the stiffness that the file states
 _OWN_MOTION_TOLERANCE = 1e-6  # of a joint's motion: what servos miss of it where they turn it on its own
@@ -193,4 +193,4 @@ def _find_loose_joints(K: Array) -> Array:
     """(nv,) of joints that take part in a motion that nothing resists."""
     size = np.sqrt(np.diagonal(K))
     stiff, motions = np.linalg.eigh(K / np.outer(size, size))  # without units, so that hinges and slides compare
-    return np.asarray((abs(motions[:, stiff <= SEMIDEFINITE * stiff[-1]]) > 1e-6).any(axis=1))
+    return np.asarray((abs(motions[:, stiff <= SEMIDEFINITE_TOLERANCE * stiff[-1]]) > 1e-6).any(axis=1))

@@ -19,8 +19,7 @@ from typing import Any
 import pinocchio as pin
 
 from handlcp import words
-from handlcp.errors import InputError, UnknownName, URDFError, unreadable
-from handlcp.extras import missing
+from handlcp.errors import InputError, UnknownName, URDFError, missing_library, why_unreadable
 from handlcp.robot.mesh_file import check_mesh_file
 
 LARGEST_NUMBER = 1e6  # metres, kilograms, radians, ratios: no hand is larger
@@ -120,7 +119,7 @@ def package_folders(package_dirs: Any, path: Path | None) -> tuple[Path, ...]:
     except TypeError:
         raise InputError("package_dirs", "a folder or a sequence of folders", repr(package_dirs)) from None
     for folder in folders:
-        if unreadable(folder) != "is a folder":
+        if why_unreadable(folder) != "is a folder":
             raise InputError("package_dirs", "folders that exist", repr(str(folder)))
     if path is not None:
         folders += [path.parent, *path.parent.resolve().parents[:4]]
@@ -136,7 +135,7 @@ def find_mesh_file(mesh: ET.Element, folders: Sequence[Path]) -> Path | None:
     """The file that a <mesh> addresses, or names whole; None where it is in none of the folders."""
     tail = mesh.get("filename", "").split("://", 1)[-1]
     places = [folder / tail for folder in folders] if tail and not Path(tail).is_absolute() else [Path(tail)]
-    return next((p for p in places if tail and not unreadable(p)), None)
+    return next((p for p in places if tail and not why_unreadable(p)), None)
 
 
 def resolve_meshes(element: ET.Element, folders: Sequence[Path]) -> None:
@@ -200,7 +199,7 @@ def expand_xacro(argument: str, path: Path, text: bytes, folders: Sequence[Path]
         import xacrodoc.xacrodoc as library
         from xacrodoc import XacroDoc, packages
     except ImportError:
-        raise missing("no xacro file is expanded without xacrodoc", "xacrodoc") from None
+        raise missing_library("no xacro file is expanded without xacrodoc", "xacrodoc") from None
     file = path.resolve()
     with _EXPANSION_LOCK:
         packages.reset()  # it keeps the folders of former files
@@ -217,6 +216,6 @@ def expand_xacro(argument: str, path: Path, text: bytes, folders: Sequence[Path]
     if not _ELEMENT_TAG.search(urdf) and (
         macros := [name.decode(errors="replace") for name in _MACRO_TAG.findall(text)]
     ):
-        came = f"{str(path)!r}, which defines macros ({words.listed(macros)}) and calls none: it makes no link"
+        came = f"{str(path)!r}, which defines macros ({words.list_names(macros)}) and calls none: it makes no link"
         raise URDFError(argument, "a xacro file that makes a robot, such as the one that includes this one", came)
     return urdf

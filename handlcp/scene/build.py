@@ -9,8 +9,8 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.actuation import Motor, Synergies, Tendons
-from handlcp.check import Array, array
-from handlcp.errors import keyed
+from handlcp.check import Array, check_array
+from handlcp.errors import translate_arguments
 from handlcp.geometry import YCB, Box, Cylinder, Ellipsoid, Mesh, Object, Sphere, Table
 from handlcp.geometry.link_contacts import TIPS_ONLY, expand_link_values
 from handlcp.grasp import Contact, Environment, Grasp, GraspSolution
@@ -88,20 +88,20 @@ def make_motors(table: HandTable | TendonsTable, path: str = "hand") -> Any:
 
 def _make_motor(table: MotorTable | TendonMotorTable, path: str) -> Motor:
     own = _JOINT_MOTOR_KEYS if isinstance(table, MotorTable) else _TENDON_MOTOR_KEYS
-    with keyed({f"Motor.{argument}": f"{path}.{key}" for argument, key in own.items()}):
+    with translate_arguments({f"Motor.{argument}": f"{path}.{key}" for argument, key in own.items()}):
         return Motor(**{argument: getattr(table, key) for argument, key in own.items()})
 
 
 def make_stiffness(table: HandTable) -> Any:
     """What [hand] says of stiffness."""
-    with keyed(HAND_KEYS):
+    with translate_arguments(HAND_KEYS):
         if (t := table.tendons) is not None:
             forces = t.pretension_N, t.limits_N, t.friction, make_motors(t, "hand.tendons")
             return Tendons(t.moment_arms_m, t.stiffness_N_per_m, t.passive_Nm_per_rad, *forces)
         if (s := table.synergies) is not None:
             columns: Any = s.columns
             if not isinstance(columns, dict):  # written one by one
-                columns = array("Synergies.S", columns, (-1, -1)).T
+                columns = check_array("Synergies.S", columns, (-1, -1)).T
             return Synergies(columns, s.stiffness_Nm_per_rad, s.joint_stiffness_Nm_per_rad)
     return table.joint_stiffness_Nm_per_rad
 
@@ -212,7 +212,7 @@ def make_hand(scene: SceneTables) -> Hand:
         "joint_friction": h.joint_friction_Nm,
     }
     given = {name: value for name, value in words.items() if value is not None}
-    with keyed(HAND_KEYS):
+    with translate_arguments(HAND_KEYS):
         return example_hand(h.name, **given) if h.name else Hand.from_urdf(scene.folder / (h.urdf or ""), **given)
 
 
@@ -225,7 +225,7 @@ def make_object(table: ObjectTable, folder: Path, key: str = "object") -> Object
     """The object of a table at `key`; files are relative to `folder`. Raises InputError, naming the key."""
     placement = pin.SE3(pin.rpy.rpyToMatrix(*table.rpy_rad), np.array(table.position_m))
     weight: dict[str, Any] = {"mass": table.mass_kg, "density": table.density_kg_per_m3}
-    with keyed({argument: f"{key}.{name}" for argument, name in OBJECT_KEYS.items()}):
+    with translate_arguments({argument: f"{key}.{name}" for argument, name in OBJECT_KEYS.items()}):
         match table:
             case BoxTable():
                 return Box(table.size_m, placement, **weight)
@@ -246,10 +246,10 @@ def _build_hand_grasp(scene: SceneTables) -> Grasp:
     assert obj is not None
     around = _make_environment(scene, obj)
     on_links = g.links != TIPS_ONLY
-    with keyed(GRASP_KEYS):
+    with translate_arguments(GRASP_KEYS):
         q = _complete_posture(the_hand, posture.q_rad)
         if posture.close and not on_links:
-            with keyed({"squeeze": "posture.squeeze_m"}):
+            with translate_arguments({"squeeze": "posture.squeeze_m"}):
                 q = the_hand.close_on(obj, q, fingers=g.fingers, squeeze=posture.squeeze_m)
         elif posture.close and g.closing_torque_Nm is None and g.joint_offset_rad is None:
             q = the_hand.close_on(obj, q, wrap=True)
@@ -276,7 +276,7 @@ def _build_hand_grasp(scene: SceneTables) -> Grasp:
             fingers, preload = found.fingertips, expand_link_values("grasp.preload_m", preload, found.state.hand)
     asked, keys = make_effects(scene.effects, fingers)
     more = {"preload": values_by_finger("grasp.preload_m", preload, fingers, 0.0), "effects": asked}
-    with keyed(GRASP_KEYS | keys):
+    with translate_arguments(GRASP_KEYS | keys):
         if found is not None:
             return found.replace(**more) if any(more.values()) else found
         return the_hand.at(q).grasp(obj, laws, _load_wrench(scene), g.gravity_m_per_s2, **more, **words)
@@ -289,7 +289,7 @@ def _build_contact_grasp(scene: SceneTables) -> Grasp:
     check_names("grasp.friction", laws, names)
     for i, c in enumerate(tables):
         law = laws.get(names[i], 0.6) if c.friction is None else c.friction
-        with keyed({"position": f"contact[{i}].position_m"}, f"contact[{i}]."):
+        with translate_arguments({"position": f"contact[{i}].position_m"}, f"contact[{i}]."):
             contacts.append(Contact(c.position_m, c.normal, make_law(law, f"contact[{i}].friction"), c.tangent, c.name))
     wrench, reference = _load_wrench(scene), np.array([0.0, 0.0, 0.0] if g.reference_m is None else g.reference_m)
     obj = make_scene_object(scene)
@@ -300,7 +300,7 @@ def _build_contact_grasp(scene: SceneTables) -> Grasp:
         weight = obj.mass * np.array(g.gravity_m_per_s2)
         wrench = wrench + np.concatenate([weight, np.cross(obj.center_of_mass - reference, weight)])
     asked, keys = make_effects(scene.effects, names)
-    with keyed(GRASP_KEYS | keys):
+    with translate_arguments(GRASP_KEYS | keys):
         return Grasp(
             contacts,
             wrench,
@@ -318,7 +318,7 @@ def _make_environment(scene: SceneTables, obj: Object | None) -> list[Environmen
     parts = []
     for i, e in enumerate(scene.environment):
         where, law = f"environment[{i}]", make_law(e.friction, f"environment[{i}].friction")
-        with keyed({a: f"{where}.{key}" for a, key in ENVIRONMENT_KEYS.items()} | {"environment": where}):
+        with translate_arguments({a: f"{where}.{key}" for a, key in ENVIRONMENT_KEYS.items()} | {"environment": where}):
             if e.point_m is None:
                 contact = Contact(e.position_m, e.normal, law, e.tangent, e.name)
                 parts.append(Environment([contact], e.flexibility_m_per_N, e.gap_m))

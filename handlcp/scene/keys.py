@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from handlcp.errors import InputError, SceneFileError, as_path
-from handlcp.read_file import MOST_TOML, parse_toml, read_text
+from handlcp.read_file import MAX_TOML_BYTES, parse_toml, read_text
 from handlcp.scene.key_types import SHAPES, DeferredTable, ExpectedWords, FileTable
 from handlcp.scene.scene_tables import SceneTables
 
@@ -275,7 +275,7 @@ def read_text_file(path: Any, kind: str) -> tuple[str, Path]:
     file = as_path("path", path, wanted)
     if path == "":
         raise SceneFileError("path", wanted, "'', which is empty")
-    return read_text("path", file, kind, MOST_TOML, SceneFileError), file
+    return read_text("path", file, kind, MAX_TOML_BYTES, SceneFileError), file
 
 
 def read_tables(model: type[TableT], text: Any, label: str) -> TableT:

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from pydantic import Field, PrivateAttr, create_model, model_validator
 
 from handlcp.contact.friction import FrictionLaw, Frictionless, as_law, friction_laws
-from handlcp.errors import InputError, UnknownName, keyed
+from handlcp.errors import InputError, UnknownName, translate_arguments
 from handlcp.grasp.effects import Effect, effect_kinds
 from handlcp.grasp.model.effect import FileKey
 from handlcp.scene import key_types as k, schema as s
@@ -73,7 +73,7 @@ def make_law(value: Any, key: str = "grasp.friction") -> FrictionLaw:
         return Frictionless() if value == "frictionless" else as_law(value, key)
     law = next(law for law in _laws_with_keys() if set(law.file_keys[0]) <= set(value))
     keys = law.file_keys[0] | law.file_keys[1]
-    with keyed({f"{law.__name__}.{argument}": f"{key}.{name}" for name, argument in keys.items()}):
+    with translate_arguments({f"{law.__name__}.{argument}": f"{key}.{name}" for name, argument in keys.items()}):
         return law.from_file(value)
 
 
@@ -132,7 +132,7 @@ class SceneTables(FileTable):
     _folder: Path = PrivateAttr(default=Path())
 
     @model_validator(mode="after")
-    def _one_kind_of_scene(self) -> SceneTables:
+    def _check_scene_kind(self) -> SceneTables:
         """A hand with an object, or contacts; and nothing that only the other kind has."""
         hand, given = self.hand, set(self.grasp.model_fields_set)
         if hand is None and not self.contact:
@@ -165,7 +165,7 @@ class SceneTables(FileTable):
             if "flexibility_m_per_N" in given:
                 words = "none with a [hand]: its joints and pads are the flexibility"
                 raise InputError("grasp.flexibility_m_per_N", words, "a value")
-            self._one_squeeze()
+            self._check_one_command()
         else:
             for key in ("fingers", "max_gap_m", "finger_weight", "links", "hold_object", *_COMMAND_KEYS):
                 if key in given:
@@ -178,7 +178,7 @@ class SceneTables(FileTable):
                 raise InputError("posture", "a [hand] that it is about", "a scene without one")
         return self
 
-    def _one_squeeze(self) -> None:
+    def _check_one_command(self) -> None:
         """How hard the hand closes is said once."""
         said = [key for key in _COMMAND_KEYS if getattr(self.grasp, key) is not None]
         if len(said) > 1:

@@ -246,7 +246,7 @@ class EnvironmentTable(FileTable):
     """what reports call it; left out: "table 1", …, one for each contact with a plane, or "environment 1", …"""
 
     @model_validator(mode="after")
-    def _one_kind(self) -> EnvironmentTable:
+    def _check_kind(self) -> EnvironmentTable:
         if (self.point_m is None) == (self.position_m is None):
             came = "neither" if self.point_m is None else "both"
             raise InputError("point_m", "either point_m, of a plane, or position_m, of a contact", came)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, check_call, read_only
 from handlcp.errors import Unsupported
 from handlcp.geometry.contact_detection import nearest_proximity
 from handlcp.grasp import Grasp, TorqueSaturation
@@ -17,7 +17,6 @@ from handlcp.grasp.effects.joint_offset import find_command
 from handlcp.grasp.model.contact import cross_rows
 from handlcp.hand import HandGrasp
 from handlcp.hand.squeeze import tip_motions_by_joint
-from handlcp.keywords import helped
 from handlcp.robot.hand_model import HandPosture
 from handlcp.robot.mjcf import without_mujoco_log
 from handlcp.simulator.hand_body import (
@@ -205,7 +204,7 @@ def _open_posture(grasp: HandGrasp) -> Array:
 # ----------------------------------------------------------------
 
 
-@helped()
+@check_call()
 def to_mujoco(grasp: Grasp, settings: SimulatorSettings | None = None) -> tuple[str, SimulatorState]:
     """The same grasp for MuJoCo: MJCF, and the state to start from.
 

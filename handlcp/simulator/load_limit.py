@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from handlcp.check import Array, array, number, read_only
+from handlcp.check import Array, check_array, check_number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
 from handlcp.grasp.failure.failure_mode import find_exceeded, state_limits
@@ -171,10 +171,10 @@ def simulate_limit(
     settings : as in `simulate`. Joints that yield by `TorqueSaturation` have no limit to reach.
     Raises as `simulate`.
     """
-    asked, most = array("wrench", wrench, (6,)), number("most", most, above=0.0)
+    asked, most = check_array("wrench", wrench, (6,)), check_number("most", most, above=0.0)
     if not asked.any():
         raise InputError("wrench", "a load", "zeros")
-    seconds, settle = number("seconds", seconds, above=0.0), number("settle", settle, minimum=0.0)
+    seconds, settle = check_number("seconds", seconds, above=0.0), check_number("settle", settle, minimum=0.0)
     run, before = SimulationRun(grasp, asked, settings), min(seconds, _MAX_STAGE_SECONDS)
     held = all(run.run_stage(name, before, settle) for name in run.with_own_stages(("squeeze",)))
     squeezed = read_only(run.track.readings[-1].forces)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, array, number, read_only
+from handlcp.check import Array, check_array, check_number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
 from handlcp.grasp.path.follow import Loading
@@ -18,7 +18,7 @@ from handlcp.grasp.solution.verdict import HELD, NOT_HELD
 from handlcp.record import Record as Told
 from handlcp.simulator.settings import SimulatorSettings, require_hand_grasp
 from handlcp.simulator.simulation_run import PUSH_STAGE, SimulationRecord, SimulationRun
-from handlcp.text_table import wrapped
+from handlcp.words import wrap_text
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -68,7 +68,7 @@ class Simulation(Told):
         """What stands behind the word."""
         if self.held:
             return f"at rest after {self.simulated:.3g} s"
-        return f"lost in stage {self.lost_stage!r} at {words.percent(self.lost_at or 0.0)}"
+        return f"lost in stage {self.lost_stage!r} at {words.format_percent(self.lost_at or 0.0)}"
 
     def __repr__(self) -> str:
         where = "held" if self.held else f"lost at {self.lost_at:.1%} of {self.lost_stage}"
@@ -96,8 +96,8 @@ def simulate(
     Raises what `to_mujoco` raises; Unsupported where MuJoCo is not installed.
     """
     stages = _read_stages(order)
-    seconds, settle = number("seconds", seconds, above=0.0), number("settle", settle, minimum=0.0)
-    run = SimulationRun(grasp, None if load is None else array("load", load, (6,)), settings)
+    seconds, settle = check_number("seconds", seconds, above=0.0), check_number("settle", settle, minimum=0.0)
+    run = SimulationRun(grasp, None if load is None else check_array("load", load, (6,)), settings)
     if stages[-1] == "load" and run.has_weight and run.wrench.any():  # the weight in a stage of its own
         stages = (*stages[:-1], "weight", PUSH_STAGE)
     held = all(run.run_stage(name, seconds, settle) for name in run.with_own_stages(stages))
@@ -147,7 +147,7 @@ class AgreementTolerance(NamedTuple):
 
     def __str__(self) -> str:
         shares = f"forces {self.force:.0%}, torques {self.torque:.0%}, motion {self.motion:.0%}".replace("%", " %")
-        return f"{shares} or {words.length(self.least)}"
+        return f"{shares} or {words.format_length(self.least)}"
 
 
 AGREEMENT_TOLERANCE = AgreementTolerance(0.05, 0.05, 0.1, 2e-5)
@@ -240,7 +240,7 @@ class Comparison(Told):
             found.append(self.difference)
         ours, theirs = self.loading, self.simulation
         found += [f"handlcp: {ours.word}: {ours.sentence}", f"MuJoCo: {theirs.word}: {theirs.sentence}"]
-        return "\n".join(wrapped(line, "  ") for line in found)
+        return "\n".join(wrap_text(line, "  ") for line in found)
 
     @property
     def difference(self) -> str:

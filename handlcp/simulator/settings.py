@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from handlcp.check import Array, number
-from handlcp.errors import InputError, Unsupported
-from handlcp.extras import missing
+from handlcp.check import Array, check_number
+from handlcp.errors import InputError, Unsupported, missing_library
 from handlcp.grasp import Coulomb, Frictionless, Grasp, SoftFinger, TorqueSaturation
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
 from handlcp.grasp.effects.joint_offset import JointOffset
@@ -93,7 +92,7 @@ class SimulatorSettings:
 
     def __post_init__(self) -> None:
         for f in fields(self):
-            number(f"SimulatorSettings.{f.name}", getattr(self, f.name), above=0.0)
+            check_number(f"SimulatorSettings.{f.name}", getattr(self, f.name), above=0.0)
         for name in ("impedance", "support_impedance"):
             if not getattr(self, name) < 1.0:
                 raise InputError(f"SimulatorSettings.{name}", "a number below 1", getattr(self, name))
@@ -114,7 +113,7 @@ def import_mujoco() -> ModuleType:
     try:
         import mujoco
     except ImportError:
-        raise missing("no simulation without MuJoCo", "mujoco") from None
+        raise missing_library("no simulation without MuJoCo", "mujoco") from None
     module: ModuleType = mujoco
     return module
 

@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from handlcp.cli import app
-from handlcp.study.accuracy import METHODS
+from handlcp.studies.accuracy import METHODS
 from tests.support import patches
 from tests.support.messages import without_compiling
 from tests.support.texts import says

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 import handlcp as hl
 from handlcp.cli import app
-from handlcp.study.effect_catalogue import Cost, entries
+from handlcp.studies.effect_catalogue import Cost, entries
 from tests.support import patches
 from tests.support.hand import urdf
 from tests.support.messages import without_compiling

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import handlcp as hl
 from handlcp import scene as scenes
 from handlcp.cli import app
-from tests.support.envelope import Question
+from tests.support.envelope import EnvelopeQuestion
 
 CUBE = str(pathlib.Path(__file__).parents[2] / "examples" / "cube_three_fingers.toml")
 FEW = ("--directions", "12", "--adaptive", "0", "--faces", "8", "--fixed")
@@ -58,7 +58,7 @@ def test_bad_input_is_one_message_before_any_work_and_exit_status_2(arguments, s
     def asked(*_arguments, **_options):
         raise AssertionError("no direction is asked before the arguments are checked")
 
-    monkeypatch.setattr(Question, "ask", asked)
+    monkeypatch.setattr(EnvelopeQuestion, "find_factors", asked)
     done = run(CUBE, *arguments)
     assert done.exit_code == 2
     assert says in done.stderr

@@ -17,8 +17,8 @@ from typer.testing import CliRunner
 import handlcp as hl
 from handlcp import scene
 from handlcp.cli import app
-from handlcp.study.accuracy import accuracy_cost
-from handlcp.study.effect_catalogue import Cost, entries
+from handlcp.studies.accuracy import accuracy_cost
+from handlcp.studies.effect_catalogue import Cost, entries
 from tests.support import patches
 from tests.support.hand import urdf
 from tests.support.show import all_tables, tables

@@ -11,7 +11,7 @@ import pytest
 
 import handlcp as hl
 from tests.design.optima import SPACE, brief, make, run
-from tests.support.optima import Gradient, Space, margin, places, read, read_aims, slope, slopes_of
+from tests.support.optima import Gradient, Space, margin, parse_requirement, places, read_aims, slope, slopes_of
 
 
 def of(function, u):
@@ -185,8 +185,8 @@ def test_columns_and_names_are_the_same_objectives():
 
 
 def test_margins_are_shares_of_their_limit():
-    assert margin(read("payload>=2"), 3.0) == pytest.approx(0.5)
-    assert margin(read("torque<=0.5"), 0.6) == pytest.approx(-0.2)
+    assert margin(parse_requirement("payload>=2"), 3.0) == pytest.approx(0.5)
+    assert margin(parse_requirement("torque<=0.5"), 0.6) == pytest.approx(-0.2)
 
 
 def test_ray_wraps_an_evaluation():

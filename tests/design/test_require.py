@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.support.design import NOT_FOUND, UNITS, ObjectCase, read
+from tests.support.design import NOT_FOUND, REQUIREMENT_UNITS, ObjectCase, parse_requirement
 from tests.support.texts import says
 
 FACTORS = {"weight": 4.0, "pull": 9.0}
@@ -48,9 +48,9 @@ def test_what_is_met_gives_the_evaluation_back():
     ],
 )
 def test_what_is_not_met_is_said_of_the_worst_object_with_how_much_and_what_gives_out(text, worst):
-    said, one = unmet(DONE, text), read(text)
+    said, one = unmet(DONE, text), parse_requirement(text)
     apart = abs(getattr(DONE.cases[worst], one.name) - one.limit)
-    says(said, worst, f"{apart:.4g}", UNITS[one.name], DONE.cases[worst].gives_out)
+    says(said, worst, f"{apart:.4g}", REQUIREMENT_UNITS[one.name], DONE.cases[worst].gives_out)
 
 
 def test_an_object_without_a_grasp_meets_no_limit_from_above():
@@ -81,9 +81,12 @@ def test_what_nothing_ends_is_infinite_in_a_row_and_nothing_in_json():
 def test_every_number_of_an_evaluation_may_be_asked_for():
     row = hl.Evaluation({"box": BOX}).to_row()
     numbers = [key for key, value in row.items() if "." not in key and type(value) in (float, int)]
-    assert [name for name in UNITS if not any(key.startswith(name) for key in numbers)] == []
-    assert len(numbers) == len(UNITS)
-    assert all(read(f"{name}>=1").against({"box": BOX}) or np.isfinite(getattr(BOX, name)) for name in UNITS)
+    assert [name for name in REQUIREMENT_UNITS if not any(key.startswith(name) for key in numbers)] == []
+    assert len(numbers) == len(REQUIREMENT_UNITS)
+    assert all(
+        parse_requirement(f"{name}>=1").find_shortfall({"box": BOX}) or np.isfinite(getattr(BOX, name))
+        for name in REQUIREMENT_UNITS
+    )
 
 
 @pytest.mark.parametrize("text", ["payload", "payload=1", "payload=>1", "payload>=", "payload>=1 kg", "1<payload", 3])

@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
 import handlcp as hl
-from tests.support.sweeps import Space, main_effect, not_beaten, parameter
+from tests.support.sweeps import Space, is_pareto_optimal, main_effect, parameter_label
 
 
 def told(rows, space=None):
@@ -44,7 +44,7 @@ def test_the_front_takes_names_of_columns_and_of_evaluations():
 @given(arrays(float, st.tuples(st.integers(1, 30), st.integers(1, 3)), elements=st.integers(0, 4).map(float)))
 def test_a_design_is_on_the_front_exactly_if_none_beats_it(rows):
     beaten = [any((b >= a).all() and (b > a).any() for b in rows) for a in rows]
-    assert not_beaten(rows).tolist() == [not b for b in beaten]
+    assert is_pareto_optimal(rows).tolist() == [not b for b in beaten]
 
 
 def test_a_study_prints_counts_and_its_first_rows():
@@ -110,8 +110,8 @@ def test_the_figure_has_the_front_the_lines_and_a_panel_for_each_parameter(tmp_p
 def test_parameters_have_units_where_their_names_say_them():
     names = {"finger_1_distal.length": "m", "joint_stiffness": "N·m/rad", "palm_radius": "m", "brief.most_force": "N",
              "brief.friction": "", "length": "", "*.pad": "m/N"}  # fmt: skip
-    assert {name: parameter(name) for name in names} == {name: (name, unit) for name, unit in names.items()}
-    assert parameter("link_length_m") == ("link_length", "m")
+    assert {name: parameter_label(name) for name in names} == {name: (name, unit) for name, unit in names.items()}
+    assert parameter_label("link_length_m") == ("link_length", "m")
 
 
 def test_a_study_that_was_loaded_needs_to_know_how_hands_are_made_for_its_page(tmp_path):

@@ -11,7 +11,7 @@ import tomllib
 import handlcp as hl
 from handlcp.cli import app
 from handlcp.grasp import effect_kinds
-from handlcp.study.effect_catalogue import entries
+from handlcp.studies.effect_catalogue import entries
 from tests.docs.front import lines
 
 ROOT = pathlib.Path(__file__).parents[2]

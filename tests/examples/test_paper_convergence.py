@@ -9,7 +9,7 @@ import pytest
 from matplotlib.image import imread
 
 import handlcp as hl
-from handlcp.study.paper import example
+from handlcp.studies.paper import example
 from tests.lcp.problems import random_p
 from tests.support.scripts import script
 

@@ -9,7 +9,7 @@ import pytest
 from rich.console import Console
 
 from handlcp.lcp import Status
-from handlcp.study.paper import PRELOAD, example
+from handlcp.studies.paper import PRELOAD, example
 from tests.support.grasp import arrays
 from tests.support.scripts import script
 

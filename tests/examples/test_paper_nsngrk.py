@@ -9,7 +9,7 @@ import pytest
 from rich.console import Console
 
 import handlcp as hl
-from handlcp.study.accuracy import AsPrinted
+from handlcp.studies.accuracy import AsPrinted
 from tests.lcp.problems import random_p
 from tests.oracle import every_solution
 from tests.support.scripts import script

@@ -12,7 +12,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.scene import load
-from handlcp.study.paper import REPRODUCED, Mark, example, rows_of, table
+from handlcp.studies.paper import REPRODUCED, Mark, example, rows_of, table
 from tests.support.grasp import arrays
 from tests.support.texts import says
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.study.effect_catalogue import entries
+from handlcp.studies.effect_catalogue import entries
 from tests.grasp.effect_rows import FACES, ROWS, hands, planar, rings
 from tests.support.effects import KINDS
 from tests.support.grasp import arrays

@@ -11,7 +11,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.scene import load
-from handlcp.study.paper import example
+from handlcp.studies.paper import example
 from tests.grasp.force_truth import force_error, refine
 from tests.grasp.scenes import cube_example, pinch, ring
 from tests.hard_cases.scenes import around, backwards, fingers

@@ -45,7 +45,7 @@ def test_a_joint_beyond_its_limit_is_named_with_what_is_missing():
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(("beyond", "is_over"), [(0.9, False), (1.1, True)])
 def test_the_one_tolerance_holds_for_torque_range_and_motion_on_both_sides(sign, beyond, is_over):
-    slack = beyond * c.OVER
+    slack = beyond * c.OVER_LIMIT_TOLERANCE
     every = limits(motion=(0.01, 0.5))
     assert bool(c.find_exceeded(every, sign * np.array([2.0 * (1 + slack), 0, 0]), AT)) is is_over
     assert bool(c.find_exceeded(every, NONE, AT + sign * np.array([1.0 + 2.0 * slack, 0, 0]))) is is_over

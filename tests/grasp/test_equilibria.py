@@ -10,7 +10,7 @@ from scipy.optimize import linprog
 
 import handlcp as hl
 from handlcp.grasp import Effect
-from handlcp.study.paper import PRELOAD, example
+from handlcp.studies.paper import PRELOAD, example
 from tests.grasp.scenes import pinch, ring
 from tests.support.grasp import arrays
 from tests.support.search import applicable, searched

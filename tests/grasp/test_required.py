@@ -7,7 +7,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.errors import InputError
-from handlcp.study.paper import example
+from handlcp.studies.paper import example
 from tests.grasp.scenes import pinch
 from tests.support.grasp import (
     arrays,

@@ -11,7 +11,7 @@ from handlcp.geometry import Box, Cylinder, Sphere
 from handlcp.grasp import Contact
 from handlcp.hand import Hand, example_hand
 from tests.support.grasp import said_of_contacts
-from tests.support.show import hand_bodies, tip_shapes
+from tests.support.show import hand_bodies, undrawn_tip_shapes
 from tests.support.texts import says
 
 # A flat palm, its upper face at z = 0, and a bar beside it that a hinge tilts over it
@@ -329,10 +329,10 @@ def test_a_picture_outlines_links_that_are_drawn_elsewhere():
     drawn = FLAT.replace("</collision>\n", f'</collision><visual><origin xyz="0 0 -0.06"/>{box}</visual>\n', 1)
     hand = Hand.from_urdf(drawn, fingertips=["bare"], joint_stiffness=5.0, tip_radius=0.012)
     grasp = on_palm(CUBE, hand)
-    (outlined,) = tip_shapes(grasp, hand_bodies(grasp.state))  # one for four contacts
+    (outlined,) = undrawn_tip_shapes(grasp, hand_bodies(grasp.state))  # one for four contacts
     np.testing.assert_allclose(np.ptp(outlined.reshape(-1, 3), axis=0), [0.1, 0.1, 0.02], atol=1e-9)
     as_drawn = on_palm(CUBE)
-    assert tip_shapes(as_drawn, hand_bodies(as_drawn.state)) == []
+    assert undrawn_tip_shapes(as_drawn, hand_bodies(as_drawn.state)) == []
 
 
 def test_how_a_hand_closes_stays_where_only_its_command_changes():

@@ -17,7 +17,7 @@ from handlcp.scene import read
 from tests.support import patches
 from tests.support.grasp import arrays, at_centre, judged
 from tests.support.scene_texts import BOX_IN_TWO_FINGERS
-from tests.support.show import record
+from tests.support.show import solution_record
 from tests.support.texts import says, without_numbers
 
 from .levers import MASS, MU, PAD, C, K, L, lever_hand, lever_pinch
@@ -259,7 +259,7 @@ def test_the_verdict_and_the_record_name_the_joint(write: Writer) -> None:
     assert v.word == "HELD"
     said = [part for part in v.text.split("; ") if "right_joint" in part]
     says(without_numbers("; ".join(said)), "right_joint")
-    rows = {r["joint"]: r["yield_rad"] for r in record(g, s, g.explain())["torques"]}
+    rows = {r["joint"]: r["yield_rad"] for r in solution_record(g, s, g.explain())["torques"]}
     assert rows["left_joint"] == 0.0
     assert rows["right_joint"] == pytest.approx(s.joint_yield[1])
 

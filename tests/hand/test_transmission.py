@@ -15,7 +15,7 @@ from handlcp import Box, GraspStream, Sphere, Synergies, Tendons
 from handlcp.errors import InputError, UnknownName, Unsupported
 from handlcp.hand import Hand, HandGraspSolution, example_hand
 from tests.support.hand import deflection, effort, full_positions
-from tests.support.show import record
+from tests.support.show import solution_record
 from tests.support.texts import says
 
 from .chains import A, B, chain_hand
@@ -223,7 +223,7 @@ def test_explanation_audit_and_record_say_it(write: Writer) -> None:
     assert (line.on, line.cost) == (True, 0)
     says(line.why, "1 ", "2 ")
     s = g.solve()
-    assert record(g, s, g.explain())["actuators"]["each"] == {"synergy 1": pytest.approx(s.torques.sum())}
+    assert solution_record(g, s, g.explain())["actuators"]["each"] == {"synergy 1": pytest.approx(s.torques.sum())}
 
 
 # ---------------------------------------------------------------- refusals

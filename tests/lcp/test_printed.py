@@ -7,8 +7,8 @@ import pytest
 
 import handlcp as hl
 from handlcp.lcp import Solver
-from handlcp.study.accuracy import AsPrinted
-from handlcp.study.paper import example
+from handlcp.studies.accuracy import AsPrinted
+from handlcp.studies.paper import example
 from tests.lcp.problems import random_p
 from tests.oracle import every_solution
 from tests.support.texts import says

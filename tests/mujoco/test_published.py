@@ -11,7 +11,7 @@ import mujoco
 
 import handlcp as hl
 from handlcp.simulator import SimulatorSettings, simulate_limit
-from tests.support.published import SHAKING, gripper, shaken
+from tests.support.published import SHAKE_ACCELERATION, gripper, shake_grasp
 from tests.support.squeezed import MU, G
 
 FORCE, WIDE, DOWN, HERTZ = 10.0, 0.05, np.array([0.0, 0.0, 1.0]), 2.0
@@ -22,7 +22,7 @@ def ball(folder, mass, grip=FORCE):
     """Under the largest weight of the shake, between two jaws that press with all their force, or less."""
     hand = gripper(folder, FORCE)
     obj = hl.Sphere(0.5 * WIDE, placement=(0, 0, 0.1), mass=mass)
-    gravity = (G + SHAKING) * DOWN
+    gravity = (G + SHAKE_ACCELERATION) * DOWN
     return hand.at(hand.close_on(obj)).grasp(obj, friction=SOFT, gravity=gravity, grip_force=grip)
 
 
@@ -57,9 +57,9 @@ def test_a_ball_is_pulled_out_with_the_force_of_slip_resistance(tmp_path):
 @pytest.mark.parametrize(("share", "holds"), [(0.9, True), (1.15, False)])
 def test_a_ball_that_is_really_shaken_moves_as_far_or_falls(tmp_path, share, holds):
     """Gravity that swings is a hand that is shaken, as the ball feels it, with all its inertia."""
-    mass = share * 2 * MU * FORCE / (G + SHAKING)
+    mass = share * 2 * MU * FORCE / (G + SHAKE_ACCELERATION)
     grasp = ball(tmp_path, mass)
-    ours = shaken(grasp, "sphere", WIDE, DOWN)
+    ours = shake_grasp(grasp, "sphere", WIDE, DOWN)
     assert ours.held is holds
     still = SimulatorSettings(object_mass=mass, object_damping=0.5)
     xml, state = hl.to_mujoco(grasp.replace(gravity=G * DOWN), settings=still)
@@ -72,7 +72,7 @@ def test_a_ball_that_is_really_shaken_moves_as_far_or_falls(tmp_path, share, hol
         grown = min(data.time / 0.2, 1.0)
         swing = np.sin(2 * np.pi * HERTZ * max(data.time - before, 0.0))
         state.drive(model, data, grown, np.clip(data.time / 0.2 - 1.0, 0.0, 1.0))
-        model.opt.gravity[:] = (G + SHAKING * swing) * DOWN
+        model.opt.gravity[:] = (G + SHAKE_ACCELERATION * swing) * DOWN
         mujoco.mj_step(model, data, round(1e-3 / step))
         path.append(float(data.qpos[z]))
     fell = abs(path[-1]) >= WIDE

@@ -14,7 +14,7 @@ import handlcp as hl
 from handlcp.errors import InputError
 from tests.support import squeezed
 from tests.support.browser import opened
-from tests.support.show import divided, section, surface_of, wires
+from tests.support.show import bound_lines, cut_by_plane, divide_mixed_cells, make_surface
 
 NASTY = "</script><script>document.documentElement.dataset.pwned=1</script>"
 MU, GRIP = 0.5, 2.0
@@ -40,7 +40,7 @@ def texts(figure):
 @pytest.mark.long
 def test_every_point_of_the_surface_is_the_factor_along_its_direction():
     for env in (cube(), pinch()):
-        s, m = surface_of(env), len(env.factors)
+        s, m = make_surface(env), len(env.factors)
         np.testing.assert_allclose(s.points[:m], env.directions * np.minimum(env.factors, s.reach)[:, None])
         assert s.cut == bool((env.factors > s.reach).any())
         assert np.linalg.norm(s.points, axis=1).max() <= s.reach * (1 + 1e-12)
@@ -49,7 +49,7 @@ def test_every_point_of_the_surface_is_the_factor_along_its_direction():
 def test_cells_are_divided_where_causes_differ_into_parts_of_one_cause():
     corners = np.array([(0.0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)])
     cells = np.array([(0, 1, 2), (1, 3, 2)])
-    parts, kinds, more = divided(cells, np.array([0, 1, 2, 1]))
+    parts, kinds, more = divide_mixed_cells(cells, np.array([0, 1, 2, 1]))
     points = np.concatenate([corners, corners[more].mean(axis=1)])
     a, b, c = points[parts].transpose(1, 0, 2)
     area = np.cross(b - a, c - a)[:, 2] / 2
@@ -60,16 +60,16 @@ def test_cells_are_divided_where_causes_differ_into_parts_of_one_cause():
 
 
 def test_a_segment_is_divided_in_its_middle():
-    parts, kinds, more = divided(np.array([(0, 1), (1, 2)]), np.array([0, 1, 1]))
+    parts, kinds, more = divide_mixed_cells(np.array([(0, 1), (1, 2)]), np.array([0, 1, 1]))
     assert sorted(zip(parts.tolist(), kinds.tolist(), strict=True)) == [([0, 3], 0), ([1, 2], 1), ([3, 1], 1)]
     np.testing.assert_array_equal(more, [(0, 1, 0, 1, 0, 1)])
 
 
 def test_a_section_lies_in_its_plane_and_on_the_surface_all_around():
     env = cube()
-    s = surface_of(env)
+    s = make_surface(env)
     for normal in (np.array([0.0, 0, 1]), np.array([1.0, 1, 0]) / np.sqrt(2)):
-        lines, cells = section(s.own, s.cells, normal)
+        lines, cells = cut_by_plane(s.factor_points, s.cells, normal)
         assert abs(lines @ normal).max() < 1e-7 * s.reach
         assert len(cells) == len(lines)
         turned = np.cross(lines[:, 0], lines[:, 1]) @ normal
@@ -78,8 +78,8 @@ def test_a_section_lies_in_its_plane_and_on_the_surface_all_around():
 
 
 def test_the_bounds_lines_are_outside_the_surface_and_within_the_reach():
-    s = surface_of(cube())
-    lines = wires(s)
+    s = make_surface(cube())
+    lines = bound_lines(s)
     assert len(lines)
     assert np.linalg.norm(lines, axis=2).max() <= 1.001 * s.reach
 

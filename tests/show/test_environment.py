@@ -15,7 +15,7 @@ from handlcp.scene import load
 from tests.show.test_picture import contacts_only, volume
 from tests.show.test_tables import printed
 from tests.support.grasp import arrays
-from tests.support.show import draw, environment_bodies, record, stub_bodies, tables
+from tests.support.show import draw_solution, environment_bodies, solution_record, stub_bodies, tables
 from tests.support.texts import says, without_numbers
 
 EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
@@ -67,7 +67,7 @@ def test_the_verdict_speaks_of_contacts():
 
 def test_a_record_says_which_contacts_are_the_environments(box):
     grasp, s = box
-    contacts = record(grasp, s, grasp.explain())["contacts"]
+    contacts = solution_record(grasp, s, grasp.explain())["contacts"]
     assert [c["environment"] for c in contacts] == [False] * 2 + [True] * 4
 
 
@@ -85,7 +85,7 @@ def test_contacts_in_one_plane_share_a_slab_below_it():
 
 
 def test_the_picture_names_the_tables_contacts(box):
-    words = [t.get_text() for t in draw(*box).findobj(Text)]
+    words = [t.get_text() for t in draw_solution(*box).findobj(Text)]
     assert any("table 3" in w for w in words)
     says("; ".join(w for w in words if "force" in w), "contact", "sticking")
     assert not any("finger" in w and "force" in w for w in words)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.study.accuracy import accuracy_cost
+from handlcp.studies.accuracy import accuracy_cost
 
 pandas = pytest.importorskip("pandas")
 

@@ -12,7 +12,16 @@ from handlcp import Contact, Coulomb, Frictionless, Grasp
 from handlcp.errors import InputError, Unsupported
 from handlcp.scene import load
 from tests.support import patches
-from tests.support.show import camera_of, draw, facing, fill, nice, rim, save, shapes
+from tests.support.show import (
+    camera_against,
+    camera_of,
+    draw_solution,
+    fill_triangles,
+    friction_cone_rim,
+    nice_number,
+    save,
+    shapes,
+)
 from tests.support.texts import says
 
 EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
@@ -49,7 +58,7 @@ def test_the_caption_is_the_verdicts_word_and_first_reason():
     grasp = load(EXAMPLES / "cube_three_fingers.toml").build()
     s = grasp.solve()
     checked = grasp.check(faces=8, solution=s)
-    for verdict, figure in ((s.verdict, draw(grasp, s)), (checked, draw(grasp, s, verdict=checked))):
+    for verdict, figure in ((s.verdict, draw_solution(grasp, s)), (checked, draw_solution(grasp, s, verdict=checked))):
         said = " ".join(t.get_text() for t in figure.texts[:3])
         assert said.startswith(f"{verdict.word}: {verdict.reasons[0].sentence}.")
         assert verdict.reasons[1].sentence not in said
@@ -66,7 +75,7 @@ def test_a_plane_with_an_askew_load_is_seen_along_its_normal_too():
     solution = grasp.solve()
     camera = camera_of(grasp)
     np.testing.assert_array_equal(camera.project(np.eye(3)), [(1, 0), (0, 1), (0, 0)])
-    assert len(draw(grasp, solution).axes) > 0
+    assert len(draw_solution(grasp, solution).axes) > 0
 
 
 def test_a_grasp_that_does_not_hold_shows_the_way_out(tmp_path):
@@ -99,25 +108,25 @@ def test_without_matplotlib_the_message_says_what_to_install(monkeypatch):
     s = grasp.solve()
     patches.without_module(monkeypatch, "matplotlib")
     with pytest.raises(Unsupported, match="pip install 'matplotlib>="):
-        draw(grasp, s)
+        draw_solution(grasp, s)
 
 
 def test_shapes_are_closed_wind_outwards_and_have_their_volume():
-    assert volume(shapes.box((1, 2, 3))) == pytest.approx(6)
-    assert volume(shapes.ellipsoid((1, 2, 3))) == pytest.approx(8 * np.pi, rel=0.02)
-    assert volume(shapes.cylinder(1, 2)) == pytest.approx(2 * np.pi, rel=0.01)
-    rod = shapes.capsule((0, 0, 0), (0, 3, 4), 1)
+    assert volume(shapes.box_triangles((1, 2, 3))) == pytest.approx(6)
+    assert volume(shapes.ellipsoid_triangles((1, 2, 3))) == pytest.approx(8 * np.pi, rel=0.02)
+    assert volume(shapes.cylinder_triangles(1, 2)) == pytest.approx(2 * np.pi, rel=0.01)
+    rod = shapes.capsule_triangles((0, 0, 0), (0, 3, 4), 1)
     assert volume(rod) == pytest.approx(5 * np.pi + 4 / 3 * np.pi, rel=0.06)
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
-    assert volume(shapes.hull(corners, 0.1)) == pytest.approx(1)
-    assert shapes.hull(np.array([[0, 0, 0], [1, 0, 0]]), 0.1) is None
+    assert volume(shapes.thick_hull(corners, 0.1)) == pytest.approx(1)
+    assert shapes.thick_hull(np.array([[0, 0, 0], [1, 0, 0]]), 0.1) is None
 
 
 def test_a_fine_surface_is_made_coarse_and_stays_where_it_is():
-    plain = shapes.box((1, 2, 3))
-    assert shapes.coarse(plain, 0.1) is plain
-    fine = shapes.revolved([(np.sin(a), -np.cos(a)) for a in np.linspace(0, np.pi, 120)], 200)
-    few = shapes.coarse(fine, 0.1)
+    plain = shapes.box_triangles((1, 2, 3))
+    assert shapes.coarsen_triangles(plain, 0.1) is plain
+    fine = shapes.revolve_profile([(np.sin(a), -np.cos(a)) for a in np.linspace(0, np.pi, 120)], 200)
+    few = shapes.coarsen_triangles(fine, 0.1)
     assert 200 < len(few) < 0.2 * len(fine)
     np.testing.assert_allclose(np.linalg.norm(few.reshape(-1, 3), axis=1), 1.0, atol=0.1)
     assert volume(few) == pytest.approx(4 / 3 * np.pi, rel=0.1)
@@ -127,13 +136,13 @@ def test_the_nearer_triangle_wins_a_pixel():
     colour, depth = np.zeros((4, 4, 3)), np.full((4, 4), -np.inf)
     whole = np.array([[-9.0, -9, 0], [20, -9, 0], [-9, 20, 0]])
     up = np.array([0.0, 0.0, 1.0])
-    fill(colour, depth, np.array([whole + 2 * up, whole + up]), np.array([[1.0, 0, 0], [0, 1.0, 0]]))
+    fill_triangles(colour, depth, np.array([whole + 2 * up, whole + up]), np.array([[1.0, 0, 0], [0, 1.0, 0]]))
     assert (colour == (1, 0, 0)).all()
     np.testing.assert_allclose(depth, 2)
 
 
 def test_the_camera_is_a_rotation_that_keeps_up_up():
-    c = facing(np.array([1.0, 2, 0.5]), np.array([0.0, 0, 1]))
+    c = camera_against(np.array([1.0, 2, 0.5]), np.array([0.0, 0, 1]))
     np.testing.assert_allclose(c.axes @ c.axes.T, np.eye(3), atol=1e-12)
     assert np.linalg.det(c.axes) == pytest.approx(1)
     up = c.project(np.array([0.0, 0, 1]))
@@ -141,12 +150,12 @@ def test_the_camera_is_a_rotation_that_keeps_up_up():
 
 
 def test_a_cones_rim_is_the_friction_limit():
-    edge = rim(np.zeros(3), np.eye(3), 2.0, 0.5, False)
+    edge = friction_cone_rim(np.zeros(3), np.eye(3), 2.0, 0.5, False)
     np.testing.assert_allclose(edge[:, 2], 2.0)
     np.testing.assert_allclose(np.hypot(edge[:, 0], edge[:, 1]), 1.0)
-    np.testing.assert_allclose(rim(np.zeros(3), np.eye(3), 2.0, 0.5, True), [[1, 0, 2], [-1, 0, 2]])
+    np.testing.assert_allclose(friction_cone_rim(np.zeros(3), np.eye(3), 2.0, 0.5, True), [[1, 0, 2], [-1, 0, 2]])
 
 
 @pytest.mark.parametrize(("value", "expected"), [(1.0, 1.0), (1.9, 1.0), (4.9, 2.0), (7.0, 5.0), (0.03, 0.02)])
 def test_scales_are_round(value, expected):
-    assert nice(value) == pytest.approx(expected)
+    assert nice_number(value) == pytest.approx(expected)

@@ -9,7 +9,16 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 import handlcp as hl
 from tests.show.picture_cases import bare_hand, case, ring
 from tests.support import patches
-from tests.support.show import Turn, draw, facing, grasp_at_end, hand_bodies, moved, solution_at_end, tip_shapes
+from tests.support.show import (
+    RotationArc,
+    camera_against,
+    describe_motion,
+    draw_solution,
+    grasp_at_end,
+    hand_bodies,
+    solution_at_end,
+    undrawn_tip_shapes,
+)
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -22,16 +31,16 @@ def coarse(monkeypatch):
 def legend(name, **more):
     grasp, solution, obj, title = case(name)
     return " | ".join(t.get_text().replace("\N{NO-BREAK SPACE}", " ").replace("\n", " ")
-                      for t in draw(grasp, solution, obj, title, **more).legends[0].get_texts())  # fmt: skip
+                      for t in draw_solution(grasp, solution, obj, title, **more).legends[0].get_texts())  # fmt: skip
 
 
 # ---------------------------------------------------------------- moments
 @pytest.mark.parametrize("towards", [(0, 0, 1), (1, 0.3, 0.4), (1, 0, 0), (0.2, 1, -0.7)])
 @pytest.mark.parametrize("axis", [(0, 0, 1), (0, 0, -1), (1, 0, 0), (0.6, 0, -0.8)])
 def test_an_arc_turns_as_a_right_hand_screw_and_is_never_a_line(axis, towards):
-    camera = facing(np.array(towards, dtype=float), np.array([0.0, 1, 0]))
-    turn = Turn(np.array([0.1, 0.2, 0.3]), np.array(axis, dtype=float), 0.02)
-    points = turn.arc(camera) - camera.project(turn.centre)
+    camera = camera_against(np.array(towards, dtype=float), np.array([0.0, 1, 0]))
+    turn = RotationArc(np.array([0.1, 0.2, 0.3]), np.array(axis, dtype=float), 0.02)
+    points = turn.screen_points(camera) - camera.project(turn.centre)
     area = 0.5 * float((points[:-1, 0] * points[1:, 1] - points[:-1, 1] * points[1:, 0]).sum())
     along = float(np.array(axis, dtype=float) @ camera.axes[2])
     assert abs(area) > 0.3 * 0.02**2, "the arc is open"
@@ -41,9 +50,9 @@ def test_an_arc_turns_as_a_right_hand_screw_and_is_never_a_line(axis, towards):
 
 
 def test_an_arc_is_longer_for_a_larger_moment():
-    camera = facing(UP, np.array([0.0, 1, 0]))
+    camera = camera_against(UP, np.array([0.0, 1, 0]))
     lengths = [
-        np.linalg.norm(np.diff(Turn(np.zeros(3), UP, 1.0, share).arc(camera), axis=0), axis=1).sum()
+        np.linalg.norm(np.diff(RotationArc(np.zeros(3), UP, 1.0, share).screen_points(camera), axis=0), axis=1).sum()
         for share in (0.1, 0.5, 1.0)
     ]
     assert lengths[0] < lengths[1] < lengths[2] < 2 * np.pi
@@ -59,7 +68,7 @@ def test_the_legend_has_the_torque_of_the_load_and_the_moments_of_soft_fingers()
 
 def test_a_dollar_in_a_title_is_a_dollar(tmp_path):
     grasp, solution, obj, _ = case("cube_three_fingers")
-    figure = draw(grasp, solution, obj, "$5 for a $^$ hand")
+    figure = draw_solution(grasp, solution, obj, "$5 for a $^$ hand")
     assert [t.get_text() for t in figure.texts if "$" in t.get_text() and not t.get_parse_math()] == [
         "$5 for a $^$ hand"
     ]
@@ -75,7 +84,7 @@ def test_what_is_drawn_of_a_load_is_statically_the_load():
     about = np.cross(-offset, force)
     far = hl.Grasp(contacts, (*force, *about), flexibility=1e-3, preload=3e-3, reference=offset)
     words = [
-        " | ".join(t.get_text() for t in draw(g, g.solve()).legends[0].get_texts() if "object" in t.get_text())
+        " | ".join(t.get_text() for t in draw_solution(g, g.solve()).legends[0].get_texts() if "object" in t.get_text())
         for g in (near, far)
     ]
     assert words[0] == words[1]
@@ -106,14 +115,14 @@ def test_every_slip_is_drawn_or_named_in_the_legend():
 
 def slip_arrows(name):
     grasp, solution, obj, title = case(name)
-    figure = draw(grasp, solution, obj, title)
+    figure = draw_solution(grasp, solution, obj, title)
     purple = (0xA0 / 255, 0x30 / 255, 0x7A / 255)
     return sum(np.allclose(p.get_facecolor()[:3], purple) for p in figure.axes[0].patches)
 
 
 def test_a_load_too_small_to_draw_is_said_to_be():
     grasp = ring(3, load=(0, 0, -1e-3, 0, 0, 0))
-    said = [t.get_text() for t in draw(grasp, grasp.solve()).legends[0].get_texts()]
+    said = [t.get_text() for t in draw_solution(grasp, grasp.solve()).legends[0].get_texts()]
     assert any("too small to draw" in t.replace("\n", " ") for t in said)
     assert "too small" not in legend("cube_three_fingers")
 
@@ -139,9 +148,9 @@ def test_links_without_geometry_are_sticks_from_joint_to_joint():
 
 def test_a_fingertip_is_drawn_where_its_contact_is_not_on_the_hand():
     cube = case("cube_three_fingers")[0]
-    assert tip_shapes(cube, hand_bodies(cube.state)) == [], "its visual geometry is the ball that touches"
+    assert undrawn_tip_shapes(cube, hand_bodies(cube.state)) == [], "its visual geometry is the ball that touches"
     bare = case("bare_hand")[0]
-    shown = tip_shapes(bare, hand_bodies(bare.state))
+    shown = undrawn_tip_shapes(bare, hand_bodies(bare.state))
     assert len(shown) == 3
     for triangles, tip, p in zip(shown, bare.state.tip_positions, [c.position for c in bare.contacts], strict=True):
         np.testing.assert_allclose(np.linalg.norm(triangles.reshape(-1, 3) - tip, axis=1), 0.008, rtol=1e-9)
@@ -168,7 +177,7 @@ def test_stripes_mark_what_is_inside_the_object(monkeypatch):
 
 def rendered(name):
     grasp, solution, obj, title = case(name)
-    figure = draw(grasp, solution, obj, title)
+    figure = draw_solution(grasp, solution, obj, title)
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())[80:, :700, :3].astype(int)
@@ -181,11 +190,11 @@ def said(figure):
 
 def test_a_line_says_which_state_is_drawn():
     grasp, solution, *_ = case("cube_three_fingers")
-    assert "one solve in the given posture, squeeze and load at once." in said(draw(grasp, solution))
+    assert "one solve in the given posture, squeeze and load at once." in said(draw_solution(grasp, solution))
     verdict = grasp.check(solution=solution)
-    assert "The verdict follows the loading in steps." in said(draw(grasp, solution, verdict=verdict))
+    assert "The verdict follows the loading in steps." in said(draw_solution(grasp, solution, verdict=verdict))
     path = verdict.loading
-    at_end = draw(grasp_at_end(path), solution_at_end(path), path.object, verdict=verdict)
-    assert f"Drawn: the end of the loading. The object has {moved(path.displacement)}." in said(at_end)
+    at_end = draw_solution(grasp_at_end(path), solution_at_end(path), path.object, verdict=verdict)
+    assert f"Drawn: the end of the loading. The object has {describe_motion(path.displacement)}." in said(at_end)
     grasp, solution, *_ = case("frictionless")
-    assert "without forces, as no equilibrium was found" in said(draw(grasp, solution))
+    assert "without forces, as no equilibrium was found" in said(draw_solution(grasp, solution))

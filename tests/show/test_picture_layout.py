@@ -14,7 +14,7 @@ from matplotlib.text import Text
 
 from tests.show.picture_cases import CASES, LONG, case
 from tests.support import patches
-from tests.support.show import draw, shortened
+from tests.support.show import draw_solution, shorten_names
 
 
 @pytest.fixture(autouse=True)
@@ -24,7 +24,7 @@ def coarse(monkeypatch):
 
 def drawn(name):
     grasp, solution, obj, title = case(name)
-    figure = draw(grasp, solution, obj, title)
+    figure = draw_solution(grasp, solution, obj, title)
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     return figure, canvas.get_renderer()
@@ -130,9 +130,9 @@ def test_a_label_has_the_normal_force_and_the_friction_of_its_contact():
 
 
 def test_long_names_keep_what_tells_them_apart():
-    assert shortened(LONG, 24) == ["…index…", "…middle…", "…thumb…"]
-    assert shortened(["short", "as long as it may be"], 20) == ["short", "as long as it may be"]
-    alike = shortened(["a" * 40, "a" * 60, "b" * 50], 20)
+    assert shorten_names(LONG, 24) == ["…index…", "…middle…", "…thumb…"]
+    assert shorten_names(["short", "as long as it may be"], 20) == ["short", "as long as it may be"]
+    alike = shorten_names(["a" * 40, "a" * 60, "b" * 50], 20)
     assert len(set(alike)) == 3
     assert all(len(name) <= 20 for name in alike)
-    assert shortened([], 10) == []
+    assert shorten_names([], 10) == []

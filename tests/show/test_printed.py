@@ -11,7 +11,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.scene import load
-from handlcp.study.accuracy import accuracy_cost
+from handlcp.studies.accuracy import accuracy_cost
 from tests.support.show import html
 
 ROOT = pathlib.Path(__file__).parents[2] / "examples"

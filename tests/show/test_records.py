@@ -14,13 +14,13 @@ import pytest
 
 import handlcp as hl
 from handlcp.simulator import compare, simulate_limit
-from handlcp.study.accuracy import accuracy_cost
-from handlcp.study.paper import run
+from handlcp.studies.accuracy import accuracy_cost
+from handlcp.studies.paper import run
 from tests.design import optima
 from tests.design.hands import pinch as levers
 from tests.hand.conftest import MIMIC
 from tests.support.published import gripper
-from tests.support.records import described, doc_of, kinds, plain, within
+from tests.support.records import described, doc_of, kinds, to_plain, within
 
 BOX = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
 PUSH = (1.0, 0, 0, 0, 0, 0)
@@ -136,8 +136,8 @@ def test_a_record_is_plain_data_that_json_brings_back(example):
     what, names, found = example
     assert type(found).__name__ == names[0]
     told = found.to_dict()
-    assert names[0] == "Solutions" or plain(told) == told
-    assert json.loads(found.to_json()) == plain(told)
+    assert names[0] == "Solutions" or to_plain(told) == told
+    assert json.loads(found.to_json()) == to_plain(told)
     assert not [v for v in found.to_row().values() if isinstance(v, dict)]
     assert ", ".join(told) == CONTRACT["keys"][what]
 

@@ -10,13 +10,13 @@ import pytest
 import handlcp as hl
 from tests.support.design import (
     ObjectCase,
-    alike,
-    asked,
-    best_of,
-    better,
-    differences,
+    compare_hands,
+    describe_better_hands,
+    describe_brief,
+    draw_comparable_pictures,
     hand_number,
     hand_numbers,
+    mark_best,
     number_unit,
     reported_by,
 )
@@ -62,21 +62,21 @@ def test_each_grasp_has_its_picture_and_each_object_and_load_its_row(page):
 
 
 def test_what_differs_has_names_of_vary_with_the_values_of_each_hand(hands):
-    rows = dict((row[0], row[1:]) for row in differences(hands))
+    rows = dict((row[0], row[1:]) for row in compare_hands(hands))
     (lengths,) = [values for what, values in rows.items() if what.startswith("length of finger_1_distal")]
     (springs,) = [values for what, values in rows.items() if what.startswith("stiffness of")]
     assert (lengths, springs) == (("0.04 m", "0.042 m"), ("1 N·m/rad", "2 N·m/rad"))
     assert "size" in rows
-    assert differences({"one": hands["short"], "other": hands["short"]}) == []
+    assert compare_hands({"one": hands["short"], "other": hands["short"]}) == []
 
 
 def test_where_joints_stand_how_they_turn_and_how_far_is_told_too():
     one, other = hl.finger_hand(2), hl.finger_hand(2, angles=(0.0, 3.0), tilt={"finger_1": 0.1}, ranges=(-0.4, 1.5))
-    rows = {row[0]: row[1:] for row in differences({"one": one, "other": other})}
+    rows = {row[0]: row[1:] for row in compare_hands({"one": one, "other": other})}
     assert rows["position of finger_2_proximal"] == ("(-40, 0, 0) mm", "(-39.6, 5.645, 0) mm")
     assert rows["roll, pitch, yaw of finger_1_proximal"] == ("(0, 0, 0)°", "(0, 5.73, 0)°")
     assert rows["range of finger_1_proximal, finger_2_proximal"] == ("-0.5 to 1.6", "-0.4 to 1.5")
-    longer = differences({"one": one, "other": one.vary({"finger_1_proximal.length": 0.06})})
+    longer = compare_hands({"one": one, "other": one.vary({"finger_1_proximal.length": 0.06})})
     assert [row[0] for row in longer if "size" not in row[0]] == ["length of finger_1_proximal"], (
         "and nothing that follows"
     )
@@ -99,30 +99,32 @@ def test_the_numbers_of_a_hand_are_those_that_vary_gives_it(hands):
 
 
 def test_the_brief_is_told_in_words():
-    said = "\n".join(asked(BRIEF))
+    said = "\n".join(describe_brief(BRIEF))
     for fact in ("a <b> ball, a ball 60 mm across of 0.1 kg", "“pull”: (1, 0, 0) N", "coefficient 0.6", "1 times"):
         assert fact in said
 
 
 def test_only_numbers_that_differ_have_a_best():
-    assert best_of([1.0, 1.5, np.nan], True) == [False, True, False]
-    assert best_of([1.0, 1.5], False) == [True, False]
-    assert best_of([1.0, 1.005], True) == [False, False]
-    assert better({}) == []
+    assert mark_best([1.0, 1.5, np.nan], True) == [False, True, False]
+    assert mark_best([1.0, 1.5], False) == [True, False]
+    assert mark_best([1.0, 1.005], True) == [False, False]
+    assert describe_better_hands({}) == []
 
 
 def test_a_hand_that_drops_its_object_sooner_is_not_called_gentler():
     def made(word, force):
         return hl.Evaluation({"box": ObjectCase(word, {}, {"weight": 2.0}, 0.4, "it slips", force=force, motion=0.0)})
 
-    assert not any("presses" in text for text in better({"a": made("HELD", 5.0), "b": made("NOT HELD", 2.0)}))
-    told = better({"a": made("HELD", 5.0), "b": made("HELD", 2.0), "c": made("NOT HELD", 1.0)})
+    assert not any(
+        "presses" in text for text in describe_better_hands({"a": made("HELD", 5.0), "b": made("NOT HELD", 2.0)})
+    )
+    told = describe_better_hands({"a": made("HELD", 5.0), "b": made("HELD", 2.0), "c": made("NOT HELD", 1.0)})
     assert "b presses less hard: a 5 N, b 2 N" in told
 
 
 def test_a_grasp_that_there_is_none_of_has_no_picture_and_equal_ones_the_same(found):
     grasp = found.cases["a <b> ball"].candidate
-    one, none, other = alike([grasp, None, grasp])
+    one, none, other = draw_comparable_pictures([grasp, None, grasp])
     assert none == b""
     assert one == other
     assert one.startswith(b"\x89PNG")

@@ -35,22 +35,22 @@ def printed(table, width=80):
     ],
 )
 def test_lengths_in_millimetres_or_micrometres(metres, text):
-    assert units.length(metres) == text
+    assert units.format_length(metres) == text
 
 
 @pytest.mark.parametrize(
     ("call", "text"),
     [
-        (units.force(1.5283), "1.53 N"),
-        (units.force(12345.6), "12346 N"),
-        (units.torque(0.30066), "0.301 N·m"),
-        (units.torque(0.0042), "4.2 mN·m"),
-        (units.torque(0.0), "0 N·m"),
-        (units.percent(0.376), "38 %"),
-        (units.percent(0.0612), "6.1 %"),
-        (units.percent(0.0), "0 %"),
-        (units.percent(np.nan), "–"),
-        (units.angle(np.radians(0.58)), "0.58°"),
+        (units.format_force(1.5283), "1.53 N"),
+        (units.format_force(12345.6), "12346 N"),
+        (units.format_torque(0.30066), "0.301 N·m"),
+        (units.format_torque(0.0042), "4.2 mN·m"),
+        (units.format_torque(0.0), "0 N·m"),
+        (units.format_percent(0.376), "38 %"),
+        (units.format_percent(0.0612), "6.1 %"),
+        (units.format_percent(0.0), "0 %"),
+        (units.format_percent(np.nan), "–"),
+        (units.format_angle(np.radians(0.58)), "0.58°"),
     ],
 )
 def test_numbers_fit_their_size(call, text):
@@ -58,9 +58,9 @@ def test_numbers_fit_their_size(call, text):
 
 
 def test_a_column_of_lengths_has_one_unit():
-    column = units.length_unit([2e-5, 0.0, 5e-6])
+    column = units.choose_length_unit([2e-5, 0.0, 5e-6])
     assert (column.name, column(2e-5), column(0.0)) == ("µm", "20.00", "0")
-    column = units.length_unit([2e-3, 5e-6])
+    column = units.choose_length_unit([2e-3, 5e-6])
     assert (column.name, column(2e-3), column(5e-6)) == ("mm", "2.00", "0.005")
 
 

@@ -15,8 +15,8 @@ from rich.console import Console
 
 import handlcp as hl
 from handlcp.errors import InputError, Unsupported
-from handlcp.study.accuracy import METHODS, Row
-from handlcp.study.paper import example
+from handlcp.studies.accuracy import METHODS, Row
+from handlcp.studies.paper import example
 from tests.support import patches
 from tests.support.show import all_tables, work_precision_figure
 from tests.support.study import NOT_RUN

@@ -13,8 +13,8 @@ import pytest
 
 import handlcp as hl
 from handlcp.errors import InputError, NoSolutionFound, UnknownName
-from handlcp.study.accuracy import METHODS, AccuracyCost
-from handlcp.study.paper import example
+from handlcp.studies.accuracy import METHODS, AccuracyCost
+from handlcp.studies.paper import example
 from tests.grasp.scenes import ring
 from tests.support import patches
 from tests.support.grasp import arrays
@@ -304,5 +304,7 @@ def test_a_scene_without_an_answer_has_nothing_to_compare_with():
 
 
 def test_importing_the_package_does_not_import_the_study():
-    code = "import sys, handlcp; assert 'handlcp.study' not in sys.modules; handlcp.accuracy_cost; handlcp.AccuracyCost"
+    code = (
+        "import sys, handlcp; assert 'handlcp.studies' not in sys.modules; handlcp.accuracy_cost; handlcp.AccuracyCost"
+    )
     subprocess.run([sys.executable, "-c", code], check=True)

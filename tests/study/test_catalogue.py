@@ -11,7 +11,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.scene import SceneFile, keys
-from handlcp.study.effect_catalogue import cost, costs, entries, trials
+from handlcp.studies.effect_catalogue import cost, costs, entries, trials
 from tests.support import patches
 from tests.support.effects import entry_for, kinds_in_the_catalogue, made_up_entry
 from tests.support.grasp import arrays

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from handlcp.study.paper import NUMBERS, Mark, Number, example, mark_of, raw, table
+from handlcp.studies.paper import NUMBERS, Mark, Number, example, mark_of, raw, table
 from tests.support.grasp import arrays
 
 # Numbers printed in Tables 1 to 10, counted in the paper

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from handlcp.cli import app
-from handlcp.study.paper import Mark, run
+from handlcp.studies.paper import Mark, run
 from tests.support import patches
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from handlcp.study.paper import (
+from handlcp.studies.paper import (
     NUMBERS,
     REPRODUCED,
     Mark,

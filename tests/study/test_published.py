@@ -8,7 +8,7 @@ import pytest
 import handlcp as hl
 from tests.design.hands import pinch as levers
 from tests.hand.levers import L
-from tests.support.published import SHAKING, SPEEDING_UP, gripper, shaken
+from tests.support.published import LIFT_ACCELERATION, SHAKE_ACCELERATION, gripper, shake_grasp
 from tests.support.squeezed import MU, G, K, N, R, pinch as two_points
 from tests.support.texts import says
 
@@ -25,7 +25,7 @@ def ball(folder, mass, grip=FORCE, friction=MU):
     hand = gripper(folder, FORCE)
     obj = hl.Sphere(0.5 * WIDE, placement=(0, 0, 0.1), mass=mass)
     state = hand.at(hand.close_on(obj))
-    return state.grasp(obj, friction=friction, gravity=(G + SHAKING) * DOWN, grip_force=grip)
+    return state.grasp(obj, friction=friction, gravity=(G + SHAKE_ACCELERATION) * DOWN, grip_force=grip)
 
 
 # ---------------------------------------------------------------- finger strength
@@ -132,26 +132,26 @@ def test_a_hand_pulls_on_with_all_its_torque_while_a_pinched_cylinder_is_pulled_
 
 # ---------------------------------------------------------------- lift and shake
 def test_the_accelerations_are_those_of_the_documents():
-    assert pytest.approx(0.02 * (4 * np.pi) ** 2) == SHAKING
-    assert pytest.approx(0.8) == SPEEDING_UP  # 20 cm in 1 s, half of it speeding up: s = a t² / 2 twice
-    assert SPEEDING_UP < SHAKING
+    assert pytest.approx(0.02 * (4 * np.pi) ** 2) == SHAKE_ACCELERATION
+    assert pytest.approx(0.8) == LIFT_ACCELERATION  # 20 cm in 1 s, half of it speeding up: s = a t² / 2 twice
+    assert LIFT_ACCELERATION < SHAKE_ACCELERATION
 
 
 @pytest.mark.parametrize(("share", "holds"), [(0.98, True), (1.02, False)])
 def test_jaws_hold_a_ball_through_the_shake_up_to_2_mu_n_over_g_plus_a(tmp_path, share, holds):
-    most = 2 * MU * FORCE / (G + SHAKING)
-    row = shaken(ball(tmp_path, share * most), "sphere", WIDE, DOWN)
+    most = 2 * MU * FORCE / (G + SHAKE_ACCELERATION)
+    row = shake_grasp(ball(tmp_path, share * most), "sphere", WIDE, DOWN)
     assert row.held is holds, str(row)
     assert row.most == pytest.approx(most, rel=1e-5)
     if holds:
         mass, c = row.mass, 0.5 * PAD  # two pads that give way side by side
-        assert row.moved == pytest.approx(mass * (G + SHAKING) * c, rel=1e-3)
+        assert row.moved == pytest.approx(mass * (G + SHAKE_ACCELERATION) * c, rel=1e-3)
         assert len(row.loading.stages) == 2 + 2 * 4 + 1
 
 
 def test_a_ball_on_pads_swings_with_the_period_of_a_spring(tmp_path):
     """Soft fingertips, so that the ball does not turn about the line between them."""
-    row = shaken(ball(tmp_path, 0.4, friction=hl.SoftFinger(MU, 0.01)), "sphere", WIDE, DOWN)
+    row = shake_grasp(ball(tmp_path, 0.4, friction=hl.SoftFinger(MU, 0.01)), "sphere", WIDE, DOWN)
     assert row.period == pytest.approx(2 * np.pi * np.sqrt(0.4 * 0.5 * PAD), rel=1e-3)
 
 
@@ -161,7 +161,7 @@ def test_a_ball_of_half_the_rated_payload_is_lifted_70_percent_as_wide_as_the_ha
     found = hl.lift_and_shake(hand, 1.0, 0.08, friction=MU, tries=4)
     assert (found.sphere.mass, found.sphere.size) == pytest.approx((0.5, 0.056))
     assert found.sphere.held, str(found)
-    assert found.sphere.most == pytest.approx(2 * MU * FORCE / (G + SHAKING), rel=1e-3)
+    assert found.sphere.most == pytest.approx(2 * MU * FORCE / (G + SHAKE_ACCELERATION), rel=1e-3)
     assert found.passed is (found.cube is not None and found.cube.held)
     assert set(found.missing) == ({"cube"} if found.cube is None else set())
 
@@ -214,7 +214,7 @@ def test_what_prints_has_the_forces_the_masses_and_what_gives_out(tmp_path):
     says(str(found), "finger_1_proximal", f"{found.weakest.force:.3g}")
     pulled = hl.slip_resistance(two_points(), DOWN)
     says(str(pulled), f"{2 * MU * N:.3g} N")
-    row = shaken(ball(tmp_path, 0.4), "sphere", WIDE, DOWN)
+    row = shake_grasp(ball(tmp_path, 0.4), "sphere", WIDE, DOWN)
     says(str(row), "0.4 kg", "held", "0.771 kg")
     for text in (str(found), str(pulled)):
         assert max(map(len, text.splitlines())) <= 80

@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 import handlcp as hl
-from tests.support.reliability import blocks_of, chance, chance_in_two_looks, steps_of
+from tests.support.reliability import chance, chance_in_two_looks, make_blocks, steps_of
 
 C, SQUEEZE = 1e-3, 5e-3  # m/N, m: two fingers press with 5 N
 
@@ -80,7 +80,7 @@ def test_what_always_happens_is_certain_up_to_what_so_many_samples_can_tell(load
 @pytest.fixture(scope="module")
 def runs():
     """200 seeds: blocks and points of 300 samples in three dimensions."""
-    every = [blocks_of(seed, 3, 300) for seed in range(200)]
+    every = [make_blocks(seed, 3, 300) for seed in range(200)]
     return [(blocks, blocks.points(0, blocks.samples)) for blocks in every]
 
 

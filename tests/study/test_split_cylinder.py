@@ -10,7 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import handlcp as hl
 from tests.hand.levers import L, lever_hand, lever_pinch
-from tests.support.grip_strength import Around, closed
+from tests.support.grip_strength import ContactsAroundAxis, close_with_full_torque
 from tests.support.texts import says
 
 R, N, MU, K = 0.025, 3.0, 0.5, 1e-3  # radius [m], grip [N], friction, flexibility [m/N]
@@ -31,47 +31,49 @@ def unit(degrees):
 # ---------------------------------------------------------------- closed forms
 @pytest.mark.parametrize("turn", [0.0, 20.0, -75.0])
 def test_two_opposing_fingers_press_with_the_cosine_of_the_split(turn):
-    around = Around.of(pressed([turn, turn + 180]), Z, ORIGIN)
+    around = ContactsAroundAxis.from_solution(pressed([turn, turn + 180]), Z, ORIGIN)
     for off in (0, 30, -60, 89):
-        assert around.across(unit(turn + off)) == pytest.approx(N * np.cos(np.radians(off)), abs=1e-9)
+        assert around.split_force(unit(turn + off)) == pytest.approx(N * np.cos(np.radians(off)), abs=1e-9)
     assert around.largest[0] == pytest.approx(N, rel=1e-9)
     assert abs(around.largest[1] @ unit(turn)) == pytest.approx(1.0)
     assert around.least[0] == pytest.approx(0.0, abs=1e-9)
-    assert abs(around.closing @ unit(turn)) == pytest.approx(1.0)
+    assert abs(around.closing_normal @ unit(turn)) == pytest.approx(1.0)
 
 
 def test_three_fingers_all_around_press_with_one_of_them_at_most():
     """One half has one finger; half of it has two others that lean by 60°. Turned by 30°, one touches the split."""
-    around = Around.of(pressed([0, 120, 240]), Z, ORIGIN)
-    assert around.across(unit(0)) == pytest.approx(N, rel=1e-9)
-    assert around.across(unit(30)) == pytest.approx(N * np.cos(np.radians(30)), rel=1e-9)
+    around = ContactsAroundAxis.from_solution(pressed([0, 120, 240]), Z, ORIGIN)
+    assert around.split_force(unit(0)) == pytest.approx(N, rel=1e-9)
+    assert around.split_force(unit(30)) == pytest.approx(N * np.cos(np.radians(30)), rel=1e-9)
     assert around.largest[0] == pytest.approx(N, rel=1e-9)
     assert around.least[0] == pytest.approx(N * np.cos(np.radians(30)), rel=1e-9)
-    assert around.across(around.closing) == pytest.approx(N, rel=1e-9)  # alike all around: the largest
+    assert around.split_force(around.closing_normal) == pytest.approx(N, rel=1e-9)  # alike all around: the largest
 
 
 def test_a_thumb_against_two_fingers_is_measured_across_the_thumb():
-    around = Around.of(pressed([180, 60, -60]), Z, ORIGIN)
-    assert around.across((1, 0, 0)) == pytest.approx(N, rel=1e-9)
-    narrow = Around.of(pressed([180, 20, -20]), Z, ORIGIN)  # two press more than the thumb bears: they settle
+    around = ContactsAroundAxis.from_solution(pressed([180, 60, -60]), Z, ORIGIN)
+    assert around.split_force((1, 0, 0)) == pytest.approx(N, rel=1e-9)
+    narrow = ContactsAroundAxis.from_solution(
+        pressed([180, 20, -20]), Z, ORIGIN
+    )  # two press more than the thumb bears: they settle
     thumb = float(np.linalg.norm(narrow.forces[0]))
-    assert abs(narrow.closing @ (1, 0, 0)) == pytest.approx(1.0)
-    assert narrow.across(narrow.closing) == pytest.approx(thumb, rel=1e-9)
+    assert abs(narrow.closing_normal @ (1, 0, 0)) == pytest.approx(1.0)
+    assert narrow.split_force(narrow.closing_normal) == pytest.approx(thumb, rel=1e-9)
 
 
 def test_a_load_is_borne_half_by_half():
     """2 N along x: one finger has a newton more, the other one less; the halves are pressed as before."""
-    around = Around.of(pressed([0, 180], (2.0, 0, 0)), Z, ORIGIN)
+    around = ContactsAroundAxis.from_solution(pressed([0, 180], (2.0, 0, 0)), Z, ORIGIN)
     np.testing.assert_allclose(abs(around.forces[:, 0]), (N + 1.0, N - 1.0), rtol=1e-9)
-    assert around.across((1, 0, 0)) == pytest.approx(N, rel=1e-9)
+    assert around.split_force((1, 0, 0)) == pytest.approx(N, rel=1e-9)
 
 
 def test_both_halves_press_alike_without_a_load():
     found = of_hand("three_finger").pinch.around
-    for n in (found.closing, found.largest[1], np.cross(found.axis, found.closing)):
+    for n in (found.closing_normal, found.largest[1], np.cross(found.axis, found.closing_normal)):
         side = np.sign(found.positions @ n)
         halves = [-s * found.forces[side == s].sum(axis=0) @ n for s in (1.0, -1.0)]
-        np.testing.assert_allclose(halves, found.across(n), rtol=1e-6, atol=1e-9)
+        np.testing.assert_allclose(halves, found.split_force(n), rtol=1e-6, atol=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -79,26 +81,26 @@ def test_no_split_of_a_scan_has_more_or_less(seed):
     rng = np.random.default_rng(seed)
     axis = rng.normal(size=3)
     axis /= np.linalg.norm(axis)
-    around = Around(rng.normal(size=(5, 3)), rng.normal(size=(5, 3)), axis)
+    around = ContactsAroundAxis(rng.normal(size=(5, 3)), rng.normal(size=(5, 3)), axis)
     x = np.cross(axis, (1, 0, 0))
     x /= np.linalg.norm(x)
     y = np.cross(axis, x)
-    scan = [around.across(np.cos(a) * x + np.sin(a) * y) for a in np.linspace(0, np.pi, 20001)]
+    scan = [around.split_force(np.cos(a) * x + np.sin(a) * y) for a in np.linspace(0, np.pi, 20001)]
     for (value, n), known in ((around.largest, max(scan)), (around.least, min(scan))):
         assert value == pytest.approx(known, abs=2e-3)
         assert n @ axis == pytest.approx(0.0, abs=1e-9)
-        near = [around.across(np.cos(a) * n + np.sin(a) * np.cross(axis, n)) for a in (-1e-7, 1e-7)]
+        near = [around.split_force(np.cos(a) * n + np.sin(a) * np.cross(axis, n)) for a in (-1e-7, 1e-7)]
         assert min(abs(f - value) for f in near) < 1e-5  # on one side of it at least
     assert around.largest[0] >= max(scan) - 1e-12
     assert around.least[0] <= min(scan) + 1e-12
 
 
 def test_a_normal_along_the_axis_is_refused():
-    around = Around.of(pressed([0, 180]), Z, ORIGIN)
+    around = ContactsAroundAxis.from_solution(pressed([0, 180]), Z, ORIGIN)
     with pytest.raises(hl.InputError, match="normal"):
-        around.across(Z)
+        around.split_force(Z)
     with pytest.raises(hl.InputError, match="axis"):
-        Around.of(pressed([0, 180]), ORIGIN, ORIGIN)
+        ContactsAroundAxis.from_solution(pressed([0, 180]), ORIGIN, ORIGIN)
 
 
 # ---------------------------------------------------------------- full torque
@@ -117,10 +119,10 @@ def test_levers_press_with_their_torque_over_their_length(tmp_path, most):
     hand = lever_hand(write, torque_limits=most, joint_stiffness=2e3, pad_flexibility=1e-6)
     grasp = lever_pinch(hand, (0.0, 0.0, 0.0), grip_force=1.0)
     share = float(grasp.solve().torque_check.utilisation.max())
-    one = closed(grasp, np.ones(2), share)
+    one = close_with_full_torque(grasp, np.ones(2), share)
     assert {(b.kind, b.who) for b in one.binds} == {("torque", "left_joint"), ("torque", "right_joint")}
-    around = Around.of(one.path.solution, (0, 1, 0), (0, 0, L))
-    assert around.across((1, 0, 0)) == pytest.approx(most / L, rel=1e-4)
+    around = ContactsAroundAxis.from_solution(one.path.solution, (0, 1, 0), (0, 0, L))
+    assert around.split_force((1, 0, 0)) == pytest.approx(most / L, rel=1e-4)
 
 
 @pytest.mark.parametrize(("name", "diameter"), [("two_finger", 0.03), ("three_finger", 0.05)])
@@ -144,7 +146,9 @@ def test_a_motor_with_half_the_torque_presses_half_as_hard():
     grip, pressed = np.array(found.grasp.spec.asked.grip_force), []
     for limits in (hand.torque_limits, 0.5 * hand.torque_limits):
         grasp = hand.replace(torque_limits=limits).at(found.q).grasp(found.object, gravity=(0, 0, 0), grip_force=grip)
-        solution = closed(grasp, grip, float(grasp.solve().torque_check.utilisation.max())).path.solution
+        solution = close_with_full_torque(
+            grasp, grip, float(grasp.solve().torque_check.utilisation.max())
+        ).path.solution
         pressed.append(solution.normal_force.max())
     assert pressed[1] == pytest.approx(0.5 * pressed[0], rel=0.02)
 
@@ -192,7 +196,7 @@ def test_the_normal_that_is_given_is_measured_across():
     found, hand = of_hand("three_finger"), hl.example_hand("three_finger", joint_stiffness=6.0)
     n = np.cross(found.pinch.around.axis, found.pinch.normal)
     turned = hl.split_cylinder(hand, 0.05, normal=n, grasps=["pinch"]).pinch
-    assert turned.force == pytest.approx(found.pinch.around.across(n), rel=1e-9)
+    assert turned.force == pytest.approx(found.pinch.around.split_force(n), rel=1e-9)
     assert turned.largest == pytest.approx(found.pinch.largest, rel=1e-9)
 
 

@@ -31,33 +31,11 @@ from handlcp.grasp.failure.failure_text import (
     explain_limit,
     explain_loss,
 )
-from handlcp.tolerances import OVER
+from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
 __all__ = [
-    "EQUILIBRIUM",
-    "MOTION",
-    "OBJECT",
-    "OPENS",
-    "OVER",
-    "RANGE",
-    "SLIDES",
-    "SLIPS",
-    "TORQUE",
-    "UNDECIDED",
-    "FailureMode",
-    "StateLimits",
-    "describe_event",
-    "describe_failures",
-    "describe_load",
-    "describe_load_share",
-    "describe_names",
-    "explain_limit",
-    "explain_loss",
-    "find_binding",
-    "find_exceeded",
-    "find_slide_through",
-    "find_slipping",
-    "is_exceeded",
-    "limit_shares",
-    "state_limits",
+    "EQUILIBRIUM", "MOTION", "OBJECT", "OPENS", "OVER_LIMIT_TOLERANCE", "RANGE", "SLIDES", "SLIPS", "TORQUE",
+    "UNDECIDED", "FailureMode", "StateLimits", "describe_event", "describe_failures", "describe_load",
+    "describe_load_share", "describe_names", "explain_limit", "explain_loss", "find_binding", "find_exceeded",
+    "find_slide_through", "find_slipping", "is_exceeded", "limit_shares", "state_limits",
 ]  # fmt: skip

@@ -6,10 +6,10 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from handlcp.study.envelope import ask
-from handlcp.study.envelope.ask import Question
+from handlcp.studies.envelope import question as ask
+from handlcp.studies.envelope.question import EnvelopeQuestion
 
-__all__ = ["Question", "without_limits"]
+__all__ = ["EnvelopeQuestion", "without_limits"]
 
 
 def without_limits(monkeypatch):

@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from handlcp.extras import LIBRARIES, missing, pip_install
+from handlcp.errors import LIBRARY_REQUIREMENTS, missing_library, pip_command
 
-__all__ = ["LIBRARIES", "missing", "pip_install"]
+__all__ = ["LIBRARY_REQUIREMENTS", "missing_library", "pip_command"]

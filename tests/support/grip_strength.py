@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from handlcp.study.grip_strength.across import Around
-from handlcp.study.grip_strength.full_torque import closed
+from handlcp.studies.grip_strength.measure import close_with_full_torque
+from handlcp.studies.grip_strength.split_force import ContactsAroundAxis
 
-__all__ = ["Around", "closed"]
+__all__ = ["ContactsAroundAxis", "close_with_full_torque"]

@@ -21,34 +21,10 @@ from handlcp.lcp.kernels import dense as _door
 from handlcp.lcp.kernels.dense import multiply_add, solve_ranked
 
 __all__ = [
-    "JOBS",
-    "MANY_CALLS",
-    "alone",
-    "anew",
-    "automatic",
-    "background_compile",
-    "cached_in",
-    "compile_in_background",
-    "compile_now",
-    "compiled",
-    "compiler_beside",
-    "constants",
-    "decorated",
-    "folder_of_cache",
-    "impatient",
-    "interpreted",
-    "is_compiled",
-    "is_locked",
-    "kernels",
-    "known_files",
-    "large",
-    "loaded",
-    "mode",
-    "put",
-    "roots",
-    "said_afresh",
-    "small",
-    "waiting",
+    "JOBS", "MANY_CALLS", "alone", "anew", "automatic", "background_compile", "cached_in", "compile_in_background",
+    "compile_now", "compiled", "compiler_beside", "constants", "decorated", "folder_of_cache", "impatient",
+    "interpreted", "is_compiled", "is_locked", "kernels", "known_files", "large", "loaded", "mode", "put", "roots",
+    "said_afresh", "small", "waiting",
 ]  # fmt: skip
 
 PACKAGE = pathlib.Path(handlcp.__file__).parent

@@ -45,7 +45,7 @@ __all__ = [
 # ---------------------------------------------------------------- pictures
 def coarse_pictures(patch: Patch) -> None:
     """Pictures of grasps have so few dots that they are drawn at once; texts and lines stay where they are."""
-    patch.setattr("handlcp.show.picture.figure.DPI", 30)
+    patch.setattr("handlcp.viz.picture.figure.PICTURE_DPI", 30)
 
 
 # ---------------------------------------------------------------- many grasps
@@ -80,13 +80,13 @@ def contacts_take_long(patch: Patch) -> None:
         found.quick = False
         return found
 
-    patch.setattr("handlcp.study.payload.ask.geometry_of", slow)
+    patch.setattr("handlcp.studies.payload.largest_mass.geometry_of", slow)
 
 
 # ---------------------------------------------------------------- stages of a solve
 def nothing_is_eliminated(patch: Patch) -> None:
     """No free block counts as well enough conditioned to be eliminated."""
-    patch.setattr("handlcp.lcp.contact_problem.ELIMINATE_RCOND", 2.0)
+    patch.setattr("handlcp.lcp.contact_problem.MIN_ELIMINATION_RCOND", 2.0)
 
 
 def no_newton_on_cones(patch: Patch, solver: Any) -> None:
@@ -138,8 +138,8 @@ def ticks_between_shares(patch: Patch, tick: float) -> None:
 def ticks_of_studies(patch: Patch, tick: float) -> None:
     """The study of accuracy has a clock each look at which takes so long [s]: the same always fits its budget."""
     clock = Ticking(tick)
-    patch.setattr("handlcp.study.accuracy.cost.time", clock)
-    patch.setattr("handlcp.study.accuracy.measure.time", clock)
+    patch.setattr("handlcp.studies.accuracy.cost.time", clock)
+    patch.setattr("handlcp.studies.accuracy.measure.time", clock)
 
 
 def ticks_of_equilibria(patch: Patch, tick: float = 2e-3) -> None:
@@ -160,12 +160,12 @@ def another_effect(patch: Patch, kind: type) -> None:
 
 def costs_of_effects(patch: Patch, costs: Callable[[], dict[str, Any]]) -> None:
     """The command line has its costs of effects from here."""
-    patch.setattr("handlcp.study.effect_catalogue.costs", costs)
+    patch.setattr("handlcp.studies.effect_catalogue.costs", costs)
 
 
 def paper_report(patch: Patch, made: Callable[[], Any]) -> None:
     """The paper's command prints this report."""
-    patch.setattr("handlcp.study.paper.run", made)
+    patch.setattr("handlcp.studies.paper.run", made)
 
 
 def without_module(patch: Patch, name: str) -> None:

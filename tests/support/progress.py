@@ -6,11 +6,20 @@ import io
 import re
 
 from handlcp import progress
-from handlcp.progress import EVERY, PATIENCE, OutOfTime, steps, tick, told, uncounted, within
+from handlcp.progress import (
+    REDRAW_SECONDS,
+    SILENT_SECONDS,
+    TimeBudgetError,
+    exclude_from_budget,
+    report_progress,
+    time_budget,
+    track_progress,
+    track_steps,
+)
 
 __all__ = [
-    "EVERY", "NINE_SECONDS", "PATIENCE", "Clock", "OutOfTime", "Terminal", "steps", "terminal_with", "tick", "told",
-    "uncounted", "within",
+    "NINE_SECONDS", "REDRAW_SECONDS", "SILENT_SECONDS", "Clock", "Terminal", "TimeBudgetError", "exclude_from_budget",
+    "report_progress", "terminal_with", "time_budget", "track_progress", "track_steps",
 ]  # fmt: skip
 
 # A program that takes nine seconds of a clock that runs ahead
@@ -20,7 +29,7 @@ import handlcp.progress as progress
 
 ahead = itertools.count()
 progress.clock = lambda: float(next(ahead))
-with progress.told("parts", 9) as say:
+with progress.track_progress("parts", 9) as say:
     for _ in range(9):
         say(1)
 """

@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import handlcp as hl
-from handlcp.study.published.lift_and_shake import SHAKING, SPEEDING_UP, shaken
-from handlcp.study.published.lift_result import Shaken
+from handlcp.studies.published.lift_and_shake import LIFT_ACCELERATION, SHAKE_ACCELERATION, ShakenObject, shake_grasp
 
-__all__ = ["SHAKING", "SPEEDING_UP", "Shaken", "gripper", "shaken"]
+__all__ = ["LIFT_ACCELERATION", "SHAKE_ACCELERATION", "ShakenObject", "gripper", "shake_grasp"]
 
 _JAW = """
   <link name="{name}"><collision><geometry><sphere radius="0.008"/></geometry></collision></link>

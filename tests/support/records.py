@@ -11,10 +11,20 @@ from importlib import import_module
 from typing import Any
 
 import handlcp
-from handlcp.lazy import lazy
-from handlcp.record import UNITS, Entry, Record, entry, plain
+from handlcp.lazy_property import lazy_property
+from handlcp.record import UNIT_SUFFIXES, Record, RecordEntry, parse_entry, to_plain
 
-__all__ = ["UNITS", "Entry", "Record", "described", "doc_of", "entry", "kinds", "plain", "within"]
+__all__ = [
+    "UNIT_SUFFIXES",
+    "Record",
+    "RecordEntry",
+    "described",
+    "doc_of",
+    "kinds",
+    "parse_entry",
+    "to_plain",
+    "within",
+]
 
 
 def kinds() -> set[str]:
@@ -28,16 +38,16 @@ def kinds() -> set[str]:
     return names - {"Record", "DisplayedSolution"}
 
 
-def described(record: Any) -> list[tuple[Entry, Any]]:
+def described(record: Any) -> list[tuple[RecordEntry, Any]]:
     """Each of its entries, and what that is; () where it makes its dictionary itself."""
     told = record.entries is not None or is_dataclass(record)
-    return [(one, one.of(record)) for one in map(entry, record._lines() if told else ())]
+    return [(one, one.value_in(record)) for one in map(parse_entry, record._entry_lines() if told else ())]
 
 
 def doc_of(record: Any, name: str) -> str:
     """What the property says, or of a field what its class says."""
     found = inspect.getattr_static(type(record), name, None)
-    own = found if isinstance(found, (property, lazy, cached_property)) else type(record)
+    own = found if isinstance(found, (property, lazy_property, cached_property)) else type(record)
     return str(own.__doc__)
 
 

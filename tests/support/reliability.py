@@ -6,26 +6,28 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.study.reliability.interval import Chance, chance_of
-from handlcp.study.reliability.place import Placer
-from handlcp.study.reliability.run import Blocks, blocks_of
-from handlcp.study.reliability.spread import read_spread
+from handlcp.studies.reliability.chance import Chance, estimate_chance
+from handlcp.studies.reliability.run import SobolBlocks, make_blocks
+from handlcp.studies.reliability.sample_placer import SamplePlacer
+from handlcp.studies.reliability.spread import read_spread
 
-__all__ = ["Blocks", "blocks_of", "chance", "chance_in_two_looks", "grasp_with", "steps_of"]
+__all__ = ["SobolBlocks", "chance", "chance_in_two_looks", "grasp_with", "make_blocks", "steps_of"]
 
 
-def chance(good: Any, blocks: Blocks, level: float = 0.95) -> Chance:
+def chance(good: Any, blocks: SobolBlocks, level: float = 0.95) -> Chance:
     """From samples (N,) of which each is known to be good or not."""
     none = np.zeros(len(good), bool)
-    return chance_of(good, none, none, (none, none), blocks.size, level)
+    return estimate_chance(good, none, none, (none, none), blocks.size, level)
 
 
-def chance_in_two_looks(good: Any, open_: Any, every: int, blocks: Blocks, level: float = 0.95) -> Chance:
+def chance_in_two_looks(good: Any, open_: Any, every: int, blocks: SobolBlocks, level: float = 0.95) -> Chance:
     """The same where a first look leaves some open (N,), and every so many of them are looked at again."""
     looked = np.zeros(len(good), bool)
     looked[np.flatnonzero(open_)[::every]] = True
     seen = good & (~open_ | looked)
-    return chance_of(seen, open_ & ~looked, np.zeros(len(good), bool), (looked, looked & good), blocks.size, level)
+    return estimate_chance(
+        seen, open_ & ~looked, np.zeros(len(good), bool), (looked, looked & good), blocks.size, level
+    )
 
 
 def grasp_with(grasp: Any, **values: Any) -> Any:
@@ -38,14 +40,14 @@ def grasp_with(grasp: Any, **values: Any) -> Any:
         if not isinstance(own, dict):
             return float(own)
         name = next(n for n in own if f" {n}" in d.name)
-        return float(own[name][d.at[1]] if d.parameter == "positions" else own[name])
+        return float(own[name][d.index[1]] if d.parameter == "positions" else own[name])
 
-    return Placer(grasp, dimensions).placed(np.array([[value(d) for d in dimensions]]))[0].grasp
+    return SamplePlacer(grasp, dimensions).place_samples(np.array([[value(d) for d in dimensions]]))[0].grasp
 
 
 def steps_of(monkeypatch: Any, size: int, seconds: float) -> None:
     """Samples between two looks at the clock, and seconds between two writings of what is done."""
-    import handlcp.study.reliability.run as run
+    import handlcp.studies.reliability.run as run
 
-    monkeypatch.setattr(run, "_SLICE", {"solve": size, "check": size})
-    monkeypatch.setattr(run, "_OFTEN", seconds)
+    monkeypatch.setattr(run, "_SAMPLES_PER_SLICE", {"solve": size, "check": size})
+    monkeypatch.setattr(run, "_WRITE_INTERVAL", seconds)

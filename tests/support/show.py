@@ -9,59 +9,66 @@ import numpy as np
 import handlcp as hl
 from handlcp import words as units
 from handlcp.grasp.path.events import summary
-from handlcp.show import accuracy as work_precision_figure, tables
-from handlcp.show.accuracy import all_tables
-from handlcp.show.envelope.page import facing as facing_weakest
-from handlcp.show.envelope.surface import NOTHING, OTHERS, SHADES, divided, section, surface_of, wires
-from handlcp.show.file import drawn
-from handlcp.show.loading.draw import figure as loading_figure
-from handlcp.show.loading.report import picture as loading_picture
-from handlcp.show.loading.series import grasp_at_end, solution_at_end
-from handlcp.show.picture import shapes
-from handlcp.show.picture.bodies import environment_bodies, hand_bodies, stub_bodies, tip_shapes
-from handlcp.show.picture.camera import Marks, camera_for, facing, fill
-from handlcp.show.picture.figure import draw
-from handlcp.show.picture.overlay import Turn, nice, rim
-from handlcp.show.record import record
-from handlcp.show.style import moved, shortened
+from handlcp.viz import accuracy as work_precision_figure, tables
+from handlcp.viz.accuracy import all_tables
+from handlcp.viz.envelope.page import choose_view_axes as facing_weakest
+from handlcp.viz.envelope.surface import (
+    CAUSE_SHADES,
+    NO_CAUSE_COLOUR,
+    OTHER_CAUSES_COLOUR,
+    bound_lines,
+    cut_by_plane,
+    divide_mixed_cells,
+    make_surface,
+)
+from handlcp.viz.loading.curves import grasp_at_end, solution_at_end
+from handlcp.viz.loading.figure import draw_end_picture as loading_picture, draw_loading as loading_figure
+from handlcp.viz.output_file import draw_or_save
+from handlcp.viz.picture import body as shapes
+from handlcp.viz.picture.body import environment_bodies, hand_bodies, stub_bodies, undrawn_tip_shapes
+from handlcp.viz.picture.camera import ScreenMarks, camera_against, choose_camera, fill_triangles
+from handlcp.viz.picture.figure import draw_solution
+from handlcp.viz.picture.overlay import RotationArc, friction_cone_rim, nice_number
+from handlcp.viz.solution_output import solution_record
+from handlcp.viz.style import describe_motion, shorten_names
 
 __all__ = [
     "ENVELOPE_COLOURS",
     "ENVELOPE_GREYS",
-    "Turn",
+    "RotationArc",
     "all_tables",
+    "bound_lines",
+    "camera_against",
     "camera_of",
-    "divided",
-    "draw",
+    "cut_by_plane",
+    "describe_motion",
+    "divide_mixed_cells",
+    "draw_solution",
     "environment_bodies",
     "events_in_short",
-    "facing",
     "facing_weakest",
-    "fill",
+    "fill_triangles",
+    "friction_cone_rim",
     "grasp_at_end",
     "hand_bodies",
     "html",
     "loading_figure",
     "loading_picture",
-    "moved",
-    "nice",
-    "record",
-    "rim",
+    "make_surface",
+    "nice_number",
     "save",
-    "section",
     "shapes",
-    "shortened",
+    "shorten_names",
     "solution_at_end",
+    "solution_record",
     "stub_bodies",
-    "surface_of",
     "tables",
-    "tip_shapes",
+    "undrawn_tip_shapes",
     "units",
-    "wires",
     "work_precision_figure",
 ]
 
-ENVELOPE_COLOURS, ENVELOPE_GREYS = SHADES, (NOTHING, OTHERS)
+ENVELOPE_COLOURS, ENVELOPE_GREYS = CAUSE_SHADES, (NO_CAUSE_COLOUR, OTHER_CAUSES_COLOUR)
 
 
 def events_in_short(events: Any, grasp: hl.Grasp) -> list[str]:
@@ -76,10 +83,10 @@ def html(solution: Any) -> str:
 
 def save(grasp: hl.Grasp, solution: hl.GraspSolution, path: Any, title: str = "") -> Any:
     """The picture of a grasp as a file, which also an answer of unknown origin may have."""
-    return drawn(path, draw, grasp, solution, None, title)
+    return draw_or_save(path, draw_solution, grasp, solution, None, title)
 
 
 def camera_of(grasp: hl.Grasp) -> Any:
     """From where the picture of a grasp without bodies is taken."""
     none = np.zeros((0, 3))
-    return camera_for(grasp, [], None, Marks(np.array([c.position for c in grasp.contacts]), none, none))
+    return choose_camera(grasp, [], None, ScreenMarks(np.array([c.position for c in grasp.contacts]), none, none))

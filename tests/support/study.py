@@ -10,10 +10,10 @@ import numpy as np
 import handlcp as hl
 from handlcp.contact.friction import as_section
 from handlcp.grasp.limits.directions import limits_of
-from handlcp.study.accuracy.as_printed import RES, STEPS
-from handlcp.study.accuracy.cost import UNDETERMINED, variants
-from handlcp.study.accuracy.methods import settings
-from handlcp.study.accuracy.result import CERTIFIED, LOOSE, NOT_RUN, OTHER
+from handlcp.studies.accuracy.as_printed import RES, STEPS
+from handlcp.studies.accuracy.cost import UNDETERMINED, variants
+from handlcp.studies.accuracy.methods import settings
+from handlcp.studies.accuracy.result import CERTIFIED, LOOSE, NOT_RUN, OTHER
 
 __all__ = [
     "CERTIFIED",

@@ -2,27 +2,26 @@
 
 from __future__ import annotations
 
-from handlcp.cli.given_hand import given
-from handlcp.design.main_effects import main_effect
+from handlcp.cli.design import load_hand
 from handlcp.design.space import Space
-from handlcp.design.study import not_beaten
+from handlcp.design.study import is_pareto_optimal, main_effect
 from handlcp.design.sweep.cells import MOST, cells_of, points
 from handlcp.design.sweep.journal import Journal, beside
 from handlcp.design.sweep.study_file import DESIGN_NUMBERS, BriefFrom, HandFrom, load
 from handlcp.design.sweep.sweep import check_names
 from handlcp.design.sweep.table import write_table
 from handlcp.design.sweep.work import Maker
-from handlcp.show.study.axes import parameter
+from handlcp.viz.study.figure import parameter_label
 
 __all__ = [
-    "DESIGN_NUMBERS", "MOST", "BriefFrom", "HandFrom", "Space", "beside", "cells_of", "check_study", "journal_of",
-    "main_effect", "not_beaten", "parameter", "table_of", "write_table",
+    "DESIGN_NUMBERS", "MOST", "BriefFrom", "HandFrom", "Space", "beside", "cells_of", "check_study",
+    "is_pareto_optimal", "journal_of", "main_effect", "parameter_label", "table_of", "write_table",
 ]  # fmt: skip
 
 
 def check_study(path):
     """What `handlcp sweep` does with a study file before it evaluates a design: it is loaded, and its first made."""
-    file = load(path, given)
+    file = load(path, load_hand)
     room = Space(file.tables.space)
     check_names(room)
     cube = points(room, file.tables.sampling, file.tables.samples, file.tables.seed)

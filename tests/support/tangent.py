@@ -19,19 +19,8 @@ from handlcp.grasp.derivatives.active_set import (
 from handlcp.grasp.verify.contact_state import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, ContactStates
 
 __all__ = [
-    "GLIDING",
-    "RESTING",
-    "SEPARATED",
-    "SLIDING",
-    "STICKING",
-    "ContactStates",
-    "LinearLaws",
-    "active_rows",
-    "least_norm_solutions",
-    "matrix_rank",
-    "saddle_matrix",
-    "solve_inverse",
-    "without_slip",
+    "GLIDING", "RESTING", "SEPARATED", "SLIDING", "STICKING", "ContactStates", "LinearLaws", "active_rows",
+    "least_norm_solutions", "matrix_rank", "saddle_matrix", "solve_inverse", "without_slip",
 ]  # fmt: skip
 
 

@@ -15,15 +15,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
-from handlcp.check import array, number, per_name
-from handlcp.errors import InputError, shown
-from handlcp.keywords import helped_init, helped_methods
-from handlcp.tolerances import STEEPEST
+from handlcp.check import check_array, check_init_call, check_keys, check_method_calls, check_number
+from handlcp.errors import InputError, shorten_repr
+from handlcp.tolerances import MAX_SOFT_FINGER_FRICTION
 
 _LAWS: dict[tuple[str, str], type[FrictionLaw]] = {}
 
 
-@helped_methods
+@check_method_calls
 class FrictionLaw:
     """Friction of a point contact that is alike in all directions, unless a subclass says otherwise.
 
@@ -112,8 +111,8 @@ def describe_laws() -> str:
 # |r_T| ≤ μ r_N,    v_T = -α r_T, α ≥ 0 on the limit
 
 
-@helped_init()
-@helped_methods
+@check_init_call()
+@check_method_calls
 @dataclass(frozen=True, slots=True)
 class Coulomb(FrictionLaw):
     """Dry friction, |r_T| ≤ μ r_N; a sliding contact is on the limit and pulls against its slip.
@@ -127,7 +126,7 @@ class Coulomb(FrictionLaw):
     call: ClassVar[str] = "Coulomb(mu)"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "mu", number("Coulomb.mu", self.mu, minimum=0.0))
+        object.__setattr__(self, "mu", check_number("Coulomb.mu", self.mu, minimum=0.0))
 
     def with_mu(self, mu: float) -> Coulomb:
         return Coulomb(mu)
@@ -139,8 +138,8 @@ class Coulomb(FrictionLaw):
 # (r_x/μ_x)² + (r_y/μ_y)² ≤ r_N²,    v_T = -α (r_x/μ_x², r_y/μ_y²), α ≥ 0 on the limit
 
 
-@helped_init()
-@helped_methods
+@check_init_call()
+@check_method_calls
 @dataclass(frozen=True, init=False)
 class AnisotropicCoulomb(FrictionLaw):
     """Dry friction that differs with the direction, (r_x/μ_x)² + (r_y/μ_y)² ≤ r_N²; a sliding contact is on the ellipse
@@ -163,9 +162,9 @@ class AnisotropicCoulomb(FrictionLaw):
 
     def __init__(self, mu_x: float, mu_y: float, along: Any = None) -> None:
         for name, value in (("mu_x", mu_x), ("mu_y", mu_y)):
-            object.__setattr__(self, name, number(f"AnisotropicCoulomb.{name}", value, above=0.0))
+            object.__setattr__(self, name, check_number(f"AnisotropicCoulomb.{name}", value, above=0.0))
         object.__setattr__(self, "mu", max(self.mu_x, self.mu_y))  # which the other is measured by
-        given = None if along is None else array("AnisotropicCoulomb.along", along, (3,), (2,))
+        given = None if along is None else check_array("AnisotropicCoulomb.along", along, (3,), (2,))
         object.__setattr__(self, "along", None if given is None else tuple(given.tolist()))
 
     @property
@@ -179,7 +178,7 @@ class AnisotropicCoulomb(FrictionLaw):
 
     def with_mu(self, mu: float) -> FrictionLaw:
         """The same ellipse, grown or shrunk until its larger half-axis is `mu`."""
-        mu, (x, y) = number("mu", mu, minimum=0.0), self.scale
+        mu, (x, y) = check_number("mu", mu, minimum=0.0), self.scale
         return AnisotropicCoulomb(mu * x, mu * y, self.along) if mu * min(x, y) > 0.0 else Coulomb(0.0)
 
     def __repr__(self) -> str:
@@ -191,8 +190,8 @@ class AnisotropicCoulomb(FrictionLaw):
 # No friction: the contact pushes along its normal only.
 
 
-@helped_init()
-@helped_methods
+@check_init_call()
+@check_method_calls
 @dataclass(frozen=True, slots=True)
 class Frictionless(FrictionLaw):
     """No tangential force, and therefore no tangential unknowns at all."""
@@ -213,8 +212,8 @@ class Frictionless(FrictionLaw):
 # |r_T|²/μ² + r_τ²/μ_τ² ≤ r_N²,    (v_T, ω_n) along minus the ellipsoid's normal on the limit
 
 
-@helped_init()
-@helped_methods
+@check_init_call()
+@check_method_calls
 @dataclass(frozen=True, slots=True)
 class SoftFinger(FrictionLaw):
     """A patch instead of a point: it bears a moment r_τ about the normal as well, |r_T|²/μ² + r_τ²/μ_τ² ≤ r_N².
@@ -239,9 +238,11 @@ class SoftFinger(FrictionLaw):
 
     def __post_init__(self) -> None:
         for name in ("mu", "mu_torsion", "torsional_flexibility"):
-            object.__setattr__(self, name, number(f"SoftFinger.{name}", getattr(self, name), minimum=0.0))
-        if self.mu_torsion > 0.0 and not 0.0 < self.mu <= STEEPEST:
-            raise InputError("SoftFinger.mu", f"a number > 0 and ≤ {STEEPEST:g} beside mu_torsion > 0", self.mu)
+            object.__setattr__(self, name, check_number(f"SoftFinger.{name}", getattr(self, name), minimum=0.0))
+        if self.mu_torsion > 0.0 and not 0.0 < self.mu <= MAX_SOFT_FINGER_FRICTION:
+            raise InputError(
+                "SoftFinger.mu", f"a number > 0 and ≤ {MAX_SOFT_FINGER_FRICTION:g} beside mu_torsion > 0", self.mu
+            )
 
     @property
     def lever(self) -> float:
@@ -254,7 +255,7 @@ class SoftFinger(FrictionLaw):
 
     def with_mu(self, mu: float) -> SoftFinger:
         """The same lever with another coefficient."""
-        mu = number("mu", mu, minimum=0.0)
+        mu = check_number("mu", mu, minimum=0.0)
         return SoftFinger(mu, mu * self.lever, self.torsional_flexibility)
 
 
@@ -272,10 +273,10 @@ def as_law(value: Any, argument: str = "friction", instead: str = "") -> Frictio
     if isinstance(value, FrictionLaw):
         return value
     try:
-        mu = number(argument, value, minimum=0.0)
+        mu = check_number(argument, value, minimum=0.0)
     except InputError:
         expected = f"a coefficient ≥ 0, {describe_laws()}{instead}"
-        raise InputError(argument, expected, shown(value)) from None
+        raise InputError(argument, expected, shorten_repr(value)) from None
     if mu > _MAX_COEFFICIENT:
         expected = f"a coefficient of at most {_MAX_COEFFICIENT:g}, or Coulomb({mu:g}) where that is meant"
         raise InputError(argument, expected, f"{mu:g} (per cent? {mu / 100:g})")
@@ -289,7 +290,7 @@ def laws_by_name(value: Any, names: Sequence[str], others: Sequence[FrictionLaw]
     """
     if not isinstance(value, Mapping):
         return [as_law(value, instead=", or a mapping of fingertips to them")] * len(names)
-    given = per_name("friction", value, names, "a fingertip")
+    given = check_keys("friction", value, names, "a fingertip")
     return [
         as_law(given[name], f"friction[{name!r}]") if name in given else law
         for name, law in zip(names, others, strict=True)

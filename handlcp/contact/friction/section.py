@@ -9,13 +9,12 @@ from typing import ClassVar, TypeAlias
 
 import numpy as np
 
-from handlcp.check import Array, array, integer, read_only
+from handlcp.check import Array, check_array, check_init_call, check_integer, check_method_calls, read_only
 from handlcp.errors import InputError
-from handlcp.keywords import helped_init, helped_methods
 
 
-@helped_init()
-@helped_methods
+@check_init_call()
+@check_method_calls
 @dataclass(frozen=True, slots=True)
 class Pyramid:
     """A pyramid of `faces` ≥ 3 faces in place of the friction cone.
@@ -29,7 +28,7 @@ class Pyramid:
 
     def __post_init__(self) -> None:
         try:
-            object.__setattr__(self, "faces", integer("faces", self.faces, 3, MOST_FACES))
+            object.__setattr__(self, "faces", check_integer("faces", self.faces, 3, MOST_FACES))
         except InputError:
             expected = f'an integer from 3 to {MOST_FACES}, "cone" or a Pyramid'
             raise InputError("faces", expected, repr(self.faces)[:80]) from None
@@ -51,7 +50,7 @@ class Pyramid:
 
     def limit(self, mu: Array) -> Array:
         """(n,) the same per newton of normal force [-]."""
-        return array("mu", mu) * self.share
+        return check_array("mu", mu) * self.share
 
     @property
     def name(self) -> str:

@@ -14,16 +14,15 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.design.brief import Brief
-from handlcp.design.evaluation import Evaluation
-from handlcp.design.require import UNITS, Requirement, read
-from handlcp.design.study import ALIASES
+from handlcp.design.evaluation import REQUIREMENT_UNITS, Evaluation, Requirement, parse_requirement
+from handlcp.design.study import COLUMN_ALIASES
 from handlcp.design.sweep.work import Row
-from handlcp.errors import InputError, UnknownName, keyed
-from handlcp.record import entry
+from handlcp.errors import InputError, UnknownName, translate_arguments
+from handlcp.record import parse_entry
 
-COLUMN = {one.path: one.key for one in map(entry, Evaluation.entries or ()) if one.path in UNITS}
+COLUMN = {one.path: one.key for one in map(parse_entry, Evaluation.entries or ()) if one.path in REQUIREMENT_UNITS}
 _NAMES = {column: name for name, column in COLUMN.items()}
-_NAMES |= {alias: _NAMES[column] for alias, column in ALIASES.items()}
+_NAMES |= {alias: _NAMES[column] for alias, column in COLUMN_ALIASES.items()}
 _MOST = 1e6  # times a limit: what nothing ends is as good as this
 HELD = "held"
 
@@ -50,9 +49,9 @@ def read_aims(objectives: Any) -> tuple[Aim, ...]:
     found = list[Aim]()
     for text in given:
         bare = text.removeprefix("-")
-        name = bare if bare in UNITS else _NAMES.get(bare)
-        if name not in UNITS:
-            raise UnknownName("objectives", "a number of an evaluation", [text], UNITS)
+        name = bare if bare in REQUIREMENT_UNITS else _NAMES.get(bare)
+        if name not in REQUIREMENT_UNITS:
+            raise UnknownName("objectives", "a number of an evaluation", [text], REQUIREMENT_UNITS)
         if name in {aim.name for aim in found}:
             raise InputError("objectives", "different numbers", f"{name} twice")
         found.append(Aim(name, -1.0 if text.startswith("-") else 1.0))
@@ -64,8 +63,8 @@ def read_needs(constraints: Any) -> tuple[Requirement, ...]:
     given = [constraints] if isinstance(constraints, str) else constraints
     if not isinstance(given, Sequence):
         raise InputError("constraints", 'a text such as "torque<=0.5", or several', repr(given)[:80])
-    with keyed({"requirement": "constraints"}):
-        return tuple([read(text) for text in given])
+    with translate_arguments({"requirement": "constraints"}):
+        return tuple([parse_requirement(text) for text in given])
 
 
 def number_of(row: Mapping[str, Any], name: str) -> float:
@@ -97,4 +96,4 @@ def margins(row: Mapping[str, Any], needs: Sequence[Requirement]) -> Array:
 
 def meets(row: Row, needs: Sequence[Requirement]) -> bool:
     """Whether a design holds what the brief asks, and meets each requirement."""
-    return bool(row.get("holds")) and all(need.met(number_of(row, need.name)) for need in needs)
+    return bool(row.get("holds")) and all(need.is_met(number_of(row, need.name)) for need in needs)

@@ -7,18 +7,17 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from handlcp import words
-from handlcp.check import integer
+from handlcp.check import check_integer, check_method_calls
 from handlcp.design.evaluation import Evaluation
 from handlcp.design.optimise.aims import COLUMN, Aim
 from handlcp.design.optimise.slopes import Gradient
-from handlcp.design.space import Space, Value
+from handlcp.design.space import ParameterValue, Space
 from handlcp.design.study import Study
 from handlcp.design.sweep.work import DESIGN, Maker
 from handlcp.errors import InputError
 from handlcp.hand.hand import Hand
-from handlcp.keywords import helped_methods
 from handlcp.record import Record
-from handlcp.text_table import TextTable, wrapped
+from handlcp.words import TextTable, wrap_text
 
 _TIED = 1e-3  # of the least: loads that hold so little more give out at once
 _SHOWN = 10
@@ -38,7 +37,7 @@ class Kink(Record):
     behind: float
 
 
-@helped_methods
+@check_method_calls
 @dataclass(frozen=True, eq=False)
 class Best(Record):
     """The designs that passed; made by `optimise`. Iterates over their parameters, the best first; prints as a table.
@@ -52,7 +51,7 @@ class Best(Record):
     entries = ("objectives", "designs", "numbers", "why", "dropped", "slopes", "kinks")
 
     objectives: tuple[str, ...]
-    designs: tuple[Mapping[str, Value], ...]
+    designs: tuple[Mapping[str, ParameterValue], ...]
     numbers: tuple[int, ...]
     why: str
     dropped: Mapping[int, str]
@@ -65,7 +64,7 @@ class Best(Record):
     def __len__(self) -> int:
         return len(self.designs)
 
-    def __iter__(self) -> Iterator[Mapping[str, Value]]:
+    def __iter__(self) -> Iterator[Mapping[str, ParameterValue]]:
         return iter(self.designs)
 
     def hand(self, i: int = 0) -> Hand:
@@ -79,7 +78,7 @@ class Best(Record):
     def _at(self, i: Any) -> int:
         if not self.designs:
             raise InputError("i", "a design that passed", f"{i!r}, and none did: {self.why}")
-        return integer("i", i, 0, len(self) - 1)
+        return check_integer("i", i, 0, len(self) - 1)
 
     @property
     def front(self) -> Study:
@@ -95,13 +94,15 @@ class Best(Record):
         torque. Raises InputError; Unsupported without matplotlib.
         """
         by = [*self.objectives, "payload" if self.objectives[0].endswith("torque") else "-torque"][:2]
-        return self.study.plot(path, title or f"An optimisation: the best {words.listed(list(self.objectives))}", by)
+        return self.study.plot(
+            path, title or f"An optimisation: the best {words.list_names(list(self.objectives))}", by
+        )
 
     def __str__(self) -> str:
         few = f"{len(self)} {'design' if len(self) == 1 else 'designs'} of {len(self.study)} that were tried"
-        head = f"{few}, for {words.listed(list(self.objectives))}: {self.why}."
+        head = f"{few}, for {words.list_names(list(self.objectives))}: {self.why}."
         lost = [f"Design {k} was dropped: {why}." for k, why in self.dropped.items()]
-        said = [wrapped(text) for text in (head, *lost, *[f"{kink.says}." for kink in self.kinks])]
+        said = [wrap_text(text) for text in (head, *lost, *[f"{kink.says}." for kink in self.kinks])]
         if not self.designs:
             return "\n".join(said)
         front = self.front
@@ -122,7 +123,7 @@ def _cell(value: Any) -> str:
 
 
 def slopes_of(
-    space: Space, values: Mapping[str, Value], aim: Aim, terms: Mapping[str, float], g: Gradient
+    space: Space, values: Mapping[str, ParameterValue], aim: Aim, terms: Mapping[str, float], g: Gradient
 ) -> tuple[dict[str, float], tuple[Kink, ...]]:  # fmt: skip
     """Derivatives of an objective by parameters, and where there are none. terms : near the least, key → value; g :
     their derivatives by the cube's coordinates.
@@ -139,7 +140,7 @@ def slopes_of(
         slopes[name] = one.rate * step
         says = ""
         if tied:
-            says = f"{aim.name} by {name}: {words.listed([least, *tied])} give out at once, and the least counts"
+            says = f"{aim.name} by {name}: {words.list_names([least, *tied])} give out at once, and the least counts"
         elif not one.sure:
             says = f"{aim.name} by {name} has no sure derivative: two steps differ by {one.apart:.1e} of it"
         if says:

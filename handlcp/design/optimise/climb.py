@@ -19,13 +19,13 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.design.brief import Brief
+from handlcp.design.evaluation import Requirement
 from handlcp.design.optimise.aims import Aim, brief_needs, margin, margins, meets
 from handlcp.design.optimise.slopes import FACTOR, PAYLOAD, Gradient, Wanted, gradient, places, sample
 from handlcp.design.optimise.trials import Spent, Trials, searched
-from handlcp.design.require import Requirement
 from handlcp.design.space import Choices, Range
 from handlcp.design.sweep.work import Row, packed
-from handlcp.study.payload.ask import ANY
+from handlcp.studies.payload.largest_mass import ANY
 
 _BOXES = 0.25, 0.06  # half the side of a round's box
 _BETTER = 2e-3  # relative: less is no progress

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from handlcp.check import Array
+from handlcp.design.evaluation import Requirement
 from handlcp.design.optimise.aims import Aim, margins
 from handlcp.design.optimise.trials import Trials
-from handlcp.design.require import Requirement
-from handlcp.extras import missing
+from handlcp.errors import missing_library
 
 _WORST = 1e9  # an objective of a design of which nothing is known; its margins say that it is none
 
@@ -25,7 +25,7 @@ def check_pymoo() -> None:
     try:
         import pymoo  # noqa: F401
     except ImportError:
-        raise missing("several objectives need pymoo", "pymoo") from None
+        raise missing_library("several objectives need pymoo", "pymoo") from None
 
 
 def spread(

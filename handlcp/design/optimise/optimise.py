@@ -8,32 +8,30 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, integer, number
-from handlcp.design.evaluation import Evaluation
+from handlcp.check import Array, check_call, check_integer, check_number
+from handlcp.design.evaluation import Evaluation, Requirement
 from handlcp.design.optimise.aims import Aim, meets, read_aims, read_needs
 from handlcp.design.optimise.best import Best, Kink, slopes_of
 from handlcp.design.optimise.climb import climb
 from handlcp.design.optimise.front import check_pymoo, spread
 from handlcp.design.optimise.passed import Passed, passes
 from handlcp.design.optimise.trials import Trials, ended
-from handlcp.design.require import Requirement
 from handlcp.design.space import Space
-from handlcp.design.study import Study, not_beaten
+from handlcp.design.study import Study, is_pareto_optimal
 from handlcp.design.sweep.journal import Journal, beside
 from handlcp.design.sweep.run import executor_for
 from handlcp.design.sweep.same import check_same, description
 from handlcp.design.sweep.sweep import check_names
 from handlcp.design.sweep.table import checked_table, write_table
 from handlcp.design.sweep.work import Maker, packed, unpacked
-from handlcp.errors import InputError, keyed
-from handlcp.keywords import helped
-from handlcp.progress import Progress, told
+from handlcp.errors import InputError, translate_arguments
+from handlcp.progress import Progress, track_progress
 
 _TRIED = 10  # designs that are tried, the best first, until one passes
 _MOST = 10**9
 
 
-@helped()
+@check_call()
 def optimise(
     make: Any, space: Mapping[str, Any], brief: Any, objectives: Any = "payload", constraints: Any = (),
     budget: Any = None, *, seconds: Any = None, start: Mapping[str, Any] | None = None, population: int = 24,
@@ -64,8 +62,8 @@ def optimise(
     aims, needs = read_aims(objectives), read_needs(constraints)
     check_names(room)
     most, longest = _limits(budget, seconds)
-    integer("population", population, 4)
-    integer("seed", seed, 0)
+    check_integer("population", population, 4)
+    check_integer("seed", seed, 0)
     if len(aims) > 1:
         check_pymoo()
     if mujoco:
@@ -83,7 +81,7 @@ def optimise(
     with (
         journal or nullcontext(),
         executor_for(executor) as renewed,
-        told("evaluations", None if most == _MOST else most, progress, 0) as say,
+        track_progress("evaluations", None if most == _MOST else most, progress, 0) as say,
     ):
         if journal is not None:
             check_same(str(file), journal.sweep, same)
@@ -102,16 +100,16 @@ def _started(space: Space, start: Any) -> Array:
     """Where the parameters to begin with are in the cube. Raises InputError, UnknownName."""
     if not isinstance(start, Mapping):
         raise InputError("start", "a mapping of parameters to values", repr(start)[:80])
-    with keyed({"values": "start"}):
+    with translate_arguments({"values": "start"}):
         return space.unit(start)
 
 
 def _limits(budget: Any, seconds: Any) -> tuple[int, float]:
     """How many evaluations, and how long [s]. Raises InputError."""
-    longest = np.inf if seconds is None else number("seconds", seconds, above=0.0)
+    longest = np.inf if seconds is None else check_number("seconds", seconds, above=0.0)
     if budget is None:
         return (200 if seconds is None else _MOST), longest
-    return integer("budget", budget, 1, _MOST), longest
+    return check_integer("budget", budget, 1, _MOST), longest
 
 
 def _best(
@@ -150,7 +148,7 @@ def _order(trials: Trials, aims: Sequence[Aim], needs: Sequence[Requirement]) ->
     known = [not np.isnan(one).any() for one in wanted]
     own, wanted = [k for k, good in zip(own, known, strict=True) if good], wanted[known]
     if len(aims) > 1:
-        front = not_beaten(wanted)
+        front = is_pareto_optimal(wanted)
         own, wanted = [k for k, good in zip(own, front, strict=True) if good], wanted[front]
     return [own[i] for i in np.argsort(-wanted[:, 0], kind="stable")]
 

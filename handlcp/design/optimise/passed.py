@@ -7,9 +7,8 @@ from typing import NamedTuple
 
 from handlcp.design.brief import Brief
 from handlcp.design.evaluate import evaluate
-from handlcp.design.evaluation import Evaluation
+from handlcp.design.evaluation import Evaluation, Requirement
 from handlcp.design.optimise.aims import number_of
-from handlcp.design.require import Requirement
 from handlcp.design.sweep.work import FAILURES, Numbered, bare, packed, unpacked, why_failed
 from handlcp.grasp.solution.verdict import HELD
 from handlcp.hand.find.candidate import Candidate
@@ -45,7 +44,7 @@ def _why_not(found: Evaluation, brief: Brief, needs: Sequence[Requirement], mujo
         if not verdict.ok:
             return f"{name}: {verdict.word} when checked"
     for need in needs:
-        if not need.met(number_of(row, need.name)):
+        if not need.is_met(number_of(row, need.name)):
             return f"{need} is not met: {number_of(row, need.name):.4g}"
     for name, case in found.cases.items() if mujoco else ():
         assert case.candidate is not None

@@ -19,15 +19,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.design.brief import WEIGHT, Brief
-from handlcp.design.evaluate import evaluate_along
+from handlcp.design.brief import WEIGHT_NAME, Brief
+from handlcp.design.evaluate import evaluate_same_grasps
 from handlcp.design.evaluation import Evaluation
 from handlcp.design.judged import unloaded
 from handlcp.design.sweep.work import FAILURES, Values, unpacked
 from handlcp.errors import HandLCPError
 from handlcp.hand.find.candidate import Candidate
 from handlcp.hand.find.continued import continued
-from handlcp.study.payload.ask import pulls_of
+from handlcp.studies.payload.largest_mass import unit_mass_loads
 
 STEP = 0.01  # h, of the cube's side
 SURE = 1e-4  # relative: how well the two steps agree where there is a derivative
@@ -59,7 +59,7 @@ def sample(maker: bytes, values: Values, near: bytes | None, wanted: Wanted) -> 
         hand, brief = made.hand(values), made.asked(values)
         found = dict(_held(hand, brief, start, wanted)) if wanted.aim and wanted.loads != () else {}
         if wanted.numbers:
-            whole = None if start is None else evaluate_along(hand, brief, start)
+            whole = None if start is None else evaluate_same_grasps(hand, brief, start)
             lost = whole is None or len(whole.cases) < len(brief.objects)
             found |= {name: np.nan if lost else getattr(whole, name) for name in wanted.numbers}
     except FAILURES:
@@ -81,8 +81,8 @@ def _held(hand: Any, brief: Brief, near: Evaluation | None, wanted: Wanted) -> I
 def _of_loads(
     brief: Brief, name: str, mass: float, one: Candidate, wanted: Wanted
 ) -> Iterator[tuple[str, float]]:  # fmt: skip
-    pulls = pulls_of(one.grasp, brief.acceleration) if mass else []
-    loads = {f"{name}: {WEIGHT} {k + 1}": (spec, pull, mass) for k, (spec, pull) in enumerate(pulls)}
+    pulls = unit_mass_loads(one.grasp, brief.acceleration) if mass else []
+    loads = {f"{name}: {WEIGHT_NAME} {k + 1}": (spec, pull, mass) for k, (spec, pull) in enumerate(pulls)}
     if wanted.aim == FACTOR:
         loads |= {f"{name}: {load}": (one.grasp.spec, wrench, 1.0) for load, wrench in brief.loads.items()}
     befores = dict[int, Any]()

@@ -19,7 +19,7 @@ import numpy as np
 from handlcp.check import Array
 from handlcp.design.evaluation import NOT_FOUND, Evaluation, ObjectCase
 from handlcp.design.optimise.slopes import Gradient
-from handlcp.design.space import Space, Value
+from handlcp.design.space import ParameterValue, Space
 from handlcp.design.sweep.cells import alike
 from handlcp.design.sweep.journal import Journal
 from handlcp.design.sweep.work import (
@@ -208,7 +208,7 @@ class Trials:
         said = str(row.get(NEAR) or "").split()
         return {n: int(k) for n, k in zip(names_of(row), said, strict=False) if k != _NONE}
 
-    def values(self, number: int) -> dict[str, Value]:
+    def values(self, number: int) -> dict[str, ParameterValue]:
         """The parameters of a design."""
         return {name: self.rows[number][name] for name in self.space.names}
 

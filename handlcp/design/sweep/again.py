@@ -10,7 +10,7 @@ from handlcp.design.space import Space
 from handlcp.design.sweep.cells import cells_of, numbered, points
 from handlcp.design.sweep.work import Heads, Maker, Outcome, evaluated
 from handlcp.errors import InputError
-from handlcp.progress import told
+from handlcp.progress import track_progress
 
 
 def evaluations(sweep: Mapping[str, Any], maker: Maker, designs: Sequence[int]) -> list[Evaluation]:
@@ -18,7 +18,7 @@ def evaluations(sweep: Mapping[str, Any], maker: Maker, designs: Sequence[int]) 
     space = Space(sweep["space"])
     cube = points(space, sweep["sampling"], sweep["samples"], sweep["seed"])
     values, wanted, found = numbered(space, cube), set(designs), dict[int, Evaluation]()
-    with told("designs once more", len(wanted)) as say:
+    with track_progress("designs once more", len(wanted)) as say:
         for cell in cells_of(space, cube):
             own = wanted.intersection(cell)
             if not own:

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, Bools, Ints, integer
-from handlcp.design.space import Choices, Space, Value
+from handlcp.check import Array, Bools, Ints, check_integer
+from handlcp.design.space import Choices, ParameterValue, Space
 from handlcp.errors import InputError
 
 GRID, SOBOL, LHS = "grid", "sobol", "lhs"
@@ -25,13 +25,13 @@ def points(space: Space, sampling: Any, samples: Any, seed: Any) -> Array:
     """(n, d) of the unit cube. Raises InputError."""
     if sampling not in (GRID, SOBOL, LHS):
         raise InputError("sampling", f'"{GRID}", "{SOBOL}" or "{LHS}"', repr(sampling)[:80])
-    integer("seed", seed, 0)
+    check_integer("seed", seed, 0)
     if sampling == GRID:
         return space.grid(samples)
     return space.sobol(samples, seed) if sampling == SOBOL else space.lhs(samples, seed)
 
 
-def numbered(space: Space, cube: Array) -> dict[int, dict[str, Value]]:
+def numbered(space: Space, cube: Array) -> dict[int, dict[str, ParameterValue]]:
     """The parameters of each design, by its number."""
     return {k: space.point(u) for k, u in enumerate(cube)}
 

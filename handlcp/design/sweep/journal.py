@@ -23,8 +23,8 @@ from typing import Any, Self
 from weakref import WeakSet
 from zlib import crc32
 
-from handlcp.errors import InputError, writing
-from handlcp.read_file import MOST_ROWS, parse_json, read_bytes
+from handlcp.errors import InputError, refuse_unwritable
+from handlcp.read_file import MAX_TABLE_BYTES, parse_json, read_bytes
 from handlcp.write_file import write_all
 
 if sys.platform != "win32":
@@ -43,7 +43,7 @@ def read(file: Path) -> tuple[Row | None, list[Row], int]:
 
     Raises InputError for a file that is no journal.
     """
-    return _parsed(file, read_bytes("out", file, "the journal of a sweep", MOST_ROWS))
+    return _parsed(file, read_bytes("out", file, "the journal of a sweep", MAX_TABLE_BYTES))
 
 
 def _parsed(file: Path, text: bytes) -> tuple[Row | None, list[Row], int]:
@@ -85,14 +85,14 @@ class Journal:
         that is no journal; whether it is the same sweep is for the caller to see.
         """
         self.file = file
-        with writing("out", file):
+        with refuse_unwritable("out", file):
             self._out = file.open("a+b", buffering=0)
         try:
             self._lock()
             before, self.rows, end = read(file)
             self.sweep: Row = dict(sweep) if before is None else before
             self._end = end  # of the whole lines [bytes]
-            with writing("out", file):
+            with refuse_unwritable("out", file):
                 self._out.truncate(end)
             if before is None:
                 self._write([json.dumps(self.sweep).encode()])
@@ -124,7 +124,7 @@ class Journal:
 
     def close(self) -> None:
         """Let go of file and lock. Raises InputError."""
-        with writing("out", self.file):
+        with refuse_unwritable("out", self.file):
             self._out.close()
 
     def append(self, rows: Sequence[Row]) -> None:
@@ -135,7 +135,7 @@ class Journal:
 
     def _write(self, lines: Sequence[bytes]) -> None:
         data = b"".join(line + b"\n" for line in lines)
-        with writing("out", self.file):
+        with refuse_unwritable("out", self.file):
             try:
                 write_all(self._out.fileno(), data)
                 os.fsync(self._out.fileno())

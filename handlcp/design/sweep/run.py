@@ -8,7 +8,7 @@ from concurrent.futures import BrokenExecutor, Executor
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
-from handlcp.check import cores
+from handlcp.check import check_workers
 from handlcp.design.evaluation import Evaluation
 from handlcp.design.sweep.work import DESIGN, Done, Heads, Row, Task, Values, packed, row_of, unpacked, work
 from handlcp.errors import InputError
@@ -45,7 +45,7 @@ def executor_for(given: Any) -> Iterator[Callable[[], Executor]]:
     """
     if given is None:
         try:
-            yield lambda: worker_pool(cores(None))
+            yield lambda: worker_pool(check_workers(None))
         except BaseException:
             end_workers()
             raise

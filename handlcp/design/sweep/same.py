@@ -17,7 +17,7 @@ from handlcp.contact.friction import as_law
 from handlcp.design.brief import Brief
 from handlcp.errors import InputError
 from handlcp.hand.hand import Hand
-from handlcp.record import plain
+from handlcp.record import to_plain
 from handlcp.version import VERSION
 
 ROWS = "every design is searched"  # how rows come about; before, most began from other designs' grasps alone
@@ -34,7 +34,7 @@ def description(space: Mapping[str, Any], sampling: str, samples: Any, seed: int
     not of what it calls.
     """
     kept = {"handlcp": VERSION, "rows": ROWS, "space": space, "sampling": sampling, "samples": samples, "seed": seed}
-    return plain(kept | {"make": digest(make), "brief": digest(brief)})
+    return to_plain(kept | {"make": digest(make), "brief": digest(brief)})
 
 
 def check_same(file: str, before: Mapping[str, Any], now: Mapping[str, Any]) -> None:

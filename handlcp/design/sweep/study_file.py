@@ -10,7 +10,7 @@ from typing import Annotated, Any, NamedTuple
 
 from handlcp.design.brief import Brief
 from handlcp.design.finger_hand import finger_hand
-from handlcp.errors import InputError, UnknownName, keyed, unreadable
+from handlcp.errors import InputError, UnknownName, translate_arguments, why_unreadable
 from handlcp.hand.hand import Hand
 from handlcp.hand.vary.hand_shape import read_changes
 from handlcp.scene import key_types as k
@@ -141,9 +141,9 @@ def _read(study: Path, said: Mapping[str, Any], hand: Callable[..., Hand]) -> Ha
         raise UnknownName("hand", f"a key beside {_URDF}", unknown, _BESIDE)
     beside = study.parent / name
     try:
-        with keyed({f"--{key.replace('_', '-')}": f"hand.{key}" for key in _BESIDE}):
+        with translate_arguments({f"--{key.replace('_', '-')}": f"hand.{key}" for key in _BESIDE}):
             base, numbers = more.get("base"), {key: more[key] for key in _BESIDE[:-1] if key in more}
-            return hand(Path(name) if unreadable(beside) else beside, base, None, **numbers)
+            return hand(Path(name) if why_unreadable(beside) else beside, base, None, **numbers)
     except InputError as error:
         if error.argument != "joint_stiffness":
             raise

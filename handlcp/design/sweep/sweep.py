@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from typing import Any
 
+from handlcp.check import check_call
 from handlcp.design.evaluation import Evaluation
 from handlcp.design.space import Space
 from handlcp.design.study import Study
@@ -15,12 +16,11 @@ from handlcp.design.sweep.run import rows_of
 from handlcp.design.sweep.same import check_same, description
 from handlcp.design.sweep.table import checked_table, read_table, write_table
 from handlcp.design.sweep.work import DESIGN, ERROR, Maker, Row, Values, in_order, packed
-from handlcp.errors import InputError, writing
-from handlcp.keywords import helped
-from handlcp.progress import Progress, told
+from handlcp.errors import InputError, refuse_unwritable
+from handlcp.progress import Progress, track_progress
 
 
-@helped()
+@check_call()
 def sweep(
     make: Any, space: Mapping[str, Any], brief: Any, sampling: str = SOBOL, samples: Any = None,
     out: Any = None, executor: Any = None, *, seed: int = 0, progress: Progress = None,
@@ -73,7 +73,7 @@ def sweep(
                 _run(maker, every, cells, executor, progress, found, journal.append)
                 write_table(file, same, in_order(found))
     if file is not None:
-        with writing("out", beside(file)):
+        with refuse_unwritable("out", beside(file)):
             beside(file).unlink(missing_ok=True)
     return Study(same, in_order(found), maker)
 
@@ -98,7 +98,7 @@ def _run(
     """Keep the rows that are not there yet, as they come."""
     known = frozenset(row[DESIGN] for row in there)
     found = rows_of(packed(maker), cells, values, known, executor)
-    with told("designs", len(values), progress, len(known)) as say, closing(found):
+    with track_progress("designs", len(values), progress, len(known)) as say, closing(found):
         for rows in found:
             keep(rows)
             say(len(rows))

@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from handlcp.design.space import Space
-from handlcp.errors import InputError, as_path, unreadable
-from handlcp.extras import missing
-from handlcp.read_file import MOST_CELLS, MOST_ROWS, parse_json, read_bytes, read_text
+from handlcp.errors import InputError, as_path, missing_library, why_unreadable
+from handlcp.read_file import MAX_TABLE_BYTES, MAX_TABLE_CELLS, parse_json, read_bytes, read_text
 from handlcp.write_file import write_file
 
 PARQUET, CSV = ".parquet", ".csv"
@@ -73,15 +72,15 @@ def write_table(file: Path, sweep: Mapping[str, Any], rows: Sequence[Mapping[str
 def read_table(file: Path) -> tuple[Row, list[Row]]:
     """What the sweep was, and its rows. Raises InputError for a file that is none of a sweep."""
     if file.suffix.lower() == CSV:
-        text = read_text("out", file, _TABLE, MOST_ROWS)
-        if unreadable(_described(file)):
+        text = read_text("out", file, _TABLE, MAX_TABLE_BYTES)
+        if why_unreadable(_described(file)):
             raise none_of_a_sweep(file)
-        said = read_text("out", _described(file), _TABLE, MOST_ROWS)
-        if text.count(",") + text.count("\n") > MOST_CELLS:
-            raise InputError("out", f"a table of at most {MOST_CELLS} cells", f"{str(file)!r} with more")
+        said = read_text("out", _described(file), _TABLE, MAX_TABLE_BYTES)
+        if text.count(",") + text.count("\n") > MAX_TABLE_CELLS:
+            raise InputError("out", f"a table of at most {MAX_TABLE_CELLS} cells", f"{str(file)!r} with more")
         return _sound(file, said, lambda words: _read_csv(text, words))
     _arrow()
-    data = read_bytes("out", file, _TABLE, MOST_ROWS)
+    data = read_bytes("out", file, _TABLE, MAX_TABLE_BYTES)
     try:
         described, rows = _read_parquet(data)
     except Exception:  # Arrow raises errors of its own and of Python's
@@ -138,10 +137,12 @@ def _read_parquet(data: bytes) -> tuple[bytes, list[Row]]:
     import pyarrow
 
     file = parquet.ParquetFile(pyarrow.BufferReader(data))
-    if file.metadata.num_rows * max(1, file.metadata.num_columns) > MOST_CELLS:
+    if file.metadata.num_rows * max(1, file.metadata.num_columns) > MAX_TABLE_CELLS:
         raise ValueError("too many cells")
-    rows, left = list[Row](), MOST_ROWS
-    each = max(1, min(65_536, MOST_ROWS // len(data)))  # a word is as long as the file at most, and may be in each row
+    rows, left = list[Row](), MAX_TABLE_BYTES
+    each = max(
+        1, min(65_536, MAX_TABLE_BYTES // len(data))
+    )  # a word is as long as the file at most, and may be in each row
     for batch in file.iter_batches(each):
         left -= batch.nbytes
         if left < 0:
@@ -156,7 +157,7 @@ def _arrow() -> tuple[Any, Any]:
         import pyarrow
         from pyarrow import parquet
     except ImportError:
-        raise missing("Parquet needs pyarrow", "pyarrow", "; a .csv needs nothing") from None
+        raise missing_library("Parquet needs pyarrow", "pyarrow", "; a .csv needs nothing") from None
     return pyarrow, parquet
 
 

@@ -20,8 +20,8 @@ from typing import Any, NamedTuple
 from handlcp.design.brief import Brief
 from handlcp.design.evaluate import evaluate, evaluate_worst
 from handlcp.design.evaluation import Evaluation, ObjectCase
-from handlcp.design.space import Value
-from handlcp.errors import InputError, UnknownName, keyed
+from handlcp.design.space import ParameterValue
+from handlcp.errors import InputError, UnknownName, translate_arguments
 from handlcp.grasp.solution.verdict import HELD
 from handlcp.hand.hand import Hand
 
@@ -29,7 +29,7 @@ MOST_HEADS = 8  # where none of so many grasps an object, the others of the cell
 DESIGN, ERROR = "design", "error"  # columns beside the parameters and what `Evaluation.to_row` has
 FAILURES = Exception, SystemExit  # what a design may raise, which then is its reason
 
-Values = Mapping[str, Value]
+Values = Mapping[str, ParameterValue]
 Numbered = tuple[int, Values]  # a design: its number, its parameters
 Outcome = Evaluation | str  # of a design, or why there is none
 Row = dict[str, Any]
@@ -89,7 +89,7 @@ class Maker:
         lost = [name for name in values if name not in taken]
         if lost and not isinstance(self.make, Hand):
             raise InputError("space", "parameters that make or brief takes", ", ".join(lost))
-        with keyed({"changes": "space"}):
+        with translate_arguments({"changes": "space"}):
             for argument in free:
                 try:
                     self.hand(values) if argument == "make" else self.asked(values)
@@ -110,7 +110,7 @@ def _takes_any(function: Callable[..., Any]) -> bool:
     return any(p.kind is inspect.Parameter.VAR_KEYWORD for p in inspect.signature(function).parameters.values())
 
 
-def _taken(function: Callable[..., Any], values: Values) -> dict[str, Value]:
+def _taken(function: Callable[..., Any], values: Values) -> dict[str, ParameterValue]:
     """Those of the values that a function takes."""
     if _takes_any(function):
         return dict(values)

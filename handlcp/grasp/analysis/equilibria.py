@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array
+from handlcp.check import Array, check_method_calls
 from handlcp.contact.friction import Section
 from handlcp.grasp.assembly.problem import GraspContactProblem, SolverCandidate, solution_candidate, stamped_effects
 from handlcp.grasp.assembly.scene_builder import build_scene
@@ -34,13 +34,12 @@ from handlcp.grasp.solve.equilibrium_search import (
 from handlcp.grasp.solve.solve_spec import CertifiedCandidate, make_solution, solve_spec
 from handlcp.grasp.verify.certifier import certify_candidate
 from handlcp.grasp.verify.load_capacity import prove_overload
-from handlcp.keywords import helped_methods
 from handlcp.lcp import NSNGRK, Auto, Status, proposals
 from handlcp.lcp.contact_problem import MultiplierLCP
 from handlcp.lcp.lemke import eliminate_free, pivot_lemke
-from handlcp.record import Record, data_frame
-from handlcp.text_table import wrapped
-from handlcp.tolerances import ACTIVE, PIVOT
+from handlcp.record import Record, make_data_frame
+from handlcp.tolerances import ACTIVE_TOLERANCE, PIVOT_TOLERANCE
+from handlcp.words import wrap_text
 
 # ----------------------------------------------------------------
 # Where a search for equilibria starts from: answers of coarser pyramids, other seeds, other methods.
@@ -80,7 +79,7 @@ def seeded_candidates(problem: GraspContactProblem, runs: int = 4, seed: int = 1
         start = rng.exponential(size=problem.n) * rng.choice([-1.0, 0.0, 1.0], problem.n)
         start[problem.role == 1] = abs(start[problem.role == 1])
         yield problem.candidate(replace(method, seed=seed + k).propose_contact(problem, start).z)
-        _, _, v = pivot_lemke(r.M, r.q, 10.0 ** rng.uniform(-1, 1, len(r.q)), 50 + 20 * len(r.q), PIVOT)
+        _, _, v = pivot_lemke(r.M, r.q, 10.0 ** rng.uniform(-1, 1, len(r.q)), 50 + 20 * len(r.q), PIVOT_TOLERANCE)
         yield problem.candidate(method.propose_contact(problem, lcp.back(r.restore(v))).z)
 
 
@@ -90,7 +89,7 @@ _COLUMNS = ("equilibrium", "contact", "state", "normal_N", "friction_N", "fricti
 _EQUAL_FORCE_SHARE = 1e-6  # of the largest force, or of the scene's: forces that differ by less are the same
 
 
-@helped_methods
+@check_method_calls
 @dataclass(frozen=True, slots=True)
 class Equilibria(Record):
     """The equilibria of a grasp, every one certified: `for solution in equilibria`, `len(equilibria)`.
@@ -123,26 +122,33 @@ class Equilibria(Record):
         """
         each = [contact_data(s) | {"equilibrium": [k] * len(s.names), "contact": s.names}
                 for k, s in enumerate(self.found, 1)]  # fmt: skip
-        return data_frame({name: [x for one in each for x in one[name]] for name in _COLUMNS})
+        return make_data_frame({name: [x for one in each for x in one[name]] for name in _COLUMNS})
 
     def __str__(self) -> str:
         k = len(self.found)
         if not k:
-            return wrapped(f"no equilibrium {'exists' if self.complete else 'was found'}: {self.why}", "  ")
+            return wrap_text(f"no equilibrium {'exists' if self.complete else 'was found'}: {self.why}", "  ")
         proof = f"{'proven' if self.complete else 'not proven'}: {self.why}"
         if k == 1:
             head = "one equilibrium and no other" if self.complete else "one equilibrium found; others may exist"
-            return f"{wrapped(f'{head} ({proof})', '  ')}\n{wrapped(_line(self.found[0]), '    ', '  ')}"
+            return f"{wrap_text(f'{head} ({proof})', '  ')}\n{wrap_text(_line(self.found[0]), '    ', '  ')}"
         head = f"{k} equilibria{' and no more' if self.complete else ' found; more may exist'} ({proof})"
-        lines = [wrapped(head, "  "), *(wrapped(_line(s), "     ", f"  {i}. ") for i, s in enumerate(self.found, 1))]
-        return "\n".join([*lines, *(wrapped(line, "    ", "  ") for line in self._which())])
+        lines = [
+            wrap_text(head, "  "),
+            *(wrap_text(_line(s), "     ", f"  {i}. ") for i, s in enumerate(self.found, 1)),
+        ]
+        return "\n".join([*lines, *(wrap_text(line, "    ", "  ") for line in self._which())])
 
     def _which(self) -> Iterator[str]:
         """Which of several are to be reckoned with."""
         within = [str(i) for i, s in enumerate(self.found, 1) if not solution_motions(s).too_large]
         if len(within) < len(self.found):
             which = (
-                f"numbers {words.listed(within)}" if len(within) > 1 else f"number {within[0]} alone" if within else ""
+                f"numbers {words.list_names(within)}"
+                if len(within) > 1
+                else f"number {within[0]} alone"
+                if within
+                else ""
             )
             yield f"the equations of small motions describe {which or 'none of them'}"
         if len(within) > 1:
@@ -150,9 +156,9 @@ class Equilibria(Record):
 
 
 def _line(s: GraspSolution) -> str:
-    noise = ACTIVE * s.residuals.force_scale  # below this a contact is said not to push
+    noise = ACTIVE_TOLERANCE * s.residuals.force_scale  # below this a contact is said not to push
     values = [0.0 if abs(f) <= noise else f for f in s.normal_force.tolist()]
-    forces = ", ".join(words.column(values) if any(values) else ["0"] * len(values))
+    forces = ", ".join(words.format_column(values) if any(values) else ["0"] * len(values))
     return f"normal forces ({forces}) N, {replace(s, uniqueness=None).diagnosis}"
 
 

@@ -35,8 +35,7 @@ from handlcp.grasp.solve.solve_spec import is_force_dependent, update_effects
 from handlcp.lcp import proposals
 from handlcp.lcp.compiler.compile_policy import compile_now
 from handlcp.record import Record
-from handlcp.text_table import wrapped
-from handlcp.words import length, listed
+from handlcp.words import format_length, list_names, wrap_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,15 +149,15 @@ class Explanation(Record):
             takes = "" if e.share is None else f"; {round(100 * e.share)} % of the solve"
             counts = f"; in {e.answers}" if e.answers else ""
             cost = f" [{brings or 'no unknowns'}{takes}{counts}]" if e.on else ""
-            lines.append(wrapped(f"{e.title}: {e.why}{cost}", "     ", "on   " if e.on else "off  "))
+            lines.append(wrap_text(f"{e.title}: {e.why}{cost}", "     ", "on   " if e.on else "off  "))
         what = f"{self.eliminated} free unknowns eliminated" if self.eliminated else "none eliminated"
         if self.rcond is not None:
             what += f" (condition of their block {1.0 / self.rcond:.1e})" if self.rcond > 0.0 else " (singular block)"
-        lines.append(wrapped(f"{self.unknowns} unknowns, {what}: the solver sees {self.size}", "  "))
+        lines.append(wrap_text(f"{self.unknowns} unknowns, {what}: the solver sees {self.size}", "  "))
         if self.seconds is not None:
             time = f"{1e6 * self.seconds:.0f} µs from the numbers to a certified answer, started at the answer"
-            lines.append(wrapped(time, "  "))
-        lines += [wrapped(note, "  ") for note in self.notes]
+            lines.append(wrap_text(time, "  "))
+        lines += [wrap_text(note, "  ") for note in self.notes]
         return "\n".join(lines)
 
     @property
@@ -184,7 +183,7 @@ def explain_effects(spec: GraspSpec, scene: Scene, section: Section) -> Explanat
         brought = tuple([(name, counted[name].count, counted[name].free) for name in names if name in counted])
         line = EffectLine(e.title, e.equation, True, e.why(scene), brought, e.answers)
         if e.title == FingerFlexibility.title:  # told apart from what compliances asked for add to E
-            line = replace(line, why=f"E is not zero ({length(own.trace() / k)}/N in the mean)")
+            line = replace(line, why=f"E is not zero ({format_length(own.trace() / k)}/N in the mean)")
             if not own.any():
                 line = replace(line, on=False, why="E of the fingers is zero: rigid fingers", unknowns=())
         lines.append(line)
@@ -210,8 +209,8 @@ def _describe_environment(spec: GraspSpec, m: int) -> str:
     if not m:
         return "none given"
     block = spec.flexibility[-3 * m :, -3 * m :]
-    soft = f"{length(block.trace() / (3 * m))}/N in the mean" if block.any() else "rigid"
-    return f"{m} of the {spec.n} contacts: {listed(spec.names[-m:])}; {soft}"
+    soft = f"{format_length(block.trace() / (3 * m))}/N in the mean" if block.any() else "rigid"
+    return f"{m} of the {spec.n} contacts: {list_names(spec.names[-m:])}; {soft}"
 
 
 # ----------------------------------------------------------------

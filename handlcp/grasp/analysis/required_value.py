@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from handlcp.check import number
+from handlcp.check import check_method_calls, check_number
 from handlcp.contact.friction import Section
 from handlcp.errors import InputError
 from handlcp.grasp.assembly.scene_builder import build_scene
@@ -22,10 +22,9 @@ from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.solution.verdict import HELD
 from handlcp.grasp.solve.solve_spec import BRIEF_SEARCH_WORK, solve_spec
 from handlcp.grasp.verify.load_capacity import find_escape_twist, prove_overload
-from handlcp.keywords import helped_methods
 from handlcp.lcp import Auto
-from handlcp.record import Record, data_frame
-from handlcp.text_table import wrapped
+from handlcp.record import Record, make_data_frame
+from handlcp.words import wrap_text
 
 HoldsTest = Callable[[float], bool]
 
@@ -142,7 +141,7 @@ _FIRST_STEP = 2.0**-10  # of the natural size: the first step upwards
 _MAX_COEFFICIENT = 10.0  # the largest coefficient that is tried
 
 
-@helped_methods
+@check_method_calls
 @dataclass(frozen=True, slots=True)
 class Required(Record):
     """The smallest common value that holds.
@@ -173,14 +172,14 @@ class Required(Record):
 
     def to_frame(self) -> Any:
         """A pandas table of the values tried, in their order: "value", "holds". Raises Unsupported without pandas."""
-        return data_frame({name: [pair[k] for pair in self.checked] for k, name in enumerate(("value", "holds"))})
+        return make_data_frame({name: [pair[k] for pair in self.checked] for k, name in enumerate(("value", "holds"))})
 
     def __str__(self) -> str:
         if self.value is None:
             if self.proven:
                 return "no value found that holds: no force within friction and limits balances the load"
             none = f"no value up to {self._format_value(self.limit)} found that holds"
-            return wrapped(f"{none}: {self.hint}" if self.hint else none, "  ")
+            return wrap_text(f"{none}: {self.hint}" if self.hint else none, "  ")
         bare = "nothing added" if self.unit else "no friction"
         value = self._format_value(self.value) if self.value > 0.0 else bare
         if self.verdict == HELD:
@@ -192,7 +191,7 @@ class Required(Record):
         if self.fails is not None and self.value > 0.0:
             text += f"{', ' if self.verdict == HELD else '; '}{self._format_value(self.fails)} does not"
             text += "" if self.verdict == HELD else " hold"
-        return wrapped("; ".join([part for part in (text, self.hint) if part]), "  ")
+        return wrap_text("; ".join([part for part in (text, self.hint) if part]), "  ")
 
     def _format_value(self, value: float) -> str:
         """A coefficient, newtons, or a squeeze in millimetres, with digits enough to tell the two values apart."""
@@ -224,7 +223,7 @@ def required_preload(
     Squeeze changes no friction cone: where no force in them balances the load, none is enough, and that is proven.
     """
     tolerance, size = check_tolerance(tolerance), build_scene(spec).units.motion
-    most = 1e4 * size if limit is None else number("limit", limit, above=0.0)
+    most = 1e4 * size if limit is None else check_number("limit", limit, above=0.0)
     if _is_proven_to_escape(spec, section):
         return Required(None, None, True, "m", most, tolerance, ())
     tests = [lambda x, t=t: t(spec.with_squeeze(x), section) for t in (test, sure)]
@@ -245,7 +244,7 @@ def required_friction(
     """
     tolerance, most = (
         check_tolerance(tolerance),
-        number("limit", _MAX_COEFFICIENT if limit is None else limit, above=0.0),
+        check_number("limit", _MAX_COEFFICIENT if limit is None else limit, above=0.0),
     )
     if _is_proven_to_escape(with_friction(spec, most), section):
         return Required(None, None, True, "", most, tolerance, ())
@@ -274,7 +273,7 @@ def _is_proven_to_escape(spec: GraspSpec, section: Section) -> bool:
 
 def check_tolerance(value: Any) -> float:
     """A relative tolerance, above 0 and below 1. Raises InputError."""
-    tolerance = number("tolerance", value, above=0.0)
+    tolerance = check_number("tolerance", value, above=0.0)
     if tolerance >= 1.0:
         raise InputError("tolerance", "a relative tolerance below 1", value)
     return tolerance

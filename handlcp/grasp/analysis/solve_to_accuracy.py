@@ -26,7 +26,7 @@ from handlcp.grasp.verify.contact_state import GLIDING, SEPARATED, SLIDING, STIC
 from handlcp.lcp import Auto, ContactSolver, SemismoothNewton, Solver, Status, as_chain
 from handlcp.lcp.kernels.contact_newton import row_scales
 from handlcp.lcp.solve import AnySolver
-from handlcp.tolerances import ACTIVE, RANK
+from handlcp.tolerances import ACTIVE_TOLERANCE, RANK_TOLERANCE
 
 
 def solve_with_advice(
@@ -133,7 +133,7 @@ def force_error(problem: GraspContactProblem, solution: GraspSolution) -> float:
             off[index] = bound[at[name]]
     size = float(np.sqrt((solution.forces**2).sum(axis=1)).max()) / scene.units.force
     most = float(np.sqrt((off.reshape(-1, 3) ** 2).sum(axis=1)).max()) + _EPS * size  # the way to newtons rounds, too
-    if size <= ACTIVE:
+    if size <= ACTIVE_TOLERANCE:
         return most
     # Relative to exact forces that may be smaller by as much
     return most / (size - most) if most < size else np.inf
@@ -212,7 +212,7 @@ def _inverse(A: Array) -> Array:
             return np.asarray(inverse)
     except np.linalg.LinAlgError:
         pass  # singular to the last bit
-    return np.asarray(np.linalg.pinv(A, rcond=RANK))
+    return np.asarray(np.linalg.pinv(A, rcond=RANK_TOLERANCE))
 
 
 def _other_pieces(piece: Bools, doubtful: Bools) -> Iterator[Bools]:

@@ -25,7 +25,7 @@ from handlcp.grasp.solve.compiled_answer import start_values
 from handlcp.grasp.solve.solve_spec import solve_in_stages
 from handlcp.lcp import Auto
 from handlcp.record import Record
-from handlcp.text_table import wrapped
+from handlcp.words import wrap_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +89,7 @@ class Suggestions(Record):
         return tuple(lines)
 
     def __str__(self) -> str:
-        return "\n".join(wrapped(line, "  ") for line in self.lines)
+        return "\n".join(wrap_text(line, "  ") for line in self.lines)
 
 
 def suggest(spec: GraspSpec, section: Section, solution: GraspSolution, least: float) -> Suggestions:

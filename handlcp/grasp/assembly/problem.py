@@ -13,7 +13,7 @@ from handlcp.grasp.effects import Effect, effect_kinds
 from handlcp.grasp.model.contact import shift_twist
 from handlcp.grasp.model.equation_system import EquationSystem, Layout, Unknown, make_layout, unknown_labels
 from handlcp.grasp.model.scene import GraspGeometry, Scene
-from handlcp.lazy import lazy
+from handlcp.lazy_property import lazy_property
 from handlcp.lcp import ContactProblem, FrictionSets, Pattern, Units
 from handlcp.lcp.contact_problem import NO_NORMALS, MultiplierLCP
 from handlcp.lcp.kernels.dense import kernel
@@ -221,7 +221,7 @@ class GraspProblem(MultiplierLCP):
         super().__init__(contact, behind=sum(contact.system.layout.forces[:2]))
         self.scene, self.section, self.effects = contact.scene, contact.section, contact.effects
 
-    @lazy
+    @lazy_property
     def groups(self) -> tuple[Unknown, ...]:
         """The unknowns of all effects, complementary groups first."""
         own, points = self.contact.groups, len(self.scene.rough)

@@ -19,7 +19,7 @@ from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.flexibility import Flexibility, flexibility_matrix, stored_flexibility
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
-from handlcp.tolerances import LEVER
+from handlcp.tolerances import MAX_LEVER
 
 FlexibilityInput = Array | Flexibility  # as it was given
 
@@ -102,8 +102,8 @@ def _check_levers(spec: GraspSpec, soft: tuple[int, ...]) -> None:
     arms = spec.positions - spec.positions.mean(axis=0)
     size = float(np.sqrt((arms**2).sum(axis=1).mean()))
     longest = max([spec.contacts[i].friction.lever for i in soft])
-    if size > 1e-12 * float(abs(spec.positions).max()) and longest > LEVER * size:
-        expected = f"mu_torsion / mu up to {LEVER:g} times the size of the grasp, {LEVER * size:.3g} m"
+    if size > 1e-12 * float(abs(spec.positions).max()) and longest > MAX_LEVER * size:
+        expected = f"mu_torsion / mu up to {MAX_LEVER:g} times the size of the grasp, {MAX_LEVER * size:.3g} m"
         raise InputError("SoftFinger.mu_torsion", expected, f"{longest:.3g} m")
 
 

@@ -10,7 +10,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from handlcp.check import Array, Bools, Ints, read_only, several, yes_or_no
+from handlcp.check import Array, Bools, Ints, check_flag, check_sequence, read_only
 from handlcp.contact.friction import Pyramid, Section, as_section
 from handlcp.errors import InputError
 from handlcp.grasp.grasp import Grasp
@@ -21,7 +21,7 @@ from handlcp.grasp.solve.compiled_solve import HEADER_SIZE, NONE_HOLDS, UNIQUE, 
 from handlcp.lcp import Status, as_chain
 from handlcp.lcp.compiler.compile_policy import compile_in_background
 from handlcp.lcp.solve import AnySolver
-from handlcp.tolerances import CERTIFY
+from handlcp.tolerances import CERTIFY_TOLERANCE
 
 # ----------------------------------------------------------------
 # What a batch asks: its grasps, and how each of them is solved.
@@ -50,11 +50,11 @@ class GraspBatch:
 
 def batch_of(grasps: Iterable[Grasp], faces: int | str | Pyramid, solver: AnySolver, proof: bool) -> GraspBatch:
     """The batch with everything checked. Raises InputError."""
-    every = several("grasps", grasps, "several Grasps, such as a list")
+    every = check_sequence("grasps", grasps, "several Grasps, such as a list")
     for k, g in enumerate(every):
         if not isinstance(g, Grasp):
             raise InputError(f"grasps[{k}]", "a Grasp", repr(g)[:80])
-    return GraspBatch(every, as_section(faces), as_section(faces, planar=True), solver, yes_or_no("proof", proof))
+    return GraspBatch(every, as_section(faces), as_section(faces, planar=True), solver, check_flag("proof", proof))
 
 
 # ----------------------------------------------------------------
@@ -156,7 +156,7 @@ class FirstStageAnswers(NamedTuple):
     @property
     def is_certified(self) -> Bools:
         """(k,) whether the certifier calls it an answer; NaN never is."""
-        return np.asarray((self.rows[:, 5:9] <= CERTIFY).all(axis=1))
+        return np.asarray((self.rows[:, 5:9] <= CERTIFY_TOLERANCE).all(axis=1))
 
     @property
     def is_unique(self) -> Bools:

@@ -12,20 +12,17 @@ from weakref import WeakValueDictionary
 import numpy as np
 import numpy.typing as npt
 
-from handlcp.check import Array, Bools, Ints, read_only
+from handlcp.check import Array, Bools, Ints, check_method_calls, read_only
 from handlcp.errors import Unsupported
 from handlcp.grasp.batch.first_stage import STATUSES, FirstStageAnswers, GraspBatch
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solve.compiled_answer import CompiledAnswer
-from handlcp.keywords import helped_methods
-from handlcp.lazy import lazy
+from handlcp.lazy_property import lazy_property
 from handlcp.lcp import Status
-from handlcp.record import Record, data_frame
-from handlcp.text_table import TextTable, wrapped
-from handlcp.tolerances import OVER
-from handlcp.views import view
-from handlcp.words import distinct
+from handlcp.record import Record, load_display, make_data_frame
+from handlcp.tolerances import OVER_LIMIT_TOLERANCE
+from handlcp.words import TextTable, number_duplicates, wrap_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,7 +150,7 @@ def make_columns(grasps: Sequence[Grasp], groups: Sequence[GraspGroup]) -> dict[
 
     for g in groups:
         for names, rows in _by_names(grasps, g).items():
-            for i, name in enumerate(distinct(names)):
+            for i, name in enumerate(number_duplicates(names)):
                 for a, axis in enumerate("xyz"):
                     put(fingers, f"{name}.force_{axis}", g.at[rows], g.forces[rows, i, a])
         for a, axis in enumerate(_OBJECT_AXES):
@@ -180,7 +177,7 @@ def _by_names(grasps: Sequence[Grasp], group: GraspGroup) -> dict[tuple[str, ...
 def _binding_joints(group: GraspGroup) -> Any:
     """(k,) the joint with the highest utilisation; None where that is 0 or there is no answer."""
     most = group.utilisation.max(axis=1)
-    which = (group.utilisation >= (most - OVER * most)[:, None]).argmax(axis=1)
+    which = (group.utilisation >= (most - OVER_LIMIT_TOLERANCE * most)[:, None]).argmax(axis=1)
     names = np.array(group.joints, dtype=object)[which]
     names[~(most > 0.0)] = None
     return names
@@ -193,7 +190,7 @@ def _binding_joints(group: GraspGroup) -> Any:
 _MIXED_HINT = "to_dict() has a column for each name, and solutions[k] the numbers of grasp k"
 
 
-@helped_methods
+@check_method_calls
 class Solutions(Record, Sequence[GraspSolution]):
     """The solutions of `solve_many`, in the order of its m grasps, and what they say as arrays, read-only.
 
@@ -306,21 +303,21 @@ class Solutions(Record, Sequence[GraspSolution]):
 
     def to_frame(self) -> Any:
         """The same as a pandas table, a row for each grasp. Raises Unsupported without pandas."""
-        return data_frame(self.to_dict())
+        return make_data_frame(self.to_dict())
 
     def _repr_html_(self) -> str:
         """What a notebook shows: how many came to what."""
         counts = Counter(self.status.tolist()).most_common()
         rows = tuple((name, str(k)) for name, k in counts)
-        text: str = view("table_html")(TextTable(("status", f"of {len(self)} grasps"), rows, "<>"))
+        text: str = load_display("table_html")(TextTable(("status", f"of {len(self)} grasps"), rows, "<>"))
         return text
 
     def __str__(self) -> str:
         """How many came to what."""
         counts = Counter(self.status.tolist())
-        return wrapped(f"{len(self)} grasps: {', '.join(f'{k} {name}' for name, k in counts.most_common())}", "  ")
+        return wrap_text(f"{len(self)} grasps: {', '.join(f'{k} {name}' for name, k in counts.most_common())}", "  ")
 
-    @lazy
+    @lazy_property
     def _groups(self) -> tuple[GraspGroup, ...]:
         return make_groups(self._batch, self._answers, self._singles, self)
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
-from handlcp.check import Array, cores
+from handlcp.check import Array, check_call, check_workers
 from handlcp.contact.friction import Pyramid, Section
 from handlcp.errors import InputError
 from handlcp.grasp.analysis.solve_to_accuracy import attach_advice
@@ -33,10 +33,9 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solve.compiled_answer import CompiledAnswer, get_compiled_kind
 from handlcp.grasp.solve.solve_spec import solve_in_stages, solve_spec
-from handlcp.keywords import helped
 from handlcp.lcp.compiler.compile_policy import compile_in_background
 from handlcp.lcp.solve import AnySolver
-from handlcp.progress import Progress, told
+from handlcp.progress import Progress, track_progress
 
 if TYPE_CHECKING:
     from handlcp.grasp.batch.first_stage import FirstStageAnswers
@@ -257,7 +256,7 @@ def _split(left: list[int], share: int) -> Iterator[list[int]]:
 # Many grasps at once, over all cores or a cluster: for sweeps over loads, postures and designs.
 
 
-@helped()
+@check_call()
 def solve_many(
     grasps: Iterable[Grasp], faces: int | str | Pyramid = "cone", solver: Solver | ContactSolver | Auto | None = None,
     *, workers: int | None = None, executor: Executor | None = None, progress: Progress = None, proof: bool = True,
@@ -290,10 +289,10 @@ def solve_many(
         raise InputError("executor", "a concurrent.futures.Executor, or None", repr(executor)[:80])
     if executor is not None and workers is not None:
         raise InputError("workers", "None beside an executor, which has its own", workers)
-    count = cores(workers)
+    count = check_workers(workers)
     answers: list[FirstStageAnswers] = []
     singles: dict[int, GraspSolution] = {}
-    with told("grasps", len(batch), progress) as say, compile_in_background(len(batch)):
+    with track_progress("grasps", len(batch), progress) as say, compile_in_background(len(batch)):
         for found in solve_on_cores(batch, count) if executor is None else solve_on_executor(batch, executor):
             if isinstance(found, SingleSolution):
                 singles[found.at] = found.solution

@@ -30,7 +30,7 @@ from handlcp.check import Array, Bools, Ints
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.verify.contact_state import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, ContactStates
 from handlcp.lcp.kernels.dense import kernel, solve_ranked, solve_wide
-from handlcp.tolerances import RANK
+from handlcp.tolerances import RANK_TOLERANCE
 
 
 class LinearLaws(NamedTuple):
@@ -159,7 +159,7 @@ def write_complement(normals: Array, count: int, d: int, across: Array) -> None:
 def matrix_rank(A: Array) -> int:
     """How many of the rows of A (k, k) are independent; A is overwritten."""
     k = len(A)
-    return solve_ranked(A, np.zeros(k), np.empty(k), np.empty(k, np.int64), RANK)
+    return solve_ranked(A, np.zeros(k), np.empty(k), np.empty(k, np.int64), RANK_TOLERANCE)
 
 
 @kernel

@@ -14,7 +14,7 @@ from handlcp.grasp.model.scene import GraspArrays, wrench_map
 from handlcp.grasp.verify.certifier import FrictionLimits
 from handlcp.grasp.verify.contact_state import RESTING, STICKING, ContactStates, find_states
 from handlcp.lcp.kernels.dense import kernel
-from handlcp.tolerances import RANK
+from handlcp.tolerances import RANK_TOLERANCE
 
 
 class PointArrays(NamedTuple):
@@ -71,7 +71,7 @@ def linearise_point(given: GraspArrays, at: PointArrays, contacts: Ints, frictio
     K = saddle_matrix(at.tangent, softness, natural, at.rows)
     laws = LinearLaws(K, kept, contacts, friction.limits, softness)
     A, B = active_rows(laws, states)
-    inverse, regular = solve_inverse(A, B, RANK)
+    inverse, regular = solve_inverse(A, B, RANK_TOLERANCE)
     return Linearisation(
         v, states, _edge_contacts(contacts, friction, at.forces, states.kind, weak), laws, inverse, regular
     )

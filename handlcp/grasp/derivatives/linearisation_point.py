@@ -21,8 +21,8 @@ from handlcp.grasp.model.mechanism import JointReading
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.verify.certifier import friction_limits, limits_at_answer
-from handlcp.lazy import lazy
-from handlcp.tolerances import ACTIVE
+from handlcp.lazy_property import lazy_property
+from handlcp.tolerances import ACTIVE_TOLERANCE
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ class LinearisationPoint:
     force_tolerance: float
     motion_tolerance: float
 
-    @lazy
+    @lazy_property
     def components(self) -> Array:
         """(c,) forces in contact axes, moments of soft contacts last [N, N·m]."""
         flat = self.forces.reshape(-1)
@@ -66,36 +66,36 @@ class LinearisationPoint:
         moments = np.zeros(self.scene.n) if self.torsion is None else self.torsion
         return np.append(flat, moments[list(self.scene.soft)])
 
-    @lazy
+    @lazy_property
     def law_forces(self) -> Array:
         """(c,) the same in the coordinates of the friction laws [N]."""
         return self.scene.to_law_axes(self.components)
 
-    @lazy
+    @lazy_property
     def scale(self) -> Array:
         """(c,) S, which turns the laws' forces into those in contact axes."""
         return np.ones(self.scene.components) if self.scene.scale is None else self.scene.scale
 
-    @lazy
+    @lazy_property
     def sizes(self) -> Array:
         """(5,) natural units of force, motion and length; weak and slow."""
         u = self.scene.units
         return np.array([u.force, u.motion, u.length, self.force_tolerance, self.motion_tolerance])
 
-    @lazy
+    @lazy_property
     def balance_sizes(self) -> Array:
         """(dof,) SI of one natural unit of each row of balance [N, N·m]."""
         u, k = self.scene.units, 3 if self.scene.plane is None else 2
         return np.array((u.force,) * k + (u.force * u.length,) * (self.scene.dof - k))
 
     # ---- joints
-    @lazy
+    @lazy_property
     def jacobian_rows(self) -> Array:
         """(c, nv) [J; T]: how fast the joints move the contact points, and turn the soft ones about their normals."""
         mechanism = self.spec.mechanism
         return np.zeros((self.scene.components, 0)) if mechanism is None else mechanism.jacobian_rows(self.scene.soft)
 
-    @lazy
+    @lazy_property
     def joints(self) -> JointReading:
         """Torques [N·m] and deflections [rad] of the joints."""
         mechanism = self.spec.mechanism
@@ -103,18 +103,18 @@ class LinearisationPoint:
             return JointReading(np.zeros(0), np.zeros(0), np.zeros(0))
         return mechanism.joints(self.scene, self.spec.effects, self.forces, self.torsion, self.extra)
 
-    @lazy
+    @lazy_property
     def command(self) -> Array:
         """(nv,) how far the joints are commanded beyond the posture."""
         return commanded_offset(self.spec.effects, self.jacobian_rows.shape[1])
 
-    @lazy
+    @lazy_property
     def geometric_stiffness(self) -> Array | None:
         """(nv, nv) K_g of the forces [N·m/rad], where it is asked for (`GeometricStiffness`)."""
         found = next((e.bent for e in self.spec.effects if isinstance(e, GeometricStiffness)), None)
         return None if found is None else found.stiffness
 
-    @lazy
+    @lazy_property
     def compliance(self) -> Array:
         """(nv, nv) K⁻¹, or (K + K_g)⁻¹ [rad/(N·m)]."""
         mechanism = self.spec.mechanism
@@ -124,7 +124,7 @@ class LinearisationPoint:
         bent = next((e.bent for e in self.spec.effects if isinstance(e, GeometricStiffness)), None)
         return C if bent is None else C + bent.added_compliance
 
-    @lazy
+    @lazy_property
     def levers(self) -> Array | None:
         """(c, nv) how K_g of one unit of each force component turns the joints that stand where the answer has them:
         ∂(K_g z)/∂r for z = δq - δ; None without `GeometricStiffness`.
@@ -134,7 +134,7 @@ class LinearisationPoint:
         assert self.spec.mechanism is not None  # the effect needs joints
         return np.asarray(self.spec.mechanism.hessian() @ (self.command - self.joints.deflection))
 
-    @lazy
+    @lazy_property
     def tangent(self) -> Array:
         """(c, c) ∂v/∂r in the laws' coordinates: E, and with `GeometricStiffness` what turning levers add."""
         if self.levers is None:
@@ -142,7 +142,7 @@ class LinearisationPoint:
         more = self.jacobian_rows @ self.compliance @ self.levers.T
         return np.asarray(self.scene.flexibility + self.scale[:, None] * more * self.scale)
 
-    @lazy
+    @lazy_property
     def torque_rows(self) -> Array:
         """(c, nv) ∂τ/∂r of the forces in contact axes."""
         if self.levers is None or self.geometric_stiffness is None:
@@ -151,18 +151,18 @@ class LinearisationPoint:
         return np.asarray((self.jacobian_rows + self.levers) @ kept.T)
 
     # ---- limits and friction
-    @lazy
+    @lazy_property
     def friction(self) -> Any:
         """The friction sets."""
         return friction_limits(self.scene, self.section)
 
-    @lazy
+    @lazy_property
     def friction_shares(self) -> Array:
         """(n,) of each coefficient, how much its section bears [-]; NaN without friction."""
         mu = np.array([c.mu for c in self.spec.contacts])
         return np.where(mu > 0.0, self.friction.limits / np.where(mu > 0.0, mu, 1.0), np.nan)
 
-    @lazy
+    @lazy_property
     def opening(self) -> Array:
         """(c,) d with what yielding limits open, in the laws' coordinates."""
         offset = self.scene.offset
@@ -171,7 +171,7 @@ class LinearisationPoint:
                 offset = offset + more
         return offset
 
-    @lazy
+    @lazy_property
     def reached_limits(self) -> ReachedLimits:
         """The limits that are reached."""
         scene = self.scene
@@ -179,7 +179,7 @@ class LinearisationPoint:
             return _no_reached_limits(scene.components, self.jacobian_rows.shape[1])
         candidate = SolverCandidate(self.law_forces, self.twist, self.extra, len(scene.soft))
         found = limits_at_answer(scene, self.spec.effects, candidate)
-        active, resting = found.motion > ACTIVE, found.resting.copy()
+        active, resting = found.motion > ACTIVE_TOLERANCE, found.resting.copy()
         for k in np.flatnonzero(resting):  # two limits that meet are one equation
             for j in np.flatnonzero(found.resting | active):
                 if j != k and resting[k] and (found.rows[j] == -found.rows[k]).all():
@@ -195,7 +195,7 @@ class LinearisationPoint:
         """(n,) contacts whose force is not prescribed."""
         return self.scene.force_unknown_mask
 
-    @lazy
+    @lazy_property
     def elastic_joints(self) -> bool:
         """Whether E follows the springs of the joints, because no other one was given."""
         mechanism = self.spec.mechanism

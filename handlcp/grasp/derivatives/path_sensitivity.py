@@ -15,15 +15,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, number, read_only
+from handlcp.check import Array, check_method_calls, check_number, read_only
 from handlcp.errors import UnknownName
 from handlcp.grasp.derivatives.parameter import find_parameter, parameters_by_effort, present_parameters
 from handlcp.grasp.derivatives.parameter.parameter import TABLE_SHARE
 from handlcp.grasp.model.request import GraspSpec
-from handlcp.keywords import helped_methods
-from handlcp.record import plain
-from handlcp.text_table import TextTable, wrapped
-from handlcp.words import first_largest
+from handlcp.record import to_plain
+from handlcp.words import TextTable, first_largest_index, wrap_text
 
 # ----------------------------------------------------------------
 # What common changes of a grasp do to the end of a path, in a table, to first order.
@@ -45,7 +43,7 @@ def path_table(s: Any, here: dict[str, Array]) -> str:
     if any(value.ndim for value in here.values()):
         lines.append("Of each quantity its largest component, SI: its size, and the change of it.")
     if unclear:
-        lines.append(wrapped(f"–: no derivative, for the end jumps or has a corner there ({', '.join(unclear)})."))
+        lines.append(wrap_text(f"–: no derivative, for the end jumps or has a corner there ({', '.join(unclear)})."))
     return "\n".join(lines)
 
 
@@ -54,7 +52,7 @@ def _largest_change(here: Array, change: Array) -> float:
     if not here.size:
         return 0.0
     flat = here.reshape(-1)
-    k = first_largest(abs(flat))
+    k = first_largest_index(abs(flat))
     return float(change.reshape(-1)[k] * (-1.0 if flat[k] < 0.0 else 1.0))
 
 
@@ -80,7 +78,7 @@ class TwoSidedDifferences(NamedTuple):
     derivative: Array
 
 
-@helped_methods
+@check_method_calls
 class PathSensitivity:
     """Derivatives `<quantity>_by_<parameter>` of the end of a path: arrays in the shape of the quantity followed by
     that of the parameter, SI, as in `Sensitivity`, whose parameters these are. `all_friction`, `all_pads`,
@@ -141,7 +139,7 @@ class PathSensitivity:
         """By quantity, its change to first order when all entries of a parameter grow by a share of themselves; {}
         where they are all zero.
         """
-        share = number("share", share)
+        share = check_number("share", share)
         if parameter not in (names := [p.name for p in present_parameters(self._spec)]):
             raise UnknownName("parameter", "a parameter", [str(parameter)], names)
         of = find_parameter(parameter)
@@ -182,8 +180,8 @@ class PathSensitivity:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data, SI: the quantities, and the derivatives asked for so far, None for what is no number; `jumps`."""
-        found = {f"{of}_by_{by}": plain(s.derivative) for by, each in self._found.items() for of, s in each.items()}
-        return {**{name: plain(here) for name, here in self._here.items()}, **found, "jumps": list(self.jumps)}
+        found = {f"{of}_by_{by}": to_plain(s.derivative) for by, each in self._found.items() for of, s in each.items()}
+        return {**{name: to_plain(here) for name, here in self._here.items()}, **found, "jumps": list(self.jumps)}
 
     def __str__(self) -> str:
         """What a tenth more of each parameter, of all fingers or joints together, does to each quantity."""

@@ -27,8 +27,8 @@ from handlcp.grasp.derivatives.active_set import least_norm_solutions
 from handlcp.grasp.derivatives.linearisation import LinearisedPoint
 from handlcp.grasp.derivatives.linearisation_point import LawChange, LinearisationPoint, ResponseRates
 from handlcp.grasp.verify.contact_state import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, ContactStates
-from handlcp.lazy import lazy
-from handlcp.tolerances import RANK
+from handlcp.lazy_property import lazy_property
+from handlcp.tolerances import RANK_TOLERANCE
 
 # ---------------------------------------------------------------- What a contact at a kink may do next.
 
@@ -190,7 +190,7 @@ def _rates_with(
     c, free = at.answer.scene.components, [k for k, p in enumerate(picked) if p.follows]
     for _ in range(_MAX_DIRECTION_ROUNDS if free else 1):
         A, B = at.equations(_with_next_states(at.states, contacts, picked), gives)
-        x, N = least_norm_solutions(A, (B @ b)[:, None], RANK)
+        x, N = least_norm_solutions(A, (B @ b)[:, None], RANK_TOLERANCE)
         if np.isnan(x).any():
             return None
         dv = at.motion_changes(x)[:, 0] + b[:c] * at.answer.sizes[1]
@@ -280,18 +280,18 @@ class LinearResponse:
         """Where it stands, and what unit changes do to it."""
         return cls(LinearisedPoint.linearise(answer))
 
-    @lazy
+    @lazy_property
     def kinks(self) -> tuple[DerivativeKink, ...]:
         """Contacts and limits whose next state depends on the direction of the change."""
         return find_kinks(self.at)
 
-    @lazy
+    @lazy_property
     def free(self) -> Array:
         """(k, j) what spans the changes that no law resists, natural units; j = 0: there are none."""
         if self.at.linearisation.regular:
             return np.zeros((len(self.at.linearisation.inverse), 0))
         A, _ = self.at.equations(self.at.states, self._yielding)
-        return least_norm_solutions(A, np.zeros((len(A), 0)), RANK)[1]
+        return least_norm_solutions(A, np.zeros((len(A), 0)), RANK_TOLERANCE)[1]
 
     @property
     def _yielding(self) -> Bools:
@@ -312,7 +312,7 @@ class LinearResponse:
         if at.linearisation.regular:
             return self._rates(at.linearisation.inverse @ b, change)
         A, B = at.equations(at.states, self._yielding)
-        rates = self._rates(least_norm_solutions(A, B @ b, RANK)[0], change)
+        rates = self._rates(least_norm_solutions(A, B @ b, RANK_TOLERANCE)[0], change)
         self._leave_open(rates, slice(None), self.free)
         return rates
 

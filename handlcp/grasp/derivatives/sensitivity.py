@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, read_only
+from handlcp.check import Array, check_array, check_method_calls, read_only
 from handlcp.errors import InputError, UnknownName
 from handlcp.grasp.derivatives.linearisation_point import LawChange, LinearisationPoint, ResponseRates
 from handlcp.grasp.derivatives.parameter import (
@@ -20,11 +20,9 @@ from handlcp.grasp.derivatives.parameter import (
 )
 from handlcp.grasp.derivatives.parameter.posture import depth_change_at
 from handlcp.grasp.derivatives.response import DerivativeKink, LinearResponse
-from handlcp.keywords import helped_methods
-from handlcp.record import Record, data_frame, plain
-from handlcp.text_table import TextTable, wrapped
-from handlcp.tolerances import ACTIVE
-from handlcp.words import first_largest
+from handlcp.record import Record, make_data_frame, to_plain
+from handlcp.tolerances import ACTIVE_TOLERANCE
+from handlcp.words import TextTable, first_largest_index, wrap_text
 
 # ----------------------------------------------------------------
 # Everything of an answer that can be differentiated, from the rates of its forces, motion and slips.
@@ -116,18 +114,18 @@ def describe_sensitivity(s: Any, answer: LinearisationPoint) -> str:
     largest = np.nan_to_num(abs(np.concatenate(effects))).max(axis=0)
     scale, cells = np.where(largest > 0.0, largest, 1.0), []
     for (_, row), each in zip(changes, effects, strict=True):
-        most = first_largest((np.nan_to_num(abs(each)) / scale).sum(axis=1))  # all columns count alike
+        most = first_largest_index((np.nan_to_num(abs(each)) / scale).sum(axis=1))  # all columns count alike
         rounded = np.where(abs(each[most]) < _COLUMN_ROUNDING * scale, 0.0, each[most])
         cells.append((row.text, row.ways[most][0], *_format_effect(rounded.tolist())))
     torque = ("torque\nN·m",) if "torques" in s.quantities else ()
     heads = ("change", "where", "force\nN", "to spare\nN", *torque, "motion\nmm")
     lines = [str(TextTable(heads, tuple(cells), "<<" + ">" * (len(heads) - 2)))]
-    lines.append(wrapped(_legend(answer, least, bool(torque))))
+    lines.append(wrap_text(_legend(answer, least, bool(torque))))
     if kinks := [str(k) for k in s.kinks if not k.by]:  # of these rows
-        lines.append(wrapped(f"Two sides, of which this is one: {'; '.join(kinks)}.", "  "))
+        lines.append(wrap_text(f"Two sides, of which this is one: {'; '.join(kinks)}.", "  "))
     if s.free:
         count = f"{s.free} direction{'s' if s.free > 1 else ''}"
-        lines.append(wrapped(f"Left free in {count}: – is what they change, or a change without an answer.", "  "))
+        lines.append(wrap_text(f"Left free in {count}: – is what they change, or a change without an answer.", "  "))
     return "\n".join(lines)
 
 
@@ -159,12 +157,12 @@ def _change_effect(rate: dict[str, Array], answer: LinearisationPoint, least: in
     motion, in mm.
     """
     sizes = np.sqrt((answer.forces**2).sum(axis=1))
-    i = first_largest(sizes)
+    i = first_largest_index(sizes)
     found = [float(answer.forces[i] @ rate["forces"][i] / sizes[i]) if sizes[i] > 0.0 else 0.0]
     found.append(np.nan if least is None else float(rate["friction_margin"][least]))
     if "torques" in rate:
         torque = answer.joints.torque
-        j = first_largest(abs(torque))
+        j = first_largest_index(abs(torque))
         found.append(float(np.sign(torque[j]) * rate["torques"][j]))
     moved = rate["displacement"][:3]
     return [*found, 1e3 * float(np.sqrt(moved @ moved))]
@@ -180,7 +178,7 @@ def _least_margin_contact(answer: LinearisationPoint) -> int | None:
         spare = scene.mu[i] * push - float(np.sqrt(lawful[own] @ lawful[own]))
         if own and push > answer.force_tolerance and spare > answer.force_tolerance:
             margins[i] = spare
-    return first_largest(-margins) if np.isfinite(margins).any() else None
+    return first_largest_index(-margins) if np.isfinite(margins).any() else None
 
 
 def _format_effect(effect: list[float]) -> list[str]:
@@ -211,7 +209,7 @@ class DirectionalDerivatives:
     behind: dict[str, Array]
 
 
-@helped_methods
+@check_method_calls
 class Sensitivity(Record):
     """Derivatives of a solution, `<quantity>_by_<parameter>`: read-only arrays in the shape of the quantity followed by
     that of the parameter, SI. Made by `solution.sensitivity()`.
@@ -282,7 +280,7 @@ class Sensitivity(Record):
         InputError.
         """
         _, change = self._rates_by(parameter)
-        way = array("direction", direction, self._shape(parameter)).reshape(-1)
+        way = check_array("direction", direction, self._shape(parameter)).reshape(-1)
         ahead, behind = self._one_side(change.along_direction(way)), self._one_side(change.along_direction(-way))
         return DirectionalDerivatives(ahead, {name: read_only(-rate) for name, rate in behind.items()})
 
@@ -307,7 +305,7 @@ class Sensitivity(Record):
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain data, by name: nested lists, SI, None for what is not a finite number; and the kinks."""
         found: dict[str, Any] = {"kinks": [str(k) for k in self.kinks], "free_directions": self.free}
-        return found | {f"{q}_by_{p}": plain(self.of(q, p)) for p in self.parameters for q in self.quantities}
+        return found | {f"{q}_by_{p}": to_plain(self.of(q, p)) for p in self.parameters for q in self.quantities}
 
     def to_frame(self, quantity: str, parameter: str) -> Any:
         """A pandas table of one derivative: a row for each entry of the quantity, a column for each of the parameter,
@@ -318,7 +316,7 @@ class Sensitivity(Record):
         rows, columns = value.shape[: value.ndim - len(of)], [".".join(map(str, k)) for k in np.ndindex(*of)]
         flat = value.reshape(-1, len(columns))
         index = [".".join(map(str, k)) for k in np.ndindex(*rows)]
-        return data_frame({name: flat[:, k] for k, name in enumerate(columns)}, index)
+        return make_data_frame({name: flat[:, k] for k, name in enumerate(columns)}, index)
 
     def __str__(self) -> str:
         """What a tenth more of each parameter, at all fingers or joints together, does to the largest force, the
@@ -359,6 +357,9 @@ def make_sensitivity(solution: Any) -> Sensitivity:
     s = solution
     if not s.held or s.spec is None or s.scene is None or s.section is None:
         raise InputError("solution", "a solution that is held: others have no forces", s.status.name)
-    weak, slow = ACTIVE * s.residuals.force_scale, ACTIVE * max(s.residuals.motion_scale, s.scene.units.motion)
+    weak, slow = (
+        ACTIVE_TOLERANCE * s.residuals.force_scale,
+        ACTIVE_TOLERANCE * max(s.residuals.motion_scale, s.scene.units.motion),
+    )
     twist = s.object_displacement
     return Sensitivity(LinearisationPoint(s.spec, s.scene, s.section, s.forces, s.torsion, twist, s.extra, weak, slow))

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, number
+from handlcp.check import Array, check_number
 from handlcp.contact.friction import Section
 from handlcp.errors import InputError
 from handlcp.grasp.derivatives.parameter import parameters_by_effort
@@ -23,9 +23,9 @@ from handlcp.grasp.limits.load_limit import load_limit
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.solution.verdict import HELD
-from handlcp.progress import told
+from handlcp.progress import track_progress
 from handlcp.record import Record
-from handlcp.text_table import TextTable, wrapped
+from handlcp.words import TextTable, wrap_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,24 +100,26 @@ class BestChange(Record):
         if (best := self.best) is None:
             none = "none of these changes buys load"
             undecided = any(bind.kind == UNDECIDED for bind in self.before.binds)
-            return wrapped(f"{none}; as it is: {self.before.why}") if undecided else none
+            return wrap_text(f"{none}; as it is: {self.before.why}") if undecided else none
         told, load = f"{best.what} buys most: {_format_gain(best.gain)} load", "the load"
         if self.of_weight:
             load, has = "extra weight", f"{self.before.factor:.4g} × the weight in addition"
             told = f"no load was given, so weight is added to the object's own: as it is, the grasp holds {has}; {told}"
         if self.confirmed:
-            return wrapped(f"{told}; at {self.between:.4g} × {load} check() says HELD with the change, and not without")
+            return wrap_text(
+                f"{told}; at {self.between:.4g} × {load} check() says HELD with the change, and not without"
+            )
         given = f"{self.verdicts[0]} with the change and {self.verdicts[1]} without"
         why = f": {self.why_not}" if self.why_not else ""
-        return wrapped(f"NOT CONFIRMED: {told}; but at {self.between:.4g} × {load} check() says {given}{why}")
+        return wrap_text(f"NOT CONFIRMED: {told}; but at {self.between:.4g} × {load} check() says {given}{why}")
 
 
-@told("load limits with each change")
+@track_progress("load limits with each change")
 def best_change(
     spec: GraspSpec, section: Section, wrench: Any, share: Any, geometry: Any
 ) -> BestChange:  # fmt: skip
     """See `Grasp.best_change`."""
-    part = number("share", share, above=0.0)
+    part = check_number("share", share, above=0.0)
     if part >= 1.0:
         raise InputError("share", "a share below 1, such as 0.1", share)
     asked = load_beside_weight(spec) if wrench is None else wrench

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, array, number
+from handlcp.check import Array, check_array, check_number
 from handlcp.contact.friction import Section
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.analysis.required_value import (
@@ -33,9 +33,9 @@ from handlcp.grasp.solution.verdict import HELD, NOT_HELD, UNDECIDED, Verdict
 from handlcp.grasp.solve.solve_spec import solve_spec
 from handlcp.grasp.verdict.check import STEPS_PER_STAGE, follow_until_agreed, judge_grasp
 from handlcp.lcp import Auto
-from handlcp.progress import told
+from handlcp.progress import track_progress
 from handlcp.record import Record
-from handlcp.text_table import wrapped
+from handlcp.words import wrap_text
 
 MOST_FORCE_ARGUMENT = "most_force"
 
@@ -51,10 +51,10 @@ def check_most_force(value: Any, spec: GraspSpec) -> Array:
         MOST_FORCE_ARGUMENT, dict(value) if isinstance(value, Mapping) else value, spec.names, None
     )
     if isinstance(value, Mapping):
-        said = [number(f"{MOST_FORCE_ARGUMENT}[{name!r}]", one, above=0.0) if one is not None else np.inf
+        said = [check_number(f"{MOST_FORCE_ARGUMENT}[{name!r}]", one, above=0.0) if one is not None else np.inf
                 for name, one in zip(spec.names, listed, strict=True)]  # fmt: skip
         return np.array(said)
-    given = array(MOST_FORCE_ARGUMENT, listed, (), (n,))
+    given = check_array(MOST_FORCE_ARGUMENT, listed, (), (n,))
     if not (given > 0.0).all():
         raise InputError(MOST_FORCE_ARGUMENT, "forces > 0 [N] that the object bears at a contact", repr(value)[:80])
     return np.full(n, 1.0) * given
@@ -118,7 +118,7 @@ class ChangedGrasp:
         return not path.reached and path.lost_stage == LOADING_ORDER[0]
 
 
-@told("looking for the least value")
+@track_progress("looking for the least value")
 def find_least_value(
     changed: ChangedGrasp, start: float, most: float, tolerance: float, unit: str, bears: Array | None = None
 ) -> Required:  # fmt: skip
@@ -203,7 +203,7 @@ def confirm_required_preload(spec: GraspSpec, section: Section, tolerance: float
     return _confirm_required(found, spec.with_squeeze, section, None)
 
 
-@told("looking for the least value")
+@track_progress("looking for the least value")
 def _confirm_required(
     found: Required, make: Callable[[float], GraspSpec], section: Section, own: float | None
 ) -> Required:  # fmt: skip
@@ -282,19 +282,21 @@ class RequiredStiffness(Record):
         return self.pads / self.motion
 
     def __str__(self) -> str:
-        allowed, moved = words.lengths((self.motion, self.moved))
+        allowed, moved = words.format_lengths((self.motion, self.moved))
         if self.factor is None:
-            return wrapped(f"no stiffness of the joints found that keeps the object within {allowed}: {self.why}", "  ")
+            return wrap_text(
+                f"no stiffness of the joints found that keeps the object within {allowed}: {self.why}", "  "
+            )
         less = "" if self.fails is None else f"; with × {self.fails:.4g} {self.why}"
         called = "" if self.verdict == HELD else f"{self.verdict}, as check() says of this: "
         text = f"{called}joints × {self.factor:.4g} as stiff let the object move {moved} of {allowed} allowed{less}"
-        return wrapped(f"{text}; the pads alone make {words.percent(self.pads_share)} of it", "  ")
+        return wrap_text(f"{text}; the pads alone make {words.format_percent(self.pads_share)} of it", "  ")
 
 
-@told("looking for the least stiffness")
+@track_progress("looking for the least stiffness")
 def required_stiffness(spec: GraspSpec, section: Section, motion: Any, tolerance: Any) -> RequiredStiffness:
     """See `Grasp.required_stiffness`."""
-    allowed, near = number("motion", motion, above=0.0), check_tolerance(tolerance)
+    allowed, near = check_number("motion", motion, above=0.0), check_tolerance(tolerance)
 
     def made(factor: float) -> GraspSpec:
         if (found := find_parameter("stiffness").scaled(spec, factor)) is None:
@@ -329,10 +331,13 @@ def _why_short(path: Loading) -> str:
 
 def _explain_failure(changed: ChangedGrasp, held: dict[float, Loading], allowed: float, pads: float) -> str:
     if pads > allowed:
-        motion = f"{words.length(pads)}, {words.percent(pads / allowed)} of that"
+        motion = f"{words.format_length(pads)}, {words.format_percent(pads / allowed)} of that"
         return f"the pads alone let it move {motion}; stiffer pads help, or more of them"
     if held:
-        return f"with joints × {max(held):.4g} as stiff it still moves {words.length(_load_motion(held[max(held)]))}"
+        return (
+            f"with joints × {max(held):.4g} as stiff it still moves "
+            f"{words.format_length(_load_motion(held[max(held)]))}"
+        )
     lost = [path for path in changed.paths.values() if not path.held]
     if lost:
         return lost[-1].why

@@ -15,16 +15,24 @@ from typing import Annotated, Any
 import numpy as np
 from annotated_types import Len
 
-from handlcp.check import Array, array, dimensions, number, psd, read_only, symmetric
+from handlcp.check import (
+    Array,
+    check_array,
+    check_init_call,
+    check_number,
+    check_psd,
+    check_symmetric,
+    count_dimensions,
+    read_only,
+)
 from handlcp.errors import InputError
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Placement, block_diagonal
 from handlcp.grasp.model.effect import Effect, FileKey, Finite, From0, Three, values_by_finger
 from handlcp.grasp.model.scene import Scene, wrench_map
-from handlcp.keywords import helped_init
 
 
-@helped_init()
+@check_init_call()
 @dataclass(frozen=True, init=False, eq=False)
 class ContactCompliance(Effect):
     """Flexibility of the object's surface at the contacts [m/N], contact axes (x, y tangents, z normal).
@@ -55,9 +63,9 @@ class ContactCompliance(Effect):
 
     def __init__(self, flexibility: Any) -> None:
         argument = "ContactCompliance.flexibility"
-        if dimensions(flexibility) == 0:
-            flexibility = np.full(3, number(argument, flexibility, minimum=0.0))
-        value = validate.blocks(argument, array(argument, flexibility, (3,), (-1, 3, 3)))
+        if count_dimensions(flexibility) == 0:
+            flexibility = np.full(3, check_number(argument, flexibility, minimum=0.0))
+        value = validate.blocks(argument, check_array(argument, flexibility, (3,), (-1, 3, 3)))
         object.__setattr__(self, "flexibility", read_only(value.copy()))
 
     @classmethod
@@ -93,7 +101,7 @@ _Softness = From0 | Annotated[list[From0], Len(3, 3)]
 _Six = Annotated[list[Finite], Len(6, 6)]
 
 
-@helped_init()
+@check_init_call()
 @dataclass(frozen=True, init=False, eq=False)
 class SoftWrist(Effect):
     """Flexibility of the palm that carries all fingers of the grasp.
@@ -148,15 +156,15 @@ class SoftWrist(Effect):
 
     def __init__(self, flexibility: Any, at: Any = (0.0, 0.0, 0.0)) -> None:
         argument = "SoftWrist.flexibility"
-        value = array(argument, flexibility, (6, 6), (6,))
-        value = np.diag(value) if value.ndim == 1 else symmetric(argument, value)
+        value = check_array(argument, flexibility, (6, 6), (6,))
+        value = np.diag(value) if value.ndim == 1 else check_symmetric(argument, value)
         diagonal = np.diagonal(value)
         if (diagonal < 0).any():
             raise InputError(argument, "entries ≥ 0 on the diagonal", diagonal.tolist())
         size = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))  # metres and radians: no eigenvalue mixes them unscaled
-        psd(argument, value / np.outer(size, size))
+        check_psd(argument, value / np.outer(size, size))
         object.__setattr__(self, "flexibility", read_only(value.copy()))
-        object.__setattr__(self, "at", array("SoftWrist.at", at, (3,)))
+        object.__setattr__(self, "at", check_array("SoftWrist.at", at, (3,)))
 
     @classmethod
     def from_file(cls, value: Any, key: str, fingers: tuple[str, ...]) -> Iterable[Effect]:

@@ -18,7 +18,7 @@ from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.equation_system import EquationSystem, Unknown
 from handlcp.grasp.model.scene import Scene
-from handlcp.tolerances import ACTIVE
+from handlcp.tolerances import ACTIVE_TOLERANCE
 
 
 class ObjectBalance(Effect):
@@ -75,7 +75,7 @@ class UnilateralContact(Effect):
 
     def why(self, scene: Scene) -> str:
         normal = scene.offset[2 : 3 * scene.n : 3]
-        nothing = ACTIVE * scene.units.motion
+        nothing = ACTIVE_TOLERANCE * scene.units.motion
         gaps, loads = int((normal > nothing).sum()), int((normal < -nothing).sum())
         return f"{len(scene.kind.normal_index)} contacts, {gaps} with a gap, {loads} with a preload"
 

@@ -13,16 +13,15 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, dimensions, number
+from handlcp.check import Array, check_init_call, check_number, count_dimensions
 from handlcp.errors import InputError
 from handlcp.grasp.model.contact import Placement
 from handlcp.grasp.model.effect import Above0, Effect, FileKey, Limit, values_by_finger
 from handlcp.grasp.model.scene import Scene
-from handlcp.keywords import helped_init
-from handlcp.words import NOTHING, length, listed
+from handlcp.words import NEGLIGIBLE_LENGTH, format_length, list_names
 
 
-@helped_init()
+@check_init_call()
 @dataclass(frozen=True, slots=True)
 class TotalForceBound(Effect):
     """Upper bound `limit` [N] > 0 (inf: none) on the sum of all unknown normal forces of fingers."""
@@ -42,7 +41,7 @@ class TotalForceBound(Effect):
     )
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "limit", number("TotalForceBound.limit", self.limit, above=0.0, finite=False))
+        object.__setattr__(self, "limit", check_number("TotalForceBound.limit", self.limit, above=0.0, finite=False))
 
     def why(self, scene: Scene) -> str:
         return f"asked for: Σ r_N ≤ {self.limit:g} N"
@@ -57,8 +56,8 @@ class TotalForceBound(Effect):
         return (Limit("z̄", rows, np.array([self.limit])),)
 
     def words(self, scene: Scene, names: tuple[str, ...], extra: dict[str, Array]) -> Iterable[str]:
-        if (opened := float(extra.get("z̄", np.zeros(1))[0])) > NOTHING:
-            yield f"the {self.title} is reached and gives way by {length(opened)}"
+        if (opened := float(extra.get("z̄", np.zeros(1))[0])) > NEGLIGIBLE_LENGTH:
+            yield f"the {self.title} is reached and gives way by {format_length(opened)}"
 
     def shortfall(self, least_total: float | None) -> str | None:
         if least_total is None or not least_total > 1.001 * self.limit:  # so that the two numbers differ in print
@@ -74,7 +73,7 @@ class TotalForceBound(Effect):
 # The other fingers take over what it leaves.
 
 
-@helped_init()
+@check_init_call()
 @dataclass(frozen=True, init=False)
 class FingerForceBound(Effect):
     """Upper bounds [N] > 0 on the normal forces: a number for every finger, or one for each; inf: none.
@@ -102,10 +101,10 @@ class FingerForceBound(Effect):
 
     def __init__(self, limits: Any) -> None:
         name = "FingerForceBound.limits"
-        if dimensions(limits) == 0:
-            bounds: Any = number(name, limits, above=0.0, finite=False)
-        elif dimensions(limits) == 1:
-            bounds = tuple(number(f"{name}[{i}]", r, above=0.0, finite=False) for i, r in enumerate(limits))
+        if count_dimensions(limits) == 0:
+            bounds: Any = check_number(name, limits, above=0.0, finite=False)
+        elif count_dimensions(limits) == 1:
+            bounds = tuple(check_number(f"{name}[{i}]", r, above=0.0, finite=False) for i, r in enumerate(limits))
         else:
             raise InputError(name, "a number > 0, or one for each contact", repr(limits))
         object.__setattr__(self, "bounds", bounds)
@@ -144,7 +143,9 @@ class FingerForceBound(Effect):
     def words(self, scene: Scene, names: tuple[str, ...], extra: dict[str, Array]) -> Iterable[str]:
         for limit in self.present(scene):
             way = extra[limit.name]
-            reached = [names[int(np.flatnonzero(limit.rows[k])[0]) // 3] for k in np.flatnonzero(way > NOTHING)]
+            reached = [
+                names[int(np.flatnonzero(limit.rows[k])[0]) // 3] for k in np.flatnonzero(way > NEGLIGIBLE_LENGTH)
+            ]
             if reached:
-                where = listed(reached)
-                yield f"the {self.title} is reached at {where} and gives way by {length(float(way.max()))}"
+                where = list_names(reached)
+                yield f"the {self.title} is reached at {where} and gives way by {format_length(float(way.max()))}"

@@ -26,7 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, check_init_call, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.effects.joint_torque import FingerWeight, TorqueSaturation
@@ -34,8 +34,7 @@ from handlcp.grasp.model.contact import Placement
 from handlcp.grasp.model.effect import ONE_SOLVE, Effect, EffectTrial, FileKey
 from handlcp.grasp.model.mechanism import JointReading
 from handlcp.grasp.model.scene import Scene
-from handlcp.keywords import helped_init
-from handlcp.tolerances import SEMIDEFINITE
+from handlcp.tolerances import SEMIDEFINITE_TOLERANCE
 
 _BUCKLING_SHARE = 0.1  # of the largest motion: joints that move less are not what buckles
 
@@ -52,7 +51,7 @@ class LoadedJoints(NamedTuple):
     held: Array
 
 
-@helped_init()
+@check_init_call()
 @dataclass(frozen=True, eq=False)
 class GeometricStiffness(Effect):
     """Asked for on a hand's grasp, which knows the joints: `state.grasp(..., effects=[GeometricStiffness()])`.
@@ -122,8 +121,8 @@ class GeometricStiffness(Effect):
         change = (change + change.T) / 2
         bracket = np.eye(len(change)) + change
         resisted, motions = np.linalg.eigh(bracket)
-        if not resisted[0] > SEMIDEFINITE:
-            moved = abs(A @ motions[:, resisted <= SEMIDEFINITE]).max(axis=1, initial=0.0)
+        if not resisted[0] > SEMIDEFINITE_TOLERANCE:
+            moved = abs(A @ motions[:, resisted <= SEMIDEFINITE_TOLERANCE]).max(axis=1, initial=0.0)
             names = [name for name, m in zip(joints.names, moved, strict=True) if m > _BUCKLING_SHARE * moved.max()]
             return f"K + K_g is not positive definite: {', '.join(names)} buckle under these forces"
         softer = -A @ np.linalg.solve(bracket, change @ A.T)  # the difference itself, not that of two large matrices

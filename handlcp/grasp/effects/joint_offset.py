@@ -20,7 +20,7 @@ from handlcp.contact.friction import Section
 from handlcp.grasp.model.contact import Placement
 from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.scene import Scene
-from handlcp.words import force, length, listed, percent
+from handlcp.words import format_force, format_length, format_percent, list_names
 
 _MENTIONED_SHARE = 1e-3  # shares below this are not worth a word
 OVERLAP_TOLERANCE = 1e-6  # [m] overlaps of a hand's fingertips up to this are what is left of touching
@@ -64,7 +64,10 @@ class CommandReach:
 
     def __str__(self) -> str:
         """In one sentence."""
-        say, whole = force if self.unit == "N" else length, f"{'an' if self.what == 'overlap' else 'a'} {self.what}"
+        say, whole = (
+            format_force if self.unit == "N" else format_length,
+            f"{'an' if self.what == 'overlap' else 'a'} {self.what}",
+        )
         if self.complete:
             text = f"{whole} of {_format_range(self.asked, say)}"
             k = int(np.argmax(self.sideways >= (1 - 1e-9) * self.sideways.max()))  # the first of equals
@@ -73,12 +76,12 @@ class CommandReach:
                 text += f"; {self.names[k]} {how} sideways, too, by {say(float(self.sideways[k]))}"
             return text
         parts = [
-            f"{say(part)} at {name} ({percent(share)})"
+            f"{say(part)} at {name} ({format_percent(share)})"
             for name, part, share in zip(self.names, self.missing.tolist(), self.share.tolist(), strict=True)
             if part > _MENTIONED_SHARE * self.asked.max()
         ]
         end = ": a preload that only the pads give way to" if self.carried else ""
-        return f"of {whole} of {_format_range(self.asked, say)} the motors cannot make {listed(parts)}{end}"
+        return f"of {whole} of {_format_range(self.asked, say)} the motors cannot make {list_names(parts)}{end}"
 
 
 def _format_range(values: Array, say: Callable[[float], str]) -> str:
@@ -163,7 +166,7 @@ class JointOffset(Effect):
         assert scene.mechanism is not None  # `needs_joints` saw to it
         moved = [f"{name} {x:+.3g}" for name, x in zip(scene.mechanism.names, self.command.tolist(), strict=True) if x]
         given = "" if self.reach is None else f"{self.reach}; "
-        return f"{given}{listed(moved) or 'no joint moved, 0'} rad, part of the offsets"
+        return f"{given}{list_names(moved) or 'no joint moved, 0'} rad, part of the offsets"
 
     def added_offset(self, at: Placement, soft: tuple[int, ...]) -> Array | None:
         """-J δq, and the turns of soft fingertips likewise."""

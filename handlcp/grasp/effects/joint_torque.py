@@ -13,14 +13,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from handlcp.check import Array, Ints
+from handlcp.check import Array, Ints, check_init_call
 from handlcp.contact.friction import Section
 from handlcp.grasp.model.contact import Placement
 from handlcp.grasp.model.effect import Effect, EffectTrial, FileKey, Limit
 from handlcp.grasp.model.mechanism import JointReading, Mechanism
 from handlcp.grasp.model.scene import Scene
-from handlcp.keywords import helped_init
-from handlcp.tolerances import ACTIVE, OVER
+from handlcp.tolerances import ACTIVE_TOLERANCE, OVER_LIMIT_TOLERANCE
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +99,7 @@ class FingerWeight(Effect):
 _MIN_LEVER_SHARE = 1e-12  # of the longest lever: a joint with less moves no contact
 
 
-@helped_init()
+@check_init_call()
 @dataclass(frozen=True, eq=False)
 class TorqueSaturation(Effect):
     """Asked for on a hand's grasp, which knows the joints: `state.grasp(..., effects=[TorqueSaturation()])`."""
@@ -130,7 +129,7 @@ class TorqueSaturation(Effect):
             return None
         used = abs(torque) / at.mechanism.limits
         worst = int(used.argmax())
-        if used[worst] > 1.0 + OVER:
+        if used[worst] > 1.0 + OVER_LIMIT_TOLERANCE:
             words = f"{at.mechanism.names[worst]} at {100 * used[worst]:.3g} % of its limit"
             return EffectTrial(cls(), float(used[worst]) - 1.0, words)
         if not np.isfinite(at.mechanism.limits).any():
@@ -163,7 +162,7 @@ class TorqueSaturation(Effect):
             return joints
         total, yielded, limits = joints.torque.copy(), np.zeros(len(joints.torque)), hand.limits[k]
         s = extra["s⁺"] - extra["s⁻"] if extra else np.full(len(k), np.nan)
-        moved = abs(s) * levers[k] > ACTIVE * scene.units.motion
+        moved = abs(s) * levers[k] > ACTIVE_TOLERANCE * scene.units.motion
         total[k] = np.where(moved, np.copysign(limits, s), np.clip(total[k], -limits, limits))
         yielded[k] = np.where(moved | np.isnan(s), s, 0.0)
         return replace(joints, torque=total, yielded=yielded)

@@ -14,18 +14,26 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, integer, number, read_only, several
+from handlcp.check import (
+    Array,
+    check_array,
+    check_call,
+    check_init_call,
+    check_integer,
+    check_number,
+    check_sequence,
+    read_only,
+)
 from handlcp.errors import InputError
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Placement, cross_rows
 from handlcp.grasp.model.effect import CONTACT_KEY, Effect, FileKey, Finite, From0, Limit, Three, contact_number
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
-from handlcp.keywords import helped, helped_init
-from handlcp.words import NOTHING, length
+from handlcp.words import NEGLIGIBLE_LENGTH, format_length
 
 
-@helped_init()
+@check_init_call()
 @dataclass(frozen=True, init=False, eq=False)
 class PrescribedForce(Effect):
     """Contact number `contact` (from 0) pushes with `force` (3,) N in its contact axes (x, y, normal)."""
@@ -53,8 +61,8 @@ class PrescribedForce(Effect):
     )
 
     def __init__(self, contact: int, force: Any) -> None:
-        object.__setattr__(self, "contact", integer("PrescribedForce.contact", contact, 0))
-        object.__setattr__(self, "force", array("PrescribedForce.force", force, (3,)))
+        object.__setattr__(self, "contact", check_integer("PrescribedForce.contact", contact, 0))
+        object.__setattr__(self, "force", check_array("PrescribedForce.force", force, (3,)))
 
     @classmethod
     def from_file(cls, value: Any, key: str, fingers: tuple[str, ...]) -> Iterable[Effect]:
@@ -98,7 +106,7 @@ _AXES = ("x", "y", "normal")
 _ONE_KNOWN = "three numbers or None (x, y, normal), one known at least"
 
 
-@helped_init()
+@check_init_call()
 @dataclass(frozen=True, init=False)
 class KnownForce(Effect):
     """Contact number `contact` (from 0) pushes with these components of its force [N], contact axes; None: not known.
@@ -132,11 +140,11 @@ class KnownForce(Effect):
     )
 
     def __init__(self, contact: int, force: Any) -> None:
-        object.__setattr__(self, "contact", integer("KnownForce.contact", contact, 0))
-        given = several("KnownForce.force", force, _ONE_KNOWN)
+        object.__setattr__(self, "contact", check_integer("KnownForce.contact", contact, 0))
+        given = check_sequence("KnownForce.force", force, _ONE_KNOWN)
         if len(given) != 3 or all(f is None for f in given):
             raise InputError("KnownForce.force", _ONE_KNOWN, repr(force))
-        checked = [None if f is None else number(f"KnownForce.force[{k}]", f) for k, f in enumerate(given)]
+        checked = [None if f is None else check_number(f"KnownForce.force[{k}]", f) for k, f in enumerate(given)]
         if checked[2] is not None and checked[2] < 0.0:
             raise InputError("KnownForce.force[2]", "a normal force ≥ 0: fingers push", checked[2])
         object.__setattr__(self, "force", tuple(checked))
@@ -184,8 +192,8 @@ class KnownForce(Effect):
 
     def words(self, scene: Scene, names: tuple[str, ...], extra: dict[str, Array]) -> Iterable[str]:
         moved = [extra[limit.name] for limit in self.present(scene)]
-        if moved and (far := float(abs(moved[0] - moved[1]).max())) > NOTHING:
-            yield f"{names[self.contact]} moves by {length(far)} to push as it is known to"
+        if moved and (far := float(abs(moved[0] - moved[1]).max())) > NEGLIGIBLE_LENGTH:
+            yield f"{names[self.contact]} moves by {format_length(far)} to push as it is known to"
 
 
 # ----------------------------------------------------------------
@@ -195,7 +203,7 @@ class KnownForce(Effect):
 _ROUNDING_SHARE = 1e-12  # of all that is added up
 
 
-@helped()
+@check_call()
 def wrench_from_fingertip_forces(
     grasp: Any, forces: Any, torques: Any = None, *, positions: Any = None, frames: Any = None
 ) -> Array:
@@ -216,9 +224,9 @@ def wrench_from_fingertip_forces(
     if not isinstance(spec, GraspSpec):
         raise InputError("grasp", "a Grasp", repr(grasp)[:80])
     n = spec.n
-    f = array("forces", forces, (n, 3))
-    t = np.zeros((n, 3)) if torques is None else array("torques", torques, (n, 3))
-    p = spec.positions if positions is None else array("positions", positions, (n, 3))
+    f = check_array("forces", forces, (n, 3))
+    t = np.zeros((n, 3)) if torques is None else check_array("torques", torques, (n, 3))
+    p = spec.positions if positions is None else check_array("positions", positions, (n, 3))
     R = spec.frames if frames is None else validate.frames(frames, n)
     arms = p - spec.reference
     push = (R @ f[:, :, None])[:, :, 0]

@@ -14,7 +14,7 @@ from handlcp.grasp.effects.joint_torque import TorqueSaturation
 from handlcp.grasp.model.mechanism import Cables, Mechanism
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.record import Record
-from handlcp.tolerances import OVER
+from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
 # ----------------------------------------------------------------
 # What gives out, as data. The judge makes it (`judge.py`), the table of words says it (`failure_text.py`).
@@ -58,7 +58,7 @@ Bind = FailureMode
 # Each share is 1 at the limit. A state is beyond a limit where a share is above 1 by more than a tolerance, and
 # nowhere is this compared in another way.
 
-_MAX_SHARE = 1.0 + OVER
+_MAX_SHARE = 1.0 + OVER_LIMIT_TOLERANCE
 _MIN_TORQUE_LIMIT = 1e-12  # [N·m]: a limit of a joint without torque counts as this
 _UNLIMITED_MOTION = (np.inf, np.inf)
 
@@ -94,7 +94,7 @@ class StateLimits:
         ranged = np.isfinite(span) & (span > 0.0)
         object.__setattr__(self, "inverse_efforts", read_only(1.0 / np.maximum(self.efforts, _MIN_TORQUE_LIMIT)))
         object.__setattr__(self, "inverse_spans", read_only(1.0 / np.where(ranged, span, 1.0)))
-        slack = OVER / self.inverse_spans
+        slack = OVER_LIMIT_TOLERANCE / self.inverse_spans
         object.__setattr__(self, "thresholds", (_MAX_SHARE * self.efforts, self.upper + slack, slack - self.lower))
 
     def failure_mode(self, k: int, share: float) -> FailureMode:
@@ -188,7 +188,11 @@ def find_exceeded_closing(mechanism: Mechanism | None, efforts: Callable[[], Arr
 
 
 def find_binding(
-    limits: StateLimits, efforts: Array, q: Array | None = None, moved: Array | None = None, near: float = OVER
+    limits: StateLimits,
+    efforts: Array,
+    q: Array | None = None,
+    moved: Array | None = None,
+    near: float = OVER_LIMIT_TOLERANCE,
 ) -> tuple[FailureMode, ...]:
     """What ends a path in a state: all that is at its limit or beyond, or else what is nearest to it. () where nothing
     has a limit. near : shares that differ by no more, relative, are equal: as exactly as the state is located.
@@ -225,7 +229,7 @@ def largest_share_index(share: Array) -> int:
     """Which share is the largest: the first of those that differ from it by rounding alone; NaN is none."""
     known = np.where(np.isnan(share), -np.inf, share)
     most = float(known.max())
-    return int(np.argmax(known >= most - OVER * abs(most)))
+    return int(np.argmax(known >= most - OVER_LIMIT_TOLERANCE * abs(most)))
 
 
 def _range_excess(lower: Array, upper: Array, q: Array) -> Array:

@@ -84,8 +84,8 @@ def describe_load_share(now: Array, end: Array) -> str:
     forces, moments = ([float(np.linalg.norm(w[part])) for w in (now, end)] for part in (slice(3), slice(3, 6)))
     turns = max(moments) > 0.0 and (not max(forces) > 0.0 or np.allclose(now[:3], end[:3], rtol=1e-9, atol=0.0))
     if turns:
-        return f", under {' of '.join(words.torques(moments))}"
-    return f", under {words.force(forces[0])} of {words.force(forces[1])}" if max(forces) > 0.0 else ""
+        return f", under {' of '.join(words.format_torques(moments))}"
+    return f", under {words.format_force(forces[0])} of {words.format_force(forces[1])}" if max(forces) > 0.0 else ""
 
 
 def describe_direction(twist: Array) -> str:
@@ -193,7 +193,7 @@ def describe_pad_depth(give: Array, normals: Array, names: Sequence[str]) -> str
         return ""
     k = int(deep.argmax())
     springs = "pads are springs here however far they give way, and real ones are a few millimetres thick"
-    return f"the pad at {names[k]} is pressed in by {words.length(float(deep[k]))}: {springs}"
+    return f"the pad at {names[k]} is pressed in by {words.format_length(float(deep[k]))}: {springs}"
 
 
 def describe_event(kind: str, who: Sequence[str], spec: GraspSpec | None = None) -> str:
@@ -223,14 +223,14 @@ def describe_names(who: Sequence[str], spec: GraspSpec | None, kind: str = "") -
             if len(who) == len(group) and set(who) == set(group):
                 return f"{'both' if len(who) == 2 else f'all {len(who)}'} {plural}"
         if len(who) > _MAX_NAMED:
-            who = words.by_link(who, spec.links)
-    return words.all_of(who)
+            who = words.group_by_link(who, spec.links)
+    return words.join_names(who)
 
 
 def describe_load(load: Array) -> str:
     """Such as "12.3 N along +x", "3 N and 0.4 N·m about -z"; "" for no load. load (6,) [N, N·m]."""
     parts = []
-    for part, of, how in ((load[:3], words.force, "along"), (load[3:], words.torque, "about")):
+    for part, of, how in ((load[:3], words.format_force, "along"), (load[3:], words.format_torque, "about")):
         if (size := float(np.linalg.norm(part))) > 0.0:
             axis = int(abs(part).argmax())
             straight = abs(part[axis]) >= (1.0 - _ACROSS_TOLERANCE) * size
@@ -245,6 +245,6 @@ def _describe_kind(kind: str, who: list[str], spec: GraspSpec | None, brief: boo
         return _OBJECT_PHRASES[kind]
     several = len(who) > 1
     names = describe_names(who, spec, TORQUE if kind == RANGE else kind)
-    if brief and several and names == words.all_of(who):
+    if brief and several and names == words.join_names(who):
         names = f"{who[0]} and {len(who) - 1} more"
     return f"{names} {_FAILURE_PHRASES[kind][several]}"

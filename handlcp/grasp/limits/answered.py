@@ -30,7 +30,7 @@ from handlcp.grasp.path.state import LET_GO, Outcome, Run, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import margins
 from handlcp.grasp.solution.solution import GraspSolution
-from handlcp.tolerances import OVER
+from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
 _AT = 1e-6  # relative: limits that are this near to being reached bind, too
 _NEAR = 1e-3  # of the load: contacts that begin to slide this near to where the object slides through are the cause
@@ -128,7 +128,9 @@ def answer(f: Followed) -> LoadLimit:
         if find_exceeded(f.limits, *_read(f, run.states[0])):  # before there is any load
             factor, number = 0.0, 0
         binds = find_binding(f.limits, *_read(f, run.states[number]), near=_AT)
-        stood = [c for c in find_binding(f.limits, *_read(f, run.states[0]), near=_AT) if c.margin <= OVER]
+        stood = [
+            c for c in find_binding(f.limits, *_read(f, run.states[0]), near=_AT) if c.margin <= OVER_LIMIT_TOLERANCE
+        ]
         binds = (factor > 0.0 and tuple([c for c in binds if c not in stood])) or binds
     elif run.outcome is Outcome.LOST:
         before = run.states[-2].kinds if len(run.states) > 1 else None
@@ -151,7 +153,7 @@ def answer(f: Followed) -> LoadLimit:
     def sentence() -> str:
         if f.slid is not None:
             rests = alone("weight" if f.spec.mechanism is not None else OWN_WRENCH)
-            return f"{rests} is not held: the object slides through from {words.percent(f.slid[0])} of it on"
+            return f"{rests} is not held: the object slides through from {words.format_percent(f.slid[0])} of it on"
         if early is not None:
             return f"held up to {factor:.4g} times the load, and undecided beyond: {early.why}"
         if gave_up:
@@ -271,7 +273,9 @@ def nothing(
     reason = loading.why.partition(": ")[2]
     if closing:
         binds = closing
-        text = f"the hand cannot close so hard: {words.listed([c.who for c in closing])} would need more than the peak"
+        text = (
+            f"the hand cannot close so hard: {words.list_names([c.who for c in closing])} would need more than the peak"
+        )
     elif run.outcome is Outcome.GAVE_UP:
         binds, text = _UNKNOWN, f"undecided: the {loading.lost_stage} alone was not followed to its end: {reason}"
     else:

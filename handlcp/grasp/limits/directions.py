@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, read_only
+from handlcp.check import Array, check_array, read_only
 from handlcp.contact.friction import Section
 from handlcp.errors import InputError
 from handlcp.grasp.failure.failure_mode import EQUILIBRIUM, OBJECT, Bind
@@ -29,7 +29,7 @@ from handlcp.grasp.limits.path import binds_of
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.geometry import length_of
 from handlcp.lcp.compiler.compile_policy import compile_now
-from handlcp.tolerances import EVENTS_END
+from handlcp.tolerances import EVENT_TOLERANCE
 
 AXES = read_only(np.repeat(np.eye(3), 2, axis=0) * np.tile([[1.0], [-1.0]], (3, 1)) + 0.0)  # both ways along each axis
 
@@ -66,7 +66,7 @@ def limits_of(
     so. Raises InputError, Unsupported.
     """
     follows = is_followed(spec, geometry)
-    loads = array("wrenches", wrenches, (-1, 6))
+    loads = check_array("wrenches", wrenches, (-1, 6))
     if not len(loads) or not loads.any(axis=1).all():
         raise InputError("wrenches", "at least one load, none of them zero", f"{len(loads)} of them")
     most = (tolerance("motion", motion), tolerance("turn", turn))
@@ -119,7 +119,7 @@ def _fixed(
         binds_of(system, int(status), int(which), end[:n], end[n:])
         for (status, which), end in zip(answers[:, :2].tolist(), ends, strict=True)
     ]
-    off, again = np.full(m, np.nan if accuracy is None else EVENTS_END), answers[:, 0] == GIVES_UP
+    off, again = np.full(m, np.nan if accuracy is None else EVENT_TOLERANCE), answers[:, 0] == GIVES_UP
     if not ends_plainly(system):
         again |= (answers[:, 0] == LOST) & np.isnan(points[:, 0]) & (answers[:, 2] > 0.0)
     for a in np.flatnonzero(again).tolist():

@@ -32,7 +32,7 @@ from handlcp.grasp.path.geometry import length_of
 from handlcp.grasp.path.state import Stage
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solve.solve_spec import solve_spec
-from handlcp.tolerances import EVENTS_END
+from handlcp.tolerances import EVENT_TOLERANCE
 
 # ----------------------------------------------------------------
 # Where a path begins: the grasp squeezed, then its weight put on, before the load comes.
@@ -218,7 +218,9 @@ def fixed_limit(
         before = points[:count][points[:count, 0] < factor]
         path = TracedPath(system, wrench, np.vstack([before, at]), place, path)
     later = _later(explain_limit(binds, factor, wrench, spec, then), path, factor, lost, slides, happened)
-    return LoadLimit(factor, wrench, binds, "fixed", later, first, slides, np.nan if accuracy is None else EVENTS_END)
+    return LoadLimit(
+        factor, wrench, binds, "fixed", later, first, slides, np.nan if accuracy is None else EVENT_TOLERANCE
+    )
 
 
 def springs_alone(spec: GraspSpec) -> bool:

@@ -9,7 +9,6 @@ import numpy as np
 
 from handlcp.check import Array
 from handlcp.contact.friction import Section
-from handlcp.doubled import doubled
 from handlcp.grasp.failure.failure_mode import StateLimits, find_exceeded_closing, limit_shares, state_limits
 from handlcp.grasp.limits.answered import OWN_WRENCH, Followed, answer as answered, kinds_near, nothing
 from handlcp.grasp.limits.result import LoadLimit
@@ -21,7 +20,8 @@ from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.trajectory import closing_efforts
 from handlcp.grasp.path.watch import watch_of
 from handlcp.grasp.verify.static_load_bound import static_load_bounds
-from handlcp.tolerances import OVER
+from handlcp.refinement import refine_until_converged
+from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
 _STEPS = 8  # of squeeze and weight
 _FIRST = 0.1  # of the load that is as large as the forces before it: the first step
@@ -88,11 +88,11 @@ class Before:
         limits = state_limits(spec, motion=self._most, ranges=follows, nominal=start.where.q if follows else None)
 
         # What is at its limit already before the load comes ends the path only where it goes beyond the limit
-        stands_at = _used(stepper, limits, at, start) > 1.0 - OVER
+        stands_at = _used(stepper, limits, at, start) > 1.0 - OVER_LIMIT_TOLERANCE
 
         def beyond(state: State) -> float:
             share = _used(stepper, limits, at, state) - 1.0
-            return float(np.nanmax(np.where(stands_at & (share <= OVER), -1.0, share), initial=-1.0))
+            return float(np.nanmax(np.where(stands_at & (share <= OVER_LIMIT_TOLERANCE), -1.0, share), initial=-1.0))
 
         run = Run([start], [0], [0.0])
         goal = Goal(self._goals[-1].name, self._goals[-1].end._replace(load=self._beside + wrench))
@@ -148,7 +148,7 @@ def accurate_limit(
     def answer(times: int) -> LoadLimit:
         return followed_limit(spec, section, wrench, most, geometry, float(times))
 
-    found, off = doubled(answer, apart, sliding, accuracy)
+    found, off = refine_until_converged(answer, apart, sliding, accuracy)
     return replace(found, accuracy=off)
 
 

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, number, read_only
+from handlcp.check import Array, check_number, read_only
 from handlcp.contact.friction import Section
-from handlcp.doubled import insisted
 from handlcp.errors import InputError
 from handlcp.grasp.derivatives.path_sensitivity import PathSensitivity
 from handlcp.grasp.limits.fixed import fixed_limit
@@ -19,7 +18,8 @@ from handlcp.grasp.model import validate
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.follow import geometry_of
 from handlcp.grasp.verify.static_load_bound import static_load_bounds
-from handlcp.progress import told
+from handlcp.progress import track_progress
+from handlcp.refinement import require_accuracy
 
 # ----------------------------------------------------------------
 # What is asked of a load limit: which load, which geometry, how far the object may move.
@@ -67,19 +67,19 @@ def _down(weight: Array) -> str:
 
 def tolerance(name: str, value: Any) -> float:
     """How far the object may move, or turn. Raises InputError."""
-    return np.inf if value is None else number(name, value, above=0.0)
+    return np.inf if value is None else check_number(name, value, above=0.0)
 
 
 # ----------------------------------------------------------------
 
 
-@told("load limit")
+@track_progress("load limit")
 def load_limit(
     spec: GraspSpec, section: Section, wrench: Any, geometry: Any, motion: Any, turn: Any, accuracy: Any = None
 ) -> LoadLimit:  # fmt: skip
     """See `Grasp.load_limit`."""
     follows, most = is_followed(spec, geometry), (tolerance("motion", motion), tolerance("turn", turn))
-    near = None if accuracy is None else number("accuracy", accuracy, above=0.0)
+    near = None if accuracy is None else check_number("accuracy", accuracy, above=0.0)
     _, load = load_of(spec, wrench)
     return _Question(spec, section, load, follows, most, near, wrench is None).limit()
 
@@ -111,7 +111,7 @@ class _Question:
         else:
             found = fixed_limit(spec, self.section, wrench, self.most, self.accuracy)
         if self.accuracy is not None:
-            insisted(found.accuracy, self.accuracy, "the limit")
+            require_accuracy(found.accuracy, self.accuracy, "the limit")
         return found
 
     def bound(self) -> float:

@@ -21,7 +21,7 @@ from handlcp.grasp.model.contact import Placement, shift_twist
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solve.solve_spec import certify_known_answer, solve_spec
 from handlcp.lcp import Auto
-from handlcp.tolerances import CERTIFY
+from handlcp.tolerances import CERTIFY_TOLERANCE
 
 # ----------------------------------------------------------------
 # What binds at the end of a path in one posture, and what happens on the way, by name.
@@ -122,7 +122,7 @@ class TracedPath:
         if place is None or not np.isfinite(self.points[-1]).all():
             return False
         load = system.load(system.weight + float(self.points[-1, 0]) * self.wrench)
-        return is_sound(system.parts, place, load, CERTIFY)
+        return is_sound(system.parts, place, load, CERTIFY_TOLERANCE)
 
     def arrays(self) -> LimitPath:
         """In SI, for users."""

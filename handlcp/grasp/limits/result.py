@@ -9,17 +9,15 @@ from typing import Any, Protocol
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, read_only
+from handlcp.check import Array, check_method_calls, read_only
 from handlcp.grasp.derivatives.path_sensitivity import PathSensitivity
 from handlcp.grasp.failure.failure_mode import Bind
 from handlcp.grasp.failure.failure_text import describe_event
 from handlcp.grasp.path.events import jump
 from handlcp.grasp.solution.solution import GraspSolution
-from handlcp.keywords import helped_methods
-from handlcp.lazy import lazy
-from handlcp.record import Record
-from handlcp.text_table import wrapped
-from handlcp.views import view
+from handlcp.lazy_property import lazy_property
+from handlcp.record import Record, load_display
+from handlcp.words import wrap_text
 
 _CALLED = {
     "first_slip": "first slip at", "slides": "slides through at", "lost": "lost at", "limit": "limit reached at",
@@ -91,7 +89,7 @@ class LimitPath:
     displacement: Array
 
 
-@helped_methods
+@check_method_calls
 @dataclass(frozen=True, eq=False)
 class LoadLimit(Record):
     """The largest factor on a load that a grasp holds when the load grows slowly; made by `Grasp.load_limit`.
@@ -125,12 +123,12 @@ class LoadLimit(Record):
     accuracy: float = np.nan
     question: Question | None = None
 
-    @lazy
+    @lazy_property
     def why(self) -> str:
         """One sentence: at which load what gives out, and what the object does then."""
         return self.made.why()
 
-    @lazy
+    @lazy_property
     def _rest(self) -> Rest:
         return self.made.rest()
 
@@ -180,26 +178,26 @@ class LoadLimit(Record):
         with np.errstate(invalid="ignore"):
             return read_only(np.where(self.wrench == 0.0, 0.0, self.factor * self.wrench))
 
-    @lazy
+    @lazy_property
     def path(self) -> LimitPath:
         """The path at its events."""
         return self.made.path()
 
-    @lazy
+    @lazy_property
     def at_limit(self) -> GraspSolution:
         """Forces, torques and contact states at the limit, certified; of a grasp without a limit, as far as the path
         was followed.
         """
         return self.made.at_limit()
 
-    @lazy
+    @lazy_property
     def some_equilibrium(self) -> float:
         """The largest factor for which any equilibrium was found, at least `factor`. A slowly growing load never
         reaches what lies beyond `factor`.
         """
         return max(self.factor, self.made.beyond(self.bound))
 
-    @lazy
+    @lazy_property
     def bound(self) -> float:
         """The largest factor that friction and torque limits alone allow, whatever the fingers' compliance."""
         assert self.question is not None  # `load_limit` saw to it
@@ -210,27 +208,27 @@ class LoadLimit(Record):
 
         path : of a png, svg, pdf or jpg file; None: the matplotlib figure itself. Raises as `GraspSolution.plot`.
         """
-        return view("limit_plot")(self, path, title)
+        return load_display("limit_plot")(self, path, title)
 
     def __str__(self) -> str:
         """The sentence, and what happens on the way."""
-        lines = [wrapped(self.why, "  ")]
+        lines = [wrap_text(self.why, "  ")]
         for name, mark in self.marks.items():
-            moved = f"the object has moved {words.length(mark.moved)}, {words.angle(mark.turned)}"
+            moved = f"the object has moved {words.format_length(mark.moved)}, {words.format_angle(mark.turned)}"
             said = f"{_CALLED[name]} {mark.factor:.4g} times the load: {moved}"
             if name == "undecided" and not self.why.endswith(self.undecided):
                 said = f"{said}; {self.undecided}"
-            lines.append(wrapped(said, "    ", "  "))
+            lines.append(wrap_text(said, "    ", "  "))
         others = [e for e in self.events if e.kind != "slides through"]  # which `marks` tell
-        lines += [wrapped(line, "    ", "  ") for line in told(others, lambda factor: f"{factor:.4g} times the load")]
+        lines += [wrap_text(line, "    ", "  ") for line in told(others, lambda factor: f"{factor:.4g} times the load")]
         most = self.__dict__.get("some_equilibrium", self.factor)  # as far as anybody asked
         if most > (1.0 + _SAME) * max(self.factor, self.lost or 0.0):
             said = (
                 f"an equilibrium was found up to {most:.4g} times the load; a load that grows slowly never reaches it"
             )
-            lines.append(wrapped(said, "    ", "  "))
+            lines.append(wrap_text(said, "    ", "  "))
         if self.doubt:
-            lines.append(wrapped(f"Warning: {self.doubt}", "    ", "  "))
+            lines.append(wrap_text(f"Warning: {self.doubt}", "    ", "  "))
         return "\n".join(lines)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -239,7 +237,7 @@ class LoadLimit(Record):
         return (self.question.limit, ())
 
     def __repr__(self) -> str:
-        binds = words.listed([f"{b.kind}: {b.who}" for b in self.binds]) or "nothing"
+        binds = words.list_names([f"{b.kind}: {b.who}" for b in self.binds]) or "nothing"
         return f"LoadLimit(factor={self.factor:.6g}, binds={binds})"
 
 

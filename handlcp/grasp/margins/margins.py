@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from handlcp import words
-from handlcp.check import number
+from handlcp.check import check_method_calls, check_number
 from handlcp.contact.friction import Section
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.failure.failure_mode import largest_share_index
@@ -23,10 +23,9 @@ from handlcp.grasp.margins.wrench_space import Closure, WrenchSpace, force_closu
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solution.solution import GraspSolution
-from handlcp.keywords import helped_methods
-from handlcp.lazy import lazy
-from handlcp.record import Record, data_frame
-from handlcp.text_table import TextTable, wrapped
+from handlcp.lazy_property import lazy_property
+from handlcp.record import Record, make_data_frame
+from handlcp.words import TextTable, wrap_text
 
 _SLIDING_SHARE = 1e-5  # share of friction: with less left a contact slides, as far as a solution is exact
 _VECTOR_BREAK = re.compile(r"(?<=\d), (?=-?\d)")  # within a vector, where a line might end
@@ -43,11 +42,11 @@ class Least(Record):
     share: float
     unit: str
 
-    def _lines(self) -> tuple[str, ...]:
+    def _entry_lines(self) -> tuple[str, ...]:
         return "who", f"amount_{self.unit.replace('·', '')} = amount", "share"
 
 
-@helped_methods
+@check_method_calls
 @dataclass(frozen=True, eq=False)
 class Margins(Record):
     """Made by `Grasp.margins`; each number is worked out when it is first asked for.
@@ -66,7 +65,7 @@ class Margins(Record):
     length: float | None
     scene: Scene = field(repr=False)
 
-    @lazy
+    @lazy_property
     def friction(self) -> Least | None:
         """The contact that uses most of its friction: how much more it would bear [N], and as a share; None where no
         contact with friction presses, and without an answer.
@@ -77,7 +76,7 @@ class Margins(Record):
         k = largest_share_index(used)
         return Least(self.spec.names[k], float(self.solution.friction_margin[k]), 1.0 - float(used[k]), "N")
 
-    @lazy
+    @lazy_property
     def torque(self) -> Least | None:
         """The joint that is nearest to its torque limit: how much more it has [N·m], and as a share; None where no
         limit is known, and without an answer.
@@ -90,14 +89,14 @@ class Margins(Record):
             return None
         return Least(row.joint, row.limit - abs(row.torque), 1.0 - row.utilisation, row.unit)
 
-    @lazy
+    @lazy_property
     def load(self) -> LoadLimit | None:
         """How far the load beside the weight may grow, as `Grasp.load_limit` says; None where there is no such load, or
         no path to it is known (forces that are known or prescribed).
         """
         return None if isinstance(self._load, str) else self._load
 
-    @lazy
+    @lazy_property
     def _load(self) -> LoadLimit | str:
         """The limit, or what the reader may do about there being none."""
         try:
@@ -112,17 +111,17 @@ class Margins(Record):
         """The safety factor on the load beside the weight; None as above."""
         return None if self.load is None else self.load.factor
 
-    @lazy
+    @lazy_property
     def force_closure(self) -> Closure:
         """Whether friction could balance any load."""
         return force_closure(self.spec, self.scene, self.section)
 
-    @lazy
+    @lazy_property
     def form_closure(self) -> Closure:
         """Whether the contacts would leave no motion, even without friction (first order)."""
         return form_closure(self.spec, self.scene)
 
-    @lazy
+    @lazy_property
     def wrench_space(self) -> WrenchSpace:
         """Of contacts whose normal forces add up to 1 N."""
         return wrench_space(self.scene, self.section, self.spec.reference, self.length)
@@ -148,7 +147,7 @@ class Margins(Record):
         units = {"epsilon": "N/N"}
         rows |= {name: (x, units.get(name, ""), np.nan, "") for name, x in found.items() if x is not None}
         columns = zip(("value", "unit", "share", "who"), zip(*rows.values(), strict=True), strict=True)
-        return data_frame(dict(columns), list(rows))
+        return make_data_frame(dict(columns), list(rows))
 
     def __str__(self) -> str:
         space, rows = self.wrench_space, list[tuple[str, ...]]()
@@ -156,7 +155,7 @@ class Margins(Record):
             rows.append(_friction_row(self.friction))
         if self.torque is not None:
             t = self.torque
-            rows.append(("torque", words.effort(t.amount, t.unit), words.percent(t.share), t.who))
+            rows.append(("torque", words.format_effort(t.amount, t.unit), words.format_percent(t.share), t.who))
         if isinstance(self._load, str):
             rows.append(("load", "–", "", self._load))
         else:
@@ -174,7 +173,7 @@ class Margins(Record):
         for c in (self.force_closure, self.form_closure):
             word = {True: "yes", False: "no", None: "not told"}[c.closed]
             lines.append(_wrap_whole(f"{c.kind} closure: {word}, {c.sentence}"))
-        lines.append(wrapped(_describe_space(space), "  "))
+        lines.append(wrap_text(_describe_space(space), "  "))
         return "\n".join(lines)
 
 
@@ -182,20 +181,20 @@ def make_margins(spec: GraspSpec, scene: Scene, section: Section, solution: Any,
     """See `Grasp.margins`."""
     if not isinstance(solution, GraspSolution) or len(solution.forces) != scene.n:
         raise InputError("solution", "a solution of this grasp, or None", repr(solution)[:80])
-    L = None if length is None else number("length", length, above=0.0)
+    L = None if length is None else check_number("length", length, above=0.0)
     return Margins(spec, section, solution, L, scene)
 
 
 def _friction_row(left: Least) -> tuple[str, ...]:
     """A row; nothing is left where the contact slides."""
     if left.share < _SLIDING_SHARE:
-        return ("friction", words.force(0.0), words.percent(0.0), f"{left.who}: slides already")
-    return ("friction", words.force(left.amount), words.percent(left.share), left.who)
+        return ("friction", words.format_force(0.0), words.format_percent(0.0), f"{left.who}: slides already")
+    return ("friction", words.format_force(left.amount), words.format_percent(left.share), left.who)
 
 
 def _wrap_whole(text: str) -> str:
     """Wrapped, vectors in one piece."""
-    return wrapped(_VECTOR_BREAK.sub(",\N{NO-BREAK SPACE}", text), "  ").replace("\N{NO-BREAK SPACE}", " ")
+    return wrap_text(_VECTOR_BREAK.sub(",\N{NO-BREAK SPACE}", text), "  ").replace("\N{NO-BREAK SPACE}", " ")
 
 
 def _describe_space(space: WrenchSpace) -> str:
@@ -206,7 +205,7 @@ def _describe_space(space: WrenchSpace) -> str:
     radius, volume = _format_range(space.epsilon, space.epsilon_most), _format_range(space.volume, space.volume_most)
     return (
         f"wrench space{few}: ε {radius}, volume {volume}, per newton of all normal forces, moments over "
-        f"{words.length(space.length)}"
+        f"{words.format_length(space.length)}"
     )
 
 

@@ -27,7 +27,7 @@ from handlcp.grasp.solution.diagnosis import DiagnosisText
 from handlcp.grasp.solve.solve_spec import escape_certificate
 from handlcp.grasp.verify.load_capacity import edge_forces, escape_in_si
 from handlcp.record import Record
-from handlcp.tolerances import CERTIFY, RANK
+from handlcp.tolerances import CERTIFY_TOLERANCE, RANK_TOLERANCE
 
 _PYRAMID_FACES = (8, 32, 128, 512)  # of pyramids in the cone and around it, until one of them tells
 _SOFT_PYRAMID_FACES = (8, 24, 64)
@@ -85,7 +85,7 @@ def _test_closure(F: Array, W: Array) -> tuple[Array | None, Array | None]:
     dof = len(W)
     few = np.zeros((dof, max(dof - W.shape[1], 0)))  # so that there are as many directions as dimensions
     u, s, _ = np.linalg.svd(np.hstack([W, few]), full_matrices=False)
-    rank = int((s > RANK * s.max(initial=0.0)).sum())
+    rank = int((s > RANK_TOLERANCE * s.max(initial=0.0)).sum())
     if rank < dof:
         return None, _plain_motion(u[:, rank:])
     from scipy.optimize import linprog  # half a second of import that few grasps should pay
@@ -107,7 +107,7 @@ def _test_closure(F: Array, W: Array) -> tuple[Array | None, Array | None]:
     if lp.x is not None:
         t = lp.x / (np.sqrt(lp.x @ lp.x) or 1.0)
         work = W.T @ t / size
-        if work.max(initial=0.0) > _STRICT_SHARE and work.min(initial=0.0) > -CERTIFY:
+        if work.max(initial=0.0) > _STRICT_SHARE and work.min(initial=0.0) > -CERTIFY_TOLERANCE:
             return None, t
     return None, None
 
@@ -205,7 +205,7 @@ def wrench_space(scene: Scene, section: Section, reference: Array, length: float
     within, around, faces = _bounding_sections(scene, section)
     W = scale[:, None] * edge_forces(scene, within)[1]
     u, s, _ = np.linalg.svd(W, full_matrices=False)
-    U = u[:, s > RANK * s.max(initial=0.0)]
+    U = u[:, s > RANK_TOLERANCE * s.max(initial=0.0)]
     d, nothing = U.shape[1], np.full(6, np.nan)
     if d == 0:
         return WrenchSpace(0.0, 0.0, 0.0, 0.0, 0, scene.dof, L, nothing, faces, "no contact has an unknown force")

@@ -8,16 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, Ints, array, read_only, unit
+from handlcp.check import Array, Ints, check_array, check_init_call, check_method_calls, check_unit_vector, read_only
 from handlcp.contact.friction import Coulomb, FrictionLaw, as_law
 from handlcp.errors import InputError
 from handlcp.grasp.model.mechanism import Mechanism
-from handlcp.keywords import helped_init, helped_methods
-from handlcp.lazy import lazy
+from handlcp.lazy_property import lazy_property
 
 
-@helped_init()
-@helped_methods
+@check_init_call()
+@check_method_calls
 class Contact:
     """A contact of a finger on the object.
 
@@ -61,13 +60,13 @@ class Contact:
         law = Coulomb(0.5) if friction is None else as_law(friction)
         if name is not None and not isinstance(name, str):
             raise InputError("name", "a string", repr(name))
-        p = array("position", position, (3,), (2,))
-        z = unit("normal", normal, (3,), (2,))
+        p = check_array("position", position, (3,), (2,))
+        z = check_unit_vector("normal", normal, (3,), (2,))
         if p.shape != z.shape:
             raise InputError("normal", f"as many components as position, {len(p)}", f"{len(z)}")
         planar = p.shape == (2,)
         tangent = law.x_axis if tangent is None else tangent
-        x = None if tangent is None else array("tangent", tangent, p.shape)
+        x = None if tangent is None else check_array("tangent", tangent, p.shape)
         if planar:
             p, z = np.append(p, 0.0), np.append(z, 0.0)
             x = np.cross((0.0, 0.0, 1.0), z) if x is None else np.append(x, 0.0)
@@ -233,7 +232,7 @@ class SceneKind:
     planar: bool
     flexible: bool
 
-    @lazy
+    @lazy_property
     def n(self) -> int:
         """Contacts."""
         return len(self.force_unknown)
@@ -248,22 +247,22 @@ class SceneKind:
         """Whether a solve that eliminates contact by contact (`contact/block_newton.py`) is the faster one."""
         return self.n >= MANY_CONTACTS and not (self.planar or self.soft) and all(self.force_unknown)
 
-    @lazy
+    @lazy_property
     def soft(self) -> tuple[int, ...]:
         """(k,) contacts that bear a moment about their normal."""
         return tuple(i for i, t in enumerate(self.tangents) if t == 3)
 
-    @lazy
+    @lazy_property
     def rough(self) -> tuple[int, ...]:
         """Contacts with friction but no moment."""
         return tuple(i for i, t in enumerate(self.tangents) if t in (1, 2))
 
-    @lazy
+    @lazy_property
     def components(self) -> int:
         """c, the force components."""
         return 3 * self.n + len(self.soft)
 
-    @lazy
+    @lazy_property
     def contact_components(self) -> Ints:
         """(n, 4) of each contact whose force is unknown: its normal component and its tangential ones, padded by -1."""
         out = np.full((self.n, 4), -1, dtype=np.int64)
@@ -274,18 +273,18 @@ class SceneKind:
                 out[i, : len(own)] = own
         return out
 
-    @lazy
+    @lazy_property
     def normal_index(self) -> Ints:
         """(m,) unknown normal components."""
         return np.asarray(self.contact_components[np.array(self.force_unknown), 0])
 
-    @lazy
+    @lazy_property
     def tangent_index(self) -> Ints:
         """Unknown tangential components, of `rough` contacts first, then of `soft` ones."""
         own = self.contact_components[[*self.rough, *self.soft], 1:]
         return own[own >= 0]
 
-    @lazy
+    @lazy_property
     def index(self) -> Ints:
         """All unknown components, normal ones first."""
         return np.concatenate([self.normal_index, self.tangent_index])

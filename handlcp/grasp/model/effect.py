@@ -25,7 +25,7 @@ from handlcp.grasp.model.contact import Contact, Placement
 from handlcp.grasp.model.equation_system import EquationSystem, Unknown
 from handlcp.grasp.model.mechanism import JointReading
 from handlcp.grasp.model.scene import Scene
-from handlcp.lazy import lazy
+from handlcp.lazy_property import lazy_property
 
 # ----------------------------------------------------------------
 # What asks for an effect in a scene file: a key of [effects], what it holds, and what it means.
@@ -109,13 +109,13 @@ class Limit:
             if array is not None:
                 array.flags.writeable = False
 
-    @lazy
+    @lazy_property
     def unknown(self) -> Unknown:
         """The group of the s."""
         levers = () if self.levers is None else tuple(self.levers.tolist())
         return Unknown(self.name, len(self.room), False, "motion", levers)
 
-    @lazy
+    @lazy_property
     def natural_rows(self) -> Array:
         """(k, c) A in natural units."""
         return self.rows if self.levers is None else self.rows / self.levers[:, None]

@@ -11,12 +11,11 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from handlcp.check import Array, Ints, array, psd, read_only
+from handlcp.check import Array, Ints, check_array, check_init_call, check_psd, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.model.contact import block_diagonal
 from handlcp.grasp.model.mechanism import joint_flexibility
-from handlcp.keywords import helped_init
-from handlcp.lazy import lazy
+from handlcp.lazy_property import lazy_property
 from handlcp.lcp.kernels.dense import kernel
 
 T = TypeVar("T")
@@ -30,7 +29,7 @@ class FlexibilityFactor(NamedTuple):
     pads: Array
 
 
-@helped_init()
+@check_init_call()
 class Flexibility:
     """E = J K⁻¹ Jᵀ + P of n contacts, without the matrix; pass it as `flexibility=` of a `Grasp`.
 
@@ -41,12 +40,14 @@ class Flexibility:
     """
 
     def __init__(self, jacobian: Any, root: Any, pads: Any) -> None:
-        J = array("Flexibility.jacobian", jacobian, (-1, -1))
-        A = array("Flexibility.root", root, (J.shape[1], -1))
+        J = check_array("Flexibility.jacobian", jacobian, (-1, -1))
+        A = check_array("Flexibility.root", root, (J.shape[1], -1))
         if J.shape[0] % 3:
             raise InputError("Flexibility.jacobian", "three rows a contact", J.shape)
-        P = array("Flexibility.pads", pads, (J.shape[0] // 3, 3, 3))
-        own = read_only(np.array([psd(f"Flexibility.pads[{i}]", block) for i, block in enumerate(P)]).reshape(P.shape))
+        P = check_array("Flexibility.pads", pads, (J.shape[0] // 3, 3, 3))
+        own = read_only(
+            np.array([check_psd(f"Flexibility.pads[{i}]", block) for i, block in enumerate(P)]).reshape(P.shape)
+        )
         self.factor = FlexibilityFactor(J, A, own)
 
     @classmethod
@@ -65,7 +66,7 @@ class Flexibility:
         """Whether anything gives way."""
         return bool(self.factor.pads.any() or (self.factor.rows.any() and self.factor.root.any()))
 
-    @lazy
+    @lazy_property
     def matrix(self) -> Array:
         """(3n, 3n) E [m/N]."""
         J, A, P = self.factor

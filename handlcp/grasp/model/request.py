@@ -10,15 +10,23 @@ from typing import Any, Self
 
 import numpy as np
 
-from handlcp.check import Array, array, dimensions, number, read_only, sealed, several
+from handlcp.check import (
+    Array,
+    check_array,
+    check_init_call,
+    check_number,
+    check_sequence,
+    count_dimensions,
+    freeze_arrays,
+    read_only,
+)
 from handlcp.contact.friction import FrictionLaw, laws_by_name
 from handlcp.errors import InputError
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Contact, Placement, contact_frame, cross_rows
 from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.flexibility import Flexibility, flexibility_matrix, holds_flexibility, stored_flexibility
-from handlcp.keywords import helped_init
-from handlcp.lazy import lazy
+from handlcp.lazy_property import lazy_property
 
 _ARRAY_FIELDS = ("positions", "frames", "wrench", "reference", "flexibility", "offset")
 
@@ -91,14 +99,14 @@ class GraspSpec(Placement):
             flexibility=read_only(self.flexibility[: 3 * k, : 3 * k].copy()), fingers=None, mechanism=mechanism,
         )  # fmt: skip
 
-    @lazy
+    @lazy_property
     def names(self) -> tuple[str, ...]:
         """(n,) finger names: the contacts' own, or "finger 1", "finger 2", …; then the environment's."""
         return tuple([c.name or f"finger {i + 1}" for i, c in enumerate(self.contacts)])
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """After pickling, read-only again."""
-        self.__dict__.update(sealed(state))
+        self.__dict__.update(freeze_arrays(state))
 
 
 def wrench_about(point: Array, force: Array, moment: Array) -> Array:
@@ -117,7 +125,7 @@ def wrench_about(point: Array, force: Array, moment: Array) -> Array:
 # last.
 
 
-@helped_init()
+@check_init_call()
 class Environment:
     """m contacts of the world with the object, for `Grasp(..., environment=...)` and `state.grasp(..., environment=)`.
 
@@ -138,7 +146,7 @@ class Environment:
     def __init__(self, contacts: Iterable[Contact], flexibility: Any = 0.0, gap: Any = 0.0) -> None:
         cs = validate.contacts(contacts)
         m = len(cs)
-        given = np.full(m, number("gap", gap)) if dimensions(gap) == 0 else array("gap", gap, (m,))
+        given = np.full(m, check_number("gap", gap)) if count_dimensions(gap) == 0 else check_array("gap", gap, (m,))
         E = validate.flexibility(flexibility, m, cs[0].planar)
         for name, value in (("contacts", cs), ("flexibility", E), ("gap", read_only(given))):
             object.__setattr__(self, name, value)
@@ -161,7 +169,7 @@ class Environment:
 def join_environments(value: Any) -> Environment:
     """One environment of one or several, every contact with a name of its own. Raises InputError."""
     expected = "an Environment (of a Table: table.under(obj)), or a sequence of them"
-    parts = (value,) if isinstance(value, Environment) else several("environment", value, expected)
+    parts = (value,) if isinstance(value, Environment) else check_sequence("environment", value, expected)
     for k, part in enumerate(parts):
         if not isinstance(part, Environment):
             raise InputError(f"environment[{k}]", "an Environment", repr(part)[:80])
@@ -189,8 +197,8 @@ def join_offsets(value: Any, preload: Any, fingers: int, last: Array) -> Array:
     value, preload : as in `Grasp`; a preload is the fingers' alone.
     """
     n = fingers + len(last)
-    if value is not None and dimensions(value) == 2 and len(value) == n:
-        every = array("offset", value, (n, 3))
+    if value is not None and count_dimensions(value) == 2 and len(value) == n:
+        every = check_array("offset", value, (n, 3))
         value, last = every[:fingers], every[fingers:]
     return read_only(np.concatenate([validate.offset(value, preload, fingers), last]))
 
@@ -324,7 +332,7 @@ def replace_friction(contact: Contact, law: FrictionLaw) -> Contact:
     if contact.planar:
         return Contact(contact.position[:2], contact.normal[:2], law, None, contact.name)
     return contact.with_friction(law).with_pose(
-        contact.position, contact_frame(contact.normal, array("tangent", law.x_axis, (3,)))
+        contact.position, contact_frame(contact.normal, check_array("tangent", law.x_axis, (3,)))
     )
 
 

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, Bools, Ints, read_only, sealed
+from handlcp.check import Array, Bools, Ints, freeze_arrays, read_only
 from handlcp.contact.friction import Section, limit_set
 from handlcp.grasp.model.contact import SceneKind, cross_rows
 from handlcp.grasp.model.flexibility import (
@@ -25,7 +25,7 @@ from handlcp.grasp.model.flexibility import (
     stored_flexibility,
 )
 from handlcp.grasp.model.mechanism import Mechanism
-from handlcp.lazy import lazy
+from handlcp.lazy_property import lazy_property
 from handlcp.lcp.kernels.dense import kernel
 
 
@@ -230,7 +230,7 @@ class Scene:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """After pickling, read-only again."""
-        self.__dict__.update(sealed(state))
+        self.__dict__.update(freeze_arrays(state))
 
     # ---- contacts
     @property
@@ -308,7 +308,7 @@ class Scene:
         out[list(self.soft)] = torsional
         return read_only(out)
 
-    @lazy
+    @lazy_property
     def factor(self) -> Flexibility | None:
         """The flexibility as a factor: as it was given, or found in a matrix of many contacts; None: it is none."""
         E = stored_flexibility(self)
@@ -317,7 +317,7 @@ class Scene:
         return None if self.scale is not None or self.soft or self.n < MIN_CONTACTS_TO_FACTOR else find_factor(E)
 
     # ---- geometry and natural units
-    @lazy
+    @lazy_property
     def freedom(self) -> Array:
         """(dof, 6) components of wrenches and twists: all, or in a plane two forces and the moment about its normal."""
         if self.plane is None:
@@ -329,7 +329,7 @@ class Scene:
             W[0, :3], W[1, :3] = (1, 0, 0), (0, self.plane[2], 0)
         return read_only(W)
 
-    @lazy
+    @lazy_property
     def arrays(self) -> GraspArrays:
         """The arrays that compiled code works on."""
         spin = _NO_SPIN
@@ -342,7 +342,7 @@ class Scene:
             self.moment, self.freedom,
         )  # fmt: skip
 
-    @lazy
+    @lazy_property
     def _geometry_and_blocks(self) -> tuple[GraspGeometry, NaturalBlocks]:
         return pose_grasp(self.arrays, self.kind.index)
 
@@ -361,7 +361,7 @@ class Scene:
         """Natural units: force, length and motion of `geometry`, and the centre that twists refer to."""
         return self._geometry_and_blocks[0]
 
-    @lazy
+    @lazy_property
     def twist_units(self) -> Array:
         """(dof,) SI size of one natural unit of each component of the object's motion [m or rad]."""
         u, k = self.units, 3 if self.plane is None else 2
@@ -375,12 +375,12 @@ class Scene:
         """(dof,) natural components of an SI twist (6,) about the contacts' centre."""
         return np.asarray(self.freedom @ twist / self.twist_units)
 
-    @lazy
+    @lazy_property
     def force_unknown_mask(self) -> Bools:
         """(n,) bool, `governed` as an array."""
         return np.array(self.force_unknown)
 
-    @lazy
+    @lazy_property
     def effect_cache(self) -> list[tuple[object, Any]]:
         """What effects made of this scene, with the effect itself: kept so that it is made once (`Effect.present`).
 

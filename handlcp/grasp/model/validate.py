@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, array, dimensions, number, psd, read_only, unit
+from handlcp.check import Array, check_array, check_number, check_psd, check_unit_vector, count_dimensions, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.model.contact import Contact, Placement, block_diagonal, cross_rows
 from handlcp.grasp.model.effect import Effect
-from handlcp.tolerances import UNIT_NORMAL
+from handlcp.tolerances import UNIT_NORMAL_TOLERANCE
 
 WRENCH_EXPECTED = "force [N], then torque [N·m]: finite numbers"
 
@@ -48,12 +48,12 @@ def plane(value: Any, cs: tuple[Contact, ...], positions: Array, frames: Array) 
         return read_only(np.array([0.0, 0.0, 1.0]))
     if value is None:
         return None
-    a = unit("plane", value, (3,))
+    a = check_unit_vector("plane", value, (3,))
     height = positions @ a
     if np.ptp(height) > _flat_height(positions):
         got = f"heights that differ by {np.ptp(height):.3g} m"
         raise InputError("plane", "a plane that holds all contact points", got)
-    if (tilt := abs(frames[:, :, 2] @ a)).max() > UNIT_NORMAL:
+    if (tilt := abs(frames[:, :, 2] @ a)).max() > UNIT_NORMAL_TOLERANCE:
         got = f"normal {int(tilt.argmax())} tilted by {tilt.max():.3g}"
         raise InputError("plane", "a plane that holds all normals", got)
     return a
@@ -71,7 +71,7 @@ def in_plane(frames: Array, normal: Array) -> Array:
 def reference(value: Any, normal: Array | None, positions: Array) -> Array:
     """(3,) point; a planar scene in xy also takes (2,), a point of the plane that holds the contacts."""
     flat = normal is not None and abs(normal[2]) == 1.0
-    point = array("reference", value, (3,), *([(2,)] if flat else []))
+    point = check_array("reference", value, (3,), *([(2,)] if flat else []))
     return point if point.shape == (3,) else read_only(np.append(point, positions[0, 2]))
 
 
@@ -97,7 +97,7 @@ def wrench(value: Any, normal: Array | None, lift: float = 0.0, argument: str = 
     if value is None:
         return read_only(np.zeros(6))
     shapes: tuple[tuple[int, ...], ...] = ((6,),) if normal is None else ((6,), (3,))
-    w = array(argument, value, *shapes, what=WRENCH_EXPECTED)
+    w = check_array(argument, value, *shapes, what=WRENCH_EXPECTED)
     if w.shape == (3,):
         if normal is None or abs(normal[2]) != 1.0:
             raise InputError(argument, "shape (6,) unless the plane is xy", "shape (3,)")
@@ -115,11 +115,11 @@ def wrench(value: Any, normal: Array | None, lift: float = 0.0, argument: str = 
 
 def flexibility(value: Any, n: int, planar: bool) -> Array:
     """(3n, 3n) from a number, a (3,) diagonal, (n, 3, 3) blocks or the whole matrix; planar: also with 2 for 3."""
-    if dimensions(value) == 0:
-        return read_only(np.eye(3 * n) * number("flexibility", value, minimum=0.0))
+    if count_dimensions(value) == 0:
+        return read_only(np.eye(3 * n) * check_number("flexibility", value, minimum=0.0))
     flat = [(2,), (n, 2, 2), (2 * n, 2 * n)] if planar else []
-    a = array("flexibility", value, (3,), (n, 3, 3), (3 * n, 3 * n), *flat)
-    E = psd("flexibility", a) if a.ndim == 2 else block_diagonal(blocks("flexibility", a), n)
+    a = check_array("flexibility", value, (3,), (n, 3, 3), (3 * n, 3 * n), *flat)
+    E = check_psd("flexibility", a) if a.ndim == 2 else block_diagonal(blocks("flexibility", a), n)
     if a.shape in flat:  # tangent and normal in the plane; nothing acts along y
         for axis in (0, 1):
             E = np.insert(E, np.arange(1, 2 * n, 2), 0.0, axis)
@@ -132,13 +132,15 @@ def blocks(argument: str, a: Array) -> Array:
         if (a < 0).any():
             raise InputError(argument, "entries ≥ 0", a.tolist())
         return np.diag(a)
-    return np.array([psd(f"{argument}[{i}]", block) for i, block in enumerate(a)]).reshape(a.shape)
+    return np.array([check_psd(f"{argument}[{i}]", block) for i, block in enumerate(a)]).reshape(a.shape)
 
 
 def offset(value: Any, preload: Any, n: int) -> Array:
     """(n, 3) initial motion of the object relative to the tips, the preload's squeeze taken off its normal part."""
-    d = np.zeros((n, 3)) if value is None else array("offset", value, (n, 3)).copy()
-    d[:, 2] -= number("preload", preload) if dimensions(preload) == 0 else array("preload", preload, (n,))
+    d = np.zeros((n, 3)) if value is None else check_array("offset", value, (n, 3)).copy()
+    d[:, 2] -= (
+        check_number("preload", preload) if count_dimensions(preload) == 0 else check_array("preload", preload, (n,))
+    )
     return read_only(d)
 
 
@@ -166,9 +168,9 @@ def effects(value: Any, at: Placement) -> tuple[Effect, ...]:
 
 def frames(value: Any, n: int) -> Array:
     """(n, 3, 3) rotations, columns x, y, z."""
-    R = array("frames", value, (n, 3, 3))
+    R = check_array("frames", value, (n, 3, 3))
     miss = float(abs(R.transpose(0, 2, 1) @ R - np.eye(3)).max())
-    if miss > UNIT_NORMAL or (np.linalg.det(R) < 0).any():
+    if miss > UNIT_NORMAL_TOLERANCE or (np.linalg.det(R) < 0).any():
         got = f"RᵀR off by {miss:.3g}, or a mirror"
         raise InputError("frames", "rotations, columns x, y and z of unit length", got)
     return R

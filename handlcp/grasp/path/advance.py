@@ -20,8 +20,8 @@ from handlcp.grasp.path.stability import GROWS, MOVES, REST, STUCK, flow, growin
 from handlcp.grasp.path.state import SLIDES, STICKS, Controls, Failure, Goal, Guess, Outcome, Run, Slides, Snap, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import Rate, Watch, first_change, reached
-from handlcp.progress import tick
-from handlcp.tolerances import JUMPS, NO_SNAP, RUNS
+from handlcp.progress import report_progress
+from handlcp.tolerances import MIN_SNAP_DISTANCE, SLIDE_THROUGH_DISTANCE, SNAP_RATIO
 
 FINEST = 2.0**-9  # of a step: where one as short as this has no solution, there is none
 _EXACT = 2.0**-16  # of a step: how closely a snap or the last static state is located once there is known to be one
@@ -135,8 +135,8 @@ class Leg:
     def _advanced(self) -> bool:
         """One try of a step; whether the path goes on."""
         run, share = self.run, self.share
-        at = words.percent(share) if self.beyond is None else f"{share:.3g} times the load"
-        tick(f"stage {self.goal.name!r} at {at}")
+        at = words.format_percent(share) if self.beyond is None else f"{share:.3g} times the load"
+        report_progress(f"stage {self.goal.name!r} at {at}")
         state, size = run.states[-1], min(self.step, self.last - share)
         if share + size > self.last * (1.0 - 1e-9):
             size = self.last - share
@@ -192,7 +192,7 @@ class Leg:
             return self._over(self.then, why)
         until, near = self.ends if known else share + size, np.inf
         if not known and self._may_slide(state):  # where it comes to rest is asked once the snap is located exactly
-            near = max(self._no_snap(size), RUNS - self.rate.beyond)
+            near = max(self._no_snap(size), SLIDE_THROUGH_DISTANCE - self.rate.beyond)
         end, how = flow(self.stepper, state, self.controls(until), None, near)
         snapped = how not in (MOVES, STUCK) and self._snapped(state, end, share, until, how == REST, ())
         if how != REST:
@@ -221,7 +221,7 @@ class Leg:
         last, far = self.rate.last, self.stepper.far(state.where.pose, found.where.pose)
         if last > 0.0 and far > self._no_snap(size):
             return True
-        if far <= NO_SNAP:
+        if far <= MIN_SNAP_DISTANCE:
             return False
         if self.before is not None:
             expected = _further(self.stepper, self.before[0], state, min(size / self.before[1], _ALONG))
@@ -232,7 +232,7 @@ class Leg:
             if isinstance(half, Failure):
                 return True
             found, far = half, 0.5 * far
-        return self.stepper.far(expected.where.pose, found.where.pose) > NO_SNAP + _BENDS * far
+        return self.stepper.far(expected.where.pose, found.where.pose) > MIN_SNAP_DISTANCE + _BENDS * far
 
     def controls(self, share: float) -> Controls:
         """At a share of the stage."""
@@ -324,7 +324,7 @@ class Leg:
         more = min(share + 2.0**-_HALVED * self.base, self.last)
         motion, near = self._growing(grows), np.inf
         if self._may_slide(state):
-            near = max(self._no_snap(more - share), RUNS - self.rate.beyond)
+            near = max(self._no_snap(more - share), SLIDE_THROUGH_DISTANCE - self.rate.beyond)
         end, how = flow(self.stepper, state, self.controls(more), self._push(state, motion), near)
         if how != REST and self._gives_way(state):
             return True  # `through` may pause here; where it goes on, the object is followed on to wherever it comes
@@ -347,7 +347,7 @@ class Leg:
 
     def _no_snap(self, size: float) -> float:
         """How far the object may go in such a step without a snap, as a share of the contacts' distances."""
-        return NO_SNAP + JUMPS * self.rate.last * size
+        return MIN_SNAP_DISTANCE + SNAP_RATIO * self.rate.last * size
 
     def _snapped(
         self, state: State, end: State, share: float, until: float, rests: bool, pushed: tuple[float, ...]

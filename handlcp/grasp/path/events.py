@@ -96,7 +96,7 @@ class Summary(Record):
 
 def _at(share: float) -> str:
     """Such as "46 %"; "start" and "end" of a stage where a step cannot tell it from these."""
-    return "start" if share < _START else "end" if share > 1.0 - 1e-9 else words.percent(share)
+    return "start" if share < _START else "end" if share > 1.0 - 1e-9 else words.format_percent(share)
 
 
 def summary(events: Iterable[Event], spec: GraspSpec) -> tuple[Summary, ...]:
@@ -172,6 +172,6 @@ def _by_turns(events: Iterable[Event]) -> Iterator[_Group]:
 
 def jump(moved: float, turned: float, pushed: tuple[float, ...] = ()) -> str:
     """Such as ", by 5.5 mm and 14°", and the small push that makes an object in balance do it; "" for no jump."""
-    parts = [words.length(moved)] * (moved > 0.0) + [words.angle(turned)] * (turned > 1e-4)
+    parts = [words.format_length(moved)] * (moved > 0.0) + [words.format_angle(turned)] * (turned > 1e-4)
     far = f", by {' and '.join(parts)}" if parts else ""
     return f"{far}: it was in balance, which a small push{describe_direction(np.array(pushed))} ends" if pushed else far

@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, integer, number, read_only
+from handlcp.check import Array, check_integer, check_method_calls, check_number, read_only
 from handlcp.contact.friction import Section
-from handlcp.doubled import doubled, insisted
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.assembly.problem import SolverCandidate
 from handlcp.grasp.assembly.scene_builder import build_scene
@@ -34,18 +33,17 @@ from handlcp.grasp.path.watch import watch_of
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solution.verdict import HELD, NOT_HELD, OVER_LIMIT, UNDECIDED
 from handlcp.grasp.solve.solve_spec import certify_known_answer, solve_spec
-from handlcp.keywords import helped_methods
-from handlcp.lazy import lazy
-from handlcp.progress import told
-from handlcp.record import Record, data_frame, pick, versions
-from handlcp.text_table import wrapped
-from handlcp.views import view
+from handlcp.lazy_property import lazy_property
+from handlcp.progress import track_progress
+from handlcp.record import Record, load_display, make_data_frame, package_versions, pick_entries
+from handlcp.refinement import refine_until_converged, require_accuracy
+from handlcp.words import wrap_text
 
 _COARSER = 100.0  # times as wide as differences of one solve are those of whole paths, whose steps limit them
 TOLERANCE = 1e-9  # of the contacts' radii: how far the end of a step may be from where its geometry was taken
 
 
-@helped_methods
+@check_method_calls
 @dataclass(frozen=True, eq=False)
 class Loading(Record):
     """What becomes of a grasp under loading in steps; made by `Grasp.follow`. Does it hold? `held` and `word` say so.
@@ -107,9 +105,11 @@ class Loading(Record):
         if not self.reached:
             return self.why
         if self.slides is None:
-            return "; ".join([self.why, *([f"over the limit there: {words.listed(self._over)}"] if self._over else [])])
+            return "; ".join(
+                [self.why, *([f"over the limit there: {words.list_names(self._over)}"] if self._over else [])]
+            )
         does = "snaps to another place" if any(e.kind == "snaps" for e in self.events) else "slides through"
-        at = f"{words.percent(self.slides.share)} of stage {self.stages[self.slides.stage]!r}"
+        at = f"{words.format_percent(self.slides.share)} of stage {self.stages[self.slides.stage]!r}"
         return f"the object {does} from {at} on; loaded slowly, it {self.why} all the same"
 
     @property
@@ -131,7 +131,7 @@ class Loading(Record):
         """The last step."""
         return self.steps.states[-1]
 
-    @lazy
+    @lazy_property
     def solution(self) -> GraspSolution:
         """The last step as a certified solution of its own grasp: contact forces, torques, contact states. Its slip,
         gap and object motion are those of that step; `displacement` is the whole motion.
@@ -171,7 +171,7 @@ class Loading(Record):
         """The object where it is at the last step; None where it is not known."""
         return self._end[1]
 
-    @lazy
+    @lazy_property
     def _end(self) -> tuple[Any, Any]:
         mechanism, where = self.steps.grasp.spec.mechanism, self.last.where
         if mechanism is None or not self.steps.geometry.follows:
@@ -180,7 +180,7 @@ class Loading(Record):
 
     def page(self, path: Any, *, obj: Any = None, title: str = "", verdict: Any = None) -> Path:
         """A page with a slider through all steps, as `GraspSolution.page`; obj : where it stands at the start."""
-        written: Path = view("loading_page")(self, path, title, obj, verdict)
+        written: Path = load_display("loading_page")(self, path, title, obj, verdict)
         return written
 
     def plot(self, path: Any = None, *, title: str = "") -> Any:
@@ -188,18 +188,18 @@ class Loading(Record):
 
         path : of a png, svg, pdf or jpg file; None: the matplotlib figure itself. Raises as `GraspSolution.plot`.
         """
-        return view("loading_plot")(self, path, title)
+        return load_display("loading_plot")(self, path, title)
 
     def to_frame(self) -> Any:
         """A pandas table with a row for each step, as `steps.to_dict` has it. Raises Unsupported without pandas."""
-        return data_frame(self.steps.to_dict(self.stages))
+        return make_data_frame(self.steps.to_dict(self.stages))
 
     @property
     def geometry(self) -> str:
         """As asked or chosen: "fixed" or "followed"."""
         return "followed" if self.steps.geometry.follows else "fixed"
 
-    @lazy
+    @lazy_property
     def summary(self) -> tuple[Summary, ...]:
         """The events in words, what several fingers do at one place as one."""
         return summary(self.events, self.steps.grasp.spec)
@@ -211,9 +211,9 @@ class Loading(Record):
             found["contacts"]["torsion_Nm"] = None
         joints = None
         if mechanism is not None:
-            joints = pick(mechanism, "names", "torque_limits_Nm = limits")
-            joints |= pick(self.steps, "torques_Nm", "command_rad", "q_rad")
-        return found | {"joints": joints, "versions": versions("numpy")}
+            joints = pick_entries(mechanism, "names", "torque_limits_Nm = limits")
+            joints |= pick_entries(self.steps, "torques_Nm", "command_rad", "q_rad")
+        return found | {"joints": joints, "versions": package_versions("numpy")}
 
     def __repr__(self) -> str:
         return f"{self.word}: {self.sentence}."
@@ -221,17 +221,17 @@ class Loading(Record):
     def __str__(self) -> str:
         """Whether it is held, in the words of a verdict; what happens on the way, and what the last step is like."""
         u, forces = self.displacement, self.steps.forces[-1, :, 2]
-        moved = f"the object has moved {words.length(float(np.linalg.norm(u[:3])))}"
+        moved = f"the object has moved {words.format_length(float(np.linalg.norm(u[:3])))}"
         if (turned := float(np.linalg.norm(u[3:]))) > 1e-4:
-            moved += f" and turned {words.angle(turned)}"
+            moved += f" and turned {words.format_angle(turned)}"
         most = int(np.argmax(forces >= (1.0 - 1e-6) * forces.max()))  # the first of equals
-        pressed = f"the largest normal force is {words.force(float(forces[most]))}, at {self.steps.names[most]}"
+        pressed = f"the largest normal force is {words.format_force(float(forces[most]))}, at {self.steps.names[most]}"
         if not forces[most] > 0.0:
             pressed = "nothing presses on it"
         when = "at the end" if self.reached else "at the last step"
         said = [str(s) for s in self.summary]
-        lines = [wrapped(f"{self.word}: {self.sentence}", "  "), *(wrapped(line, "    ", "  ") for line in said)]
-        return "\n".join([*lines, wrapped(f"{when}: {moved}; {pressed}", "    ", "  ")])
+        lines = [wrap_text(f"{self.word}: {self.sentence}", "  "), *(wrap_text(line, "    ", "  ") for line in said)]
+        return "\n".join([*lines, wrap_text(f"{when}: {moved}; {pressed}", "    ", "  ")])
 
 
 def solution_of(grasp: StepGrasp, state: State, section: Section) -> GraspSolution:
@@ -248,7 +248,7 @@ def solution_of(grasp: StepGrasp, state: State, section: Section) -> GraspSoluti
     return solve_spec(made, section, start=state.start, proof=False)
 
 
-@told("following the loading")
+@track_progress("following the loading")
 def follow(
     spec: GraspSpec, section: Section, load: Any, order: Any, geometry: Any, steps: Any, tolerance: Any,
     accuracy: Any = None, patience: Patience = PATIENT,
@@ -256,11 +256,11 @@ def follow(
     """See `Grasp.follow`. patience : as in `advance`."""
     if accuracy is not None:
         return _accurate(
-            spec, section, load, order, geometry, steps, tolerance, number("accuracy", accuracy, above=0.0)
+            spec, section, load, order, geometry, steps, tolerance, check_number("accuracy", accuracy, above=0.0)
         )
     body = geometry_of(spec, geometry)
-    count = integer("steps", steps, 1)
-    limit = TOLERANCE if tolerance is None else number("tolerance", tolerance, above=0.0)
+    count = check_integer("steps", steps, 1)
+    limit = TOLERANCE if tolerance is None else check_number("tolerance", tolerance, above=0.0)
     first, goals, stepper = begun(spec, section, body, limit, order, load)
     run = advance(stepper, watch_of(spec, body), first, goals, count, patience)
 
@@ -274,13 +274,13 @@ def _accurate(
     accuracy: float,
 ) -> Loading:  # fmt: skip
     """With twice as many steps until the forces at the end change by no more than `accuracy`."""
-    count = integer("steps", steps, 1)
+    count = check_integer("steps", steps, 1)
 
     def answer(times: int) -> Loading:
         return follow(spec, section, load, order, geometry, times * count, tolerance)
 
-    found, off = doubled(answer, _apart, sliding, accuracy)
-    insisted(off, accuracy, "the end")
+    found, off = refine_until_converged(answer, _apart, sliding, accuracy)
+    require_accuracy(off, accuracy, "the end")
     return replace(found, accuracy=off)
 
 
@@ -364,7 +364,7 @@ def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) 
     last = run.states[-1]
     if run.outcome is Outcome.GAVE_UP:
         assert run.failure is not None
-        sentence = f"given up in stage {stage!r} at {words.percent(share)}: {explain_giving_up(*run.failure)}"
+        sentence = f"given up in stage {stage!r} at {words.format_percent(share)}: {explain_giving_up(*run.failure)}"
     elif lost:
         assert run.failure is not None
         going = stepper.between(run.states[-2].where.pose, last.where.pose) if len(run.states) > 1 else None
@@ -375,7 +375,7 @@ def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) 
         weight, end = np.append(stepper.grasp.weight, np.zeros(3)), goals[number].end
         now = last.controls
         under = describe_load_share(now.load + now.weight * weight, end.load + end.weight * weight)
-        sentence = f"lost in stage {stage!r} at {words.percent(share)}{under}: {why}"
+        sentence = f"lost in stage {stage!r} at {words.format_percent(share)}{under}: {why}"
     else:
         few = " and ".join(repr(g.name) for g in goals)
         sentence = f"reached the end of {few if len(goals) < 3 else f'all {len(goals)} stages'}"

@@ -8,7 +8,7 @@ from handlcp.check import Array
 from handlcp.grasp.path.state import Controls, Failure, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.lcp.kernels.dense import kernel
-from handlcp.progress import tick
+from handlcp.progress import report_progress
 
 # ----------------------------------------------------------------
 # A viscous flow at constant load: where an object goes that no static state holds, and whether it comes to rest.
@@ -48,7 +48,7 @@ def flow(
         float(np.sqrt(((state.iterate.positions - state.iterate.reference) ** 2).sum(axis=1)).max()) / stepper.length
     )
     for count in range(_MOST):
-        tick("the object moves on to another place")
+        report_progress("the object moves on to another place")
         under = controls if push is None or count >= _PUSHED else controls._replace(load=controls.load + push)
         found = stepper.step(state, under, None, h, _ROUGH, None, buckles)
         if isinstance(found, Failure) or stepper.far(state.where.pose, found.where.pose) > _STEP:

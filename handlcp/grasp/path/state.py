@@ -9,13 +9,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, array, number, read_only, several
-from handlcp.errors import InputError, shown
+from handlcp.check import Array, check_array, check_init_call, check_number, check_sequence, read_only
+from handlcp.errors import InputError, shorten_repr
 from handlcp.grasp.path.events import Event
 from handlcp.grasp.path.geometry import Iterate, Where
 from handlcp.grasp.path.newton.numbers import Loads, Read
 from handlcp.grasp.path.pull import Pull
-from handlcp.keywords import helped_init
 
 # ----------------------------------------------------------------
 # What is done to a grasp, stage by stage: the hand closes, then the load comes; or any other order.
@@ -27,7 +26,7 @@ LET_GO = "let go"  # the stage in which an object is let go that was kept in pla
 _KNOWN = ("squeeze", "load", "together")
 
 
-@helped_init()
+@check_init_call()
 @dataclass(frozen=True, slots=True)
 class Stage:
     """One stage of loading, for `grasp.follow(order=[...])`; what is None stays as it is.
@@ -47,14 +46,14 @@ class Stage:
     def __post_init__(self) -> None:
         """Check what does not depend on the grasp."""
         if not isinstance(self.name, str) or not self.name:
-            raise InputError("Stage.name", "a name", shown(self.name))
+            raise InputError("Stage.name", "a name", shorten_repr(self.name))
         for name in ("weight", "squeeze"):
             if (value := getattr(self, name)) is not None:
-                number(f"Stage.{name}", value, minimum=0.0)
+                check_number(f"Stage.{name}", value, minimum=0.0)
         if self.load is not None:
-            array("Stage.load", self.load, (6,))
+            check_array("Stage.load", self.load, (6,))
         if self.joint_offset is not None:
-            array("Stage.joint_offset", self.joint_offset, (-1,))
+            check_array("Stage.joint_offset", self.joint_offset, (-1,))
 
 
 class Controls(NamedTuple):
@@ -108,7 +107,7 @@ def read_stages(
     Raises InputError.
     """
     given = [order] if isinstance(order, (str, Stage)) else order
-    given = several("order", given, f"stages: {', '.join(_KNOWN)}, or hl.Stage")
+    given = check_sequence("order", given, f"stages: {', '.join(_KNOWN)}, or hl.Stage")
     path = _path(load, wrench)
     now = Controls(np.zeros(6), 0.0, 0.0, before)
     first, goals = now, list[Goal]()
@@ -136,7 +135,7 @@ def _path(load: Any, wrench: Array) -> Array:
     """(m, 6) loads, one after the other."""
     if load is None:
         return wrench[None]
-    given = array("load", load, (6,), (-1, 6))
+    given = check_array("load", load, (6,), (-1, 6))
     if not len(given):
         raise InputError("load", "at least one load", "none")
     return given[None] if given.ndim == 1 else given
@@ -146,7 +145,7 @@ def _goals(argument: str, stage: Any, path: Array, now: Controls, commands: tupl
     if isinstance(stage, Stage):
         yield _own(argument, stage, now, commands)
     elif not isinstance(stage, str):
-        raise InputError(argument, f"one of {', '.join(_KNOWN)}, or an hl.Stage", shown(stage))
+        raise InputError(argument, f"one of {', '.join(_KNOWN)}, or an hl.Stage", shorten_repr(stage))
     elif stage == "squeeze":
         yield Goal("squeeze", Controls(now.load, now.weight, 1.0, commands[1]))
     elif stage in ("load", "together"):
@@ -160,16 +159,16 @@ def _goals(argument: str, stage: Any, path: Array, now: Controls, commands: tupl
 
 def _own(argument: str, stage: Stage, now: Controls, commands: tuple[Array, Array]) -> Goal:
     before, command = commands
-    load = now.load if stage.load is None else array(f"{argument}.load", stage.load, (6,))
-    weight = now.weight if stage.weight is None else number(f"{argument}.weight", stage.weight, minimum=0.0)
+    load = now.load if stage.load is None else check_array(f"{argument}.load", stage.load, (6,))
+    weight = now.weight if stage.weight is None else check_number(f"{argument}.weight", stage.weight, minimum=0.0)
     preload, commanded = now.preload, now.command
     if stage.squeeze is not None:
-        preload = number(f"{argument}.squeeze", stage.squeeze, minimum=0.0)
+        preload = check_number(f"{argument}.squeeze", stage.squeeze, minimum=0.0)
         commanded = read_only(before + preload * (command - before))
     if stage.joint_offset is not None:
         if not len(command):
             raise InputError(f"{argument}.joint_offset", "None for a grasp without a hand", repr(stage.joint_offset))
-        commanded = array(f"{argument}.joint_offset", stage.joint_offset, (len(command),))
+        commanded = check_array(f"{argument}.joint_offset", stage.joint_offset, (len(command),))
     return Goal(stage.name, Controls(load, weight, preload, commanded))
 
 

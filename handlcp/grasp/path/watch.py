@@ -23,7 +23,7 @@ from handlcp.grasp.path.events import Event
 from handlcp.grasp.path.geometry import Geometry
 from handlcp.grasp.path.state import OPEN, SLIDES, Failure, State
 from handlcp.grasp.path.step import Stepper
-from handlcp.tolerances import FASTER, RUNS
+from handlcp.tolerances import SLIDE_THROUGH_DISTANCE, SLIDE_THROUGH_SPEEDUP
 
 # ----------------------------------------------------------------
 # Where inside a step a contact changes its state: one root finder on margins.
@@ -185,9 +185,13 @@ class Rate:
         """Of a step of this size in which nothing sticks: the part at which the object slides through; None: it does
         not.
         """
-        more = (rate - FASTER * self.stuck) * size
+        more = (rate - SLIDE_THROUGH_SPEEDUP * self.stuck) * size
         before, self.beyond = self.beyond, max(self.beyond + more, 0.0)
-        return None if self.beyond < RUNS else min(max((RUNS - before) / more, 0.0), 1.0)
+        return (
+            None
+            if self.beyond < SLIDE_THROUGH_DISTANCE
+            else min(max((SLIDE_THROUGH_DISTANCE - before) / more, 0.0), 1.0)
+        )
 
     def snaps(self, far: float) -> None:
         """The object has moved so far at one load."""

@@ -13,7 +13,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, Bools
 from handlcp.grasp.solution.uniqueness import Uniqueness
-from handlcp.tolerances import ACTIVE
+from handlcp.tolerances import ACTIVE_TOLERANCE
 
 UNDECIDED_SENTENCE = "the solver spent its budget without an answer, which says nothing about the grasp"
 
@@ -49,7 +49,7 @@ class DiagnosisText:
         apart, slides = (np.array([state == s for state in states]) for s in ("separated", "sliding"))
         # What has friction slides only against a force on its limit; what has none is called sliding even at rest, as
         # nothing keeps it from it
-        smooth = slides & (np.hypot(forces[:, 0], forces[:, 1]) <= ACTIVE * forces[:, 2])
+        smooth = slides & (np.hypot(forces[:, 0], forces[:, 1]) <= ACTIVE_TOLERANCE * forces[:, 2])
         parts = self._name_those(slides & ~smooth, "slides", "slide")
         parts += self._name_those(smooth, "pushes without friction", "push without friction")
         parts += [f"no {self._who} pushes"] if apart.all() else self._name_those(apart, "does not push", "do not push")
@@ -79,7 +79,7 @@ class DiagnosisText:
         create = "cannot" if proven else "do not"
         cannot = f"forces within friction could balance the load, but these {self._who}s {create} create them"
         names, squeeze = self._fingers, offset[: len(self._fingers)]
-        noise = ACTIVE * float(abs(squeeze).max())
+        noise = ACTIVE_TOLERANCE * float(abs(squeeze).max())
         bare = [name for name, gap in zip(names, squeeze, strict=True) if gap >= -noise]
         everyone = len(bare) == len(names)
         if everyone and len(names) > 1:
@@ -152,7 +152,7 @@ def _round_up(metres: float) -> str:
     if not metres > 0.0:
         return "0 mm"
     step = 10.0 ** (np.floor(np.log10(metres)) - 1)
-    return words.length(float(np.ceil(metres / step * (1 - 1e-12)) * step))
+    return words.format_length(float(np.ceil(metres / step * (1 - 1e-12)) * step))
 
 
 def _list_names(names: Sequence[str]) -> str:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, Bools, array, read_only
+from handlcp.check import Array, Bools, check_array, read_only
 from handlcp.contact.friction import Cone, Pyramid, limit_set
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.effects.joint_torque import TorqueSaturation
@@ -26,10 +26,10 @@ from handlcp.grasp.solution.state_family import (
     own_flexibility,
 )
 from handlcp.grasp.verify.load_capacity import ENDED, UNBOUNDED, ConeProduct, ConicPrograms, assess_end, solve_conic
-from handlcp.progress import tick, told
+from handlcp.progress import report_progress, track_progress
 from handlcp.record import Record
-from handlcp.text_table import TextTable, wrapped
-from handlcp.tolerances import ACTIVE
+from handlcp.tolerances import ACTIVE_TOLERANCE
+from handlcp.words import TextTable, wrap_text
 
 _DETERMINED_SHARE = 1e-9  # of a reading's size: directions that change it by less leave it as it is
 _HIGHS_TOLERANCE = 1e-10  # the least that HiGHS can be asked for
@@ -64,7 +64,7 @@ def find_extremes(kept: KeptStates, readings: Array, ranges: FactorRanges | None
                 most, off = _largest_reading(family, sign * along[k] / sizes[k])
                 change[k, side] = sign * max(sign * change[k, side], most * sizes[k])
                 gap = max(gap, off)
-            tick(f"{k + 1} of {len(readings)}")
+            report_progress(f"{k + 1} of {len(readings)}")
     return ReadingExtremes(change, wider, gap)
 
 
@@ -222,7 +222,7 @@ class ForceBounds(Record):
         tables = [_table("contact", "normal", "N", self.names, self.normal)]
         if self.joints:
             tables.append(_table("joint", "torque", "N·m", self.joints, self.torques, self._shares))
-        return "\n\n".join([*map(str, tables), wrapped(self._sentence)])
+        return "\n\n".join([*map(str, tables), wrap_text(self._sentence)])
 
     @property
     def _shares(self) -> list[str]:
@@ -232,7 +232,7 @@ class ForceBounds(Record):
 
     @property
     def _sentence(self) -> str:
-        text = f"Not determined: {words.all_of(self.open)}" if self.open else "All forces are determined"
+        text = f"Not determined: {words.join_names(self.open)}" if self.open else "All forces are determined"
         asked = [f"{what} from {least:g} to {most:g} times what they are"
                  for what, (least, most) in (("pads", self.pads), ("friction", self.friction))
                  if (least, most) != _UNCHANGED]  # fmt: skip
@@ -247,9 +247,9 @@ def _table(
     who: str, what: str, unit: str, names: tuple[str, ...], bounds: Array, shares: list[str] | None = None
 ) -> TextTable:
     values = bounds.reshape(-1).tolist()
-    name, size = words.prefixed(unit, values)
+    name, size = words.choose_prefix(unit, values)
     cells = [c if np.isfinite(x) else "∞" if x > 0.0 else "-∞"
-             for c, x in zip(words.column([x / size for x in values]), values, strict=True)]  # fmt: skip
+             for c, x in zip(words.format_column([x / size for x in values]), values, strict=True)]  # fmt: skip
     heads, columns = [who, f"least {what}\n{name}", f"largest\n{name}"], [list(names), cells[::2], cells[1::2]]
     if shares is not None:
         heads, columns = [*heads, "of limit"], [*columns, shares]
@@ -271,7 +271,7 @@ def torque_shares(torques: Array, limit: Array) -> Array:
 
 def format_span(least: float, most: float) -> str:
     """Of a limit, such as "40 to 120 %"."""
-    low, high = words.percent(least), words.percent(most)
+    low, high = words.format_percent(least), words.format_percent(most)
     if not np.isfinite(most):
         return f"{low} to ∞" if np.isfinite(least) else "∞"
     return low if low == high else f"{low.removesuffix(' %')} to {high}"
@@ -280,14 +280,14 @@ def format_span(least: float, most: float) -> str:
 # ----------------------------------------------------------------
 
 
-@told("bounding forces")
+@track_progress("bounding forces")
 def find_force_bounds(solution: Any, pads: Any, friction: Any) -> ForceBounds:
     """Of a `GraspSolution`; see there."""
     s = solution
     if not s.held or s.spec is None or s.scene is None:
         raise InputError("solution", "a solution that is held: others have no forces", s.status.name)
     if foreign := [e.title for e in s.spec.effects if not e.only_limits]:
-        raise Unsupported(f"force_bounds: nobody knows what is left open beside {words.listed(foreign)}")
+        raise Unsupported(f"force_bounds: nobody knows what is left open beside {words.list_names(foreign)}")
     factors = _check_factors("pads", pads), _check_factors("friction", friction)
     ranges = None if factors == (_UNCHANGED, _UNCHANGED) else FactorRanges(*factors, own_flexibility(s))
     scene, n, mechanism = s.scene, s.scene.n, s.spec.mechanism
@@ -324,7 +324,7 @@ def _is_determined(s: Any) -> bool:
     """Whether the solution itself says that forces are determined. It does not look at all that contacts and limits may
     do where they are at rest, nor at forces that may leave one of two faces.
     """
-    near = 2.0 * ACTIVE * max(s.residuals.motion_scale, s.scene.units.motion)
+    near = 2.0 * ACTIVE_TOLERANCE * max(s.residuals.motion_scale, s.scene.units.motion)
     rests = [state == "separated" and gap <= near for state, gap in zip(s.contact_state, s.gap.tolist(), strict=True)]
     known = s.uniqueness is not None and s.uniqueness.forces_determined
     faces = isinstance(s.section, Pyramid) and "sliding" in s.contact_state
@@ -352,7 +352,7 @@ def _torque_rows(s: Any) -> Array:
 
 def _check_factors(argument: str, value: Any) -> tuple[float, float]:
     """(least, largest), with one between them."""
-    least, most = array(argument, value, (2,)).tolist()
+    least, most = check_array(argument, value, (2,)).tolist()
     if not 0.0 < least <= 1.0 <= most:
         raise InputError(argument, "the least and the largest factor, 0 < least ≤ 1 ≤ largest", repr(value)[:80])
     return least, most

@@ -11,19 +11,17 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, read_only, sealed
+from handlcp.check import Array, check_method_calls, freeze_arrays, read_only
 from handlcp.contact.friction import Pyramid, Section
 from handlcp.errors import InputError
 from handlcp.grasp.effects.joint_offset import describe_missing_squeeze
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.verify.certifier import Residuals
-from handlcp.keywords import helped_methods
 from handlcp.lcp.problem import Status
-from handlcp.record import Record, columns, data_frame
-from handlcp.text_table import TextTable, wrapped
-from handlcp.tolerances import CERTIFY
-from handlcp.views import view
+from handlcp.record import Record, columns_from_arrays, load_display, make_data_frame
+from handlcp.tolerances import CERTIFY_TOLERANCE
+from handlcp.words import TextTable, wrap_text
 
 if TYPE_CHECKING:
     from handlcp.grasp.derivatives.sensitivity import Sensitivity
@@ -32,10 +30,10 @@ if TYPE_CHECKING:
     from handlcp.grasp.solution.verdict import MotionSizes, Verdict
 
 # ----------------------------------------------------------------
-# What an answer looks like: a picture, plain data. Made by `handlcp.show`, which stands above this room.
+# What an answer looks like: a picture, plain data. Made by `handlcp.viz`, which stands above this room.
 
 
-@helped_methods
+@check_method_calls
 class DisplayedSolution(Record):
     """Base of solutions that can be looked at."""
 
@@ -47,7 +45,7 @@ class DisplayedSolution(Record):
         is about, where that is reached; None: what this solution alone says.
         Raises InputError for an unknown format or a missing folder, Unsupported without matplotlib.
         """
-        return view("plot")(self, path, obj, title, verdict)
+        return load_display("plot")(self, path, obj, title, verdict)
 
     def page(
         self, path: Any, *, obj: Any = None, title: str = "", verdict: Any = None, loading: Any = None
@@ -59,12 +57,12 @@ class DisplayedSolution(Record):
         loading reached its end, or without a loading what this solution alone says.
         Raises InputError for a file that cannot be written, Unsupported without trimesh, which brings the viewer.
         """
-        written: Path = view("page")(self, path, obj, title, verdict, loading)
+        written: Path = load_display("page")(self, path, obj, title, verdict, loading)
         return written
 
     def to_dict(self) -> dict[str, Any]:
         """The whole answer as plain data: SI units in the key names, None for what is not a finite number."""
-        found: dict[str, Any] = view("to_dict")(self)
+        found: dict[str, Any] = load_display("to_dict")(self)
         return found
 
     def to_frame(self, of: str = "contacts") -> Any:
@@ -79,28 +77,28 @@ class DisplayedSolution(Record):
         if of not in tables:
             without = "" if "joints" in tables else " for a grasp without a hand"
             raise InputError("of", " or ".join(f'"{name}"' for name in tables) + without, repr(of))
-        return data_frame(*tables[of])
+        return make_data_frame(*tables[of])
 
     def _tables(self) -> dict[str, tuple[dict[str, Any], list[str]]]:
         """Columns and index of each table, by its name."""
-        return {"contacts": (contact_data(self), words.distinct(getattr(self, "names")))}  # noqa: B009
+        return {"contacts": (contact_data(self), words.number_duplicates(getattr(self, "names")))}  # noqa: B009
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the verdict, the contacts, the joints."""
-        text: str = view("html")(self)
+        text: str = load_display("html")(self)
         return text
 
 
 def contact_data(s: Any) -> dict[str, Any]:
     """Columns of a table with a row for each contact."""
-    found = columns(s, "state = contact_state", "normal_N = normal_force") | {
+    found = columns_from_arrays(s, "state = contact_state", "normal_N = normal_force") | {
         "friction_N": np.hypot(*s.tangential_force.T), "friction_used": s.friction_used,
         "friction_margin_N": s.friction_margin, "slip_m": np.hypot(*s.slip.T), "gap_m": s.gap,
     }  # fmt: skip
     for which, forces in (("", s.forces), ("world_", s.forces_world)):
         found |= {f"{which}{axis}_N": forces[:, k] for k, axis in enumerate("xyz")}
     if s.torsion is not None:
-        found |= columns(s, "moment_Nm = torsion", "spin_rad")
+        found |= columns_from_arrays(s, "moment_Nm = torsion", "spin_rad")
     return found
 
 
@@ -114,40 +112,40 @@ def format_solution(s: Any, tables: Sequence[Any]) -> str:
         return str(s.verdict)
     parts = [str(s.verdict), str(contact_text_table(s)), *(str(t) for t in tables)]
     free = s.uniqueness or "what is left free was not examined"
-    told = [_format_motion(s), wrapped(f"Certified: {free}.", "  ")]
+    told = [_format_motion(s), wrap_text(f"Certified: {free}.", "  ")]
     if s.accuracy is not None:
-        told.append(wrapped(f"Accuracy: {s.accuracy}.", "  "))
+        told.append(wrap_text(f"Accuracy: {s.accuracy}.", "  "))
     return "\n\n".join([*parts, "\n".join(told)])
 
 
 def contact_text_table(s: Any) -> TextTable:
     """Finger by finger, then the environment's contacts: state, forces, share of the friction limit, slip and gap."""
-    least = CERTIFY * s.residuals.motion_scale
+    least = CERTIFY_TOLERANCE * s.residuals.motion_scale
     slips, gaps = (np.where(abs(a) > least, a, 0.0) for a in (np.hypot(*s.slip.T), s.gap))
-    unit, moments = words.length_unit([*slips.tolist(), *gaps.tolist()]), s.torsion
+    unit, moments = words.choose_length_unit([*slips.tolist(), *gaps.tolist()]), s.torsion
     who = "finger" if s.spec is None else s.spec.who
     heads, columns = [who, "state"], [list(s.names), list(s.contact_state)]
-    noise = CERTIFY * s.residuals.force_scale
+    noise = CERTIFY_TOLERANCE * s.residuals.force_scale
     normal, friction = (np.where(abs(a) > noise, a, 0.0) for a in (s.normal_force, np.hypot(*s.tangential_force.T)))
-    name, size = words.prefixed("N", [*normal.tolist(), *friction.tolist()])
+    name, size = words.choose_prefix("N", [*normal.tolist(), *friction.tolist()])
     heads += [f"normal\n{name}", f"friction\n{name}"]
-    columns += [words.column((a / size).tolist()) for a in (normal, friction)]
+    columns += [words.format_column((a / size).tolist()) for a in (normal, friction)]
     if moments is not None:
-        name, size = words.prefixed("N·m", (moments / 10.0).tolist())  # half a newton-metre is 500 mN·m
+        name, size = words.choose_prefix("N·m", (moments / 10.0).tolist())  # half a newton-metre is 500 mN·m
         heads.append(f"moment\n{name}")
-        columns.append(words.column((moments / size).tolist()))
+        columns.append(words.format_column((moments / size).tolist()))
     heads += ["of limit", f"slip\n{unit.name}", f"gap\n{unit.name}"]
-    columns += [[words.percent(x) for x in s.friction_used.tolist()]]
+    columns += [[words.format_percent(x) for x in s.friction_used.tolist()]]
     columns += [[unit(x) for x in a.tolist()] for a in (slips, gaps)]
     return TextTable(tuple(heads), tuple(zip(*columns, strict=True)), "<<" + ">" * (len(heads) - 2))
 
 
 def _format_motion(s: Any) -> str:
     """Of the object, along and about the world's axes."""
-    u = np.where(abs(s.object_displacement) > CERTIFY * s.residuals.motion_scale, s.object_displacement, 0.0)
-    unit = words.length_unit(u[:3].tolist())
+    u = np.where(abs(s.object_displacement) > CERTIFY_TOLERANCE * s.residuals.motion_scale, s.object_displacement, 0.0)
+    unit = words.choose_length_unit(u[:3].tolist())
     moves, turns = ", ".join(unit(x) for x in u[:3].tolist()), ", ".join(_format_degrees(u[3:]))
-    return wrapped(f"Object: moves ({moves}) {unit.name}, turns ({turns})°.", "  ")
+    return wrap_text(f"Object: moves ({moves}) {unit.name}, turns ({turns})°.", "  ")
 
 
 def _format_degrees(turn: Array) -> list[str]:
@@ -237,7 +235,7 @@ class DeferredFields:
 # ----------------------------------------------------------------
 
 
-@helped_methods
+@check_method_calls
 @dataclass(frozen=True)
 class GraspSolution(DisplayedSolution, DeferredFields):
     """The certified answer to a grasp. Arrays are read-only; n contacts; NaN where there is no answer.
@@ -296,7 +294,9 @@ class GraspSolution(DisplayedSolution, DeferredFields):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """After pickling, read-only again."""
-        self.__dict__.update(sealed(state), extra=sealed(state["extra"]), yielding=sealed(state["yielding"]))
+        self.__dict__.update(
+            freeze_arrays(state), extra=freeze_arrays(state["extra"]), yielding=freeze_arrays(state["yielding"])
+        )
 
     @property
     def held(self) -> bool:
@@ -376,7 +376,7 @@ class GraspSolution(DisplayedSolution, DeferredFields):
         nothing = np.full(len(self.names), np.nan)
         if self.scene is None or not self.held:
             return read_only(nothing)
-        pushes = self.normal_force > CERTIFY * self.residuals.force_scale
+        pushes = self.normal_force > CERTIFY_TOLERANCE * self.residuals.force_scale
         return read_only(np.where(pushes, friction_used(self.scene, self.forces, self.torsion), nothing))
 
     @cached_property
@@ -388,7 +388,10 @@ class GraspSolution(DisplayedSolution, DeferredFields):
 
         if self.scene is None or not self.held:
             return read_only(np.full(len(self.names), np.nan))
-        margin, noise = friction_margin(self.scene, self.forces, self.torsion), CERTIFY * self.residuals.force_scale
+        margin, noise = (
+            friction_margin(self.scene, self.forces, self.torsion),
+            CERTIFY_TOLERANCE * self.residuals.force_scale,
+        )
         return read_only(np.where(abs(margin) > noise, margin, 0.0 * margin))
 
     def sensitivity(self) -> Sensitivity:

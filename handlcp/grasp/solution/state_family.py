@@ -50,7 +50,7 @@ from handlcp.grasp.verify.contact_state import (
     classify_contacts,
 )
 from handlcp.grasp.verify.load_capacity import ConeProduct, friction_rows
-from handlcp.tolerances import ACTIVE, RANK
+from handlcp.tolerances import ACTIVE_TOLERANCE, RANK_TOLERANCE
 
 _TOUCHED_SHARE = 1e-10  # of a condition's size: directions that change it by less do not touch it
 _TURN_TOLERANCE = 1e-9  # of a unit direction
@@ -104,7 +104,7 @@ def keep_states(s: Any) -> KeptStates:
     states = classify_contacts(s.scene, s.section, candidate, verdict)
     limited = limits_at_answer(s.scene, s.spec.effects, candidate)
     forces, motion = candidate.components / units.force, verdict.motion / units.motion
-    slow = ACTIVE * max(s.residuals.motion_scale / units.motion, 1.0)
+    slow = ACTIVE_TOLERANCE * max(s.residuals.motion_scale / units.motion, 1.0)
     glides, spare = np.zeros(s.scene.n, bool), np.zeros((s.scene.n, 3), bool)
     for i, slip in enumerate([motion[_tangents(s.scene, i)] for i in range(s.scene.n)]):
         glides[i] = states.kind[i] == RESTING and np.linalg.norm(slip) > slow
@@ -218,7 +218,7 @@ def _free_directions(
             k, P = len(laws.K) - 3 * scene.n, pads[i]
             free += [k + j for j in own if 0 <= j < 3 * scene.n and P[j - 3 * i].any()]
     A = np.delete(A, free, axis=0)
-    return least_norm_solutions(A, np.zeros((len(A), 0)), RANK)[1]
+    return least_norm_solutions(A, np.zeros((len(A), 0)), RANK_TOLERANCE)[1]
 
 
 def _turns_force(kept: KeptStates, N: Array, i: int) -> bool:

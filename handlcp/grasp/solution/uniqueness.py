@@ -22,7 +22,7 @@ from handlcp.grasp.model.contact import shift_twist
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.verify.certifier import Certification, limits_at_answer
 from handlcp.grasp.verify.contact_state import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, ContactStates
-from handlcp.tolerances import RANK
+from handlcp.tolerances import RANK_TOLERANCE
 
 MAX_RESTING = 4  # contacts at rest whose 2^k branches are all looked at; beyond that only all-open and all-closed
 _PROGRAM_BOUND = (
@@ -53,7 +53,7 @@ def free_branches(
         A, _ = active_rows(laws, states._replace(kind=kind))
         if matrix_rank(A.copy()) == len(A):
             continue
-        _, free = least_norm_solutions(A, np.zeros((len(A), 0)), RANK)
+        _, free = least_norm_solutions(A, np.zeros((len(A), 0)), RANK_TOLERANCE)
         # Directions of multipliers alone move nothing: dropped, and the rest made orthonormal in (r, u)
         basis, multipliers = _orthonormal(np.vstack([free[:moves], free[moves:][active]]), moves)
         resting = np.flatnonzero(states.kind == RESTING)

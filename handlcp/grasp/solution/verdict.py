@@ -40,15 +40,14 @@ from typing import Any, Self
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, Bools, read_only
+from handlcp.check import Array, Bools, check_method_calls, read_only
 from handlcp.errors import RequirementNotMet
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solution.uniqueness import Uniqueness
-from handlcp.keywords import helped_methods
 from handlcp.lcp.problem import Status
 from handlcp.record import Record
-from handlcp.text_table import wrapped
+from handlcp.words import wrap_text
 
 HELD, OVER_LIMIT, UNDECIDED, NOT_HELD = "HELD", "OVER LIMIT", "UNDECIDED", "NOT HELD"
 
@@ -79,7 +78,7 @@ class Reason:
     values: Mapping[str, Any] = field(default_factory=dict)
 
 
-@helped_methods
+@check_method_calls
 @dataclass(frozen=True, slots=True)
 class Verdict(Record):
     """Does it hold? Prints as the word and the reasons, in lines of at most 80 columns; its `repr` is the word and what
@@ -134,7 +133,7 @@ class Verdict(Record):
 
     def __str__(self) -> str:
         said = (f"{head}: {sentence}." if sentence else f"{head}." for head, sentence in self.paragraphs)
-        return "\n".join(wrapped(line) for line in said)
+        return "\n".join(wrap_text(line) for line in said)
 
 
 def make_verdict(reasons: Iterable[Reason], loading: Any = None) -> Verdict:
@@ -218,13 +217,13 @@ class MotionSizes:
         """What is large, and what that means for the forces; "" where nothing is."""
         parts = []
         if max(self.turn, self.move / self.size) > NOTICED_SHARE:
-            parts.append(f"the object moves {words.length(self.move)} and turns {words.angle(self.turn)}")
+            parts.append(f"the object moves {words.format_length(self.move)} and turns {words.format_angle(self.turn)}")
         if self.slip > NOTICED_SHARE * self.size:
-            parts.append(f"a contact slips {words.length(self.slip)}")
+            parts.append(f"a contact slips {words.format_length(self.slip)}")
         if 0.1 * self.squeeze > NOTICED_SHARE * self.size:
-            parts.append(f"the fingers squeeze by {words.length(self.squeeze)}")
+            parts.append(f"the fingers squeeze by {words.format_length(self.squeeze)}")
         if 0.5 * self.yielded > NOTICED_SHARE:
-            parts.append(f"a joint yields by {words.angle(self.yielded)}")
+            parts.append(f"a joint yields by {words.format_angle(self.yielded)}")
         if not parts:
             return ""
         if self.share >= MAX_FORCE_SHARE:
@@ -234,7 +233,7 @@ class MotionSizes:
             return f"{', '.join(parts)}, and {way}; check() follows it"
         return (
             f"{', '.join(parts)}: the equations are of small motions, and forces may be off by about "
-            f"{words.percent(self.share)}"
+            f"{words.format_percent(self.share)}"
         )
 
 
@@ -351,14 +350,16 @@ def contacts_reason(
     """Which contacts of a grasp slide [m], twist on the object [rad] or let go; "all stick" where none does."""
     parts, who, count = [], f"{spec.who}s", spec.n
     if sliding and len(sliding) == count > 1:
-        parts.append(f"all {who} slide, up to {words.length(max(sliding.values()))}")
+        parts.append(f"all {who} slide, up to {words.format_length(max(sliding.values()))}")
     elif sliding:
-        parts.append(_describe_slides({n: d for n, d in sliding.items() if d > words.NOTHING or not turns}, spec))
+        parts.append(
+            _describe_slides({n: d for n, d in sliding.items() if d > words.NEGLIGIBLE_LENGTH or not turns}, spec)
+        )
     if turns and len(sliding) < max(count, 2):
-        parts.append(", ".join(f"{n} twists by {words.angle(a)} on the object" for n, a in turns.items()))
+        parts.append(", ".join(f"{n} twists by {words.format_angle(a)} on the object" for n, a in turns.items()))
     if apart:
-        gone = words.by_link(apart, spec.links) if len(apart) > _MAX_NAMED else apart
-        parts.append(f"{words.listed(gone)} {'let' if len(apart) > 1 else 'lets'} go")
+        gone = words.group_by_link(apart, spec.links) if len(apart) > _MAX_NAMED else apart
+        parts.append(f"{words.list_names(gone)} {'let' if len(apart) > 1 else 'lets'} go")
     text = "; ".join(p for p in parts if p) or f"all {who} stick"
     values = {"sliding_m": dict(sliding), "twisting_rad": dict(turns), "separated": list(apart)}
     return Reason("contacts", "note", text, values)
@@ -367,16 +368,16 @@ def contacts_reason(
 def _describe_slides(sliding: Mapping[str, float], spec: GraspSpec) -> str:
     """How far each of a few contacts slides [m]; of many those of one link together, or how many there are."""
     if len(sliding) <= _MAX_NAMED:
-        ways = words.lengths(sliding.values())
+        ways = words.format_lengths(sliding.values())
         return ", ".join(f"{n} slides {way}" for n, way in zip(sliding, ways, strict=True))
     farthest = dict[str, list[float]]()
     for name, far in sliding.items():
         farthest.setdefault(spec.links.get(name, name), []).append(far)
     if len(farthest) > _MAX_NAMED:
         most = max(sliding, key=lambda name: sliding[name])
-        return f"{len(sliding)} of {spec.n} {spec.who}s slide, up to {words.length(sliding[most])} ({most})"
-    ways = words.lengths([max(far) for far in farthest.values()])
-    named = zip(words.by_link(list(sliding), spec.links), farthest.values(), ways, strict=True)
+        return f"{len(sliding)} of {spec.n} {spec.who}s slide, up to {words.format_length(sliding[most])} ({most})"
+    ways = words.format_lengths([max(far) for far in farthest.values()])
+    named = zip(words.group_by_link(list(sliding), spec.links), farthest.values(), ways, strict=True)
     return ", ".join(f"{who} {'slides' if len(far) == 1 else 'slide up to'} {way}" for who, far, way in named)
 
 
@@ -394,9 +395,9 @@ def friction_reasons(names: Sequence[str], used: Array, states: Sequence[str], w
     elif sticks and (most := max(x for x, _ in sticks)) > _UNNAMED_SHARE:
         who = next(n for x, n in sticks if x >= (1.0 - 1e-6) * most)  # the first of equals
         others = "of those that stick " if slides else ""
-        text = f"friction {others}is used up to {words.percent(most)}{when} ({who})"
+        text = f"friction {others}is used up to {words.format_percent(most)}{when} ({who})"
         if most >= LITTLE_MARGIN_SHARE:
-            warning = f"{who} uses {words.percent(most)} of its friction: a little more load makes it slide"
+            warning = f"{who} uses {words.format_percent(most)} of its friction: a little more load makes it slide"
             yield Reason("friction", "warning", warning, values)
         else:
             yield Reason("friction", "note", text, values)
@@ -407,17 +408,17 @@ def motion_reason(displacement: Array, load: Array, size: float) -> Reason:
     u = displacement
     move, turn = float(np.linalg.norm(u[:3])), float(np.linalg.norm(u[3:]))
     strength, values = float(np.linalg.norm(load)), {"move_m": move, "turn_rad": turn}
-    if max(move, turn * size) < words.NOTHING:
+    if max(move, turn * size) < words.NEGLIGIBLE_LENGTH:
         return Reason("motion", "note", "the object stays where it is", values)
     if max(move, turn * size) < _STILL_DISTANCE:
         return Reason("motion", "note", "the object does not move noticeably", values)
     along = float(u[:3] @ load) / strength if strength > 0 else 0.0
-    moves, part = words.lengths([move, abs(along)])
+    moves, part = words.format_lengths([move, abs(along)])
     text = f"the object moves {moves}"
     if strength > 0:
         way = "along" if along >= 0 else "against"
         text += f" {way} the load" if part == moves else f", {part} of it {way} the load,"
-    text = f"{text} and turns {words.angle(turn)}" if turn > 1e-4 else text.removesuffix(",")
+    text = f"{text} and turns {words.format_angle(turn)}" if turn > 1e-4 else text.removesuffix(",")
     return Reason("motion", "note", text, values)
 
 

@@ -27,7 +27,7 @@ from handlcp.grasp.verify.certifier import LawResiduals, Residuals
 from handlcp.grasp.verify.contact_state import state_names
 from handlcp.lcp import Proposal
 from handlcp.lcp.solver import describe_outcome
-from handlcp.tolerances import CERTIFY, SOLVE
+from handlcp.tolerances import CERTIFY_TOLERANCE, SOLVE_TOLERANCE
 
 _NO_MATRIX = read_only(np.empty((0, 0)))
 NO_START = read_only(np.empty(0))  # the start of a solve that begins where every contact sticks
@@ -113,7 +113,7 @@ class CompiledAnswer:
     @property
     def passes(self) -> bool:
         """Whether the certifier calls it an answer; NaN never is."""
-        return all([miss <= CERTIFY for miss in self.row[5:9].tolist()])
+        return all([miss <= CERTIFY_TOLERANCE for miss in self.row[5:9].tolist()])
 
     @property
     def is_unique(self) -> bool:
@@ -137,7 +137,7 @@ class CompiledAnswer:
     def outcome(self) -> str:
         """The solver's own words."""
         steps, newton, residual = self.row[:3].tolist()
-        return describe_outcome(residual <= SOLVE, int(steps), int(newton))
+        return describe_outcome(residual <= SOLVE_TOLERANCE, int(steps), int(newton))
 
     @property
     def iterations(self) -> int:

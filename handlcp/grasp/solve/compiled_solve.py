@@ -28,7 +28,7 @@ from handlcp.lcp.kernels.contact_newton import (
     solve_sticking,
 )
 from handlcp.lcp.kernels.dense import kernel
-from handlcp.tolerances import ACTIVE, CERTIFY, GROWTH, SOLVE
+from handlcp.tolerances import ACTIVE_TOLERANCE, CERTIFY_TOLERANCE, MAX_RESIDUAL_GROWTH, SOLVE_TOLERANCE
 
 
 @kernel
@@ -151,7 +151,7 @@ def write_answer(
     forces, free = unknowns_in_si(x, p.unknown, p.at[1], at, g.prescribed, posed, p.dof)
     twist = np.dot(free, g.freedom)
     friction = FrictionLimits(limits, p.faces, p.normals)
-    v, m = compute_motions_and_residuals(g, posed, p.contacts, friction, g.offset, forces, twist, GROWTH)
+    v, m = compute_motions_and_residuals(g, posed, p.contacts, friction, g.offset, forces, twist, MAX_RESIDUAL_GROWTH)
     row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10] = m
     row[11] = NO_ANSWER
     end = _write_array(row, HEADER_SIZE, forces)
@@ -161,9 +161,9 @@ def write_answer(
     for i in range(n):
         row[end + i] = 0.0  # states of what is no answer
     _write_array(row, end + n, x)
-    if max(m.balance, m.normal, m.cone, m.slip) <= CERTIFY:
-        slow = ACTIVE * max(m.motion_size, posed.motion)
-        states = find_states(p.contacts, friction, forces, v, ACTIVE * m.force_size, slow)
+    if max(m.balance, m.normal, m.cone, m.slip) <= CERTIFY_TOLERANCE:
+        slow = ACTIVE_TOLERANCE * max(m.motion_size, posed.motion)
+        states = find_states(p.contacts, friction, forces, v, ACTIVE_TOLERANCE * m.force_size, slow)
         one = _is_unique(every, g.flexibility, posed.force / posed.motion, p.contacts, states, limits)
         row[11] = UNIQUE if one else UNKNOWN
         for i in range(n):
@@ -192,19 +192,19 @@ def solve_unknowns(
     y, newton, r = np.zeros(len(x)), 0, np.inf
     if begun:
         y[:] = x[p.order]
-        _, newton, r = solve_contacts(problem, y, False, seed, 0, True, SOLVE * 1e-2)
+        _, newton, r = solve_contacts(problem, y, False, seed, 0, True, SOLVE_TOLERANCE * 1e-2)
     steps, escapes = 0, False
-    if not r <= SOLVE:
+    if not r <= SOLVE_TOLERANCE:
         solve_sticking(problem, problem.q > 0.0, np.zeros(len(problem.blocks), np.bool_), y)
-        best, more, r = run_newton_first(problem, y, True, SOLVE * 1e-2)
+        best, more, r = run_newton_first(problem, y, True, SOLVE_TOLERANCE * 1e-2)
         newton += more
-        if r <= SOLVE * 1e-2:
+        if r <= SOLVE_TOLERANCE * 1e-2:
             y[:] = best
         elif find_escape(blocks.full_G, blocks.w, p.contacts, limits, p.faces, t) == ESCAPES:
             escapes = True  # no need to look any further
             y[:] = best
         else:
-            steps, more, r = alternate_methods(problem, y, best, r, seed, len(x), True, SOLVE * 1e-2)
+            steps, more, r = alternate_methods(problem, y, best, r, seed, len(x), True, SOLVE_TOLERANCE * 1e-2)
             newton += more
         clip_open_pairs(problem, y)
     x[p.order] = y

@@ -24,12 +24,12 @@ from handlcp.lcp import SemismoothNewton
 from handlcp.lcp.certificate import search_active_sets
 from handlcp.lcp.modes.mode_search import ModeSearch
 from handlcp.lcp.solve import propose_in_limit_units
-from handlcp.tolerances import ACTIVE, CERTIFY, FINE
+from handlcp.tolerances import ACTIVE_TOLERANCE, CERTIFY_TOLERANCE, FINE_SOLVE_TOLERANCE
 
 # ----------------------------------------------------------------
 # From a candidate that a search found, not exact to the last digit, to one that the certifier passes.
 
-_FINE_NEWTON = SemismoothNewton(tol=FINE)
+_FINE_NEWTON = SemismoothNewton(tol=FINE_SOLVE_TOLERANCE)
 _NEAR_CERTIFIED = 100.0  # of what the certifier allows
 
 
@@ -41,17 +41,19 @@ def first_certified(problem: GraspContactProblem, candidates: Iterable[SolverCan
         near = _FINE_NEWTON.propose_contact(problem, problem.natural(candidate)).z
         refined = problem.candidate(near)
         worst = _worst_residual(problem, refined)
-        if CERTIFY < worst <= _NEAR_CERTIFIED * CERTIFY:  # stiff fingers: rounding may be less in other units
+        if (
+            CERTIFY_TOLERANCE < worst <= _NEAR_CERTIFIED * CERTIFY_TOLERANCE
+        ):  # stiff fingers: rounding may be less in other units
             refined = problem.candidate(propose_in_limit_units(_FINE_NEWTON, problem, near).z)
             worst = _worst_residual(problem, refined)
-        if worst <= CERTIFY:
+        if worst <= CERTIFY_TOLERANCE:
             return refined
     return None
 
 
 def is_certified(problem: GraspContactProblem, candidate: SolverCandidate) -> bool:
     """Whether the certifier calls it an answer."""
-    return _worst_residual(problem, candidate) <= CERTIFY
+    return _worst_residual(problem, candidate) <= CERTIFY_TOLERANCE
 
 
 def _worst_residual(problem: GraspContactProblem, candidate: SolverCandidate) -> float:
@@ -203,7 +205,7 @@ def _overload_result(
         for limit in e.present(scene):
             own = moves[at : at + len(limit.room)]
             at += len(own)
-            taking_part |= bool((own > ACTIVE * moves.max(initial=0.0)).any())
+            taking_part |= bool((own > ACTIVE_TOLERANCE * moves.max(initial=0.0)).any())
             yielding[limit.name] = own * limit.unknown.sizes(scene)[0]
         if taking_part:
             parts.append(e.called)

@@ -24,7 +24,7 @@ from handlcp.grasp.verify.certifier import (
 from handlcp.grasp.verify.contact_state import GLIDING, SEPARATED, SLIDING, STICKING, ContactStates, find_states
 from handlcp.lcp.kernels.contact_newton import ContactArrays
 from handlcp.lcp.kernels.dense import kernel
-from handlcp.tolerances import ACTIVE, CERTIFY, GROWTH, SOLVE
+from handlcp.tolerances import ACTIVE_TOLERANCE, CERTIFY_TOLERANCE, MAX_RESIDUAL_GROWTH, SOLVE_TOLERANCE
 
 _MIN_PIVOT_SHARE = 1e-9  # pivots below this share of the largest say that something may be free
 
@@ -78,7 +78,7 @@ def solve_factored(scene: FactoredRow, p: ScenePattern, start: Array, row: Array
         split_unknowns(x, p, linked, r, z)
     newton, residual = solve_blocks(linked, r, z, begun)
     row[0], row[1], row[2] = 0.0, newton, residual
-    if not residual <= SOLVE:
+    if not residual <= SOLVE_TOLERANCE:
         return False
     for i in range(n):
         r[3 * i] = max(r[3 * i], 0.0)
@@ -213,12 +213,17 @@ def _write_answer(
     for k in range(6):
         twist[k] = z[m + k] * posed.motion / (1.0 if k < 3 else posed.length)
     if len(g.flexibility) > 0:
-        v, miss = compute_motions_and_residuals(g, posed, p.contacts, friction, g.offset, forces, twist, GROWTH)
+        v, miss = compute_motions_and_residuals(
+            g, posed, p.contacts, friction, g.offset, forces, twist, MAX_RESIDUAL_GROWTH
+        )
     else:
         moved = contact_motions_of_factor(posed.grasp_matrix, read.factor, g.offset, forces, twist)
-        v, miss = moved.v, compute_residuals(g, posed, p.contacts, friction, g.offset, forces, moved, GROWTH)
+        v, miss = (
+            moved.v,
+            compute_residuals(g, posed, p.contacts, friction, g.offset, forces, moved, MAX_RESIDUAL_GROWTH),
+        )
     row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10] = miss
-    if not max(miss.balance, miss.normal, miss.cone, miss.slip) <= CERTIFY:
+    if not max(miss.balance, miss.normal, miss.cone, miss.slip) <= CERTIFY_TOLERANCE:
         return False
     at = HEADER_SIZE
     row[at : at + 3 * n] = forces
@@ -227,8 +232,8 @@ def _write_answer(
     at += 3 * n + 9
     row[at : at + 3 * n] = v
     at += 3 * n
-    slow = ACTIVE * max(miss.motion_size, posed.motion)
-    states = find_states(p.contacts, friction, forces, v, ACTIVE * miss.force_size, slow)
+    slow = ACTIVE_TOLERANCE * max(miss.motion_size, posed.motion)
+    states = find_states(p.contacts, friction, forces, v, ACTIVE_TOLERANCE * miss.force_size, slow)
     for i in range(n):
         row[at + i] = states.kind[i]
     at += n

@@ -35,7 +35,7 @@ from handlcp.lcp import (
     stage_line,
 )
 from handlcp.lcp.solve import AnySolver
-from handlcp.tolerances import FIXED_POINT
+from handlcp.tolerances import FIXED_POINT_TOLERANCE
 
 if TYPE_CHECKING:
     from handlcp.grasp.solve.equilibrium_search import EquilibriumSearch, EquilibriumSearchResult
@@ -413,11 +413,11 @@ def solve_to_fixed_point(
             break
         change, forces = _relative_change(solution.forces - forces, solution.forces), solution.forces
         where = start_values(solution, now)
-        if change <= FIXED_POINT or count == _MAX_SOLVES:
+        if change <= FIXED_POINT_TOLERANCE or count == _MAX_SOLVES:
             made = _certify_again(spec, now, solution, f"{count} solves, forces change by {change:.1e}")
             if not isinstance(made, str):
                 return made
-            words = made if change <= FIXED_POINT else words
+            words = made if change <= FIXED_POINT_TOLERANCE else words
     if len(start) and (solution is None or (count == 1 and not solution.held)):  # the start led nowhere
         return solve_to_fixed_point(spec, scene, section, solver, proof=proof)
     assert solution is not None  # unloaded fingers always have an E

@@ -55,7 +55,7 @@ from handlcp.grasp.verdict.path_reasons import (
     slides_reason,
 )
 from handlcp.lcp import Auto, Status
-from handlcp.progress import tick, told
+from handlcp.progress import report_progress, track_progress
 
 _MAX_CONTACTS = 4  # with more, equilibria are too many to look for
 _LOAD_SHARES, _SQUEEZE_SHARES = (0.0, 0.5, 2.0), (0.5, 2.0)  # shares of the grasp's own
@@ -81,7 +81,7 @@ def other_equilibria(
             near, far = near if solution_motions(found).too_large else max(near, differ), max(far, differ)
     lists = "(grasp.equilibria() lists them)"
     if near > _OTHER_FORCE_SHARE:
-        by = words.percent(near)
+        by = words.format_percent(near)
         text = f"friction can hold the object in other ways, too, with forces that differ by {by} {lists}"
         yield Reason("others", "note", text, {"forces_differ": near})
     elif far > _OTHER_FORCE_SHARE:
@@ -137,7 +137,7 @@ def advice_reasons(
             yield Reason("advice", "advice", f"{trial.text} would hold it{within}{_describe_snap(verdict)}", values)
             found = True
     if tried and not found and not kinds:
-        text = f"nothing that was tried would hold it{within}, not even {words.either(tried)}"
+        text = f"nothing that was tried would hold it{within}, not even {words.join_alternatives(tried)}"
         yield Reason("advice", "advice", text, {"tried": tried})
 
 
@@ -152,7 +152,7 @@ def _trials_that_hold(trials: list[Trial], section: Section, order: Any) -> Iter
     promising = [t for t in trials if _solves_within_limits(t.spec, section)]
     few = promising if len(promising) <= _MAX_FOLLOWED else [promising[k] for k in _spread_indices(len(promising))]
     for trial in few:
-        tick(f"trying {trial.text}")
+        report_progress(f"trying {trial.text}")
         if _holds_within_limits(trial.spec, section, order):
             yield trial
 
@@ -199,7 +199,10 @@ def _shift_trials(spec: GraspSpec) -> Iterator[Trial]:
             other = mechanism.regrip_shifted(spec, way * far * load / strength)
             if other is not None:
                 yield Trial(
-                    "grip", way * far, f"the object {words.length(far)} farther {name} the load in the hand", other
+                    "grip",
+                    way * far,
+                    f"the object {words.format_length(far)} farther {name} the load in the hand",
+                    other,
                 )
 
 
@@ -250,7 +253,7 @@ STEPS_PER_STAGE = 8  # of a stage; where something happens there are more
 _MAX_DOUBLINGS = 2  # how often the number of steps is doubled, where fewer steps end differently
 
 
-@told("checking")
+@track_progress("checking")
 def check(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution) -> Verdict:
     """See `Grasp.check`; solution : one solve of this grasp."""
     verdict = judge_grasp(spec, scene, section, order, solution)

@@ -45,7 +45,9 @@ def lost_reason(path: Loading) -> Reason:
     text = f"the object is {path.why}"
     if (slides := path.slides) is not None and slides.share < _NEAR_LOSS_SHARE * (path.lost_at or 0.0):
         values["slides_at"] = slides.share
-        text += f"; it slides through from {words.percent(slides.share)} of stage {path.stages[slides.stage]!r} on"
+        text += (
+            f"; it slides through from {words.format_percent(slides.share)} of stage {path.stages[slides.stage]!r} on"
+        )
     return Reason("lost", "decides", text, values)
 
 
@@ -56,8 +58,8 @@ def slides_reason(path: Loading) -> Reason:
     first = max(int((steps.stage < slides.stage).sum()) - 1, 0)  # before the stage
     moved = steps.geometry.between(steps.states[first].where.pose, steps.states[-1].where.pose)
     shift, turn = float(np.linalg.norm(moved[:3])), float(np.linalg.norm(moved[3:]))
-    at = f"from {words.percent(slides.share)} of stage {path.stages[slides.stage]!r} on"
-    far = f"{words.length(shift)} and {words.angle(turn)}"
+    at = f"from {words.format_percent(slides.share)} of stage {path.stages[slides.stage]!r} on"
+    far = f"{words.format_length(shift)} and {words.format_angle(turn)}"
     end = f"loaded slowly it moves by {far} in all; a sudden load moves it farther"
     text = f"the object slides through {at}: no finger that presses sticks any more; {end}"
     if any(e.kind == "snaps" for e in path.events):
@@ -74,7 +76,7 @@ def rigid_reasons(spec: GraspSpec) -> Iterator[Reason]:
         return
     least = [np.linalg.eigvalsh(E[i : i + 3, i : i + 3])[0] for i in range(0, k, 3)]
     rigid = [name for name, e in zip(spec.names, least, strict=False) if e <= RIGID * float(E.diagonal().mean())]
-    who = f"{words.listed(rigid)} {'have' if len(rigid) > 1 else 'has'}" if rigid else "the contacts have together"
+    who = f"{words.list_names(rigid)} {'have' if len(rigid) > 1 else 'has'}" if rigid else "the contacts have together"
     text = f"{who} no pads: where joints do not give way nothing does, and small differences decide what slips"
     yield Reason("rigid_tips", "warning", f"{text}; pass pad_flexibility, such as 1e-4 m/N for rubber")
 
@@ -129,7 +131,7 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
 def _slack_reasons(cables: Cables, pull: Pull) -> Iterator[Reason]:
     """Of tendons that hang slack at the end."""
     if hangs := [name for name, slack in zip(cables.names, pull.slack.tolist(), strict=True) if slack]:
-        text = f"{words.listed(hangs)} {'hang' if len(hangs) > 1 else 'hangs'} slack at the end"
+        text = f"{words.list_names(hangs)} {'hang' if len(hangs) > 1 else 'hangs'} slack at the end"
         yield Reason("slack", "note", text, {"tendons": hangs})
 
 
@@ -153,7 +155,7 @@ def comparison_reasons(solution: GraspSolution, path: Loading) -> Iterator[Reaso
     k = int(off.argmax())
     if size > 0.0 and (share := float(off[k]) / size) > NOTICED_SHARE:
         name = solution.names[k]
-        off_by = f"{words.percent(share)} of the largest force ({name})"
+        off_by = f"{words.format_percent(share)} of the largest force ({name})"
         text = f"one solve, with squeeze and load at once in this posture, is off by {off_by}"
         yield Reason("followed_forces", "note", text, {"finger": name, "force_error": share})
 
@@ -169,7 +171,7 @@ def _far_slide_reasons(slid: dict[str, float], size: float) -> Iterator[Reason]:
     far = max(slid.values(), default=0.0)
     if far > _LEFT_PLACE_SHARE * size:
         name = next(n for n, d in slid.items() if d == far)
-        past = f"the object slides {words.length(far)} past {name}"
+        past = f"the object slides {words.format_length(far)} past {name}"
         text = f"{past} before it comes to rest: it is held, but not where"
         yield Reason("contacts", "warning", f"{text} the hand gripped it", {"finger": name, "slid_m": far})
 
@@ -183,7 +185,7 @@ def _slid_distances(path: Loading, size: float) -> tuple[dict[str, float], dict[
     way = steps.slid[-1]
     turn: Array = (abs(steps.spin) * slides)[1:].sum(axis=0)
     names, soft = steps.names, steps.torsion.any()
-    least = np.where(slides[-1], words.NOTHING, _NAMED_SLIDE * size)
+    least = np.where(slides[-1], words.NEGLIGIBLE_LENGTH, _NAMED_SLIDE * size)
     far = {n: float(d) for n, d, some in zip(names, way, least, strict=True) if d > some}
     return far, {n: float(a) for n, a in zip(names, turn, strict=True) if a > _NAMED_TWIST} if soft else {}
 

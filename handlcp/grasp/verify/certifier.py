@@ -22,7 +22,7 @@ from handlcp.grasp.model.flexibility import FlexibilityFactor
 from handlcp.grasp.model.scene import GraspArrays, GraspGeometry, Scene, matrix_diagonal
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.lcp.kernels.projection import project_on_set
-from handlcp.tolerances import ACTIVE, CERTIFY, GROWTH
+from handlcp.tolerances import ACTIVE_TOLERANCE, CERTIFY_TOLERANCE, MAX_RESIDUAL_GROWTH
 
 _ROUNDING_SHARE = 1e-6  # of the largest term: the certifier allows 1e-8 of it, a hundred roundings of the sum
 _RIGID_MOTION_SHARE = 1e-3  # of the natural unit of motion: the certifier allows 1e-11 of that unit, as the solvers do
@@ -348,7 +348,7 @@ class LimitsAtAnswer:
         at = np.flatnonzero(self.resting)
         few = len(at) <= _MAX_RESTING_LIMITS
         ways = list(itertools.product((False, True), repeat=len(at))) if few else [(False,), (True,)]
-        out = np.tile(self.motion > ACTIVE, (len(ways), 1))
+        out = np.tile(self.motion > ACTIVE_TOLERANCE, (len(ways), 1))
         out[:, at] = ways
         return list(out)
 
@@ -380,7 +380,7 @@ def limits_at_answer(scene: Scene, effects: tuple[Effect, ...], candidate: Solve
     rows, room = stack_limits(scene, every)
     motion = np.concatenate([np.zeros(0), *(limit.natural_motion(scene, candidate.extra) for limit in every)])
     slack = room - rows @ (candidate.components / scene.units.force)
-    resting = (motion <= ACTIVE) & (slack <= ACTIVE * np.maximum(abs(room), 1.0))
+    resting = (motion <= ACTIVE_TOLERANCE) & (slack <= ACTIVE_TOLERANCE * np.maximum(abs(room), 1.0))
     return LimitsAtAnswer(rows, motion, slack, resting, every, candidate.extra)
 
 
@@ -437,7 +437,7 @@ class Residuals:
     @property
     def passes(self) -> bool:
         """Whether the certifier calls this an answer."""
-        return self.worst <= CERTIFY
+        return self.worst <= CERTIFY_TOLERANCE
 
 
 class Certification(NamedTuple):
@@ -457,7 +457,7 @@ def certify_candidate(
             offset = offset + opening
     v, misses = compute_motions_and_residuals(
         scene.arrays, scene.geometry, scene.kind.contact_components, friction_limits(scene, section), offset,
-        candidate.components, candidate.twist, GROWTH,
+        candidate.components, candidate.twist, MAX_RESIDUAL_GROWTH,
     )  # fmt: skip
     F = misses.force_size
     others = F  # NaN where a force or the twist is not finite: no law is worth asking then

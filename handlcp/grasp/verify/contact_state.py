@@ -14,7 +14,7 @@ from handlcp.grasp.verify.certifier import Certification, FrictionLimits, fricti
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.lcp.modes.mode_cones import STUCK, find_support, new_mode_cones, write_reach
 from handlcp.lcp.modes.mode_fit import fit_mode, new_active_columns
-from handlcp.tolerances import ACTIVE, CERTIFY
+from handlcp.tolerances import ACTIVE_TOLERANCE, CERTIFY_TOLERANCE
 
 # GLIDING pushes without friction, RESTING touches without pushing
 SEPARATED, STICKING, SLIDING, GLIDING, RESTING = 0, 1, 2, 3, 4
@@ -44,7 +44,7 @@ def classify_contacts(
 ) -> ContactStates:
     """States of all contacts, of a candidate that was judged."""
     size = verdict.residuals
-    weak, slow = ACTIVE * size.force_scale, ACTIVE * max(size.motion_scale, scene.units.motion)
+    weak, slow = ACTIVE_TOLERANCE * size.force_scale, ACTIVE_TOLERANCE * max(size.motion_scale, scene.units.motion)
     contacts, friction = scene.kind.contact_components, friction_limits(scene, section)
     return find_states(contacts, friction, candidate.components, verdict.motion, weak, slow)
 
@@ -165,4 +165,4 @@ def find_escape(every: Array, load: Array, contacts: Ints, limits: Array, faces:
         gain += load[k] * t[k]
         size += t[k] * t[k]
     length = np.sqrt(np.dot(load, load))
-    return ESCAPES if gain > CERTIFY * length * np.sqrt(size) and gain > length * loss else UNCLEAR
+    return ESCAPES if gain > CERTIFY_TOLERANCE * length * np.sqrt(size) and gain > length * loss else UNCLEAR

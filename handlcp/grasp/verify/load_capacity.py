@@ -20,8 +20,8 @@ from handlcp.grasp.model.effect import Limit
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.verify.certifier import effect_limits, stack_limits
 from handlcp.grasp.verify.contact_state import BALANCED, ESCAPES, find_escape
-from handlcp.lazy import lazy
-from handlcp.tolerances import ACTIVE, CERTIFY
+from handlcp.lazy_property import lazy_property
+from handlcp.tolerances import ACTIVE_TOLERANCE, CERTIFY_TOLERANCE
 
 
 def find_escape_twist(scene: Scene, section: Section) -> Array | None:
@@ -66,7 +66,7 @@ def is_escape(scene: Scene, section: Section, proof: Array, effects: tuple[Effec
     resisting = float(np.minimum(W.T @ t + (rows @ F).T @ y, 0.0).sum() + 1e3 * np.minimum(y, 0.0).sum())
     gain = float(load @ t - room @ y)
     size = float(np.sqrt(load @ load) * np.sqrt(t @ t) + abs(room) @ abs(y))
-    return gain > CERTIFY * size and gain > -1e3 * resisting
+    return gain > CERTIFY_TOLERANCE * size and gain > -1e3 * resisting
 
 
 def least_normal_sum(scene: Scene, section: Section) -> float | None:
@@ -94,7 +94,7 @@ def is_jammed(scene: Scene) -> bool:
     size = float(abs(d).max())
     free: list[tuple[float | None, float | None]] = [(None, None)] * scene.dof
     lp = linprog(np.append(np.zeros(scene.dof), -1.0), A_ub=A, b_ub=d, bounds=[*free, (None, size)], method="highs")
-    return lp.x is not None and float(lp.x[-1]) < -CERTIFY * size
+    return lp.x is not None and float(lp.x[-1]) < -CERTIFY_TOLERANCE * size
 
 
 def edge_forces(scene: Scene, section: Section) -> tuple[Array, Array]:
@@ -137,7 +137,7 @@ class ConeProduct:
         self.linear, self.second_order = linear, tuple([(d, count) for d, count in more if count])
         self.rows = linear + sum(d * count for d, count in self.second_order)
 
-    @lazy
+    @lazy_property
     def unit(self) -> Array:
         """(m,) e: 1 on half-lines, (1, 0, …) on cones."""
         cones = [np.tile(np.append(1.0, np.zeros(d - 1)), count) for d, count in self.second_order]
@@ -264,7 +264,7 @@ def prove_overload(scene: Scene, section: Section, effects: tuple[Effect, ...]) 
         bounds=[(-1.0, 1.0)] * scene.dof + [(0.0, 1.0)] * len(room),
         method="highs",
     )
-    if lp.x is None or not lp.x[scene.dof :].max() > ACTIVE * abs(lp.x).max():
+    if lp.x is None or not lp.x[scene.dof :].max() > ACTIVE_TOLERANCE * abs(lp.x).max():
         return None  # without any limit nothing would hold the object: not a question of limits
     return lp.x if is_escape(scene, section, lp.x, effects) else None
 

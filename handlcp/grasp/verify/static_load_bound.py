@@ -30,7 +30,7 @@ from handlcp.grasp.verify.load_capacity import (
     build_capacity,
     solve_conic,
 )
-from handlcp.tolerances import CERTIFY, RANK
+from handlcp.tolerances import CERTIFY_TOLERANCE, RANK_TOLERANCE
 
 # ----------------------------------------------------------------
 # The conic programs of the largest loads: their equations, their units, and which loads need no program.
@@ -68,7 +68,7 @@ def balance_depth(capacity: Capacity, base: Array) -> float:
     """
     A, b = _equality_rows(capacity, base)
     size, kept = _bearing_size(capacity, base), _row_space(A)
-    if (abs(b - kept.T @ (kept @ b)) > RANK * max(size, float(abs(b).max(initial=0.0)))).any():
+    if (abs(b - kept.T @ (kept @ b)) > RANK_TOLERANCE * max(size, float(abs(b).max(initial=0.0)))).any():
         return -1.0
     G, cones = capacity.G, capacity.cones
     room = np.column_stack([G, cones.unit])
@@ -89,7 +89,7 @@ def largest_factors(capacity: Capacity, base: Array, wrenches: Array) -> LoadFac
     A, _ = _equality_rows(capacity, base)
     kept = _row_space(A)
     column = np.concatenate([wrenches, np.zeros((k, len(capacity.values)))], axis=1)
-    outside = abs(column - column @ kept.T @ kept).max(axis=1, initial=0.0) > RANK * length
+    outside = abs(column - column @ kept.T @ kept).max(axis=1, initial=0.0) > RANK_TOLERANCE * length
     out.factors[length == 0.0] = np.inf
     todo = np.flatnonzero((length > 0.0) & ~outside)
     units = np.full(k, _bearing_size(capacity, base))
@@ -139,7 +139,7 @@ def _equality_rows(capacity: Capacity, base: Array) -> tuple[Array, Array]:
 def _row_space(A: Array) -> Array:
     """(r, e) an orthonormal basis, in rows, of what the columns of A span."""
     u, s, _ = np.linalg.svd(A, full_matrices=False)
-    return np.ascontiguousarray(u[:, s > RANK * s.max(initial=0.0)].T)
+    return np.ascontiguousarray(u[:, s > RANK_TOLERANCE * s.max(initial=0.0)].T)
 
 
 def _bearing_size(capacity: Capacity, base: Array) -> float:
@@ -206,7 +206,7 @@ def static_load_bounds(
     capacity = build_capacity(scene, section, spec.effects, torques)
     own, given = _natural_wrenches(spec, scene, np.array([spec.wrench, base]))
     there = scene.natural.w - own + given  # prescribed forces are part of it
-    balanced = balance_depth(capacity, there) >= -CERTIFY
+    balanced = balance_depth(capacity, there) >= -CERTIFY_TOLERANCE
     k, m = len(wrenches), capacity.G.shape[1]
     if balanced:
         found = largest_factors(capacity, there, _natural_wrenches(spec, scene, wrenches))

@@ -9,7 +9,7 @@ from typing import Any, overload
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array
+from handlcp.check import Array, check_method_calls
 from handlcp.contact.friction import as_section
 from handlcp.geometry.object import Object
 from handlcp.grasp.failure.failure_mode import UNDECIDED
@@ -20,11 +20,10 @@ from handlcp.grasp.solution.verdict import Verdict
 from handlcp.grasp.verdict.check import STEPS_PER_STAGE, judge_grasp
 from handlcp.hand.find.held import solved
 from handlcp.hand.hand_grasp import HandGrasp
-from handlcp.keywords import helped_methods
-from handlcp.lazy import lazy
-from handlcp.record import Record, columns_of, data_frame, pick
+from handlcp.lazy_property import lazy_property
+from handlcp.record import Record, columns_from_rows, make_data_frame, pick_entries
 from handlcp.robot.hand_model import HandPosture
-from handlcp.text_table import wrapped
+from handlcp.words import wrap_text
 
 _STAGES = "squeeze", "load"
 _NO_FORCE = 0.005  # [N] a link that presses with less is not named
@@ -103,7 +102,7 @@ class Candidate(Record):
         assert target is not None  # the search had one
         return target
 
-    @lazy
+    @lazy_property
     def verdict(self) -> Verdict:
         """As `grasp.check()` says it, without advice; made when it is first asked for. A pinch that snaps elsewhere, or
         slips and lets go again and again, is given up there: it is none that a search looks for.
@@ -168,7 +167,7 @@ class Candidate(Record):
         only = ", cradled: the object only lies there" if self.cradled else ""
         how = "" if self.gives_out else " by one solve"
         return (
-            f"{self.kind}: {words.force(self.held_force)} in the worst direction{how}{then}{only}; margin "
+            f"{self.kind}: {words.format_force(self.held_force)} in the worst direction{how}{then}{only}; margin "
             f"{100 * self.margin:.0f} % (friction {100 * self.friction_reserve:.0f} %, "
             f"torque {100 * self.torque_reserve:.0f} %), {self._forces}"
         )
@@ -184,7 +183,7 @@ class Candidate(Record):
             by_link[link] = by_link.get(link, 0.0) + force
         hardest = sorted(by_link.items(), key=lambda one: -one[1])
         pressing = [f"{link} {force:.2g} N" for link, force in hardest if force > _NO_FORCE]
-        return f"pressing: {words.listed(pressing) or 'nothing'}"
+        return f"pressing: {words.list_names(pressing) or 'nothing'}"
 
     def __repr__(self) -> str:
         return f"Candidate(margin={self.margin:.3f}, q={np.round(self.q, 4).tolist()}, object={self.object!r})"
@@ -231,7 +230,7 @@ _STOPPED = {  # what is said where no placement came as far
 }
 
 
-@helped_methods
+@check_method_calls
 class Found(Record, Sequence[Candidate]):
     """Grasps, sorted by `Candidate.rank`, the best first. Each is checked, its verdict is HELD, and followed. Prints in
     lines of at most 80 columns, with the warnings of the best one's verdict.
@@ -257,17 +256,17 @@ class Found(Record, Sequence[Candidate]):
     def __str__(self) -> str:
         told = [reason.sentence for reason in self[0].verdict.warnings] if self else []
         warnings = [f"Warning: {sentence}." for sentence in (*self._weak(), *told)]
-        grasps = [wrapped(f"{k}: {one}", "   ") for k, one in enumerate(self)]
-        return "\n".join([wrapped(f"{self.why}."), *map(wrapped, warnings), *grasps])
+        grasps = [wrap_text(f"{k}: {one}", "   ") for k, one in enumerate(self)]
+        return "\n".join([wrap_text(f"{self.why}."), *map(wrap_text, warnings), *grasps])
 
     def _weak(self) -> Iterator[str]:
         """A warning of power grasps the best of which does not hold as much as its load in every direction."""
         best = next((one for one in self if one.kind == "power"), None)
         load = 0.0 if best is None else float(np.linalg.norm(best.grasp.spec.wrench[:3]))
         if best is not None and best.held_force < load:
-            most = words.force(best.held_force)
+            most = words.format_force(best.held_force)
             held = f"the best power grasp holds {most} in the worst direction, less than its"
-            yield f"{held} load of {words.force(load)}: the hand may lose the object when it is turned"
+            yield f"{held} load of {words.format_force(load)}: the hand may lose the object when it is turned"
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data, SI units in the keys: what became of the search, and each grasp as its own `to_dict` says it, the
@@ -276,13 +275,13 @@ class Found(Record, Sequence[Candidate]):
         grasps = [one.to_dict() for one in self]
         if grasps:
             grasps[0]["verdict"] = self[0].verdict.to_dict()
-        return pick(self, "why", "tried") | {"grasps": grasps}
+        return pick_entries(self, "why", "tried") | {"grasps": grasps}
 
     def to_frame(self) -> Any:
         """A pandas table with a row for each grasp: margin, friction_reserve, torque_reserve, pressing, the largest
         normal force largest_force_N, held_force_N and kind. Raises Unsupported without pandas.
         """
-        return data_frame(columns_of(self, *_COLUMNS))
+        return make_data_frame(columns_from_rows(self, *_COLUMNS))
 
     def __repr__(self) -> str:
         return f"Found({len(self)} grasps)"

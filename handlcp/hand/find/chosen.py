@@ -15,7 +15,7 @@ import numpy as np
 from handlcp.errors import Unsupported
 from handlcp.hand.find.candidate import Candidate
 from handlcp.hand.find.held import followed
-from handlcp.progress import tick
+from handlcp.progress import report_progress
 
 _LYING = 2  # grasps that are followed where none is known to hold more than what lies on it
 _WORTH = 0.5  # of the best: what holds no more is not followed any further
@@ -54,7 +54,7 @@ class Chooser:
             if (sure := self._checked(one)) is None:
                 continue
             self.tried["followed"] += 1
-            tick(f"following grasp {self.tried['followed']}")
+            report_progress(f"following grasp {self.tried['followed']}")
             if (held := _followed(sure, _WORTH * best)) is not None:
                 found.append(held)
                 self.found.append(held)
@@ -66,7 +66,7 @@ class Chooser:
     def _checked(self, one: Candidate) -> Candidate | None:
         """The grasp that the check is sure of; None where it is not."""
         self.tried["checked"] += 1
-        tick(f"checking grasp {self.tried['checked']}")
+        report_progress(f"checking grasp {self.tried['checked']}")
         made = self._made(one)
         if made is not None and self._is_sure(made):
             return made

@@ -6,10 +6,9 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from handlcp.check import integer, yes_or_no
+from handlcp.check import check_call, check_flag, check_integer
 from handlcp.contact.friction import laws_by_name
-from handlcp.errors import InputError, NoGraspFound
-from handlcp.extras import pip_install
+from handlcp.errors import InputError, NoGraspFound, pip_command
 from handlcp.geometry.link_contacts import contact_body_names
 from handlcp.geometry.mesh import object_advice
 from handlcp.geometry.object import Object
@@ -21,8 +20,7 @@ from handlcp.hand.find.power import PowerSearch
 from handlcp.hand.request import DEFAULT_FRICTION
 from handlcp.hand.squeeze import read_by_tip
 from handlcp.hand.torque_closing import read_torque_by_joint
-from handlcp.keywords import helped
-from handlcp.progress import told as counted
+from handlcp.progress import track_progress as counted
 from handlcp.robot.hand_model import HandModel, HandPosture, read_gravity
 from handlcp.robot.link_surface import has_coacd
 
@@ -30,7 +28,7 @@ PINCH, POWER, ANY = "pinch", "power", "any"
 KINDS = PINCH, POWER, ANY
 
 
-@helped("hand", "obj")
+@check_call("hand", "obj")
 @counted("looking for a grasp")
 def find_grasp(
     hand: HandModel,
@@ -84,11 +82,15 @@ def find_grasp(
         raise InputError("hand", "a Hand", repr(hand))
     if not isinstance(obj, Object):
         raise InputError("obj", object_advice(obj), repr(obj)[:80])
-    tips, tries, seed = hand.tip_numbers("fingers", fingers), integer("tries", tries, 1), integer("seed", seed, 0)
-    yes_or_no("throw", throw)
+    tips, tries, seed = (
+        hand.tip_numbers("fingers", fingers),
+        check_integer("tries", tries, 1),
+        check_integer("seed", seed, 0),
+    )
+    check_flag("throw", throw)
     check_closing(kind, squeeze, grip_force, closing_torque, fingers)
     if kind != PINCH and isinstance(obj, Mesh) and not obj.convex and not has_coacd():
-        expected = f"a convex object for a power grasp, or coacd for its convex parts ({pip_install('coacd')})"
+        expected = f"a convex object for a power grasp, or coacd for its convex parts ({pip_command('coacd')})"
         came = f"{obj!r}, which is not convex; its convex hull would be (trimesh: mesh.convex_hull)"
         raise InputError("obj", expected, came)
     asked = {

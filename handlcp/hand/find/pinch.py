@@ -23,7 +23,7 @@ from handlcp.hand.find.refused import skipping_refused
 from handlcp.hand.find.touch import RESERVE, Asked, Touch, brought_together, normal_forces
 from handlcp.hand.hand import HandState
 from handlcp.hand.hand_grasp import HandGrasp
-from handlcp.progress import tick
+from handlcp.progress import report_progress
 from handlcp.robot.hand_model import HandModel
 
 # ----------------------------------------------------------------
@@ -221,7 +221,7 @@ class Search(Chooser):
         ready: list[tuple[float, Touch, Array]] = []
         for place in places:
             self.tried["tried"] += 1
-            tick(f"{self.tried['tried']} placements tried")
+            report_progress(f"{self.tried['tried']} placements tried")
             touch = brought_together(self._hand, self._tips, self._links, self._home, place)
             if touch is None:
                 continue

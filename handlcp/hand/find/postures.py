@@ -9,11 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from handlcp.check import Array, array, dimensions, number
+from handlcp.check import Array, check_array, check_call, check_number, count_dimensions
 from handlcp.errors import InputError
 from handlcp.geometry.object import read_placement
-from handlcp.keywords import helped
-from handlcp.read_file import MOST_ARRAYS, MOST_YAML, parse_yaml, read_arrays, read_text
+from handlcp.read_file import MAX_ARRAY_BYTES, MAX_YAML_BYTES, parse_yaml, read_arrays, read_text
 
 _WHICH = "pregrasp", "grasp", "squeeze"
 _UNIT = 1e-3  # a quaternion's length differs from 1 by no more
@@ -30,7 +29,7 @@ class GivenPosture(NamedTuple):
     name: str = ""
 
 
-@helped()
+@check_call()
 def read_postures(source: Any, joints: Sequence[str] | None = None, which: str = "grasp") -> list[GivenPosture]:
     """Grasps that something else has found: of each the posture of the hand and the placement of the object.
 
@@ -106,7 +105,7 @@ def _of_graspgen(grasps: Any, which: str) -> Iterator[GivenPosture]:
         _has(one[key], (), f"{where}[{key!r}]")
         turn = [one["orientation"]["w"], *_numbers(f"{where} xyz", one["orientation"]["xyz"])]
         pose = _pose(where, np.concatenate([_numbers(f"{where} position", one["position"]), _numbers(where, turn)]))
-        at = {str(j): number(f"{where}[{key!r}][{j!r}]", v) for j, v in one[key].items()}
+        at = {str(j): check_number(f"{where}[{key!r}][{j!r}]", v) for j, v in one[key].items()}
         yield GivenPosture(at, pose.inverse(), str(name))
 
 
@@ -149,13 +148,13 @@ def _named(row: Array, joints: Sequence[str] | None) -> Any:
 
 def _placed(value: Any) -> Any:
     """As `Object` takes it, or of seven numbers."""
-    if not isinstance(value, pin.SE3) and dimensions(value) == 1 and len(value) == 7:
+    if not isinstance(value, pin.SE3) and count_dimensions(value) == 1 and len(value) == 7:
         return _pose("placement", _numbers("placement", value))
     return read_placement(value)
 
 
 def _pose(name: str, numbers: Array) -> Any:
-    x, y, z, w, a, b, c = array(name, numbers, (7,))
+    x, y, z, w, a, b, c = check_array(name, numbers, (7,))
     length = float(np.linalg.norm([w, a, b, c]))
     if abs(length - 1.0) > _UNIT:
         raise InputError(name, "a pose x, y, z, and a quaternion w, x, y, z of length 1", f"one of length {length:.4g}")
@@ -174,8 +173,8 @@ def _read(path: Path) -> Any:
     if kind not in (*_ARRAYS, *_YAML):
         raise InputError("source", "a .npz or .yaml file", str(path))
     if kind in _YAML:
-        return parse_yaml("source", read_text("source", path, "a YAML file", MOST_YAML), repr(str(path)))
-    found = read_arrays("source", path, "an .npz file of arrays", MOST_ARRAYS)
+        return parse_yaml("source", read_text("source", path, "a YAML file", MAX_YAML_BYTES), repr(str(path)))
+    found = read_arrays("source", path, "an .npz file of arrays", MAX_ARRAY_BYTES)
     if "" in found:
         raise InputError(
             "source", "an .npz file of arrays by name", f"{str(path)!r}, one array of shape {found[''].shape}"

@@ -24,7 +24,7 @@ from handlcp.hand.hand import HandState
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.request import GraspRequest
 from handlcp.hand.torque_closing import read_closing_torques
-from handlcp.progress import tick
+from handlcp.progress import report_progress
 from handlcp.robot.hand_model import HandModel
 
 SHARE, MOST = 0.5, 0.5  # of a joint's torque limit; [N·m], also where no limit is known
@@ -108,7 +108,7 @@ class PowerSearch(Chooser):
         grasps = list[HandGrasp]()
         for one in some:
             self.tried["tried"] += 1
-            tick(f"{self.tried['tried']} placements tried")
+            report_progress(f"{self.tried['tried']} placements tried")
             grasps += self._grasp(one)
         return self._solved(grasps)
 

@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.actuation.tendon_stiffness import RoutedStiffness, TendonStiffness
-from handlcp.check import Array, array, number
+from handlcp.check import Array, check_array, check_number
 from handlcp.errors import InputError, UnknownName, Unsupported
 from handlcp.hand.vary.link_stretch import (
     LinkStretch,
@@ -125,7 +125,8 @@ def reshape_hand(hand: HandModel, radius: Any, changes: HandChanges) -> dict[str
 def _place_joints(described: RobotDescription, changes: HandChanges) -> RobotDescription:
     """With joints that stand elsewhere or turn about other axes."""
     places = {
-        j: array(change_label(j, POSITION), x, (3,), what="metres") for j, x in changes.values_of(POSITION).items()
+        j: check_array(change_label(j, POSITION), x, (3,), what="metres")
+        for j, x in changes.values_of(POSITION).items()
     }
     axes = {joint: _read_axis(change_label(joint, AXIS), x) for joint, x in changes.values_of(AXIS).items()}
     if not places and not axes:
@@ -148,7 +149,7 @@ def _place_joints(described: RobotDescription, changes: HandChanges) -> RobotDes
 
 
 def _read_axis(name: str, value: Any) -> Array:
-    axis = array(name, value, (3,), what="a direction")
+    axis = check_array(name, value, (3,), what="a direction")
     size = float(np.linalg.norm(axis))
     if size == 0.0:
         raise InputError(name, "a direction, not zero", repr(value)[:80])
@@ -160,7 +161,7 @@ def _read_stretches(model: Any, tips: TipFrames, lengths: Mapping[str, Any]) -> 
     found = dict[int, LinkStretch]()
     for joint, value in lengths.items():
         name, k = change_label(joint, LENGTH), model.getJointId(joint)
-        after, ends = number(name, value, above=0.0), _carried_ends(model, tips, k)
+        after, ends = check_number(name, value, above=0.0), _carried_ends(model, tips, k)
         if len(ends) != 1:
             came = f"one that carries {', '.join(ends) or 'none'}"
             raise InputError(name, "a joint that carries one joint or fingertip, up to which it has a length", came)

@@ -12,7 +12,7 @@ from numba.extending import typeof_impl
 from handlcp.lcp.compiler import background_compile, compile_policy, link
 from handlcp.lcp.compiler.cache import KernelCache
 from handlcp.lcp.compiler.compile_policy import announce_waiting
-from handlcp.progress import uncounted
+from handlcp.progress import exclude_from_budget
 
 t: Any = numba.types
 link.install_library_class(cpu_target.target_context.codegen())
@@ -58,7 +58,7 @@ def _choose_code(kernel: Any, jit: Any, args: tuple[Any, ...]) -> Any:
     known = types in jit.overloads
     if not known and types in kernel.missing and kernel.spent < kernel.look and not compile_policy.is_compiling_now():
         return kernel.interpret
-    with uncounted():
+    with exclude_from_budget():
         if not (known or _is_kept(kernel, jit, types) or _is_compiled(kernel, jit, types)):
             kernel.wait(again=not jit.overloads)
             return kernel.interpret

@@ -25,7 +25,7 @@ from handlcp.lcp.kernels.dense import kernel, multiply_add, solve_ranked
 from handlcp.lcp.kernels.kaczmarz import Seeds, draw_greedy_row
 from handlcp.lcp.kernels.newton import unknown_size
 from handlcp.lcp.kernels.projection import project_on_set
-from handlcp.tolerances import RANK
+from handlcp.tolerances import RANK_TOLERANCE
 
 
 class ContactArrays(NamedTuple):
@@ -268,7 +268,7 @@ def solve_sticking(p: ContactArrays, apart: Bools, slippery: Bools, x: Array) ->
             for i in p.blocks[k, 1:]:
                 if i >= 0:
                     _fix_at_zero(A, rhs, i)
-    solve_ranked(A, rhs, x, col, RANK)
+    solve_ranked(A, rhs, x, col, RANK_TOLERANCE)
 
 
 @kernel
@@ -300,7 +300,7 @@ def run_contact_newton(p: ContactArrays, x: Array, steps: int, tolerance: float)
         if relative <= tolerance or step == steps:
             return step, relative
         write_jacobian(p, g, J)
-        solve_ranked(J, F, dx, col, RANK)
+        solve_ranked(J, F, dx, col, RANK_TOLERANCE)
         recent[step % _LINE_SEARCH_MEMORY] = total
         ceiling, t = np.max(recent), 1.0
         while True:

@@ -6,7 +6,7 @@ import numpy as np
 
 from handlcp.check import Array, Bools
 from handlcp.lcp.kernels.dense import kernel, multiply_add, solve_ranked
-from handlcp.tolerances import RANK
+from handlcp.tolerances import RANK_TOLERANCE
 
 _ACTIVE_SET_TIE = 1e-11
 _ORIGIN_WEIGHT = 1.0 / np.sqrt(2.0) - 1.0
@@ -55,7 +55,7 @@ def run_active_set(
         for s in range(k):
             for t in range(k):
                 A[s, t] = M[index[s], index[t]]
-        solve_ranked(A, -q[index], x, col, RANK)
+        solve_ranked(A, -q[index], x, col, RANK_TOLERANCE)
         z[:] = 0.0
         z[index] = x
         for i in range(n):
@@ -122,7 +122,7 @@ def run_damped_newton(
             J[i, i] += a
             for j in range(n):
                 gradient[j] += J[i, j] * phi[i]
-        solve_ranked(J.copy(), -phi, d, col, RANK)
+        solve_ranked(J.copy(), -phi, d, col, RANK_TOLERANCE)
         slope = np.sum(gradient * d)
         if not slope <= -1e-9 * np.sum(d * d):
             # (JᵀJ + ν I) d = -Jᵀ φ with ν = ‖Φ‖²: always a direction of descent

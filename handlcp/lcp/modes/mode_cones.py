@@ -25,7 +25,7 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.lcp.kernels.dense import kernel
-from handlcp.tolerances import RANK
+from handlcp.tolerances import RANK_TOLERANCE
 
 ANY, OPEN, STUCK, SLIDES, TOUCHES = 0, 1, 2, 3, 4
 # Columns of disc and ball lie this share outside, so that finitely many enclose them; those that enclose the right
@@ -333,7 +333,7 @@ def _reflect(A: Array, f: int) -> tuple[Ints, int]:
                 best, most = j, total
         most = np.sqrt(most)
         first = max(first, most)
-        if best < 0 or most <= RANK * first:
+        if best < 0 or most <= RANK_TOLERANCE * first:
             break
         for i in range(rank, rows):
             v[i] = A[i, best]

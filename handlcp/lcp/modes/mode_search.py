@@ -35,8 +35,8 @@ from handlcp.lcp.modes.mode_cones import (
     write_free,
 )
 from handlcp.lcp.modes.mode_fit import ActiveColumns, fit_mode, new_active_columns, proves_none, write_fit
-from handlcp.progress import tick
-from handlcp.tolerances import RANK
+from handlcp.progress import report_progress
+from handlcp.tolerances import RANK_TOLERANCE
 
 EXHAUSTED, CANDIDATE, SPENT = 0, 1, 2  # why `advance` returned
 _MISS_TIE_FACTOR = 1.0 + 1e-6  # of two that miss it equally the first is taken, whatever rounding says
@@ -289,7 +289,7 @@ class ModeSearch:
         most = np.column_stack([most_x[first], most_y[first]])
         # What rounding leaves of the free unknowns' columns, with unknowns as large as any bound
         size = np.linalg.norm(F, 2) if F.size else 0.0
-        self._claim = NonexistenceClaim(most, RANK * float(size * most.max(initial=0.0)))
+        self._claim = NonexistenceClaim(most, RANK_TOLERANCE * float(size * most.max(initial=0.0)))
         self._tree, self._node = new_mode_tree(self._whole), new_mode_node(self._whole)
         self._early = 0
 
@@ -343,7 +343,7 @@ class ModeSearch:
         while not self.exhausted:
             if (left := work - counts[4]) <= 0 or time.monotonic() > end:
                 return
-            tick(f"{self.node_count} choices of contact modes")
+            report_progress(f"{self.node_count} choices of contact modes")
             ended, budget = int(counts[2]), int(min(left, _WORK_BETWEEN_CLOCKS))
             with compile_in_background(work / _WORK_PER_CALL):
                 what = visit_nodes(

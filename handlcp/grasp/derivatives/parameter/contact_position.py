@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, per_name, read_only
+from handlcp.check import Array, check_keys, read_only
 from handlcp.errors import Unsupported
 from handlcp.grasp.derivatives.linearisation_point import LawChange, LinearisationPoint, zero_change
 from handlcp.grasp.derivatives.parameter.parameter import Parameter, ParameterEntry, Samples, Shown, with_larger_entry
@@ -71,7 +71,9 @@ class ContactPositions(_ContactVectors):
         """Along both tangents of each finger, or of those that a mapping names."""
         names = spec.names[: spec.of_hand]
         named = (
-            per_name(argument, given, names, "a finger") if isinstance(given, Mapping) else dict.fromkeys(names, given)
+            check_keys(argument, given, names, "a finger")
+            if isinstance(given, Mapping)
+            else dict.fromkeys(names, given)
         )
         axes = (0,) if spec.planar else (0, 1)  # a contact of a plane stays in it
         return [

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, Bools, per_name
+from handlcp.check import Array, Bools, check_keys
 from handlcp.errors import InputError
 from handlcp.grasp.derivatives.linearisation_point import LawChange, LinearisationPoint, zero_change
 from handlcp.grasp.derivatives.parameter.parameter import (
@@ -77,7 +77,7 @@ class FrictionCoefficient(ContactParameter):
                     own,
                     f"{argument}[{name!r}]",
                 )
-                for name, own in per_name(argument, given, spec.names, "a contact").items()
+                for name, own in check_keys(argument, given, spec.names, "a contact").items()
             ]
         fingers = tuple(range(spec.of_hand))
         coefficients = {mu[i] for i in fingers}
@@ -90,7 +90,7 @@ class FrictionCoefficient(ContactParameter):
         samples.put("friction", self.values(samples.spec), samples.spec.n, at, values)
 
     def shares(self, spec: GraspSpec, share: float) -> Iterator[tuple[str, GraspSpec | None]]:
-        yield f"{words.percent(share)} more friction", self.scaled(spec, 1.0 + share)
+        yield f"{words.format_percent(share)} more friction", self.scaled(spec, 1.0 + share)
 
     def trials(self, spec: GraspSpec, why: str) -> Iterator[Trial]:
         """Rougher surfaces, whatever is missing."""

@@ -11,7 +11,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, Bools, per_name, read_only
+from handlcp.check import Array, Bools, check_keys, read_only
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.derivatives.linearisation_point import LawChange, LinearisationPoint, zero_change
@@ -320,7 +320,7 @@ def factor_entries(of: str, argument: str, given: Any, names: Sequence[str], kin
     """
     if not isinstance(given, Mapping):
         return (ParameterEntry(of, (), 1.0, 0.0, "×", given, argument),)
-    named = per_name(argument, given, names, kind)
+    named = check_keys(argument, given, names, kind)
     return [
         ParameterEntry(f"{of} {name}", indices_named(names, name), 1.0, 0.0, "×", own, f"{argument}[{name!r}]")
         for name, own in named.items()
@@ -337,7 +337,7 @@ def scale_both_ways(
 ) -> Iterator[tuple[str, GraspSpec | None]]:
     """`shares` of a share more and of one less; what : the words for both, with the share as {}."""
     for text, factor in zip(what, (1.0 + share, 1.0 - share), strict=True):
-        yield text.format(words.percent(share)), scaled(factor)
+        yield text.format(words.format_percent(share)), scaled(factor)
 
 
 def with_larger_entry(values: Array, k: int, step: float) -> Array:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, per_name
+from handlcp.check import Array, check_keys
 from handlcp.grasp.derivatives.linearisation_point import DepthChange, LawChange, LinearisationPoint, zero_change
 from handlcp.grasp.derivatives.parameter.parameter import (
     JointParameter,
@@ -58,7 +58,9 @@ class JointPosture(JointParameter, _RebuiltParameter):
         """Each joint, or those that a mapping names."""
         joints = require_hand(spec, argument, given).names
         named = (
-            per_name(argument, given, joints, "a joint") if isinstance(given, Mapping) else dict.fromkeys(joints, given)
+            check_keys(argument, given, joints, "a joint")
+            if isinstance(given, Mapping)
+            else dict.fromkeys(joints, given)
         )
         return [
             ParameterEntry(f"posture {name}", (joints.index(name),), None, -np.inf, "rad", own, f"{argument}[{name!r}]")

@@ -109,12 +109,15 @@ class Squeeze(ContactParameter):
             for share in _SQUEEZE_SHARES:
                 depth = round_two_digits(share * MAX_SQUEEZE_SHARE * build_scene(spec).units.length)
                 yield Trial(
-                    "squeeze", depth, f"{words.length(depth)} more squeeze on each finger", squeeze_deeper(spec, depth)
+                    "squeeze",
+                    depth,
+                    f"{words.format_length(depth)} more squeeze on each finger",
+                    squeeze_deeper(spec, depth),
                 )
         if why == MISSING_TORQUE and spec.mechanism is not None:  # which limits torques
             for share in _LESS_SHARES:
                 made = spec.mechanism.with_squeeze_share(spec, share)
-                yield Trial("less squeeze", share, f"{words.percent(share)} of the squeeze", made)
+                yield Trial("less squeeze", share, f"{words.format_percent(share)} of the squeeze", made)
 
 
 def _repeat_harder(harder: Callable[[float], Any], times: float) -> Trial | None:

@@ -31,7 +31,7 @@ from handlcp.grasp.derivatives.parameter.parameter import (
     with_larger_entry,
 )
 from handlcp.grasp.model.request import GraspSpec
-from handlcp.tolerances import SEMIDEFINITE
+from handlcp.tolerances import SEMIDEFINITE_TOLERANCE
 
 _TRIED_FACTORS = (2.0, 5.0, 10.0)  # times as stiff
 
@@ -67,7 +67,7 @@ class Stiffness(JointParameter):
         else:
             E -= less * mechanism.compliance(mechanism.jacobian)
             made = mechanism.with_stiffness_factor(factor)
-        if not E.any() or float(np.linalg.eigvalsh(E)[0]) < -SEMIDEFINITE * float(abs(E).max()):
+        if not E.any() or float(np.linalg.eigvalsh(E)[0]) < -SEMIDEFINITE_TOLERANCE * float(abs(E).max()):
             return None
         stiff = spec.replace(mechanism=made, flexibility=read_only(E))
         return stiff if made is None else made.regrip(stiff)
@@ -209,7 +209,7 @@ class TorqueLimit(JointParameter):
         return change
 
     def shares(self, spec: GraspSpec, share: float) -> Iterator[tuple[str, GraspSpec | None]]:
-        yield f"{words.percent(share)} more torque", self.scaled(spec, 1.0 + share)
+        yield f"{words.format_percent(share)} more torque", self.scaled(spec, 1.0 + share)
 
 
 def with_torque_limits(spec: GraspSpec, limits: Array) -> GraspSpec:

@@ -20,7 +20,7 @@ from handlcp.grasp.limits.kernels.still import FREE, SLIDES, Still, still_of
 from handlcp.grasp.limits.kernels.still_walk import BOUNDED, LOST as ENDS, UNBOUNDED, Bounds, Log, goes_on, walk
 from handlcp.grasp.limits.kernels.trace import EVENTS, kinds_of, logged, trace
 from handlcp.lcp.kernels.dense import kernel
-from handlcp.tolerances import CERTIFY
+from handlcp.tolerances import CERTIFY_TOLERANCE
 
 # ----------------------------------------------------------------
 # Whether a place obeys the laws: balance, no pull, and friction within its bounds.
@@ -85,7 +85,7 @@ def onward(
     """As `trace`, under a load without end. carried (dof,) : the load at s."""
     begun = _copy(s)
     status, factor, which, events, points = trace(p, s, w, np.inf, watch, known, log, path)
-    sound = is_sound(p, s, carried + path[points - 1, 0] * w, CERTIFY)
+    sound = is_sound(p, s, carried + path[points - 1, 0] * w, CERTIFY_TOLERANCE)
     if sound and (status in (WATCHED, RAY)):
         return status, factor, which, events, points
     if not sound:

@@ -15,7 +15,7 @@ from handlcp.check import Array, Ints
 from handlcp.grasp.limits.kernels.parts import CLOSED, Parts, Place
 from handlcp.lcp.kernels.dense import kernel, solve_wide
 from handlcp.lcp.lemke import SOLVED, pivot_lemke
-from handlcp.tolerances import PIVOT
+from handlcp.tolerances import PIVOT_TOLERANCE
 
 # ----------------------------------------------------------------
 # What may slip, open or give way at one place of a path, and how forces respond to it: pairs of γ ≥ 0 and -a·ṙ ≥ 0.
@@ -161,7 +161,7 @@ def solve_pairs(M: Array, q: Array, basis: Ints, gamma: Array) -> int:
 
 @kernel
 def _by_lemke(M: Array, q: Array, cover: Array, basis: Ints, gamma: Array, size: float) -> bool:
-    ended, _, z = pivot_lemke(M, q, cover, _PIVOTS * len(q), PIVOT)
+    ended, _, z = pivot_lemke(M, q, cover, _PIVOTS * len(q), PIVOT_TOLERANCE)
     if ended != SOLVED:
         return False
     for i in range(len(q)):

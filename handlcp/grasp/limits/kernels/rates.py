@@ -28,7 +28,7 @@ from handlcp.grasp.limits.kernels.pairs import (
 )
 from handlcp.grasp.limits.kernels.parts import CLOSED, OPEN, OPENS, Inverse, Parts, Place, update
 from handlcp.lcp.kernels.dense import kernel
-from handlcp.tolerances import FASTER, RUNS
+from handlcp.tolerances import SLIDE_THROUGH_DISTANCE, SLIDE_THROUGH_SPEEDUP
 
 _MOST = 6  # contacts that touch without force at one place, of which all choices are tried
 _TURNS, _WHOLE, _TURNED = 100, 20, 1e-12
@@ -242,9 +242,11 @@ def slides_at(p: Parts, moves: Array, length: float, path: Array, point: Array) 
         if size > _NO_LOAD * abs(path[a, 0]) and (stuck == 0.0 or _something_sticks(p, path[a - 1], path[a], d)):
             stuck, beyond = max(stuck, far / size), 0.0
             continue
-        far -= FASTER * stuck * size  # of a short step, too: where fingers are soft, the object moves far in it
-        if beyond + far >= RUNS:
-            share = max((RUNS - beyond) / far, 0.0)
+        far -= (
+            SLIDE_THROUGH_SPEEDUP * stuck * size
+        )  # of a short step, too: where fingers are soft, the object moves far in it
+        if beyond + far >= SLIDE_THROUGH_DISTANCE:
+            share = max((SLIDE_THROUGH_DISTANCE - beyond) / far, 0.0)
             for j in range(width + 1):
                 point[j] = path[a - 1, j] + share * (path[a, j] - path[a - 1, j])
             return True

@@ -26,12 +26,12 @@ from handlcp.lcp.kernels.contact_newton import (
     solve_sticking,
 )
 from handlcp.lcp.kernels.dense import kernel, multiply_add
-from handlcp.tolerances import SOLVE
+from handlcp.tolerances import SOLVE_TOLERANCE
 
 FREE, STICKS, SLIDES = 0, 1, 2  # of contacts; a limit that gives way is 1, another one 0
 _SLOW = 1e-10  # 1 / h
 _HELD = 1e-9  # of the largest force: what the damper may take of a state that is held
-_EXACT = SOLVE * 1e-2
+_EXACT = SOLVE_TOLERANCE * 1e-2
 _UNDAMPED, _NEARLY = 10, 1e-4  # Newton steps without a damper; of the forces, beyond which they are not worth trying
 _ROWS = 6  # of an extrapolation
 _BELOW, _ABOVE = 1e-9, 1e-6  # of a limit: where a state is held, and where none is
@@ -112,7 +112,7 @@ def euler(g: Still, x: Array, z: Array, start: Array, factor: float, cold: bool,
     else:
         out[:] = start
     best, _, r = run_newton_first(p, out, cold, _EXACT)
-    if not r <= SOLVE:
+    if not r <= SOLVE_TOLERANCE:
         return 0, np.nan
     out[:] = best
     clip_open_pairs(p, out)
@@ -153,14 +153,14 @@ def viscous(g: Still, x: Array, z: Array, factor: float, slow: float, out: Array
         p.M[m + a, m + a] = -slow
     out[:] = x
     best, _, r = run_newton_first(p, out, False, _EXACT)
-    if not r <= SOLVE:
+    if not r <= SOLVE_TOLERANCE:
         solve_sticking(p, p.q > 0.0, np.zeros(len(p.blocks), np.bool_), out)
         best, _, r = run_newton_first(p, out, True, _EXACT)
     for a in range(dof):
         p.M[m + a, m + a] = -_SLOW
     out[:] = best
     clip_open_pairs(p, out)
-    return bool(r <= SOLVE)
+    return bool(r <= SOLVE_TOLERANCE)
 
 
 @kernel

@@ -30,7 +30,7 @@ from handlcp.grasp.solve.compiled_solve import write_start
 from handlcp.grasp.solve.factored_solve import LinearRows, link_in_natural_units, split_unknowns
 from handlcp.grasp.verify.certifier import ContactMotions, FrictionLimits, compute_residuals
 from handlcp.lcp.kernels.dense import kernel, product, solve_wide
-from handlcp.tolerances import SOLVE
+from handlcp.tolerances import SOLVE_TOLERANCE
 
 
 class _Pads(NamedTuple):
@@ -96,7 +96,7 @@ def iteration_by_contact(
         write_start(x, start, p, laws.freedom, posed)
         split_unknowns(x, p, problem, r, z)
     _, residual = solve_blocks(problem, r, z, warm)
-    if not residual <= SOLVE:
+    if not residual <= SOLVE_TOLERANCE:
         return
     good, found = _answered(s, rules, t, g, posed, r, z, residual)
     if not good:

@@ -30,7 +30,7 @@ from handlcp.lcp.kernels.contact_newton import (
     write_jacobian,
 )
 from handlcp.lcp.kernels.dense import kernel, multiply_add, product, solve_wide
-from handlcp.tolerances import ACTIVE, CERTIFY, SOLVE
+from handlcp.tolerances import ACTIVE_TOLERANCE, CERTIFY_TOLERANCE, SOLVE_TOLERANCE
 
 ANY = 1e30  # times the load: a step without any is measured by the forces of the squeeze, however large
 _NOTHING = 1e-9  # of the natural unit of force: less is none
@@ -176,7 +176,7 @@ def kinds_in_step(
     A contact slides where it slips by more than a solver leaves of a slip that is zero. Any wider limit would be a
     rate: whatever creeps would slide in long steps, stick in short ones, and change from one to the other at each step.
     """
-    weak, slow = ACTIVE * misses.force_size, SOLVE * max(misses.motion_size, posed.motion)
+    weak, slow = ACTIVE_TOLERANCE * misses.force_size, SOLVE_TOLERANCE * max(misses.motion_size, posed.motion)
     return find_states(contacts, friction, own, v, weak, slow).kind
 
 
@@ -185,7 +185,10 @@ def accepted(misses: LawResiduals, posed: GraspGeometry, residual: float, k: int
     """Whether a solution is an answer; k : how many rows the misses do not see."""
     worst = max(misses.balance, misses.normal, misses.cone, misses.slip)
     nothing = misses.force_size <= _NOTHING * posed.force  # what is left of forces that are zero has no relative miss
-    return bool((worst <= CERTIFY and (k == 0 or residual <= SOLVE)) or (nothing and residual <= SOLVE))
+    return bool(
+        (worst <= CERTIFY_TOLERANCE and (k == 0 or residual <= SOLVE_TOLERANCE))
+        or (nothing and residual <= SOLVE_TOLERANCE)
+    )
 
 
 @kernel
@@ -197,12 +200,12 @@ def solved(problem: ContactArrays, y: Array, begun: bool, seed: int) -> float:
     while True:
         if cold:
             solve_sticking(problem, problem.q > 0.0, np.zeros(len(problem.blocks), np.bool_), y)
-        best, _, r = run_newton_first(problem, y, cold, SOLVE * 1e-2)
-        if cold or r <= SOLVE:
+        best, _, r = run_newton_first(problem, y, cold, SOLVE_TOLERANCE * 1e-2)
+        if cold or r <= SOLVE_TOLERANCE:
             break
         cold = True
-    if cold and not r <= SOLVE * 1e-2:
-        _, _, r = alternate_methods(problem, y, best, r, seed, len(y), True, SOLVE * 1e-2)
+    if cold and not r <= SOLVE_TOLERANCE * 1e-2:
+        _, _, r = alternate_methods(problem, y, best, r, seed, len(y), True, SOLVE_TOLERANCE * 1e-2)
     else:
         y[:] = best
     clip_open_pairs(problem, y)

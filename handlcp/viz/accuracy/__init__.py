@@ -1,0 +1,7 @@
+"""A study of accuracy and cost as a figure and as tables for the terminal."""
+
+from handlcp.viz.accuracy.figure import draw, save
+from handlcp.viz.accuracy.tables import all_tables
+from handlcp.viz.accuracy.time_panel import STYLE
+
+__all__ = ["STYLE", "all_tables", "draw", "save"]

@@ -1,0 +1,362 @@
+"""Everything that a page shows besides its words: solids, frames, legend, view."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from html import escape
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from handlcp import words
+from handlcp.check import Array, check_call
+from handlcp.errors import InputError
+from handlcp.geometry.distance import outermost_points, spread_directions
+from handlcp.geometry.object import Object
+from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
+from handlcp.grasp.path.events import summary
+from handlcp.hand.hand_grasp import make_grasp
+from handlcp.record import to_plain
+from handlcp.viz.loading.figure import describe_object_motion
+from handlcp.viz.output_file import check_page_path, read_three_js, read_web_files, script_data, write_page
+from handlcp.viz.page.frame import PageFrames, Snapshot, choose_steps, snapshot_of_solution, snapshots_of_loading
+from handlcp.viz.page.mesh import NO_JOINT, MeshPack, PagePart, drawing_notes, make_parts
+from handlcp.viz.picture.body import HAND_COLOUR, Body, convex_hull, place_triangles
+from handlcp.viz.picture.camera import choose_camera
+from handlcp.viz.picture.content import (
+    ESCAPE_COLOUR,
+    LOAD_COLOUR,
+    MIN_DRAWN_MOMENT,
+    SLIP_COLOUR,
+    STATE_COLOURS,
+    UNKNOWN_COLOUR,
+    PictureContent,
+)
+
+
+def page_data(
+    drawn: PictureContent,
+    shown: Sequence[Snapshot],
+    path: dict[str, Any] | None,
+    escape: dict[str, Any] | None,
+    meshes: MeshPack | None = None,
+) -> dict[str, Any]:
+    """What the viewer reads; numbers are in SI units, vectors in world axes.
+
+    drawn : what a picture of the grasp shows. shown : one solve, then the steps. path, escape : as `path_data`
+    and `escape_data` have them. meshes : where solids go, of a page of several grasps, which packs them itself.
+    """
+    grasp = drawn.grasp
+    scene, state = grasp.scene, getattr(grasp, "state", None)
+    hand = None if state is None else state.hand
+    frames = PageFrames(shown, grasp)
+    own, parts, told = meshes or MeshPack(), make_parts(drawn), frames.to_list()
+    return {
+        "size": scene.units.length,
+        "planar": scene.plane is not None,
+        "perNewton": frames.per_newton,
+        "slipFactor": frames.slip_factor,
+        "view": view_data(drawn, parts, told[0]["joints"]),
+        "parts": [solid_data(p, own) for p in parts],
+        "packed": own.to_base64() if meshes is None else "",
+        "frames": told,
+        "columns": frames.columns,
+        "contacts": _contact_data(grasp),
+        "joints": _joint_data(shown, hand),
+        "colours": {
+            **STATE_COLOURS,
+            "": UNKNOWN_COLOUR,
+            "load": LOAD_COLOUR,
+            "slip": SLIP_COLOUR,
+            "escape": ESCAPE_COLOUR,
+        },
+        "legend": _legend_lines(drawn, parts, shown, frames, escape is not None),
+        "path": path,
+        "escape": escape,
+        "first": _first_frame(told, path, escape),
+        "notes": drawing_notes(drawn, parts),
+    }
+
+
+def path_data(loading: Loading, first: int) -> dict[str, Any]:
+    """Stages and events beside the slider. first : number of the frame of the first step."""
+    steps, kept = loading.steps, np.array(choose_steps(loading))
+    stage, share = steps.stage[kept], steps.share[kept]
+    told = [
+        {
+            "frame": first + _step_at(stage, share, s.number, s.share),
+            "where": s.where,
+            "says": s.sentence,
+            "lost": False,
+        }
+        for s in summary(loading.events, steps.grasp.spec)
+    ]
+    if not loading.reached:
+        at = words.format_percent(loading.lost_at or 0.0)
+        why = loading.why.removeprefix(f"lost in stage {loading.lost_stage!r} at {at}: ")
+        end = {"frame": first + len(kept) - 1, "where": f"{loading.lost_stage}, {at}", "says": f"lost: {why}"}
+        told.append(end | {"lost": True})
+    ends = [first + _step_at(stage, share, k, 1.0) for k in range(len(loading.stages))]
+    stages = [{"name": n, "end": e} for n, e in zip(loading.stages, ends, strict=True)]
+    return {"first": first, "stages": stages, "events": told, "held": loading.held}
+
+
+def escape_data(drawn: PictureContent) -> dict[str, Any] | None:
+    """The motion in which the object escapes; None where none is known."""
+    if drawn.escape_motion is None:
+        return None
+    move, turn = drawn.escape_motion
+    return {"at": drawn.acts_at, "move": move, "turn": turn}
+
+
+def _first_frame(frames: Sequence[Any], path: dict[str, Any] | None, escape: dict[str, Any] | None) -> int:
+    """The frame that is shown first: the end of the loading, which the verdict is about; else the one solve."""
+    return 0 if path is None or (path["first"] == 1 and escape is not None) else len(frames) - 1
+
+
+def _step_at(stage: Any, share: Any, number: int, where: float) -> int:
+    """The first kept step at or behind a place; the last one where there is none."""
+    behind = np.flatnonzero((stage > number) | ((stage == number) & (share >= where - 1e-9)))
+    return int(behind[0]) if len(behind) else len(stage) - 1
+
+
+def solid_data(p: PagePart, meshes: MeshPack) -> dict[str, Any]:
+    """A solid as the viewer reads it."""
+    return {**meshes.add(p.triangles), "colour": p.colour, "layer": p.layer, "joint": p.joint}
+
+
+def _contact_data(grasp: Grasp) -> list[dict[str, Any]]:
+    """Names, and the half-axes of the friction cones."""
+    fingers = grasp.scene.n - grasp.scene.environment
+    found = []
+    for i, (name, contact) in enumerate(zip(grasp.names, grasp.contacts, strict=True)):
+        mu, scale = float(grasp.scene.mu[i]), (1.0, 1.0)
+        if grasp.scene.plane is None:
+            mu, scale = contact.mu, contact.friction.scale
+        found.append({"name": name, "mu": [mu * scale[0], mu * scale[1]], "environment": i >= fingers})
+    return found
+
+
+def _joint_data(shown: Sequence[Snapshot], hand: Any) -> list[dict[str, Any]]:
+    """Names and limits of the joints: None for one that is not known; no joints where there are no torques."""
+    if hand is None or all(s.torques is None for s in shown):
+        return []
+    limits = np.where(np.isfinite(hand.torque_limits), hand.torque_limits, np.nan)
+    return [{"name": n, "limit": x} for n, x in zip(hand.joint_names, limits.tolist(), strict=True)]
+
+
+def view_data(drawn: PictureContent, parts: Sequence[PagePart], joints: list[list[float]] | None) -> dict[str, Any]:
+    """The direction of the pictures; up: the axis about which the view turns. joints : their poses at first."""
+    moved = [pin.XYZQUATToSE3(np.array(m)) for m in joints or ()]
+    hulls = [(p, _coarse_hull(p.triangles)) for p in parts]
+    bodies = [(p, Body(h if p.joint == NO_JOINT else place_triangles(h, moved[p.joint]), p.colour)) for p, h in hulls]
+    hiding = [body for p, body in bodies if p.layer != "object"]
+    glass = next((body for p, body in bodies if p.layer == "object"), None)
+    camera = choose_camera(drawn.grasp, hiding, glass, drawn.screen_marks())
+    axis = int(np.argmax(abs(camera.axes[1])))
+    return {"axes": camera.axes, "up": np.eye(3)[axis] * np.sign(camera.axes[1][axis])}
+
+
+def _coarse_hull(triangles: Array) -> Array:
+    """(k, 3, 3) a convex hull of the outermost points in 60 directions; the triangles where these lie in a plane."""
+    made = convex_hull(outermost_points(triangles.reshape(-1, 3), spread_directions(60, 0.5)))
+    return triangles if made is None else made
+
+
+def legend_layers(parts: Sequence[PagePart], names: dict[str, str]) -> list[Any]:
+    """A line of the legend for each layer of solids. names : of layers that are called otherwise than themselves."""
+    colours = {p.layer: HAND_COLOUR if p.layer == "hand" else p.colour for p in parts}
+    names = {"tips": "shape that finds the contact"} | names
+    return [[layer, "patch", list(colour), names.get(layer, layer)] for layer, colour in colours.items()]
+
+
+def _legend_lines(
+    drawn: PictureContent, parts: Sequence[PagePart], shown: Sequence[Snapshot], frames: PageFrames, escapes: bool
+) -> list[Any]:
+    """Lines of (layer, kind, colour, text); each layer can be switched off."""
+    grasp = drawn.grasp
+    who = grasp.spec.who
+    states = {state for s in shown for state in s.states}
+    deep, links = words.format_length(max(drawn.links_inside.values(), default=0.0)), list(drawn.links_inside)
+    inside = f"inside the object: {f'{links[0]},' if len(links) == 1 else f'{len(links)} links, up to'} {deep}"
+    names = {
+        "hand": "hand" if hasattr(grasp, "state") else "fingers",
+        "inside": inside,
+        "object": "object" if drawn.object_body is None else drawn.object_body.label,
+    }
+    out = legend_layers(parts, names)
+    if (grasp.scene.mu > 0).any():
+        sense = "friction cones, to the forces’ scale: an arrow at the rim slides"
+        out.append(["cones", "cone", STATE_COLOURS["sticking"], sense if states != {""} else "friction cones"])
+    for state in ("sticking", "sliding"):
+        if state in states:
+            out.append(["forces", "arrow", STATE_COLOURS[state], f"{who} force, {state}"])
+    if "separated" in states:
+        out.append(["forces", "dot", STATE_COLOURS["separated"], f"{who} that does not touch"])
+    if frames.has_moments:
+        out.append(["forces", "turn", STATE_COLOURS["sticking"], f"moment of a {who} about its normal"])
+    if any(s.load.any() for s in shown):
+        out.append(["load", "arrow", LOAD_COLOUR, "load on the object, weight included"])
+    if any(float(np.linalg.norm(s.moment)) > MIN_DRAWN_MOMENT for s in shown):
+        out.append(["load", "turn", LOAD_COLOUR, "torque of the load"])
+    if frames.slip_factor:
+        times = frames.slip_factor
+        text = f"× {times:g}" if times >= 1 else f"÷ {1 / times:g}"
+        far = (
+            f" (it slides up to {words.format_length(frames.largest_slide)})"
+            if frames.largest_slide > words.NEGLIGIBLE_LENGTH
+            else ""
+        )
+        out.append(["slips", "arrow", SLIP_COLOUR, f"slip of the object, {text}{far}"])
+    if escapes:
+        out.append(["escape", "dashed", ESCAPE_COLOUR, "the way the object escapes"])
+    out.append(["labels", "text", UNKNOWN_COLOUR, "names; normal force + friction"])
+    return out
+
+
+# ----------------------------------------------------------------
+# The page: one HTML file that needs nothing else, and asks the network for nothing; what it says in words.
+
+
+_GRASP_SCRIPTS = ("solids.js", "marks.js", "labels.js", "view.js", "panel.js", "player.js", "page.js", "opened.js")
+_DATA_DIGITS = 6
+
+
+def write_grasp_page(
+    grasp: Grasp,
+    solution: GraspSolution,
+    path: Any,
+    obj: Any = None,
+    title: str = "",
+    verdict: Verdict | None = None,
+    loading: Loading | None = None,
+) -> Path:
+    """Write the page of a solved grasp. obj : what to draw as the object where the grasp knows none.
+
+    loading : of the same grasp, for the slider; None: the one that the verdict is about. verdict : of `check`; None:
+    whether the loading holds the object, or without one what the solution says.
+
+    Raises InputError for a file that cannot be written, or another grasp's loading; Unsupported without trimesh.
+    """
+    target = check_page_path(path)
+    if loading is None and verdict is not None:
+        loading = verdict.loading
+    if loading is not None and loading.steps.names != solution.names:
+        raise InputError("loading", "one of the same grasp: grasp.follow()", f"contacts {loading.steps.names}")
+    said = solution.verdict if verdict is None else verdict
+    drawn = PictureContent(grasp, solution, obj, verdict=said)
+    told = _verdict_html(said) if verdict is not None or loading is None else _loading_html(loading)
+    shown, steps = [snapshot_of_solution(grasp, solution, drawn.acts_at)], None
+    if loading is not None:
+        steps = path_data(loading, 1)
+        shown += snapshots_of_loading(loading, drawn.acts_at, getattr(grasp, "state", None))
+    return write_viewer_page(target, title, told, page_data(drawn, shown, steps, escape_data(drawn)))
+
+
+@check_call()
+def write_loading_page(
+    loading: Loading, path: Any, title: str = "", obj: Object | None = None, verdict: Verdict | None = None
+) -> Path:
+    """Write the page of a loading alone, which begins at its last step.
+
+    obj : as in `write_grasp_page`, where it stands at the start.
+    verdict : of `check`; None: whether the loading holds the object.
+
+    Raises as `write_grasp_page`.
+    """
+    target = check_page_path(path)
+    grasp = make_grasp(loading.steps.grasp.spec)
+    drawn = PictureContent(grasp, loading.solution, obj, verdict=verdict)
+    shown = snapshots_of_loading(loading, drawn.acts_at, getattr(grasp, "state", None))
+    told = _loading_html(loading) if verdict is None else _verdict_html(verdict)
+    return write_viewer_page(target, title, told, page_data(drawn, shown, path_data(loading, 0), None))
+
+
+class PageTexts(NamedTuple):
+    """Texts that one kind of page has for itself.
+
+    stage : HTML of the side with the picture. tables : HTML beside the legend. style : CSS that comes after that of all
+    pages. scripts : JavaScript, in order.
+    """
+
+    stage: str
+    tables: str
+    style: str
+    scripts: Sequence[str]
+
+
+def write_viewer_page(
+    target: Path, title: str, said: str, found: Mapping[str, Any], own: PageTexts | None = None
+) -> Path:
+    """Write one HTML file that holds words, data and scripts of a page, and return it.
+
+    target : the file, checked already. title : not yet HTML; "" for none. said : the verdict, as HTML.
+    found : what the page's scripts read, with `notes` for the reader.
+    own : texts of this kind of page; None: those of a grasp.
+
+    Raises InputError for a file that cannot be written.
+    """
+    if own is None:
+        stage, tables = read_web_files("stage.html", "tables.html")
+        own = PageTexts(stage, tables, "", read_web_files(*_GRASP_SCRIPTS))
+    parts = {
+        "heading": f"<h1>{escape(title)}</h1>" if title else "",
+        "stage": own.stage,
+        "tables": own.tables,
+        "verdict": said,
+        "notes": "".join(f"<li>{escape(str(note))}</li>" for note in found["notes"]),
+        "data": script_data(_round_numbers(to_plain(found))),
+        "three": read_three_js(),
+        "scripts": "\n".join(own.scripts),
+    }
+    return write_page(target, read_web_files("frame.html")[0], title or "A grasp", own.style, parts)
+
+
+def _round_numbers(value: Any) -> Any:
+    """The same data with six digits for each number."""
+    if isinstance(value, dict):
+        return {k: _round_numbers(v) for k, v in value.items()}
+    if isinstance(value, list):
+        return [_round_numbers(v) for v in value]
+    if isinstance(value, float):
+        short = float(f"{value:.{_DATA_DIGITS}g}")
+        return int(short) if abs(short) < 1e9 and short == int(short) else short
+    return value
+
+
+# ----------------------------------------------------------------
+# What a page says in words, as HTML: every text is escaped.
+
+_WORD_CLASSES = {"HELD": "good", "UNDECIDED": "doubt"}  # the rest is bad
+_SEVERITY_HEADS = {"warning": "Warning", "advice": "Advice"}
+
+
+def _verdict_html(v: Verdict) -> str:
+    """A verdict as HTML: its word and its reasons."""
+    return _reasons_html(
+        v.word, ((_SEVERITY_HEADS.get(r.severity, ""), r.severity, f"{r.sentence}.") for r in v.reasons)
+    )
+
+
+def _loading_html(loading: Loading) -> str:
+    """Whether the object is held, and how far it has moved; what happens on the way is beside the slider."""
+    return _reasons_html(
+        loading.word, (("", "decides", f"{loading.sentence}."), ("", "note", f"{describe_object_motion(loading)}."))
+    )
+
+
+def _reasons_html(word: str, lines: Iterable[tuple[str, str, str]]) -> str:
+    """A word and a list of sentences as HTML. lines : (head, severity, sentence) of each."""
+    items = "".join(
+        f'<li class="{escape(severity)}">{f"<b>{head}:</b> " if head else ""}{escape(_capitalise(text))}</li>'
+        for head, severity, text in lines
+    )
+    return f'<p class="word {_WORD_CLASSES.get(word, "bad")}">{escape(word)}</p><ul class="reasons">{items}</ul>'
+
+
+def _capitalise(text: str) -> str:
+    """As a sentence begins, unless it begins with a name that is written otherwise."""
+    first = text.split(" ", 1)[0]
+    return text[:1].upper() + text[1:] if first.isalpha() else text
