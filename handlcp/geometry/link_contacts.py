@@ -278,10 +278,14 @@ def make_contact_hand(hand: HandModel, near: list[LinkContact]) -> HandModel:
     tips = TipFrames(tuple(names), tuple(frames), tuple(places), support)
     pads = np.array([site.link.pad for site in near]).reshape(-1, 3, 3)
     return hand.with_parts(
-        tips=tips, fingertips=tips.names, kinematics=Kinematics(model, hand.kinematics.facts), pads=FingertipPads(pads),
-        links_of_sites=tuple(site.link.name for site in near), own_tips=hand.fingertips,
+        tips=tips,
+        fingertips=tips.names,
+        kinematics=Kinematics(model, hand.kinematics.facts),
+        pads=FingertipPads(pads),
+        links_of_sites=tuple(site.link.name for site in near),
+        own_tips=hand.fingertips,
         _geometry=TipGeometry.from_shapes(hand.description, tips, shapes),
-    )  # fmt: skip
+    )
 
 
 def _shift_shape(shape: TipShape, by: Array) -> TipShape:

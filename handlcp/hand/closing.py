@@ -268,9 +268,13 @@ DEAD_POINT_NUDGE = 0.05  # [rad, m]
 
 
 def close_fingertips(
-    hand: HandModel, obj: Object, q0: Any = None, fingers: Sequence[str] | None = None, squeeze: Any = 0.0,
+    hand: HandModel,
+    obj: Object,
+    q0: Any = None,
+    fingers: Sequence[str] | None = None,
+    squeeze: Any = 0.0,
     tolerance: float = 1e-6,
-) -> Array:  # fmt: skip
+) -> Array:
     """See `Hand.close_on`. Each step is the smallest that closes the gap to first order, δq = gap · g / |g|² with
     g = nᵀ J, without the joints at the end of their range.
     """

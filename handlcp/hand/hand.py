@@ -109,9 +109,27 @@ class HandState(HandPosture):
         from handlcp.hand.request import GraspRequest
 
         asked = GraspRequest(
-            self, target, friction, wrench, gravity, preload, offset, reference, fingers, max_gap, effects,
-            finger_weight, plane, squeeze, grip_force, joint_offset, environment, links, closing_torque, hold_object,
-        )  # fmt: skip
+            self,
+            target,
+            friction,
+            wrench,
+            gravity,
+            preload,
+            offset,
+            reference,
+            fingers,
+            max_gap,
+            effects,
+            finger_weight,
+            plane,
+            squeeze,
+            grip_force,
+            joint_offset,
+            environment,
+            links,
+            closing_torque,
+            hold_object,
+        )
         return HandGrasp(asked.spec())
 
 
@@ -311,10 +329,14 @@ class Hand(HandModel):
         from handlcp.hand.hand_parts import replace_parts
 
         given = {
-            "joint_stiffness": joint_stiffness, "pad_flexibility": pad_flexibility, "torque_limits": torque_limits,
-            "tip_radius": tip_radius, "fingertips": fingertips, "motors": motors,
+            "joint_stiffness": joint_stiffness,
+            "pad_flexibility": pad_flexibility,
+            "torque_limits": torque_limits,
+            "tip_radius": tip_radius,
+            "fingertips": fingertips,
+            "motors": motors,
             "joint_friction": joint_friction,
-        }  # fmt: skip
+        }
         return self._rebuild(replace_parts(self, self._by_tip, {k: v for k, v in given.items() if v is not ...}))
 
     @check_call("changes")
@@ -406,9 +428,15 @@ class Hand(HandModel):
         raise InputError(f"{argument}[{name!r}]", expected, f"{at:g}{guess}")
 
     def close_on(
-        self, obj: Object, q0: Any = None, *, fingers: Sequence[str] | None = None, squeeze: Any = 0.0,
-        tolerance: float = 1e-6, wrap: Any = False,
-    ) -> Array:  # fmt: skip
+        self,
+        obj: Object,
+        q0: Any = None,
+        *,
+        fingers: Sequence[str] | None = None,
+        squeeze: Any = 0.0,
+        tolerance: float = 1e-6,
+        wrap: Any = False,
+    ) -> Array:
         """Flex each finger from q0 (None: `neutral`) until its tip touches the object: the posture (nv,) [rad, m],
         read-only.
 

@@ -303,7 +303,7 @@ _GRIP_WEIGHT = (
 
 def minimise_grip(
     states: Sequence[StickingResponse], section: Section, share: Array, pattern: Array, bears: Array
-) -> Array | None:  # fmt: skip
+) -> Array | None:
     """(k,) grip forces [N]; None: with no such grip all fingertips stick.
 
     states : under each load. share (nv,) : s [N·m]. pattern (k, p) : the grip is a combination ≥ 0 of these columns.
@@ -378,9 +378,14 @@ _LIMIT_MARGIN = 1e-6  # of a torque, so that rounding puts none over its limit
 
 
 def find_required_torque(
-    spec: GraspSpec, section: Section, loads: Any, safety: Any, tolerance: Any,
-    progress: Callable[[int], object] | None = None, most_force: Any = None,
-) -> RequiredTorque:  # fmt: skip
+    spec: GraspSpec,
+    section: Section,
+    loads: Any,
+    safety: Any,
+    tolerance: Any,
+    progress: Callable[[int], object] | None = None,
+    most_force: Any = None,
+) -> RequiredTorque:
     """See `HandGrasp.required_torque`."""
     near = check_tolerance(tolerance)
     brief, hand = read_load_cases(spec, loads, safety), hand_mechanism(spec)
@@ -415,12 +420,25 @@ def find_required_torque(
     lost = best.lost or (None if fails is None else fails.lost)
     sized = tuple(["squeeze" if k < 0 else names[k] for k in best.sizing_load.tolist()])
     return RequiredTorque(
-        hand.names, read_only(torque), read_only(closing), read_only(held), grip, sized, names,
-        read_only(best.torque), float(safety), limits.limits, limits.known,
-        {name: v.word for name, v in verdicts.items()}, less, lost,
-        {name: _deciding_sentences(v) for name, v in verdicts.items() if v.word != HELD}, limits.drives, tensions,
+        hand.names,
+        read_only(torque),
+        read_only(closing),
+        read_only(held),
+        grip,
+        sized,
+        names,
+        read_only(best.torque),
+        float(safety),
+        limits.limits,
+        limits.known,
+        {name: v.word for name, v in verdicts.items()},
+        less,
+        lost,
+        {name: _deciding_sentences(v) for name, v in verdicts.items() if v.word != HELD},
+        limits.drives,
+        tensions,
         hand.posture.hand.sliding,
-    )  # fmt: skip
+    )
 
 
 def _required_tensions(
@@ -436,9 +454,13 @@ def _required_tensions(
     own = np.array([False if drives is None else drives.motors[i] is not None for i in range(len(stiffness.names))])
     moved = tuple([joints[j] for j in np.flatnonzero(stiffness.arms[own].any(axis=0)).tolist()])
     return RequiredTension(
-        stiffness.cables.names, read_only(every.max(axis=0, initial=0.0)),
-        read_only(every[ends].max(axis=0, initial=0.0)), read_only(least.min(axis=0)), moved, drives,
-    )  # fmt: skip
+        stiffness.cables.names,
+        read_only(every.max(axis=0, initial=0.0)),
+        read_only(every[ends].max(axis=0, initial=0.0)),
+        read_only(least.min(axis=0)),
+        moved,
+        drives,
+    )
 
 
 def start_grips(brief: tuple[LoadCase, ...], section: Section, share: Array, bears: Array) -> list[Array]:

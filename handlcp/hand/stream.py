@@ -351,10 +351,15 @@ class GraspStream:
                 stand_off=read_only(np.zeros((k, 3))) if self._moved_off else mechanism.stand_off,
             )
         now = spec.replace(
-            contacts=validate.move_contacts(at.contacts, positions, frames), positions=positions, frames=frames,
-            mechanism=mechanism, flexibility=read_only(self._own.copy()), offset=read_only(self._given.copy()),
-            wrench=wrench_about(self._first.reference, self._force, self._moment), effects=effects,
-        )  # fmt: skip
+            contacts=validate.move_contacts(at.contacts, positions, frames),
+            positions=positions,
+            frames=frames,
+            mechanism=mechanism,
+            flexibility=read_only(self._own.copy()),
+            offset=read_only(self._given.copy()),
+            wrench=wrench_about(self._first.reference, self._force, self._moment),
+            effects=effects,
+        )
         return type(self._first)(now)
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -71,9 +71,18 @@ class TorqueCheck(Record):
     """
 
     entries = (
-        "joints", "torque_Nm (nv,)", "limit_Nm (nv,)", "utilisation (nv,)", "margin_Nm (nv,)", "known", "yielding",
-        "binding", "ok", "held_by", "lasts_s",
-    )  # fmt: skip
+        "joints",
+        "torque_Nm (nv,)",
+        "limit_Nm (nv,)",
+        "utilisation (nv,)",
+        "margin_Nm (nv,)",
+        "known",
+        "yielding",
+        "binding",
+        "ok",
+        "held_by",
+        "lasts_s",
+    )
 
     joints: tuple[str, ...]
     torque: Array
@@ -159,8 +168,13 @@ class TorqueCheck(Record):
         torques = _format_torques(self.torque / size)
         if len(units) > 1:  # those of joints that slide say their own
             torques = [f"{t} N" if r.unit == "N" else t for t, r in zip(torques, self, strict=True)]
-        columns = ([r.joint for r in self], torques, limits, [_format_share(r) for r in self],
-                   [self.remark(r) for r in self])  # fmt: skip
+        columns = (
+            [r.joint for r in self],
+            torques,
+            limits,
+            [_format_share(r) for r in self],
+            [self.remark(r) for r in self],
+        )
         heads = ("joint", f"torque\n{unit}", f"limit\n{unit}", "of limit", "")
         return TextTable(heads, tuple(zip(*columns, strict=True)), "<>>><")
 
@@ -201,9 +215,14 @@ class TorqueCheck(Record):
 
 
 def torque_check(
-    joints: Sequence[str], torque: Array, limit: Array, known: Sequence[bool], yielding: tuple[str, ...] = (),
-    sliding: tuple[str, ...] = (), drives: Drives | None = None,
-) -> TorqueCheck:  # fmt: skip
+    joints: Sequence[str],
+    torque: Array,
+    limit: Array,
+    known: Sequence[bool],
+    yielding: tuple[str, ...] = (),
+    sliding: tuple[str, ...] = (),
+    drives: Drives | None = None,
+) -> TorqueCheck:
     """Compare torques (nv,) with limits (nv,) [N·m]; an infinite limit is never used up. yielding, sliding : names.
     drives : motors behind the limits.
     """
@@ -386,8 +405,13 @@ def open_torque_reasons(s: Any) -> Iterator[Reason]:
     check, torques = s.torque_check, find_torque_bounds(s)
     open_ = is_apart(torques, s.residuals.force_scale)
     bounds = torque_shares(torques, check.limit)
-    values = {"joints": [{"joint": name, "torque_Nm": both, "utilisation": share} for name, both, share, yes in
-                         zip(check.joints, torques.tolist(), bounds.tolist(), open_, strict=True) if yes]}  # fmt: skip
+    values = {
+        "joints": [
+            {"joint": name, "torque_Nm": both, "utilisation": share}
+            for name, both, share, yes in zip(check.joints, torques.tolist(), bounds.tolist(), open_, strict=True)
+            if yes
+        ]
+    }
     if not open_.any():
         yield Reason("torques_open", "note", "the forces that are open change no joint's torque", values)
         return

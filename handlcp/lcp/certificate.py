@@ -148,9 +148,13 @@ class SearchResult:
 
 
 def search_active_sets(
-    problem: LCP, bound_z: Any = None, bound_w: Any = None, work: float = 5e8, accept: AcceptCandidate | None = None,
+    problem: LCP,
+    bound_z: Any = None,
+    bound_w: Any = None,
+    work: float = 5e8,
+    accept: AcceptCandidate | None = None,
     end: float = math.inf,
-) -> SearchResult:  # fmt: skip
+) -> SearchResult:
     """Search for a solution, or for the proof that there is none with 0 ≤ z ≤ bound_z and 0 ≤ w ≤ bound_w.
 
     bound_z, bound_w : each a number or (n,), natural units (ignored on free rows); None: 1000 (1 + max|q̂|).

@@ -83,12 +83,27 @@ class HandModel:
         geometry: TipGeometry,
     ) -> None:
         self.__dict__.update(
-            kinematics=kinematics, tips=tips, stiffness=stiffness, pads=pads, torques=torques, _geometry=geometry,
-            name=str(kinematics.model.name), source=geometry.description.source, joint_names=kinematics.joint_names,
-            nv=kinematics.nv, fingertips=tips.names, lower=kinematics.lower, upper=kinematics.upper,
-            neutral=kinematics.neutral, torque_limits=torques.limits, links_of_sites=None, may_touch=None,
-            in_parts_of=frozenset(), own_tips=(), joint_friction=read_only(np.zeros(kinematics.nv)),
-        )  # fmt: skip
+            kinematics=kinematics,
+            tips=tips,
+            stiffness=stiffness,
+            pads=pads,
+            torques=torques,
+            _geometry=geometry,
+            name=str(kinematics.model.name),
+            source=geometry.description.source,
+            joint_names=kinematics.joint_names,
+            nv=kinematics.nv,
+            fingertips=tips.names,
+            lower=kinematics.lower,
+            upper=kinematics.upper,
+            neutral=kinematics.neutral,
+            torque_limits=torques.limits,
+            links_of_sites=None,
+            may_touch=None,
+            in_parts_of=frozenset(),
+            own_tips=(),
+            joint_friction=read_only(np.zeros(kinematics.nv)),
+        )
 
     @property
     def model(self) -> Any:

@@ -228,8 +228,9 @@ def shape_doubts(sizes: Mapping[str, LinkSize], model: Any) -> Iterator[Doubt]:
     """Of shapes that are far too large for the robot, or of meshes that are far too small."""
     width = skeleton_width(model)
     still, moved = (
-        max(MAX_SHAPE_REACH, MAX_REACH_PER_SKELETON * width), max(MAX_MOVED_REACH, MAX_MOVED_PER_SKELETON * width),
-    )  # fmt: skip
+        max(MAX_SHAPE_REACH, MAX_REACH_PER_SKELETON * width),
+        max(MAX_MOVED_REACH, MAX_MOVED_PER_SKELETON * width),
+    )
     if large := {name: s for name, s in sizes.items() if s.reach > (moved if s.is_moved else still)}:
         reach = max(size.reach for size in large.values())
         what = (

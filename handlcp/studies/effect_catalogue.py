@@ -100,9 +100,14 @@ def _run(trial: Trial) -> Callable[[], bool]:
 # An entry says in Python how its effect is asked for. That text is evaluated here, so what the page shows works.
 
 _PLAIN: dict[str, Any] = {
-    "joint_stiffness": 6.0, "mass": 0.0, "friction": mechanics.Coulomb(0.6), "faces": 8, "preload": 0.003,
-    "wrench": (0.0, 0.0, 3.0, 0.0, 0.0, 0.0), "gravity": (0.0, 0.0, 9.81),
-}  # fmt: skip
+    "joint_stiffness": 6.0,
+    "mass": 0.0,
+    "friction": mechanics.Coulomb(0.6),
+    "faces": 8,
+    "preload": 0.003,
+    "wrench": (0.0, 0.0, 3.0, 0.0, 0.0, 0.0),
+    "gravity": (0.0, 0.0, 9.81),
+}
 _SECTION = ("faces", "plane")  # arguments that stay when the effect is left out
 
 

@@ -435,9 +435,16 @@ class TableComparison:
     def to_dict(self) -> dict[str, Any]:
         """Everything, SI units, printed numbers as text."""
         ours = pick_entries(
-            self.solution, "forces", "slip", "gap", "object_displacement", "states = contact_state", "status",
-            "worst_residual = residuals.worst", "loose_motions = uniqueness.loose_motions",
-        )  # fmt: skip
+            self.solution,
+            "forces",
+            "slip",
+            "gap",
+            "object_displacement",
+            "states = contact_state",
+            "status",
+            "worst_residual = residuals.worst",
+            "loose_motions = uniqueness.loose_motions",
+        )
         row = "column", "place", "ours", "relative", "printed = printed.text"
         miss = "equation", "amount", "holds", "comment", "share_of_largest_elastic_displacement = share"
         found = {"golden": bool(self.table.golden), "ours": ours | {"what": self.ours}}

@@ -120,8 +120,10 @@ class Equilibria(Record):
         """A pandas table with a row for each contact of each equilibrium: "equilibrium", from 1 on, "contact", "state",
         normal_N, friction_N, friction_used, slip_m, gap_m. Raises Unsupported without pandas.
         """
-        each = [contact_data(s) | {"equilibrium": [k] * len(s.names), "contact": s.names}
-                for k, s in enumerate(self.found, 1)]  # fmt: skip
+        each = [
+            contact_data(s) | {"equilibrium": [k] * len(s.names), "contact": s.names}
+            for k, s in enumerate(self.found, 1)
+        ]
         return make_data_frame({name: [x for one in each for x in one[name]] for name in _COLUMNS})
 
     def __str__(self) -> str:

@@ -99,9 +99,16 @@ class _LeastSearch:
 
 
 def find_least(
-    holds: HoldsTest, start: float, most: float, tolerance: float, *, step: float | None = None, floor: float = 0.0,
-    too_much: HoldsTest = lambda x: False, sure: HoldsTest | None = None,
-) -> LeastValue:  # fmt: skip
+    holds: HoldsTest,
+    start: float,
+    most: float,
+    tolerance: float,
+    *,
+    step: float | None = None,
+    floor: float = 0.0,
+    too_much: HoldsTest = lambda x: False,
+    sure: HoldsTest | None = None,
+) -> LeastValue:
     """The least value that holds, to a relative tolerance: value - fails ≤ tolerance · value, or one rounding step.
 
     start : where the search begins, near the answer if that is known. floor, most : the least and the largest tried.
@@ -212,9 +219,13 @@ def is_surely_held(spec: GraspSpec, section: Section) -> bool:
 
 
 def required_preload(
-    spec: GraspSpec, section: Section, tolerance: float = 1e-3, limit: float | None = None, test: HoldsGrasp = is_held,
+    spec: GraspSpec,
+    section: Section,
+    tolerance: float = 1e-3,
+    limit: float | None = None,
+    test: HoldsGrasp = is_held,
     sure: HoldsGrasp = is_surely_held,
-) -> Required:  # fmt: skip
+) -> Required:
     """The smallest squeeze [m] that, added to every finger whose force is not prescribed, makes the grasp hold.
 
     limit : largest squeeze tried [m]; None: 10⁴ natural motions, the fingers' mean deflection under the load (rigid
@@ -232,9 +243,13 @@ def required_preload(
 
 
 def required_friction(
-    spec: GraspSpec, section: Section, tolerance: float = 1e-3, limit: float | None = None, test: HoldsGrasp = is_held,
+    spec: GraspSpec,
+    section: Section,
+    tolerance: float = 1e-3,
+    limit: float | None = None,
+    test: HoldsGrasp = is_held,
     sure: HoldsGrasp = is_surely_held,
-) -> Required:  # fmt: skip
+) -> Required:
     """The smallest friction coefficient, common to all contacts that have friction, with which the grasp holds.
 
     limit : largest coefficient tried, 10 when None. test, sure : as in `required_preload`.

@@ -30,9 +30,13 @@ from handlcp.tolerances import ACTIVE_TOLERANCE, RANK_TOLERANCE
 
 
 def solve_with_advice(
-    spec: GraspSpec, section: Section, solver: AnySolver = None, start: Array = NO_START, scene: Scene | None = None,
+    spec: GraspSpec,
+    section: Section,
+    solver: AnySolver = None,
+    start: Array = NO_START,
+    scene: Scene | None = None,
     proof: bool = True,
-) -> GraspSolution:  # fmt: skip
+) -> GraspSolution:
     """As `solve_spec`; NO_EQUILIBRIUM can be asked for the `required_preload` that would hold."""
     return attach_advice(solve_spec(spec, section, solver, start, scene, proof), spec, section)
 
@@ -241,7 +245,7 @@ _FINEST_NEWTON = SemismoothNewton(tol=1e-13)  # as far as rounding lets Newton's
 
 def solve_to_accuracy(
     spec: GraspSpec, accuracy: float, solver: AnySolver, start: Array, proof: bool = True
-) -> GraspSolution:  # fmt: skip
+) -> GraspSolution:
     """The solution on the exact section with its `Accuracy`, and more Newton steps where the request needs them.
 
     A proof that nothing holds the object, or that there is no equilibrium, is a final answer and passes unchanged.

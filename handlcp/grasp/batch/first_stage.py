@@ -71,12 +71,19 @@ def scene_rows(scenes: Sequence[Scene], kind: CompiledKind, section: Section) ->
     positions, frames, E, offset, known, force, moment, mu = zip(*map(_READ_FIELDS, scenes), strict=True)
     none = np.zeros(kind.kind.components)
     return write_rows(
-        m, kind.scene_width, positions=positions, frames=frames, flexibility=E, offset=offset,
+        m,
+        kind.scene_width,
+        positions=positions,
+        frames=frames,
+        flexibility=E,
+        offset=offset,
         prescribed=[none if a is None else a for a in known],
-        spin=[s.arrays.spin for s in scenes] if soft else np.zeros((m, 0)), force=force, moment=moment,
+        spin=[s.arrays.spin for s in scenes] if soft else np.zeros((m, 0)),
+        force=force,
+        moment=moment,
         freedom=[s.freedom for s in scenes] if kind.kind.planar else [_SPATIAL_FREEDOM] * m,
         limits=[s.limits(section) for s in scenes] if soft else np.array(mu) * section.share,
-    )  # fmt: skip
+    )
 
 
 def solve_scene_rows(numbers: Array, pattern: ScenePattern, width: int, seed: int) -> Array:
@@ -121,9 +128,13 @@ def solve_parcel(parcel: SceneParcel) -> Array:
     numbers[:, parcel.varying] = parcel.values
     p = parcel.pattern  # kernels are compiled for arrays that may be written to, or not, and on its way that is lost
     pattern = p._replace(
-        contacts=p.contacts.copy(), unknown=p.unknown.copy(), role=p.role.copy(), order=p.order.copy(),
-        blocks=p.blocks.copy(), normals=read_only(p.normals.copy()),
-    )  # fmt: skip
+        contacts=p.contacts.copy(),
+        unknown=p.unknown.copy(),
+        role=p.role.copy(),
+        order=p.order.copy(),
+        blocks=p.blocks.copy(),
+        normals=read_only(p.normals.copy()),
+    )
     return solve_scene_rows(read_only(numbers), pattern, parcel.width, parcel.seed)
 
 

@@ -258,9 +258,15 @@ def _split(left: list[int], share: int) -> Iterator[list[int]]:
 
 @check_call()
 def solve_many(
-    grasps: Iterable[Grasp], faces: int | str | Pyramid = "cone", solver: Solver | ContactSolver | Auto | None = None,
-    *, workers: int | None = None, executor: Executor | None = None, progress: Progress = None, proof: bool = True,
-) -> Solutions:  # fmt: skip
+    grasps: Iterable[Grasp],
+    faces: int | str | Pyramid = "cone",
+    solver: Solver | ContactSolver | Auto | None = None,
+    *,
+    workers: int | None = None,
+    executor: Executor | None = None,
+    progress: Progress = None,
+    proof: bool = True,
+) -> Solutions:
     """The solution of each grasp, as its own `solve(faces, solver, throw=False, proof=proof)` gives it: the same bits,
     whatever the workers, on machines of one kind.
 

@@ -108,10 +108,12 @@ class PathSensitivity:
     @property
     def jumps(self) -> tuple[str, ...]:
         """Of the derivatives asked for so far, those with an entry where the end jumps or has a corner."""
-        return tuple([
-            f"{quantity}_by_{parameter}" for parameter, found in self._found.items() for quantity, s in found.items()
+        return tuple(
+            f"{quantity}_by_{parameter}"
+            for parameter, found in self._found.items()
+            for quantity, s in found.items()
             if (np.isnan(s.derivative) & np.isfinite(s.ahead) & np.isfinite(s.behind)).any()
-        ])  # fmt: skip
+        )
 
     def of(self, quantity: str, parameter: str) -> Array:
         """The derivative, as the attribute. Raises UnknownName."""
@@ -165,8 +167,10 @@ class PathSensitivity:
             ahead, behind = (self._end(one.varied(self._spec, k, step)) for step in (h, -h))
             for of, pairs in columns.items():
                 pairs.append(self._sides(of, ahead, behind, h))
-        return {of: TwoSidedDifferences(*[_stack_columns(list(one), shape) for one in zip(*pairs, strict=True)])
-                for of, pairs in columns.items()}  # fmt: skip
+        return {
+            of: TwoSidedDifferences(*[_stack_columns(list(one), shape) for one in zip(*pairs, strict=True)])
+            for of, pairs in columns.items()
+        }
 
     def _sides(self, name: str, ahead: dict[str, Array], behind: dict[str, Array], h: float) -> TwoSidedDifferences:
         here = self._here[name]

@@ -55,9 +55,15 @@ class BestChange(Record):
     """
 
     entries = (
-        "load_N_Nm (6,) = wrench", "share", "factor_before = before.factor", "tried", "checked_at_factor = between",
-        "verdict_with = verdicts.0", "verdict_without = verdicts.1", "why_not",
-    )  # fmt: skip
+        "load_N_Nm (6,) = wrench",
+        "share",
+        "factor_before = before.factor",
+        "tried",
+        "checked_at_factor = between",
+        "verdict_with = verdicts.0",
+        "verdict_without = verdicts.1",
+        "why_not",
+    )
 
     wrench: Array
     share: float
@@ -115,9 +121,7 @@ class BestChange(Record):
 
 
 @track_progress("load limits with each change")
-def best_change(
-    spec: GraspSpec, section: Section, wrench: Any, share: Any, geometry: Any
-) -> BestChange:  # fmt: skip
+def best_change(spec: GraspSpec, section: Section, wrench: Any, share: Any, geometry: Any) -> BestChange:
     """See `Grasp.best_change`."""
     part = check_number("share", share, above=0.0)
     if part >= 1.0:

@@ -51,8 +51,10 @@ def check_most_force(value: Any, spec: GraspSpec) -> Array:
         MOST_FORCE_ARGUMENT, dict(value) if isinstance(value, Mapping) else value, spec.names, None
     )
     if isinstance(value, Mapping):
-        said = [check_number(f"{MOST_FORCE_ARGUMENT}[{name!r}]", one, above=0.0) if one is not None else np.inf
-                for name, one in zip(spec.names, listed, strict=True)]  # fmt: skip
+        said = [
+            check_number(f"{MOST_FORCE_ARGUMENT}[{name!r}]", one, above=0.0) if one is not None else np.inf
+            for name, one in zip(spec.names, listed, strict=True)
+        ]
         return np.array(said)
     given = check_array(MOST_FORCE_ARGUMENT, listed, (), (n,))
     if not (given > 0.0).all():
@@ -121,7 +123,7 @@ class ChangedGrasp:
 @track_progress("looking for the least value")
 def find_least_value(
     changed: ChangedGrasp, start: float, most: float, tolerance: float, unit: str, bears: Array | None = None
-) -> Required:  # fmt: skip
+) -> Required:
     """The least number with which the grasp holds to the end of its loading, to a relative tolerance, and what `check`
     says of it. Where that is that it does not hold, since more steps end differently, `check` is asked from there on.
     start : near it, > 0. bears (n,) : how hard contacts may press on the way [N]; None: as hard as they do.
@@ -206,7 +208,7 @@ def confirm_required_preload(spec: GraspSpec, section: Section, tolerance: float
 @track_progress("looking for the least value")
 def _confirm_required(
     found: Required, make: Callable[[float], GraspSpec], section: Section, own: float | None
-) -> Required:  # fmt: skip
+) -> Required:
     """The same with what `check` says of it. Where contacts move as the hand does, what `check` says counts: unless
     the grasp holds at the value, and not below, it is searched for anew from there, by following.
 

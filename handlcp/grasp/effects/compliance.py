@@ -133,26 +133,37 @@ class SoftWrist(Effect):
         "soft_wrist",
         (
             FileKey(
-                "translation_m_per_N", _Softness, "a number ≥ 0 or three of them",
-                "how the palm moves along x, y, z under a force", default=0.0,
+                "translation_m_per_N",
+                _Softness,
+                "a number ≥ 0 or three of them",
+                "how the palm moves along x, y, z under a force",
+                default=0.0,
             ),
             FileKey(
-                "rotation_rad_per_Nm", _Softness, "a number ≥ 0 or three of them",
-                "how it turns about x, y, z under a torque", default=0.0,
+                "rotation_rad_per_Nm",
+                _Softness,
+                "a number ≥ 0 or three of them",
+                "how it turns about x, y, z under a torque",
+                default=0.0,
             ),
             FileKey(
-                "flexibility", Annotated[list[_Six], Len(6, 6)], "six rows of six finite numbers",
+                "flexibility",
+                Annotated[list[_Six], Len(6, 6)],
+                "six rows of six finite numbers",
                 "instead of both: the (6, 6) matrix from force and torque to motion and rotation, "
                 "in m/N, rad/N and rad/(N·m)",
             ),
             FileKey(
-                "at_m", Three, "three finite numbers", "the point of the palm where it does so, world axes",
+                "at_m",
+                Three,
+                "three finite numbers",
+                "the point of the palm where it does so, world axes",
                 default=[0.0, 0.0, 0.0],
             ),
         ),
         "a table",
         "a palm that gives way under all fingers",
-    )  # fmt: skip
+    )
 
     def __init__(self, flexibility: Any, at: Any = (0.0, 0.0, 0.0)) -> None:
         argument = "SoftWrist.flexibility"

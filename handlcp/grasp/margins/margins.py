@@ -56,8 +56,14 @@ class Margins(Record):
     """
 
     entries = (
-        "held = solution.held", "safety", "friction", "torque", "force_closure", "form_closure", "wrench_space",
-    )  # fmt: skip
+        "held = solution.held",
+        "safety",
+        "friction",
+        "torque",
+        "force_closure",
+        "form_closure",
+        "wrench_space",
+    )
 
     spec: GraspSpec
     section: Section

@@ -45,10 +45,18 @@ class CompiledKind:
         self.scene_width = row_width(scene)
         self.answer_width = HEADER_SIZE + 2 * kind.components + 9 + kind.n + where.size
         self.pattern = ScenePattern(
-            kind.contact_components, kind.index, roles.role, roles.order, roles.blocks, section.faces,
-            polyhedron_normals(scene, section), kind.flexible, kind.dof,
-            (*where.forces, where.at["u"].start, where.size), len(kind.soft),
-        )  # fmt: skip
+            kind.contact_components,
+            kind.index,
+            roles.role,
+            roles.order,
+            roles.blocks,
+            section.faces,
+            polyhedron_normals(scene, section),
+            kind.flexible,
+            kind.dof,
+            (*where.forces, where.at["u"].start, where.size),
+            len(kind.soft),
+        )
 
 
 _KINDS: dict[tuple[Section, SceneKind], CompiledKind] = {}

@@ -313,11 +313,17 @@ def build_capacity(scene: Scene, section: Section, effects: tuple[Effect, ...], 
     tail = sum(d * count for d, count in cones)
     none = np.full(tail, -1)
     return Capacity(
-        np.concatenate([lines, *curved]), np.concatenate([np.zeros(k), room[kept], np.zeros(tail)]),
-        ConeProduct(len(lines), tuple(cones)), np.concatenate([owners, np.full(kept.sum(), -1), *of_curved]),
-        np.concatenate([np.full(k, -1), joint[kept], none]), np.concatenate([np.full(k, -1), effect[kept], none]),
-        beside, rows[first][:, index], room[first], scene.natural.full_G[:, index],
-    )  # fmt: skip
+        np.concatenate([lines, *curved]),
+        np.concatenate([np.zeros(k), room[kept], np.zeros(tail)]),
+        ConeProduct(len(lines), tuple(cones)),
+        np.concatenate([owners, np.full(kept.sum(), -1), *of_curved]),
+        np.concatenate([np.full(k, -1), joint[kept], none]),
+        np.concatenate([np.full(k, -1), effect[kept], none]),
+        beside,
+        rows[first][:, index],
+        room[first],
+        scene.natural.full_G[:, index],
+    )
 
 
 def friction_rows(

@@ -78,9 +78,15 @@ def _changeable_numbers(hand: HandModel) -> dict[str, Sequence[str]]:
     tendons = hand.stiffness.names if isinstance(hand.stiffness, TendonStiffness) else ()
     links = tuple(dict.fromkeys((*hand.fingertips, *hand.description.links_with(COLLISION))))
     return {
-        LENGTH: movable, AXIS: movable, POSITION: movable, STIFFNESS: joints, LIMIT: joints,
-        MOTOR: tuple(dict.fromkeys((*joints, *tendons))), RADIUS: hand.fingertips, PAD: links,
-    }  # fmt: skip
+        LENGTH: movable,
+        AXIS: movable,
+        POSITION: movable,
+        STIFFNESS: joints,
+        LIMIT: joints,
+        MOTOR: tuple(dict.fromkeys((*joints, *tendons))),
+        RADIUS: hand.fingertips,
+        PAD: links,
+    }
 
 
 def _unknown_change(name: Any, of: str, what: str, known: Mapping[str, Sequence[str]]) -> UnknownName:

@@ -106,9 +106,11 @@ class Setting:
 
 
 def settings(
-    methods: Sequence[Method], faces: tuple[tuple[int, ...], bool], tolerances: tuple[tuple[float, ...], bool],
+    methods: Sequence[Method],
+    faces: tuple[tuple[int, ...], bool],
+    tolerances: tuple[tuple[float, ...], bool],
     pyramids: bool,
-) -> dict[Method, tuple[Setting, ...]]:  # fmt: skip
+) -> dict[Method, tuple[Setting, ...]]:
     """The settings of each method, in the order in which to run them: not every pair, unless both lists are given.
 
     faces, tolerances : each with whether it was asked for. pyramids : whether the scene has any; without them LCPs are
