@@ -24,8 +24,11 @@ _read_friction = partial(check_number, minimum=0.0)
 
 
 class CableLayout(NamedTuple):
-    """arms (t, nv) : R [m/rad, m/m]. shift (t,) : l - R q, with l drawn in by the joints since their posture zero [m].
-    of (m,), grips (m,), posts (m, nv), turning, sides (b, 3) : as `Cables` has them.
+    """How cables lie over the joints in one posture.
+
+    arms (t, nv) : R, how fast each joint draws each cable in [m/rad, m/m].
+    shift (t,) : l - R q, with l drawn in by the joints since their posture zero [m].
+    post_tendon (m,), wrap_friction (m,), posts (m, nv), moment_arm_stiffness, wrap_sides (b, 3) : as `Cables` has them.
     """
 
     arms: Array

@@ -139,7 +139,7 @@ def check_link_name(argument: str, value: Any) -> str:
 
 
 def _read_placement(value: Any, shape: str) -> tuple[Array, Array]:
-    """Centre (3,) [m] and axis (3,). Raises InputError."""
+    """Read the centre (3,) [m] and the axis (3,) of a round body, in its link's frame. Raises InputError."""
     name = "Around.placement"
     if isinstance(value, pin.SE3):
         return check_array(name, value.translation, (3,)), check_unit_vector(name, value.rotation[:, 2], (3,))
@@ -171,7 +171,7 @@ class RouteKinematics(Protocol):
     coupling: Array | None
 
     def read_posture(self, argument: str, q: Any) -> Array:
-        """(nv,) checked."""
+        """Check a posture and return it as an array (nv,) of the independent joints [rad, m]."""
 
     def frames_at(self, q: Array, frames: Sequence[int]) -> tuple[Array, Array]:
         """Placements (n, 4, 4) and the Jacobian (6, joints)."""
@@ -347,7 +347,7 @@ class BoundRoute:
         )
 
     def slope(self, q: Any) -> Array:
-        """(nv, nv) ∂arms/∂q [m/rad²], symmetric.
+        """How fast the moment arms change with the joints, ∂arms/∂q (nv, nv) [m/rad²], symmetric.
 
         It is -∂²L/∂q², with which the tension T of a tendon adds -T slope to the joints' stiffness. At a posture where
         a wrap comes or goes it is the mean over both sides.

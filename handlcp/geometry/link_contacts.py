@@ -80,7 +80,10 @@ def _link_names(hand: HandModel) -> list[str]:
 
 
 def _all_contact_bodies(hand: HandModel) -> dict[str, ContactBody]:
-    """By name: fingertips, then links with collision geometry that is no fingertip's, in the file's order."""
+    """All bodies of the hand that may touch, by name.
+
+    Fingertips come first, then links with collision geometry that is no fingertip's, in the file's order.
+    """
     found, covered = dict[str, ContactBody](), set[str]()
     for i, name in enumerate(hand.fingertips):
         if hand.tip_kind(i):

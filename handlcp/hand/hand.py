@@ -414,7 +414,9 @@ class Hand(HandModel):
         return HandState(self, self._check_near_range("q", self.kinematics.read_posture("q", q)))
 
     def _check_near_range(self, argument: str, q: Array) -> Array:
-        """The same positions (nv,). Raises InputError for the one that is farthest past its range, if it is too far."""
+        """Return the posture (nv,) as it is. Raises InputError for the joint that is farthest past its range, if it
+        is too far.
+        """
         slides = np.isin(self.joint_names, self.sliding)
         lower, upper = np.minimum(self.lower, self.upper), np.maximum(self.lower, self.upper)  # of reversed ones
         past = np.maximum(lower - q, q - upper) / np.where(slides, _MAX_PAST_SLIDE, _MAX_PAST_TURN)

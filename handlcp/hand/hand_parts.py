@@ -81,7 +81,7 @@ def replace_parts(hand: HandModel, by_tip: Mapping[str, Any], given: Mapping[str
 
 
 def _read_hand_pads(value: Any, tips: Sequence[str], described: RobotDescription) -> FingertipPads:
-    """See `read_pads`. Raises InputError for links without collision geometry, too."""
+    """Read the flexibility of pads as `read_pads` does. Raises InputError for links without collision geometry, too."""
     touch = described.links_with(COLLISION)
     if isinstance(value, Mapping):
         links = {f.name for f in described.model.frames if f.type == pin.FrameType.BODY} - {*tips, *touch}

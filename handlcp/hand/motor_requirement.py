@@ -103,7 +103,7 @@ class RequiredTension:
 
     @property
     def table(self) -> TextTable:
-        """Tendon by tendon."""
+        """The table of the tensions, one tendon a row."""
         numbers = words.format_column(self.peak.tolist()), words.format_column(self.continuous.tolist())
         least = zip(self.tendons, self.least.tolist(), strict=True)
         says = [
@@ -158,7 +158,7 @@ def read_load_cases(spec: GraspSpec, loads: Any, safety: Any) -> tuple[LoadCase,
 
 
 def _name_loads(spec: GraspSpec, loads: Any) -> list[tuple[str, dict[str, Any]]]:
-    """(name, what it says of load, mass and gravity) of each load."""
+    """The name of each load and what it says of load, mass and gravity."""
     if loads is None:
         return [(_SINGLE_LOAD_NAME, {})]
     if isinstance(loads, Mapping):
@@ -341,7 +341,7 @@ class RequiredTorque(Record):
 
     @property
     def table(self) -> TextTable:
-        """Joint by joint."""
+        """The table of the torques, one joint a row."""
         heads = (
             "joint",
             *[f"{what}\n{self.unit}" for what in ("peak", "continuous", "limit")],

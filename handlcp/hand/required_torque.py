@@ -109,12 +109,17 @@ _EQUAL_TORQUE_TOLERANCE = 1e-6  # torques that differ by less are the same
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GripTrial:
-    """One grip. force (k,) : normal forces commanded at the fingertips [N]. torque (m, nv) : the largest of each joint
-    under each of m loads, from the first touch to the whole load [N·m]. squeeze (nv,) : the largest while the hand
-    closes, or what the drive pulls with against dry friction at the joint, where that is more. need : the largest of
-    both as a share of what is compared; inf where a load is lost. lost : that load, and why. reached : share of that
-    load at which it is lost; below 0 where less grip may hold it: the object is lost as the hand closes, or is pressed
-    too hard, or the hand cannot take the posture of the end. pressed : by which contact, in words; "": by none.
+    """One grip that was tried under all loads.
+
+    force (k,) : normal forces commanded at the fingertips [N].
+    torque (m, nv) : the largest of each joint under each of m loads, from the first touch to the whole load [N·m].
+    squeeze (nv,) : the largest while the hand closes, or what the drive pulls with against dry friction at the joint,
+        where that is more.
+    need : the largest of both as a share of what is compared; inf where a load is lost.
+    lost : that load, and why.
+    reached_share : share of that load at which it is lost; below 0 where less grip may hold it: the object is lost as
+        the hand closes, or is pressed too hard, or the hand cannot take the posture of the end.
+    pressed_contact : the contact that presses too hard, in words; "": none does.
     """
 
     force: Array
@@ -132,7 +137,7 @@ class GripTrial:
 
     @property
     def largest_torque(self) -> Array:
-        """(nv,) [N·m] under any load."""
+        """The largest torque (nv,) of each joint under any load [N·m]."""
         return np.asarray(self.torque.max(axis=0))
 
     @property
@@ -183,7 +188,7 @@ class GripTrials:
         return one if one is not None and one.need < need else None
 
     def _follow_loads(self, force: Array, most: float) -> GripTrial | None:
-        """None: it holds so far, and needs as much as `most`."""
+        """Follow the loads with one grip, until one is lost; None: it holds so far, and needs as much as `most`."""
         self.count += 1
         if self.report is not None:
             self.report(self.count)
@@ -304,7 +309,7 @@ _GRIP_WEIGHT = (
 def minimise_grip(
     states: Sequence[StickingResponse], section: Section, share: Array, pattern: Array, bears: Array
 ) -> Array | None:
-    """(k,) grip forces [N]; None: with no such grip all fingertips stick.
+    """Find the least grip with which all fingertips stick: (k,) grip forces [N]; None: there is none.
 
     states : under each load. share (nv,) : s [N·m]. pattern (k, p) : the grip is a combination ≥ 0 of these columns.
     bears (n,) : the largest normal force at each contact [N].
@@ -386,7 +391,7 @@ def find_required_torque(
     progress: Callable[[int], object] | None = None,
     most_force: Any = None,
 ) -> RequiredTorque:
-    """See `HandGrasp.required_torque`."""
+    """Find the torques that the joints need, as `HandGrasp.required_torque` documents."""
     near = check_tolerance(tolerance)
     brief, hand = read_load_cases(spec, loads, safety), hand_mechanism(spec)
     known = bool(np.isfinite(hand.limits).all())
@@ -493,7 +498,7 @@ _MAX_SQUEEZE, _FIRST_SQUEEZE = 0.05, 1e-3  # [m] of a squeeze
 
 
 def find_required_grip(spec: GraspSpec, section: Section, tolerance: Any, most_force: Any) -> Required:
-    """See `HandGrasp.required_grip`."""
+    """Find the least grip force that holds, as `HandGrasp.required_grip` documents."""
     k, bears = spec.of_hand, check_most_force(most_force, spec)
     share, any_force = np.ones(len(hand_mechanism(spec).names)), np.full(len(bears), np.inf)
     start = float(start_grips((LoadCase("", spec),), section, share, any_force)[-1].mean())
@@ -502,7 +507,7 @@ def find_required_grip(spec: GraspSpec, section: Section, tolerance: Any, most_f
 
 
 def find_required_squeeze(spec: GraspSpec, section: Section, tolerance: Any, most_force: Any) -> Required:
-    """See `HandGrasp.required_squeeze`."""
+    """Find the least squeeze that holds, as `HandGrasp.required_squeeze` documents."""
     bears = check_most_force(most_force, spec)
     changed = ChangedGrasp(lambda depth: apply_command(spec, depth, None, None), section)
     return find_least_value(changed, _FIRST_SQUEEZE, _MAX_SQUEEZE, check_tolerance(tolerance), "m", bears)

@@ -195,7 +195,7 @@ class TorqueCheck(Record):
 
     @property
     def verdict(self) -> str:
-        """One sentence."""
+        """One sentence about the torques beside their limits."""
         if over := self.over:
             return f"{describe_torque_excess([r.joint for r in over])}."
         if np.isnan(self.torque).any():
@@ -257,8 +257,12 @@ _MAX_UNMADE_SHARE = 0.01  # of a command's largest torque: more than this that n
 
 
 class EffortKind(NamedTuple):
-    """Joints or tendons. who : one of them. code : of a `FailureMode`, and of reasons. weak : what cannot. effort,
-    limit : keys of numbers.
+    """What efforts are of, joints or tendons, and the words and keys for them.
+
+    member : one of them.
+    code : of a `FailureMode`, and of reasons.
+    weak_part : what cannot bear it.
+    effort, limit : keys of numbers.
     """
 
     member: str
@@ -268,7 +272,7 @@ class EffortKind(NamedTuple):
     limit: str
 
     def reason_values(self, name: str, effort: float, limit: float) -> dict[str, Any]:
-        """For a reason."""
+        """The values of a reason about one joint or tendon."""
         return {self.member: name, self.effort: effort, self.limit: limit}
 
 
@@ -447,8 +451,11 @@ MAX_TORQUE_SHARE = 1.05  # of its torque: a joint that pulls with more is driven
 
 @dataclass(frozen=True, eq=False)
 class MotorPull:
-    """asked (nv,) : the torques that a closing torque asked of the joints [N·m], with their signs, 0 of joints that do
-    not pull. fingers (nv,) : number of each joint's finger, -1 of those.
+    """What motors pull with where a closing torque was asked of them.
+
+    closing_torque (nv,) : the torques that were asked of the joints [N·m], with their signs, 0 of joints that do not
+        pull.
+    fingers (nv,) : number of each joint's finger, -1 of those.
     """
 
     closing_torque: Array

@@ -29,8 +29,9 @@ from handlcp.tolerances import CERTIFY_TOLERANCE, MAX_RESIDUAL_GROWTH, SOLVE_TOL
 
 
 def natural_residual(problem: LCP, z: Array) -> tuple[Array, float]:
-    """(w, residual): w = M z + q (n,) and the worst of |min(z_i, w_i)|, or |w_i| where free, each in natural units.
+    """Recompute w = M z + q (n,) and the residual of a solution: (w, residual).
 
+    The residual is the worst of |min(z_i, w_i)|, or |w_i| where free, each in natural units.
     Both are divided by the size of z in natural units, clipped to [1, 1000]: rounding grows with the numbers, but huge
     cancelling multipliers must not excuse a wrong answer. Not finite anywhere: infinite.
     """

@@ -105,7 +105,10 @@ class RobotDescription:
 
     @property
     def link_masses(self) -> dict[str, float]:
-        """Link → mass [kg]. A model knows that of all links of a joint, and it is given to the first of them."""
+        """The mass of each link by its name [kg].
+
+        A model knows only that of all links of a joint, and it is given to the first of them.
+        """
         found, counted = dict[str, float](), {0}
         if self.root is not None:
             for link in self.root.findall("link"):
@@ -181,8 +184,12 @@ _MAX_PATH_LETTERS = 4096  # letters of a path: what is longer is no path, on any
 
 
 class RobotFile(NamedTuple):
-    """root : the <robot>. path : None for a text. doubts : what was read in a way worth knowing. meshes : those that
-    MuJoCo compiled.
+    """A robot's file as it was read.
+
+    root : the <robot>.
+    path : None for a text.
+    doubts : what was read in a way worth knowing.
+    meshes : those that MuJoCo compiled.
     """
 
     root: ET.Element

@@ -135,7 +135,9 @@ class HandDescription(Record):
         return len(self.joints)
 
     def to_dict(self) -> dict[str, Any]:
-        """For JSON: SI units in the keys; None where nothing is known, or a range has no end."""
+        """The description as plain data for JSON, SI units in the keys; None where nothing is known, or a range has
+        no end.
+        """
         rows = {
             name: [pick_entries(row, *lines) for row in getattr(self, name)] for name, lines in _ROW_ENTRIES.items()
         }

@@ -107,12 +107,12 @@ class HandModel:
 
     @property
     def model(self) -> Any:
-        """The pinocchio.Model (a copy)."""
+        """A copy of the hand's pinocchio.Model."""
         return pin.Model(self.kinematics.model)
 
     @property
     def moving_joints(self) -> Any:
-        """(n, nv) bool: which independent joint moves which fingertip."""
+        """Which independent joint moves which fingertip, (n, nv) bool."""
         return self.kinematics.find_moving_joints(self.tips.support[:, 0, :])
 
     @lazy_property
@@ -315,7 +315,7 @@ class HandPosture:
         return self.hand.kinematics.gravity_torque(self.q, read_gravity(gravity))
 
     def _tip_numbers(self, tips: Any) -> tuple[int, ...]:
-        """Numbers of fingertips. Raises InputError."""
+        """Check the numbers of fingertips and return them. Raises InputError."""
         every = self.hand.tips.numbers
         if isinstance(tips, tuple) and tips == every:
             return every
@@ -323,7 +323,10 @@ class HandPosture:
         return tuple([check_integer(f"tips[{k}]", tip, 0, len(every) - 1) for k, tip in enumerate(given)])
 
     def _reduce_to_independent(self, J: Array, tips: tuple[int, ...]) -> Array:
-        """(m, 3, nv) from columns (m, 3, joints): 0 where a joint moves no tip; mimic joints added to their masters."""
+        """Reduce columns (m, 3, joints) to those of independent joints (m, 3, nv).
+
+        They are 0 where a joint moves no tip, and mimic joints are added to their masters.
+        """
         support, coupling = self.hand.tips.support, self.hand.kinematics.coupling
         J *= support if tips == self.hand.tips.numbers else support[list(tips)]
         return J if coupling is None else np.asarray(J @ coupling)

@@ -154,8 +154,12 @@ def check_units(argument: str, model: Any) -> None:
 
 
 class LinkSize(NamedTuple):
-    """Of one link. reach : how far its shapes go from its frame, at most [m]. mesh : the largest extent of its smallest
-    mesh [m], inf without one. meshed : whether a mesh reaches farthest. moved : whether a joint moves it.
+    """How large one link is, as its shapes say.
+
+    reach [m] : how far its shapes go from its frame, at most.
+    smallest_mesh [m] : the largest extent of its smallest mesh, inf without one.
+    has_farthest_mesh : whether a mesh reaches farthest.
+    is_moved : whether a joint moves it.
     """
 
     reach: float

@@ -180,7 +180,11 @@ _MAX_FACE_CORNERS = 1000  # of a face
 
 @dataclass
 class _PlyElement:
-    """name, count : such as vertex, 4. properties : name, type of the numbers, type of how many of a list, or ""."""
+    """One element of the header of a PLY file.
+
+    name, count : such as vertex, 4.
+    properties : name, type of the numbers, type of how many of a list, or "".
+    """
 
     name: str
     count: int

@@ -109,7 +109,7 @@ class _UrdfWriter:
         self.doubts += [*found, *more, *self.scene.doubts, *soft_part_doubts(model)]
 
     def write_robot(self) -> tuple[ET.Element, tuple[Doubt, ...]]:
-        """Everything."""
+        """Write the whole robot: its element, and what is doubtful about it."""
         for b in range(self.model.nbody):
             if b not in self.scene.bodies:
                 self._write_body(b)

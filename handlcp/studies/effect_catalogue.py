@@ -48,7 +48,11 @@ Clock = Callable[[dict[int, Callable[[], bool]]], dict[int, float]]
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """unknowns : how many more the scene has (< 0: fewer). ratio : of the times; None: every scene has the effect."""
+    """What an effect costs in one scene.
+
+    unknowns : how many more the scene has (< 0: fewer).
+    ratio : of the times; None: every scene has the effect.
+    """
 
     unknowns: int
     ratio: float | None
@@ -128,7 +132,7 @@ class Trial:
         return example_hand(name, joint_stiffness=self.given["joint_stiffness"]).at(_closed(name))
 
     def ball(self) -> Sphere:
-        """The object."""
+        """The object that the fingers hold."""
         return Sphere(0.035, placement=(0.0, 0.0, 0.07), mass=self.given["mass"])
 
     def grasp(self, state: HandState, ball: Sphere) -> HandGrasp:

@@ -113,7 +113,7 @@ class Equilibria(Record):
         return len(self.found)
 
     def __iter__(self) -> Iterator[GraspSolution]:
-        """Smallest forces first."""
+        """Run through the equilibria, that with the smallest forces first."""
         return iter(self.found)
 
     def to_frame(self) -> Any:
@@ -254,7 +254,7 @@ class _EquilibriumListing:
         return Equilibria(tuple(known), complete, why, time.monotonic() - self.start)
 
     def _forces(self, c: SolverCandidate) -> Array:
-        """(n, 3) in contact axes."""
+        """The forces (n, 3) of a candidate in contact axes [N]."""
         return self.scene.to_contact_axes(c.components)[: 3 * self.scene.n].reshape(-1, 3)
 
     def _close(self, a: Array, b: Array) -> bool:

@@ -34,8 +34,12 @@ _ZERO_SHARE = 1e-9  # of the start: less is nothing
 
 @dataclass(frozen=True, slots=True)
 class LeastValue:
-    """value : the least that holds; None: none was found. fails : the largest tried below it that does not, None where
-    the floor itself holds; where no value was found, the last that was not too much. tried : of (x, whether it holds).
+    """The least value with which something holds, as a search found it.
+
+    value : the least that holds; None: none was found.
+    fails : the largest tried below it that does not hold, None where the floor itself holds; where no value was found,
+        the last that was not too much.
+    tried : pairs (x, whether it holds).
     """
 
     value: float | None
@@ -68,7 +72,9 @@ class _LeastSearch:
         return None, floor
 
     def step_up(self, start: float, most: float, step: float) -> tuple[float | None, float | None]:
-        """(a value that does not hold, one above it that does); None: nothing up to `most` does."""
+        """Double the step until a value holds: (a value that does not hold, one above it that does); None: nothing
+        up to `most` does.
+        """
         low = start
         while low < most:
             high, step = min(start + step, most), 2.0 * step

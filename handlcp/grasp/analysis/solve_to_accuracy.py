@@ -144,8 +144,11 @@ def force_error(problem: GraspContactProblem, solution: GraspSolution) -> float:
 
 
 class _ErrorLaws:
-    """At x (n,): what rounding can have done to y, ρ and s = x - ρ y, (n,) each; of each block's s_T the length and
-    direction, and the limit μ x_N. piece (n + k,) bool: which pairs touch, then which of k blocks stick.
+    """The laws at a solution x (n,), and what rounding can have done there.
+
+    noise, rho, s (n,) : of y, the scales ρ, and s = x - ρ y.
+    size, along, radius : of each block's s_T the length and direction, and the limit μ x_N.
+    piece (n + k,) bool : which pairs touch, then which of k blocks stick.
     """
 
     def __init__(self, problem: GraspContactProblem, x: Array) -> None:
@@ -292,7 +295,7 @@ def _true_section(scene: Scene) -> Section:
 def _through_pyramids(
     spec: GraspSpec, scene: Scene, solver: AnySolver, best: GraspSolution
 ) -> tuple[GraspSolution, int, str]:
-    """(solution, solves, words): Newton's method on the cone from the answers of pyramids."""
+    """Run Newton's method on the cone from the answers of pyramids, until one is held: (solution, solves, words)."""
     method = replace(as_chain(solver) or Auto(), search_seconds=0.0)
     for k, faces in enumerate(_START_FACES):
         near = solve_with_advice(spec, Pyramid(faces), method, scene=scene)

@@ -66,7 +66,9 @@ _SPATIAL_FREEDOM = np.eye(6)
 
 
 def scene_rows(scenes: Sequence[Scene], kind: CompiledKind, section: Section) -> Array:
-    """(m, width) read-only: the rows of scenes of one kind, field by field for all at once, in a third of the time."""
+    """The rows (m, width) of scenes of one kind, written field by field for all at once, in a third of the time.
+    Read-only.
+    """
     m, soft = len(scenes), kind.kind.soft
     positions, frames, E, offset, known, force, moment, mu = zip(*map(_READ_FIELDS, scenes), strict=True)
     none = np.zeros(kind.kind.components)
@@ -110,7 +112,7 @@ class SceneParcel:
 
     @property
     def size(self) -> int:
-        """Bytes, about."""
+        """The size of the parcel as it is sent [bytes], about."""
         return self.values.nbytes + self.common.nbytes + 4096
 
 

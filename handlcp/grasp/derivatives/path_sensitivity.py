@@ -28,7 +28,9 @@ from handlcp.words import TextTable, first_largest_index, wrap_text
 
 
 def path_table(s: Any, here: dict[str, Array]) -> str:
-    """Of a `PathSensitivity`: each row a tenth more of a parameter, of all fingers or joints together."""
+    """The table of a `PathSensitivity`, each row with a tenth more of a parameter, of all fingers or joints
+    together.
+    """
     rows, unclear = [], []
     for p in parameters_by_effort():
         if not p.common or p.name not in s.parameters or not (changes := s.of_share(p.name, TABLE_SHARE)):
@@ -89,7 +91,11 @@ class PathSensitivity:
     """
 
     def __init__(self, spec: GraspSpec, end: Callable[[GraspSpec], dict[str, Array]], coarser: float = 1.0) -> None:
-        """End : the quantities at the end of the path of a grasp. coarser : times the steps of the parameters."""
+        """Take the quantities at the end of a grasp's path as they are now.
+
+        end : the quantities at the end of the path of a grasp.
+        coarser : how many times the usual steps of the parameters are.
+        """
         self._spec, self._end, self._coarser = spec, end, coarser
         self._here = end(spec)
         self._found: dict[str, dict[str, TwoSidedDifferences]] = {}
@@ -183,7 +189,9 @@ class PathSensitivity:
         return TwoSidedDifferences(read_only(a), read_only(b), read_only(np.where(same, (a + b) / 2.0, np.nan)))
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain data, SI: the quantities, and the derivatives asked for so far, None for what is no number; `jumps`."""
+        """The quantities and the derivatives asked for so far as plain data, in SI, None for what is no number;
+        `jumps`.
+        """
         found = {f"{of}_by_{by}": to_plain(s.derivative) for by, each in self._found.items() for of, s in each.items()}
         return {**{name: to_plain(here) for name, here in self._here.items()}, **found, "jumps": list(self.jumps)}
 
@@ -195,7 +203,7 @@ class PathSensitivity:
         return f"PathSensitivity(of={', '.join(self.quantities)})"
 
     def __getattr__(self, name: str) -> Any:
-        """`<quantity>_by_<parameter>`."""
+        """Return the derivative that `<quantity>_by_<parameter>` names."""
         quantity, by, parameter = name.partition("_by_")
         if not by or name.startswith("_"):
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)

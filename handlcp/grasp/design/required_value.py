@@ -183,7 +183,7 @@ def verdict_on(spec: GraspSpec, section: Section) -> Verdict:
 
 
 def verdict_word(spec: GraspSpec, section: Section) -> str:
-    """Its word."""
+    """The word of the grasp's verdict, such as "HELD"."""
     return verdict_on(spec, section).word
 
 
@@ -194,13 +194,13 @@ _SEARCH_START_SHARE = 1e-3  # of the largest value tried: where the search start
 
 
 def confirm_required_friction(spec: GraspSpec, section: Section, tolerance: float) -> Required:
-    """See `Grasp.required_friction`."""
+    """Find the least friction that holds and what `check` says of it, as `Grasp.required_friction` documents."""
     found, own = required_friction(spec, section, tolerance), {c.mu for c in spec.contacts if c.mu > 0.0}
     return _confirm_required(found, lambda mu: with_friction(spec, mu), section, own.pop() if len(own) == 1 else None)
 
 
 def confirm_required_preload(spec: GraspSpec, section: Section, tolerance: float) -> Required:
-    """See `Grasp.required_preload`."""
+    """Find the least preload that holds and what `check` says of it, as `Grasp.required_preload` documents."""
     found = required_preload(spec, section, tolerance)
     return _confirm_required(found, spec.with_squeeze, section, None)
 
@@ -297,7 +297,7 @@ class RequiredStiffness(Record):
 
 @track_progress("looking for the least stiffness")
 def required_stiffness(spec: GraspSpec, section: Section, motion: Any, tolerance: Any) -> RequiredStiffness:
-    """See `Grasp.required_stiffness`."""
+    """Find the stiffness that keeps the object's motion within a bound, as `Grasp.required_stiffness` documents."""
     allowed, near = check_number("motion", motion, above=0.0), check_tolerance(tolerance)
 
     def made(factor: float) -> GraspSpec:

@@ -206,7 +206,9 @@ class SoftWrist(Effect):
         return np.asarray((E + E.T) / 2)
 
     def carried(self, at: Placement, soft: tuple[int, ...]) -> Array:
-        """(6, c) W: the wrench of the forces about `at`; it does not carry the environment."""
+        """The wrench that the wrist carries about `at` as a map W (6, c) of the forces; it does not carry the
+        environment.
+        """
         W = wrench_map(at.positions, self.at, at.frames, at.frames[list(soft)][:, :, 2].T.copy())
         W[:, 3 * at.of_hand : 3 * at.n] = 0.0
         W[:, 3 * at.n :][:, np.array(soft, dtype=int) >= at.of_hand] = 0.0

@@ -329,7 +329,7 @@ class _ConvexHull:
         self.volume = float(hull.volume)
 
     def add(self, points: Array) -> None:
-        """More points (d, k)."""
+        """Add points, the columns of (d, k), to the hull."""
         self._points = np.column_stack([self._points, points])
         self._make()
 

@@ -149,7 +149,7 @@ class CompiledAnswer:
 
     @property
     def iterations(self) -> int:
-        """Kaczmarz steps."""
+        """The number of Kaczmarz steps that the solver took."""
         return int(self.row.item(0))
 
     @property
@@ -159,7 +159,7 @@ class CompiledAnswer:
 
     @property
     def twist(self) -> Array:
-        """(6,) about `centre`."""
+        """The object's motion (6,) about `centre` [m, rad]."""
         return self.start[-9:-3]
 
     @property
@@ -174,7 +174,7 @@ class CompiledAnswer:
 
     @property
     def motion(self) -> Array:
-        """(c,) object minus fingertip [m]."""
+        """The motion (c,) of the object minus that of the fingertip at each component [m]."""
         c = self.kind.kind.components
         return self.row[HEADER_SIZE + c + 9 : HEADER_SIZE + 2 * c + 9]
 
@@ -186,7 +186,7 @@ class CompiledAnswer:
 
     @property
     def candidate(self) -> SolverCandidate:
-        """Forces and motion."""
+        """The forces and the motion as a candidate for the certifier."""
         return SolverCandidate(self.components, self.twist, {}, len(self.kind.kind.soft))
 
     @property

@@ -190,7 +190,7 @@ class _SolutionFields:
 
     @property
     def forces(self) -> Array:
-        """(n, 3)."""
+        """The contact forces (n, 3) in contact axes [N]."""
         return self.found.components.reshape(-1, 3)
 
     @property

@@ -136,7 +136,7 @@ def _solve_programs(
 
 
 def _equality_rows(capacity: Capacity, base: Array) -> tuple[Array, Array]:
-    """(e, m) and (e,): balance, and forces that are known."""
+    """The equations of balance and of forces that are known: rows (e, m) and right-hand sides (e,)."""
     return np.concatenate([capacity.wrenches, capacity.equations]), np.concatenate([-base, capacity.values])
 
 

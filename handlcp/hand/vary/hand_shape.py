@@ -36,7 +36,11 @@ STIFFNESS, LIMIT, MOTOR, RADIUS, PAD = "stiffness", "torque_limit", "motor", "ra
 
 
 class HandChanges(NamedTuple):
-    """whole : arguments of `Hand.replace`. named : what is changed → of which joint, fingertip, … → to what."""
+    """What is changed of a hand, read from names.
+
+    arguments : those of `Hand.replace`.
+    named : what is changed → of which joint, fingertip, … → to what.
+    """
 
     arguments: dict[str, Any]
     named: dict[str, dict[str, Any]]

@@ -35,7 +35,10 @@ class Errors:
         self.motion_scale = reference.residuals.motion_scale
 
     def __call__(self, forces: Array, slip: Array, grasp: Grasp | None = None) -> dict[str, float | None]:
-        """force_error, slip_error, torque_error. grasp : the one whose torques count; None: the reference's."""
+        """Compare forces and slip with the reference: force_error, slip_error, torque_error.
+
+        grasp : the one whose torques count; None: the reference's.
+        """
         torques = _torques(grasp or self.grasp, forces)
         off = None if torques is None or self.torques is None else _share(torques - self.torques, self.torques)
         return {
@@ -88,7 +91,11 @@ class Bench:
     def _row(
         self, s: Setting, said: str, worst: float, candidate: SolverCandidate, slip: Array, found: dict[str, Any]
     ) -> Row:
-        """The row. said : status, unless the candidate belongs to another equilibrium. found : further fields."""
+        """The row of one setting, with its errors.
+
+        said : status, unless the candidate belongs to another equilibrium.
+        found : further fields.
+        """
         errors = self.errors(candidate.forces, slip)
         off = errors["force_error"]
         # Friction on a pyramid may point up to π/m away from the slip: forces may be off by about this share
@@ -108,7 +115,10 @@ class Bench:
         return verdict.residuals.passes and off is not None and off > _SAME
 
     def _problem(self, s: Setting) -> Any:
-        """The assembled problem. "cone" and "grasp" work on friction as a set, the others on multipliers."""
+        """The assembled problem that a setting's method works on.
+
+        "cone" and "grasp" work on friction as a set, the others on multipliers.
+        """
         multipliers = s.method.form in ("LCP", "SI")
         key = (s.asked, multipliers)
         if key not in self._problems:

@@ -44,8 +44,9 @@ MOST = 200_000  # Kaczmarz steps of methods without Newton steps at the end
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """One method. meaning : in words.
+    """One method of solving whose cost is measured.
 
+    meaning : in words.
     form : what it works on. "grasp": all of `grasp.solve`. "cone": friction as a set, so that faces mean nothing.
         "LCP": the pyramid's complementarity problem in natural units. "SI": the same in metres and newtons.
     most : steps at most. growth : the cost of a step grows as n^growth with the unknowns n.

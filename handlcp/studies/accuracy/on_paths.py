@@ -74,7 +74,7 @@ class PathCost(Record):
 
     @property
     def summary(self) -> str:
-        """One sentence: the order of convergence, and how often the estimate is too small."""
+        """One sentence about the order of convergence, and how often the estimate is too small."""
         orders = []
         for question in (FOLLOW, LIMIT):
             rows = [r for r in self.of(question) if r.error > 0.0]
@@ -87,8 +87,10 @@ class PathCost(Record):
         return f"{fall}the estimate is below the true error in {low} of {len(known)} rows"
 
     def plot(self, path: Any = None, *, title: str = "") -> Any:
-        """The figure: error against time for each question, its estimate dashed. A matplotlib figure, or the file that
-        it was written to. Raises InputError for an unknown format; Unsupported without matplotlib.
+        """Draw error against time for each question, its estimate dashed.
+
+        A matplotlib figure, or the file that it was written to. Raises InputError for an unknown format; Unsupported
+        without matplotlib.
         """
         return load_display("path_cost_plot")(self, path, title)
 

@@ -46,8 +46,9 @@ class _RebuiltParameter(Parameter):
 
 
 class JointPosture(JointParameter, _RebuiltParameter):
-    """(nv,) [rad, m]; derivatives [1/rad, 1/m]. In samples, how far the joints stand from where they are said to be;
-    the fingertips go along.
+    """The posture of the joints, (nv,) [rad, m]; derivatives by it are in [1/rad, 1/m].
+
+    In samples, how far the joints stand from where they are said to be; the fingertips go along.
     """
 
     name = "posture"
