@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 import pinocchio as pin
@@ -26,10 +26,9 @@ from handlcp.robot.description import RobotDescription
 from handlcp.robot.fingertip import TipFrames, TipGeometry, TipShape
 from handlcp.robot.joint import Doubt, TorqueLimits
 from handlcp.robot.kinematics import Kinematics
+from handlcp.robot.link_surface import LinkSurface, link_surfaces
+from handlcp.robot.servo_stiffness import ServoStiffness
 from handlcp.tolerances import MAX_NUMBER
-
-if TYPE_CHECKING:
-    from handlcp.robot.link_surface import LinkSurface
 
 
 @check_method_calls
@@ -180,9 +179,8 @@ class HandModel:
     @lazy_property
     def doubts(self) -> tuple[Doubt, ...]:
         """About the robot as it was read and its fingertips; those about torque limits that were passed left out."""
-        from handlcp.robot.audit import description_doubts, tip_doubts
+        from handlcp.robot.audit import description_doubts, tip_doubts  # 20 ms that no other question pays
         from handlcp.robot.joint_audit import tendon_doubts
-        from handlcp.robot.servo_stiffness import ServoStiffness
 
         servos = self.stiffness if isinstance(self.stiffness, ServoStiffness) else None
         pull = bool(self.stiffness.law[1])  # tendons, as they do
@@ -194,8 +192,6 @@ class HandModel:
     @lazy_property
     def link_surfaces(self) -> tuple[LinkSurface, ...]:
         """The links' collision geometry, loaded when first asked for. Raises URDFError."""
-        from handlcp.robot.link_surface import link_surfaces
-
         return link_surfaces(self.description)
 
     def posed(self, q: Array) -> Self:

@@ -17,6 +17,7 @@ from handlcp.errors import NoSolutionFound, Unsupported
 from handlcp.grasp.assembly.problem import AnyProblem, GraspContactProblem, solution_candidate, stamped_effects
 from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.derivatives.active_set import LinearLaws, active_rows
+from handlcp.grasp.derivatives.parameter.squeeze import MAX_SQUEEZE_SHARE
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solution.solution import Accuracy, GraspSolution
@@ -52,8 +53,7 @@ def _find_helpful_squeeze(spec: GraspSpec, section: Section) -> float | None:
     """The smallest squeeze that holds within the joints' torque limits, up to a fifth of the grasp's size [m]: of two
     digits, as it is said, where that holds, too.
     """
-    from handlcp.grasp.analysis.required_value import required_preload
-    from handlcp.grasp.derivatives.parameter.squeeze import MAX_SQUEEZE_SHARE
+    from handlcp.grasp.analysis.required_value import required_preload  # 40 ms that only advice pays
 
     least = required_preload(
         spec,
@@ -71,7 +71,7 @@ def _find_helpful_squeeze(spec: GraspSpec, section: Section) -> float | None:
 
 def _holds_within_limits(spec: GraspSpec, section: Section) -> bool:
     """Whether an equilibrium is found, and no joint is over its torque limit there."""
-    from handlcp.grasp.analysis.required_value import BRIEF_CHAIN
+    from handlcp.grasp.analysis.required_value import BRIEF_CHAIN  # as above
 
     found = solve_spec(spec, section, BRIEF_CHAIN)
     check = getattr(found, "torque_check", None)

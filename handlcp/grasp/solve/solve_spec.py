@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,8 +20,10 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solution.uniqueness import Uniqueness, find_uniqueness, free_branches, minimum_norm_candidate
 from handlcp.grasp.solve.compiled_answer import NO_START, CompiledAnswer, solve_scene, start_values
+from handlcp.grasp.solve.equilibrium_search import EquilibriumSearch, EquilibriumSearchResult
 from handlcp.grasp.verify.certifier import Certification, Residuals, certify_candidate, forces_in_world
 from handlcp.grasp.verify.contact_state import classify_contacts, state_names
+from handlcp.grasp.verify.load_capacity import escape_in_si, find_escape_twist
 from handlcp.lcp import (
     BRIEF_SEARCH_STAGE,
     FIRST_STAGE,
@@ -36,9 +38,6 @@ from handlcp.lcp import (
 )
 from handlcp.lcp.solve import AnySolver
 from handlcp.tolerances import FIXED_POINT_TOLERANCE
-
-if TYPE_CHECKING:
-    from handlcp.grasp.solve.equilibrium_search import EquilibriumSearch, EquilibriumSearchResult
 
 
 class CertifiedCandidate(NamedTuple):
@@ -272,8 +271,6 @@ def conclude_first_stage(spec: GraspSpec, scene: Scene, section: Section, found:
 
 def _refuse(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
     """NOT_HOLDABLE where that is proven, else UNDECIDED."""
-    from handlcp.grasp.verify.load_capacity import escape_in_si
-
     escape = found.escape
     trace = (*first_stage_trace(found), f"holdability: {_NO_PROOF_WORDS if escape is None else _PROOF_WORDS}")
     made = undecided_solution(spec, scene, section, found.residuals, found.iterations, trace)
@@ -290,8 +287,6 @@ def _run_all_stages(
     proof: bool,
 ) -> GraspSolution:
     """One stage after the other; `first` is the first one's proposal, where that is known."""
-    from handlcp.grasp.solve.equilibrium_search import EquilibriumSearch
-
     chain = as_chain(solver)
     # The chain works on friction as a set, whatever the section: pyramids cost no more than the cone
     problem = (assemble if chain is None else GraspContactProblem)(scene, section, stamped_effects(spec.effects))
@@ -363,8 +358,6 @@ class _StagedSolve:
 
     def prove_escape(self) -> bool:
         """Whether it is proven that nothing holds the object."""
-        from handlcp.grasp.verify.load_capacity import find_escape_twist
-
         self.escape = find_escape_twist(self.scene, self.problem.section)
         self.trace.append(f"holdability: {_NO_PROOF_WORDS if self.escape is None else _PROOF_WORDS}")
         return self.escape is not None
