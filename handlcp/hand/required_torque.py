@@ -12,7 +12,7 @@ from handlcp.actuation.joint_stiffness import Elasticity
 from handlcp.actuation.tendon_stiffness import TendonStiffness
 from handlcp.check import Array, Ints, read_only
 from handlcp.contact.friction import Section
-from handlcp.grasp.analysis.required_value import Required, check_tolerance, find_least as searched
+from handlcp.grasp.analysis.required_value import Required, check_tolerance, find_least
 from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.derivatives.active_set import solve_without_slip
 from handlcp.grasp.derivatives.parameter.stiffness import with_torque_limits
@@ -72,17 +72,18 @@ def _search_multiple(trials: GripTrials, force: Array, tolerance: float) -> tupl
     holds: the one that gets furthest.
     """
 
-    def at(factor: float) -> GripTrial:
+    def try_factor(factor: float) -> GripTrial:
         return trials(factor * force)
 
-    found = searched(
-        lambda x: at(x).is_held, 1.0, _MAX_GRIP_FACTOR, tolerance, too_much=lambda x: at(x).reached_share < 0.0
-    )
-    below = None if found.fails is None else at(found.fails)
+    def is_too_much(factor: float) -> bool:
+        return try_factor(factor).reached_share < 0.0
+
+    found = find_least(lambda x: try_factor(x).is_held, 1.0, _MAX_GRIP_FACTOR, tolerance, too_much=is_too_much)
+    below = None if found.fails is None else try_factor(found.fails)
     if found.value is None:
         assert below is not None  # the start was tried
         return below, None
-    return at(found.value), below
+    return try_factor(found.value), below
 
 
 def _vary_fingers(trials: GripTrials, best: GripTrial) -> GripTrial:

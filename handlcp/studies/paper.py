@@ -338,7 +338,7 @@ class Miss:
         return None if self.elastic is None else self.amount / self.elastic
 
     @property
-    def holds(self) -> bool:
+    def is_satisfied(self) -> bool:
         """Whether the equation is satisfied as far as the printed digits tell."""
         return self.amount <= self.allowed
 
@@ -407,7 +407,7 @@ class TableComparison:
         """For a golden table "reproduced" or "failed", for another "solution" or "not a solution"."""
         if self.table.golden:
             return "reproduced" if self.ok else "failed"
-        return "solution" if all(m.holds for m in self.misses) else "not a solution"
+        return "solution" if all(m.is_satisfied for m in self.misses) else "not a solution"
 
     @property
     def verdict(self) -> str:
@@ -415,7 +415,9 @@ class TableComparison:
         forces miss.
         """
         if not self.table.golden:
-            missed = [f"{m.equation} by {m} ({m.comment})".replace(" ()", "") for m in self.misses if not m.holds]
+            missed = [
+                f"{m.equation} by {m} ({m.comment})".replace(" ()", "") for m in self.misses if not m.is_satisfied
+            ]
             said = "not a solution of the paper's own model: misses " + "; ".join(missed)
             return said if missed else "the printed forces satisfy the paper's own equations"
         if wrong := [f"{r.column} {r.place}" for r in self.golden_rows if r.mark not in REPRODUCED]:
@@ -453,7 +455,7 @@ class TableComparison:
             "loose_motions = uniqueness.loose_motions",
         )
         row = "column", "place", "ours", "relative", "printed = printed.text"
-        miss = "equation", "amount", "holds", "comment", "share_of_largest_elastic_displacement = share"
+        miss = "equation", "amount", "holds = is_satisfied", "comment", "share_of_largest_elastic_displacement = share"
         found = {"golden": bool(self.table.golden), "ours": ours | {"what": self.ours}}
         found["rows"] = [
             pick_entries(r, *row) | {"difference": abs(r.ours) - r.printed.value, "mark": r.mark.name.lower()}

@@ -238,14 +238,14 @@ def answers_in_threads(batch: GraspBatch, kinds: list[BatchMembers], workers: in
     chain = as_chain(batch.solver)
     assert chain is not None or not kinds  # `kinds_of` saw to it
 
-    def solved(shard: BatchMembers) -> FirstStageAnswers:
+    def solve_shard(shard: BatchMembers) -> FirstStageAnswers:
         assert chain is not None
         kind = shard.kind
         return FirstStageAnswers(
             *shard, solve_scene_rows(_numbers(batch, shard), kind.pattern, kind.answer_width, chain.seed)
         )
 
-    yield from _in_threads(list(split_members(kinds, _GRASPS_PER_TASK)), solved, workers)
+    yield from _in_threads(list(split_members(kinds, _GRASPS_PER_TASK)), solve_shard, workers)
 
 
 def solve_rows(numbers: Array, kind: CompiledKind, workers: int) -> Array:
@@ -253,11 +253,11 @@ def solve_rows(numbers: Array, kind: CompiledKind, workers: int) -> Array:
     chain = as_chain(None)
     assert chain is not None
 
-    def solved(part: Array) -> Array:
+    def solve_part(part: Array) -> Array:
         return solve_scene_rows(part, kind.pattern, kind.answer_width, chain.seed)
 
     parts = [numbers[at : at + _GRASPS_PER_TASK] for at in range(0, len(numbers), _GRASPS_PER_TASK)]
-    return np.concatenate(list(_in_threads(parts, solved, workers)))
+    return np.concatenate(list(_in_threads(parts, solve_part, workers)))
 
 
 def _in_threads(parts: Sequence[P], solved: Callable[[P], R], workers: int) -> Iterator[R]:

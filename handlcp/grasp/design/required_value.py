@@ -300,12 +300,12 @@ def required_stiffness(spec: GraspSpec, section: Section, motion: Any, tolerance
     """Find the stiffness that keeps the object's motion within a bound, as `Grasp.required_stiffness` documents."""
     allowed, near = check_number("motion", motion, above=0.0), check_tolerance(tolerance)
 
-    def made(factor: float) -> GraspSpec:
+    def scale_stiffness(factor: float) -> GraspSpec:
         if (found := find_parameter("stiffness").scaled(spec, factor)) is None:
             raise InputError("flexibility", "that of joints, whose stiffness can be changed", "one that is not theirs")
         return found
 
-    changed, pads = ChangedGrasp(made, section), _pad_motion(spec)
+    changed, pads = ChangedGrasp(scale_stiffness, section), _pad_motion(spec)
 
     def enough(factor: float) -> bool:
         path = changed.path(factor)
@@ -318,7 +318,9 @@ def required_stiffness(spec: GraspSpec, section: Section, motion: Any, tolerance
     if (value := found.value) is not None:
         moved, below = _load_motion(changed.path(value)), found.fails
         short = "" if below is None else _why_short(changed.path(below))
-        return RequiredStiffness(value, below, allowed, moved, pads, verdict_word(made(value), section), short)
+        return RequiredStiffness(
+            value, below, allowed, moved, pads, verdict_word(scale_stiffness(value), section), short
+        )
     held = {x: path for x, path in changed.paths.items() if path.held and not _exceeded_joints(path)}
     moved = _load_motion(held[max(held)]) if held else np.nan
     return RequiredStiffness(None, None, allowed, moved, pads, "", _explain_failure(changed, held, allowed, pads))

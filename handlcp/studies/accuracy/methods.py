@@ -66,7 +66,7 @@ class Method:
         """Whether it has a tolerance."""
         return hasattr(self.solver, "tol")
 
-    def configured(self, tol: float, most: int, seed: int) -> Any:
+    def configure(self, tol: float, most: int, seed: int) -> Any:
         """The solver with those of the settings that it has."""
         settings = {"tol": tol, "max_iterations": most, "seed": seed}
         return replace(self.solver, **{name: x for name, x in settings.items() if hasattr(self.solver, name)})
@@ -99,7 +99,7 @@ class Setting:
     tolerance: float | None
 
     @property
-    def asked(self) -> int | str | Pyramid:
+    def faces_asked(self) -> int | str | Pyramid:
         """The argument `faces` of `grasp.problem` and `grasp.solve`. LCPs of scenes without pyramids ignore the 8."""
         if self.faces is not None:
             return Pyramid(self.faces, inscribed=self.section == "inscribed")
