@@ -7,7 +7,7 @@ called. A test holds that no class is missing.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -44,11 +44,11 @@ class Call(NamedTuple):
     given: Callable[[], dict[str, Any]]
 
     @property
-    def parameters(self) -> list[inspect.Parameter]:
+    def parameters(self):
         """All but the receiver."""
         return [p for p in inspect.signature(self.function).parameters.values() if p.name not in ("self", "cls")]
 
-    def prepare(self) -> None:
+    def prepare(self):
         """Make the receiver of a method, which takes its own time."""
         if isinstance(self.function, _Bound):
             receiver(self.function.kind)
@@ -301,7 +301,7 @@ MADE_BY_USERS = {
 }
 
 
-def calls() -> Iterator[Call]:
+def calls():
     """All of them, in order of their names."""
     for name in sorted(hl.__all__):
         value = getattr(hl, name)
@@ -311,7 +311,7 @@ def calls() -> Iterator[Call]:
             yield from _of_class(name, value)
 
 
-def _of_class(name: str, kind: type) -> Iterator[Call]:
+def _of_class(name, kind):
     if name in MADE_BY_USERS:
         yield Call(name, kind, GIVEN.get(name, dict))
     hooks = (*HOOKS.get(name, ()), *(_EFFECT if issubclass(kind, hl.grasp.Effect) else ()))
@@ -327,12 +327,12 @@ _EFFECT = tuple(name for name in dir(hl.grasp.Effect) if not name.startswith("_"
 class _Bound:
     """A method of the object that `MADE` has, made when it is called."""
 
-    def __init__(self, kind: str, method: str) -> None:
+    def __init__(self, kind, method):
         self.kind, self.method = kind, method
 
     @property
-    def __signature__(self) -> inspect.Signature:
+    def __signature__(self):
         return inspect.signature(getattr(getattr(hl, self.kind), self.method))
 
-    def __call__(self, *args: Any, **given: Any) -> Any:
+    def __call__(self, *args, **given):
         return getattr(receiver(self.kind), self.method)(*args, **given)

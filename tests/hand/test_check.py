@@ -18,9 +18,7 @@ BALL = hl.Sphere(0.035, (0.0, 0.0, 0.07), mass=0.3)
 CUBE = hl.Box(0.05, (0.0, 0.0, 0.08), mass=0.2)
 
 
-def lever(
-    write: Write, pull: float, torque_limit: float = 5.0, mu: float = MU, effects: tuple = (), **more: object
-) -> hl.HandGrasp:
+def lever(write, pull, torque_limit=5.0, mu=MU, effects=(), **more):
     """Two lever fingers that squeeze with 5 N, under a pull along their tips; friction holds up to 2 μ 5 N."""
     hand = lever_hand(write, torque_limits=torque_limit, **more)
     contacts = [
@@ -30,7 +28,7 @@ def lever(
     return hand.at([0.0, 0.0]).grasp(contacts, wrench=load, reference=(0, 0, L), preload=SQUEEZE, effects=effects)
 
 
-def five(stiffness: float, wrench: object = None) -> hl.HandGrasp:
+def five(stiffness, wrench=None):
     """The five-finger hand on a ball that is pulled out of it by its weight, closed by 1 mm."""
     hand = hl.example_hand("five_finger", joint_stiffness=stiffness)
     q = hand.close_on(BALL)

@@ -12,7 +12,7 @@ import pytest
 from handlcp import Contact, GraspStream
 from handlcp.errors import InputError, UnknownName
 from handlcp.geometry import Sphere
-from handlcp.hand import Hand, HandGrasp, example_hand
+from handlcp.hand import example_hand
 from handlcp.scene import read
 from tests.support import patches, texts
 from tests.support.grasp import arrays
@@ -27,7 +27,7 @@ EXACT = {"rtol": 1e-9, "atol": 1e-15}
 
 
 @pytest.mark.parametrize("faces", [4, 8, "cone"])
-def test_flexing_a_pinch_inwards_preloads_it(write: Writer, faces: int | str) -> None:
+def test_flexing_a_pinch_inwards_preloads_it(write, faces):
     """Either tip would go L δq inwards; the springs K behind lever L and the pads take that up: N = L δq / C."""
     s = lever_pinch(lever_hand(write), joint_offset=[0.1, 0.1]).solve(faces)
     np.testing.assert_allclose(s.normal_force, L * 0.1 / C, **EXACT)
@@ -36,21 +36,21 @@ def test_flexing_a_pinch_inwards_preloads_it(write: Writer, faces: int | str) ->
     np.testing.assert_allclose(s.object_displacement, [0, 0, -0.5 * PAD, 0, 0, 0], atol=1e-15)
 
 
-def test_outwards_it_opens_the_contacts(write: Writer) -> None:
+def test_outwards_it_opens_the_contacts(write):
     """The tips go away by L δq, and nothing holds the object."""
     grasp = lever_pinch(lever_hand(write), joint_offset=[-0.1, -0.1])
     np.testing.assert_allclose(grasp.offset, [[0, 0, 0.1 * L]] * 2, **EXACT)
     assert not grasp.solve(throw=False).held
 
 
-def test_one_joint_squeezes_both_and_moves_the_object(write: Writer) -> None:
+def test_one_joint_squeezes_both_and_moves_the_object(write):
     """N = L δq / (2 C) on both sides, and the object gives way to the finger that pushes, by C N."""
     s = lever_pinch(lever_hand(write), joint_offset={"left_joint": 0.1}).solve()
     np.testing.assert_allclose(s.normal_force, 0.5 * L * 0.1 / C, **EXACT)
     np.testing.assert_allclose(s.object_displacement[0], 0.5 * L * 0.1, **EXACT)
 
 
-def test_sideways_it_drags_the_object_along() -> None:
+def test_sideways_it_drags_the_object_along():
     """It has tangential parts, too: -J δq along all three axes, and the tips' own offset does the same."""
     five = example_hand("five_finger")
     state = five.at(five.close_on(BALL, squeeze=4e-3))
@@ -64,7 +64,7 @@ def test_sideways_it_drags_the_object_along() -> None:
     np.testing.assert_allclose(given.tip_offset, plain.offset, atol=1e-18)
 
 
-def test_to_first_order_it_is_the_overlap_of_the_posture_commanded() -> None:
+def test_to_first_order_it_is_the_overlap_of_the_posture_commanded():
     """Tips flexed further into a ball overlap it by more: by J δq along the normals, up to δq²."""
     five = example_hand("five_finger")
     state = five.at(five.close_on(BALL, squeeze=2e-3))
@@ -77,7 +77,7 @@ def test_to_first_order_it_is_the_overlap_of_the_posture_commanded() -> None:
     assert errors[1] < 0.3 * errors[0]
 
 
-def test_it_is_data_not_unknowns_and_explain_says_so(write: Writer) -> None:
+def test_it_is_data_not_unknowns_and_explain_says_so(write):
     hand = lever_hand(write)
     absent, given = lever_pinch(hand, preload=1e-3), lever_pinch(hand, preload=1e-3, joint_offset=[0.0, 0.1])
     assert given.effects == ()
@@ -94,14 +94,14 @@ def test_it_is_data_not_unknowns_and_explain_says_so(write: Writer) -> None:
 
 
 @pytest.mark.parametrize("nothing", [None, {}, [0.0, 0.0], {"left_joint": 0.0}])
-def test_none_changes_no_bit(write: Writer, nothing: object) -> None:
+def test_none_changes_no_bit(write, nothing):
     hand = lever_hand(write)
     a, b = lever_pinch(hand, preload=1e-3).problem(), lever_pinch(hand, preload=1e-3, joint_offset=nothing).problem()
     np.testing.assert_array_equal(a.scaled.M, b.scaled.M)
     np.testing.assert_array_equal(a.scaled.q, b.scaled.q)
 
 
-def test_virtual_work_of_what_the_motors_put_in(write: Writer) -> None:
+def test_virtual_work_of_what_the_motors_put_in(write):
     """Nothing slides: w·u = r·E r - τ·δq. What the command puts in is the torque's work on it."""
     command = np.array([0.12, 0.05])
     g = lever_pinch(lever_hand(write), joint_offset=command, force=(0.4, 0, -1.0))
@@ -111,7 +111,7 @@ def test_virtual_work_of_what_the_motors_put_in(write: Writer) -> None:
     assert load == pytest.approx(r @ arrays(g).flexibility @ r - s.torques @ command, rel=1e-9)
 
 
-def test_replacing_keeps_it_or_changes_it(write: Writer) -> None:
+def test_replacing_keeps_it_or_changes_it(write):
     hand = lever_hand(write)
     g = lever_pinch(hand, joint_offset=[0.1, 0.1])
     lifted = pickle.loads(pickle.dumps(g)).replace(wrench=(0, 0, -2, 0, 0, 0))
@@ -128,7 +128,7 @@ def test_replacing_keeps_it_or_changes_it(write: Writer) -> None:
     np.testing.assert_allclose(extra.value, 8 / (2 * 0.5) * C - 0.01 * L, rtol=1e-2)
 
 
-def test_a_stream_follows_it(five: Hand) -> None:
+def test_a_stream_follows_it(five):
     q = five.close_on(BALL, squeeze=3e-3)
     contacts = five.at(q).grasp(BALL).contacts
     rng = np.random.default_rng(0)
@@ -136,7 +136,7 @@ def test_a_stream_follows_it(five: Hand) -> None:
     command = rng.uniform(0.0, 0.02, five.nv)
     stream = GraspStream(five.at(q).grasp(contacts, joint_offset=command, **fixed))
 
-    def same(update: object, command: np.ndarray, posture: np.ndarray, **fixed: object) -> None:
+    def same(update, command, posture, **fixed):
         made = five.at(posture).grasp(contacts, joint_offset=command, **fixed)
         np.testing.assert_allclose(stream.grasp.offset, made.offset, atol=1e-17)
         np.testing.assert_allclose(update.forces, made.solve().forces, atol=1e-8)
@@ -154,17 +154,17 @@ def test_a_stream_follows_it(five: Hand) -> None:
     same(stream.update(q, joint_offset=np.zeros(five.nv)), np.zeros(five.nv), q, **fixed)
 
 
-def test_fingers_that_sag_are_commanded_too(five: Hand, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_fingers_that_sag_are_commanded_too(five, monkeypatch):
     """-J δq and J K⁻¹ g(q) both come on top of what is given; changes and streams keep both."""
     q = five.close_on(BALL, squeeze=3e-3)
     contacts = five.at(q).grasp(BALL).contacts
     fixed = {"wrench": (0, 0, -0.3, 0, 0, 0), "finger_weight": True}
     one, other = np.full((2, five.nv), 0.01) * [[1.0], [1.5]]
 
-    def made(posture: np.ndarray, command: np.ndarray | None, preload: float) -> HandGrasp:
+    def made(posture, command, preload):
         return five.at(posture).grasp(contacts, joint_offset=command, preload=preload, **fixed)
 
-    def same(grasp: HandGrasp, other: HandGrasp) -> None:
+    def same(grasp, other):
         np.testing.assert_allclose(grasp.offset, other.offset, atol=1e-17)
         np.testing.assert_allclose(grasp.tip_offset, other.tip_offset, atol=1e-17)
 
@@ -204,7 +204,7 @@ def test_fingers_that_sag_are_commanded_too(five: Hand, monkeypatch: pytest.Monk
         ({"thumb": 0.1}, UnknownName, "joint_offset"),
     ],
 )
-def test_bad_commands_are_named(write: Writer, bad: object, kind: type[InputError], argument: str) -> None:
+def test_bad_commands_are_named(write, bad, kind, argument):
     hand = lever_hand(write)
     with pytest.raises(kind) as e:
         lever_pinch(hand, joint_offset=bad)
@@ -222,7 +222,7 @@ joint_offset_rad = {{finger_1_distal = 0.1, finger_2_distal = 0.1}}
 """
 
 
-def test_a_scene_file_says_it_by_joint() -> None:
+def test_a_scene_file_says_it_by_joint():
     grasp = read(SCENE).build()
     hand = grasp.state.hand
     assert dict(zip(hand.joint_names, grasp.joint_offset.tolist(), strict=True))["finger_2_distal"] == 0.1
@@ -235,7 +235,7 @@ def test_a_scene_file_says_it_by_joint() -> None:
         read(contact)
 
 
-def test_in_a_plane_only_what_lies_in_it_counts() -> None:
+def test_in_a_plane_only_what_lies_in_it_counts():
     """A joint that moves the tips out of the plane squeezes nothing."""
     hand = example_hand("five_finger", joint_stiffness=5.0)
     state = hand.at(np.full(hand.nv, 0.4))

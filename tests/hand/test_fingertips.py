@@ -15,7 +15,7 @@ from tests.support.texts import says
 Writer = Callable[[str], Path]
 
 
-def finger(name: str, at: str, geometry: str = "", kind: str = "collision", more: str = "") -> str:
+def finger(name, at, geometry="", kind="collision", more=""):
     """Two links in a row along x, the second with some geometry, and joints about y."""
     limit = '<limit lower="-1" upper="1" effort="0.5" velocity="1"/>'
     shape = f"<{kind}>{geometry}</{kind}>" if geometry else ""
@@ -31,16 +31,16 @@ BOX = '<origin xyz="0.02 0 0"/><geometry><box size="0.04 0.012 0.01"/></geometry
 BALL_END = '<origin xyz="0.03 0.001 0"/><geometry><sphere radius="0.006"/></geometry>'
 
 
-def robot(*fingers: str) -> str:
+def robot(*fingers):
     """As text: a palm and fingers."""
     return f'<robot name="r"><link name="palm"/>{"".join(fingers)}</robot>'
 
 
-def two(geometry: str = "", kind: str = "collision", more: str = "") -> str:
+def two(geometry="", kind="collision", more=""):
     return robot(finger("f", "0 0 0.02", geometry, kind), finger("g", "0 0 -0.02", geometry, kind, more))
 
 
-def hand_of(text: str, tips: object = None, **more: object) -> hl.Hand:
+def hand_of(text, tips=None, **more):
     return hl.Hand.from_urdf(text, tips, joint_stiffness=1.0, **more)
 
 

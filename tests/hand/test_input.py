@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import os
 import xml.etree.ElementTree as ET
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
 import pytest
 
 import handlcp as hl
-from handlcp.errors import HandLCPError, InputError, UnknownName, URDFError
+from handlcp.errors import InputError, UnknownName, URDFError
 from handlcp.geometry import Sphere
 from handlcp.hand import Hand, example_hand
 from tests.support.hand import psyonic, urdf
@@ -75,18 +73,16 @@ INDEFINITE = np.eye(10) - 0.5 * np.ones((10, 10))
         ({"source": 7}, "source", InputError),
     ],
 )
-def test_bad_arguments_of_from_urdf_are_named(
-    arguments: dict[str, Any], argument: str, kind: type[HandLCPError]
-) -> None:
+def test_bad_arguments_of_from_urdf_are_named(arguments, argument, kind):
     """One broken argument a time; all are HandLCPError and ValueError."""
     call = {"source": urdf("five_finger"), "joint_stiffness": 1.0} | arguments
     with pytest.raises(kind) as caught:
         Hand.from_urdf(call.pop("source"), **call)
-    assert caught.value.argument == argument  # type: ignore[attr-defined]
+    assert caught.value.argument == argument
     assert isinstance(caught.value, ValueError)
 
 
-def test_unknown_names_list_the_valid_ones() -> None:
+def test_unknown_names_list_the_valid_ones():
     """Frames, joints, links and fingertips: the error shows what could have been meant."""
     with pytest.raises(UnknownName, match="finger_5_tip"):
         example_hand("five_finger", fingertips=["index_tip"])
@@ -111,14 +107,14 @@ def test_unknown_names_list_the_valid_ones() -> None:
         {f"finger_{i}_{k}": np.nan for i in range(1, 6) for k in ("proximal", "distal")},
     ],
 )
-def test_bad_postures_are_named(five: Hand, q: Any) -> None:
+def test_bad_postures_are_named(five, q):
     """Wrong size, not finite, no numbers, joints left out: InputError about q that lists the joints."""
     with pytest.raises(InputError, match="finger_1_proximal") as caught:
         five.at(q)
     assert caught.value.argument == "q"
 
 
-def test_fingertips_that_are_not_obvious_are_proposed() -> None:
+def test_fingertips_that_are_not_obvious_are_proposed():
     """A robot with two hands: which of its ten fingers are meant, nobody can know."""
     with pytest.raises(UnknownName, match="Left_index_anchor") as caught:
         Hand.from_urdf(psyonic()[0], joint_stiffness=1.0)
@@ -149,7 +145,7 @@ def test_fingertips_that_are_not_obvious_are_proposed() -> None:
         ),
     ],
 )
-def test_broken_urdfs_say_what_is_wrong(write: Callable[[str], Path], text: str, message: str, capfd: Any) -> None:
+def test_broken_urdfs_say_what_is_wrong(write, text, message, capfd):
     """The parser's own words reach the exception, and nothing leaks to stderr."""
     with pytest.raises(URDFError, match=message) as caught:
         Hand.from_urdf(write(text), joint_stiffness=1.0)
@@ -157,20 +153,20 @@ def test_broken_urdfs_say_what_is_wrong(write: Callable[[str], Path], text: str,
     assert capfd.readouterr().err == ""
 
 
-def test_a_joint_that_hardly_follows_narrows_no_range(write: Callable[[str], Path]) -> None:
+def test_a_joint_that_hardly_follows_narrows_no_range(write):
     """Its own limits divided by next to nothing are none."""
     hand = Hand.from_urdf(write(MIMIC.replace('multiplier="0.7"', 'multiplier="5e-324"')), joint_stiffness=1.0)
     assert np.isfinite(hand.at(hand.neutral).flexibility).all()
 
 
 @pytest.mark.parametrize("name", [np.zeros(2), ["five_finger"], None, 3])
-def test_example_hands_have_names(name: Any) -> None:
+def test_example_hands_have_names(name):
     with pytest.raises(UnknownName, match="five_finger") as caught:
         example_hand(name)
     assert caught.value.argument == "name"
 
 
-def test_binary_rubbish_is_no_urdf(tmp_path: Path) -> None:
+def test_binary_rubbish_is_no_urdf(tmp_path):
     """A file that is no text at all."""
     path = tmp_path / "noise.urdf"
     path.write_bytes(os.urandom(200))
@@ -178,7 +174,7 @@ def test_binary_rubbish_is_no_urdf(tmp_path: Path) -> None:
         Hand.from_urdf(path, joint_stiffness=1.0)
 
 
-def test_tips_without_geometry_ask_for_a_radius(write: Callable[[str], Path], five: Hand) -> None:
+def test_tips_without_geometry_ask_for_a_radius(write, five):
     """No collision geometry, or a Pinocchio model: tip_radius is asked for, once contacts are detected."""
     for source in (write(MIMIC), five.model):
         hand = Hand.from_urdf(source, joint_stiffness=1.0)
@@ -188,7 +184,7 @@ def test_tips_without_geometry_ask_for_a_radius(write: Callable[[str], Path], fi
         assert caught.value.argument == "tip_radius"
 
 
-def test_meshes_that_are_not_found_are_named(write: Callable[[str], Path]) -> None:
+def test_meshes_that_are_not_found_are_named(write):
     """A package:// address that leads nowhere: the address and the folders that were tried."""
     mesh = '<link name="d_tip"><collision><geometry><mesh filename="package://here/not.stl"/></geometry></collision></link>'
     path = write(MIMIC.replace('<link name="d_tip"/>', mesh))
@@ -198,7 +194,7 @@ def test_meshes_that_are_not_found_are_named(write: Callable[[str], Path]) -> No
     assert caught.value.argument == "package_dirs"
 
 
-def test_a_model_cannot_be_cut(five: Hand) -> None:
+def test_a_model_cannot_be_cut(five):
     """`base` is for files; joints of several degrees of freedom are refused in models too."""
     with pytest.raises(InputError) as caught:
         Hand.from_urdf(five.model, joint_stiffness=1.0, base="palm")
@@ -207,7 +203,7 @@ def test_a_model_cannot_be_cut(five: Hand) -> None:
         Hand.from_urdf(pin.buildSampleModelHumanoid(), ["larm6_joint"], joint_stiffness=1.0)
 
 
-def test_the_error_channel_is_given_back(five: Hand, write: Callable[[str], Path], capfd: Any) -> None:
+def test_the_error_channel_is_given_back(five, write, capfd):
     """After a failed parse, stderr works as before."""
     with pytest.raises(URDFError):
         Hand.from_urdf(write("<robot name='r'/>"), joint_stiffness=1.0)

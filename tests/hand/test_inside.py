@@ -27,19 +27,19 @@ ONE_LINK = """
 BOX_STL = "solid box\n{}endsolid box\n"
 
 
-def one_link(write: Write, shape: str, origin: str = "") -> hl.Hand:
+def one_link(write, shape, origin=""):
     """A link at the origin, its tip far away."""
     file = write(ONE_LINK.format(shape=shape, origin=origin))
     return hl.Hand.from_urdf(file, joint_stiffness=1.0, tip_radius=0.008)
 
 
-def depth(hand: hl.Hand, obj: hl.hand.Object, q: float = 0.0) -> float:
+def depth(hand, obj, q=0.0):
     """Of the one link in the object, none of whose fingertips is meant to touch it."""
     found = find_penetrating_links(hand.at([q]), obj, ())
     return found[0].depth if found else 0.0
 
 
-def box_mesh(file: pathlib.Path, size: tuple[float, float, float]) -> pathlib.Path:
+def box_mesh(file, size):
     """A box of twelve triangles."""
     x, y, z = np.array(size) / 2
     corners = np.array([[a, b, c] for a in (-x, x) for b in (-y, y) for c in (-z, z)])

@@ -381,7 +381,7 @@ def test_friction_of_a_link_stays_when_a_grasp_is_made_again():
 
 
 @pytest.mark.long
-def test_a_scene_that_is_its_own_mirror_image_holds_as_much_both_ways_and_check_agrees() -> None:
+def test_a_scene_that_is_its_own_mirror_image_holds_as_much_both_ways_and_check_agrees():
     """A snap of 1.5 mm under 0.2 kg hid in the shortest step after one that only the flow had found."""
     hand = example_hand("three_finger", joint_stiffness=6.0)
     box = Box(0.05, placement=(0.0, 0.0, 0.03), mass=0.3)

@@ -225,5 +225,5 @@ def test_any_finds_both_kinds_the_best_first_and_held(hand, found):
     assert both[0].held_force == pytest.approx(found[0].held_force)
 
 
-def test_where_no_torque_closes_the_hand_no_grasp_is_found_and_no_search_ends_with_an_error(hand: hl.Hand) -> None:
+def test_where_no_torque_closes_the_hand_no_grasp_is_found_and_no_search_ends_with_an_error(hand):
     assert not hl.find_grasp(hand, hl.Sphere(BALL, mass=0.2), kind="power", tries=4, closing_torque=0.0, throw=False)

@@ -16,7 +16,7 @@ N /= np.linalg.norm(N, axis=1)[:, None]
 CLOUD = RNG.standard_normal((40, 3)) * (0.02, 0.03, 0.05)
 
 
-def _hull() -> coal.Convex:
+def _hull():
     hull = ConvexHull(CLOUD)
     points, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
     for point in CLOUD:

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.hand import Hand, example_hand
+from handlcp.hand import example_hand
 from tests.support.grasp import arrays
 
 BALL = hl.Sphere(0.03, placement=(0, 0, 0.085), mass=0.2)
 
 
 @pytest.fixture(scope="module")
-def five() -> Hand:
+def five():
     """The five-finger hand with springs that let it hold the ball."""
     return example_hand("five_finger", joint_stiffness=5.0)
 
@@ -57,7 +57,7 @@ def same(update, solution):
 
 
 @pytest.mark.parametrize("faces", [8, "cone"])
-def test_a_stream_follows_posture_and_load(five: Hand, faces):
+def test_a_stream_follows_posture_and_load(five, faces):
     q, load, grasp = followed(five)
     stream, states, last, fallen = hl.GraspStream(grasp(q, load), faces), set(), None, 0
     for posture, wrench in walk(q, load, 60, pull=3.0):
@@ -111,7 +111,7 @@ def test_mimic_joints_and_some_of_the_fingers():
     np.testing.assert_allclose(arrays(stream.grasp).flexibility, arrays(other).flexibility, atol=1e-15)
 
 
-def test_contacts_that_roll(five: Hand):
+def test_contacts_that_roll(five):
     q, load, grasp = followed(five)
     g = grasp(q, load)
     stream = hl.GraspStream(g)
@@ -128,7 +128,7 @@ def test_contacts_that_roll(five: Hand):
     assert [c.position.tolist() for c in stream.grasp.contacts] == positions.tolist()
 
 
-def test_what_cannot_be_held_is_undecided_and_then_held_again(five: Hand):
+def test_what_cannot_be_held_is_undecided_and_then_held_again(five):
     q, load, grasp = followed(five)
     stream = hl.GraspStream(grasp(q, load))
     first = stream.update()
@@ -153,7 +153,7 @@ def test_a_grasp_without_a_hand_is_followed_under_its_load():
         stream.update([0.0])
 
 
-def test_readings_of_the_fingertips_lead_to_the_load_online(five: Hand):
+def test_readings_of_the_fingertips_lead_to_the_load_online(five):
     """The paper's online use: the world pulls, sensors read, the model follows."""
     q, load, grasp = followed(five)
     stream = hl.GraspStream(grasp(q, load))
@@ -174,7 +174,7 @@ def test_readings_of_the_fingertips_lead_to_the_load_online(five: Hand):
         ("frames", {"frames": np.zeros((5, 3, 3))}),
     ],
 )
-def test_a_refused_change_changes_nothing(five: Hand, argument, change):
+def test_a_refused_change_changes_nothing(five, argument, change):
     q, load, grasp = followed(five)
     stream = hl.GraspStream(grasp(q, load))
     before = stream.update().forces
@@ -185,7 +185,7 @@ def test_a_refused_change_changes_nothing(five: Hand, argument, change):
 
 
 @pytest.mark.parametrize("twin", [copy.copy, copy.deepcopy, lambda s: pickle.loads(pickle.dumps(s))])
-def test_copies_share_nothing_and_go_on_from_where_it_is(five: Hand, twin):
+def test_copies_share_nothing_and_go_on_from_where_it_is(five, twin):
     q, load, grasp = followed(five)
     stream = hl.GraspStream(grasp(q, load), "cone")
     stream.update(q + 0.01, wrench=load * 1.2)
@@ -196,7 +196,7 @@ def test_copies_share_nothing_and_go_on_from_where_it_is(five: Hand, twin):
     same(stream.update(), grasp(q + 0.01, load * 1.2).solve("cone"))
 
 
-def test_a_single_solve_may_start_at_an_update(five: Hand):
+def test_a_single_solve_may_start_at_an_update(five):
     q, load, grasp = followed(five)
     g = grasp(q, load)
     update = hl.GraspStream(g).update()
@@ -212,7 +212,7 @@ def test_effects_asked_for_by_name_are_refused():
         hl.GraspStream(contacts)
 
 
-def test_updates_keep_no_memory(five: Hand):
+def test_updates_keep_no_memory(five):
     q, load, grasp = followed(five)
     stream = hl.GraspStream(grasp(q, load))
     moves = list(walk(q, load, 20, size=1e-3))

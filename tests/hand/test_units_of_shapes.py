@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,7 +20,7 @@ HAND = """<robot name="mm"><link name="palm"/><link name="l">{tip}</link><link n
 BOX = hl.Box(0.05, (0, 0, 0.03), mass=0.1)
 
 
-def stl() -> str:
+def stl():
     facets = "".join(
         "facet normal 0 0 0 outer loop " + " ".join(f"vertex {x:g} {y:g} {z:g}" for x, y, z in CORNERS[list(face)])
         + " endloop endfacet\n" for face in FACES
@@ -29,7 +28,7 @@ def stl() -> str:
     return f"solid tip\n{facets}endsolid tip\n"
 
 
-def dae(unit: str, axis: str = "Z_UP") -> str:
+def dae(unit, axis="Z_UP"):
     numbers, faces = " ".join(f"{x:g}" for x in CORNERS.ravel()), " ".join(str(k) for face in FACES for k in face)
     return f"""<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset>{unit}<up_axis>{axis}</up_axis></asset><library_geometries><geometry id="g"><mesh><source id="p">
@@ -41,14 +40,14 @@ def dae(unit: str, axis: str = "Z_UP") -> str:
 </library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
 
 
-def written(folder: Path, shape: str) -> Path:
+def written(folder, shape):
     (folder / "tip.stl").write_text(stl())
     file = folder / "hand.urdf"
     file.write_text(HAND.format(tip=TIP.format(shape)))
     return file
 
 
-def corners(file: Path, link: str = "l") -> np.ndarray:
+def corners(file, link="l"):
     """Of the mesh of a link, in its collision's axes [m]."""
     hand = hl.Hand.from_urdf(file, ["l", "r"], joint_stiffness=3.0)
     (part,) = (p for p in hand.description.load_shapes("collision") if hand.model.frames[p.frame].name == link)

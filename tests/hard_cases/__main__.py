@@ -10,7 +10,7 @@ import tests.hard_cases as here
 from tests.hard_cases.scenes import FACES, examine
 
 
-def main(count: int) -> None:
+def main(count):
     """Print the table, and below it the name of every case that is undecided or wrong."""
     print(f"{'family':34s}" + "".join(f"{f:>16}" for f in FACES) + "    (answered / undecided / wrong)")
     trouble = []

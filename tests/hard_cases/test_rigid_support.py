@@ -32,7 +32,7 @@ def _family(tag, least, most, rolls, supports):
     return cases
 
 
-def _corners(rng, m) -> np.ndarray:
+def _corners(rng, m):
     """(m, 3) corners of a rectangle one below the origin, or the point below it."""
     if m == 1:
         return np.array([[0.0, 0.0, -1.0]])
