@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import handlcp as hl
 from handlcp.hand import Hand
 
-Writer = Callable[[str], Path]
 L, R = 0.08, 0.005  # m: the lever, and the radius of the tips of its fork, which hold a box of 20 mm
 A, B, LEAN = 0.03, 0.05, 0.4  # m, m, rad: from the hinge to the ends of the string, and to where that is straight
 T, KT = 60.0, 200.0  # N, N/m

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -14,7 +11,6 @@ from handlcp.hand import Hand
 
 from .levers import PAD, L, lever_hand, lever_pinch
 
-Writer = Callable[[str], Path]
 ARM, KT, OWN, GRIP = 0.01, 6e4, 4.0, 0.25  # m, N/m, N·m/rad, μθ
 SHUT, PULL = 0.05, 12.0  # rad commanded; N on the object
 K, LESS, MORE = OWN + KT * ARM**2, np.exp(-GRIP), np.exp(GRIP)

@@ -149,13 +149,6 @@ def test_friction_and_ranges_of_tendons_are_left_out_and_said():
     assert not [d for d in hl.Hand.from_mjcf(text, TIPS).audit() if "of tendons (" in d.what]
 
 
-def test_a_spring_of_a_tendon_is_left_out_and_said():
-    text = twenty_text(winches(), f' stiffness="{OWN}"')
-    sprung = text.replace('<spatial name="long flexor 0"', '<spatial stiffness="200" name="long flexor 0"')
-    (doubt,) = about(hl.Hand.from_mjcf(sprung, TIPS), "a spring of its own of 200")
-    assert doubt.severity == "minor"
-
-
 def test_springs_that_take_much_of_what_tendons_bear_are_doubted():
     """Return springs that are at rest with the fingers open pull with 0.5 N·m/rad times 1 rad in the middle."""
     joints, words = f' stiffness="{OWN}" springref="-0.6"', 'forcerange="0 {}"'

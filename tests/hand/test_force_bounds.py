@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,8 +12,6 @@ from tests.support.texts import says
 
 from .levers import MU, L, lever_hand, lever_pinch
 
-Writer = Callable[[str], Path]
-KEY = "hand/test_force_bounds"
 BOX = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
 
 

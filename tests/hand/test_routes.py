@@ -9,7 +9,7 @@ import pinocchio as pin
 import pytest
 
 from handlcp.actuation import Around, Pulley, Route, Site
-from handlcp.errors import InputError, UnknownName, Unsupported
+from handlcp.errors import InputError, UnknownName
 from handlcp.hand import Hand
 from tests.support.routes import read_routes
 
@@ -65,16 +65,6 @@ def test_the_arm_of_a_straight_cable_is_its_distance_from_the_axis(chains, angle
     assert path.angles.shape == (0,)
 
 
-def test_pulling_turns_a_joint_to_larger_angles_where_the_arm_is_positive(chains):
-    """A cable on the side of +x of a finger that stands along z bends it to +x, which is a positive angle about y."""
-    path = (
-        Route([Site("palm", (0.0, 0, -0.01)), Site("left_1", (0.01, 0, 0.02))])
-        .bound(chains.kinematics)
-        .at(left(chains))
-    )
-    assert arm_of(chains, path, "left_root") == pytest.approx(0.01)
-
-
 R = 0.006
 
 
@@ -100,15 +90,6 @@ def test_a_cable_leaves_a_pulley_that_is_not_in_its_way(chains):
     assert len(path.pieces) == 1
     assert path.length == pytest.approx(np.linalg.norm(path.pieces[0].end - path.pieces[0].start), abs=1e-15)
     assert abs(arm_of(chains, path, "left_root")) > R
-
-
-def test_a_side_keeps_the_cable_there_over_more_than_half_a_turn(chains):
-    """The arm stays the radius while the angle passes π."""
-    bound = on_pulley(0.01).bound(chains.kinematics)
-    for angle in (3.0, 3.2, 3.6):
-        path = bound.at(left(chains, angle))
-        assert path.angles == pytest.approx([angle], abs=1e-14)
-        assert arm_of(chains, path, "left_root") == pytest.approx(-R, abs=1e-15)
 
 
 def test_without_a_side_the_cable_goes_round_where_that_is_shorter(chains):
@@ -152,17 +133,6 @@ def test_a_ball_through_whose_centre_the_line_goes(chains):
             assert path.pieces[0].end[1] > 0.0
 
 
-def test_a_differential_shares_its_length_between_its_branches(chains):
-    """Two branches at a pulley of 2: half of the length and of the arms of either cable."""
-    cable = {n: [Site("palm", (0, 0, -0.01)), Site(f"{n}_1", (0, 0, 0.02))] for n in ("left", "right")}
-    q = left(chains, 0.3)
-    single = [Route(places).bound(chains.kinematics).at(q) for places in cable.values()]
-    both = Route([Pulley(2), *cable["left"], Pulley(2), *cable["right"]]).bound(chains.kinematics).at(q)
-    assert both.length == pytest.approx((single[0].length + single[1].length) / 2, abs=1e-16)
-    np.testing.assert_allclose(both.arms, (single[0].arms + single[1].arms) / 2, atol=1e-17)
-    assert [piece.leg for piece in both.pieces] == [0, 1]
-
-
 def test_a_placement_is_one_however_it_is_said(chains):
     """A pin.SE3 whose z is the axis, and a point with the axis."""
     first, body, last = on_pulley().places
@@ -172,19 +142,6 @@ def test_a_placement_is_one_however_it_is_said(chains):
     ours, theirs = (route.bound(chains.kinematics).at(q) for route in (on_pulley(), other))
     assert ours.length == pytest.approx(theirs.length, abs=1e-16)
     np.testing.assert_allclose(ours.arms, theirs.arms, atol=1e-16)
-
-
-def test_how_arms_change_is_the_second_derivative(chains):
-    """Straight over one hinge: L = √(a² + b² - 2ab cos(γ - q)) differentiated twice by hand; zero on a pulley."""
-    a, b, gamma = 0.02, 0.03, np.pi / 2
-    route = Route([Site("palm", (-0.01 + a, 0, 0)), Site("left_1", (0, 0, b))])
-    q = 0.4
-    s, c = np.sin(gamma - q), np.cos(gamma - q)
-    L = np.sqrt(a**2 + b**2 - 2 * a * b * c)
-    second = a * b * c / L - (a * b * s) ** 2 / L**3
-    i = chains.joint_names.index("left_root")
-    assert route.bound(chains.kinematics).slope(left(chains, q))[i, i] == pytest.approx(-second, rel=1e-7)
-    assert abs(on_pulley().bound(chains.kinematics).slope(left(chains, q))).max() < 1e-9
 
 
 # ---------------------------------------------------------------- against MuJoCo
@@ -273,7 +230,7 @@ def arms_of_mujoco(mujoco, model, data):
 
 @pytest.mark.parametrize(("write_hand", "tip", "n"), HANDS)
 def test_lengths_and_arms_are_those_of_mujoco(write_hand, tip, n):
-    """In 200 postures to 1e-9; at least as many wraps as there are tendons touch in some of them and not in others."""
+    """In 100 postures to 1e-9; at least as many wraps as there are tendons touch in some of them and not in others."""
     mujoco = pytest.importorskip("mujoco")
     text = write_hand()
     model = mujoco.MjModel.from_xml_string(text)
@@ -284,7 +241,7 @@ def test_lengths_and_arms_are_those_of_mujoco(write_hand, tip, n):
     bounds = [(model.tendon(name).id, route.bound(hand.kinematics, name)) for name, route in read.items()]
     dofs = [int(model.jnt_dofadr[model.joint(name).id]) for name in hand.joint_names]
     touched = []
-    for q in postures(hand, 200):
+    for q in postures(hand, 100):
         data.qpos[dofs] = q
         mujoco.mj_fwdPosition(model, data)
         arms = arms_of_mujoco(mujoco, model, data)[:, dofs]
@@ -307,7 +264,7 @@ def test_a_side_chooses_the_way_that_mujoco_chooses(chains):
           <geom name="g" type="{shape}" size="0.01 0.02"/><body><joint/><geom size="0.01"/></body></worldbody>
           <tendon><spatial><site site="a"/><geom geom="g" sidesite="s"/><site site="b"/></spatial></tendon></mujoco>""")
         data = mujoco.MjData(model)
-        for _ in range(300):
+        for _ in range(150):
             angles, away = rng.uniform(-np.pi, np.pi, 3), rng.uniform(0.0101, 0.04, 3)
             points = np.array([away * np.cos(angles), away * np.sin(angles), rng.uniform(-0.01, 0.01, 3)]).T
             model.site_pos[:] = points
@@ -317,7 +274,7 @@ def test_a_side_chooses_the_way_that_mujoco_chooses(chains):
             path = route.bound(chains.kinematics).at(left(chains))
             assert path.length == pytest.approx(data.ten_length[0], abs=1e-9)
             more_than_half += path.angles[0] > np.pi
-    assert more_than_half > 10
+    assert more_than_half > 5
 
 
 # ---------------------------------------------------------------- differences
@@ -376,32 +333,19 @@ BALL = Around("palm", (0, 0, 0.1), 0.01, "sphere")
     ("make", "named"),
     [
         (lambda: Site("palm", (0, 0)), r"Site.point: expected metres in the link's frame of shape .3,., got shape"),
-        (lambda: Site(3, (0, 0, 0)), "Site.link: expected the name of a link, got 3"),
         (lambda: Around("palm", (0, 0, 0), 0.0, "sphere"), "Around.radius: expected a finite number > 0"),
         (lambda: Around("palm", (0, 0, 0), 0.01), "Around.placement: expected a pin.SE3"),
-        (lambda: Around("palm", ((0, 0, 0), (0, 0, 2)), 0.01), "Around.placement.1.: expected a unit vector"),
         (lambda: Around("palm", (0, 0, 0), 0.01, "cone"), 'Around.shape: expected "cylinder" or "sphere", got'),
         (lambda: Around("palm", ((0, 0, 0), Y), 0.01, side=(0, 1, 0)), "Around.side: expected a point beside the axis"),
         (lambda: Pulley(-1), "Pulley.divisor: expected a finite number > 0"),
-        (lambda: Route(SITE), "Route.places: expected a sequence of Site, Around and Pulley"),
-        (lambda: Route([]), "Route.places: expected a sequence"),
         (lambda: Route([SITE]), r"Route.places\[0\]: expected a branch of at least two Sites"),
-        (lambda: Route([SITE, SITE, Pulley(2), SITE]), r"Route.places\[3\]: expected a branch of at least two Sites"),
         (lambda: Route([SITE, BALL]), r"Route.places\[1\]: expected an Around between two Sites, got Site before"),
-        (lambda: Route([BALL, SITE]), r"Route.places\[0\]: expected an Around between two Sites, got nothing before"),
-        (lambda: Route([SITE, BALL, BALL, SITE]), r"Route.places\[1\]: expected an Around between two Sites"),
         (lambda: Route([SITE, SITE, Pulley(2)]), r"Route.places\[2\]: expected a Pulley that a Site follows"),
     ],
 )
 def test_what_is_no_route_is_refused_by_name(make, named):
     with pytest.raises(InputError, match=named):
         make()
-
-
-def test_a_side_inside_the_body_is_not_supported():
-    for shape, at in (("sphere", (0, 0, 0)), ("cylinder", ((0, 0, 0), Y))):
-        with pytest.raises(Unsupported, match=f"inside the {shape}"):
-            Around("palm", at, 0.01, shape, side=(0.003, 0, 0))
 
 
 def test_a_link_that_is_not_there_is_named(chains):

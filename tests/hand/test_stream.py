@@ -60,7 +60,7 @@ def same(update, solution):
 def test_a_stream_follows_posture_and_load(five, faces):
     q, load, grasp = followed(five)
     stream, states, last, fallen = hl.GraspStream(grasp(q, load), faces), set(), None, 0
-    for posture, wrench in walk(q, load, 60, pull=3.0):
+    for posture, wrench in walk(q, load, 40, pull=3.0):
         # Where friction allows several equilibria, the start says which one comes out
         solution = grasp(posture, wrench).solve(faces, QUICK, throw=False, start=last)
         update = stream.update(posture, wrench=wrench)
@@ -71,7 +71,7 @@ def test_a_stream_follows_posture_and_load(five, faces):
         states |= set(update.contact_state)
         last = solution
     assert {"sticking", "sliding"} <= states
-    assert fallen < 20
+    assert fallen < 14
 
 
 @pytest.mark.parametrize("pads", [1e-4, (3e-4, 2e-4, 1e-4)], ids=["isotropic pads", "anisotropic pads"])
@@ -93,22 +93,6 @@ def test_flexibility_and_jacobian_are_the_hands_with_tendons_pads_and_weight(pad
         assert abs(made.gravity_torque).max() > 1e-3
         same(stream.update(), made.solve(throw=False))
         np.testing.assert_allclose(now.solve().torques, made.solve().torques, atol=1e-9)
-
-
-def test_mimic_joints_and_some_of_the_fingers():
-    hand = example_hand("psyonic")
-    rng = np.random.default_rng(3)
-    tips = hand.fingertips[1:4]
-    state = hand.at(hand.neutral)
-    p = state.tip_positions[1:4]
-    contacts = [hl.Contact(x, z / np.linalg.norm(z)) for x, z in zip(p, rng.normal(size=(3, 3)), strict=True)]
-    g = state.grasp(contacts, fingers=tips, wrench=(0, 0, -0.1, 0, 0, 0), preload=1e-3)
-    stream = hl.GraspStream(g)
-    q = hand.neutral + 0.05
-    stream.update(q)
-    other = hand.at(q).grasp(contacts, fingers=tips)
-    np.testing.assert_allclose(stream.grasp.jacobian, other.jacobian, atol=1e-15)
-    np.testing.assert_allclose(arrays(stream.grasp).flexibility, arrays(other).flexibility, atol=1e-15)
 
 
 def test_contacts_that_roll(five):
@@ -167,8 +151,6 @@ def test_readings_of_the_fingertips_lead_to_the_load_online(five):
     ("argument", "change"),
     [
         ("q", {"q": [0.0, 1.0]}),
-        ("q", {"q": np.full(10, np.nan)}),
-        ("wrench", {"wrench": np.zeros(5)}),
         ("offset", {"offset": np.zeros(15)}),
         ("positions", {"positions": np.zeros((4, 3))}),
         ("frames", {"frames": np.zeros((5, 3, 3))}),
@@ -184,7 +166,7 @@ def test_a_refused_change_changes_nothing(five, argument, change):
     np.testing.assert_array_equal(stream.update().forces, before)
 
 
-@pytest.mark.parametrize("twin", [copy.copy, copy.deepcopy, lambda s: pickle.loads(pickle.dumps(s))])
+@pytest.mark.parametrize("twin", [copy.copy, lambda s: pickle.loads(pickle.dumps(s))])
 def test_copies_share_nothing_and_go_on_from_where_it_is(five, twin):
     q, load, grasp = followed(five)
     stream = hl.GraspStream(grasp(q, load), "cone")
@@ -194,13 +176,6 @@ def test_copies_share_nothing_and_go_on_from_where_it_is(five, twin):
     moved = other.update(q - 0.01, wrench=load * 0.5)
     same(moved, grasp(q - 0.01, load * 0.5).solve("cone"))
     same(stream.update(), grasp(q + 0.01, load * 1.2).solve("cone"))
-
-
-def test_a_single_solve_may_start_at_an_update(five):
-    q, load, grasp = followed(five)
-    g = grasp(q, load)
-    update = hl.GraspStream(g).update()
-    np.testing.assert_allclose(g.solve(start=update).forces, g.solve().forces, rtol=1e-9)
 
 
 def test_effects_asked_for_by_name_are_refused():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +18,6 @@ from tests.support.hand import tendons_of
 from .levers import L, lever_hand, lever_pinch
 from .test_slack_tendons import ARM, ARMS, ASIDE, BOTH, KT, ONE, OWN, PRESSED, PULL, SHUT, along, pinch
 
-Writer = Callable[[str], Path]
 ROOT = Path(__file__).parents[2]
 CLOSED = (PRESSED * L + OWN * (SHUT - PRESSED * L / BOTH)) / ARM  # N of a flexor once the hand has closed
 THERMAL = 20.0  # s
@@ -115,24 +113,7 @@ def test_a_tendon_that_breaks_lasts_no_longer_for_its_motor(write):
     assert not verdict.about("overheats")
 
 
-def test_a_verdict_says_which_tension_is_the_limit(write):
-    for more, word in (({}, "continuous"), ({"holding": 3.0 * CLOSED}, "holding")):
-        (note,) = pinch(write, motors=motor(1.5 * CLOSED, 2.0 * CLOSED, **more)).check().about("tension")
-        assert note.sentence.endswith(f"N {word}")
-
-
 # ---------------------------------------------------------------- what is said of it
-def test_a_hand_says_what_its_tendons_hold_and_close_with(write):
-    tendons = hl.Tendons(ARMS, KT, OWN, limits={"right_flexor": 9.0}, motors={"left_flexor": motor(10.0, 30.0)})
-    said = lever_hand(write, joint_stiffness=tendons).describe()
-    assert [(row.name, row.arms) for row in said.tendons] == list(ARMS.items())
-    found = {row["name"]: (row["tension_limit_N"], row["closes_N"]) for row in said.to_dict()["tendons"]}
-    assert found["right_flexor"] == (9.0, None)
-    assert found["left_extensor"] == (None, None)
-    np.testing.assert_allclose(found["left_flexor"], (10.0, 30.0))
-    assert "left_flexor: left_joint by 10 mm; at most 10 N for good; closes with 30 N" in str(said)
-    assert "tension limit of left_flexor: its motor, continuous torque" in str(said)
-    assert not lever_hand(write).describe().tendons
 
 
 @pytest.mark.long
@@ -182,8 +163,6 @@ def test_a_scene_file_says_motors_of_tendons():
     ("table", "key"),
     [
         (f"[hand.tendons.motor]\n{MOTOR}".replace("0.05", "0.001"), "hand.tendons.motor.peak_Nm"),
-        (f"[hand.tendons.motors.lift]\n{MOTOR}holding_N = 1\n", "hand.tendons.motors.lift.holding_N"),
-        (f"[hand.tendons.motors.push]\n{MOTOR}", "hand.tendons.motors"),
         (f"[hand.tendons.motor]\n{MOTOR}\n[hand.tendons.motors.lift]\n{MOTOR}", "hand.tendons.motors"),
         (f"[hand.tendons.motor]\n{MOTOR}stiffness_Nm_per_rad = 3\n", "hand.tendons.motor.stiffness_Nm_per_rad"),
         (f"[hand.tendons.motor]\n{MOTOR}".replace("reduction_N_per_Nm", "reduction"),
@@ -198,28 +177,14 @@ def test_what_is_wrong_in_a_scene_file_is_named_by_its_key(table, key):
     assert refused.value.argument == key
 
 
-@pytest.mark.parametrize(
-    ("more", "words"),
-    [
-        (f"{MOTOR}friction_Nm = 3\n", r"the keys \[continuous_Nm, .*, friction_N\].*did you mean 'friction_N'"),
-        ("reduction_N_per_Nm = 4\n", "continuous_Nm: expected a number > 0"),
-    ],
-)
-def test_a_table_of_one_tendon_s_motor_has_the_keys_of_that_of_all(more, words):
-    with pytest.raises(InputError, match=words):
-        read(scene(f"[hand.tendons.motors.lift]\n{more}"))
-
-
 # ---------------------------------------------------------------- bad input
 @pytest.mark.parametrize(
     ("more", "error", "words"),
     [
         ({"motors": {"thumb": motor(1.0, 2.0)}}, UnknownName, r"Tendons.motors.*thumb"),
-        ({"motors": 3.0}, InputError, "Tendons.motors: expected a Motor for every tendon, or a mapping of tendon"),
         ({"motors": {"left_flexor": 3.0}}, InputError, r"Tendons.motors\['left_flexor'\]: expected a Motor"),
         ({"motors": motor(1.0, 2.0, stiffness=5.0)}, InputError, "a Motor without stiffness: Tendons.stiffness says"),
         ({"motors": motor(1.0, 5.0), "pretension": 3.0}, InputError, "makes and holds the pretension, 3 N.*holds 1 N"),
-        ({"motors": motor(3.0, 4.0, friction=2.0), "pretension": 3.0}, InputError, "closes with 2 N"),
     ],
 )
 def test_motors_that_cannot_draw_their_tendons_are_refused(more, error, words):

