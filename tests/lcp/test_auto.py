@@ -179,8 +179,8 @@ def test_a_method_that_knows_contacts_only_says_so_on_a_plain_lcp():
 
 def test_stalled_kaczmarz_steps_end_within_their_budget():
     """Steps that make no progress must not be asked for in batches that double until an integer overflows."""
-    from tests.hard_cases.test_flexibility import apart
+    from tests.hard_cases.test_families import FAMILIES
 
-    case = list(apart(4, 30))[29]
+    case = list(FAMILIES["flexibility: apart"][1](4, 30))[29]
     for name, proposal in proposals(contact_problem(case.grasp(), 4)):
         assert proposal.iterations < 10**7, name

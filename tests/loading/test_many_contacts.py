@@ -35,15 +35,6 @@ def test_a_contact_that_creeps_slides_in_short_steps_as_in_long_ones():
     assert len(fine.steps) < 170  # a change ends a step
 
 
-def test_a_contact_that_begins_to_creep_does_so_at_one_load():
-    grasp = power_grasp(5, 0, STRONG, loaded=False).factored()
-    begins = [
-        next(e.share for e in grasp.follow(steps=steps).events if e.who == "finger 2" and e.stage == "load")
-        for steps in (20, 40, 160)
-    ]
-    assert begins == pytest.approx([0.8318] * 3, abs=1e-4)
-
-
 def test_loads_at_which_contacts_slip_are_located_in_long_steps_as_in_short_ones():
     grasp = power_grasp(40, 1, STRONG, loaded=False).factored()
     long, short = (
