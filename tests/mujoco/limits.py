@@ -2,7 +2,7 @@
 
 `python -m tests.mujoco limits [word ...]` runs every case, or those whose titles hold one of the words, here and in
 MuJoCo; exit 1 where the measure below is missed. `limits --stored` compares with the rows of `limits.json` instead, in
-seconds. `limits --write` computes those rows. `limits --truth` asks whether MuJoCo says the same at half the rate.
+seconds. `limits --write` computes those rows.
 
 The measure: the load at which the object is lost within 3 % in 76 of 80 cases; MuJoCo's first jump of more than 1 mm or
 2° between 0.97 times the load from which the object slides through and 1.03 times that at which it is lost, in all; no
@@ -12,7 +12,6 @@ load that is HELD is dropped; where NOT HELD says "slides through", the object h
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
@@ -150,9 +149,8 @@ def slid(verdict):
 
 def main(words):
     """Print the table and what it comes to; 1 where the measure is missed."""
-    runs: dict[str, Callable[[list[str]], int]] = {"--truth": at_half_the_rate, "--write": write}
-    if words[:1] and words[0] in runs:
-        return runs[words[0]](words[1:])
+    if words[:1] == ["--write"]:
+        return write(words[1:])
     from_file = words[:1] == ["--stored"]
     rows = stored() if from_file else {}
     cases = chosen(words[1:] if from_file else words)
@@ -194,16 +192,6 @@ def write(words):
         store(case.title, truth)
         numbers = f"lost {truth.factor:8.4f} jump {truth.jump:8.4f} {truth.seconds:6.1f} s"
         print(f"{case.title:48s} {numbers} {truth.joint}", flush=True)
-    return 0
-
-
-def at_half_the_rate(words):
-    """Print by how much MuJoCo's limits change when the load grows half as fast; 0."""
-    print(f"{'case':48s} {'5 s':>9s} {'10 s':>9s} {'change':>8s}", flush=True)
-    for case in chosen(words):
-        one, other = (theirs(case, rate).factor for rate in (RATE, 2 * RATE))
-        change = 0.0 if one == other else 100 * (other / one - 1)
-        print(f"{case.title:48s} {one:9.4f} {other:9.4f} {change:+7.2f}%", flush=True)
     return 0
 
 
