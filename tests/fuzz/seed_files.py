@@ -128,7 +128,9 @@ def meshes():
 
 def write_seeds(folder):
     """Kind → valid files of it, with what stands beside them."""
-    from tests.support.sweeps import beside, journal_of, write_table
+    from handlcp.design.sweep.journal import beside
+    from handlcp.design.sweep.table import write_table
+    from tests.support.sweeps import journal_of
 
     put = {"hand.xml": MJCF, "mesh.urdf": MESH_URDF, "brief.toml": BRIEF, "study.toml": STUDY, "grasps.yaml": YAML}
     for name, text in put.items():

@@ -11,8 +11,8 @@ from handlcp import Contact, Coulomb
 from handlcp.errors import UnknownName
 from handlcp.geometry import Sphere
 from handlcp.hand import Hand, example_hand
+from handlcp.hand.library import SHIPPED_HANDS, allegro, psyonic, urdf
 from handlcp.robot import audit_urdf
-from tests.support.hand import SHIPPED_HANDS, allegro, psyonic, urdf
 from tests.support.texts import says
 
 

@@ -9,7 +9,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.hand import HANDS
-from tests.support.hand import allegro, psyonic, urdf
+from handlcp.hand.library import allegro, psyonic, urdf
 from tests.support.texts import says
 
 from .conftest import MIMIC

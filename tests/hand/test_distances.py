@@ -11,8 +11,10 @@ import pytest
 
 from handlcp.errors import InputError, Unsupported, URDFError
 from handlcp.geometry import YCB, Box, Cylinder, Ellipsoid, Mesh
+from handlcp.geometry.distance import signed_distance
 from handlcp.hand import Hand
-from tests.support.hand import ball_near, shape_near, signed_distance, urdf
+from handlcp.hand.library import urdf
+from tests.support.hand import ball_near, shape_near
 
 CLEAR = 1e-5  # [m] of a move that parts shapes, or leaves them in touch
 

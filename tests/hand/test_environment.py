@@ -10,8 +10,9 @@ import pytest
 
 import handlcp as hl
 from handlcp.errors import InputError, NotReached
+from handlcp.geometry.table import RIM_POINTS
 from tests.support.grasp import arrays
-from tests.support.hand import RIM_POINTS, points_needed
+from tests.support.hand import points_needed
 from tests.support.kernels import interpreted
 from tests.support.texts import says
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.support.hand import psyonic
+from handlcp.hand.library import psyonic
 from tests.support.texts import says
 
 

@@ -13,7 +13,7 @@ import handlcp as hl
 from handlcp.errors import InputError, UnknownName, URDFError
 from handlcp.geometry import Sphere
 from handlcp.hand import Hand, example_hand
-from tests.support.hand import psyonic, urdf
+from handlcp.hand.library import psyonic, urdf
 
 from .conftest import MIMIC
 

@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 
 import handlcp as hl
-from tests.support.hand import find_penetrating_links
+from handlcp.geometry.link_penetration import find_penetrating_links
 from tests.support.texts import same, says
 
 ONE_LINK = """

@@ -13,7 +13,8 @@ import pytest
 
 from handlcp.errors import UnknownName, URDFError
 from handlcp.hand import HANDS, Hand, example_hand
-from tests.support.hand import SHIPPED_HANDS, allegro, knows_all_limits, psyonic, urdf
+from handlcp.hand.library import SHIPPED_HANDS, allegro, psyonic, urdf
+from tests.support.hand import knows_all_limits
 
 ROOT = Path(__file__).parents[2]
 

@@ -9,7 +9,7 @@ import pytest
 from handlcp.errors import InputError, NotReached
 from handlcp.geometry import Box, Cylinder, Sphere
 from handlcp.hand import Hand, example_hand
-from tests.support.show import hand_bodies, undrawn_tip_shapes
+from handlcp.viz.picture.body import hand_bodies, undrawn_tip_shapes
 from tests.support.texts import says
 
 # A flat palm, its upper face at z = 0, and a bar beside it that a hinge tilts over it

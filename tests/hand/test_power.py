@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.support.hand import find_module
+from handlcp.hand.find import find as find_module
 
 BALL = 0.0325
 

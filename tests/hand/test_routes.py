@@ -11,7 +11,7 @@ import pytest
 from handlcp.actuation import Around, Pulley, Route, Site
 from handlcp.errors import InputError, UnknownName
 from handlcp.hand import Hand
-from tests.support.routes import read_routes
+from handlcp.robot.mjcf_cable import read_routes
 
 from .chains import chain_hand
 from .conftest import inside

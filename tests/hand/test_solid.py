@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from tests.support.hand import hull_planes, shape_distance_outside, support_points
+from handlcp.geometry.distance import shape_distance_outside, support_points
+from handlcp.robot.link_surface import hull_planes
 from tests.support.kernels import interpreted
 
 RNG = np.random.default_rng(4)

@@ -11,7 +11,7 @@ import pinocchio as pin
 import pytest
 
 import handlcp as hl
-from tests.support.hand import allegro, psyonic, urdf
+from handlcp.hand.library import allegro, psyonic, urdf
 
 BALL = hl.Sphere(0.03, (0, 0, 0.09))
 

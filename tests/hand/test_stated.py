@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import handlcp as hl
-from tests.support.hand import urdf
+from handlcp.hand.library import urdf
 
 TEXT = urdf("three_finger").read_text(encoding="utf-8")
 GEARS = """

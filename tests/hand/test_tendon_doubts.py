@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import handlcp as hl
-from tests.support.hand import doubt_reasons
+from handlcp.robot.audit import doubt_reasons
 
 JOINT, LINKS = "finger_1_distal", ("finger_1_proximal_link", "finger_1_distal_link")
 

@@ -11,9 +11,9 @@ from handlcp import Grasp, GraspStream, Status, TorqueSaturation
 from handlcp.errors import InputError
 from handlcp.hand import HandGraspSolution
 from handlcp.scene import read
+from handlcp.viz.solution_output import solution_record
 from tests.support.grasp import arrays, at_centre, judged
 from tests.support.scene_texts import BOX_IN_TWO_FINGERS
-from tests.support.show import solution_record
 from tests.support.texts import says, without_numbers
 
 from .levers import MU, PAD, C, K, L, lever_hand, lever_pinch

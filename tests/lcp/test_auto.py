@@ -7,15 +7,11 @@ import pytest
 
 import handlcp as hl
 from handlcp.lcp import ContactProblem, proposals
+from handlcp.lcp.solver import OtherStarts, scale_by_limits as in_units_of_limits
 from tests.grasp.scenes import pinch, ring as make_ring
 from tests.lcp.problems import random_p, random_psd
 from tests.support.grasp import contact_problem
-from tests.support.lcp import (
-    OtherStarts,
-    certified,
-    in_units_of_limits,
-    solves_contact,
-)
+from tests.support.lcp import certified, solves_contact
 from tests.support.texts import says
 
 AUTO = hl.Auto(restarts=2)

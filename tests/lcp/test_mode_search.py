@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from handlcp.lcp.modes.mode_search import ModeSearch
 from tests.grasp.scenes import ring
 from tests.support.grasp import contact_problem
-from tests.support.lcp import ModeSearch, misses_patch, nearest_point, patches
+from tests.support.lcp import misses_patch, nearest_point, patches
 from tests.support.search import searched
 
 

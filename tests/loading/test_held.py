@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 import handlcp as hl
 from handlcp.cli import app
 from handlcp.errors import NoSolutionFound
-from tests.support.show import loading_figure, loading_picture
+from handlcp.viz.loading.figure import draw_end_picture as loading_picture, draw_loading as loading_figure
 
 CUBE = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
 SCENE = """

@@ -16,8 +16,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from handlcp.simulator.object_body import pad_name
+from handlcp.simulator.simulation_run import SimulationRun
 from tests.mujoco.find_power_grasps import FILE as GRASPS, made
-from tests.support.simulator import SimulationRun, pad_name
 
 FILE = pathlib.Path(__file__).with_name("power_pads.json")
 FACTOR, SEED = 2.0, 7

@@ -9,10 +9,10 @@ pytest.importorskip("mujoco")
 
 import handlcp as hl
 from handlcp.simulator import simulate, simulate_limit
+from handlcp.simulator.load_limit import LimitTracker
 from tests.mujoco.cases import three
 from tests.mujoco.limit_cases import CASES
 from tests.mujoco.limit_truth import Truth, stored
-from tests.support.simulator import LimitTracker
 
 REST, FORCES = np.zeros(6), np.zeros((2, 3))
 
