@@ -6,8 +6,8 @@ from contextlib import contextmanager
 from unittest.mock import patch
 
 _WHERE = {
-    "arrays": ("handlcp.hand.find.postures.MOST_ARRAYS",), "rows": ("handlcp.design.sweep.table.MOST_ROWS",),
-    "cells": ("handlcp.design.sweep.table.MOST_CELLS",),
+    "arrays": ("handlcp.hand.find.postures.MAX_ARRAY_BYTES",), "rows": ("handlcp.design.sweep.table.MAX_TABLE_BYTES",),
+    "cells": ("handlcp.design.sweep.table.MAX_TABLE_CELLS",),
 }  # fmt: skip
 
 

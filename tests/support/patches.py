@@ -40,7 +40,7 @@ def shards_of(patch: Patch, count: int) -> None:
 
 def everything_to_processes(patch: Patch) -> None:
     """`solve_many` gives whatever the first stage doesn't solve to processes, however little there is of it."""
-    for name in ("_LOOK", "_WORTH"):
+    for name in ("_TRIAL_SECONDS", "_MIN_PROCESS_SECONDS"):
         patch.setattr(f"handlcp.grasp.batch.solve_many.{name}", 0.0)
 
 
