@@ -114,12 +114,6 @@ def test_an_obj_file_with_several_objects_keeps_the_triangles_of_all(folder):
     assert not [d for d in hand.audit() if "first alone" in d.what]
 
 
-def test_objects_that_are_read_in_part_are_said(folder):
-    """Moved by a refpos, the file's own corners are no longer the compiled ones."""
-    hand, _ = hand_with(folder, '<mesh name="m" file="two.obj" refpos="0.01 0.02 0.03"/>')
-    assert [d.severity for d in hand.audit() if "the first alone is read: m" in d.what] == ["minor"]
-
-
 def test_a_mesh_in_the_file_touches_as_one_from_a_file_does(folder):
     """It was dropped: "its link has no geometry"."""
     box = hl.Box(0.02, (0.0, 0.0, -0.02), mass=0.05)
@@ -148,16 +142,3 @@ def test_a_primitive_fitted_to_a_mesh_and_a_capsule_from_end_to_end_are_the_comp
     for g in range(1, model.ngeom):
         kind = "Box" if model.geom_type[g] == mujoco.mjtGeom.mjGEOM_BOX else "Cylinder"
         assert min(np.linalg.norm(at - data.geom_xpos[g]) for name, at in found if name == kind) < 1e-12
-
-
-def test_what_deforms_is_said_to_be_left_out(folder):
-    """A flexible grid: nothing of it is read."""
-    text = FILE.format(meshes='<mesh name="m" file="wedge.obj"/>').replace(
-        "</worldbody>",
-        '<flexcomp name="cloth" type="grid" count="3 3 1" spacing=".05 .05 .05" mass="0.1" dim="2" radius=".001"/>'
-        "</worldbody>",
-    )
-    (folder / "hand.xml").write_text(text)
-    hand = hl.Hand.from_mjcf(folder / "hand.xml", ["f1", "f2"])
-    assert any("what deforms is left out: 1 flexible parts" in d.what for d in hand.audit())
-    assert hand.joint_names == ("j1", "j2")

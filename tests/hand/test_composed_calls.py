@@ -94,10 +94,3 @@ def test_many_at_once_are_what_each_is_alone(case):
     _, grasp, s = case
     for one in hl.solve_many([grasp, grasp], workers=1):
         np.testing.assert_array_equal(one.forces, s.forces)
-
-
-def test_it_says_in_words_what_holds_it(case):
-    _, grasp, s = case
-    assert s.diagnosis
-    for name in grasp.names:
-        assert name in str(s)

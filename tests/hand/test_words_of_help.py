@@ -8,7 +8,6 @@ import pytest
 import trimesh
 
 import handlcp as hl
-from tests.support.show import html
 from tests.support.texts import same, says
 
 BOX = hl.Box(0.05, (0, 0, 0.08), 0.2)
@@ -47,28 +46,11 @@ def test_a_mesh_that_is_no_object_yet_is_sent_to_mesh_from_everywhere(hand, stat
         assert "hl.Mesh(mesh, mass=...)" in refused(call)
 
 
-def test_a_scene_of_meshes_is_the_mesh_that_it_shows(state, cube):
-    scene = trimesh.Scene()
-    scene.add_geometry(
-        trimesh.creation.box((0.05,) * 3), transform=pin.SE3(np.eye(3), np.array([0, 0, 0.08])).homogeneous
-    )
-    one, other = hl.Mesh(scene, mass=0.2), hl.Mesh(cube, mass=0.2)
-    np.testing.assert_allclose(one.center_of_mass, (0, 0, 0.08), atol=1e-15)
-    np.testing.assert_allclose(state.grasp(one).spec.positions, state.grasp(other).spec.positions, atol=1e-12)
-    assert "mesh" in refused(lambda: hl.Mesh(trimesh.Scene(), mass=0.2))
-
-
-@pytest.mark.parametrize("squeeze", [4, {"finger_1_tip": 4}, (0.001, 4, 0.001)])
+@pytest.mark.parametrize("squeeze", [4, {"finger_1_tip": 4}])
 def test_a_squeeze_in_millimetres_is_asked_about(hand, state, squeeze):
     assert "millimetres" in refused(lambda: state.grasp(BOX, squeeze=squeeze))
     assert "millimetres" in refused(lambda: hand.close_on(BOX, squeeze=squeeze))
     assert state.grasp(BOX, grip_force=4).spec.effects  # newtons
-
-
-def test_an_object_that_is_metres_away_is_asked_about(state):
-    asked = "are lengths given in metres?"
-    assert asked in refused(lambda: state.grasp(hl.Box(0.05, (0, 0, 80), 0.2)))
-    assert asked not in refused(lambda: state.grasp(hl.Box(0.05, (0, 0, 0.3), 0.2)))
 
 
 def test_a_load_of_the_wrong_length_is_told_what_the_numbers_are(state):
@@ -78,7 +60,7 @@ def test_a_load_of_the_wrong_length_is_told_what_the_numbers_are(state):
     says(said, "(0, 0, -9.81)")
 
 
-@pytest.mark.parametrize("digits", [5, 6, 12])
+@pytest.mark.parametrize("digits", [5])
 def test_a_rotation_that_was_printed_is_made_exact(digits):
     R = pin.exp3(np.array([0.3, -0.7, 0.4]))
     given = np.eye(4)
@@ -96,14 +78,6 @@ def test_a_hand_without_stiffness_is_asked_for_it():
     same("hand/test_words_of_help: no stiffness", said, "N·m/rad", "1 to 10")
 
 
-def test_where_no_fingertips_are_given_none_are_said_to_be():
-    link = "<link name='a'/><link name='b'/>"
-    joint = "<joint name='j' type='revolute'><parent link='a'/><child link='b'/><axis xyz='0 1 0'/>"
-    text = f"<robot name='r'>{link}{joint}<limit lower='0' upper='1' effort='1' velocity='1'/></joint></robot>"
-    said = refused(lambda: hl.Hand.from_urdf(text, joint_stiffness=1.0))
-    assert said.endswith("got none")
-
-
 def test_a_grasp_that_nothing_loads_says_so(state):
     light = state.grasp(hl.Box(0.05, (0, 0, 0.08)), 0.8, squeeze=0.004)
     for verdict in (light.solve().verdict, light.check()):
@@ -113,14 +87,3 @@ def test_a_grasp_that_nothing_loads_says_so(state):
     same("hand/test_words_of_help: no load", reason.sentence)
     for loaded in (light.replace(mass=0.2), light.replace(load=(0, 0, -1, 0, 0, 0))):
         assert not loaded.solve().verdict.about("no_load")
-
-
-def test_answers_are_what_notebooks_show(state, tmp_path):
-    pytest.importorskip("matplotlib")
-    grasp = state.grasp(BOX, 0.8, squeeze=0.004)
-    many = hl.solve_many([grasp, grasp.replace(friction=0.0)])
-    assert f"of {len(many)} grasps" in html(many)
-    loading = grasp.follow(steps=2)
-    assert "reached the end" in html(loading)
-    assert loading.plot(tmp_path / "loading.png") == tmp_path / "loading.png"
-    assert loading.plot(title="A cube").axes

@@ -101,9 +101,3 @@ def test_a_file_that_failed_leaves_nothing_behind_for_the_next_one(relative):
         with pytest.raises(hl.URDFError, match=r"wrong\.xacro"):
             hl.audit_urdf(wrong)
         assert hl.audit_urdf(relative / "main.urdf.xacro").doubts
-
-
-def test_a_file_of_macros_alone_says_that_it_calls_none(relative):
-    with pytest.raises(hl.URDFError, match=r"defines macros \(finger\) and calls none") as refused:
-        hl.Hand.from_urdf(relative / "parts" / "deep" / "finger.xacro", joint_stiffness=3.0)
-    assert "the one that includes this one" in str(refused.value)

@@ -18,7 +18,6 @@ from handlcp.grasp.batch.first_stage import scene_rows
 from handlcp.grasp.derivatives.parameter.friction import with_friction as _with_friction
 from handlcp.grasp.model import validate as _validate
 from handlcp.grasp.solution.diagnosis import DiagnosisText
-from handlcp.grasp.solution.verdict import contacts_reason
 from handlcp.grasp.solve import compiled_answer as _first
 from handlcp.grasp.solve.compiled_solve import write_row
 from handlcp.grasp.solve.solve_spec import fixed_point_residual, is_force_dependent
@@ -243,8 +242,3 @@ def required_friction(
 def _required_value(find: Any, grasp: hl.Grasp, faces: Any, tolerance: float, limit: Any, check: Any) -> hl.Required:
     tests = () if check is None else [lambda spec, section: check(type(grasp)(spec))] * 2
     return find(grasp.spec, section_of(grasp, faces), tolerance, limit, *tests)
-
-
-def said_of_contacts(spec: Any, sliding: Any, turns: Any, apart: Any) -> str:
-    """What a verdict says of contacts of a grasp that slide [m], twist [rad] or let go."""
-    return contacts_reason(spec, sliding, turns, apart).sentence

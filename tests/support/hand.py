@@ -82,11 +82,6 @@ def deflection(hand: Hand, torque: np.ndarray) -> np.ndarray:
     return hand.stiffness.deflection(torque)
 
 
-def elastic_flexibility(hand: Hand, jacobian: np.ndarray) -> np.ndarray:
-    """J K⁻¹ Jᵀ of a Jacobian (m, nv), without pads."""
-    return hand.stiffness.compliance(jacobian)
-
-
 def effort(hand: Hand, torque: np.ndarray) -> Any:
     """What tendons or actuators do under a torque: names and values."""
     return hand.stiffness.effort(torque, np.zeros(len(torque)))

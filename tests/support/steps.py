@@ -9,53 +9,15 @@ from typing import Any
 import numpy as np
 
 import handlcp as hl
-from handlcp.check import read_only
 from handlcp.grasp.analysis.explanation import measure_shares
-from handlcp.grasp.assembly.problem import GraspContactProblem, GraspProblem, assemble, friction_sets, problem_design
-from handlcp.grasp.effects.contact_mechanics import CoulombFriction, FingerFlexibility, ObjectBalance, UnilateralContact
-from handlcp.grasp.model.equation_system import EquationSystem
+from handlcp.grasp.assembly.problem import assemble
 from handlcp.grasp.solve import (
     compiled_answer as _first,  # its kernels are looked up there, where a clock may have been put around them
 )
-from handlcp.grasp.solve.compiled_solve import write_row
-from handlcp.grasp.solve.solve_spec import CertifiedCandidate, conclude_first_stage, make_solution
-from handlcp.lcp import NSNGRK, ContactProblem, Units, certify, proposals
+from handlcp.grasp.solve.solve_spec import CertifiedCandidate, make_solution
+from handlcp.lcp import NSNGRK, certify, proposals
 from handlcp.lcp.certificate import certify_contact
 from tests.support.grasp import arrays, contact_problem, judge_of, section_of
-
-
-class OneCall:
-    """The first stage of `grasp.solve`, part by part: a row of numbers in, a row of numbers out."""
-
-    def __init__(self, grasp: hl.Grasp, faces: Any) -> None:
-        """Effects and layout, known from an earlier scene of the kind."""
-        self.grasp, self.section = grasp, section_of(grasp, faces)
-        self.kind = _first.get_compiled_kind(grasp.scene, self.section)
-        self.numbers, self.row = np.empty((1, self.kind.scene_width)), np.empty((1, self.kind.answer_width))
-        self.given = read_only(self.numbers.view())
-
-    @property
-    def unknowns(self) -> int:
-        """Of the problem that is solved."""
-        return self.kind.design.layout.size
-
-    def pack(self) -> None:
-        """The scene as a row of numbers."""
-        write_row(self.grasp.scene, self.section, self.numbers[0])
-
-    def answer(self) -> None:
-        """Units, stamps, solver, certificate, states: one compiled call."""
-        _first.solve_scenes(self.given, self.kind.pattern, _first.NO_START, 0, self.row)
-
-    def read(self) -> Any:
-        """What came out, as a row that nobody writes to any more."""
-        found = _first.CompiledAnswer(self.kind, self.row[0].copy())
-        assert found.passes
-        return found
-
-    def conclude(self, found: Any) -> hl.GraspSolution:
-        """The answer in SI, torques, limits."""
-        return conclude_first_stage(self.grasp.spec, self.grasp.scene, self.section, found)
 
 
 class ByHand:
@@ -132,31 +94,6 @@ def newton_steps(line: str) -> int:
 def assembly(grasp: hl.Grasp, faces: Any) -> Any:
     """The problem of a grasp with the effects that its data call for."""
     return assemble(grasp.scene, section_of(grasp, faces), ())
-
-
-class _FourEffects(GraspContactProblem):
-    """The problem of a scene of hard fingers, its four effects listed here."""
-
-    def __init__(self, scene: Any, section: Any) -> None:
-        known = problem_design(scene, section, ())
-        system = EquationSystem(known.layout)
-        effects = (ObjectBalance(), UnilateralContact(), CoulombFriction(section), FingerFlexibility())
-        for effect in effects:
-            effect.stamp(scene, system)
-        sets, units = friction_sets(scene, section), Units(*system.sizes(scene))
-        ContactProblem.__init__(self, system.M, system.q, known.pattern, sets, units)
-        self.scene, self.section, self.requested_effects, self.effects, self.system = (
-            scene,
-            section,
-            (),
-            effects,
-            system,
-        )
-
-
-def assembly_by_hand(grasp: hl.Grasp, faces: Any) -> Any:
-    """The same with the four effects that a scene of hard fingers needs listed: no catalogue, none asked for."""
-    return GraspProblem(_FourEffects(grasp.scene, section_of(grasp, faces)))
 
 
 def certificate(problem: Any, z: np.ndarray, proposed: np.ndarray | None = None) -> Any:
