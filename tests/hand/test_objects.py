@@ -224,14 +224,6 @@ def test_a_density_and_a_shape_make_a_mass(tmp_path):
     assert Sphere(0.03).mass == Sphere(0.03, density=0.0).mass == 0.0
 
 
-def test_the_volume_of_a_mesh_that_is_not_convex_leaves_its_notch_out(tmp_path):
-    """Three of the four cells of the hull's square; weight at their centre."""
-    obj = Mesh(angle_file(tmp_path), 1.0, PLACEMENT, density=2000.0)
-    assert not obj.convex
-    assert obj.mass == pytest.approx(2000.0 * 3e-6, rel=1e-6)  # files hold single precision
-    np.testing.assert_allclose(obj.center_of_mass, PLACEMENT.act(np.array([0.025 / 3, 0.025 / 3, 0.005])), atol=1e-8)
-
-
 def test_a_mesh_with_holes_is_weighed_as_its_hull_if_convex_and_not_at_all_otherwise(tmp_path):
     """A lid left out in a plane through the origin costs the sum over triangles nothing; elsewhere it would."""
     corners = 0.25 * np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])

@@ -7,7 +7,7 @@ import pickle
 import numpy as np
 import pytest
 
-from handlcp import Contact, ContactCompliance, Coulomb, Environment, GraspStream, Synergies, Tendons
+from handlcp import Contact, Coulomb, Environment, GraspStream, Synergies, Tendons
 from handlcp.errors import InputError, UnknownName
 from handlcp.geometry import Box, Sphere
 from handlcp.hand import example_hand
@@ -119,20 +119,6 @@ def test_to_first_order_a_squeeze_takes_the_tips_so_much_deeper(name):
     assert missed[1] < 0.3 * missed[0] + 1e-6
 
 
-@pytest.mark.parametrize("obj", [CUBE, Sphere(0.03, (0.001, -0.002, 0.09), mass=0.2)], ids=["cube", "ball"])
-def test_closing_deeper_and_squeezing_are_the_same_to_first_order(three, obj):
-    """The cube's flanks lean 30° out of their fingers' planes."""
-    friction, away = Coulomb(0.8), {"wrench": (0, 0, 0, 0, 0, 0), "gravity": (0, 0, 0)}
-    touching, off = three.at(three.close_on(obj)), []
-    for depth in (2e-3, 1e-3):
-        given = {"finger_1_tip": depth, "finger_2_tip": depth, "finger_3_tip": depth}
-        closed = three.at(three.close_on(obj, squeeze=given)).grasp(obj, friction, **away).solve("cone")
-        told = touching.grasp(obj, friction, squeeze=[depth] * 3, **away).solve("cone")
-        off.append(abs(closed.normal_force - told.normal_force).max() / depth)
-    assert off[1] < 0.6 * off[0]
-    assert off[1] * 1e-3 < 0.02 * told.normal_force.max()
-
-
 def test_gaps_and_overlaps_count(three):
     """A squeeze says how deep the tips are told to go in all, wherever the posture has them."""
     q = three.close_on(CUBE)
@@ -176,20 +162,6 @@ def test_on_an_object_that_stays_where_it_is_the_tips_press_as_hard_as_told(name
     assert effect.reach.complete
     lean = np.tan(np.radians(30)) if name == "three_finger" else 0.0  # of the flanks' normals, out of the planes
     np.testing.assert_allclose(sideways[1:], lean * force[1:], atol=2e-3)
-
-
-def test_what_effects_add_to_the_flexibility_is_counted(three):
-    grasp = of(three, CUBE, grip_force=2.0, environment=vice(CUBE), effects=[ContactCompliance(5e-4)])
-    # It softens the vice as well
-    np.testing.assert_allclose(grasp.solve("cone").normal_force[:3], 2.0, rtol=0.1)
-    np.testing.assert_allclose(_alone(grasp)[:, 2], 2.0, rtol=1e-6)
-
-
-def _alone(grasp):
-    """(k, 3) forces of fingers that stick to an object that stays: E r = -d."""
-    k = 3 * len(grasp.fingertips)
-    E, d = grasp.scene.flexibility[:k, :k], grasp.offset[: k // 3].reshape(-1)
-    return np.linalg.solve(E, -d).reshape(-1, 3)
 
 
 # ---------------------------------------------------------------- what actuators can command
@@ -322,19 +294,6 @@ def test_one_joint_squeezes_both_and_moves_the_object(write):
     s = lever_pinch(lever_hand(write), joint_offset={"left_joint": 0.1}).solve()
     np.testing.assert_allclose(s.normal_force, 0.5 * L * 0.1 / C, **EXACT)
     np.testing.assert_allclose(s.object_displacement[0], 0.5 * L * 0.1, **EXACT)
-
-
-def test_to_first_order_it_is_the_overlap_of_the_posture_commanded():
-    """Tips flexed further into a ball overlap it by more: by J δq along the normals, up to δq²."""
-    five = example_hand("five_finger")
-    state = five.at(five.close_on(BALL, squeeze=2e-3))
-    errors = []
-    for step in (1e-3, 5e-4):
-        command = np.tile([step, 2 * step], 5)
-        there = five.at(state.q + command).grasp(BALL).offset[:, 2]
-        errors.append(abs(state.grasp(BALL, joint_offset=command).offset[:, 2] - there).max())
-    assert errors[0] < 1e-5
-    assert errors[1] < 0.3 * errors[0]
 
 
 @pytest.mark.parametrize("nothing", [{}, [0.0, 0.0]])

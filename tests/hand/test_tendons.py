@@ -132,12 +132,11 @@ def boxed(pretension, k=1e4):
     return hand.at(hand.close_on(box)).grasp(box, friction=0.8, squeeze=0.008, wrench=LOAD)
 
 
-@pytest.mark.parametrize("pretension", [0.0, 1.0])
-def test_mujoco_has_the_same_forces_and_tensions(pretension):
+def test_mujoco_has_the_same_forces_and_tensions():
     pytest.importorskip("mujoco")
     from handlcp.simulator import simulate
 
-    grasp = boxed(pretension)
+    grasp = boxed(1.0)
     path, truth = grasp.follow(), simulate(grasp)
     assert path.reached
     assert truth.held
@@ -199,22 +198,6 @@ def test_a_hundredth_of_a_command_that_no_tendon_makes_is_a_doubt_and_more_decid
     (reason,) = verdict.about("command_not_made")
     assert verdict.word == word
     assert reason.values["share"] == pytest.approx(share, rel=0.05)
-
-
-def test_what_a_tendon_uses_of_its_limit_stands_beside_its_tension(write):
-    """Its whole tension, pretension included, whether that is of one solve or of the end of a path."""
-    grasp = pinch(write, pretension=3.0, limits={"left_flexor": 80.0, "right_flexor": 80.0})
-    one, end = grasp.solve(throw=False), grasp.follow(ASIDE, geometry="fixed").solution
-    for solution, begun in ((one, 3.0), (end, 0.0)):
-        effort = solution.effort
-        np.testing.assert_allclose(effort.limits, [80.0, np.inf] * 2)
-        np.testing.assert_allclose(effort.used[::2], (effort.values[::2] + begun) / 80.0, rtol=1e-12)
-        assert not effort.used[1::2].any()
-        first, second, *_ = effort.table.rows
-        assert (first[2], second[2:]) == ("80.00", ("none", "–"))
-        assert first[3] == f"{100 * effort.used[0]:.0f} %"
-    plain = pinch(write).solve(throw=False).effort
-    assert plain.table.heads == ("tendon tension", "N")
 
 
 # ---------------------------------------------------------------- motors that draw tendons in, against closed forms
@@ -408,17 +391,6 @@ def test_a_joint_has_one_drive():
         example_hand("three_finger", motors=Motor(0.3)).replace(joint_stiffness=tendons)
 
 
-def test_one_motor_for_all_of_a_hand_with_tendons_is_asked_for_by_name():
-    tendons = hl.Tendons({"pull": {"finger_1_distal": 0.01}}, 2e4, 4.0)
-    words = r"motors: .*motors=\{'pull': Motor\(...\)\}, or Tendons\(motors=...\)"
-    with pytest.raises(InputError, match=words):
-        example_hand("three_finger", joint_stiffness=tendons, motors=Motor(0.3))
-    hand = example_hand("three_finger", joint_stiffness=tendons)
-    with pytest.raises(InputError, match=words):
-        hand.replace(motors=Motor(0.3))
-    assert hand.replace(motors=Motor(0.3), joint_stiffness=6.0).torque_limits.tolist() == [0.3] * 6
-
-
 def test_motors_of_a_hand_are_by_joint_and_by_tendon(write):
     """`motors=` of the hand says the same as `motors=` of its tendons, from the start and in `replace`."""
     motor = hl.Motor(continuous=0.05, peak=0.15, reduction=100.0)
@@ -451,23 +423,6 @@ def test_motors_by_tendon_take_the_place_of_those_of_tendons_and_motors_by_joint
     assert found(motors=first) == ([False, True], both)
     assert found(motors=other) == (both, [False, True])
     assert found(motors=first | other) == (both, both)
-
-
-@pytest.mark.parametrize("routed", [False, True])
-def test_without_motors_is_without_those_of_joints_and_of_tendons(routed):
-    links = ("finger_1_proximal_link", "finger_1_distal_link")
-    route = hl.Route([hl.Site(link, (0.01, 0.0, 0.01)) for link in links])
-    arms = {"pull": route if routed else {"finger_1_distal": 0.01}, "lift": {"finger_2_distal": 0.01}}
-    bare = example_hand("three_finger", joint_stiffness=hl.Tendons(arms, 2e4, 4.0, limits=70.0))
-    driven = bare.replace(motors={"pull": motor(5.0, 9.0), "finger_3_distal": Motor(0.2)})
-    assert tendons_of(driven).cables.limits.min() < 70.0
-    made = driven.replace(motors=None)
-    assert (made.torques.drives, tendons_of(made).drives) == (None, None)
-    np.testing.assert_array_equal(made.torque_limits, bare.torque_limits)
-    np.testing.assert_array_equal(tendons_of(made).cables.limits, [70.0, 70.0])
-    kept = driven.vary({"finger_3_distal.motor": None})
-    assert kept.torques.drives is None
-    assert tendons_of(kept).drives is not None
 
 
 # ---------------------------------------------------------------- closing with a torque
