@@ -198,14 +198,6 @@ def test_replace_equals_a_hand_made_that_way(argument, value):
     assert hand.fingertips == ("f_2", "g_2"), "the hand itself stays as it is"
 
 
-def test_replace_checks_like_from_urdf():
-    hand = hl.example_hand("three_finger", tip_radius={"finger_1_tip": 8e-3})
-    with pytest.raises(hl.InputError, match="joint_stiffness"):
-        hand.replace(joint_stiffness=-1)
-    with pytest.raises(hl.UnknownName, match="finger_1_tip"):
-        hand.replace(fingertips=["finger_2_tip"])
-
-
 # ---------------------------------------------------------------- what looks like a fingertip: names that say so
 JOINT = """<joint name="{name}_j" type="revolute"><parent link="{parent}"/><child link="{name}"/><origin xyz="{at}"/>
 <axis xyz="0 1 0"/><limit lower="-0.8" upper="0.8" effort="2" velocity="1"/>{mimic}</joint>

@@ -427,14 +427,6 @@ def test_what_is_left_out_of_a_scene_is_said():
     assert not said(scene())
 
 
-def test_a_link_of_the_scene_can_be_asked_for():
-    """By base: another part of the file is read then."""
-    wall = f'<body name="wall"><geom type="box" size=".1 .1 .1"/>{DOOR}</body>'
-    hand = hl.describe_urdf(scene(CUBE, wall), base="wall")
-    assert [j.name for j in hand.joints] == ["hinge"]
-    assert not [d for d in hand.audit if d.about == "scene"]
-
-
 def test_what_ties_the_hand_to_its_scene_is_no_doubt():
     """A hand that a mocap body carries by a weld."""
     carrier = '<body name="carrier" mocap="true"><geom type="sphere" size=".01" contype="0" conaffinity="0"/></body>'

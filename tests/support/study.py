@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
-
 from handlcp.studies.accuracy.cost import variants
 from handlcp.studies.accuracy.methods import settings
 
 
-def left_out(grasp: Any) -> dict[str, Any]:
+def left_out(grasp):
     """The grasp without each effect that the study of accuracy leaves out, by the effect's name."""
     return {name: without for name, _, without in variants(grasp)}
 
 
-def planned_rows(methods: Iterable[Any], faces: tuple[int, ...], tolerances: tuple[float, ...]) -> int:
+def planned_rows(methods, faces, tolerances):
     """How many rows a study of these methods has in a scene with pyramids, where nobody asks for faces or tolerances
     and these are the study's own.
     """
