@@ -12,7 +12,7 @@ _WHERE = {
 
 
 @contextmanager
-def read_limits(**limits: int):
+def read_limits(**limits):
     """While it lasts. limits : arrays and rows [bytes], cells."""
     patches = [patch(place, limit) for name, limit in limits.items() for place in _WHERE[name]]
     for one in patches:
