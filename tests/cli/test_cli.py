@@ -8,7 +8,6 @@ import re
 import subprocess
 import sys
 from itertools import pairwise
-from types import SimpleNamespace
 
 import pytest
 from typer.testing import CliRunner
@@ -173,19 +172,6 @@ def test_json_of_a_scene_that_does_not_hold_has_null_for_forces_and_a_certificat
     assert found["certificate"]["linear_m"][2] < 0, "down"
 
 
-def test_json_of_a_scene_without_equilibrium_says_which_squeeze_would_hold(tmp_path):
-    file = scene(tmp_path, pathlib.Path(CUBE).read_text().replace("squeeze_m = 0.005", ""))
-    done = run("solve", file, "--json")
-    found = strict(done.stdout)
-    assert (done.exit_code, found["status"]) == (1, "NO_EQUILIBRIUM")
-    assert found["proven_within"]["force_N"] > 100
-    assert 0.003 < found["required_preload_m"] < 0.004
-    said = run("solve", file).stdout
-    same("cli/test_cli: nothing squeezes", verdict_of(said, "NOT HELD"))
-    same("cli/test_cli: which squeeze would hold", verdict_of(said, "Advice"), "1.5 mm")
-    assert said.count("1.5 mm") == 1
-
-
 def test_faces_and_seed_override_the_file():
     def normals(*extra):
         contacts = strict(run("solve", CUBE, "--json", *extra).stdout)["contacts"]
@@ -205,12 +191,6 @@ def test_a_picture_is_written_on_request(tmp_path):
     assert out.stat().st_size > 20_000
 
 
-def test_everything_fits_80_columns():
-    for arguments in (("solve", CUBE), ("keys",), ("effects",), ("hands",), ("audit", urdf("two_finger"))):
-        lines = run(*arguments, width="80").stdout.splitlines()
-        assert max(map(len, lines)) <= 80, arguments
-
-
 def test_audit_lists_doubts(tmp_path):
     file = tmp_path / "weak.urdf"
     file.write_text(urdf("two_finger").read_text().replace('effort="0.4"', 'effort="0"'))
@@ -221,15 +201,6 @@ def test_audit_lists_doubts(tmp_path):
     (said,) = (d["what"] for d in doubts if "finger_1_distal" in d["joint"])
     says(said, "unknown")
     assert {word for word in said.split() if word not in done.stdout} == set()
-
-
-def test_hands_lists_every_hand_with_joints_and_tips():
-    found = strict(run("hands", "--json").stdout)
-    names = {h["name"]: h for h in found["hands"]}
-    assert {"two_finger", "three_finger", "five_finger", "planar_ring"} <= set(names)
-    assert len(names["three_finger"]["joints"]) == 6
-    assert names["three_finger"]["fingertips"] == ["finger_1_tip", "finger_2_tip", "finger_3_tip"]
-    assert "three_finger" in run("hands").stdout
 
 
 def test_keys_lists_what_a_scene_file_may_hold():
@@ -256,13 +227,6 @@ def test_effects_lists_every_effect_and_measures_when_asked(monkeypatch):
     assert sum("-3   × 1.2" in line for line in lines) == len(found)
 
 
-def test_paper_passes_on_the_studys_verdict(monkeypatch):
-    report = SimpleNamespace(ok=False, to_json=lambda: '{"ok": false}')
-    patches.paper_report(monkeypatch, lambda: report)
-    done = run("paper", "--json")
-    assert (done.exit_code, strict(done.stdout)) == (1, {"ok": False})
-
-
 def test_version():
     done = run("--version")
     assert (done.exit_code, done.stdout) == (0, f"handlcp {hl.__version__}\n")
@@ -282,28 +246,6 @@ def test_as_a_program_of_its_own():
     assert "Traceback" not in bad.stderr
 
 
-NOISY = """
-import ctypes, sys
-from handlcp import cli, scene
-load = scene.load
-scene.load = lambda file: (ctypes.CDLL(None).puts(b"noise of a C library"), load(file))[1]
-sys.argv[1:] = ["solve", sys.argv[1], "--json"]
-cli.main()
-"""
-
-
-def test_what_c_libraries_print_is_not_part_of_the_answer():
-    done = subprocess.run([sys.executable, "-c", NOISY, CUBE], capture_output=True, text=True, cwd=ROOT)
-    assert (done.returncode, without_compiling(done.stderr)) == (0, "")
-    assert strict(done.stdout)["status"] == "SOLVED"
-
-
-def test_a_closed_stdout_is_no_crash():
-    command = f"'{sys.executable}' -m handlcp solve '{CUBE}' >&-"
-    done = subprocess.run(["sh", "-c", command], capture_output=True, text=True, cwd=ROOT)
-    assert "Traceback" not in done.stderr
-
-
 def test_an_accuracy_is_asked_for_in_place_of_faces():
     done = run("solve", CUBE, "--accuracy", "1e-3")
     assert done.exit_code == 0
@@ -314,18 +256,3 @@ def test_an_accuracy_is_asked_for_in_place_of_faces():
     assert (reached["asked"], reached["met"], reached["setting"]) == (1e-3, True, "exact cone")
     assert 0 < reached["error"] < 1e-9
     assert strict(run("solve", CUBE, "--json").stdout)["accuracy"] is None
-
-
-@pytest.mark.parametrize("options", [("--accuracy", "0"), ("--accuracy", "1e-3", "--faces", "8")])
-def test_an_accuracy_that_makes_no_sense_exits_2(options):
-    done = run("solve", CUBE, *options)
-    assert done.exit_code == 2
-    assert "accuracy" in done.stderr
-
-
-def test_an_empty_line_follows_a_tables_caption():
-    """That of slips on the whole way, which the scene's three sliding fingers have."""
-    lines = run("solve", ROOT / "examples" / "psyonic_grasp.toml").stdout.splitlines()
-    (at,) = (i for i, line in enumerate(lines) if line.strip() == "slip: on the whole way")
-    assert not lines[at + 1].strip()
-    assert lines[at + 2].startswith("Joint torques")

@@ -107,13 +107,6 @@ def test_json_of_a_scene_that_is_lost_says_where_and_lists_events(heavy):
     assert "lost" not in [s["kind"] for s in found["summary"]]
 
 
-def test_json_of_a_grasp_without_a_hand_has_no_joints():
-    found = strict(run(ROOT / "examples" / "paper" / "hard_finger.toml", *FEW, "--json").stdout)
-    assert found["joints"] is None
-    assert found["geometry"] == "fixed"
-    assert found["stages"] == ["load"]
-
-
 def test_options_reach_the_loading():
     together = strict(run(CUBE, "--order", "together", *FEW, "--json").stdout)
     assert together["stages"] == ["together"]

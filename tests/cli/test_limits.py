@@ -66,13 +66,6 @@ def test_what_does_not_hold_its_weight_holds_no_load_and_exits_1(tmp_path):
     assert "NOT HELD" in done.stdout
 
 
-def test_the_picture_is_of_the_load_that_holds_least(tmp_path):
-    done = run(CUBE, *FAST, "--plot", tmp_path / "least.svg")
-    assert done.exit_code == 0, done.output
-    assert (tmp_path / "least.svg").stat().st_size > 10_000
-    assert "Picture: " in done.stdout
-
-
 @pytest.mark.parametrize(
     "arguments",
     [

@@ -5,7 +5,6 @@ A word or a number that a column cuts or breaks is another word: the words at 80
 
 from __future__ import annotations
 
-import pathlib
 import re
 from collections import Counter
 
@@ -15,17 +14,10 @@ from rich.console import Console
 from typer.testing import CliRunner
 
 import handlcp as hl
-from handlcp import scene
 from handlcp.cli import app
-from handlcp.studies.accuracy import accuracy_cost
-from handlcp.studies.effect_catalogue import Cost, entries
-from tests.support import patches
 from tests.support.hand import urdf
-from tests.support.show import all_tables, tables
+from tests.support.show import tables
 
-ROOT = pathlib.Path(__file__).parents[2]
-EXAMPLES = ("cube_three_fingers", "box_on_table", "planar_ring")
-CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
 LISTS = [("keys",), ("effects",), ("hands",), ("audit", str(urdf("two_finger")))]
 
 
@@ -63,30 +55,6 @@ def test_a_long_name_is_not_cut(tmp_path):
     file.write_text(text.replace("finger_1_proximal", "right_hand_middle_finger_metacarpal"))
     table = tables.hand_table({"a_hand": hl.Hand.from_urdf(file, ["finger_2_tip"], joint_stiffness=6.0)})
     assert "right_hand_middle_finger_metacarpal" in shown([table], 80)
-
-
-def test_measured_effects_break_no_word():
-    costs = {e.title: Cost(-12, 1.25) for e in entries()}
-    table = tables.catalogue_table(entries(), costs)
-    assert words(shown([table], 80)) == words(shown([table], 1000))
-
-
-@pytest.mark.parametrize("name", EXAMPLES)
-def test_solutions_break_no_word(name):
-    file = str(ROOT / "examples" / f"{name}.toml")
-    narrow, roomy = (printed(("solve", file), columns) for columns in ("80", "1000"))
-    assert words(narrow) == words(roomy)
-
-
-def test_a_loading_breaks_no_word():
-    narrow, roomy = (printed(("follow", CUBE, "--steps", "4"), columns) for columns in ("80", "1000"))
-    assert words(narrow) == words(roomy)
-
-
-def test_accuracy_tables_break_no_word(monkeypatch):
-    patches.ticks_of_studies(monkeypatch, 2e-3)
-    found = all_tables(accuracy_cost(scene.load(CUBE).build(), seconds=0.3))
-    assert words(shown(found, 80)) == words(shown(found, 1000))
 
 
 def test_no_unit_in_a_help_text_is_taken_for_markup_and_left_out():

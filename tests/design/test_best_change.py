@@ -9,7 +9,6 @@ import handlcp as hl
 from handlcp.errors import InputError
 from tests.design.hands import cube_grasp, pinch
 from tests.hand.levers import MU, L
-from tests.support.texts import says
 
 N = 2.0  # N of grip
 
@@ -102,14 +101,6 @@ def test_where_nothing_gives_out_no_change_buys_anything():
     assert found.best is None
     assert not found.confirmed
     assert "nothing gives out" in str(found)
-
-
-def test_it_prints(tmp_path):
-    found = pinch(tmp_path, (0, 0, -1.0), limits=10.0, grip_force=N).best_change(geometry="fixed")
-    assert max(map(len, str(found).splitlines())) <= 80
-    says(found.sentence, "HELD")
-    assert found.tried[0].gain == pytest.approx(0.1, rel=1e-6)
-    assert found.verdicts[0] == "HELD"
 
 
 @pytest.mark.parametrize("share", [0.0, 1.0, -0.1, np.nan, "10 %"])

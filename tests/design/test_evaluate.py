@@ -73,11 +73,6 @@ def test_hands_are_compared_by_the_worst_object_and_others_are_followed_no_furth
     assert "≥" not in str(whole)
 
 
-def test_a_grasp_of_another_kind_is_not_brought_along(found):
-    power = hl.evaluate(hand(), brief(kind="power", loads=None, tries=1), near=found)
-    assert not power.cases["box"].continued
-
-
 def test_forces_torques_and_motion_are_those_of_paths_up_to_the_load(found):
     case = found.cases["box"]
     grasp = case.candidate.grasp
@@ -180,12 +175,3 @@ def test_a_keyword_that_a_brief_does_not_know_gets_the_nearest_or_where_it_belon
         brief(frction=0.5)
     with pytest.raises(TypeError, match="'mass': it is the object's"):
         brief(mass=0.2)
-
-
-def test_arguments_of_evaluate_are_checked(found):
-    with pytest.raises(hl.InputError, match="hand"):
-        hl.evaluate("three_finger", brief())
-    with pytest.raises(hl.InputError, match="brief"):
-        hl.evaluate(hand(), {"objects": BOX})
-    with pytest.raises(hl.InputError, match="near"):
-        hl.evaluate(hand(), brief(), near=hand())

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from functools import cache
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -180,29 +179,6 @@ def test_what_cannot_be_asked_is_named(given, said):
         run(**given)
 
 
-def test_columns_and_names_are_the_same_objectives():
-    assert read_aims(["payload_kg", "-motor_torque"]) == read_aims(("payload", "-torque"))
-
-
 def test_margins_are_shares_of_their_limit():
     assert margin(parse_requirement("payload>=2"), 3.0) == pytest.approx(0.5)
     assert margin(parse_requirement("torque<=0.5"), 0.6) == pytest.approx(-0.2)
-
-
-def test_ray_wraps_an_evaluation():
-    ray = pytest.importorskip("ray")
-    near = hl.evaluate(make(1.0), brief(1.0))
-    held = ray.remote(lambda x: hl.evaluate(make(x), brief(x), near).payload)
-    one, two = ray.get([held.remote(x) for x in (1.0, 1.5)])
-    assert two == pytest.approx(1.5 * one, rel=1e-3)
-
-
-def test_its_figure_is_not_titled_a_sweep():
-    drawn = []
-    study = SimpleNamespace(plot=lambda path, title, by: drawn.append((title, by)))
-    best = hl.Best(("payload", "-torque"), (), (), "it was enough", {}, {}, (), study, None, ())
-    best.plot()
-    best.plot(title="My own")
-    assert drawn == [
-        ("An optimisation: the best payload, -torque", ["payload", "-torque"]), ("My own", ["payload", "-torque"])
-    ]  # fmt: skip

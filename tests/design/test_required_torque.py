@@ -13,7 +13,6 @@ from handlcp.errors import InputError, UnknownName
 from tests.design.hands import G, cube_grasp, pinch
 from tests.hand.levers import MU, L
 from tests.support.hand import Drives
-from tests.support.texts import says
 
 BRIEF = {"lift": {}, "push": (0, 3, 0, 0, 0, 0), "heavy, upside down": {"gravity": (0, 0, G), "mass": 0.8}}
 SAFETY = 1.5
@@ -231,12 +230,6 @@ def test_safety_and_tolerance_are_positive():
             cube_grasp().required_torque(tolerance=bad)
 
 
-def test_known_forces_cannot_be_followed(tmp_path):
-    grasp = pinch(tmp_path, effects=[hl.PrescribedForce(0, (0, 0, 1.0))])
-    with pytest.raises(hl.Unsupported):
-        grasp.required_torque()
-
-
 @pytest.mark.long
 def test_where_check_does_not_say_held_the_answer_is_not_confirmed_and_says_why():
     hand = hl.example_hand("three_finger", joint_stiffness=60.0)
@@ -251,25 +244,3 @@ def test_where_check_does_not_say_held_the_answer_is_not_confirmed_and_says_why(
     assert said.startswith("NOT CONFIRMED: ")
     assert f"lift is UNDECIDED: {r.reasons['lift']}." in said
     assert "held" not in said
-
-
-def test_a_finger_that_need_not_press_is_said_to_touch_alone(tmp_path):
-    r = dataclasses.replace(pinch(tmp_path).required_torque(tolerance=0.1), grip={"left_tip": 0.0, "right_tip": 1.0})
-    said = " ".join(str(r).split())
-    assert "With a grip of 0 N (left_tip), 1 N (right_tip)" in said
-    assert "0 N is to touch without pressing: load and other fingers press the object against left_tip." in said
-    assert "0 N is" not in dataclasses.replace(r, grip={"left_tip": 1.0, "right_tip": 1.0}).sentence
-
-
-def test_progress_is_told_with_every_grip_that_is_tried(tmp_path):
-    told = []
-    pinch(tmp_path).required_torque(tolerance=0.1, progress=told.append)
-    assert told == list(range(1, len(told) + 1))
-    assert told
-
-
-def test_it_prints_and_becomes_data(tmp_path):
-    r = pinch(tmp_path, limits=0.1).required_torque({"down": (0, 0, -1, 0, 0, 0), "up": (0, 0, 1, 0, 0, 0)})
-    says(str(r), "left_joint", "over limit", "is lost")
-    assert max(map(len, str(r).splitlines())) <= 80
-    assert r.to_dict()["joints"][0]["by_load_Nm"].keys() == {"down", "up"}

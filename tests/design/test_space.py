@@ -55,15 +55,6 @@ def test_sobol_points_are_spread_evenly_go_on_and_hang_on_their_seed():
     assert (MIXED.sobol(64, seed=2) != points).any()
 
 
-def test_bounds_are_those_of_the_ranges():
-    low, high = MIXED.bounds
-    assert (list(MIXED.ranges), low.tolist(), high.tolist()) == (["length", "stiffness"], [0.03, 0.1], [0.06, 10.0])
-
-
-def test_a_space_is_made_again_from_its_own_entries():
-    assert Space(MIXED.to_dict()).to_dict() == MIXED.to_dict()
-
-
 @pytest.mark.parametrize(
     ("entry", "said"),
     [

@@ -116,17 +116,6 @@ def test_every_row_with_a_residual_is_drawn_alike_and_no_other():
     np.testing.assert_allclose(hits / 3000, [1 / 3, 1 / 3, 1 / 3, 0], atol=0.04)
 
 
-def test_uniform_rows_find_the_same_answer_in_more_steps():
-    p = hl.LCP(*random_p(np.random.default_rng(0), 12)).scaled
-    (z, steps, _), (alike, more, _) = (take(p, 0, 1e-10, 100_000, 0) for take in (study.greedy, study.uniform))
-    np.testing.assert_allclose(z, alike, atol=1e-8)
-    assert steps < more
-
-
-def test_uniform_rows_stop_at_an_answer_and_where_no_row_moves():
-    assert study.uniform(hl.LCP(np.eye(2), [1.0, 1.0]).scaled, 0, 1e-10, 100, 0)[1] == 0
-
-
 @pytest.mark.parametrize(("number", "faces"), [(3, 4), pytest.param(3, 8, marks=pytest.mark.long),
                                                pytest.param(5, 6, marks=pytest.mark.long)])  # fmt: skip
 def test_grasps_in_natural_units_converge_at_a_rate_that_conditioning_bounds(number, faces):

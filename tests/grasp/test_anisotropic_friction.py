@@ -45,21 +45,6 @@ def test_a_pinch_holds_up_to_the_ellipse_and_no_further(angle):
     assert pinch(wrench=load * limit * 1.05).solve("cone", throw=False).status is hl.Status.NO_EQUILIBRIUM
 
 
-@pytest.mark.parametrize("faces", [8, "cone"])
-def test_equal_coefficients_are_coulombs_law_bit_by_bit(faces):
-    plain, equal = ring(1, hl.Coulomb(0.4)), ring(1, hl.AnisotropicCoulomb(0.4, 0.4))
-    np.testing.assert_array_equal(plain.problem(faces).M, equal.problem(faces).M)
-    np.testing.assert_array_equal(plain.solve(faces).forces, equal.solve(faces).forces)
-
-
-@pytest.mark.parametrize("faces", [8, "cone"])
-def test_it_brings_no_unknowns(faces):
-    assert ring(1, RIBBED).problem(faces).n == ring(1, hl.Coulomb(0.6)).problem(faces).n
-    (line,) = [x for x in ring(1, RIBBED).explain(faces).effects if x.title == "anisotropic friction"]
-    assert line.on
-    assert line.cost == 0
-
-
 def test_sliding_is_on_the_ellipse_and_against_its_normal():
     slides = 0
     for seed in range(20):
@@ -137,8 +122,3 @@ def test_a_start_from_another_law_is_read_in_contact_axes():
 def test_bad_numbers_are_refused_by_name(bad):
     with pytest.raises(hl.InputError, match=r"AnisotropicCoulomb\.mu_[xy]"):
         hl.AnisotropicCoulomb(*bad)
-
-
-def test_streams_refuse_it_and_say_what_follows_it():
-    with pytest.raises(hl.InputError, match="start="):
-        hl.GraspStream(pinch())

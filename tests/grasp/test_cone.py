@@ -75,21 +75,6 @@ def test_pyramids_through_the_cone_solve_the_same_lcp(faces):
     assert compared
 
 
-def test_the_size_of_the_cone_problem_does_not_depend_on_faces():
-    g = cube_example()
-    assert g.problem("cone").n == 15
-    assert g.problem(64).contact.n == 15
-    assert g.problem(64).n == 3 + 3 * 64
-    assert g.explain("cone").size == 15
-
-
-def test_solve_lcp_takes_the_cone_problem_and_returns_newtons():
-    g = cube_example()
-    s = hl.solve_lcp(g.problem("cone"))
-    assert s.status is hl.Status.SOLVED
-    np.testing.assert_allclose(s.z[:3], g.solve("cone").normal_force, rtol=1e-9)
-
-
 def test_kaczmarz_alone_converges_on_the_cone():
     s = cube_example().solve("cone", hl.NSNGRK(polish=False, tol=1e-10, max_iterations=200_000))
     np.testing.assert_allclose(s.forces, cube_example().solve("cone").forces, atol=1e-7)

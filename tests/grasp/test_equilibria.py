@@ -76,16 +76,6 @@ def test_a_pinch_holds_up_to_its_friction_limit(faces):
     assert searched(pinch(load=(0, 0, -1.001 * limit)), faces).outcome == "none"
 
 
-@pytest.mark.parametrize("seed", range(4))
-@pytest.mark.parametrize("faces", [8, "cone"])
-def test_it_finds_what_the_solver_finds(seed, faces):
-    contacts, data = ring(np.random.default_rng(seed), n=3)
-    g = hl.Grasp(contacts, **data)
-    s = g.solve(faces, throw=False)
-    assert s.held
-    assert searched(g, faces).outcome == "solution"
-
-
 def test_planar_scenes_and_prescribed_forces():
     contacts = [
         hl.Contact((-1, 0), (1, 0), hl.Coulomb(0.5)),

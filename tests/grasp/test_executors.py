@@ -48,27 +48,12 @@ def test_the_answers_are_those_of_one_process_whatever_the_shards(size, faces, m
                 assert s.scene is g.scene
 
 
-def test_solvers_without_a_first_stage_go_there_too():
-    grasps = sweep(four(), 5, 0.1)
-    there = Later()
-    assert_same_bits(hl.solve_many(grasps, 8, hl.Lemke(), executor=there), [g.solve(8, hl.Lemke()) for g in grasps])
-    assert there.sent
-
-
 def test_loads_of_one_grasp_travel_as_their_own_numbers_alone():
     there = Later()
     grasps = sweep(hand_grasp(), 300, 0.1)
     assert hl.solve_many(grasps, executor=there).held.all()
     assert len(there.sent) == 2  # of 256 and 44
     assert sum(there.sent) < 300 * 60 + 2 * 8000
-
-
-def test_progress_counts_up_to_all_on_an_executor(monkeypatch):
-    patches.shards_of(monkeypatch, 2)
-    seen = []
-    hl.solve_many(mixture(), 8, QUICK, executor=Later(), progress=lambda done, total: seen.append((done, total)))
-    assert seen[-1] == (30, 30)
-    assert [d for d, _ in seen] == sorted(d for d, _ in seen)
 
 
 def test_a_pool_that_loses_a_process_says_so(monkeypatch):

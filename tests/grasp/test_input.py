@@ -111,10 +111,6 @@ def test_a_solver_that_knows_no_cones_says_so():
     says(str(caught.value), "Lemke")
 
 
-def test_newton_alone_knows_the_cone():
-    assert pinch().solve("cone", hl.SemismoothNewton()).held
-
-
 @pytest.mark.parametrize("limit", [0, -1, NAN, "x"])
 def test_bounds(limit):
     with pytest.raises(hl.InputError, match="TotalForceBound"):

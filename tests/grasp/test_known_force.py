@@ -61,11 +61,6 @@ def test_readings_that_no_balance_allows_are_proven_so(faces):
     assert weak.status is hl.Status.NO_EQUILIBRIUM
 
 
-def test_it_brings_two_unknowns_a_known_component_and_nothing_when_absent():
-    plain, known = ring().problem("cone").n, ring(hl.KnownForce(1, (0.0, None, 2.0))).problem("cone").n
-    assert known == plain + 4
-
-
 def test_anisotropic_friction_reads_in_newtons():
     law = hl.AnisotropicCoulomb(0.2, 0.6)
     contacts = [hl.Contact((s * 0.01, 0, 0), (-s, 0, 0), law, (0, 0, 1)) for s in (-1.0, 1.0)]

@@ -8,7 +8,7 @@ import pytest
 import handlcp as hl
 from handlcp.lcp import ContactProblem, proposals
 from tests.grasp.scenes import pinch, ring as make_ring
-from tests.lcp.problems import random_p, random_psd
+from tests.lcp.problems import random_p
 from tests.support.grasp import contact_problem
 from tests.support.lcp import (
     OtherStarts,
@@ -111,26 +111,7 @@ def test_the_same_seed_gives_the_same_bits(faces):
         np.testing.assert_array_equal(a.z, b.z, err_msg=name)
 
 
-def test_no_settings_no_later_stages():
-    p = hl.LCP(np.eye(2), [-1, 1])
-    assert hl.Auto(restarts=0, search_seconds=0).plan(p)[-1] == "Farkas vector"
-    assert "NSNGRK, seed 8" in hl.Auto(seed=7).plan(p)
-
-
 # ---------------------------------------------------------------- the stages that are solvers of their own
-@pytest.mark.parametrize("faces", [4, 16, "cone"])
-def test_newton_alone_solves_contact_problems(faces):
-    p = ring(4).problem(faces)
-    p = p if isinstance(p, ContactProblem) else p.contact
-    s = hl.SemismoothNewton().propose_contact(p)
-    assert solves_contact(p, s.z)
-    again = hl.SemismoothNewton().propose_contact(p, s.z)
-    assert solves_contact(p, again.z)
-
-
-def test_settings_are_checked():
-    with pytest.raises(hl.InputError):
-        OtherStarts(0)
 
 
 def test_units_of_limits_are_a_change_of_variables():
@@ -154,13 +135,6 @@ def test_other_starts_find_what_one_start_does_not():
         if hl.SemismoothNewton().propose(p).outcome != "converged":
             found += OtherStarts().propose(p).outcome.startswith("converged")
     assert found >= 5
-
-
-def test_a_start_is_tried_first():
-    M, q = random_psd(np.random.default_rng(2), 8)
-    p = hl.LCP(M, q).scaled
-    z = hl.NSNGRK().propose(p).z
-    says(OtherStarts().propose(p, z).outcome, "converged", "1")
 
 
 class _ContactsAlone:

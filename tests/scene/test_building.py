@@ -24,7 +24,7 @@ from handlcp import (
 )
 from handlcp.errors import InputError
 from handlcp.geometry import Box, Cylinder, Ellipsoid, Mesh, Sphere
-from handlcp.hand import Hand, HandGrasp, example_hand
+from handlcp.hand import HandGrasp, example_hand
 from handlcp.scene import load, read
 from tests.support import texts
 from tests.support.grasp import arrays
@@ -276,31 +276,11 @@ def test_a_mesh_is_found_beside_the_scene_file(tmp_path):
     np.testing.assert_allclose(mesh.center_of_mass, [0.0025] * 3)
 
 
-def test_the_file_decides_how_to_solve():
-    scene = read(CUBE + "[solve]\nfaces = 12\nseed = 7")
-    solution = scene.solve()
-    again = scene.build().solve(12)
-    np.testing.assert_allclose(solution.forces, again.forces, rtol=1e-9, atol=1e-9)
-
-
-def test_importing_handlcp_does_not_import_pydantic_typer_or_matplotlib():
-    code = (
-        "import handlcp, sys; print(sorted({'pydantic', 'typer', 'rich', 'matplotlib', 'trimesh'} & set(sys.modules)))"
-    )
-    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert out.stdout.strip() == "[]"
-
-
 def test_hands_and_grasps_are_there_without_the_slow_parts_of_scipy():
     slow = "{'scipy.optimize', 'scipy.stats', 'scipy.spatial'}"
     code = f"import handlcp as hl, sys; hl.Hand, hl.Grasp, hl.solve_many; print(sorted({slow} & set(sys.modules)))"
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert out.stdout.strip() == "[]"
-
-
-def test_a_hand_from_a_urdf_needs_no_library(tmp_path):
-    text = CUBE.replace('name = "three_finger"', f'urdf = "{urdf("three_finger")}"')
-    assert isinstance(read(text, tmp_path).build().state.hand, Hand)
 
 
 SOFT = f"""

@@ -8,7 +8,7 @@ import pytest
 from handlcp.errors import InputError, SceneFileError, UnknownName
 from handlcp.geometry import Box
 from handlcp.hand import example_hand
-from handlcp.scene import keys, read
+from handlcp.scene import read
 from tests.support.scene_texts import BOX_IN_TWO_FINGERS, TWO_CONTACTS
 
 BOX = Box((0.03, 0.04, 0.06), (0, 0, 0.08))
@@ -45,14 +45,6 @@ def test_closing_deeper_by_finger_and_squeezing_by_finger_have_the_same_forces_t
         closed = read(f"{BOX_IN_TWO_FINGERS}[posture]\n{line}").solve()
         told = read(f"{BOX_IN_TWO_FINGERS}[grasp]\n{line}").solve()
         np.testing.assert_allclose(closed.normal_force, told.normal_force, rtol=within)
-
-
-def test_the_keys_are_listed_with_what_they_hold():
-    found = {k.path: k for k in keys()}
-    for path in ("posture.squeeze_m", "grasp.squeeze_m", "grasp.grip_force_N"):
-        assert "fingertip" in found[path].expected
-        assert found[path].meaning
-    assert found["grasp.squeeze_m"].default == ""
 
 
 @pytest.mark.parametrize(

@@ -59,12 +59,6 @@ def test_cells_are_divided_where_causes_differ_into_parts_of_one_cause():
     np.testing.assert_allclose(shares, [1 / 6, 1 / 6 + 3 / 8, 1 / 6 + 1 / 8])
 
 
-def test_a_segment_is_divided_in_its_middle():
-    parts, kinds, more = divide_mixed_cells(np.array([(0, 1), (1, 2)]), np.array([0, 1, 1]))
-    assert sorted(zip(parts.tolist(), kinds.tolist(), strict=True)) == [([0, 3], 0), ([1, 2], 1), ([3, 1], 1)]
-    np.testing.assert_array_equal(more, [(0, 1, 0, 1, 0, 1)])
-
-
 def test_a_section_lies_in_its_plane_and_on_the_surface_all_around():
     env = cube()
     s = make_surface(env)
@@ -172,8 +166,3 @@ def test_a_page_holds_the_surface_and_asks_no_network(tmp_path):
     np.testing.assert_allclose(long, np.minimum(env.factors, reach), rtol=1e-4)
     assert [surface["causes"][k] for k in surface["cause"]] == [env.causes[k].says for k in env.cause]
     assert surface["held"][int(np.argmax(env.factors))] == "any"
-
-
-def test_directions_in_a_plane_have_no_page(tmp_path):
-    with pytest.raises(InputError, match="all around"):
-        pinch(("xy", 24)).page(tmp_path / "plane.html")

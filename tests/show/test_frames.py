@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.studies.accuracy import accuracy_cost
 
 pandas = pytest.importorskip("pandas")
 
@@ -40,34 +39,6 @@ def test_a_solution_is_a_table_of_its_contacts_and_one_of_its_joints(grasp):
     np.testing.assert_array_equal(joints["margin_Nm"], s.torque_margin)
 
 
-def test_soft_fingers_have_moments_and_contacts_alone_no_joints():
-    s = pinch(hl.SoftFinger(0.5, 0.01)).solve()
-    np.testing.assert_array_equal(s.to_frame()["moment_Nm"], s.torsion)
-    with pytest.raises(hl.InputError, match="without a hand"):
-        s.to_frame("joints")
-    with pytest.raises(hl.InputError, match="of"):
-        s.to_frame("fingers")
-
-
-def test_a_solution_without_an_answer_is_a_table_of_nothing():
-    found = pinch(squeeze=0.0).solve(throw=False).to_frame()
-    assert found.drop(columns="state").isna().all(axis=None)
-
-
-def test_an_envelope_is_a_table_with_a_row_for_each_direction():
-    env = hl.envelope(pinch(), ("yz", 8))
-    found = env.to_frame()
-    np.testing.assert_array_equal(found[["x", "y", "z"]], env.directions)
-    np.testing.assert_array_equal(found["force_N"], env.factors)
-
-
-def test_a_batch_is_a_table_with_a_row_for_each_grasp():
-    solutions = hl.solve_many([pinch(), pinch(squeeze=0.0)])
-    found = solutions.to_frame()
-    assert found["status"].tolist() == ["SOLVED", "NO_EQUILIBRIUM"]
-    np.testing.assert_array_equal(found["finger 1.force_z"], solutions.forces[:, 0, 2])
-
-
 def test_a_loading_is_a_table_with_a_row_for_each_step(grasp):
     h = grasp.follow(steps=4)
     found = h.to_frame()
@@ -75,22 +46,6 @@ def test_a_loading_is_a_table_with_a_row_for_each_step(grasp):
     assert found["stage"].iloc[-1] == "load"
     np.testing.assert_array_equal(found["finger_1_tip.force_z"], h.steps.forces[:, 0, 2])
     np.testing.assert_array_equal(found["finger_1_distal.torque"], h.steps.torques[:, 1])
-
-
-def test_equilibria_and_required_values_are_tables():
-    every = pinch().equilibria(faces=4)
-    found = every.to_frame()
-    assert len(found) == 2 * len(every)
-    assert found["normal_N"].iloc[0] == every.found[0].forces[0, 2]
-    needs = pinch(squeeze=0.0).required_preload(tolerance=0.1)
-    tried = needs.to_frame()
-    assert list(zip(tried["value"], tried["holds"], strict=True)) == list(needs.checked)
-
-
-def test_studies_are_tables():
-    cost = accuracy_cost(pinch(), methods=["NSNGRK polished"], faces=[8], tolerances=[1e-9], left_out=False, repeats=1)
-    rows = cost.to_frame()
-    assert rows["method"].tolist() == [r.method for r in cost.rows]
 
 
 def test_without_pandas_the_extra_is_named(monkeypatch):

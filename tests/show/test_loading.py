@@ -19,7 +19,6 @@ from handlcp.hand import example_hand
 from tests.show.picture_cases import LONG, on_table
 from tests.support import patches
 from tests.support.show import events_in_short, grasp_at_end, loading_figure, loading_picture, solution_at_end
-from tests.support.texts import says, without_numbers
 
 MU = 0.6
 
@@ -109,28 +108,6 @@ def test_torques_are_shares_of_their_limits_the_six_nearest_to_them_in_colour():
     np.testing.assert_allclose(sorted(coloured), ends[-6:])
 
 
-def test_without_limits_torques_are_drawn_in_newton_metres():
-    h = found("without limits")
-    ax = axis(loading_figure(h), "Joint torque [N·m]")
-    ends = [line.get_ydata()[-1] for line in curves(ax)]
-    np.testing.assert_allclose(sorted(ends), sorted(h.steps.torques[-1]))
-
-
-def test_rounding_is_not_drawn_as_forces():
-    h = three_points().replace(wrench=np.zeros(6), preload=1e-16).follow(order="load", steps=2)
-    ax = axis(loading_figure(h), "Normal force")
-    assert abs(h.steps.forces).max() < 1e-9
-    assert ax.get_ylim()[1] > 0.5
-
-
-def test_panels_that_a_grasp_has_no_numbers_for_are_left_out():
-    titles = [ax.get_title("left") for ax in loading_figure(found("points")).axes]
-    assert not [t for t in titles if "torque" in t]
-    smooth = [hl.Contact(c.position, c.normal, hl.Frictionless()) for c in three_points().contacts]
-    h = hl.Grasp(smooth, (0.1, 0, 0, 0, 0, 0), flexibility=1e-3, preload=2e-3).follow(steps=2)
-    assert not [ax for ax in loading_figure(h).axes if "Friction" in ax.get_title("left")]
-
-
 def test_where_it_is_lost_is_marked_and_said():
     h = found("lost")
     assert not h.reached
@@ -191,17 +168,6 @@ def test_no_text_leaves_the_page_or_covers_another(name):
             assert min(across, along) < 3.0, f"{text!r} over {other!r}"
 
 
-@pytest.mark.parametrize("name", ["ball", "lost", "points"])
-def test_names_stand_beside_the_panels_and_not_over_curves(name):
-    figure = loading_figure(found(name))
-    apart = {"lost", *found(name).stages}
-    for ax in figure.axes:
-        inside = ax.get_window_extent()
-        names = [t for t in ax.texts if not t.get_text().isdigit() and t.get_text() not in apart]
-        assert names
-        assert all(t.get_window_extent().x0 > inside.x1 for t in names)
-
-
 # ---------------------------------------------------------------- the end
 def test_the_grasp_of_the_end_is_where_hand_and_object_end():
     h = found("lost")
@@ -223,20 +189,6 @@ def test_slips_at_the_end_are_those_of_the_whole_way():
     assert (slipped > 3e-3).all()
     assert (slipped <= way * (1 + 1e-9)).all()
     np.testing.assert_allclose(slipped, way, rtol=0.05)  # they slip one way, along what turns a little
-
-
-@pytest.mark.parametrize("name", ["lost", "points"])
-def test_the_end_is_drawn_and_said(name):
-    figure = loading_picture(found(name), "A title")
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    image = np.asarray(canvas.buffer_rgba())[..., :3] / 255
-    height, width, _ = image.shape
-    assert image[height // 5 :, : 2 * width // 3].std() > 0.05, "not blank"
-    said = [t.get_text() for t in figure.texts]
-    assert f"{found(name).word}:" in said
-    (drawn,) = [t for t in said if t.startswith("Drawn")]
-    says(without_numbers(drawn), "Drawn")
 
 
 def test_files_are_written_or_refused(tmp_path, monkeypatch):
@@ -301,28 +253,3 @@ def events(*told):
 )
 def test_several_fingers_at_one_place_are_one_sentence(told, short):
     assert events_in_short(events(*told), three_points()) == short
-
-
-def test_of_many_names_some_are_left_out_and_joints_have_their_own_words():
-    five = ball()
-    slipping = [("slips", f"finger_{k}_tip", "load", 0.4) for k in (1, 2, 3, 4)]
-    assert events_in_short(events(*slipping), five)[0].endswith(
-        "finger_1_tip, finger_2_tip, finger_3_tip and finger_4_tip begin to slip"
-    )
-    joints = five.state.hand.joint_names
-    over = events_in_short(events(*[("over limit", j, "load", 0.4) for j in joints[:6]]), five)
-    assert over == [
-        f"load, 40 %: {', '.join(joints[:3])} and 3 more need more than their torque limits",
-    ]
-    every = events_in_short(events(*[("yields", j, "load", 0.4) for j in joints]), five)
-    assert every == ["load, 40 %: all 10 joints yield at their torque limits"]
-
-
-def test_a_loading_reads_as_its_outcome_what_happens_and_what_the_end_is_like():
-    text = str(found("ball"))
-    assert text.splitlines()[0] == f"HELD: {found('ball').why}", "short enough for one line"
-    says(without_numbers(text), "finger_1_tip")
-    lost = str(found("lost"))
-    assert max(map(len, lost.splitlines())) <= 80
-    words = ["NOT HELD:", found("lost").why, *events_in_short(found("lost").events, ball()), "at the last step: "]
-    assert " ".join(lost.split()).startswith(" ".join(" ".join(words).split()))

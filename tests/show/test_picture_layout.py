@@ -61,13 +61,6 @@ def test_every_word_can_be_read_and_no_lines_cross(name):
     lines_stand_alone(figure.axes[0], renderer)
 
 
-def test_no_words_are_too_small():
-    for name in ("long_names", "psyonic_grasp", "allegro_pinch"):
-        figure, _ = drawn(name)
-        sizes = [t.get_fontsize() for ax in figure.axes for t in ax.texts] + [t.get_fontsize() for t in figure.texts]
-        assert min(sizes) >= 7.5
-
-
 def words_stand_alone(figure, renderer):
     """On the page, and over nothing."""
     written, page = boxes(figure, renderer), figure.bbox

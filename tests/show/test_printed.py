@@ -96,13 +96,6 @@ def test_many_contacts_are_a_row_each():
     assert len({row.index("sticking") for row in rows}) == 1, "states stand in a column"
 
 
-def test_soft_fingers_and_surroundings_have_their_columns():
-    soft = pinch(hl.SoftFinger(0.5, 0.01)).solve("cone")
-    fits(soft, "moment", "N·m")
-    table = load(ROOT / "box_on_table.toml").build().solve("cone")
-    assert fits(table, "table 4").count("contact") >= 1
-
-
 def test_a_solution_without_an_answer_says_why_and_prints_no_numbers():
     lost = pinch(pull=100.0).solve(throw=False)
     fits(lost, "NOT HELD")
@@ -118,14 +111,6 @@ def test_nothing_that_is_rounding_is_printed_as_a_number():
     text = fits(s)
     assert "moves (0, 0, 0)" in text
     assert re.search(r"sticking\s+10\.00\s+0\.00", text), "the friction of a pinch without a load"
-
-
-def test_what_stands_in_one_sentence_has_one_unit():
-    """The can's three fingers that slide do so by 0.03 to 0.2 mm."""
-    _, s = solved(ROOT / "psyonic_grasp.toml")
-    (said,) = s.verdict.about("contacts")
-    assert len(said.values["sliding_m"]) == 3
-    assert set(re.findall(r"[µm]?m\b", said.sentence)) == {"mm"}
 
 
 @pytest.mark.parametrize(("size", "unit"), [(1e-4, "mN"), (1e-6, "µN"), (1.0, "N"), (1e5, "kN")])

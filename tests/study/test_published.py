@@ -10,7 +10,6 @@ from tests.design.hands import pinch as levers
 from tests.hand.levers import L
 from tests.support.published import LIFT_ACCELERATION, SHAKE_ACCELERATION, gripper, shake_grasp
 from tests.support.squeezed import MU, G, K, N, R, pinch as two_points
-from tests.support.texts import says
 
 DOWN = np.array([0.0, 0.0, 1.0])
 FORCE, WIDE, PAD = 10.0, 0.05, 1e-5  # of the jaws [N]; of the ball [m]; of the jaws' pads [m/N]
@@ -207,14 +206,3 @@ def test_bad_questions_are_refused(tmp_path):
             call()
     with pytest.raises(hl.UnknownName, match="fingertip"):
         hl.finger_strength(hand, ["thumb"])
-
-
-def test_what_prints_has_the_forces_the_masses_and_what_gives_out(tmp_path):
-    found = hl.finger_strength(three(), ["finger_1_tip"])
-    says(str(found), "finger_1_proximal", f"{found.weakest.force:.3g}")
-    pulled = hl.slip_resistance(two_points(), DOWN)
-    says(str(pulled), f"{2 * MU * N:.3g} N")
-    row = shake_grasp(ball(tmp_path, 0.4), "sphere", WIDE, DOWN)
-    says(str(row), "0.4 kg", "held", "0.771 kg")
-    for text in (str(found), str(pulled)):
-        assert max(map(len, text.splitlines())) <= 80

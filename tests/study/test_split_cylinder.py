@@ -11,7 +11,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 import handlcp as hl
 from tests.hand.levers import L, lever_hand, lever_pinch
 from tests.support.grip_strength import ContactsAroundAxis, close_with_full_torque
-from tests.support.texts import says
 
 R, N, MU, K = 0.025, 3.0, 0.5, 1e-3  # radius [m], grip [N], friction, flexibility [m/N]
 Z, ORIGIN = (0, 0, 1), (0, 0, 0)
@@ -183,12 +182,6 @@ def test_a_power_grasp_presses_all_around_with_all_its_torque():
 
 
 # ---------------------------------------------------------------- as text and as a picture
-def test_what_prints_has_the_force_its_range_and_the_cause():
-    found = of_hand("three_finger")
-    text = str(found)
-    assert max(map(len, text.splitlines())) <= 80
-    facts = [f"{x:.3g} N" for x in (found.pinch.force, found.pinch.least, found.pinch.largest)]
-    says(text, *facts, found.pinch.binds[0].who)
 
 
 @pytest.mark.long

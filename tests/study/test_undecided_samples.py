@@ -89,12 +89,3 @@ def test_samples_of_which_some_are_undecided_hold_at_least_so_often_and_the_inte
     assert chance.value == pytest.approx((counts["HELD"] + counts["OVER LIMIT"]) / 64)
     assert chance.high >= chance.value + counts["UNDECIDED"] / 64 - 1e-12
     assert f"at least {100 * chance.value:.1f} %, undecided {100 * counts['UNDECIDED'] / 64:.1f} %" in str(chance)
-
-
-def test_a_picture_has_undecided_samples_apart_from_those_that_are_not_held():
-    pytest.importorskip("matplotlib")
-    left = hl.reliability(ball(1.1), SPREAD, 64, workers=1).plot().axes[0]
-    said = " ".join(t.get_text() for t in left.texts)
-    assert "undecided" in said
-    assert "not held" not in said
-    assert sum(bar.get_height() for bar in left.patches) == pytest.approx(100.0)

@@ -9,7 +9,7 @@ import numpy as np
 import handlcp as hl
 from handlcp import words as units
 from handlcp.grasp.path.events import summary
-from handlcp.viz import accuracy as work_precision_figure, tables
+from handlcp.viz import accuracy as work_precision_figure, terminal_table as tables
 from handlcp.viz.accuracy import all_tables
 from handlcp.viz.envelope.page import choose_view_axes as facing_weakest
 from handlcp.viz.envelope.surface import (
