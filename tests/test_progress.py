@@ -141,11 +141,11 @@ def points():
 
 CALLS = {
     "directions": lambda _: hl.envelope(points(), ("yz", 200)),
-    "samples": lambda _: hl.reliability(points(), {"friction": 0.1}, 2048),
+    "samples": lambda _: hl.reliability(points(), {"friction": 0.1}, 512),
     "grasps": lambda _: hl.solve_many([points()] * 40, workers=1),
     "grips tried": lambda folder: levers(folder).required_torque(),
     "looking for a grasp": lambda _: hl.find_grasp(
-        hl.example_hand("three_finger", joint_stiffness=6.0), hl.Sphere(0.03, mass=0.1), friction=0.8, tries=4,
+        hl.example_hand("three_finger", joint_stiffness=6.0), hl.Sphere(0.03, mass=0.1), friction=0.8, tries=1,
         throw=False,
     ),
     "following the loading": lambda _: grasp().follow(steps=8),

@@ -221,8 +221,7 @@ print("after")
 
 
 @posix
-@pytest.mark.parametrize("place", ["/dev/stdout", "/dev/fd/1"])
-@pytest.mark.parametrize("to", ["pipe", "file", "appended"])
+@pytest.mark.parametrize(("place", "to"), [("/dev/stdout", "pipe"), ("/dev/stdout", "file"), ("/dev/fd/1", "appended")])
 def test_stdout_gets_a_file_between_what_is_printed_before_and_after(place, to, tmp_path):
     file = tmp_path / "out.txt"
     file.write_text("first\n")

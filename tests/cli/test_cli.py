@@ -16,7 +16,6 @@ import handlcp as hl
 from handlcp.cli import app
 from handlcp.studies.effect_catalogue import Cost, entries
 from tests.support import patches
-from tests.support.hand import urdf
 from tests.support.messages import without_compiling
 from tests.support.texts import same, says, without_numbers
 
@@ -121,29 +120,6 @@ def test_a_bad_scene_exits_2_with_one_message_on_stderr(tmp_path):
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ("solve", "nothing_here.toml"),
-        ("solve", CUBE, "--faces", "2"),
-        ("solve", CUBE, "--faces", "many"),
-        ("solve", CUBE, "--seed", "-1"),
-        ("solve", CUBE, "--seed", "x"),
-        ("solve", CUBE, "--plot", "picture.doc"),
-        ("solve", CUBE, "--unknown"),
-        ("solve",),
-        ("audit", "nothing_here.urdf"),
-        ("audit", CUBE),
-        ("no_such_command",),
-    ],
-)
-def test_bad_input_exits_2_and_prints_nothing_on_stdout(arguments):
-    done = run(*arguments)
-    assert done.exit_code == 2
-    assert done.stdout == ""
-    assert "rror" in done.stderr
-
-
 def test_json_is_one_object_with_everything_and_no_nan():
     done = run("solve", CUBE, "--json")
     found = strict(done.stdout)
@@ -191,24 +167,6 @@ def test_a_picture_is_written_on_request(tmp_path):
     assert out.stat().st_size > 20_000
 
 
-def test_audit_lists_doubts(tmp_path):
-    file = tmp_path / "weak.urdf"
-    file.write_text(urdf("two_finger").read_text().replace('effort="0.4"', 'effort="0"'))
-    done = run("audit", file)
-    assert done.exit_code == 0
-    assert "finger_1_distal" in done.stdout
-    doubts = strict(run("audit", file, "--json").stdout)["doubts"]
-    (said,) = (d["what"] for d in doubts if "finger_1_distal" in d["joint"])
-    says(said, "unknown")
-    assert {word for word in said.split() if word not in done.stdout} == set()
-
-
-def test_keys_lists_what_a_scene_file_may_hold():
-    found = strict(run("keys", "--json").stdout)["keys"]
-    assert {"radius_m", "preload_m", "faces"} <= {k["key"] for k in found}
-    assert "joint_stiffness_Nm_per_rad" in run("keys").stdout
-
-
 def test_effects_lists_every_effect_and_measures_when_asked(monkeypatch):
     found = strict(run("effects", "--json").stdout)["effects"]
     assert [e["title"] for e in found] == [e.title for e in entries()]
@@ -225,11 +183,6 @@ def test_effects_lists_every_effect_and_measures_when_asked(monkeypatch):
     lines = run("effects", "--measure", width="80").stdout.splitlines()
     assert max(map(len, lines)) <= 80
     assert sum("-3   × 1.2" in line for line in lines) == len(found)
-
-
-def test_version():
-    done = run("--version")
-    assert (done.exit_code, done.stdout) == (0, f"handlcp {hl.__version__}\n")
 
 
 def test_as_a_program_of_its_own():

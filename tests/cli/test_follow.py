@@ -127,33 +127,3 @@ def test_figure_and_picture_are_written(tmp_path):
     assert (tmp_path / "way.svg").stat().st_size > 10_000
     assert (tmp_path / "end.png").stat().st_size > 50_000
     assert done.stdout.count("Picture: ") == 2
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ("nothing_here.toml",),
-        (CUBE, "--faces", "2"),
-        (CUBE, "--faces", "many"),
-        (CUBE, "--steps", "0"),
-        (CUBE, "--steps", "x"),
-        (CUBE, "--order", "load,then"),
-        (CUBE, "--order", ""),
-        (CUBE, "--plot", "way.doc"),
-        (CUBE, "--picture", "nowhere/end.png"),
-        (CUBE, "--unknown"),
-        (),
-    ],
-)
-def test_bad_input_exits_2_and_prints_nothing_on_stdout(arguments):
-    done = run(*arguments)
-    assert done.exit_code == 2
-    assert done.stdout == ""
-    assert "rror" in done.stderr
-
-
-def test_known_forces_are_refused_with_exit_2():
-    done = run(ROOT / "examples" / "paper" / "partially_known_forces.toml")
-    assert done.exit_code == 2
-    assert "PrescribedForce" in done.stderr
-    assert "Traceback" not in done.stderr

@@ -13,7 +13,7 @@ from handlcp.cli import app
 from tests.support.sweeps import BriefFrom, HandFrom
 
 URDF = pathlib.Path(__file__).parents[2] / "urdf" / "three_finger.urdf"
-BRIEF = 'tries = 16\n[objects.ball]\nshape = "sphere"\nradius_m = 0.03\nmass_kg = 0.1\n'
+BRIEF = 'tries = 6\n[objects.ball]\nshape = "sphere"\nradius_m = 0.03\nmass_kg = 0.1\n'
 STUDY = """
 brief = "brief.toml"
 samples = 2
@@ -85,7 +85,7 @@ def test_a_star_stands_for_all_joints_that_fit():
 def test_a_urdf_with_springs_beside_it_goes_on_with_the_sweep_that_python_began(tmp_path):
     hand = hl.Hand.from_urdf(URDF, joint_stiffness=4.0, tip_radius=0.008)
     (tmp_path / "brief.toml").write_text(BRIEF)
-    asked = hl.Brief({"ball": hl.Sphere(0.03, mass=0.1)}, tries=16)
+    asked = hl.Brief({"ball": hl.Sphere(0.03, mass=0.1)}, tries=6)
     hl.sweep(hand, {"finger_1_distal.length": [-1.0, -2.0]}, asked, samples=2, out=tmp_path / "study.csv")
     begun = (tmp_path / "study.csv").read_bytes()
     head = f'brief = "brief.toml"\nsamples = 2\nout = "study.csv"\n[hand]\nurdf = "{URDF.as_posix()}"\n'

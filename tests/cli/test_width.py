@@ -10,13 +10,10 @@ from collections import Counter
 
 import pytest
 import typer
-from rich.console import Console
 from typer.testing import CliRunner
 
-import handlcp as hl
 from handlcp.cli import app
 from tests.support.hand import urdf
-from tests.support.show import tables
 
 LISTS = [("keys",), ("effects",), ("hands",), ("audit", str(urdf("two_finger")))]
 
@@ -32,14 +29,6 @@ def printed(arguments, columns):
     return done.stdout
 
 
-def shown(things, width) -> str:
-    console = Console(width=width, color_system=None)
-    with console.capture() as said:
-        for thing in things:
-            console.print(thing)
-    return said.get()
-
-
 @pytest.mark.parametrize("arguments", LISTS, ids=lambda a: a[0])
 def test_lists_break_no_word_at_80_columns_nor_in_a_pipe(arguments):
     roomy = printed(arguments, "1000")
@@ -47,14 +36,6 @@ def test_lists_break_no_word_at_80_columns_nor_in_a_pipe(arguments):
         narrow = printed(arguments, columns)
         assert words(narrow) == words(roomy)
         assert max(map(len, narrow.splitlines())) <= 80
-
-
-def test_a_long_name_is_not_cut(tmp_path):
-    file = tmp_path / "hand.urdf"
-    text = urdf("two_finger").read_text()
-    file.write_text(text.replace("finger_1_proximal", "right_hand_middle_finger_metacarpal"))
-    table = tables.hand_table({"a_hand": hl.Hand.from_urdf(file, ["finger_2_tip"], joint_stiffness=6.0)})
-    assert "right_hand_middle_finger_metacarpal" in shown([table], 80)
 
 
 def test_no_unit_in_a_help_text_is_taken_for_markup_and_left_out():

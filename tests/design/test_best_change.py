@@ -94,15 +94,6 @@ def test_where_check_does_not_say_held_with_the_change_it_says_why():
     assert " ".join(str(found).split()).endswith(f"UNDECIDED with the change and UNDECIDED without: {found.why_not}")
 
 
-def test_where_nothing_gives_out_no_change_buys_anything():
-    ground = [hl.Contact(p, (0, 0, 1), hl.Coulomb(0.5)) for p in ((1.0, 0, 0), (-0.5, 0.8, 0), (-0.5, -0.8, 0))]
-    found = hl.Grasp(ground, (0, 0, -1.0, 0, 0, 0), flexibility=1e-4).best_change()
-    assert found.tried == ()
-    assert found.best is None
-    assert not found.confirmed
-    assert "nothing gives out" in str(found)
-
-
 @pytest.mark.parametrize("share", [0.0, 1.0, -0.1, np.nan, "10 %"])
 def test_a_share_is_between_0_and_1(share):
     with pytest.raises(InputError):

@@ -60,7 +60,7 @@ def test_two_loads_that_give_out_at_once_are_said_to_be_a_kink():
 
 @cache
 def uphill():
-    return run(start={"force": 1.0}, space={"force": (0.5, 2.0)}, budget=22)
+    return run(start={"force": 1.0}, space={"force": (0.5, 2.0)}, budget=12)
 
 
 def test_the_payload_of_forces_of_another_scale_grows_to_the_end_of_its_range_with_the_slope_of_similarity():
@@ -76,7 +76,7 @@ def test_the_slope_is_that_of_central_differences_with_other_steps():
     best = uphill()
     near = best.evaluation()
     rates = []
-    for h in (3e-3, 1e-2):
+    for h in (3e-3,):
         held = [hl.evaluate(make(2.0 + way * h), brief(2.0 + way * h), near).payload for way in (1, -1)]
         rates.append((held[0] - held[1]) / (2.0 * h))
     np.testing.assert_allclose(rates, best.slopes["force"], rtol=1e-4)

@@ -70,12 +70,6 @@ def test_an_entry_that_cannot_be_is_named(entry, said):
     assert said in str(raised.value)
 
 
-@pytest.mark.parametrize("space", [{}, 3, {"a": 1}, {3: (0, 1)}])
-def test_a_space_has_named_parameters_and_one_that_is_free(space):
-    with pytest.raises(hl.InputError, match="space"):
-        Space(space)
-
-
 def test_levels_and_values_that_cannot_be_are_named():
     with pytest.raises(hl.UnknownName, match="lenght"):
         MIXED.grid({"lenght": 3})

@@ -157,6 +157,7 @@ print("all done")
 """
 
 
+@pytest.mark.long  # it sleeps until its size is measured
 def test_a_process_that_is_replaced_for_its_size_holds_nothing_up_where_warnings_are_errors():
     pytest.importorskip("psutil", reason="without it loky measures no size")
     own = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}

@@ -109,14 +109,6 @@ def test_claims_hold_with_effects_that_were_asked_for():
         assert near(grasp, s) <= 2 * s.accuracy.error <= 2e-9
 
 
-@pytest.mark.parametrize("solver", [hl.NSNGRK(), hl.SemismoothNewton(), hl.Auto(seed=3)])
-def test_any_solver_that_knows_cones_takes_the_cone(solver):
-    grasp = cube_example()
-    s = grasp.solve(accuracy=1e-10, solver=solver)
-    says(s.accuracy.setting, "exact")
-    assert near(grasp, s) <= 2 * s.accuracy.error
-
-
 @pytest.mark.parametrize("by", [1e-12, 1e-10, 1e-9])
 def test_estimates_follow_the_true_error_of_answers_that_are_less_than_exact(by):
     rng = np.random.default_rng(0)
@@ -162,13 +154,6 @@ def test_estimates_know_that_levers_far_from_the_origin_are_rounded():
 
 
 # ---------------------------------------------------------------- settings
-
-
-def test_flat_and_frictionless_scenes_need_no_pyramids_whatever_the_solver():
-    for grasp, word in ((planar(), "planar"), (smooth(), "no friction")):
-        a = grasp.solve(accuracy=1e-9, solver=hl.Lemke()).accuracy
-        assert a.solves == 1
-        says(a.setting, "exact", word)
 
 
 def test_a_coarse_answer_on_the_cone_is_refined_only_when_asked_to():

@@ -10,7 +10,6 @@ from tests.grasp.scenes import pinch, ring
 from tests.support import patches
 from tests.support.effects import softened
 from tests.support.grasp import arrays, changed
-from tests.support.texts import says
 
 RNG = np.random.default_rng(11)
 ROOT = RNG.normal(size=(6, 6)) * np.array([1e-2] * 3 + [1e-1] * 3)[:, None]
@@ -195,11 +194,3 @@ def test_bad_compliances_name_the_argument(make, argument):
     with pytest.raises(hl.InputError) as caught:
         make()
     assert caught.value.argument == argument
-
-
-def test_a_prescribed_force_out_of_the_plane_is_refused():
-    contacts = [hl.Contact((-0.01, 0), (1, 0)), hl.Contact((0.01, 0), (-1, 0)), hl.Contact((0, -0.01), (0, 1))]
-    effects = [hl.PrescribedForce(2, (0.1, 0.1, 1))]
-    with pytest.raises(hl.InputError) as caught:
-        hl.Grasp(contacts, (0.1, -1, 0.002), flexibility=1e-4, preload=5e-4, effects=effects)
-    says(str(caught.value), caught.value.argument)

@@ -48,15 +48,6 @@ def test_pyramids_converge_to_the_cone_as_one_over_faces_squared():
     assert errors[2] < errors[0] / 50  # 256 at best: where the force lies between two vertices matters, too
 
 
-def test_the_cone_of_a_frictionless_or_planar_scene_is_the_scene():
-    contacts, data = ring(np.random.default_rng(0), n=7, mu=0)
-    g = hl.Grasp(contacts, **(data | {"wrench": None}))
-    np.testing.assert_allclose(g.solve("cone").forces, g.solve(8).forces, atol=1e-9)
-    flat = [hl.Contact((np.cos(t), np.sin(t)), (-np.cos(t), -np.sin(t)), hl.Coulomb(0.4)) for t in (0.1, 2, 4)]
-    g = hl.Grasp(flat, (1.0, -2.0, 0.1), flexibility=1e-3, preload=0.01)
-    np.testing.assert_array_equal(g.solve("cone").forces, g.solve(8).forces)
-
-
 @pytest.mark.parametrize("faces", [3, 4, 5, 8, 32])
 def test_pyramids_through_the_cone_solve_the_same_lcp(faces):
     """The chain's answer, lifted to one multiplier a face, is a certified solution of the plain LCP."""

@@ -101,14 +101,6 @@ def test_a_start_works_with_effects_asked_for_by_name():
     np.testing.assert_allclose(bounded.solve(start=cold).forces, cold.forces, rtol=1e-8)
 
 
-def test_a_start_without_an_answer_is_none():
-    g = pinch(load=(0, 0, -100.0))
-    nothing = g.solve(throw=False)
-    assert not nothing.held
-    held = pinch()
-    np.testing.assert_array_equal(held.solve(start=nothing).forces, held.solve().forces)
-
-
 def test_a_start_has_as_many_contacts():
     with pytest.raises(hl.InputError) as caught:
         pinch().solve(start=cube_example().solve())

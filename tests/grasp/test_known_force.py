@@ -105,12 +105,6 @@ def test_bad_readings_are_refused_by_name(known, named):
         pinch(hl.KnownForce(*known))
 
 
-def test_a_prescribed_force_is_not_known_once_more():
-    with pytest.raises(hl.InputError) as caught:
-        pinch(hl.PrescribedForce(0, (0, 0, 1)), hl.KnownForce(0, (None, None, 1.0)))
-    says(str(caught.value), caught.value.argument)
-
-
 def test_no_tangential_reading_where_there_is_no_friction():
     with pytest.raises(hl.InputError) as caught:
         pinch(hl.KnownForce(0, (0.1, None, None)), mu=0.0).solve()

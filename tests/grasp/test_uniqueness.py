@@ -194,15 +194,6 @@ def test_a_bound_on_total_force_leaves_the_list_complete():
         np.testing.assert_allclose(a.forces, b.forces, atol=1e-9)
 
 
-def test_prescribed_forces():
-    contacts = [hl.Contact((-1, 0), (1, 0), hl.Coulomb(0.5)), hl.Contact((1, 0), (-1, 0), hl.Coulomb(0.5))]
-    for side in (4.5, -4.5):
-        grasp = hl.Grasp(contacts, (0, -9.0, 0), flexibility=1e-4, effects=[hl.PrescribedForce(0, (side, 0, 10.0))])
-        found = grasp.equilibria()
-        assert found.complete
-        assert len(found) == int(grasp.solve(throw=False).held)
-
-
 @pytest.mark.parametrize("faces", [4, 8, "cone"])
 def test_where_no_force_is_needed_rounding_makes_no_equilibria(faces):
     """Fingertips only off to one side: the object follows or they slip, and nothing pushes."""

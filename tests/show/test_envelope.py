@@ -126,20 +126,6 @@ def test_polar_diagrams_draw_the_factors_in_three_planes_or_in_the_one_asked_for
     assert any(t.get_text().endswith(" N") for t in ax.texts)
 
 
-def test_directions_in_a_plane_are_drawn_as_a_polar_diagram(tmp_path):
-    file = pinch(("xy", 24)).plot(tmp_path / "plane.png")
-    assert file.stat().st_size > 10_000
-    with pytest.raises(InputError, match="plot"):
-        pinch(("xy", 24)).plot(tmp_path / "plane.txt")
-
-
-def test_a_grasp_that_holds_nothing_still_has_a_picture():
-    loose = hl.Grasp([hl.Contact((0, 0, 0), (0, 0, 1), 0.5)], flexibility=1e-3, preload=1e-3)
-    env = hl.envelope(loose, 12)
-    assert (env.factors == 0).all()
-    assert "does not hold without a load" in " ".join(str(t.get_text()) for t in texts(env.plot()))
-
-
 # ---------------------------------------------------------------- pages
 def test_a_browser_draws_the_surface_around_the_object_with_its_causes(tmp_path):
     env = cube()

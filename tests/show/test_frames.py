@@ -39,15 +39,6 @@ def test_a_solution_is_a_table_of_its_contacts_and_one_of_its_joints(grasp):
     np.testing.assert_array_equal(joints["margin_Nm"], s.torque_margin)
 
 
-def test_a_loading_is_a_table_with_a_row_for_each_step(grasp):
-    h = grasp.follow(steps=4)
-    found = h.to_frame()
-    assert len(found) == len(h.steps)
-    assert found["stage"].iloc[-1] == "load"
-    np.testing.assert_array_equal(found["finger_1_tip.force_z"], h.steps.forces[:, 0, 2])
-    np.testing.assert_array_equal(found["finger_1_distal.torque"], h.steps.torques[:, 1])
-
-
 def test_without_pandas_the_extra_is_named(monkeypatch):
     s, real = pinch().solve(), builtins.__import__
 

@@ -67,6 +67,12 @@ def soft_ball():
     return state.grasp(obj, friction=hl.Coulomb(0.6), wrench=(0, 0, 20, 0, 0, 0), gravity=(0, 0, 9.81), squeeze=0.002)
 
 
+@cache
+def lost_ball():
+    """Its loading, up to where it is lost."""
+    return soft_ball().follow(steps=6)
+
+
 def contacts_only(friction, load, names=("a", "b", "c"), angles=(0, 2, 4)):
     points = [np.array([np.cos(a), np.sin(a), 0]) for a in angles]
     contacts = [hl.Contact(0.03 * p, -p, friction, name=name) for p, name in zip(points, names, strict=True)]
@@ -139,7 +145,7 @@ def test_numbers_are_those_of_the_solution_and_of_the_steps(tmp_path):
 
 
 def test_in_every_step_the_fingertips_and_the_object_are_where_the_contacts_are(tmp_path):
-    h = soft_ball().follow(steps=6)
+    h = lost_ball()
     assert not h.reached
     assert abs(h.steps.displacement[-1, 2]) > 3e-3, "far more than what is tolerated below"
     data = data_of(h.page(tmp_path / "ball.html", title="lost"))
@@ -228,7 +234,7 @@ def test_a_loading_of_another_grasp_is_refused(tmp_path):
 def test_a_page_has_one_verdict(tmp_path):
     """That of `check`, with the loading that it is about; of a loading alone, its own word."""
     grasp = soft_ball()
-    s, h = grasp.solve(throw=False), soft_ball().follow(steps=6)
+    s, h = grasp.solve(throw=False), lost_ball()
     heading = re.compile(r'<p class="word \w+">(.*?)</p>')
     alone = s.page(tmp_path / "loading.html", loading=h).read_text(encoding="utf-8")
     assert heading.findall(alone) == [h.word] == ["NOT HELD"]

@@ -87,15 +87,6 @@ def test_names_longer_than_a_line_are_broken_over_lines():
     fits(pinch(names=(LONG, LONG[::-1]), pull=0.999).follow(steps=4))
 
 
-def test_many_contacts_are_a_row_each():
-    angles = np.linspace(0, 2 * np.pi, 24, endpoint=False)
-    contacts = [hl.Contact((0.03 * np.cos(a), 0.03 * np.sin(a), 0), (-np.cos(a), -np.sin(a), 0)) for a in angles]
-    s = hl.Grasp(contacts, (0, 0, -2, 0, 0, 0), flexibility=1e-4, preload=1e-3).solve("cone")
-    rows = [line for line in fits(s).splitlines() if line.startswith("finger ") and "sticking" in line]
-    assert len(rows) == 24
-    assert len({row.index("sticking") for row in rows}) == 1, "states stand in a column"
-
-
 def test_a_solution_without_an_answer_says_why_and_prints_no_numbers():
     lost = pinch(pull=100.0).solve(throw=False)
     fits(lost, "NOT HELD")

@@ -20,7 +20,7 @@ from tests.support.design import (
     reported_by,
 )
 
-BRIEF = hl.Brief({"a <b> ball": hl.Sphere(0.03, mass=0.1)}, loads={"pull": (1.0, 0, 0, 0, 0, 0)}, tries=8)
+BRIEF = hl.Brief({"a <b> ball": hl.Sphere(0.03, mass=0.1)}, loads={"pull": (1.0, 0, 0, 0, 0, 0)}, tries=3)
 LONG = {f"finger_{k}_distal.length": 0.042 for k in (1, 2, 3)}
 
 

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.image import imread
 from matplotlib.text import Text
 
 import handlcp as hl
 from handlcp.errors import InputError
 from handlcp.studies.paper import example
 from tests.support.show import work_precision_figure
-from tests.support.texts import says
 
 ENOUGH = 3600.0  # s, a budget that no busy machine spends
 draw, save, STYLE = work_precision_figure.draw, work_precision_figure.save, work_precision_figure.STYLE
@@ -23,9 +20,7 @@ draw, save, STYLE = work_precision_figure.draw, work_precision_figure.save, work
 
 @pytest.fixture(scope="module")
 def cube():
-    return hl.accuracy_cost(
-        example(3).grasp, faces=[4, 8, 16], tolerances=[1e-2, 1e-5, 1e-10], repeats=1, seconds=ENOUGH
-    )
+    return hl.accuracy_cost(example(3).grasp, faces=[4, 8], tolerances=[1e-2, 1e-10], repeats=1, seconds=ENOUGH)
 
 
 @pytest.fixture(scope="module")
@@ -73,20 +68,6 @@ def test_the_legend_of_the_faces_covers_no_curve(cube):
         points = faces.transData.transform(line.get_xydata())
         along = [a + s * (b - a) for a, b in pairwise(points) for s in np.linspace(0, 1, 40)]
         assert not box.count_contains(np.array([*points, *along])), line.get_label()
-
-
-def test_scenes_without_pyramids_or_effects_left_out_have_no_panel_for_them(cube, planar):
-    titles = [[ax.get_title(loc="left") for ax in draw(c).axes] for c in (cube, planar, replace(cube, left_out=()))]
-    time, faces, _ = titles[0]
-    assert titles[1:] == [[time], [time, faces]]
-    says("; ".join(titles[0]), "against")
-
-
-def test_a_file_is_written_and_not_blank(cube, tmp_path):
-    image = imread(save(("Example 3", cube), tmp_path / "out.png"))[..., :3]
-    assert image[200:].std() > 0.08
-    border = np.concatenate([image[:6].reshape(-1, 3), image[-6:].reshape(-1, 3), image[:, -4:].reshape(-1, 3)])
-    assert border.min() > 0.98
 
 
 def test_bad_input_is_refused(cube, tmp_path):

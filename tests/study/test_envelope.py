@@ -276,16 +276,6 @@ def test_the_bound_of_torques_alone_is_the_force_polytope_of_the_finger():
     np.testing.assert_allclose(env.bound, radius, rtol=1e-6)
 
 
-# ---------------------------------------------------------------- as data
-
-
-def test_a_grasp_that_does_not_hold_without_a_load_says_so():
-    loose = hl.Grasp([hl.Contact((0, 0, 0), (0, 0, 1), 0.5)], flexibility=1e-3, preload=1e-3)
-    env = hl.envelope(loose, geometry="fixed", directions=12)
-    assert (env.factors == 0.0).all()
-    assert "does not hold without a load" in str(env)
-
-
 # ---------------------------------------------------------------- planar scenes, bad input
 def flat():
     sides = [hl.Contact((-R, 0), (1, 0), MU), hl.Contact((R, 0), (-1, 0), MU)]
@@ -327,10 +317,3 @@ def test_in_a_plane_directions_go_around_it():
 def test_bad_input_is_named(asked, argument):
     with pytest.raises(hl.InputError, match=f"^{argument}"):
         hl.envelope(pinch(), **({"directions": 12} | asked))
-
-
-def test_a_planar_scene_refuses_directions_out_of_its_plane():
-    with pytest.raises(hl.InputError, match="in its plane"):
-        hl.envelope(flat(), "xz")
-    with pytest.raises(hl.InputError, match="normal of a planar scene"):
-        hl.envelope(flat(), "xy", of="torque")

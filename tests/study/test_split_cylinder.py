@@ -124,9 +124,8 @@ def test_levers_press_with_their_torque_over_their_length(tmp_path, most):
     assert around.split_force((1, 0, 0)) == pytest.approx(most / L, rel=1e-4)
 
 
-@pytest.mark.parametrize(("name", "diameter"), [("two_finger", 0.03), ("three_finger", 0.05)])
-def test_a_little_more_grip_is_over_a_limit_and_a_little_less_is_held(name, diameter):
-    pinch = of_hand(name, diameter, 10.0 if name == "two_finger" else 6.0).pinch
+def test_a_little_more_grip_is_over_a_limit_and_a_little_less_is_held():
+    pinch = of_hand("three_finger").pinch
     assert pinch.word == "HELD"
     assert {b.kind for b in pinch.binds} == {"torque"}
     check = pinch.solution.torque_check
@@ -141,7 +140,7 @@ def test_a_motor_with_half_the_torque_presses_half_as_hard():
     """In the same grasp; a search by a weaker hand may find another one."""
     hand = hl.example_hand("three_finger", joint_stiffness=200.0)  # stiff: the motions are small
     cylinder = hl.Cylinder(0.025, 0.15, mass=0.0)
-    found = hl.find_grasp(hand, cylinder, gravity=(0, 0, 0), tries=6)[0]
+    found = hl.find_grasp(hand, cylinder, gravity=(0, 0, 0), tries=3)[0]
     grip, pressed = np.array(found.grasp.spec.asked.grip_force), []
     for limits in (hand.torque_limits, 0.5 * hand.torque_limits):
         grasp = hand.replace(torque_limits=limits).at(found.q).grasp(found.object, gravity=(0, 0, 0), grip_force=grip)
