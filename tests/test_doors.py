@@ -4,8 +4,6 @@ The public doors are the packages listed here and the names that they export. Be
 is imported, named in a text or reached as an attribute, and no name with an underscore is used.
 """
 
-from __future__ import annotations
-
 import ast
 import importlib
 import pathlib

@@ -1,7 +1,5 @@
 """How far long calls are: one line on a terminal, after two seconds, gone at the end, and nowhere else."""
 
-from __future__ import annotations
-
 import io
 import os
 import pathlib

@@ -1,7 +1,5 @@
 """The checker that answers are held to, itself checked: sets are what they say, and each law sees what breaks it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 

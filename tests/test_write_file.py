@@ -1,7 +1,5 @@
 """Files are written whole or not at all: full disks, links, permissions, pipes, and what stdout was redirected to."""
 
-from __future__ import annotations
-
 import os
 import stat
 import subprocess

@@ -1,7 +1,5 @@
 """`handlcp accuracy` from the outside."""
 
-from __future__ import annotations
-
 import csv
 import json
 import pathlib

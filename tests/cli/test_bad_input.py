@@ -1,7 +1,5 @@
 """Whatever is malformed, on the command line or in a file: exit status 2, one sentence on stderr, nothing on stdout."""
 
-from __future__ import annotations
-
 import os
 import pathlib
 

@@ -1,7 +1,5 @@
 """`handlcp` from the outside: exit status, what is printed where, JSON that machines can read."""
 
-from __future__ import annotations
-
 import json
 import pathlib
 import re

@@ -1,7 +1,5 @@
 """`handlcp demo` from the outside: what a stranger sees first."""
 
-from __future__ import annotations
-
 import pathlib
 import sys
 

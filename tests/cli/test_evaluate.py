@@ -1,7 +1,5 @@
 """`handlcp evaluate` from the outside: hands by name, by file and from a scene, requirements, exit status."""
 
-from __future__ import annotations
-
 import json
 import pathlib
 

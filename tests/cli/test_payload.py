@@ -1,7 +1,5 @@
 """`handlcp payload` from the outside."""
 
-from __future__ import annotations
-
 import json
 import pathlib
 

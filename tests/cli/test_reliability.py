@@ -1,7 +1,5 @@
 """`handlcp reliability` from the outside."""
 
-from __future__ import annotations
-
 import json
 import pathlib
 

@@ -1,7 +1,5 @@
 """Output that closes, fills up or knows no UTF-8; libraries that print; Ctrl-C. Each is a process of its own."""
 
-from __future__ import annotations
-
 import json
 import os
 import pathlib

@@ -1,7 +1,5 @@
 """`handlcp solve --suggest` says what is left out, in print and as JSON."""
 
-from __future__ import annotations
-
 import json
 import pathlib
 

@@ -1,7 +1,5 @@
 """`handlcp sweep` from the outside: hands from numbers and from files, names with a star, the table, exit status."""
 
-from __future__ import annotations
-
 import json
 import pathlib
 

@@ -1,7 +1,5 @@
 """Which single change buys most load: against a pinch by hand, and as promises that the answer keeps."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

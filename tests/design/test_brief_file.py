@@ -1,7 +1,5 @@
 """Briefs as TOML: what is written reads back to the same brief, and what is wrong is named with file and key."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A hand judged by a brief: the numbers are those of single calls, and neighbours' grasps are brought along."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The least grip, squeeze, friction and joint stiffness with which a hand's grasp holds, against closed forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

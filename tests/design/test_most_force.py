@@ -1,7 +1,5 @@
 """Grips and motors for objects that bear no more than a certain force at a contact: an egg in two fingers."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Optimisations of which the best is known, what they count as a derivative, and going on with one that was stopped."""
 
-from __future__ import annotations
-
 import sys
 from functools import cache
 

@@ -1,7 +1,5 @@
 """What is required of an evaluation: limits of its numbers, and what is said of one that is not met."""
 
-from __future__ import annotations
-
 import pickle
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Which motors does a brief take: against a pinch by hand, and as promises that the answer keeps."""
 
-from __future__ import annotations
-
 import dataclasses
 import itertools
 

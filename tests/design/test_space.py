@@ -1,7 +1,5 @@
 """A space of parameters: what its entries mean, and where its samples lie."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st

@@ -1,7 +1,5 @@
 """What one asks of a study: the best, those that none beats, main effects; its picture and its page."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st

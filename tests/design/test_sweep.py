@@ -1,7 +1,5 @@
 """A sweep: the same rows wherever they are computed, and a reason where a design fails."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

@@ -1,7 +1,5 @@
 """A sweep that is stopped, by whatever: what was done is kept, damaged rows are done again, one run writes at once."""
 
-from __future__ import annotations
-
 import json
 import os
 import random

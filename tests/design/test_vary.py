@@ -1,7 +1,5 @@
 """`hand.vary`: hands with other numbers beside hands that are made or written with them, placements by hand, errors."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Every example runs, is held within its torque limits, and yields the number that mechanics asks for."""
 
-from __future__ import annotations
-
 import importlib.util
 import pathlib
 from functools import cache

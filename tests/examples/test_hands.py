@@ -1,7 +1,5 @@
 """The scripts of hands: numbers that makers state beside ours, and the table of hands and objects."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 

@@ -1,7 +1,5 @@
 """NSNGRK converges linearly, at the rate that conditioning predicts, in natural units and in no others."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

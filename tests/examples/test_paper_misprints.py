@@ -1,7 +1,5 @@
 """What is wrong in the paper, in depth: displacements that do not fit, Example 4 without an equilibrium."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """NSNGRK as printed, step by step against the paper and beside the package's; seeds disagree in metres and newtons."""
 
-from __future__ import annotations
-
 import io
 
 import numpy as np

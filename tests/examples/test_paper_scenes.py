@@ -1,7 +1,5 @@
 """The paper's rows as scenes: each gives the printed numbers, or where the paper has none, those of a closed form."""
 
-from __future__ import annotations
-
 import importlib.util
 import pathlib
 import re

@@ -1,7 +1,5 @@
 """A designer's tasks: each takes at most fifteen lines of public names, runs, and gives a number that holds."""
 
-from __future__ import annotations
-
 import ast
 import pathlib
 import runpy

@@ -1,7 +1,5 @@
 """An effect that a scene does without costs nothing: no unknown, no bit, no difference to one at its neutral value."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """`solve(accuracy=...)`: what it claims, against equilibria refined in extended precision; what it takes and costs."""
 
-from __future__ import annotations
-
 import pathlib
 from dataclasses import replace
 

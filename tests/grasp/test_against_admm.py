@@ -1,7 +1,5 @@
 """The exact cone against Pinocchio's ADMM in a proximal loop, which shares no code with the package."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

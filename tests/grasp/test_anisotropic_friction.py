@@ -1,7 +1,5 @@
 """Friction that differs with the direction: an ellipse, met in coordinates in which it is a disc."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The arrays of a batch are what its solutions say, bit for bit."""
 
-from __future__ import annotations
-
 import gc
 import pickle
 import weakref

@@ -1,7 +1,5 @@
 """Certifier, uniqueness, holdability: no wrong answer passes, what is loose is named, every no is proven."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Compliances asked for by name: closed forms, one E for everything downstream, and nothing where they are absent."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

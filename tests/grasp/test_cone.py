@@ -1,7 +1,5 @@
 """The exact cone, and pyramids solved on the cone's few unknowns instead of one multiplier a face."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

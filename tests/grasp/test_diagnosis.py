@@ -1,7 +1,5 @@
 """One sentence with names, and never more than is known."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Environment contacts against closed forms: tables and walls beside fingers, who carries what, what cannot hold."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The search over contact modes against an independent enumeration of all modes, closed forms, and the paper."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A batch on any executor has the answers of one process, and says what failed."""
 
-from __future__ import annotations
-
 import os
 import signal
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor

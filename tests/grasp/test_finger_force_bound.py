@@ -1,7 +1,5 @@
 """Per-finger force bounds against closed forms; nothing to pay without one; certificates; what cannot be held."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The first stage in one compiled call equals its steps one by one, to the bit; warm starts end where cold ones do."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Least and largest forces: closed forms, the solution itself where it is the only one, an oracle and other solvers."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

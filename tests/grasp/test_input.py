@@ -1,7 +1,5 @@
 """Bad input gives one typed error that names the argument, what was expected and what came."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Known components of a contact's force: what a fingertip reads, and how far its finger moves to read it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

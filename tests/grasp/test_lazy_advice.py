@@ -1,7 +1,5 @@
 """What would help is worked out when somebody asks; without proofs a solve stops at "not found"."""
 
-from __future__ import annotations
-
 import pytest
 
 import handlcp as hl

@@ -1,7 +1,5 @@
 """Many grasps at once are what each of them is alone, whatever the workers."""
 
-from __future__ import annotations
-
 import tracemalloc
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Laws that every solution obeys, whatever the scene: energy, oracle, invariance."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """`grasp.replace(x=…)` is the grasp made afresh with that argument, to the last bit."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

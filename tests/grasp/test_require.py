@@ -1,7 +1,5 @@
 """A verdict says in one line what decides it, and may be required: what pytest shows is the reason."""
 
-from __future__ import annotations
-
 import pickle
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Required preload and friction against closed forms; what is returned holds, a tolerance less does not."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What each effect costs: every effect that can be left out is compared, and with a scene that has the same answer."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

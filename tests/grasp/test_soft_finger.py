@@ -1,7 +1,5 @@
 """Soft fingers: a moment about the normal, within an ellipsoid or a polyhedron, and what turns under it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """All equilibria of a grasp: closed forms with one and with three, the independent checker's word, none missed."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The verdict says what was certified, and nothing more."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The default chain: it does what it says it would, in that order, with equal seeds the same bits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Compiled and as Python, kernels say the same, to rounding."""
 
-from __future__ import annotations
-
 import warnings
 from itertools import product
 

@@ -1,7 +1,5 @@
 """NSNGRK is the paper's Algorithm 2: subgradients, threshold, index set, sampling and step, checked one by one."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

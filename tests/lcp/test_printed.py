@@ -1,7 +1,5 @@
 """AsPrinted is Algorithm 2 of the paper to the letter: forward differences with h = 1e-6, then (20) to (22)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

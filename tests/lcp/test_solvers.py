@@ -1,7 +1,5 @@
 """Every solver on every structure: what it calls an answer is one, and it is the oracle's."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Contacts without a hand keep their own wrench while another load grows: closed forms of Coulomb's law."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """From a scene file to the very grasp that the same calls in Python give."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,5 @@
 """Frictions of a scene file that are more than a coefficient."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

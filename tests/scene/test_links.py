@@ -1,7 +1,5 @@
 """Contacts on links, as a scene file asks for them: each key is the argument of its name, or refused by its name."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

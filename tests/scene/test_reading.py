@@ -1,7 +1,5 @@
 """Scene files that cannot be read: one typed error each, with the key, what was expected and what came."""
 
-from __future__ import annotations
-
 import pathlib
 
 import pytest

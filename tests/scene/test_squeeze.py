@@ -1,7 +1,5 @@
 """How hard the hand of a scene file closes: one of three keys of [grasp], or [posture]; by number or by finger."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

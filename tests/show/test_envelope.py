@@ -1,7 +1,5 @@
 """Pictures and pages of envelopes show the factors, in the colours of their causes, within the figure."""
 
-from __future__ import annotations
-
 import json
 import re
 from functools import cache

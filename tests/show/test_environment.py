@@ -1,7 +1,5 @@
 """What tables, verdicts, records and pictures say of contacts that are no finger's."""
 
-from __future__ import annotations
-
 import pathlib
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Answers as tables for pandas: columns with units, the numbers of the answer; and a typed error without pandas."""
 
-from __future__ import annotations
-
 import builtins
 import sys
 

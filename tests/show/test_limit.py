@@ -1,7 +1,5 @@
 """The figure of a load limit shows its path and says what gives out; a table has a row for each load."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -2,8 +2,6 @@
 short; the picture of the end shows the hand and the object where they end.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from functools import cache
 

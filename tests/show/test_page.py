@@ -1,7 +1,5 @@
 """Pages: drawn in a real browser, self-contained, small, with the numbers and postures of the answer they show."""
 
-from __future__ import annotations
-
 import base64
 import gzip
 import json

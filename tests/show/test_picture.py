@@ -1,7 +1,5 @@
 """Pictures: written, not blank, with everything inside; and the geometry behind them."""
 
-from __future__ import annotations
-
 import pathlib
 
 import numpy as np

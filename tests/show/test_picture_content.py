@@ -1,7 +1,5 @@
 """What pictures show beside forces: moments, motions, links without geometry, fingertips, links inside the object."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg

@@ -2,8 +2,6 @@
 contact; lines from labels do not cross.
 """
 
-from __future__ import annotations
-
 from itertools import combinations
 
 import numpy as np

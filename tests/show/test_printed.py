@@ -1,7 +1,5 @@
 """Whatever an answer prints fits 80 columns, in units that people read, without rounding noise."""
 
-from __future__ import annotations
-
 import pathlib
 import re
 from functools import cache

@@ -1,7 +1,5 @@
 """Records, every class of them: plain data that JSON brings back, with shapes and units as they are described."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The page of hands beside each other: what stands on it, and that nothing is loaded from anywhere."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tables and numbers for people."""
 
-from __future__ import annotations
-
 import io
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The figure of accuracy and cost: written, nothing over anything else, every method told apart."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

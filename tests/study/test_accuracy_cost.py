@@ -1,7 +1,5 @@
 """What accuracy costs: errors that mean what they say, budgets that hold, nothing dropped in silence."""
 
-from __future__ import annotations
-
 import csv
 import math
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """The page of effects: written from the code, complete, and what it tells to type works."""
 
-from __future__ import annotations
-
 import pathlib
 import re
 import tomllib

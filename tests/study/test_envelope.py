@@ -1,7 +1,5 @@
 """Envelopes: closed forms of a pinch, mirror images, single limits, linear programs, the force polytope of a finger."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

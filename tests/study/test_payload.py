@@ -1,7 +1,5 @@
 """Payloads: closed forms of pinches, `check` below and above, the worst direction, what turns with gravity."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

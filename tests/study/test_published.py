@@ -1,7 +1,5 @@
 """Tests that others publish: closed forms of a parallel gripper, levers and pinches; finite differences of tips."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The chance that a grasp holds: against closed forms, its interval against the truth, its samples one by one."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy import stats

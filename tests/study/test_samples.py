@@ -1,7 +1,5 @@
 """The grasps of samples are those that the public names make, one change at a time."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

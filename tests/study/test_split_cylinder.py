@@ -1,7 +1,5 @@
 """A split cylinder: closed forms of the force across it, a scan of all splits, levers at their torque limit."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

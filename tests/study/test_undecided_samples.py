@@ -1,7 +1,5 @@
 """Samples that move farther than one solve can tell anything of: neither held nor not, and the answer says so."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
