@@ -1,19 +1,24 @@
 """`handlcp` from the outside: exit status, what is printed where, JSON that machines can read."""
 
+from __future__ import annotations
+
 import json
 import pathlib
 import re
 import subprocess
 import sys
+from collections import Counter
 from itertools import pairwise
 
 import pytest
+import typer
 from typer.testing import CliRunner
 
 import handlcp as hl
 from handlcp.cli import app
 from handlcp.studies.effect_catalogue import Cost, entries
 from tests.support import patches
+from tests.support.hand import urdf
 from tests.support.messages import without_compiling
 from tests.support.texts import same, says, without_numbers
 
@@ -157,14 +162,6 @@ def test_faces_and_seed_override_the_file():
     assert "Coulomb" in pyramid, "3 contacts with 16 faces each"
 
 
-def test_a_picture_is_written_on_request(tmp_path):
-    out = tmp_path / "cube.png"
-    done = run("solve", CUBE, "--plot", out, "--json")
-    assert done.exit_code == 0
-    strict(done.stdout)
-    assert out.stat().st_size > 20_000
-
-
 def test_effects_lists_every_effect_and_measures_when_asked(monkeypatch):
     found = strict(run("effects", "--json").stdout)["effects"]
     assert [e["title"] for e in found] == [e.title for e in entries()]
@@ -207,3 +204,53 @@ def test_an_accuracy_is_asked_for_in_place_of_faces():
     assert (reached["asked"], reached["met"], reached["setting"]) == (1e-3, True, "exact cone")
     assert 0 < reached["error"] < 1e-9
     assert strict(run("solve", CUBE, "--json").stdout)["accuracy"] is None
+
+
+# ---------------------------------------------------------------- What is printed at 80 columns and into a pipe is wh
+
+LISTS = [("keys",), ("effects",), ("hands",), ("audit", str(urdf("two_finger")))]
+
+
+def words(text) -> Counter:
+    """Every word and number, without the rules of tables."""
+    return Counter(word for word in text.split() if not all("\u2500" <= letter <= "\u257f" for letter in word))
+
+
+def printed(arguments, columns):
+    done = CliRunner().invoke(app, list(arguments), env={"COLUMNS": columns, "NO_COLOR": "1"})
+    assert done.exception is None or isinstance(done.exception, SystemExit)
+    return done.stdout
+
+
+@pytest.mark.parametrize("arguments", LISTS, ids=lambda a: a[0])
+def test_lists_break_no_word_at_80_columns_nor_in_a_pipe(arguments):
+    roomy = printed(arguments, "1000")
+    for columns in ("80", None):
+        narrow = printed(arguments, columns)
+        assert words(narrow) == words(roomy)
+        assert max(map(len, narrow.splitlines())) <= 80
+
+
+def test_no_unit_in_a_help_text_is_taken_for_markup_and_left_out():
+    """Rich takes [m] for a style, and prints nothing of it."""
+    commands = typer.main.get_command(app).commands
+    texts = {f"{name} {p.name}": getattr(p, "help", None) for name, one in commands.items() for p in one.params}
+    assert len(texts) > 50
+    assert [where for where, text in texts.items() if re.search(r"(?<!\\)\[[a-z#/@]", text or "")] == []
+
+
+def test_a_scene_that_fails_is_told_what_would_hold_it(tmp_path):
+    file = scene(tmp_path, pathlib.Path(CUBE).read_text(encoding="utf-8").replace("squeeze_m = 0.005", ""))
+    done = run("solve", file, "--suggest")
+    assert done.exit_code == 1
+    said = " ".join(done.stdout.partition("Suggestions:")[2].split())
+    same("cli/test_cli: what would hold it", said, "1.5 mm")
+    assert done.stdout.count("1.5 mm") == 1, "it is told once"
+    found = strict(run("solve", file, "--suggest", "--json").stdout)
+    assert [s["effect"] for s in found["left_out"]["found"]] == ["squeeze"]
+    assert found["left_out"]["word"] == "NOT HELD"
+    assert found["cause"] == found["diagnosis"] != ""
+    held = strict(run("solve", ROOT / "examples" / "allegro_pinch.toml", "--suggest", "--json").stdout)["left_out"]
+    assert [s["effect"] for s in held["found"]] == ["finger weight"]
+    assert held["least"] == 0.05
+    assert strict(run("solve", CUBE, "--json").stdout)["left_out"] is None

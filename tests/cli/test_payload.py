@@ -29,8 +29,3 @@ def test_what_is_asked_for_reaches_the_question(arguments, asked, tmp_path):
     told = json.loads(run(CUBE, *FAST, *arguments, "--json").stdout)
     assert told["mass_kg"] == found.mass
     assert len(told["by_orientation"]) == len(found.by_orientation)
-
-
-def test_a_motion_that_is_allowed_ends_the_mass_before():
-    told = json.loads(run(CUBE, *FAST, "--motion", 5e-5, "--json").stdout)
-    assert told["binds"] == [{"kind": "motion", "who": "the object"}]

@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 import handlcp as hl
 from handlcp.cli import app
-from tests.support.sweeps import BriefFrom, HandFrom
+from tests.support.sweeps import HandFrom
 
 URDF = pathlib.Path(__file__).parents[2] / "urdf" / "three_finger.urdf"
 BRIEF = 'tries = 6\n[objects.ball]\nshape = "sphere"\nradius_m = 0.03\nmass_kg = 0.1\n'
@@ -91,8 +91,3 @@ def test_a_urdf_with_springs_beside_it_goes_on_with_the_sweep_that_python_began(
     done = run(tmp_path, head)
     assert done.exit_code == 1, done.output
     assert (tmp_path / "study.csv").read_bytes() == begun
-
-
-def test_numbers_of_the_brief_are_parameters_too():
-    asked = hl.Brief(hl.Sphere(0.03), friction=0.5)
-    assert BriefFrom(asked)(**{"brief.friction": 0.9, "palm_radius": 0.04}).friction == 0.9

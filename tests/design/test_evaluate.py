@@ -126,11 +126,6 @@ def test_a_grasp_that_is_brought_along_is_one_candidate_more_and_never_the_only_
     assert beside.to_dict() == evaluate_worst(short, asked, near).to_dict() == fresh.to_dict()
 
 
-def test_another_hand_does_not_take_grasps_of_other_joints(found):
-    other = hl.evaluate(hl.example_hand("two_finger"), brief(loads=None, tries=1), near=found)
-    assert not other.cases["box"].continued
-
-
 def test_what_is_not_found_is_a_word_and_a_row():
     lost = hl.evaluate(hand(), brief(objects={"pea": hl.Sphere(0.0005, mass=0.001)}, tries=1))
     case = lost.cases["pea"]

@@ -37,11 +37,6 @@ def test_away_from_a_kink_there_is_a_derivative_again():
     assert found.rate == pytest.approx(1.0, rel=1e-9)
 
 
-def test_a_rough_path_is_no_sure_derivative():
-    rng = np.random.default_rng(0)
-    assert not of(lambda x: x + 1e-4 * rng.standard_normal(), 0.5).sure
-
-
 def test_two_loads_that_give_out_at_once_are_said_to_be_a_kink():
     space = Space({"x": (0.0, 4.0)})
     sure = {"x": of(lambda x: 1.0 + x, 0.5)}

@@ -46,13 +46,6 @@ def test_a_latin_hypercube_has_one_point_in_each_part(n):
     assert (np.sort(parts, axis=0) == np.arange(n)[:, None]).all()
 
 
-def test_sobol_points_are_spread_evenly_go_on_and_hang_on_their_seed():
-    points = MIXED.sobol(64, seed=1)
-    assert (np.sort(np.floor(points * 64).astype(int), axis=0) == np.arange(64)[:, None]).all()
-    assert (MIXED.sobol(40, seed=1) == points[:40]).all()
-    assert (MIXED.sobol(64, seed=2) != points).any()
-
-
 @pytest.mark.parametrize(
     ("entry", "said"),
     [

@@ -44,12 +44,6 @@ def test_words_stay_words_and_numbers_numbers(tmp_path, end):
         hl.Study.load(tmp_path / f"a.{end}", no_hand, asked)
 
 
-def test_grasps_of_a_cells_first_designs_are_candidates_of_the_others(study):
-    continued = [row["objects.ball.continued"] for row in study if row["error"] is None]
-    assert False in continued
-    assert True in continued
-
-
 def test_no_row_is_worse_than_an_evaluation_of_its_own():
     """The grasp of the longer fingers, brought to the shorter ones, holds three times less than what they can."""
     lengths = [0.05, 0.044]

@@ -9,7 +9,7 @@ import pytest
 
 import handlcp as hl
 from tests.grasp.batches import QUICK, assert_same_bits, four, hand_grasp, mixture, soft_and_anisotropic, sweep
-from tests.grasp.scenes import cube_example, pinch, ring
+from tests.grasp.scenes import pinch
 
 
 def assert_arrays_agree(many):
@@ -41,13 +41,6 @@ def test_torques_are_the_solutions_own():
         assert np.isnan(many.torques[k]).all() == (not s.held)
         np.testing.assert_array_equal(many.utilisation[k], s.torque_check.utilisation)
     assert_arrays_agree(many)
-
-
-def test_grasps_of_several_sizes_have_no_one_array_of_forces():
-    many = hl.solve_many([pinch(), cube_example()], workers=1)
-    with pytest.raises(hl.Unsupported, match=r"forces: the grasps have from 2 to 3 contacts; to_dict\(\)"):
-        many.forces  # noqa: B018
-    assert many.displacement.shape == (2, 6)
 
 
 def test_grasps_without_a_hand_have_no_torques():
@@ -93,15 +86,6 @@ def test_columns_are_named_by_fingers_and_joints():
     assert columns["binding"][-1] is None
     assert np.isnan(columns[f"{grasps[0].names[0]}.force_x"][-1])
     assert "left.force_z" in columns
-
-
-def test_contacts_of_one_name_have_columns_of_their_own():
-    contacts, more = ring(np.random.default_rng(0))
-    twins = [hl.Contact(c.position, c.normal, c.friction, name="tip") for c in contacts]
-    columns = hl.solve_many([hl.Grasp(twins, **more)]).to_dict()
-    assert [name for name in columns if name.endswith("force_x")] == [
-        "tip.force_x", "tip (2).force_x", "tip (3).force_x", "tip (4).force_x"
-    ]  # fmt: skip
 
 
 # ---------------------------------------------------------------- what is kept

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from tests.grasp.admm import equilibrium
 from tests.grasp.scenes import cube_example, pinch, ring
 from tests.support.lcp import contact_rows, projection
 from tests.support.texts import says
@@ -64,11 +65,6 @@ def test_pyramids_through_the_cone_solve_the_same_lcp(faces):
     assert compared
 
 
-def test_kaczmarz_alone_converges_on_the_cone():
-    s = cube_example().solve("cone", hl.NSNGRK(polish=False, tol=1e-10, max_iterations=200_000))
-    np.testing.assert_allclose(s.forces, cube_example().solve("cone").forces, atol=1e-7)
-
-
 @pytest.mark.parametrize("faces", [0, 2, 3, 4, 7, 16])
 def test_the_derivative_of_the_projection_is_its_difference_quotient(faces):
     rng = np.random.default_rng(faces)
@@ -96,3 +92,38 @@ def test_subgradients_of_contact_rows_are_their_difference_quotients():
         ends = [(contact_rows(p, x + h * e)[0], contact_rows(p, x - h * e)[0]) for e in np.eye(n)]
         quotient = np.column_stack([(ahead - behind) / (2 * h) for ahead, behind in ends])
         np.testing.assert_allclose(J, quotient, atol=1e-5)
+
+
+# ---------------------------------------------------------------- The exact cone against Pinocchio's ADMM in a proxim
+
+
+def natural(contacts, wrench, E, d):
+    """(G, E, w, d) of order one about the contacts' centre, from SI; and the unit of force."""
+    p = np.array([c.position for c in contacts])
+    R = [c.rotation for c in contacts]
+    centre = p.mean(0)
+    length = np.sqrt(((p - centre) ** 2).sum(1).mean())
+    G = np.hstack([np.vstack([F, np.cross(a, F.T).T]) for F, a in zip(R, (p - centre) / length, strict=True)])
+    w = np.r_[wrench[:3], (wrench[3:] - np.cross(centre, wrench[:3])) / length]
+    force, soft = np.linalg.norm(w), np.trace(E) / len(E)
+    return G, E / soft, w / force, d / (soft * force), force
+
+
+@pytest.mark.parametrize(
+    ("seed", "n", "mu", "frictionless"), [(0, 4, 0.6, ()), (1, 5, 0.4, ()), (8, 4, 0.6, ()), (0, 5, 0.6, (2,))]
+)
+def test_forces_agree_with_admm(seed, n, mu, frictionless):
+    contacts, rest = ring(np.random.default_rng(seed), n, mu)
+    contacts = [
+        hl.Contact(c.position, c.normal, hl.Frictionless()) if i in frictionless else c for i, c in enumerate(contacts)
+    ]
+    solution = hl.Grasp(contacts, **rest).solve("cone")
+    assert "sliding" in solution.contact_state  # where all fingers stick, friction plays no part
+    assert solution.uniqueness.forces_determined
+    d = np.zeros((n, 3))
+    d[:, 2] = -rest["preload"]
+    G, E, w, d, force = natural(contacts, rest["wrench"], rest["flexibility"], d.ravel())
+    found = equilibrium(G, E, w, d, np.array([c.mu for c in contacts]))
+    assert found.converged
+    expected = found.forces.reshape(n, 3) * force
+    assert abs(solution.forces - expected).max() <= 1e-8 * abs(expected).max()

@@ -268,13 +268,6 @@ def test_contacts_without_a_name_are_numbered_over_all_environments():
     assert arrays(g).environment == 9
 
 
-def test_two_contacts_of_one_name_are_refused():
-    with pytest.raises(InputError) as info:
-        hl.Grasp(sides(), environment=[hl.Environment(top()), hl.Environment(top())])
-    assert info.value.argument == "environment"
-    says(str(info.value), "top")
-
-
 def test_bad_numbers_of_an_environment_are_refused():
     for more in ({"flexibility": -1.0}, {"flexibility": np.ones(4)}, {"gap": [0.0, 0.0]}, {"gap": np.nan}):
         with pytest.raises(InputError) as info:
@@ -284,14 +277,6 @@ def test_bad_numbers_of_an_environment_are_refused():
         hl.Environment([])
     with pytest.raises(AttributeError):
         floor().gap = 1.0
-
-
-def test_sensors_in_the_fingertips_alone_do_not_know_the_load():
-    g = hl.Grasp(sides(), DOWN, flexibility=SOFT, preload=2e-3, environment=floor())
-    s = g.solve()
-    with pytest.raises(InputError):
-        hl.wrench_from_fingertip_forces(g, s.forces[:2])
-    np.testing.assert_allclose(hl.wrench_from_fingertip_forces(g, s.forces), DOWN, atol=1e-12)
 
 
 def test_offsets_of_an_ellipse_in_the_environment_stay_when_others_are_replaced():

@@ -11,7 +11,6 @@ import pytest
 
 import handlcp as hl
 from tests.grasp.batches import QUICK, assert_same_bits, four, hand_grasp, mixture, sweep
-from tests.grasp.scenes import pinch
 from tests.support import patches
 
 
@@ -71,10 +70,3 @@ def test_what_a_progress_raises_stops_the_batch(monkeypatch):
 
     with ThreadPoolExecutor(1) as pool, pytest.raises(KeyboardInterrupt):
         hl.solve_many(sweep(four(), 20, 0.1), executor=pool, progress=stop)
-
-
-def test_bad_executors_are_named():
-    with pytest.raises(hl.InputError, match=r"executor: expected a concurrent\.futures\.Executor"):
-        hl.solve_many([pinch()], executor=map)
-    with pytest.raises(hl.InputError, match="workers: expected None beside an executor"):
-        hl.solve_many([pinch()], executor=Later(), workers=2)

@@ -5,7 +5,6 @@ import pytest
 
 import handlcp as hl
 from handlcp.scene import read
-from tests.support.texts import says
 
 
 def pinch(*known, mu=0.5, load=1.0):
@@ -101,9 +100,3 @@ normal_N = 4.0
 def test_bad_readings_are_refused_by_name(known, named):
     with pytest.raises(hl.InputError, match=named):
         pinch(hl.KnownForce(*known))
-
-
-def test_no_tangential_reading_where_there_is_no_friction():
-    with pytest.raises(hl.InputError) as caught:
-        pinch(hl.KnownForce(0, (0.1, None, None)), mu=0.0).solve()
-    says(str(caught.value), caught.value.argument)

@@ -7,7 +7,7 @@ import pytest
 
 import handlcp as hl
 from tests.grasp.batches import QUICK, assert_same_bits, four, hand_grasp, mixture, soft_and_anisotropic, sweep
-from tests.grasp.scenes import cube_example, pinch
+from tests.grasp.scenes import pinch
 from tests.support import patches
 from tests.support.grasp import arrays, packed
 
@@ -50,17 +50,6 @@ def test_what_takes_long_goes_through_processes_and_comes_back_the_same(monkeypa
         np.testing.assert_array_equal(s.forces, alone.forces)
         assert not s.forces.flags.writeable
         assert arrays(s) is arrays(g)
-
-
-def test_solutions_are_a_sequence_made_once():
-    many = hl.solve_many(iter([pinch(), cube_example(), pinch()]), workers=1)
-    assert many[0] is many[0]
-    assert many[-1] is many[2]
-    assert [s.held for s in many[:2]] == [True, True]
-    assert repr(many) == "Solutions(3 grasps, 3 held)"
-    with pytest.raises(IndexError):
-        many[3]
-    assert len(hl.solve_many([])) == 0
 
 
 def test_progress_counts_up_to_all(monkeypatch):

@@ -83,13 +83,3 @@ def test_a_law_that_says_where_its_axes_lie_turns_the_contacts():
     np.testing.assert_allclose(
         turned.frames[:3, 2, 1], 0.0, atol=1e-15, err_msg="x takes all of the z axis that it can"
     )
-
-
-def test_a_number_is_coulombs_friction():
-    assert hl.Contact((0, 0, 0), (0, 0, 1), 0.4).friction == hl.Coulomb(0.4)
-    assert hl.Contact((0, 0, 0), (0, 0, 1), np.float32(0.5)).friction == hl.Coulomb(0.5)
-    assert hl.Table((0, 0, 0), friction=0.4).friction == hl.Coulomb(0.4)
-    for bad in (True, "0.4", float("nan"), float("inf"), [0.4], -1e-9):
-        with pytest.raises(hl.InputError) as refused:
-            hl.Contact((0, 0, 0), (0, 0, 1), bad)
-        assert refused.value.argument == "friction"

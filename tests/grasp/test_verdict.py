@@ -1,10 +1,13 @@
 """The verdict says what was certified, and nothing more."""
 
+import pickle
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 
+import handlcp as hl
 from handlcp import Contact, Coulomb, FingerForceBound, Frictionless, Grasp, KnownForce, PrescribedForce
 from handlcp.geometry import Box
 from handlcp.hand import Hand, example_hand
@@ -125,3 +128,33 @@ def test_what_bounds_and_readings_do_to_fingers_is_said_with_their_names():
     load, suction = (0, 0, -1, 0, 0, 0), [PrescribedForce(3, (0, 0, -0.01))]
     pulls = Grasp(four, load, flexibility=1e-3, preload=5e-3, effects=suction)
     says(pulls.solve().verdict.text, "finger 4")
+
+
+# ---------------------------------------------------------------- A verdict says in one line what decides it, and may
+
+CUBE = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
+_SHOWN = 240  # characters of a value that pytest shows of a failed assertion
+
+
+@cache
+def verdict(limits):
+    hand = hl.example_hand("three_finger", joint_stiffness=6.0, torque_limits=limits)
+    return hand.at(hand.close_on(CUBE)).grasp(CUBE, friction=0.8, squeeze=0.005).check()
+
+
+def test_the_repr_is_the_sentence_and_what_decides_stands_where_pytest_cuts():
+    v = verdict(0.2)
+    (decides,) = [r for r in v.reasons if r.severity == "decides"]
+    assert repr(v).startswith(f"OVER LIMIT: {decides.sentence}")
+    assert "finger_1_proximal" in repr(v)[: _SHOWN // 2]
+    assert "\n" not in repr(v)
+    assert repr(verdict(0.8)).startswith("HELD: ")
+
+
+def test_one_that_is_not_held_raises_with_its_sentence_and_advice():
+    v = verdict(0.2)
+    with pytest.raises(hl.RequirementNotMet, match=r"^OVER LIMIT: the contacts could hold the object") as caught:
+        v.require()
+    assert isinstance(caught.value, hl.HandLCPError)
+    assert "Advice: " in str(caught.value)
+    assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)

@@ -135,20 +135,6 @@ def test_other_starts_find_what_one_start_does_not():
     assert found >= 5
 
 
-class _ContactsAlone:
-    """Knows friction as a set, and no plain problem."""
-
-    def propose_contact(self, problem, start=None):
-        return hl.NSNGRK().propose_contact(problem, start)
-
-
-def test_a_method_that_knows_contacts_only_says_so_on_a_plain_lcp():
-    """It is refused by name, not by an attribute that is missing."""
-    with pytest.raises(hl.Unsupported) as caught:
-        hl.solve_lcp(hl.LCP([[1.0]], [-1.0]), _ContactsAlone())
-    says(str(caught.value), "_ContactsAlone")
-
-
 def test_stalled_kaczmarz_steps_end_within_their_budget():
     """Steps that make no progress must not be asked for in batches that double until an integer overflows."""
     from tests.hard_cases.test_flexibility import apart

@@ -209,41 +209,6 @@ def test_a_scene_without_a_hand_is_the_grasp_that_the_calls_give():
     assert grasp.effects[1].contact == 0
 
 
-def test_an_object_without_a_hand_weighs_at_its_centre():
-    grasp = read("""
-        [[contact]]
-        position_m = [0.0, 0.0, 0.0]
-        normal = [0.0, 0.0, 1.0]
-        [object]
-        shape = "box"
-        size_m = 0.02
-        position_m = [0.0, 0.01, 0.02]
-        mass_kg = 2.0
-    """).build()
-    np.testing.assert_allclose(arrays(grasp).force, (0, 0, -19.62))
-    np.testing.assert_allclose(arrays(grasp).moment, np.cross((0, 0.01, 0.02), (0, 0, -19.62)))
-    np.testing.assert_array_equal(grasp.reference, (0, 0.01, 0.02))
-
-
-def test_a_planar_scene_takes_two_numbers():
-    scene = read("""
-        [[contact]]
-        position_m = [0.03, 0.0]
-        normal = [-1, 0]
-        [[contact]]
-        position_m = [-0.03, 0.0]
-        normal = [1, 0]
-        [grasp]
-        flexibility_m_per_N = 1e-3
-        preload_m = 0.002
-        [load]
-        force_N = [0.0, -1.0, 0.0]
-    """)
-    grasp = scene.build()
-    assert arrays(grasp).plane is not None
-    assert scene.solve().held
-
-
 @pytest.mark.parametrize(
     ("table", "expected"),
     [

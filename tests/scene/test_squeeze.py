@@ -7,7 +7,7 @@ from handlcp.errors import InputError, SceneFileError, UnknownName
 from handlcp.geometry import Box
 from handlcp.hand import example_hand
 from handlcp.scene import read
-from tests.support.scene_texts import BOX_IN_TWO_FINGERS, TWO_CONTACTS
+from tests.support.scene_texts import BOX_IN_TWO_FINGERS
 
 BOX = Box((0.03, 0.04, 0.06), (0, 0, 0.08))
 
@@ -78,10 +78,3 @@ def test_refusals_of_the_package_name_the_key(text, key, kind):
         read(BOX_IN_TWO_FINGERS + text).build()
     assert e.value.argument == key
     assert str(e.value).startswith(f"{key}: ")
-
-
-@pytest.mark.parametrize("key", ["squeeze_m", "grip_force_N"])
-def test_only_a_hand_closes(key):
-    with pytest.raises(SceneFileError) as e:
-        read(f"{TWO_CONTACTS}[grasp]\n{key} = 1.0")
-    assert e.value.argument == f"grasp.{key}"

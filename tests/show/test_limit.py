@@ -66,13 +66,6 @@ def test_where_a_finger_slips_its_friction_is_100_percent():
     assert max(line.get_ydata()[-1] for line in drawn) == pytest.approx(100.0, rel=1e-6)
 
 
-def test_torque_at_its_limit_is_drawn_at_100_percent():
-    limit = found("hand")
-    ax = axis(limit.plot(), "Joint torque")
-    ends = [line.get_ydata()[-1] for line in curves(ax, len(limit.path.factors))]
-    assert max(ends) == pytest.approx(100.0, rel=1e-6)
-
-
 @pytest.mark.parametrize("name", ["hand", "moment", "soft", "without limit"])
 def test_every_kind_of_limit_can_be_drawn(name, tmp_path):
     figure = found(name).plot()

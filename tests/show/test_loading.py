@@ -110,18 +110,6 @@ def test_where_it_is_lost_is_marked_and_said():
     assert "HELD:" in [t.get_text() for t in loading_figure(found("ball")).texts]
 
 
-def test_every_event_in_short_is_numbered_in_the_figure_and_listed():
-    h = found("lost")
-    told = events_in_short(h.events, ball())
-    assert len(told) < len(h.events) - 1, "five fingers slip at one place"
-    figure = loading_figure(h)
-    listed = [t.get_text() for t in figure.texts]
-    for k, line in enumerate(told, 1):
-        where, sentence = line.split(": ", 1)
-        assert {str(k), where, sentence} <= set(listed)
-        assert str(k) in [t.get_text() for t in figure.axes[0].texts]
-
-
 def written(figure):
     """(text, box in pixels) of everything that is written."""
     canvas = FigureCanvasAgg(figure)

@@ -222,13 +222,6 @@ def test_without_the_package_that_brings_the_viewer_the_error_says_what_to_insta
         s.page(tmp_path / "a.html")
 
 
-def test_a_loading_of_another_grasp_is_refused(tmp_path):
-    s = contacts_only(hl.Coulomb(0.5), (0, 0, -1, 0, 0, 0)).solve()
-    other = contacts_only(hl.Coulomb(0.5), (0, 0, -1, 0, 0, 0), ("x", "y", "z")).follow(steps=2)
-    with pytest.raises(InputError, match="same grasp"):
-        s.page(tmp_path / "a.html", loading=other)
-
-
 def test_a_page_has_one_verdict(tmp_path):
     """That of `check`, with the loading that it is about; of a loading alone, its own word."""
     grasp = soft_ball()

@@ -6,18 +6,19 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from handlcp import Contact, Coulomb, Frictionless, Grasp
+from handlcp import Contact, Coulomb, Environment, Frictionless, Grasp
 from handlcp.errors import InputError, Unsupported
 from handlcp.scene import load
 from tests.support import patches
+from tests.support.grasp import arrays
 from tests.support.show import (
-    camera_against,
-    camera_of,
     draw_solution,
+    environment_bodies,
     fill_triangles,
     friction_cone_rim,
     save,
     shapes,
+    stub_bodies,
 )
 from tests.support.texts import says
 
@@ -49,15 +50,6 @@ def test_a_picture_is_written_and_shows_something(name, tmp_path):
     assert blue.sum() > 500, "forces of sticking fingers"
     border = np.concatenate([image[:8].reshape(-1, 3), image[-8:].reshape(-1, 3), image[:, -8:].reshape(-1, 3)])
     assert border.min() > 0.98, "nothing runs off the page"
-
-
-def test_a_plane_with_an_askew_load_is_seen_along_its_normal_too():
-    contacts = [Contact((-0.03, 0), (1, 0), Coulomb(0.5)), Contact((0.03, 0), (-1, 0), Coulomb(0.5))]
-    grasp = Grasp(contacts, (0.2, -0.3, 0), flexibility=1e-4, preload=1e-3)
-    solution = grasp.solve()
-    camera = camera_of(grasp)
-    np.testing.assert_array_equal(camera.project(np.eye(3)), [(1, 0), (0, 1), (0, 0)])
-    assert len(draw_solution(grasp, solution).axes) > 0
 
 
 def test_a_grasp_that_does_not_hold_shows_the_way_out(tmp_path):
@@ -117,16 +109,24 @@ def test_the_nearer_triangle_wins_a_pixel():
     np.testing.assert_allclose(depth, 2)
 
 
-def test_the_camera_is_a_rotation_that_keeps_up_up():
-    c = camera_against(np.array([1.0, 2, 0.5]), np.array([0.0, 0, 1]))
-    np.testing.assert_allclose(c.axes @ c.axes.T, np.eye(3), atol=1e-12)
-    assert np.linalg.det(c.axes) == pytest.approx(1)
-    up = c.project(np.array([0.0, 0, 1]))
-    assert abs(up[0]) < 1e-12 < up[1]
-
-
 def test_a_cones_rim_is_the_friction_limit():
     edge = friction_cone_rim(np.zeros(3), np.eye(3), 2.0, 0.5, False)
     np.testing.assert_allclose(edge[:, 2], 2.0)
     np.testing.assert_allclose(np.hypot(edge[:, 0], edge[:, 1]), 1.0)
     np.testing.assert_allclose(friction_cone_rim(np.zeros(3), np.eye(3), 2.0, 0.5, True), [[1, 0, 2], [-1, 0, 2]])
+
+
+def test_contacts_in_one_plane_share_a_slab_below_it():
+    top = [Contact((0, 0, 0.04), (0, 0, -1), Coulomb(0.5))]
+    feet = [Contact((x, y, 0), (0, 0, 1), Coulomb(0.5)) for x in (-0.02, 0.02) for y in (-0.02, 0.02)]
+    around = Environment([*feet, Contact((0.02, 0, 0.02), (-1, 0, 0), Coulomb(0.5))], 1e-5, [0, 0, 0, 0, 1e-3])
+    grasp = Grasp(top, (0, 0, -1.0, 0, 0, 0), flexibility=1e-4, preload=1e-3, environment=around)
+    table, wall = environment_bodies(grasp)
+    size = arrays(grasp).units.length
+    corners = table.triangles.reshape(-1, 3)
+    assert corners[:, 2].max() == pytest.approx(0.0, abs=1e-15)
+    np.testing.assert_allclose(np.ptp(corners[:, :2], axis=0), 0.04 + size)
+    assert volume(table.triangles) == pytest.approx((0.04 + size) ** 2 * 0.1 * size), "it winds outwards"
+    assert wall.triangles[..., 0].min() == pytest.approx(0.02)
+    assert len(stub_bodies(grasp)) == 1, "a rod for the finger alone"
+    assert environment_bodies(contacts_only()) == []

@@ -15,18 +15,14 @@ from tests.support import patches
 from tests.support.show import draw_solution
 
 # Pictures in which nothing is in the way of words: as many contacts as others, and fewer bodies
-EASY = [
-    "paper/hard_finger",
-    "paper/partially_known_forces",
-    "paper/total_bound",
-    "paper/soft_finger",
+EASY = {f"paper/{name}" for name in ("hard_finger", "partially_known_forces", "total_bound", "soft_finger")} | {
     "ball_five_fingers",
     "cube_three_fingers",
     "frictionless",
     "pure_torque",
     "bare_hand",
     "eight_on_table",
-]
+}
 HARD = [name for name in CASES if name not in EASY]
 
 

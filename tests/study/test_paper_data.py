@@ -65,11 +65,6 @@ def test_the_cube_weighs_five_newtons_at_its_centre(number: int) -> None:
     assert (inward > 0).all()
 
 
-def test_the_known_finger_of_example_2_pushes_with_the_printed_components() -> None:
-    solution = example(2).grasp.solve(4)
-    np.testing.assert_allclose(solution.forces_world[0], [7.07, 7.07, 0], atol=1e-12)
-
-
 @pytest.mark.parametrize(
     ("text", "ours", "mark"),
     [

@@ -77,20 +77,6 @@ def test_a_tendon_with_a_pretension_gives_out_at_what_is_left_of_its_limit():
     assert pulled.weakest.force == pytest.approx(turned.weakest.force / shares, rel=1e-6)
 
 
-def test_a_finger_that_has_crossed_the_middle_presses_on():
-    """The way that closes the hand stays the same, wherever the tip has come to."""
-    hand = three()
-    rows = hl.finger_strength(hand, ["finger_1_tip"], postures={"open": hand.neutral, "across": np.full(hand.nv, 0.5)})
-    assert all((row.torques[:2] > 0.0).all() for row in rows.rows)
-
-
-def test_without_a_known_limit_any_force_is_an_answer():
-    found = hl.finger_strength(three(torque_limits=np.inf), ["finger_1_tip"])
-    assert np.isinf(found.weakest.force)
-    assert found.to_dict()["weakest"]["force_N"] is None
-    assert "any" in str(found)
-
-
 # ---------------------------------------------------------------- slip resistance
 def test_two_points_slip_at_twice_their_friction():
     found = hl.slip_resistance(two_points(), (0, 0, 3.0))

@@ -72,14 +72,6 @@ def test_samples_as_rows_are_undecided_where_their_own_solutions_are(make):
     assert counts["UNDECIDED"] > 2
 
 
-def test_samples_that_move_no_farther_than_small_leave_nothing_undecided():
-    sure = hl.reliability(ball(0.3), SPREAD, 64, workers=1)
-    assert not sure.outcomes.far.any()
-    assert sure.chance_held.undecided == 0.0
-    assert "undecided" not in str(sure)
-    assert np.isfinite(sure.margin).all()
-
-
 def test_samples_of_which_some_are_undecided_hold_at_least_so_often_and_the_interval_counts_the_others_as_unknown():
     sure = hl.reliability(cube(1.0), {"mass": 0.4, "friction": 0.1}, 64, workers=1)
     chance, counts = sure.chance_held, sure.counts
