@@ -69,7 +69,10 @@ class GraspVariation:
         return (*self.posture.hand.kinematics.movable, *self.posture.hand.fingertips)
 
     def vary_parameter(self, spec: GraspSpec, what: str, k: int, step: float, inside: Array | None = None) -> GraspSpec:
-        """See `Mechanism.varied`. Where nobody knows what was asked, contacts and commands of the joints stay."""
+        """Vary one number of the grasp, as `Mechanism.varied` documents.
+
+        Where nobody knows what was asked, contacts and commands of the joints stay.
+        """
         hand, q = self.posture.hand, self.posture.q
         if what == "posture":
             q = q.copy()
@@ -85,7 +88,7 @@ class GraspVariation:
         return _rebuild_in_posture(self, spec, posture)
 
     def replace_contacts(self, spec: GraspSpec, positions: Array, frames: Array) -> GraspSpec:
-        """See `Mechanism.replaced`."""
+        """Move the contacts of a grasp, as `Mechanism.replaced` documents."""
         contacts = [
             c.from_arrays(
                 p, read_only(R @ before.T @ c.rotation), c.friction, c.planar, c.name
@@ -103,8 +106,8 @@ def _rebuild_in_posture(before: Any, spec: GraspSpec, posture: HandPosture) -> G
     if before.has_joint_flexibility(spec):
         E = E.copy()
         E[: 3 * k, : 3 * k] = made.flexibility()[: 3 * k, : 3 * k]
-    effects = tuple([
+    effects = tuple(
         replace(e, torque=read_only(posture.gravity_torque(made.gravity))) if isinstance(e, FingerWeight) else e
         for e in spec.effects
-    ])  # fmt: skip
+    )
     return spec.replace(mechanism=made, flexibility=read_only(E), effects=effects, asked=spec.asked)

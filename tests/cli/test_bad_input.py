@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from handlcp.cli import app
-from tests.support.envelope import EnvelopeQuestion
+from handlcp.studies.envelope.question import EnvelopeQuestion
 
 ROOT = pathlib.Path(__file__).parents[2]
 CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")

@@ -11,9 +11,9 @@ import handlcp as hl
 from handlcp import Contact, Coulomb, FingerForceBound, Frictionless, Grasp, KnownForce, PrescribedForce
 from handlcp.geometry import Box
 from handlcp.hand import Hand, example_hand
+from handlcp.hand.library import urdf
 from handlcp.lcp import NSNGRK, Status
 from tests.support.grasp import changed
-from tests.support.hand import urdf
 from tests.support.texts import same, says, without_numbers
 
 BOX = Box(0.05, (0, 0, 0.08), 0.2)

@@ -9,16 +9,11 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import handlcp as hl
+from handlcp.viz.envelope.page import choose_view_axes as facing_weakest
+from handlcp.viz.envelope.surface import cut_by_plane, divide_mixed_cells, make_surface
 from tests.support import squeezed
 from tests.support.browser import opened
-from tests.support.show import (
-    ENVELOPE_COLOURS,
-    ENVELOPE_GREYS,
-    cut_by_plane,
-    divide_mixed_cells,
-    facing_weakest,
-    make_surface,
-)
+from tests.support.show import ENVELOPE_COLOURS, ENVELOPE_GREYS
 
 NASTY = "</script><script>document.documentElement.dataset.pwned=1</script>"
 MU, GRIP = 0.5, 2.0

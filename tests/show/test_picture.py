@@ -9,17 +9,14 @@ from matplotlib.image import imread
 from handlcp import Contact, Coulomb, Environment, Frictionless, Grasp
 from handlcp.errors import InputError, Unsupported
 from handlcp.scene import load
+from handlcp.viz.picture import body as shapes
+from handlcp.viz.picture.body import environment_bodies, stub_bodies
+from handlcp.viz.picture.camera import fill_triangles
+from handlcp.viz.picture.figure import draw_solution
+from handlcp.viz.picture.overlay import friction_cone_rim
 from tests.support import patches
 from tests.support.grasp import arrays
-from tests.support.show import (
-    draw_solution,
-    environment_bodies,
-    fill_triangles,
-    friction_cone_rim,
-    save,
-    shapes,
-    stub_bodies,
-)
+from tests.support.show import save
 from tests.support.texts import says
 
 EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"

@@ -5,15 +5,12 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import handlcp as hl
+from handlcp.viz.picture.body import hand_bodies, undrawn_tip_shapes
+from handlcp.viz.picture.camera import camera_against
+from handlcp.viz.picture.figure import draw_solution
+from handlcp.viz.picture.overlay import RotationArc
 from tests.show.picture_cases import bare_hand, case, ring
 from tests.support import patches
-from tests.support.show import (
-    RotationArc,
-    camera_against,
-    draw_solution,
-    hand_bodies,
-    undrawn_tip_shapes,
-)
 
 
 @pytest.fixture(autouse=True)

@@ -10,11 +10,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.patches import Polygon
 from matplotlib.text import Text
 
+from handlcp.viz.picture.figure import draw_solution
 from tests.show.picture_cases import CASES, case
 from tests.support import patches
-from tests.support.show import draw_solution
 
-# Pictures in which nothing is in the way of words: as many contacts as others, and fewer bodies
 EASY = {f"paper/{name}" for name in ("hard_finger", "partially_known_forces", "total_bound", "soft_finger")} | {
     "ball_five_fingers",
     "cube_three_fingers",
@@ -23,6 +22,7 @@ EASY = {f"paper/{name}" for name in ("hard_finger", "partially_known_forces", "t
     "bare_hand",
     "eight_on_table",
 }
+
 HARD = [name for name in CASES if name not in EASY]
 
 

@@ -10,10 +10,11 @@ import pytest
 from rich.console import Console
 
 import handlcp as hl
-from handlcp import Contact, Frictionless, Grasp
+from handlcp import Contact, Frictionless, Grasp, words as units
 from handlcp.scene import load
 from handlcp.studies.accuracy import accuracy_cost
-from tests.support.show import html, tables, units
+from handlcp.viz import terminal_table as tables
+from tests.support.show import html
 
 ROOT = pathlib.Path(__file__).parents[2] / "examples"
 SCENES = sorted([*ROOT.glob("*.toml"), *ROOT.glob("paper/*.toml")])

@@ -10,7 +10,7 @@ from matplotlib.text import Text
 import handlcp as hl
 from handlcp.errors import InputError
 from handlcp.studies.paper import example
-from tests.support.show import work_precision_figure
+from handlcp.viz.accuracy import figure as work_precision_figure
 
 ENOUGH = 3600.0  # s, a budget that no busy machine spends
 draw, save, STYLE = work_precision_figure.draw, work_precision_figure.save, work_precision_figure.STYLE
