@@ -5,8 +5,6 @@ Answers reach their pictures and pages through `record.load_display`, by name, w
 Every import counts, wherever it stands: on top of a file, inside a function, or for type checkers alone.
 """
 
-from __future__ import annotations
-
 import ast
 import pathlib
 import re

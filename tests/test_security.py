@@ -1,7 +1,5 @@
 """Each sentence of the table of SECURITY.md, and of its list about compiled code, has a test here or names one."""
 
-from __future__ import annotations
-
 import json
 import os
 import pathlib

@@ -1,8 +1,8 @@
 """Records, every class of them: plain data that JSON brings back, with shapes and units as they are described."""
 
-from __future__ import annotations
-
+import builtins
 import json
+import sys
 import tomllib
 from dataclasses import replace
 from functools import cache
@@ -168,3 +168,38 @@ def test_what_is_in_a_record_has_the_shape_and_the_unit_that_it_is_described_wit
                 assert one.unit == record.unit, where
             elif one.unit and "." not in one.path:
                 assert all(unit in doc_of(record, one.path) for unit in one.unit.split(", ")), where
+
+
+# ---------------------------------------------------------------- tables
+def test_a_solution_is_a_table_of_its_contacts_and_one_of_its_joints():
+    pytest.importorskip("pandas")
+    s = held().solve()
+    contacts, joints = s.to_frame(), s.to_frame("joints")
+    assert contacts.index.tolist() == list(s.names)
+    np.testing.assert_array_equal(contacts[["x_N", "y_N", "z_N"]], s.forces)
+    np.testing.assert_array_equal(contacts["friction_used"], s.friction_used)
+    assert contacts["state"].tolist() == list(s.contact_state)
+    assert joints.index.tolist() == list(hand().joint_names)
+    np.testing.assert_array_equal(joints["torque_Nm"], s.torques)
+    np.testing.assert_array_equal(joints["margin_Nm"], s.torque_margin)
+    loading = held().follow(steps=4)
+    steps = loading.to_frame()
+    np.testing.assert_array_equal(steps["finger_1_tip.force_z"], loading.steps.forces[:, 0, 2])
+    np.testing.assert_array_equal(steps["finger_1_distal.torque"], loading.steps.torques[:, 1])
+    many = hl.solve_many([pinch(), pinch(squeeze=0.0)])
+    np.testing.assert_array_equal(many.to_frame()["finger 1.force_z"], many.forces[:, 0, 2])
+
+
+def test_without_pandas_the_extra_is_named(monkeypatch):
+    pytest.importorskip("pandas")
+    s, real = pinch().solve(), builtins.__import__
+
+    def hidden(name, *rest, **more):
+        if name.partition(".")[0] == "pandas":
+            raise ImportError(name)
+        return real(name, *rest, **more)
+
+    monkeypatch.delitem(sys.modules, "pandas")
+    monkeypatch.setattr(builtins, "__import__", hidden)
+    with pytest.raises(hl.Unsupported, match=r"pip install .pandas"):
+        s.to_frame()
