@@ -20,7 +20,7 @@ from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solve.compiled_answer import CompiledAnswer
 from handlcp.lazy_property import lazy_property
 from handlcp.lcp import Status
-from handlcp.record import Record, load_display, make_data_frame
+from handlcp.record import Record, make_data_frame
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 from handlcp.words import TextTable, number_duplicates, wrap_text
 
@@ -309,8 +309,9 @@ class Solutions(Record, Sequence[GraspSolution]):
         """What a notebook shows: how many came to what."""
         counts = Counter(self.status.tolist()).most_common()
         rows = tuple((name, str(k)) for name, k in counts)
-        text: str = load_display("table_html")(TextTable(("status", f"of {len(self)} grasps"), rows, "<>"))
-        return text
+        from handlcp.viz.solution_output import table_html  # for notebooks alone
+
+        return table_html(TextTable(("status", f"of {len(self)} grasps"), rows, "<>"))
 
     def __str__(self) -> str:
         """How many came to what."""

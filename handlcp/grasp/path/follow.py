@@ -35,7 +35,7 @@ from handlcp.grasp.solution.verdict import HELD, NOT_HELD, OVER_LIMIT, UNDECIDED
 from handlcp.grasp.solve.solve_spec import certify_known_answer, solve_spec
 from handlcp.lazy_property import lazy_property
 from handlcp.progress import track_progress
-from handlcp.record import Record, load_display, make_data_frame, package_versions, pick_entries
+from handlcp.record import Record, make_data_frame, package_versions, pick_entries
 from handlcp.refinement import refine_until_converged, require_accuracy
 from handlcp.words import wrap_text
 
@@ -180,15 +180,19 @@ class Loading(Record):
 
     def page(self, path: Any, *, obj: Any = None, title: str = "", verdict: Any = None) -> Path:
         """A page with a slider through all steps, as `GraspSolution.page`; obj : where it stands at the start."""
-        written: Path = load_display("loading_page")(self, path, title, obj, verdict)
-        return written
+        from handlcp.viz.page.document import write_loading_page  # loadings pay for no page that nobody writes
+
+        return write_loading_page(self, path, title, obj, verdict)
 
     def plot(self, path: Any = None, *, title: str = "") -> Any:
         """The figure of the loading: forces, friction, object motion and torques over its stages, and its events.
 
         path : of a png, svg, pdf or jpg file; None: the matplotlib figure itself. Raises as `GraspSolution.plot`.
         """
-        return load_display("loading_plot")(self, path, title)
+        from handlcp.viz.loading.figure import draw_loading  # answers pay for no picture that nobody draws
+        from handlcp.viz.output_file import draw_or_save
+
+        return draw_or_save(path, draw_loading, self, title)
 
     def to_frame(self) -> Any:
         """A pandas table with a row for each step, as `steps.to_dict` has it. Raises Unsupported without pandas."""
