@@ -190,7 +190,7 @@ def test_a_mechanism_that_is_stiffer_is_the_hands_with_stiffer_springs():
     for stiffness in (6.0, np.diag([6.0, 5.0, 4.0, 6.0, 5.0, 4.0]) + 0.5):
         made = [hl.example_hand("three_finger", joint_stiffness=k) for k in (stiffness, 5.0 * np.array(stiffness))]
         weak, stiff = (hand.at(hand.close_on(CUBE)).grasp(CUBE, hl.Coulomb(0.8), squeeze=3e-3) for hand in made)
-        found = weak.mechanism.with_stiffness_factor(5.0)
+        found = weak.mechanism.variation.with_stiffness_factor(5.0)
         J = weak.jacobian
         np.testing.assert_allclose(found.compliance(J), stiff.mechanism.compliance(J), rtol=1e-12, atol=1e-18)
         np.testing.assert_allclose(found.posture.flexibility, stiff.state.flexibility, rtol=1e-12, atol=1e-18)
@@ -200,13 +200,13 @@ def test_another_grip_is_the_hands_own_on_an_object_that_stands_elsewhere():
     hand = hl.example_hand("five_finger", joint_stiffness=6.0)
     grasp = hand.at(hand.close_on(BALL)).grasp(BALL, hl.Coulomb(0.6), gravity=(0, 0, 9.81), preload=2e-3)
     shift = np.array([0.0, 0.0, 4e-3])
-    other = grasp.mechanism.regrip_shifted(grasp.spec, shift)
+    other = grasp.mechanism.variation.regrip_shifted(grasp.spec, shift)
     ball = BALL.moved_to(BALL.center_of_mass + shift)
     own = hand.at(hand.close_on(ball)).grasp(ball, hl.Coulomb(0.6), gravity=(0, 0, 9.81), preload=2e-3)
     for name in ("positions", "frames", "flexibility", "offset", "wrench", "reference"):
         # Of the first posture's gaps, which are below a nanometre, what is left stays
         np.testing.assert_allclose(getattr(other, name), getattr(own.spec, name), atol=1e-9, err_msg=name)
-    assert grasp.mechanism.regrip_shifted(grasp.spec, np.array([0.5, 0.0, 0.0])) is None, "out of reach"
+    assert grasp.mechanism.variation.regrip_shifted(grasp.spec, np.array([0.5, 0.0, 0.0])) is None, "out of reach"
 
 
 @pytest.mark.parametrize(

@@ -287,10 +287,10 @@ def test_where_an_object_begins_inside_links_the_verdict_says_how_deep_and_it_ca
     says(begins.sentence, "2 mm inside palm")
     assert "the object begins 2 mm inside palm" in str(grasp.payload(geometry="fixed"))
     assert not grasp.out_of_reach
-    text, depth, made = grasp.mechanism.move_object_out(grasp.spec)
+    text, depth, made = grasp.mechanism.variation.move_object_out(grasp.spec)
     assert depth == pytest.approx(2e-3)
     np.testing.assert_allclose(made.mechanism.target.placement.translation, (0, 0, 0.02), atol=1e-5)
-    assert not [*made.mechanism.start_inside_reasons(made)]
+    assert not [*made.mechanism.report.start_inside_reasons(made)]
     says(text, "palm")
 
 
@@ -339,7 +339,7 @@ def test_how_a_hand_closes_stays_where_only_its_command_changes():
     """Eased, and where nobody knows any more what was asked."""
     grasp = ball_in_five_fingers(hold_object=True)
     unknown = type(grasp)(grasp.spec.replace(asked=None)).replace(friction=0.7)
-    eased = type(grasp)(grasp.mechanism.with_squeeze_share(grasp.spec, 0.5))
+    eased = type(grasp)(grasp.mechanism.variation.with_squeeze_share(grasp.spec, 0.5))
     said, *others = (next(e for e in g.spec.effects if hasattr(e, "keeps")) for g in (grasp, unknown, eased))
     for other in others:
         assert other.keeps

@@ -123,8 +123,8 @@ def jammed(grasp: hl.Grasp) -> bool:
 class _Joints(Mechanism):
     """Joints that carry contacts without turning them."""
 
-    def turning_rates(self, contacts: Any) -> np.ndarray:
-        return np.zeros((len(contacts), len(self.names)))
+    def jacobian_rows(self, soft: Any) -> np.ndarray:
+        return np.concatenate([self.jacobian, np.zeros((len(soft), len(self.names)))])
 
 
 class _Saturation(hl.TorqueSaturation):

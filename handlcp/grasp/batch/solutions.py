@@ -16,6 +16,7 @@ from handlcp.check import Array, Bools, Ints, check_method_calls, read_only
 from handlcp.errors import Unsupported
 from handlcp.grasp.batch.first_stage import STATUSES, FirstStageAnswers, GraspBatch
 from handlcp.grasp.grasp import Grasp
+from handlcp.grasp.model.mechanism import read_joints
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solve.compiled_answer import CompiledAnswer
 from handlcp.lazy_property import lazy_property
@@ -58,7 +59,7 @@ class GraspGroup:
         self.forces[row] = components[: 3 * n].reshape(-1, 3)
         if (mechanism := spec.mechanism) is not None:
             torsion = scene.scatter_torsion(components[3 * n :]) if scene.soft else None
-            joints = mechanism.joints(scene, spec.effects, self.forces[row], torsion, {})
+            joints = read_joints(mechanism, scene, spec.effects, self.forces[row], torsion, {})
             self._put_torques(row, joints.torque, mechanism.limits)
 
     def _put_torques(self, row: int, torques: Array, limits: Array) -> None:

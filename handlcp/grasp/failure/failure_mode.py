@@ -132,9 +132,9 @@ def state_limits(
     torque, free = mechanism.limits, np.full(len(mechanism.names), np.inf)
     if any(isinstance(e, TorqueSaturation) for e in spec.effects):
         torque = free
-    cables = Cables.without_tendons(0) if mechanism.cables is None else mechanism.cables
+    cables = mechanism.joint_model.cables or Cables.without_tendons(0)
     efforts = np.concatenate([torque, cables.limits])
-    lower, upper = (mechanism.ranges if ranges else None) or (-free, free)
+    lower, upper = mechanism.joint_model.ranges if ranges else (-free, free)
     if nominal is not None:
         left = is_exceeded(
             StateLimits((), mechanism.names, free, lower, upper).inverse_spans * _range_excess(lower, upper, nominal)
@@ -180,9 +180,9 @@ def find_exceeded_closing(mechanism: Mechanism | None, efforts: Callable[[], Arr
     """Joints and tendons that closing took more of than their motors give. efforts : makes (nv + t,) [N·m, N], and is
     asked only where there are motors.
     """
-    if mechanism is None or (closes := mechanism.closing_limits) is None:
+    if mechanism is None or (closes := mechanism.joint_model.closing_limits) is None:
         return ()
-    free, cables = np.full(len(mechanism.names), np.inf), mechanism.cables
+    free, cables = np.full(len(mechanism.names), np.inf), mechanism.joint_model.cables
     tendons = () if cables is None else cables.names
     return find_exceeded(StateLimits((), mechanism.names, closes, -free, free, tendons=tendons), efforts())
 

@@ -217,7 +217,7 @@ def describe_names(who: Sequence[str], spec: GraspSpec | None, kind: str = "") -
         if kind.removesuffix(BY_TURNS) in _JOINT_EVENTS:
             groups = [(() if spec.mechanism is None else spec.mechanism.names, "joints")]
         if kind.removesuffix(BY_TURNS) in _TENDON_EVENTS:
-            cables = None if spec.mechanism is None else spec.mechanism.cables
+            cables = None if spec.mechanism is None else spec.mechanism.joint_model.cables
             groups = [(() if cables is None else cables.names, "tendons")]
         for group, plural in groups:
             if len(who) == len(group) and set(who) == set(group):

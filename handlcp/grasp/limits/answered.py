@@ -85,11 +85,11 @@ class _Ends(NamedTuple):
 def _known(f: Followed) -> _Ends | None:
     """Where a link that was outside before the load grew comes into the object; None: nowhere that is looked at."""
     mechanism = f.spec.mechanism
-    if f.geometry != "followed" or mechanism is None or not mechanism.links:
+    if f.geometry != "followed" or mechanism is None or not mechanism.report.links:
         return None
 
     def inside(state: State) -> tuple[set[str], str]:
-        return mechanism.find_links_inside(state.where.q, state.where.pose)
+        return mechanism.report.find_links_inside(state.where.q, state.where.pose)
 
     at_first, _ = inside(f.run.states[0])
 
@@ -207,7 +207,7 @@ def _through(f: Followed) -> Run:
 def _rest(f: Followed, ends: _Ends | None, number: int) -> Rest:
     """What follows. ends : of what is known up to where the object slides through. number : of the limit's state."""
     at, k = f.run.states[number], f.spec.of_hand
-    asked = () if f.spec.mechanism is None else f.spec.mechanism.command_reasons(f.spec)
+    asked = () if f.spec.mechanism is None else f.spec.mechanism.report.command_reasons(f.spec)
     doubts = [r.sentence for r in asked if r.code == "command_not_made"]
     if pressed := describe_pad_depth(at.where.give[:k], at.iterate.frames[:k, :, 2], f.spec.names):
         doubts.append(pressed)

@@ -225,7 +225,7 @@ def fixed_limit(
 
 def springs_alone(spec: GraspSpec) -> bool:
     """Whether fingers give way as springs do, as a trace takes it; others are followed in steps."""
-    return spec.mechanism is None or spec.mechanism.is_elastic
+    return spec.mechanism is None or spec.mechanism.joint_model.is_elastic
 
 
 def ends_plainly(system: System) -> bool:

@@ -176,7 +176,7 @@ class Loading(Record):
         mechanism, where = self.steps.grasp.spec.mechanism, self.last.where
         if mechanism is None or not self.steps.geometry.follows:
             return None, None
-        return mechanism.place_at(where.q, where.pose)
+        return mechanism.report.place_at(where.q, where.pose)
 
     def page(self, path: Any, *, obj: Any = None, title: str = "", verdict: Any = None) -> Path:
         """A page with a slider through all steps, as `GraspSolution.page`; obj : where it stands at the start."""

@@ -370,12 +370,12 @@ class Stepper:
 def _joints(spec: GraspSpec, geometry: Geometry, root: Array) -> Joints | None:
     """Of joints with dry friction, or with tendons that may go slack or have a limit; None: springs alone."""
     mechanism = spec.mechanism
-    if mechanism is None or not (mechanism.dry_friction.any() or mechanism.cables is not None):
+    if mechanism is None or not (mechanism.joint_model.dry_friction.any() or mechanism.joint_model.cables is not None):
         return None
-    cables = mechanism.cables
+    cables = mechanism.joint_model.cables
     if cables is not None and not geometry.follows:  # joints are measured from the posture, and arms are those there
         cables = cables._replace(shift=np.zeros(len(cables.names)), elasticity_at=None, moment_arm_stiffness=None)
-    return Joints(root, mechanism.dry_friction, cables, geometry.posture)
+    return Joints(root, mechanism.joint_model.dry_friction, cables, geometry.posture)
 
 
 def _task(state: State, controls: Controls, under: Under) -> Task:

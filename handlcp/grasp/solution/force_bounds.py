@@ -17,6 +17,7 @@ from handlcp.check import Array, Bools, check_array, read_only
 from handlcp.contact.friction import Cone, Pyramid, limit_set
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.effects.joint_torque import TorqueSaturation
+from handlcp.grasp.model.mechanism import read_joints
 from handlcp.grasp.solution.state_family import (
     FactorRanges,
     KeptStates,
@@ -344,7 +345,7 @@ def _torque_rows(s: Any) -> Array:
 
     def torque(components: Array) -> Array:
         moments = scene.scatter_torsion(components[3 * n :]) if soft else None
-        return np.asarray(mechanism.joints(scene, effects, components[: 3 * n].reshape(n, 3), moments, {}).torque)
+        return np.asarray(read_joints(mechanism, scene, effects, components[: 3 * n].reshape(n, 3), moments, {}).torque)
 
     still = torque(np.zeros(c))
     return np.array([torque(unit) - still for unit in np.eye(c)]).T

@@ -285,7 +285,7 @@ class GraspSolution(Record, DeferredFields):
         from handlcp.grasp.solution.verdict import make_verdict, solution_reasons
 
         mechanism = None if self.spec is None else self.spec.mechanism
-        return make_verdict((*(() if mechanism is None else mechanism.reasons(self)), *solution_reasons(self)))
+        return make_verdict((*(() if mechanism is None else mechanism.report.reasons(self)), *solution_reasons(self)))
 
     @property
     def _motions(self) -> MotionSizes | None:

@@ -343,7 +343,7 @@ def own_flexibility(s: Any) -> Array:
     """(n, 3, 3) of each contact without that of the joints, contact axes [m/N]: its pad."""
     n, mechanism = s.spec.n, s.spec.mechanism
     E = s.spec.flexibility[: 3 * n, : 3 * n]
-    if mechanism is not None and mechanism.has_joint_flexibility(s.spec):
+    if mechanism is not None and mechanism.variation.has_joint_flexibility(s.spec):
         E = E - mechanism.compliance(mechanism.jacobian_rows(())[: 3 * n])
     each = np.arange(n)
     own = E.reshape(n, 3, n, 3)[each, :, each]

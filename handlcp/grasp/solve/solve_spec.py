@@ -15,6 +15,7 @@ from handlcp.grasp.assembly.problem import AnyProblem, GraspContactProblem, Solv
 from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.model.contact import MANY_CONTACTS, shift_twist
+from handlcp.grasp.model.mechanism import hard_contact_torques
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solution.solution import GraspSolution
@@ -170,7 +171,7 @@ class _SolutionFields:
         mechanism, effects = self.spec.mechanism, self.spec.effects
         assert mechanism is not None  # only its solutions have more fields
         if name == "torques" and not effects:
-            return {name: mechanism.torques(self.scene, self.forces)}
+            return {name: hard_contact_torques(mechanism, self.scene, self.forces)}
         return mechanism.solution_fields(self.scene, effects, self.forces, None, {})
 
 

@@ -182,7 +182,7 @@ def _holds_within_limits(spec: GraspSpec, section: Section, order: Any) -> bool:
 
 def _move_out_trials(spec: GraspSpec) -> Iterator[Trial]:
     """The object out of the links that it begins inside."""
-    if spec.mechanism is not None and (found := spec.mechanism.move_object_out(spec)) is not None:
+    if spec.mechanism is not None and (found := spec.mechanism.variation.move_object_out(spec)) is not None:
         text, far, other = found
         yield Trial("out", far, text, other)
 
@@ -196,7 +196,7 @@ def _shift_trials(spec: GraspSpec) -> Iterator[Trial]:
     for share in _SHIFT_SHARES:
         for way, name in ((1.0, "along"), (-1.0, "against")):
             far = round_two_digits(share * build_scene(spec).units.length)
-            other = mechanism.regrip_shifted(spec, way * far * load / strength)
+            other = mechanism.variation.regrip_shifted(spec, way * far * load / strength)
             if other is not None:
                 yield Trial(
                     "grip",
@@ -340,7 +340,7 @@ def _reasons(
         yield equilibrium_reason(solution.status, _without_advice(solution).diagnosis)
     yield slides_reason(path) if path.reached else lost_reason(path)
     if spec.mechanism is not None:
-        yield from spec.mechanism.command_reasons(spec)
+        yield from spec.mechanism.report.command_reasons(spec)
     yield from place_reasons(spec, path)
     yield from rigid_reasons(spec)
     if solution.held:

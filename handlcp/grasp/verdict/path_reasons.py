@@ -86,20 +86,20 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     last, mechanism = path.last, spec.mechanism
     yield from no_load_reasons(spec)
     if mechanism is not None:
-        before = [*mechanism.command_reasons(spec), *place_reasons(spec, path)]
+        before = [*mechanism.report.command_reasons(spec), *place_reasons(spec, path)]
         known = {_reason_key(reason) for reason in before}
         place = (path.state, path.object)
-        found = mechanism.end_reasons(path.steps.torques[-1], last.yielded, place)
+        found = mechanism.report.end_reasons(path.steps.torques[-1], last.yielded, place)
         yield from (r for r in found if _reason_key(r) not in known)
-        if mechanism.cables is not None:
-            yield from mechanism.tension_reasons(last.pull.tension)
-            yield from _slack_reasons(mechanism.cables, last.pull)
-        yield from mechanism.closing_reasons(
+        if mechanism.joint_model.cables is not None:
+            yield from mechanism.report.tension_reasons(last.pull.tension)
+            yield from _slack_reasons(mechanism.joint_model.cables, last.pull)
+        yield from mechanism.report.closing_reasons(
             find_exceeded_closing(mechanism, lambda: closing_efforts(path.steps.states))
         )
         if "squeeze" in path.stages:
             closed = np.flatnonzero(path.steps.stage == path.stages.index("squeeze"))
-            yield from mechanism.pulling_reasons(spec, path.steps.states[closed[-1]].stretched)
+            yield from mechanism.report.pulling_reasons(spec, path.steps.states[closed[-1]].stretched)
         yield from before
     end = path.solution
     if end.held and end.scene is not None:
@@ -122,7 +122,7 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     if text := describe_pad_depth(last.where.give[:k], last.iterate.frames[:k, :, 2], spec.names):
         yield Reason("pressed_in", "warning", text)
     if end.held:
-        yield from () if mechanism is None else mechanism.open_reasons(end)
+        yield from () if mechanism is None else mechanism.report.open_reasons(end)
         yield from open_reasons(end.uniqueness)
     if not path.steps.geometry.follows:
         yield from large_motion_reasons(_path_motions(path, scene, slid))
@@ -140,7 +140,7 @@ def place_reasons(spec: GraspSpec, path: Loading) -> Iterator[Reason]:
     first, mechanism = path.steps.states[0].where, spec.mechanism
     if mechanism is not None and path.steps.geometry.follows:
         when = f"before stage {path.stages[0]!r}" if path.stages else "in the given posture"
-        yield from mechanism.place_reasons(*mechanism.place_at(first.q, first.pose), when)
+        yield from mechanism.report.place_reasons(*mechanism.report.place_at(first.q, first.pose), when)
 
 
 def comparison_reasons(solution: GraspSolution, path: Loading) -> Iterator[Reason]:

@@ -177,7 +177,7 @@ class Candidate(Record):
         """In words: of a pinch finger by finger, of a power grasp the links that press hardest."""
         if self.kind != "power":
             return f"forces {', '.join(f'{f:.2g}' for f in self.solution.normal_force)} N"
-        by_link, links = dict[str, float](), self.grasp.mechanism.links
+        by_link, links = dict[str, float](), self.grasp.mechanism.report.links
         for name, force in self.normal_force.items():
             link = links.get(name, name)
             by_link[link] = by_link.get(link, 0.0) + force

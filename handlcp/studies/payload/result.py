@@ -184,7 +184,11 @@ class Payload(Record):
     def warnings(self) -> tuple[str, ...]:
         """In words, the links that the object begins inside, before the hand closes."""
         spec = self.load.grasp.spec
-        return () if spec.mechanism is None else tuple([r.sentence for r in spec.mechanism.start_inside_reasons(spec)])
+        return (
+            ()
+            if spec.mechanism is None
+            else tuple([r.sentence for r in spec.mechanism.report.start_inside_reasons(spec)])
+        )
 
     def moving(self, row: Orientation) -> str:
         """In words, how the hand accelerates in a row; "" at rest."""
