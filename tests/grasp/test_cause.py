@@ -180,13 +180,13 @@ def test_a_sentence_says_at_which_load_what_gives_out():
 
 def test_a_lost_object_is_told_with_what_its_contacts_did():
     spec = hl.Grasp([hl.Contact((0, 0, z), (1, 0, 0), 0.5, name=n) for z, n in enumerate(NAMES)], flexibility=1e-3).spec
-    told = c.explain_loss("runs away", spec, ("sliding", "separated"), np.array([0, 0, -1.0, 0, 0, 0]))
+    told = c.explain_loss(c.PathStatus.RUNS_AWAY, spec, (slide, open_), np.array([0, 0, -1.0, 0, 0, 0]))
     assert told == (
         "the object runs away along -z: the fingers give way faster than their forces grow "
         "(thumb slides and index has let go)"
     )
     assert (
-        c.explain_loss("loose", spec, ("separated",) * 2)
+        c.explain_loss(c.PathStatus.LOOSE, spec, (open_,) * 2)
         == "no finger holds the object any more (both fingers have let go)"
     )
     assert c.describe_load_share(np.array([0, 0, 3.0, 0, 0, 0]), np.array([0, 0, 6.0, 0, 0, 0])) == ", under 3 N of 6 N"

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from handlcp.grasp.model.status import PathStatus
 from handlcp.grasp.path import advance, step
 from handlcp.grasp.path.advance import Leg
 from handlcp.grasp.path.newton.iteration import one_iteration
@@ -23,7 +24,11 @@ def give_up_beyond(share: float, patch: pytest.MonkeyPatch) -> None:
     found = Leg._found
 
     def stopped(leg: Leg, state: Any, at: float, size: float) -> Any:
-        return Failure("no answer") if leg.beyond is not None and at + size > share else found(leg, state, at, size)
+        return (
+            Failure(PathStatus.NO_FORCES)
+            if leg.beyond is not None and at + size > share
+            else found(leg, state, at, size)
+        )
 
     patch.setattr(Leg, "_found", stopped)
     patch.setattr(advance, "flow", lambda stepper, state, *rest: (state, STUCK))

@@ -13,6 +13,7 @@ from handlcp.check import Array, Bools, read_only
 from handlcp.grasp.effects.joint_torque import TorqueSaturation
 from handlcp.grasp.model.mechanism import Cables, Mechanism
 from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING, ContactStatus
 from handlcp.record import Record
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
@@ -205,24 +206,24 @@ def find_binding(
 
 
 def find_slipping(
-    names: Sequence[str], kinds: Sequence[str], before: Sequence[str] | None = None
+    names: Sequence[str], kinds: Sequence[ContactStatus], before: Sequence[ContactStatus] | None = None
 ) -> tuple[FailureMode, ...]:
     """What gives way where no more load is balanced: contacts that open there; or else all that slide; or else balance
-    itself. kinds (n,) : "separated", "sticking", "sliding". before (n,) : the same short of that place; None: nothing
+    itself. kinds (n,) : what each contact does. before (n,) : the same short of that place; None: nothing
     opens there.
     """
     if before is not None:
-        opened = [n for n, a, b in zip(names, before, kinds, strict=True) if b == "separated" != a]
+        opened = [n for n, a, b in zip(names, before, kinds, strict=True) if b == SEPARATED != a]
         if opened:
             return tuple([FailureMode(OPENS, name) for name in opened])
     every = zip(names, kinds if before is None else before, kinds, strict=True)
-    sliding = [name for name, a, b in every if "sliding" in (a, b)]
+    sliding = [name for name, a, b in every if SLIDING in (a, b)]
     return tuple([FailureMode(SLIPS, name) for name in sliding]) or (FailureMode(EQUILIBRIUM, OBJECT),)
 
 
-def find_slide_through(kinds: Sequence[str]) -> tuple[FailureMode, ...]:
+def find_slide_through(kinds: Sequence[ContactStatus]) -> tuple[FailureMode, ...]:
     """That the object slides through, where contacts press and none of them sticks; else ()."""
-    return (FailureMode(SLIDES, OBJECT),) if "sliding" in kinds and "sticking" not in kinds else ()
+    return (FailureMode(SLIDES, OBJECT),) if SLIDING in kinds and STICKING not in kinds else ()
 
 
 def largest_share_index(share: Array) -> int:

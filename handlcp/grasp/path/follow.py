@@ -19,13 +19,14 @@ from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.derivatives.path_sensitivity import PathSensitivity
 from handlcp.grasp.effects.joint_offset import find_command
 from handlcp.grasp.failure.failure_mode import OBJECT, find_exceeded, state_limits
-from handlcp.grasp.failure.failure_text import UNSTABLE, describe_load_share, explain_giving_up, explain_loss
+from handlcp.grasp.failure.failure_text import describe_load_share, explain_giving_up, explain_loss
 from handlcp.grasp.model.contact import cross_rows
 from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.model.status import PathStatus
 from handlcp.grasp.path.advance import PATIENT, Patience, advance
 from handlcp.grasp.path.events import Event, Summary, summary
 from handlcp.grasp.path.geometry import FixedGeometry, Geometry
-from handlcp.grasp.path.state import Controls, Goal, Outcome, Run, Slides, State, read_stages
+from handlcp.grasp.path.state import Controls, Goal, Run, Slides, State, read_stages
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.step_grasp import StepGrasp
 from handlcp.grasp.path.trajectory import Steps
@@ -77,7 +78,7 @@ class Loading(Record):
     stages: tuple[str, ...]
     section: Section
     slides: Slides | None = None
-    outcome: Outcome = Outcome.END
+    outcome: PathStatus = PathStatus.REACHED
     accuracy: float = np.nan
     again: Callable[[GraspSpec], Loading] | None = field(default=None, repr=False)
 
@@ -93,7 +94,7 @@ class Loading(Record):
         """As a verdict has it: "HELD"; "OVER LIMIT": held, and at the end a joint or tendon is over its limit; "NOT
         HELD"; "UNDECIDED": the path was given up. `Grasp.check` judges more, such as links inside the object.
         """
-        if self.outcome is Outcome.GAVE_UP:
+        if self.outcome.is_given_up:
             return UNDECIDED
         return NOT_HELD if not self.held else OVER_LIMIT if self._over else HELD
 
@@ -353,7 +354,7 @@ def geometry_of(spec: GraspSpec, asked: Any) -> Geometry:
 def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) -> Loading:
     """What became of a grasp, from a run of these stages."""
     spec = stepper.grasp.spec
-    events, lost = list(run.events), run.outcome is not Outcome.END
+    events, lost = list(run.events), run.status != PathStatus.REACHED
     number = run.under_way
     share = run.shares[-1] if number == run.stages[-1] else 0.0  # no state of this stage was found
     stage = goals[number].name if goals else None
@@ -366,15 +367,15 @@ def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) 
         events.append(Event("slides through", OBJECT, goals[run.slides.stage].name, run.slides.share, run.slides.stage))
     events.sort(key=lambda e: (e.number, e.share))
     last = run.states[-1]
-    if run.outcome is Outcome.GAVE_UP:
-        assert run.failure is not None
-        sentence = f"given up in stage {stage!r} at {words.format_percent(share)}: {explain_giving_up(*run.failure)}"
+    if run.status.is_given_up:
+        sentence = (
+            f"given up in stage {stage!r} at {words.format_percent(share)}: {explain_giving_up(run.status, run.who)}"
+        )
     elif lost:
-        assert run.failure is not None
         going = stepper.between(run.states[-2].where.pose, last.where.pose) if len(run.states) > 1 else None
-        if run.failure.kind == UNSTABLE:
+        if run.status == PathStatus.UNSTABLE:
             going = np.array(run.snaps[-1].pushed)
-        why = explain_loss(run.failure.kind, spec, last.kinds, going, goals[number].end.kept)
+        why = explain_loss(run.status, spec, last.kinds, going, goals[number].end.kept)
         events.append(Event("lost", why, str(stage), share, number))
         weight, end = np.append(stepper.grasp.weight, np.zeros(3)), goals[number].end
         now = last.controls
@@ -386,5 +387,5 @@ def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) 
     names = tuple([g.name for g in goals])
     return Loading(
         not lost, share if lost else None, stage if lost else None, sentence, tuple(events), steps, names, section,
-        run.slides, run.outcome,
+        run.slides, run.status,
     )  # fmt: skip

@@ -12,6 +12,7 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array, Bools
+from handlcp.grasp.model.status import SEPARATED, SLIDING, ContactStatus
 from handlcp.grasp.solution.uniqueness import Uniqueness
 from handlcp.tolerances import ACTIVE_TOLERANCE
 
@@ -44,9 +45,9 @@ class DiagnosisText:
         rms = float(np.sqrt((spread**2).sum(axis=1).mean()))  # as the grasp measures itself [m]
         self._size = rms or float(np.linalg.norm(positions[0])) or 1.0
 
-    def describe_held(self, forces: Array, states: Sequence[str], free: Uniqueness | None) -> str:
-        """Of a SOLVED solution: forces (n, 3) N in contact axes, states (n,), what it leaves free."""
-        apart, slides = (np.array([state == s for state in states]) for s in ("separated", "sliding"))
+    def describe_held(self, forces: Array, states: Sequence[ContactStatus], free: Uniqueness | None) -> str:
+        """Of a SOLVED solution: forces (n, 3) N in contact axes, states (n,) of the contacts, what it leaves free."""
+        apart, slides = (np.array([state == s for state in states]) for s in (SEPARATED, SLIDING))
         # What has friction slides only against a force on its limit; what has none is called sliding even at rest, as
         # nothing keeps it from it
         smooth = slides & (np.hypot(forces[:, 0], forces[:, 1]) <= ACTIVE_TOLERANCE * forces[:, 2])

@@ -18,6 +18,7 @@ from handlcp.contact.friction import Cone, Pyramid, limit_set
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.effects.joint_torque import TorqueSaturation
 from handlcp.grasp.model.mechanism import read_joints
+from handlcp.grasp.model.status import SEPARATED, SLIDING, contact_statuses
 from handlcp.grasp.solution.state_family import (
     FactorRanges,
     KeptStates,
@@ -326,9 +327,10 @@ def _is_determined(s: Any) -> bool:
     do where they are at rest, nor at forces that may leave one of two faces.
     """
     near = 2.0 * ACTIVE_TOLERANCE * max(s.residuals.motion_scale, s.scene.units.motion)
-    rests = [state == "separated" and gap <= near for state, gap in zip(s.contact_state, s.gap.tolist(), strict=True)]
+    states = contact_statuses(s.contact_state)
+    rests = [state == SEPARATED and gap <= near for state, gap in zip(states, s.gap.tolist(), strict=True)]
     known = s.uniqueness is not None and s.uniqueness.forces_determined
-    faces = isinstance(s.section, Pyramid) and "sliding" in s.contact_state
+    faces = isinstance(s.section, Pyramid) and SLIDING in states
     return known and not faces and not any(rests) and not any(e.stamps for e in s.spec.effects)
 
 

@@ -17,6 +17,7 @@ from handlcp.errors import InputError
 from handlcp.grasp.effects.joint_offset import describe_missing_squeeze
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.status import contact_statuses
 from handlcp.grasp.verify.certifier import Residuals
 from handlcp.lcp.problem import Status
 from handlcp.record import Record, columns_from_arrays, make_data_frame
@@ -268,7 +269,10 @@ class GraspSolution(Record, DeferredFields):
         who = "finger" if self.spec is None else self.spec.who
         say = DiagnosisText(self.names, self.scene.positions, self.reference, self.scene.environment, faces, who)
         if self.held:
-            text, moved = say.describe_held(self.forces, self.contact_state, self.uniqueness), self._motions
+            text, moved = (
+                say.describe_held(self.forces, contact_statuses(self.contact_state), self.uniqueness),
+                self._motions,
+            )
             return f"{text}; but {moved.sentence}" if moved is not None and moved.too_large else text
         if self.status is Status.NO_EQUILIBRIUM:
             squeeze = self.scene.offset[2 : 3 * self.scene.n : 3]

@@ -44,6 +44,7 @@ from handlcp.check import Array, Bools, check_method_calls, read_only
 from handlcp.errors import RequirementNotMet
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING, ContactStatus, contact_statuses
 from handlcp.grasp.solution.uniqueness import Uniqueness
 from handlcp.lcp.problem import Status
 from handlcp.record import Record
@@ -243,7 +244,9 @@ def solution_motions(s: Any) -> MotionSizes:
     shift, turn = (float(np.linalg.norm(part)) for part in (s.object_displacement[:3], s.object_displacement[3:]))
     offset = scene.to_law_axes(scene.offset)[2 : 3 * scene.n : 3]
     slip, yielded = float(np.hypot(*s.slip.T).max(initial=0.0)), getattr(s, "joint_yield", np.zeros(1))
-    sticks, slides = (np.array([state == word for state in s.contact_state]) for word in ("sticking", "sliding"))
+    sticks, slides = (
+        np.array([now == state for now in contact_statuses(s.contact_state)]) for state in (STICKING, SLIDING)
+    )
     adrift = is_adrift(offset[:fingers], sticks[:fingers], slides[:fingers], scene.mu[:fingers])
     squeeze = -float(offset.min(initial=0.0))
     return MotionSizes(
@@ -309,7 +312,7 @@ def solution_reasons(s: Any) -> Iterator[Reason]:
             for part in e.words(s.scene, s.names, s.extra):
                 yield Reason("effect", "note", part, {"effect": e.title})
         yield _contact_reason(s)
-        yield from friction_reasons(s.names, s.friction_used, s.contact_state)
+        yield from friction_reasons(s.names, s.friction_used, contact_statuses(s.contact_state))
         yield motion_reason(s.object_displacement, s.scene.force, s.scene.units.length)
         yield from open_reasons(s.uniqueness)
         yield from large_motion_reasons(solution_motions(s))
@@ -336,11 +339,11 @@ def large_motion_reasons(found: MotionSizes) -> Iterator[Reason]:
 
 def _contact_reason(s: Any) -> Reason:
     """What the contacts of a `GraspSolution` do."""
-    slips = np.hypot(*s.slip.T).tolist()
+    slips, states = np.hypot(*s.slip.T).tolist(), contact_statuses(s.contact_state)
     spins = np.zeros(len(slips)) if s.spin is None else abs(s.spin)
-    sliding = {n: d for n, state, d in zip(s.names, s.contact_state, slips, strict=True) if state == "sliding"}
+    sliding = {n: d for n, state, d in zip(s.names, states, slips, strict=True) if state == SLIDING}
     turns = {n: float(a) for n, a in zip(s.names, spins, strict=True) if a > _TWIST_TOLERANCE}
-    apart = [n for n, state in zip(s.names, s.contact_state, strict=True) if state == "separated"]
+    apart = [n for n, state in zip(s.names, states, strict=True) if state == SEPARATED]
     return contacts_reason(s.spec, sliding, turns, apart)
 
 
@@ -381,13 +384,15 @@ def _describe_slides(sliding: Mapping[str, float], spec: GraspSpec) -> str:
     return ", ".join(f"{who} {'slides' if len(far) == 1 else 'slide up to'} {way}" for who, far, way in named)
 
 
-def friction_reasons(names: Sequence[str], used: Array, states: Sequence[str], when: str = "") -> Iterator[Reason]:
+def friction_reasons(
+    names: Sequence[str], used: Array, states: Sequence[ContactStatus], when: str = ""
+) -> Iterator[Reason]:
     """How near the contacts are to sliding; a warning where hardly any friction is left. used, states (n,). when : such
     as " at the end".
     """
     every = list(zip(names, used.tolist(), states, strict=True))
-    sticks = [(x, n) for n, x, state in every if state == "sticking" and x >= 0.0]
-    slides = [n for n, x, state in every if state == "sliding" and x > 0.0]
+    sticks = [(x, n) for n, x, state in every if state == STICKING and x >= 0.0]
+    slides = [n for n, x, state in every if state == SLIDING and x > 0.0]
     values = {"used": {n: x for n, x, _ in every if np.isfinite(x)}}
     if not sticks and slides:
         text = "friction is used up at every contact that pushes: nothing is left for a disturbance"

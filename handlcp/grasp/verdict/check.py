@@ -32,7 +32,6 @@ from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.path.advance import PATIENT, Patience
 from handlcp.grasp.path.follow import Loading, follow, sliding
-from handlcp.grasp.path.state import Outcome
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solution.verdict import (
     HELD,
@@ -304,7 +303,7 @@ def follow_until_agreed(
     if _sticks_throughout(coarse):
         return coarse, True  # such steps are exact, however long
     path = follow(spec, section, None, order, None, STEPS_PER_STAGE, None, patience=patience)
-    if path.outcome is Outcome.GAVE_UP:
+    if path.outcome.is_given_up:
         return path, True
     for _ in range(_MAX_DOUBLINGS):
         if coarse.held == path.held:
@@ -322,7 +321,7 @@ def _sticks_throughout(path: Loading) -> bool:
 def _reasons(
     spec: GraspSpec, scene: Scene, section: Section, solution: GraspSolution, path: Loading
 ) -> Iterator[Reason]:
-    if path.outcome is Outcome.GAVE_UP:
+    if path.outcome.is_given_up:
         yield Reason("follow_stopped", "decides", f"the loading was {path.why}")
         return
     if path.held:

@@ -13,6 +13,7 @@ from handlcp.grasp.failure.failure_text import describe_pad_depth
 from handlcp.grasp.model.mechanism import Cables
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.status import SEPARATED, SLIDING
 from handlcp.grasp.path.follow import Loading
 from handlcp.grasp.path.geometry import RIGID
 from handlcp.grasp.path.pull import Pull
@@ -109,7 +110,7 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     slid, turned = _slid_distances(path, scene.units.length)
     came = (path.steps.forces[:, :, 2] > 0.0).any(axis=0) | (spec.offset[:, 2] <= _NEVER_TOUCHED_GAP)
     ends = zip(spec.names, last.kinds, came.tolist(), strict=True)
-    apart = [n for n, kind, here in ends if kind == "separated" and here]
+    apart = [n for n, kind, here in ends if kind == SEPARATED and here]
     yield contacts_reason(spec, slid, turned, apart)
     if end.held:
         yield from friction_reasons(spec.names, end.friction_used, last.kinds, " at the end" if slid else "")
@@ -181,7 +182,7 @@ def _slid_distances(path: Loading, size: float) -> tuple[dict[str, float], dict[
     or still does at the end.
     """
     steps = path.steps
-    slides = np.array([[kind == "sliding" for kind in kinds] for kinds in steps.contact_state])
+    slides = np.array([[kind == SLIDING for kind in state.kinds] for state in steps.states])
     way = steps.slid[-1]
     turn: Array = (abs(steps.spin) * slides)[1:].sum(axis=0)
     names, soft = steps.names, steps.torsion.any()

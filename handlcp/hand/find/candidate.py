@@ -13,6 +13,7 @@ from handlcp.check import Array, check_method_calls
 from handlcp.contact.friction import as_section
 from handlcp.geometry.object import Object
 from handlcp.grasp.failure.failure_mode import UNDECIDED
+from handlcp.grasp.model.status import SEPARATED, contact_statuses
 from handlcp.grasp.path.advance import PATIENT, Patience
 from handlcp.grasp.path.follow import follow
 from handlcp.grasp.solution.solution import GraspSolution
@@ -74,7 +75,7 @@ class Candidate(Record):
     @property
     def pressing(self) -> int:
         """How many of the fingers press on the object; the others only touch it, or let go under the load."""
-        return sum(state != "separated" for state in self.solution.contact_state[: self.grasp.spec.of_hand])
+        return sum(s != SEPARATED for s in contact_statuses(self.solution.contact_state[: self.grasp.spec.of_hand]))
 
     @property
     def rank(self) -> float:
