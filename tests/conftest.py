@@ -14,7 +14,7 @@ os.environ.setdefault("HANDLCP_KERNELS", "compiled")
 
 def pytest_configure(config):
     """Whether somebody has compiled before must not show in what tests read on stderr."""
-    from tests.support.messages import silence
+    from handlcp.lcp.compiler.compile_policy import silence
 
     silence()
 

@@ -40,7 +40,7 @@ ROOMS = {
     "robot": ("hand",),
     "geometry": ("hand", "loading"),
     "hand": ("hand", "grasp"),
-    "study": ("study",),
+    "studies": ("study",),
     "simulator": ("mujoco",),
 }
 SWAPS: dict[type[ast.AST], tuple[str, str]] = {

@@ -8,8 +8,8 @@ import re
 import pytest
 
 import handlcp as hl
+from handlcp.errors import LIBRARY_REQUIREMENTS, missing_library, pip_command
 from tests.docs.blocks import Page, blocks_of
-from tests.support.extras import LIBRARY_REQUIREMENTS, missing_library, pip_command
 from tests.support.registry import definitions_of_a_test
 
 ROOT = pathlib.Path(__file__).parents[1]

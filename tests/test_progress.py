@@ -18,21 +18,18 @@ from typer.testing import CliRunner
 import handlcp as hl
 from handlcp import scene as scenes
 from handlcp.cli import app
-from tests.design.hands import pinch as levers
-from tests.support.progress import (
-    NINE_SECONDS,
+from handlcp.progress import (
     REDRAW_SECONDS,
     SILENT_SECONDS,
-    Clock,
-    Terminal,
     TimeBudgetError,
     exclude_from_budget,
     report_progress,
-    terminal_with,
     time_budget,
     track_progress,
     track_steps,
 )
+from tests.design.hands import pinch as levers
+from tests.support.progress import NINE_SECONDS, Clock, Terminal, terminal_with
 
 CUBE = pathlib.Path(__file__).parents[1] / "examples" / "cube_three_fingers.toml"
 

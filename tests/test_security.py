@@ -12,9 +12,11 @@ import pytest
 
 import handlcp as hl
 from handlcp import scene
+from handlcp.design.sweep.study_file import DESIGN_NUMBERS
+from handlcp.design.sweep.table import write_table
 from tests.fuzz import mutate_files, seed_files
 from tests.support.files import read_limits
-from tests.support.sweeps import DESIGN_NUMBERS, check_study, write_table
+from tests.support.sweeps import check_study
 
 ROOT = pathlib.Path(__file__).parents[1]
 PAGE = ROOT / ".github" / "SECURITY.md"

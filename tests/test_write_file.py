@@ -13,10 +13,10 @@ from pathlib import Path
 import pytest
 
 import handlcp as hl
+from handlcp.design.sweep.journal import beside
+from handlcp.write_file import check_destination, write_file
 from tests.design.sweeps import bits, run_without_hands
-from tests.support.files import check_destination, write_file
 from tests.support.processes import on_a_full_disk
-from tests.support.sweeps import beside
 
 ROOT = Path(__file__).parents[1]
 posix = pytest.mark.skipif(os.name != "posix", reason="links, permissions, pipes and limits of POSIX")

@@ -242,8 +242,10 @@ class PackedRoutes(NamedTuple):
 
 
 class CablePosture(NamedTuple):
-    """A posture. placements (links, 4, 4). columns (joints, 6) : of the world Jacobian, the linear part of the world's
-    origin first.
+    """A posture of the links that cables run over.
+
+    placements (links, 4, 4) : of the links, world axes [m].
+    columns (joints, 6) : of the world Jacobian, the linear part of the world's origin first.
     """
 
     placements: Array
@@ -269,7 +271,7 @@ class CablePaths(NamedTuple):
 
 
 class _WorldPlaces(NamedTuple):
-    """points, axes, sides (p, 3) : of `PackedRoutes`, in world axes."""
+    """The places of `PackedRoutes` in world axes: points, axes and sides (p, 3)."""
 
     points: Array
     axes: Array

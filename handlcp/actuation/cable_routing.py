@@ -24,8 +24,11 @@ _read_friction = partial(check_number, minimum=0.0)
 
 
 class CableLayout(NamedTuple):
-    """arms (t, nv) : R [m/rad, m/m]. shift (t,) : l - R q, with l drawn in by the joints since their posture zero [m].
-    of (m,), grips (m,), posts (m, nv), turning, sides (b, 3) : as `Cables` has them.
+    """How cables lie over the joints in one posture.
+
+    arms (t, nv) : R, how fast each joint draws each cable in [m/rad, m/m].
+    shift (t,) : l - R q, with l drawn in by the joints since their posture zero [m].
+    post_tendon (m,), wrap_friction (m,), posts (m, nv), moment_arm_stiffness, wrap_sides (b, 3) : as `Cables` has them.
     """
 
     arms: Array
@@ -76,9 +79,11 @@ class CableRouting:
             else:
                 posts += _joint_posts(i, self.arms[i], order, np.asarray(grips))
         return _Posts(
-            np.array([p[0] for p in posts], dtype=np.int64), read_only(np.array([p[1] for p in posts])),
-            read_only(np.array([p[2] for p in posts]).reshape(-1, nv)), np.array([p[3] for p in posts], dtype=np.int64),
-        )  # fmt: skip
+            np.array([p[0] for p in posts], dtype=np.int64),
+            read_only(np.array([p[1] for p in posts])),
+            read_only(np.array([p[2] for p in posts]).reshape(-1, nv)),
+            np.array([p[3] for p in posts], dtype=np.int64),
+        )
 
     def remap_points(self, point: Callable[[str, Array], Array]) -> CableRouting:
         """Along routes whose places are elsewhere on their links; point : as of `Site.moved`."""
@@ -113,8 +118,13 @@ class CableRouting:
 
     def describe_bodies(self, names: Sequence[str]) -> tuple[str, ...]:
         """Round bodies that routes pass, in words; names (t,)."""
-        places = [(names[i], p, leg.body) for i, route in self.routes.items()
-                  for leg in route.legs for p in [route.places[leg.body or 0]] if isinstance(p, Around)]  # fmt: skip
+        places = [
+            (names[i], p, leg.body)
+            for i, route in self.routes.items()
+            for leg in route.legs
+            for p in [route.places[leg.body or 0]]
+            if isinstance(p, Around)
+        ]
         return tuple([f"{name!r} the {place.shape} at places[{k}], on {place.link}" for name, place, k in places])
 
     @cached_property

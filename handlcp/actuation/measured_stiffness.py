@@ -49,7 +49,7 @@ class MeasuredStiffness(Record):
 
     @property
     def flexibility(self) -> float:
-        """1 / stiffness."""
+        """The inverse of the measured stiffness, in the inverse of its unit."""
         return 1.0 / self.stiffness
 
     def __str__(self) -> str:
@@ -132,7 +132,9 @@ def _loading_directions(read: Array) -> Array | None:
 
 
 class _LeastSquaresFit(NamedTuple):
-    """Least squares: values (p,), their covariance (p, p), the squares that are left, and degrees of freedom."""
+    """Values (p,) fitted by least squares, their covariance (p, p), the squares that are left, and degrees of
+    freedom.
+    """
 
     values: Array
     covariance: Array

@@ -121,8 +121,9 @@ class Motor:
         return HOLDING if self.holding is not None else CONTINUOUS
 
     def share(self, torque: float) -> float:
-        """U [-] : what the motor gives for a torque at the joint [N·m], as a share of what it gives for good; 0 where
-        friction or the gear carries all of it.
+        """The share of its lasting torque that the motor gives, for a torque at the joint [N·m].
+
+        It is 0 where friction or the gear carries all of it.
         """
         torque = check_number("torque", torque)
         if abs(torque) <= (self.holding or 0.0):
@@ -147,8 +148,10 @@ class Motor:
 
 @dataclass(frozen=True, eq=False)
 class Drives:
-    """of (nv,) : the motor of each joint; None: it has a torque limit alone, or none. Likewise of (t,) tendons, in
-    newtons of tension.
+    """The motor of each joint, or of each tendon.
+
+    motors (nv,) or (t,) : None where a joint has a torque limit alone, or none. Those of tendons count in newtons of
+        tension.
     """
 
     motors: tuple[Motor | None, ...]
@@ -169,7 +172,7 @@ class Drives:
 
     @lazy_property
     def friction(self) -> Array:
-        """(nv,) τ_f [N·m]."""
+        """Dry friction τ_f (nv,) of the motors at their joints [N·m]."""
         return self._motor_values("friction", np.zeros(len(self.motors)))
 
     @lazy_property

@@ -139,7 +139,7 @@ def check_link_name(argument: str, value: Any) -> str:
 
 
 def _read_placement(value: Any, shape: str) -> tuple[Array, Array]:
-    """Centre (3,) [m] and axis (3,). Raises InputError."""
+    """Read the centre (3,) [m] and the axis (3,) of a round body, in its link's frame. Raises InputError."""
     name = "Around.placement"
     if isinstance(value, pin.SE3):
         return check_array(name, value.translation, (3,)), check_unit_vector(name, value.rotation[:, 2], (3,))
@@ -171,7 +171,7 @@ class RouteKinematics(Protocol):
     coupling: Array | None
 
     def read_posture(self, argument: str, q: Any) -> Array:
-        """(nv,) checked."""
+        """Check a posture and return it as an array (nv,) of the independent joints [rad, m]."""
 
     def frames_at(self, q: Array, frames: Sequence[int]) -> tuple[Array, Array]:
         """Placements (n, 4, 4) and the Jacobian (6, joints)."""
@@ -290,9 +290,14 @@ class BoundRoutes:
         posed = self.pose_links(q)
         t, legs, joints = len(self.routes), len(self.strands.divisors), len(posed.columns)
         out = CablePaths(
-            np.zeros(t), np.zeros((t, joints)), np.zeros(legs), np.zeros((legs, 2, joints)), np.zeros((legs, joints)),
-            np.zeros((legs, 4, 3)), np.zeros((legs, 3)),
-        )  # fmt: skip
+            np.zeros(t),
+            np.zeros((t, joints)),
+            np.zeros(legs),
+            np.zeros((legs, 2, joints)),
+            np.zeros((legs, joints)),
+            np.zeros((legs, 4, 3)),
+            np.zeros((legs, 3)),
+        )
         wrong, depth = evaluate_cable_paths(self.strands, posed, out)
         if wrong >= 0:
             raise self._inside_error(int(wrong), float(depth), q)
@@ -342,7 +347,7 @@ class BoundRoute:
         )
 
     def slope(self, q: Any) -> Array:
-        """(nv, nv) ∂arms/∂q [m/rad²], symmetric.
+        """How fast the moment arms change with the joints, ∂arms/∂q (nv, nv) [m/rad²], symmetric.
 
         It is -∂²L/∂q², with which the tension T of a tendon adds -T slope to the joints' stiffness. At a posture where
         a wrap comes or goes it is the mean over both sides.
@@ -358,9 +363,15 @@ def _pack_routes(routes: Sequence[Route], at: list[int], support: Array) -> Pack
     """As compiled code reads them. at (p,), support (p, joints) : of all places."""
     n, legs = len(at), list[tuple[int, ...]]()
     s = PackedRoutes(
-        np.array(at, dtype=np.int64), np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n), support,
-        np.zeros((0, 4), dtype=np.int64), np.array([leg.divisor for route in routes for leg in route.legs]),
-    )  # fmt: skip
+        np.array(at, dtype=np.int64),
+        np.zeros((n, 3)),
+        np.zeros((n, 3)),
+        np.zeros((n, 3)),
+        np.zeros(n),
+        support,
+        np.zeros((0, 4), dtype=np.int64),
+        np.array([leg.divisor for route in routes for leg in route.legs]),
+    )
     begins = 0
     for t, route in enumerate(routes):
         for i, place in enumerate(route.places, begins):
@@ -396,8 +407,9 @@ def _split_legs(places: Sequence[Site | Around | Pulley]) -> list[_Leg]:
 
 def _check_neighbours(i: int, places: Sequence[Site | Around | Pulley]) -> None:
     before, after = (type(places[j]) if 0 <= j < len(places) else None for j in (i - 1, i + 1))
-    came = " and ".join(f"{kind.__name__ if kind else 'nothing'} {where} it"
-                        for kind, where in ((before, "before"), (after, "after")))  # fmt: skip
+    came = " and ".join(
+        f"{kind.__name__ if kind else 'nothing'} {where} it" for kind, where in ((before, "before"), (after, "after"))
+    )
     if isinstance(places[i], Around) and not before is after is Site:
         raise InputError(f"Route.places[{i}]", "an Around between two Sites", came)
     if isinstance(places[i], Pulley) and after is not Site:

@@ -29,8 +29,14 @@ _MIN_LOOSE_SHARE = 0.1  # of the largest motion: joints that move less are not n
 
 @dataclass(frozen=True, eq=False)
 class TendonModel:
-    """Tendons over joints: names (t,), joints (nv,), springs (t, t), passive (nv, nv) with inf of rigid joints,
-    pretension and limits (t,), how they lie, and their motors. stated : whether a file says all of it.
+    """Tendons over joints as they were given, before they lie in a posture.
+
+    names (t,), joints (nv,) : of the tendons and of the joints.
+    springs (t, t), passive (nv, nv) : stiffness of the tendons and of the joints beside them, inf of rigid joints.
+    pretension, limits (t,) : tensions [N].
+    routing : where the tendons run.
+    drives : their motors.
+    is_from_file : whether a file says all of it.
     """
 
     names: tuple[str, ...]
@@ -152,7 +158,7 @@ class TendonStiffness(JointStiffness):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """(t,) of the tendons."""
+        """The names of the t tendons, in their order."""
         return self.cables.names
 
     def motored(self, motors: Mapping[str, Any] | None) -> TendonStiffness:
@@ -175,12 +181,12 @@ class TendonStiffness(JointStiffness):
 
     @property
     def own_springs(self) -> Array:
-        """Of `passive`."""
+        """The springs of the joints themselves (nv,), without the tendons [N·m/rad, N/m]."""
         return np.asarray(self.cables.passive.diagonal())
 
     @property
     def command_directions(self) -> Array:
-        """K⁻¹ Rᵀ: where the springs let the joints go when a tendon is drawn in."""
+        """An orthonormal basis of K⁻¹ Rᵀ, where the springs let the joints go when a tendon is drawn in."""
         return orthonormal_basis(self.root @ (self.arms @ self.root).T)
 
     def scale_stiffness(self, factor: float) -> TendonStiffness:
@@ -205,14 +211,18 @@ class TendonStiffness(JointStiffness):
         return self._make_effort(values, values)
 
     def _make_effort(self, values: Array, whole: Array) -> Effort:
-        """Of tendons; whole (t,) : tensions with what they pulled with before [N]."""
+        """Tensions of the tendons beside their limits.
+
+        values (t,) : what is shown [N].
+        whole (t,) : the tensions with what the tendons pulled with before [N], which is compared with the limits.
+        """
         limits = self.cables.limits
         return Effort(
             TENDON_TENSION, "N", self.names, read_only(values), limits, read_only(np.maximum(whole, 0.0) / limits)
         )
 
     def actuator_torque(self, torque: Array, command: Array) -> Array:
-        """Rᵀ t."""
+        """The torques (nv,) that the tendons' tensions t make at the joints, Rᵀ t [N·m, N]."""
         return np.asarray(self.arms.T @ self.effort(torque, command).values)
 
     def unmade_torque(self, command: Array) -> Array:
@@ -225,7 +235,7 @@ class TendonStiffness(JointStiffness):
 
     @property
     def law(self) -> tuple[str, str]:
-        """For `explain()`."""
+        """The equation of the tendons and what there is of them, for `explain()`."""
         t, nv = self.arms.shape
         return TENDON_EQUATION, f"{t} tendon{'s' if t > 1 else ''} over {nv} joints"
 
@@ -239,7 +249,7 @@ class RoutedStiffness(TendonStiffness):
 
     @property
     def is_from_file(self) -> bool:
-        """As made."""
+        """Whether a file says all that the tendons are made of."""
         return self._model.is_from_file
 
     def as_from_file(self) -> RoutedStiffness:

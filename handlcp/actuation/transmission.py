@@ -130,7 +130,7 @@ class Tendons(Transmission):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """(t,) of the tendons."""
+        """The names of the t tendons, "tendon 1", … where none were given."""
         arms = self.moment_arms
         return tuple(arms) if isinstance(arms, dict) else tuple([f"tendon {i + 1}" for i in range(len(arms))])
 
@@ -139,7 +139,7 @@ class Tendons(Transmission):
         return replace(self, motors=motors)
 
     def _read_forces(self, names: Sequence[str]) -> tuple[Array, Array]:
-        """(t,) pretension and limits. Raises InputError, UnknownName."""
+        """Read pretension and limit (t,) of each tendon [N]. Raises InputError, UnknownName."""
         begun = _read_by_tendon("Tendons.pretension", self.pretension, names, _read_pretension, 0.0)
         most = _read_by_tendon("Tendons.limits", self.limits, names, _read_tension_limit, np.inf)
         for name, least, limit in zip(names, begun.tolist(), most.tolist(), strict=True):
@@ -290,7 +290,9 @@ class SynergyCompliance(Elasticity):
 
     @property
     def matrix(self) -> Array:
-        """(nv, nv) K = C⁻¹. Raises Unsupported where C is singular: some joints only move together."""
+        """The stiffness matrix K = C⁻¹ (nv, nv) of the joints. Raises Unsupported where C is singular: some joints
+        only move together.
+        """
         U, s, _ = np.linalg.svd(self.root, full_matrices=False)
         nv = len(self.root)
         if len(s) < nv or s[-1] ** 2 <= SEMIDEFINITE_TOLERANCE * s[0] ** 2:
@@ -313,6 +315,6 @@ class SynergyCompliance(Elasticity):
 
     @property
     def law(self) -> tuple[str, str]:
-        """For `explain()`."""
+        """The equation of the synergies and how many there are, for `explain()`."""
         k, nv = self.columns.shape
         return SYNERGIES.equation, f"{k} synerg{'ies' if k > 1 else 'y'} over {nv} joints"

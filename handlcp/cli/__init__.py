@@ -17,9 +17,27 @@ from handlcp.cli.accuracy import accuracy, compare  # isort: skip
 from handlcp.cli.lists import audit, effects, hands, keys, paper, warm  # isort: skip
 
 __all__ = [
-    "accuracy", "app", "audit", "compare", "demo", "effects", "envelope", "evaluate", "follow", "hands", "keys",
-    "limits", "main", "motors", "paper", "payload", "reliability", "solve", "sweep", "warm",
-]  # fmt: skip
+    "accuracy",
+    "app",
+    "audit",
+    "compare",
+    "demo",
+    "effects",
+    "envelope",
+    "evaluate",
+    "follow",
+    "hands",
+    "keys",
+    "limits",
+    "main",
+    "motors",
+    "paper",
+    "payload",
+    "reliability",
+    "solve",
+    "sweep",
+    "warm",
+]
 
 
 def main() -> None:

@@ -43,7 +43,7 @@ def accuracy(
 
     Exit status 0, 1 if nothing holds the object exactly (there is nothing to compare with), 2 bad input.
     """
-    from handlcp import scene as scenes
+    from handlcp import scene as scenes  # no other command pays for it
     from handlcp.studies.accuracy import accuracy_cost
     from handlcp.viz.accuracy import all_tables, save
 
@@ -94,7 +94,7 @@ def compare(
 
     Exit status 0 where both hold the object, 1 where one of them does not, 2 bad input or nothing that MuJoCo can have.
     """
-    from handlcp.simulator import compare as side_by_side
+    from handlcp.simulator import compare as side_by_side  # no other command pays for it
 
     file = load_scene(scene)
     grasp = file.build()

@@ -34,7 +34,7 @@ def load_hand(file: Path, base: str | None, package_dirs: list[Path] | None, **m
 
     more : numbers for `Hand.from_urdf`; None: not said. Raises InputError, naming the option.
     """
-    from handlcp.scene.build import load, make_hand
+    from handlcp.scene.build import load, make_hand  # no other command pays for it
 
     said: dict[str, Any] = {name: value for name, value in more.items() if value is not None}
     with translate_arguments({name: f"--{name.replace('_', '-')}" for name in more}):
@@ -80,7 +80,7 @@ def evaluate(
 
     Exit status 0 where every object is held and every requirement met, 1 otherwise, 2 bad input.
     """
-    from handlcp.design.brief import Brief
+    from handlcp.design.brief import Brief  # no other command pays for it
     from handlcp.design.evaluate import evaluate as evaluated
     from handlcp.design.evaluation import list_unmet, parse_requirement
 
@@ -125,7 +125,7 @@ def sweep(
     Stopped and started again it goes on with what is missing. Exit status 0, 1 if no design could be evaluated, 2 bad
     input.
     """
-    from handlcp.design.sweep.study_file import load
+    from handlcp.design.sweep.study_file import load  # no other command pays for it
     from handlcp.design.sweep.sweep import sweep as swept
 
     check_output_files(plot, page=page)

@@ -151,7 +151,7 @@ def envelope(
 
     The load comes slowly, after squeeze and weight. Exit status 0, 1 if it does not hold without a load, 2 bad input.
     """
-    from handlcp.studies.envelope import envelope as envelope_of
+    from handlcp.studies.envelope import envelope as envelope_of  # no other command pays for it
     from handlcp.studies.envelope.direction import read_directions
 
     check_output_files(plot, polar, page=page)

@@ -39,7 +39,7 @@ def warm(json: JsonOption = False) -> None:
     compile_policy.silence()
     with track_steps(0.0) as progress, compile_policy.compile_now():
         progress(0, 1, "importing")
-        from handlcp.cli.warm_jobs import JOBS
+        from handlcp.cli.warm_jobs import JOBS  # all kernels, after the line that says so
         from handlcp.viz.picture.camera import compile_fill
 
         jobs = (*JOBS, ("pictures", compile_fill))
@@ -84,7 +84,7 @@ def paper(json: JsonOption = False) -> None:
 
     Exit status 0 where all golden numbers are reproduced, else 1.
     """
-    from handlcp.studies.paper import run
+    from handlcp.studies.paper import run  # no other command pays for it
 
     report = run()
     typer.echo(report.to_json() if json else str(report))
@@ -129,7 +129,7 @@ def effects(
     ] = False,
 ) -> None:
     """List every effect there is: when to use it, how to ask for it, which unknowns it brings."""
-    from handlcp.studies import effect_catalogue
+    from handlcp.studies import effect_catalogue  # no other command pays for it
 
     found = effect_catalogue.entries()
     costs = effect_catalogue.costs() if measure else None
@@ -145,7 +145,7 @@ def keys(
     of_brief: Annotated[bool, typer.Option("--brief", help="Of the file of a brief, for `handlcp evaluate`.")] = False,
 ) -> None:
     """List every key of a scene file, or of a brief, what it holds and what it means."""
-    from handlcp import scene
+    from handlcp import scene  # no other command pays for it
     from handlcp.design.brief_file import BriefTables
 
     found = scene.keys(BriefTables) if of_brief else scene.keys()

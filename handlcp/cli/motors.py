@@ -225,7 +225,7 @@ def reliability(
 
     Exit status 0, 2 for bad input.
     """
-    from handlcp.studies import reliability as study
+    from handlcp.studies import reliability as study  # no other command pays for it
 
     varies = {name: value for name, value in spread.items() if value is not None}
     if not varies:

@@ -81,7 +81,7 @@ def solve(
     if plot is not None:
         plot_solution(solution, plot, file.shape(), file.title, judged)
     if page is not None:
-        from handlcp.viz.page.document import write_grasp_page
+        from handlcp.viz.page.document import write_grasp_page  # pages are paid for by those who ask for one
 
         write_grasp_page(grasp, solution, page, file.shape(), file.title, judged)
     left_out = _suggest(grasp, solution, sides, judged) if suggest else None
@@ -197,7 +197,7 @@ def follow(
     if plot is not None:
         found.plot(plot, title=read.title)
     if picture is not None:
-        from handlcp.viz.loading.figure import draw_end_picture as at_end
+        from handlcp.viz.loading.figure import draw_end_picture as at_end  # as pages
 
         draw_or_save(picture, at_end, found, read.title, read.shape())
     if page is not None:

@@ -18,16 +18,16 @@ from handlcp.hand import GraspStream, HandGrasp, example_hand
 from handlcp.lcp import LCP, NSNGRK, Auto, Lemke, SemismoothNewton, solve_lcp
 from handlcp.lcp.compiler.compile_policy import MANY_CALLS
 from handlcp.studies.accuracy.as_printed import AsPrinted, in_units
-from handlcp.studies.effect_catalogue import entries, trials
+from handlcp.studies.effect_catalogue import effect_scenes, entries
 from handlcp.studies.envelope import envelope
 
 _NO_SEARCH = Auto(search_seconds=0)
 
 
 @cache
-def _held() -> HandGrasp:
+def _reference_grasp() -> HandGrasp:
     """The reference scene of the catalogue, a ball in five fingers."""
-    trial = trials(entries()[0])[1]
+    trial = effect_scenes(entries()[0])[1]
     return trial.grasp(trial.state(), trial.ball())
 
 
@@ -41,12 +41,12 @@ def _pinch(load: float, fingers: int = 2) -> Grasp:
 
 def _one_solve() -> None:
     for faces in ("cone", 8):
-        _held().solve(faces, start=_held().solve(faces))
+        _reference_grasp().solve(faces, start=_reference_grasp().solve(faces))
 
 
 def _every_effect() -> None:
     for entry in entries():
-        for trial in trials(entry):
+        for trial in effect_scenes(entry):
             grasp = trial.grasp(trial.state(), trial.ball())
             solution = grasp.solve(trial.faces, _NO_SEARCH, throw=False)
             grasp.solve(trial.faces, _NO_SEARCH, throw=False, start=solution)
@@ -60,7 +60,7 @@ def _every_solver() -> None:
             solve_lcp(LCP(rows, [-1.0, 1.0, -2.0], free), solver, throw=False)
         _pinch(1.0).solve(8, solver, throw=False, start=_pinch(1.0).solve(8))
     for contact_solver in (NSNGRK(), NSNGRK(polish=False), SemismoothNewton()):
-        _held().solve("cone", contact_solver, throw=False)
+        _reference_grasp().solve("cone", contact_solver, throw=False)
 
 
 def _searches() -> None:
@@ -70,22 +70,22 @@ def _searches() -> None:
         _pinch(1.0).equilibria(faces)
     _pinch(6.0).required_preload()
     _pinch(1.0).required_friction()
-    _held().suggest(_held().solve("cone"), "cone")
+    _reference_grasp().suggest(_reference_grasp().solve("cone"), "cone")
 
 
 def _streams() -> None:
-    for grasp in (_held(), _pinch(1.0)):
+    for grasp in (_reference_grasp(), _pinch(1.0)):
         GraspStream(grasp, "cone").update(wrench=(0, 0, -0.5, 0, 0, 0))
-    q = _held().state.q
-    GraspStream(_held(), start=_held().solve()).update(q=q)
+    q = _reference_grasp().state.q
+    GraspStream(_reference_grasp(), start=_reference_grasp().solve()).update(q=q)
 
 
 def _loading() -> None:
     for faces in ("cone", 8):
-        _held().follow(faces=faces, steps=2)
-    _held().follow(geometry="fixed", steps=2)
+        _reference_grasp().follow(faces=faces, steps=2)
+    _reference_grasp().follow(geometry="fixed", steps=2)
     _pinch(1.0).follow(steps=2)
-    trial = trials(entries()[0])[1]
+    trial = effect_scenes(entries()[0])[1]
     state, ball = trial.state(), trial.ball()
     state.grasp(ball, friction=SoftFinger(0.6, 0.003), squeeze=1e-3).follow(steps=2)
 
@@ -108,15 +108,15 @@ def _limits() -> None:
     tips = [Contact((-0.02 * x, 0, 0), (x, 0, 0), law) for x in (-1, 1)]
     soft = Grasp(tips, flexibility=1e-4, preload=1e-3)
     for faces in ("cone", 8):
-        for grasp in (_held(), _pinch(1.0), soft):
+        for grasp in (_reference_grasp(), _pinch(1.0), soft):
             grasp.load_limit(down, geometry="fixed", faces=faces)
             envelope(grasp, np.eye(3), faces=faces, adaptive=0)
-    _held().load_limit(down)
+    _reference_grasp().load_limit(down)
 
 
 def _derivatives() -> None:
     for faces in ("cone", 8):
-        for grasp in (_held(), _pinch(1.0)):
+        for grasp in (_reference_grasp(), _pinch(1.0)):
             str(grasp.solve(faces).sensitivity())
 
 

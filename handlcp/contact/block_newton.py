@@ -41,7 +41,7 @@ class LinkedContacts(NamedTuple):
 
 
 class LawRows(NamedTuple):
-    """A and C (n, 3, 3) : rows of the laws, A δr + C δy = F."""
+    """Rows A and C (n, 3, 3) of the laws, A δr + C δy = F."""
 
     A: Array
     C: Array
@@ -220,8 +220,10 @@ def is_determined(p: LinkedContacts, r: Array, z: Array, D: Array, pushes: Bools
 
 @kernel
 def tangent_stiffness_blocks(p: LinkedContacts, r: Array, z: Array) -> tuple[bool, Array]:
-    """(whether there is one, (6, 6)): the wrench that a small motion of the object, the last of z, meets about an
-    answer, contacts and joints following it as they are; along the motion where it drives it further.
+    """The tangent stiffness (6, 6) of the object about an answer, after whether there is one.
+
+    It is the wrench that a small motion of the object, the last of z, meets while contacts and joints follow it as they
+    are; along the motion where it drives it further.
     """
     n, m = len(p.P), len(z)
     _, split, F, core = _linearise(p, r, z)
@@ -254,9 +256,11 @@ _PROXIMAL_ROUNDS, _PROXIMAL_WEIGHT = (10, 20, 70), 10.0
 
 @kernel
 def solve_blocks(p: LinkedContacts, r: Array, z: Array, begun: bool) -> tuple[int, float]:
-    """Solve in place: from r (3n,) and z (m,) where `begun`; where that leads nowhere, from contacts that all stick,
-    then with proximal steps between Newton's. Returns (linear solves, residual), inf where contacts cannot be
+    """Solve the contact problem in place, contact by contact: (linear solves, residual), inf where contacts cannot be
     eliminated.
+
+    begun : whether to begin at r (3n,) and z (m,). Where that leads nowhere, contacts that all stick are the start,
+        then with proximal steps between Newton's.
     """
     newton, residual = 0, np.inf
     if begun:

@@ -179,7 +179,7 @@ def _check_no_overlap(fingers: Sequence[_FingerShape], argument: str) -> None:
 
 def _make_urdf(name: str, fingers: Sequence[_FingerShape]) -> bytes:
     """The text of the hand's file."""
-    from handlcp.design.urdf_parts import format_urdf, make_palm, make_robot
+    from handlcp.design.urdf_parts import format_urdf, make_palm, make_robot  # yourdfpy: half a second
 
     reach = max(finger.axis_distance + finger.radius for finger in fingers)
     base = make_palm(DENSITIES["palm"] * pi * reach**2 * PALM_HEIGHT, reach, PALM_HEIGHT, PALM_HEIGHT / 2)
@@ -190,7 +190,13 @@ def _make_urdf(name: str, fingers: Sequence[_FingerShape]) -> bytes:
 
 def _make_finger(finger: _FingerShape) -> tuple[list[Any], list[Any]]:
     """Links and joints of a finger."""
-    from handlcp.design.urdf_parts import make_link, make_pose, make_revolute_joint, make_tip, make_tip_mount
+    from handlcp.design.urdf_parts import (  # as above
+        make_link,
+        make_pose,
+        make_revolute_joint,
+        make_tip,
+        make_tip_mount,
+    )
 
     links, joints, follows = list[Any](), list[Any](), None
     parent, at = "palm", make_pose((*finger.base_position, 0.0), (0.0, finger.tilt, finger.angle))

@@ -111,8 +111,9 @@ def _distance_slope(kind: int, sizes: Array, c: Array, span: Array, s: float) ->
 def write_station_motion(
     N: Array, normal: Array, spans: Array, at: Array, arm: Array, size: float, moves: Array
 ) -> None:
-    """Write moves (3, 6): the motion of the nearest station by that of the shape, (v; ω) of a point `arm` (3,) before
-    it. N (3, 3) turns the normal (3,) by the station's motion; spans (2, 3), all in world axes.
+    """Write how the nearest station moves as its shape does, moves (3, 6): of (v; ω) of a point `arm` (3,) before it.
+
+    N (3, 3) turns the normal (3,) by the station's motion; spans (2, 3), all in world axes.
     """
     for a in range(3):
         b, c = (a + 1) % 3, (a + 2) % 3
@@ -156,9 +157,16 @@ def write_station_motion(
 
 @kernel
 def write_corner_contact(
-    x: Array, place: Array, R: Array, beside: Array, face: Array, radius: float, normal: Array, turn: Array,
+    x: Array,
+    place: Array,
+    R: Array,
+    beside: Array,
+    face: Array,
+    radius: float,
+    normal: Array,
+    turn: Array,
     shift: Array,
-) -> float:  # fmt: skip
+) -> float:
     """The gap between a corner at x (3,) and a face, a ball of this radius swept about `beside` (3,) along the rows of
     `face` (2, 3), whose product points out of the link: in a frame at place (3,) with rotation R (3, 3). Writes the
     normal (3,), and how it turns and the contact shifts with the link, which moves by v + ω × (x - place): turn, shift
@@ -284,11 +292,13 @@ def _measure_proximity(shape: TipShape, p: Array, R: Array, obj: Object) -> Prox
         raise InputError("tip_radius", expected, f"a {type(shape.geometry).__name__}")
     names, parts = (f"{shape.name} ({type(shape.geometry).__name__})", obj), obj.parts
 
-    def measured(k: int) -> Proximity:
+    def measure_part(k: int) -> Proximity:
         gap, on_tip, on_object, normal = signed_distance(shape.geometry, (R, p), parts[k], obj.frame, names)
         return Proximity(gap, on_object, on_tip, normal)
 
-    return measured(0) if len(parts) == 1 else search_nearest(_gap_lower_bounds(shape.geometry, p, obj), measured)
+    if len(parts) == 1:
+        return measure_part(0)
+    return search_nearest(_gap_lower_bounds(shape.geometry, p, obj), measure_part)
 
 
 def _gap_lower_bounds(geometry: Any, p: Array, obj: Object) -> Array:
@@ -323,10 +333,10 @@ def _make_contacts(
     x /= np.sqrt((x * x).sum(axis=1))[:, None]
     frames = np.stack([x, cross_rows(z, x), z], axis=2)
     positions.flags.writeable = frames.flags.writeable = False
-    return tuple([
+    return tuple(
         Contact.from_arrays(p, R, law, False, name) if law.x_axis is None else Contact(p, R[:, 2], law, None, name)
         for p, R, law, name in zip(positions, frames, laws, names, strict=True)
-    ])  # fmt: skip
+    )
 
 
 def _face_proximity(face: SweptBall, p: Array, R: Array, obj: Object) -> Proximity:

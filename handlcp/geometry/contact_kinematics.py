@@ -46,7 +46,7 @@ def motion_between(R0: Array, t0: Array, R1: Array, t1: Array, point: Array) -> 
 
 @kernel
 def point_displacement(R: Array, t: Array, point: Array) -> Array:
-    """(6,) the motion: of a point (3,) of the object, and its rotation vector."""
+    """The motion (6,) of a point (3,) of the object, and its rotation vector."""
     out, turn, now = np.empty(6), rotation_vector(R), transform_point(R, t, point)
     for a in range(3):
         out[a], out[3 + a] = now[a] - point[a], turn[a]
@@ -73,7 +73,7 @@ def extrapolate_motion(R0: Array, t0: Array, R1: Array, t1: Array, centre: Array
 
 @kernel
 def transform_point(R: Array, t: Array, point: Array) -> Array:
-    """(3,) R x + t."""
+    """A point x moved with the object, R x + t (3,)."""
     out = np.empty(3)
     for a in range(3):
         out[a] = t[a] + R[a, 0] * point[0] + R[a, 1] * point[1] + R[a, 2] * point[2]
@@ -147,9 +147,20 @@ def turn_frames(old: Array, normals: Array, out: Array) -> None:
 
 @kernel
 def write_contact_arrays(
-    J: Array, support: Array, coupling: Array, pads: Array, around: Array, turns: Array, positions: Array, old: Array,
-    normals: Array, frames: Array, P: Array, every: Array, turning: Array,
-) -> None:  # fmt: skip
+    J: Array,
+    support: Array,
+    coupling: Array,
+    pads: Array,
+    around: Array,
+    turns: Array,
+    positions: Array,
+    old: Array,
+    normals: Array,
+    frames: Array,
+    P: Array,
+    every: Array,
+    turning: Array,
+) -> None:
     """Write frames (n, 3, 3), `old` ones turned to these normals (n, 3), and in their axes P (3n, 3n), the flexibility
     of pads and environment, `every` (3n, nv), the Jacobian, and the turning (n, nv) of fingertips about the normals.
 
@@ -229,11 +240,33 @@ _NORMAL_STEP = 1e-6  # of the object's size: central differences of normals, goo
 
 @kernel
 def evaluate_ball_contacts(
-    placements: Array, columns: Array, support: Array, coupling: Array, pads: Array, around: Array, kind: int,
-    sizes: Array, own: Array, at: Array, swept: SweptTips, R: Array, t: Array, give: Array, old: Array, places: Array,
-    turns: Array, positions: Array, normals: Array, gaps: Array, turn: Array, shift: Array, frames: Array, P: Array,
-    J: Array, turning: Array,
-) -> None:  # fmt: skip
+    placements: Array,
+    columns: Array,
+    support: Array,
+    coupling: Array,
+    pads: Array,
+    around: Array,
+    kind: int,
+    sizes: Array,
+    own: Array,
+    at: Array,
+    swept: SweptTips,
+    R: Array,
+    t: Array,
+    give: Array,
+    old: Array,
+    places: Array,
+    turns: Array,
+    positions: Array,
+    normals: Array,
+    gaps: Array,
+    turn: Array,
+    shift: Array,
+    frames: Array,
+    P: Array,
+    J: Array,
+    turning: Array,
+) -> None:
     """Write all that an iterate knows of contacts that are swept balls of fingers alone: see `write_ball_contacts`,
     `write_contact_arrays`.
 
@@ -251,7 +284,7 @@ def evaluate_ball_contacts(
     write_ball_contacts(kind, sizes, product(R, own), p, places, turns, swept, positions, normals, gaps, turn, shift)
     write_contact_arrays(
         columns, support, coupling, pads, around, turns, positions, old, normals, frames, P, J, turning
-    )  # fmt: skip
+    )
 
 
 class SweptTips(NamedTuple):
@@ -274,9 +307,19 @@ def pack_swept_tips(tips: Sequence[TipShape]) -> SweptTips:
 
 @kernel
 def write_ball_contacts(
-    kind: int, sizes: Array, R: Array, p: Array, places: Array, turns: Array, swept: SweptTips, positions: Array,
-    normals: Array, gaps: Array, turn: Array, shift: Array,
-) -> None:  # fmt: skip
+    kind: int,
+    sizes: Array,
+    R: Array,
+    p: Array,
+    places: Array,
+    turns: Array,
+    swept: SweptTips,
+    positions: Array,
+    normals: Array,
+    gaps: Array,
+    turn: Array,
+    shift: Array,
+) -> None:
     """Write the contacts of k swept balls with a shape of this kind and sizes (3,), whose axes are the columns of R and
     whose frame is at p: positions, normals, gaps, turn, shift as in `Touch`.
 
@@ -284,16 +327,28 @@ def write_ball_contacts(
     """
     arm, c, out, step = np.empty(3), np.empty(3), np.empty(3), _NORMAL_STEP * sizes.max()
     H, N, spans, own, at, moves = (
-        np.empty((3, 3)), np.empty((3, 3)), np.empty((2, 3)), np.empty((2, 3)), np.zeros(2), np.empty((3, 6)),
-    )  # fmt: skip
+        np.empty((3, 3)),
+        np.empty((3, 3)),
+        np.empty((2, 3)),
+        np.empty((2, 3)),
+        np.zeros(2),
+        np.empty((3, 6)),
+    )
     for i in range(len(swept.radii)):
         if swept.corners[i, 0] == swept.corners[i, 0]:
             rotate_vector(R, swept.corners[i], c)
             positions[i] = p + c
             gaps[i] = write_corner_contact(
-                positions[i], places[i], turns[i], swept.middles[i], swept.spans[i], swept.radii[i], normals[i],
-                turn[i], shift[i],
-            )  # fmt: skip
+                positions[i],
+                places[i],
+                turns[i],
+                swept.middles[i],
+                swept.spans[i],
+                swept.radii[i],
+                normals[i],
+                turn[i],
+                shift[i],
+            )
             continue
         rotate_vector(turns[i], swept.middles[i], arm)
         for a in range(3):
@@ -337,7 +392,7 @@ def write_ball_contacts(
 
 @kernel
 def rotate_vector(R: Array, x: Array, out: Array) -> None:
-    """Write R x, (3,)."""
+    """Write a vector turned with the object, R x (3,), into `out`."""
     for a in range(3):
         out[a] = R[a, 0] * x[0] + R[a, 1] * x[1] + R[a, 2] * x[2]
 
@@ -415,7 +470,7 @@ class SweptBallFinder:
     def __call__(
         self, places: Array, turns: Array, R: Array, t: Array, out: tuple[Array, Array, Array, Array, Array]
     ) -> None:
-        """See `ContactFinder`."""
+        """Find the contacts in these places, as `ContactFinder` documents."""
         write_ball_contacts(self.kind, self.sizes, R @ self.own, R @ self.at + t, places, turns, self.swept, *out)
 
 
@@ -436,7 +491,7 @@ class _GivenContactFinder:
     def __call__(
         self, places: Array, turns: Array, R: Array, t: Array, out: tuple[Array, Array, Array, Array, Array]
     ) -> None:
-        """See `ContactFinder`."""
+        """Find the contacts in these places, as `ContactFinder` documents."""
         positions, normals, gaps, turn, shift = out
         k = len(self.points)
         arms, along = (np.einsum("nij,nj->ni", turns[:k], own) for own in (self.points, self.along))

@@ -137,12 +137,15 @@ def find_carrying_face(
     Q, o = obj.frame
     half = min(_MIN_FACE_EXTENT, float(reach.min()))
     return replace(
-        shape, face=make_swept_ball(shape, middle, spans, CORNER_BALL_RADIUS), corner=read_only(Q.T @ (place - o)),
+        shape,
+        face=make_swept_ball(shape, middle, spans, CORNER_BALL_RADIUS),
+        corner=read_only(Q.T @ (place - o)),
         geometry=coal.Box(2.0 * half, 2.0 * half, _FACE_THICKNESS),
         rotation=read_only(shape.rotation @ np.stack([x, y, out], axis=1)),
         translation=read_only(shape.translation + shape.rotation @ (foot - 0.5 * _FACE_THICKNESS * out)),
-        radius=None, is_central=False,
-    )  # fmt: skip
+        radius=None,
+        is_central=False,
+    )
 
 
 def make_swept_ball(shape: TipShape, centre: Array, spans: Array, radius: float) -> SweptBall:

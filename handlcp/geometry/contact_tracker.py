@@ -148,7 +148,7 @@ class DetectedContacts(NamedTuple):
 @kernel
 def _motion_since(
     places: Array, turns: Array, R: Array, t: Array, seen: DetectedContacts, size: float, by: Array, far: Array
-) -> None:  # fmt: skip
+) -> None:
     """Write by (k, 6), how far fingertips, the first of places (n, 3) with rotations turns (n, 3, 3), have moved since
     they were seen, in the axes of an object that has moved by x ↦ R x + t; and far (k,) [m] of an object of this size
     [m], NaN where they were not seen.
@@ -232,7 +232,7 @@ class ContactTracker:
         self._reach = [max(map(_shape_reach, tip)) for tip in shapes]
 
     def __call__(self, places: Array, turns: Array, R: Array, t: Array, out: ContactArrays) -> None:
-        """See `ContactFinder`."""
+        """Find the contacts in these places, as `ContactFinder` documents."""
         positions, normals, gaps, turn, shift = out
         by, far = np.empty((len(self.shapes), 6)), np.empty(len(self.shapes))
         _motion_since(places, turns, R, t, self._seen, self.size, by, far)

@@ -24,8 +24,12 @@ _BOX, _SPHERE, _CAPSULE, _CYLINDER, _ELLIPSOID, _HULL = range(6)
 
 
 class ConvexSolid(NamedTuple):
-    """kind : of shape. sizes (3,) [m] : half the sides of a box, the radius and half the length of what is round about
-    z, the radii of an ellipsoid. Of a hull points (m, 3), and the planes n · x = offset of its faces.
+    """A convex solid in its own axes.
+
+    kind : of shape.
+    sizes (3,) [m] : half the sides of a box, the radius and half the length of what is round about z, the radii of an
+        ellipsoid.
+    points (m, 3), normals, offsets : of a hull, its points and the planes n · x = offset of its faces.
     """
 
     kind: int
@@ -190,8 +194,11 @@ _RING = np.array([(np.cos(a), np.sin(a)) for a in 2 * np.pi * np.arange(3) / 3])
 
 
 class Overlap(NamedTuple):
-    """least, most [m]: bounds on the depth. normal (3,) : from the first shape into the second, the direction of
-    `most`. first, second (3,) [m]: the points of each that are deepest in the other.
+    """How deep two solids are inside each other.
+
+    least, most [m] : bounds on the depth.
+    normal (3,) : from the first shape into the second, the direction of `most`.
+    first, second (3,) [m] : the points of each that are deepest in the other.
     """
 
     least: float
@@ -465,8 +472,11 @@ def _is_distance_confirmed(
     points: float,
     allowed: float,
 ) -> bool:
-    """See `_ShapePair.agrees`. at, there : as in `write_support_points`. claimed (3, 3) : the points of both and the
-    normal. points, allowed [m] : how far off points, and the gap, may be.
+    """Whether the distance that was found is right, as `_ShapePair.agrees` asks.
+
+    at, there : as in `write_support_points`.
+    claimed (3, 3) : the points of both and the normal.
+    points, allowed [m] : how far off points, and the gap, may be.
     """
     n, x = claimed[2], np.empty(3)
     if not (abs(gap) < 1e100 and abs(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - 1.0) < 1e-9):

@@ -80,7 +80,10 @@ def _link_names(hand: HandModel) -> list[str]:
 
 
 def _all_contact_bodies(hand: HandModel) -> dict[str, ContactBody]:
-    """By name: fingertips, then links with collision geometry that is no fingertip's, in the file's order."""
+    """All bodies of the hand that may touch, by name.
+
+    Fingertips come first, then links with collision geometry that is no fingertip's, in the file's order.
+    """
     found, covered = dict[str, ContactBody](), set[str]()
     for i, name in enumerate(hand.fingertips):
         if hand.tip_kind(i):
@@ -278,10 +281,14 @@ def make_contact_hand(hand: HandModel, near: list[LinkContact]) -> HandModel:
     tips = TipFrames(tuple(names), tuple(frames), tuple(places), support)
     pads = np.array([site.link.pad for site in near]).reshape(-1, 3, 3)
     return hand.with_parts(
-        tips=tips, fingertips=tips.names, kinematics=Kinematics(model, hand.kinematics.facts), pads=FingertipPads(pads),
-        links_of_sites=tuple(site.link.name for site in near), own_tips=hand.fingertips,
+        tips=tips,
+        fingertips=tips.names,
+        kinematics=Kinematics(model, hand.kinematics.facts),
+        pads=FingertipPads(pads),
+        links_of_sites=tuple(site.link.name for site in near),
+        own_tips=hand.fingertips,
         _geometry=TipGeometry.from_shapes(hand.description, tips, shapes),
-    )  # fmt: skip
+    )
 
 
 def _shift_shape(shape: TipShape, by: Array) -> TipShape:

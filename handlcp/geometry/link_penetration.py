@@ -114,7 +114,7 @@ def _largest_depth(points: Array, radii: Array, R: Array, p: Array, obj: Object)
 @kernel
 def _select_in_box(
     points: Array, radii: Array, R: Array, p: Array, low: Array, high: Array, x: Array, gaps: Array, of: Ints
-) -> int:  # fmt: skip
+) -> int:
     """How many of balls (m,) at points (m, 3) of a frame at p (3,) with rotation R (3, 3) reach into a box. Writes,
     from the first row on, where they are into x (m, 3), their signed distances from the box, and their numbers.
     """

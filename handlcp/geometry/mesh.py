@@ -70,7 +70,7 @@ class ClosedSurface:
         return away, on, out
 
     def _closest(self, point: Array) -> tuple[float, Array, Array]:
-        """Of one point (3,)."""
+        """Distance, nearest point and outward normal of one point (3,)."""
         x = np.empty(3)
         k = _nearest_triangle(point, self._triangles, self._balls, self._numbers, x)
         apart = point - x
@@ -304,7 +304,7 @@ def _check_mesh_metres(triangles: Array, name: str, units: Any) -> None:
 
 
 def _read_mesh_file(path: Any, scale: Array | None) -> Any:
-    """None: in the unit that a Collada file says, or metres."""
+    """Load a mesh file at a scale. None: in the unit that a Collada file says, or metres."""
     file = as_path("path", path, "the path of a mesh file, or a trimesh.Trimesh")
     check_mesh_file("path", file)
     try:
@@ -334,7 +334,10 @@ def _make_solid(triangles: Array, tree: Any, name: str) -> ObjectSolid:
 
 
 def _enclosed_volume(triangles: Array) -> tuple[float, Array]:
-    """Volume [m³] (< 0: triangles face inwards) and volume × centre (3,) [m⁴]: sums of tetrahedra with the origin."""
+    """The volume [m³] that triangles enclose (< 0: they face inwards), and volume × centre (3,) [m⁴].
+
+    Both are sums of tetrahedra with the origin.
+    """
     a, b, c = triangles.transpose(1, 0, 2)
     volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
     return float(volumes.sum()), (volumes[:, None] * (a + b + c) / 4).sum(axis=0)

@@ -26,9 +26,16 @@ BALL, BOX, CYLINDER, ELLIPSOID = 0, 1, 2, 3
 
 @kernel
 def write_ball_proximities(
-    kind: int, sizes: Array, R: Array, p: Array, centres: Array, radii: Array, positions: Array, normals: Array,
+    kind: int,
+    sizes: Array,
+    R: Array,
+    p: Array,
+    centres: Array,
+    radii: Array,
+    positions: Array,
+    normals: Array,
     gaps: Array,
-) -> None:  # fmt: skip
+) -> None:
     """Write where balls with these centres (n, 3) and radii (n,) are nearest to a shape of this kind and sizes (3,),
     whose axes are the columns of R and whose frame is at p: positions (n, 3) on the shape, normals (n, 3) from the ball
     into the shape, gaps (n,).
@@ -84,7 +91,10 @@ def _on_ball(radius: float, c: Array) -> tuple[float, Array, Array]:
 
 @kernel
 def _on_box(half: Array, c: Array) -> tuple[float, Array, Array]:
-    """Outside: clamped to the box. Inside: straight out through the nearest face."""
+    """Distance, nearest point and outward normal on a box.
+
+    A point outside is clamped to the box. One inside goes straight out through the nearest face.
+    """
     x, out = np.empty(3), np.zeros(3)
     beyond, face, nearest = 0.0, 0, -np.inf
     for a in range(3):
@@ -103,7 +113,11 @@ def _on_box(half: Array, c: Array) -> tuple[float, Array, Array]:
 
 @kernel
 def _on_cylinder(radius: float, half: float, c: Array) -> tuple[float, Array, Array]:
-    """Outside: clamped to the lateral surface and the ends. Inside: straight out through the nearer of the two."""
+    """Distance, nearest point and outward normal on a cylinder.
+
+    A point outside is clamped to the lateral surface and the ends. One inside goes straight out through the nearer of
+    the two.
+    """
     away = np.sqrt(c[0] ** 2 + c[1] ** 2)
     a, b = (c[0] / away, c[1] / away) if away > 0.0 else (1.0, 0.0)
     side = 1.0 if c[2] >= 0.0 else -1.0
@@ -187,8 +201,17 @@ class Object:
     """
 
     __slots__ = (
-        "_args", "_centre", "_placement", "frame", "geometry", "known", "mass", "transform", "triangles", "volume"
-    )  # fmt: skip
+        "_args",
+        "_centre",
+        "_placement",
+        "frame",
+        "geometry",
+        "known",
+        "mass",
+        "transform",
+        "triangles",
+        "volume",
+    )
 
     _placement: Any
     frame: tuple[Array, Array]
@@ -196,9 +219,14 @@ class Object:
     mass: float
 
     def __init__(
-        self, solid: ObjectSolid, placement: Any, mass: Any, density: Any, args: tuple[Any, ...],
+        self,
+        solid: ObjectSolid,
+        placement: Any,
+        mass: Any,
+        density: Any,
+        args: tuple[Any, ...],
         known: tuple[int, Array] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """From a solid; `args` are the subclass's own arguments, for copies, pickles and `repr`. known : the kind and
         sizes by which `surface.closest_on_surface` knows the shape; None: it does not.
         """
@@ -214,7 +242,7 @@ class Object:
 
     @property
     def center_of_mass(self) -> Array:
-        """(3,) [m], world axes."""
+        """The centre of mass (3,) in world axes [m]."""
         return read_only(np.asarray(self._placement.act(self._centre)))
 
     @check_call()

@@ -149,7 +149,7 @@ def _turn_distance(a: Array, b: Array, c: Array) -> float:
 @check_init_call()
 @check_method_calls
 class Table:
-    """A half-space: a table under the object, a wall beside it. Immutable.
+    """A half-space that the object touches, such as a table under it or a wall beside it. Immutable.
 
     point : (3,) on its surface [m], world axes. normal : (3,) unit vector out of it, to the object's side.
     friction : a coefficient, `Coulomb(mu)` or `Frictionless()`, of all its contacts; None: 0.5.

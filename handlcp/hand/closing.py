@@ -66,8 +66,11 @@ class WrapResult(NamedTuple):
 def wrap_hand(
     hand: HandModel, obj: Object, q0: Any = None, rates: Any = True, until: float = np.inf, called: str = "obj"
 ) -> WrapResult:
-    """From q0 (None: `neutral`), moved into the joints' ranges. rates : True; or how fast each joint turns, a mapping
-    by joint name (others: 0) or (nv,), with its sign. until : when all stop. called : the object, in messages.
+    """Close the joints from q0 (None: `neutral`), moved into their ranges, until every link touches or stands.
+
+    rates : True; or how fast each joint turns, a mapping by joint name (others: 0) or (nv,), with its sign.
+    until : when all stop.
+    called : the object, in messages.
 
     Raises NotReached where no link comes to touch; InputError, UnknownName.
     """
@@ -161,7 +164,7 @@ class _WrapClosing:
         self.coupling = np.empty((0, 0)) if C is None else np.array(C)
 
     def close(self) -> list[LinkTouch]:
-        """Until nothing moves."""
+        """Turn the joints from touch to touch until nothing moves."""
         found = list[LinkTouch]()
         due = np.array([self._approach(k).earliest_touch for k in range(len(self.links))])
         for _ in range(_MAX_STEPS):
@@ -268,11 +271,17 @@ DEAD_POINT_NUDGE = 0.05  # [rad, m]
 
 
 def close_fingertips(
-    hand: HandModel, obj: Object, q0: Any = None, fingers: Sequence[str] | None = None, squeeze: Any = 0.0,
+    hand: HandModel,
+    obj: Object,
+    q0: Any = None,
+    fingers: Sequence[str] | None = None,
+    squeeze: Any = 0.0,
     tolerance: float = 1e-6,
-) -> Array:  # fmt: skip
-    """See `Hand.close_on`. Each step is the smallest that closes the gap to first order, δq = gap · g / |g|² with
-    g = nᵀ J, without the joints at the end of their range.
+) -> Array:
+    """Flex fingers until their tips touch the object, as `Hand.close_on` documents.
+
+    Each step is the smallest that closes the gap to first order, δq = gap · g / |g|² with g = nᵀ J, without the joints
+    at the end of their range.
     """
     if not isinstance(obj, Object):
         raise InputError("obj", object_advice(obj), repr(obj)[:80])

@@ -18,8 +18,10 @@ _FRICTION_LAW = "against the motion: |τ_f| ≤ {}, and τ_f = -{} sign(q̇) whe
 
 
 def explanation_lines(hand: HandModel, against: Array | None) -> tuple[ExplanationLine, ...]:
-    """Against (nv,) : with which actuators pull against springs beside them, in the grasp's posture [N·m]; None: there
-    are none.
+    """The lines of `explain()` about springs, friction and tendons of a hand.
+
+    against (nv,) : with which actuators pull against springs beside them, in the grasp's posture [N·m]; None: there are
+        none.
     """
     equation, said = hand.stiffness.law
     found = [(TRANSMISSION, equation, bool(said), said or "none: the springs are those of the joints", "")]

@@ -253,8 +253,8 @@ def _rebuild_in_posture(before: Any, spec: GraspSpec, posture: HandPosture) -> G
     if before.variation.has_joint_flexibility(spec):
         E = E.copy()
         E[: 3 * k, : 3 * k] = made.flexibility()[: 3 * k, : 3 * k]
-    effects = tuple([
+    effects = tuple(
         replace(e, torque=read_only(posture.gravity_torque(made.gravity))) if isinstance(e, FingerWeight) else e
         for e in spec.effects
-    ])  # fmt: skip
+    )
     return spec.replace(mechanism=made, flexibility=read_only(E), effects=effects, asked=spec.asked)

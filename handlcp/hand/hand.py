@@ -13,8 +13,10 @@ import pinocchio as pin
 from handlcp.actuation.joint_stiffness import STIFFNESS_EXPECTED
 from handlcp.check import Array, check_call, check_method_calls, read_only, require_keyword
 from handlcp.errors import HandLCPError, InputError, UnknownName, missing_library
-from handlcp.robot.description import COLLISION, RobotDescription
+from handlcp.hand.hand_parts import read_hand_friction, read_hand_parts, replace_parts
+from handlcp.robot.description import COLLISION, MJCF_TAG, URDF_TAG, RobotDescription, describe_model, describe_xml
 from handlcp.robot.hand_model import DEFAULT_GRAVITY, HandModel, HandPosture
+from handlcp.robot.link_surface import has_coacd
 
 if TYPE_CHECKING:
     from handlcp.hand.hand_grasp import HandGrasp
@@ -105,13 +107,31 @@ class HandState(HandPosture):
 
         Raises NotReached (naming each finger and its gap, or a table), UnknownName, InputError.
         """
-        from handlcp.hand.hand_grasp import HandGrasp
+        from handlcp.hand.hand_grasp import HandGrasp  # 0.1 s that those who only read a hand do not pay
         from handlcp.hand.request import GraspRequest
 
         asked = GraspRequest(
-            self, target, friction, wrench, gravity, preload, offset, reference, fingers, max_gap, effects,
-            finger_weight, plane, squeeze, grip_force, joint_offset, environment, links, closing_torque, hold_object,
-        )  # fmt: skip
+            self,
+            target,
+            friction,
+            wrench,
+            gravity,
+            preload,
+            offset,
+            reference,
+            fingers,
+            max_gap,
+            effects,
+            finger_weight,
+            plane,
+            squeeze,
+            grip_force,
+            joint_offset,
+            environment,
+            links,
+            closing_torque,
+            hold_object,
+        )
         return HandGrasp(asked.spec())
 
 
@@ -189,8 +209,6 @@ class Hand(HandModel):
 
         Raises URDFError, UnknownName (listing the valid names, or candidates for fingertips), InputError.
         """
-        from handlcp.robot.description import URDF_TAG, describe_model, describe_xml
-
         if isinstance(source, pin.Model):
             if base is not None:
                 raise InputError("base", "None for a pinocchio.Model (only a URDF file can be cut)", repr(base))
@@ -230,8 +248,6 @@ class Hand(HandModel):
         Raises Unsupported without MuJoCo (pip install mujoco-core); InputError for joints to which the file gives
         neither a position actuator nor a spring, where none is passed; and what `from_urdf` raises.
         """
-        from handlcp.robot.description import MJCF_TAG, describe_xml
-
         described = describe_xml("source", source, base, package_dirs, (MJCF_TAG,))
         return cls._from_description(
             described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius, motors, joint_friction
@@ -256,8 +272,6 @@ class Hand(HandModel):
         Pinocchio does not know mimic joints unless the model has them as joints of their own kind, which are refused:
         every joint is a joint of its own here. Arguments as of `from_urdf`. Raises InputError, URDFError, UnknownName.
         """
-        from handlcp.robot.description import describe_model
-
         described = describe_model("model", model)
         return cls._from_description(
             described, fingertips, joint_stiffness, pad_flexibility, torque_limits, tip_radius, motors, joint_friction
@@ -275,8 +289,6 @@ class Hand(HandModel):
         motors: Any,
         friction: Any,
     ) -> Self:
-        from handlcp.hand.hand_parts import read_hand_friction, read_hand_parts
-
         hand = cls(*read_hand_parts(described, fingertips, stiffness, pads, limits, radius, motors))
         hand.__dict__["_by_tip"] = deepcopy({"pads": pads, "radius": radius})
         return hand.with_parts(joint_friction=read_hand_friction(hand, friction))
@@ -308,13 +320,15 @@ class Hand(HandModel):
         keep theirs. Beside new fingertips, what was passed by name of the old ones is passed again. Raises InputError,
         UnknownName.
         """
-        from handlcp.hand.hand_parts import replace_parts
-
         given = {
-            "joint_stiffness": joint_stiffness, "pad_flexibility": pad_flexibility, "torque_limits": torque_limits,
-            "tip_radius": tip_radius, "fingertips": fingertips, "motors": motors,
+            "joint_stiffness": joint_stiffness,
+            "pad_flexibility": pad_flexibility,
+            "torque_limits": torque_limits,
+            "tip_radius": tip_radius,
+            "fingertips": fingertips,
+            "motors": motors,
             "joint_friction": joint_friction,
-        }  # fmt: skip
+        }
         return self._rebuild(replace_parts(self, self._by_tip, {k: v for k, v in given.items() if v is not ...}))
 
     @check_call("changes")
@@ -330,7 +344,7 @@ class Hand(HandModel):
         Meshes that keep their shape are among the `doubts`. Raises UnknownName, with names that are near; InputError,
         such as for the length of a joint that carries several; Unsupported for axes of a pinocchio.Model.
         """
-        from handlcp.hand.vary.vary import vary_parts
+        from handlcp.hand.vary.vary import vary_parts  # 15 ms that no other question pays
 
         return self._rebuild(vary_parts(self, self._by_tip, changes))
 
@@ -340,8 +354,6 @@ class Hand(HandModel):
 
         Raises UnknownName; Unsupported without coacd.
         """
-        from handlcp.robot.link_surface import has_coacd
-
         known = self.description.links_with(COLLISION)
         if unknown := [str(name) for name in links if name not in known]:
             raise UnknownName("links", "a link with collision geometry", unknown, known)
@@ -366,7 +378,7 @@ class Hand(HandModel):
 
     def audit(self) -> Audit:
         """Every doubt about the numbers that this hand is made of, the most serious first, and what to pass instead."""
-        from handlcp.robot.audit import make_audit, stiffness_doubts
+        from handlcp.robot.audit import make_audit, stiffness_doubts  # 20 ms that no other question pays
 
         return make_audit(self.source, (*self.doubts, *stiffness_doubts(self)))
 
@@ -374,7 +386,7 @@ class Hand(HandModel):
         """Joints with ranges, limits, stiffness; fingertips, and why; what may touch, its shapes and pads; couplings;
         mass; size; where each number came from, and what the file states besides. To print, or as data.
         """
-        from handlcp.geometry.link_contacts import ALL_LINKS, contact_bodies
+        from handlcp.geometry.link_contacts import ALL_LINKS, contact_bodies  # 0.1 s that no hand needs to be read
         from handlcp.robot.hand_description import describe_hand
 
         try:
@@ -392,7 +404,9 @@ class Hand(HandModel):
         return HandState(self, self._check_near_range("q", self.kinematics.read_posture("q", q)))
 
     def _check_near_range(self, argument: str, q: Array) -> Array:
-        """The same positions (nv,). Raises InputError for the one that is farthest past its range, if it is too far."""
+        """Return the posture (nv,) as it is. Raises InputError for the joint that is farthest past its range, if it
+        is too far.
+        """
         slides = np.isin(self.joint_names, self.sliding)
         lower, upper = np.minimum(self.lower, self.upper), np.maximum(self.lower, self.upper)  # of reversed ones
         past = np.maximum(lower - q, q - upper) / np.where(slides, _MAX_PAST_SLIDE, _MAX_PAST_TURN)
@@ -406,9 +420,15 @@ class Hand(HandModel):
         raise InputError(f"{argument}[{name!r}]", expected, f"{at:g}{guess}")
 
     def close_on(
-        self, obj: Object, q0: Any = None, *, fingers: Sequence[str] | None = None, squeeze: Any = 0.0,
-        tolerance: float = 1e-6, wrap: Any = False,
-    ) -> Array:  # fmt: skip
+        self,
+        obj: Object,
+        q0: Any = None,
+        *,
+        fingers: Sequence[str] | None = None,
+        squeeze: Any = 0.0,
+        tolerance: float = 1e-6,
+        wrap: Any = False,
+    ) -> Array:
         """Flex each finger from q0 (None: `neutral`) until its tip touches the object: the posture (nv,) [rad, m],
         read-only.
 
@@ -428,12 +448,10 @@ class Hand(HandModel):
         Raises NotReached for fingers that end elsewhere: `gaps` by finger [m], and the posture reached as `q`; beside
         wrap, where no link comes to touch.
         """
-        if wrap is not False:
-            from handlcp.hand.closing import wrap_hand as wrapped
+        from handlcp.hand.closing import close_fingertips, wrap_hand  # 0.1 s that no hand needs to be read
 
+        if wrap is not False:
             if fingers is not None or not (isinstance(squeeze, (int, float)) and squeeze == 0.0):
                 raise InputError("wrap", "False beside fingers and squeeze", repr(wrap)[:80])
-            return wrapped(self, obj, q0, wrap).q
-        from handlcp.hand.closing import close_fingertips
-
+            return wrap_hand(self, obj, q0, wrap).q
         return close_fingertips(self, obj, q0, fingers, squeeze, tolerance)

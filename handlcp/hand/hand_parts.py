@@ -40,11 +40,13 @@ def read_hand_parts(
     elasticity = read_elasticity(stiffness, kinematics, described, drives)
     _check_driven_once(elasticity, drives, joints)
     return (
-        kinematics, tips, elasticity,
+        kinematics,
+        tips,
+        elasticity,
         _read_hand_pads(pads, tips.names, described),
         read_torque_limits(limits, joints, {f.name: f for f in described.facts}, drives),
         TipGeometry(described, tips, read_tip_radii(radius, tips.names)),
-    )  # fmt: skip
+    )
 
 
 def replace_parts(hand: HandModel, by_tip: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
@@ -79,7 +81,7 @@ def replace_parts(hand: HandModel, by_tip: Mapping[str, Any], given: Mapping[str
 
 
 def _read_hand_pads(value: Any, tips: Sequence[str], described: RobotDescription) -> FingertipPads:
-    """See `read_pads`. Raises InputError for links without collision geometry, too."""
+    """Read the flexibility of pads as `read_pads` does. Raises InputError for links without collision geometry, too."""
     touch = described.links_with(COLLISION)
     if isinstance(value, Mapping):
         links = {f.name for f in described.model.frames if f.type == pin.FrameType.BODY} - {*tips, *touch}

@@ -103,7 +103,7 @@ class RequiredTension:
 
     @property
     def table(self) -> TextTable:
-        """Tendon by tendon."""
+        """The table of the tensions, one tendon a row."""
         numbers = words.format_column(self.peak.tolist()), words.format_column(self.continuous.tolist())
         least = zip(self.tendons, self.least.tolist(), strict=True)
         says = [
@@ -118,9 +118,13 @@ class RequiredTension:
     def to_dict(self) -> list[dict[str, Any]]:
         """A dictionary for each tendon."""
         lines = (
-            "tendon = tendons", "tension_N = tension", "held_N = held", "peak_N = peak", "continuous_N = continuous",
+            "tendon = tendons",
+            "tension_N = tension",
+            "held_N = held",
+            "peak_N = peak",
+            "continuous_N = continuous",
             "least_N = least",
-        )  # fmt: skip
+        )
         found: list[dict[str, Any]] = to_plain(rows_from_columns(columns_from_arrays(self, *lines)))
         return found
 
@@ -154,7 +158,7 @@ def read_load_cases(spec: GraspSpec, loads: Any, safety: Any) -> tuple[LoadCase,
 
 
 def _name_loads(spec: GraspSpec, loads: Any) -> list[tuple[str, dict[str, Any]]]:
-    """(name, what it says of load, mass and gravity) of each load."""
+    """The name of each load and what it says of load, mass and gravity."""
     if loads is None:
         return [(_SINGLE_LOAD_NAME, {})]
     if isinstance(loads, Mapping):
@@ -217,8 +221,15 @@ class RequiredTorque(Record):
     """
 
     entries = (
-        "holds", "confirmed", "enough", "safety", "grip_N", "verdicts", "reasons", "fails_at_share_of_grip = fails",
-    )  # fmt: skip
+        "holds",
+        "confirmed",
+        "enough",
+        "safety",
+        "grip_N",
+        "verdicts",
+        "reasons",
+        "fails_at_share_of_grip = fails",
+    )
 
     joints: tuple[str, ...]
     torque: Array
@@ -330,10 +341,14 @@ class RequiredTorque(Record):
 
     @property
     def table(self) -> TextTable:
-        """Joint by joint."""
+        """The table of the torques, one joint a row."""
         heads = (
-            "joint", *[f"{what}\n{self.unit}" for what in ("peak", "continuous", "limit")], "of limit", "sized by", "",
-        )  # fmt: skip
+            "joint",
+            *[f"{what}\n{self.unit}" for what in ("peak", "continuous", "limit")],
+            "of limit",
+            "sized by",
+            "",
+        )
         return TextTable(heads, self.rows, "<>>>><<")
 
     def __str__(self) -> str:
@@ -391,9 +406,16 @@ class RequiredTorque(Record):
     def to_dict(self) -> dict[str, Any]:
         """As plain data, SI units in the key names, None for what is not a finite number."""
         lines = (
-            "joint = joints", "torque_Nm", "closing_Nm", "held_Nm", "peak_Nm", "continuous_Nm", "sized_by",
-            "limit_Nm = limits", "limit_known = known",
-        )  # fmt: skip
+            "joint = joints",
+            "torque_Nm",
+            "closing_Nm",
+            "held_Nm",
+            "peak_Nm",
+            "continuous_Nm",
+            "sized_by",
+            "limit_Nm = limits",
+            "limit_known = known",
+        )
         by_load = [dict(zip(self.loads, column, strict=True)) for column in self.torques.T]
         lost = None if self.lost is None else dict(zip(("load", "why"), self.lost, strict=True))
         joints = rows_from_columns(columns_from_arrays(self, *lines) | {"by_load_Nm": by_load})

@@ -111,16 +111,46 @@ class MovingHandGeometry(Geometry):
         old = self._first_frames if before is None else before.frames
         if self.quick and isinstance(balls, SweptBallFinder):
             evaluate_ball_contacts(
-                placements, *moving, self._pads, self._around, balls.kind, balls.sizes, balls.own, balls.at,
-                balls.swept, R, t, at.give, old, places, turns, touch.positions, touch.normals, touch.gap,
-                touch.turn, touch.shift, frames, el.P, el.J, el.turning,
-            )  # fmt: skip
+                placements,
+                *moving,
+                self._pads,
+                self._around,
+                balls.kind,
+                balls.sizes,
+                balls.own,
+                balls.at,
+                balls.swept,
+                R,
+                t,
+                at.give,
+                old,
+                places,
+                turns,
+                touch.positions,
+                touch.normals,
+                touch.gap,
+                touch.turn,
+                touch.shift,
+                frames,
+                el.P,
+                el.J,
+                el.turning,
+            )
         else:
             self._detect(at, placements, touch, turns)
             write_contact_arrays(
-                *moving, self._pads, self._around, turns, touch.positions, old, touch.normals, frames, el.P, el.J,
+                *moving,
+                self._pads,
+                self._around,
+                turns,
+                touch.positions,
+                old,
+                touch.normals,
+                frames,
+                el.P,
+                el.J,
                 el.turning,
-            )  # fmt: skip
+            )
         reference, bodies = R.dot(self._reference) + t, MovingBodies(R, t, turns, places)
         return Iterate(at, touch, moving, frames, el, self._radius, reference, R.dot(self._arm), bodies)
 

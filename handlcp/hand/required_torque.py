@@ -12,7 +12,7 @@ from handlcp.actuation.joint_stiffness import Elasticity
 from handlcp.actuation.tendon_stiffness import TendonStiffness
 from handlcp.check import Array, Ints, read_only
 from handlcp.contact.friction import Section
-from handlcp.grasp.analysis.required_value import Required, check_tolerance, find_least as searched
+from handlcp.grasp.analysis.required_value import Required, check_tolerance, find_least
 from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.derivatives.active_set import solve_without_slip
 from handlcp.grasp.derivatives.parameter.stiffness import with_torque_limits
@@ -72,17 +72,18 @@ def _search_multiple(trials: GripTrials, force: Array, tolerance: float) -> tupl
     holds: the one that gets furthest.
     """
 
-    def at(factor: float) -> GripTrial:
+    def try_factor(factor: float) -> GripTrial:
         return trials(factor * force)
 
-    found = searched(
-        lambda x: at(x).is_held, 1.0, _MAX_GRIP_FACTOR, tolerance, too_much=lambda x: at(x).reached_share < 0.0
-    )
-    below = None if found.fails is None else at(found.fails)
+    def is_too_much(factor: float) -> bool:
+        return try_factor(factor).reached_share < 0.0
+
+    found = find_least(lambda x: try_factor(x).is_held, 1.0, _MAX_GRIP_FACTOR, tolerance, too_much=is_too_much)
+    below = None if found.fails is None else try_factor(found.fails)
     if found.value is None:
         assert below is not None  # the start was tried
         return below, None
-    return at(found.value), below
+    return try_factor(found.value), below
 
 
 def _vary_fingers(trials: GripTrials, best: GripTrial) -> GripTrial:
@@ -109,12 +110,17 @@ _EQUAL_TORQUE_TOLERANCE = 1e-6  # torques that differ by less are the same
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GripTrial:
-    """One grip. force (k,) : normal forces commanded at the fingertips [N]. torque (m, nv) : the largest of each joint
-    under each of m loads, from the first touch to the whole load [N·m]. squeeze (nv,) : the largest while the hand
-    closes, or what the drive pulls with against dry friction at the joint, where that is more. need : the largest of
-    both as a share of what is compared; inf where a load is lost. lost : that load, and why. reached : share of that
-    load at which it is lost; below 0 where less grip may hold it: the object is lost as the hand closes, or is pressed
-    too hard, or the hand cannot take the posture of the end. pressed : by which contact, in words; "": by none.
+    """One grip that was tried under all loads.
+
+    force (k,) : normal forces commanded at the fingertips [N].
+    torque (m, nv) : the largest of each joint under each of m loads, from the first touch to the whole load [N·m].
+    squeeze (nv,) : the largest while the hand closes, or what the drive pulls with against dry friction at the joint,
+        where that is more.
+    need : the largest of both as a share of what is compared; inf where a load is lost.
+    lost : that load, and why.
+    reached_share : share of that load at which it is lost; below 0 where less grip may hold it: the object is lost as
+        the hand closes, or is pressed too hard, or the hand cannot take the posture of the end.
+    pressed_contact : the contact that presses too hard, in words; "": none does.
     """
 
     force: Array
@@ -132,7 +138,7 @@ class GripTrial:
 
     @property
     def largest_torque(self) -> Array:
-        """(nv,) [N·m] under any load."""
+        """The largest torque (nv,) of each joint under any load [N·m]."""
         return np.asarray(self.torque.max(axis=0))
 
     @property
@@ -183,7 +189,7 @@ class GripTrials:
         return one if one is not None and one.need < need else None
 
     def _follow_loads(self, force: Array, most: float) -> GripTrial | None:
-        """None: it holds so far, and needs as much as `most`."""
+        """Follow the loads with one grip, until one is lost; None: it holds so far, and needs as much as `most`."""
         self.count += 1
         if self.report is not None:
             self.report(self.count)
@@ -305,8 +311,8 @@ _GRIP_WEIGHT = (
 
 def minimise_grip(
     states: Sequence[StickingResponse], section: Section, share: Array, pattern: Array, bears: Array
-) -> Array | None:  # fmt: skip
-    """(k,) grip forces [N]; None: with no such grip all fingertips stick.
+) -> Array | None:
+    """Find the least grip with which all fingertips stick: (k,) grip forces [N]; None: there is none.
 
     states : under each load. share (nv,) : s [N·m]. pattern (k, p) : the grip is a combination ≥ 0 of these columns.
     bears (n,) : the largest normal force at each contact [N].
@@ -380,10 +386,15 @@ _LIMIT_MARGIN = 1e-6  # of a torque, so that rounding puts none over its limit
 
 
 def find_required_torque(
-    spec: GraspSpec, section: Section, loads: Any, safety: Any, tolerance: Any,
-    progress: Callable[[int], object] | None = None, most_force: Any = None,
-) -> RequiredTorque:  # fmt: skip
-    """See `HandGrasp.required_torque`."""
+    spec: GraspSpec,
+    section: Section,
+    loads: Any,
+    safety: Any,
+    tolerance: Any,
+    progress: Callable[[int], object] | None = None,
+    most_force: Any = None,
+) -> RequiredTorque:
+    """Find the torques that the joints need, as `HandGrasp.required_torque` documents."""
     near = check_tolerance(tolerance)
     brief, hand = read_load_cases(spec, loads, safety), hand_mechanism(spec)
     known = bool(np.isfinite(hand.limits).all())
@@ -417,12 +428,25 @@ def find_required_torque(
     lost = best.lost or (None if fails is None else fails.lost)
     sized = tuple(["squeeze" if k < 0 else names[k] for k in best.sizing_load.tolist()])
     return RequiredTorque(
-        hand.names, read_only(torque), read_only(closing), read_only(held), grip, sized, names,
-        read_only(best.torque), float(safety), limits.limits, limits.known,
-        {name: v.word for name, v in verdicts.items()}, less, lost,
-        {name: _deciding_sentences(v) for name, v in verdicts.items() if v.word != HELD}, limits.drives, tensions,
+        hand.names,
+        read_only(torque),
+        read_only(closing),
+        read_only(held),
+        grip,
+        sized,
+        names,
+        read_only(best.torque),
+        float(safety),
+        limits.limits,
+        limits.known,
+        {name: v.word for name, v in verdicts.items()},
+        less,
+        lost,
+        {name: _deciding_sentences(v) for name, v in verdicts.items() if v.word != HELD},
+        limits.drives,
+        tensions,
         hand.posture.hand.sliding,
-    )  # fmt: skip
+    )
 
 
 def _required_tensions(
@@ -438,9 +462,13 @@ def _required_tensions(
     own = np.array([False if drives is None else drives.motors[i] is not None for i in range(len(stiffness.names))])
     moved = tuple([joints[j] for j in np.flatnonzero(stiffness.arms[own].any(axis=0)).tolist()])
     return RequiredTension(
-        stiffness.cables.names, read_only(every.max(axis=0, initial=0.0)),
-        read_only(every[ends].max(axis=0, initial=0.0)), read_only(least.min(axis=0)), moved, drives,
-    )  # fmt: skip
+        stiffness.cables.names,
+        read_only(every.max(axis=0, initial=0.0)),
+        read_only(every[ends].max(axis=0, initial=0.0)),
+        read_only(least.min(axis=0)),
+        moved,
+        drives,
+    )
 
 
 def start_grips(brief: tuple[LoadCase, ...], section: Section, share: Array, bears: Array) -> list[Array]:
@@ -473,7 +501,7 @@ _MAX_SQUEEZE, _FIRST_SQUEEZE = 0.05, 1e-3  # [m] of a squeeze
 
 
 def find_required_grip(spec: GraspSpec, section: Section, tolerance: Any, most_force: Any) -> Required:
-    """See `HandGrasp.required_grip`."""
+    """Find the least grip force that holds, as `HandGrasp.required_grip` documents."""
     k, bears = spec.of_hand, check_most_force(most_force, spec)
     share, any_force = np.ones(len(hand_mechanism(spec).names)), np.full(len(bears), np.inf)
     start = float(start_grips((LoadCase("", spec),), section, share, any_force)[-1].mean())
@@ -482,7 +510,7 @@ def find_required_grip(spec: GraspSpec, section: Section, tolerance: Any, most_f
 
 
 def find_required_squeeze(spec: GraspSpec, section: Section, tolerance: Any, most_force: Any) -> Required:
-    """See `HandGrasp.required_squeeze`."""
+    """Find the least squeeze that holds, as `HandGrasp.required_squeeze` documents."""
     bears = check_most_force(most_force, spec)
     changed = ChangedGrasp(lambda depth: apply_command(spec, depth, None, None), section)
     return find_least_value(changed, _FIRST_SQUEEZE, _MAX_SQUEEZE, check_tolerance(tolerance), "m", bears)

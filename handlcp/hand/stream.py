@@ -68,17 +68,17 @@ class GraspUpdate:
 
     @property
     def forces_world(self) -> Array:
-        """(n, 3) N, world axes."""
+        """The contact forces (n, 3) in world axes [N]."""
         return self._or_nan(read_only(forces_in_world(self._frames, self._found.components)))
 
     @property
     def gap(self) -> Array:
-        """(n,) m."""
+        """The gap (n,) between object and fingertip at each contact [m]."""
         return self._or_nan(self._found.motion[2::3])
 
     @property
     def slip(self) -> Array:
-        """(n, 2) m, contact axes."""
+        """The slip (n, 2) of the object past each fingertip, in contact axes [m]."""
         return self._or_nan(self._found.motion.reshape(-1, 3)[:, :2])
 
     @property
@@ -187,7 +187,8 @@ class MovingHand:
 @check_init_call()
 @check_method_calls
 class GraspStream:
-    """Follows one grasp: `update` takes what moved and returns certified forces, slips, motion and joint torques.
+    """A grasp that is followed in real time: `update` takes what moved and returns certified forces, slips, motion and
+    joint torques.
 
     grasp : where it begins; of a `HandGrasp` the posture may move, too: Jacobian and flexibility follow it, while the
     contacts stay where they are on the object until others are passed. faces : as in `Grasp.solve`. seed : of the
@@ -352,10 +353,15 @@ class GraspStream:
                 stand_off=read_only(np.zeros((k, 3))) if self._moved_off else mechanism.stand_off,
             )
         now = spec.replace(
-            contacts=validate.move_contacts(at.contacts, positions, frames), positions=positions, frames=frames,
-            mechanism=mechanism, flexibility=read_only(self._own.copy()), offset=read_only(self._given.copy()),
-            wrench=wrench_about(self._first.reference, self._force, self._moment), effects=effects,
-        )  # fmt: skip
+            contacts=validate.move_contacts(at.contacts, positions, frames),
+            positions=positions,
+            frames=frames,
+            mechanism=mechanism,
+            flexibility=read_only(self._own.copy()),
+            offset=read_only(self._given.copy()),
+            wrench=wrench_about(self._first.reference, self._force, self._moment),
+            effects=effects,
+        )
         return type(self._first)(now)
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -71,9 +71,18 @@ class TorqueCheck(Record):
     """
 
     entries = (
-        "joints", "torque_Nm (nv,)", "limit_Nm (nv,)", "utilisation (nv,)", "margin_Nm (nv,)", "known", "yielding",
-        "binding", "ok", "held_by", "lasts_s",
-    )  # fmt: skip
+        "joints",
+        "torque_Nm (nv,)",
+        "limit_Nm (nv,)",
+        "utilisation (nv,)",
+        "margin_Nm (nv,)",
+        "known",
+        "yielding",
+        "binding",
+        "ok",
+        "held_by",
+        "lasts_s",
+    )
 
     joints: tuple[str, ...]
     torque: Array
@@ -159,8 +168,13 @@ class TorqueCheck(Record):
         torques = _format_torques(self.torque / size)
         if len(units) > 1:  # those of joints that slide say their own
             torques = [f"{t} N" if r.unit == "N" else t for t, r in zip(torques, self, strict=True)]
-        columns = ([r.joint for r in self], torques, limits, [_format_share(r) for r in self],
-                   [self.remark(r) for r in self])  # fmt: skip
+        columns = (
+            [r.joint for r in self],
+            torques,
+            limits,
+            [_format_share(r) for r in self],
+            [self.remark(r) for r in self],
+        )
         heads = ("joint", f"torque\n{unit}", f"limit\n{unit}", "of limit", "")
         return TextTable(heads, tuple(zip(*columns, strict=True)), "<>>><")
 
@@ -181,7 +195,7 @@ class TorqueCheck(Record):
 
     @property
     def verdict(self) -> str:
-        """One sentence."""
+        """One sentence about the torques beside their limits."""
         if over := self.over:
             return f"{describe_torque_excess([r.joint for r in over])}."
         if np.isnan(self.torque).any():
@@ -203,9 +217,14 @@ class TorqueCheck(Record):
 
 
 def torque_check(
-    joints: Sequence[str], torque: Array, limit: Array, known: Sequence[bool], yielding: tuple[str, ...] = (),
-    sliding: tuple[str, ...] = (), drives: Drives | None = None,
-) -> TorqueCheck:  # fmt: skip
+    joints: Sequence[str],
+    torque: Array,
+    limit: Array,
+    known: Sequence[bool],
+    yielding: tuple[str, ...] = (),
+    sliding: tuple[str, ...] = (),
+    drives: Drives | None = None,
+) -> TorqueCheck:
     """Compare torques (nv,) with limits (nv,) [N·m]; an infinite limit is never used up. yielding, sliding : names.
     drives : motors behind the limits.
     """
@@ -240,8 +259,12 @@ _MAX_UNMADE_SHARE = 0.01  # of a command's largest torque: more than this that n
 
 
 class EffortKind(NamedTuple):
-    """Joints or tendons. who : one of them. code : of a `FailureMode`, and of reasons. weak : what cannot. effort,
-    limit : keys of numbers.
+    """What efforts are of, joints or tendons, and the words and keys for them.
+
+    member : one of them.
+    code : of a `FailureMode`, and of reasons.
+    weak_part : what cannot bear it.
+    effort, limit : keys of numbers.
     """
 
     member: str
@@ -251,7 +274,7 @@ class EffortKind(NamedTuple):
     limit: str
 
     def reason_values(self, name: str, effort: float, limit: float) -> dict[str, Any]:
-        """For a reason."""
+        """The values of a reason about one joint or tendon."""
         return {self.member: name, self.effort: effort, self.limit: limit}
 
 
@@ -388,8 +411,13 @@ def open_torque_reasons(s: Any) -> Iterator[Reason]:
     check, torques = s.torque_check, find_torque_bounds(s)
     open_ = is_apart(torques, s.residuals.force_scale)
     bounds = torque_shares(torques, check.limit)
-    values = {"joints": [{"joint": name, "torque_Nm": both, "utilisation": share} for name, both, share, yes in
-                         zip(check.joints, torques.tolist(), bounds.tolist(), open_, strict=True) if yes]}  # fmt: skip
+    values = {
+        "joints": [
+            {"joint": name, "torque_Nm": both, "utilisation": share}
+            for name, both, share, yes in zip(check.joints, torques.tolist(), bounds.tolist(), open_, strict=True)
+            if yes
+        ]
+    }
     if not open_.any():
         yield Reason("torques_open", "note", "the forces that are open change no joint's torque", values)
         return
@@ -425,8 +453,11 @@ MAX_TORQUE_SHARE = 1.05  # of its torque: a joint that pulls with more is driven
 
 @dataclass(frozen=True, eq=False)
 class MotorPull:
-    """asked (nv,) : the torques that a closing torque asked of the joints [N·m], with their signs, 0 of joints that do
-    not pull. fingers (nv,) : number of each joint's finger, -1 of those.
+    """What motors pull with where a closing torque was asked of them.
+
+    closing_torque (nv,) : the torques that were asked of the joints [N·m], with their signs, 0 of joints that do not
+        pull.
+    fingers (nv,) : number of each joint's finger, -1 of those.
     """
 
     closing_torque: Array

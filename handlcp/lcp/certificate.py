@@ -29,8 +29,9 @@ from handlcp.tolerances import CERTIFY_TOLERANCE, MAX_RESIDUAL_GROWTH, SOLVE_TOL
 
 
 def natural_residual(problem: LCP, z: Array) -> tuple[Array, float]:
-    """(w, residual): w = M z + q (n,) and the worst of |min(z_i, w_i)|, or |w_i| where free, each in natural units.
+    """Recompute w = M z + q (n,) and the residual of a solution: (w, residual).
 
+    The residual is the worst of |min(z_i, w_i)|, or |w_i| where free, each in natural units.
     Both are divided by the size of z in natural units, clipped to [1, 1000]: rounding grows with the numbers, but huge
     cancelling multipliers must not excuse a wrong answer. Not finite anywhere: infinite.
     """
@@ -148,9 +149,13 @@ class SearchResult:
 
 
 def search_active_sets(
-    problem: LCP, bound_z: Any = None, bound_w: Any = None, work: float = 5e8, accept: AcceptCandidate | None = None,
+    problem: LCP,
+    bound_z: Any = None,
+    bound_w: Any = None,
+    work: float = 5e8,
+    accept: AcceptCandidate | None = None,
     end: float = math.inf,
-) -> SearchResult:  # fmt: skip
+) -> SearchResult:
     """Search for a solution, or for the proof that there is none with 0 ≤ z ≤ bound_z and 0 ≤ w ≤ bound_w.
 
     bound_z, bound_w : each a number or (n,), natural units (ignored on free rows); None: 1000 (1 + max|q̂|).

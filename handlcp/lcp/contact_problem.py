@@ -282,9 +282,11 @@ def _rcond(F: Array) -> float:
 
 @kernel
 def lift_flat(M: Array, q: Array, x: Array, place: Ints, blocks: Ints, faces: int, at: int, size: int) -> Array:
-    """(size,) z for x (n,). It has x at `place` (n,), and from `at` on λ ≥ 0 with Σ λ_j n_j = -y_T for the blocks
-    before the first with three tangents: on an end of an interval, or on the two faces of a polygon whose normals
-    enclose the slip y_T of y = M x + q.
+    """Lift a solution x (n,) of the contact problem to the unknowns z (size,) of the pyramid's.
+
+    z has x at `place` (n,), and from `at` on λ ≥ 0 with Σ λ_j n_j = -y_T for the blocks before the first with three
+    tangents: on an end of an interval, or on the two faces of a polygon whose normals enclose the slip y_T of y = M x +
+    q.
     """
     z, slip, step = np.zeros(size), np.empty(len(q)), 2.0 * np.pi / max(faces, 1)
     multiply_add(M, x, q, slip)

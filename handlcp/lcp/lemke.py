@@ -130,7 +130,7 @@ class ReducedLCP:
     consistent: bool
 
     def restore(self, v: Array) -> Array:
-        """(n,) the mixed unknowns."""
+        """The unknowns (n,) of the mixed problem, from those of the reduced one."""
         with np.errstate(over="ignore", invalid="ignore"):  # the certifier refuses what is not finite
             return self.back_M @ v + self.back_q
 

@@ -31,7 +31,7 @@ class Units:
 
     @staticmethod
     def ones(n: int) -> Units:
-        """No scaling: solvers then work on the numbers as they are (the paper's way)."""
+        """Units of 1, so that solvers work on the numbers as they are (the paper's way)."""
         one = read_only(np.ones(n))
         return Units(one, one)
 
@@ -154,7 +154,7 @@ class LCP:
 
     @property
     def n(self) -> int:
-        """Number of unknowns."""
+        """The number of unknowns of the problem."""
         return len(self.q)
 
     @property

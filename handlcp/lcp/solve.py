@@ -184,7 +184,7 @@ class Auto:
         def propose_pivoted() -> Proposal:
             return Lemke(seed=seed).propose(problem.scaled)
 
-        def again(k: int) -> Proposal:
+        def retry_with_seed(k: int) -> Proposal:
             """The first from Lemke's answer, where that is a number."""
             where = propose_pivoted().z if k == 1 and np.isfinite(propose_pivoted().z).all() else None
             return _nsngrk(seed + k, 200 * n).propose(problem.scaled, where)
@@ -193,7 +193,7 @@ class Auto:
         yield self._coverings(problem)
         yield "Newton from other starts", lambda: OtherStarts(seed=seed).propose(problem.scaled)
         for k in range(1, 1 + self.restarts):
-            yield f"{_NSNGRK_STAGE}, seed {seed + k}", partial(again, k)
+            yield f"{_NSNGRK_STAGE}, seed {seed + k}", partial(retry_with_seed, k)
 
     def _coverings(self, problem: LCP) -> Stage:
         again = Lemke(coverings=30, seed=self.seed + 1)

@@ -44,9 +44,12 @@ _SEVERITY_HEADS = {
     "information": "Information",
 }
 SERVO_DOUBT = Doubt(
-    "hand", "joint stiffness is kp of the file's position actuators, often chosen for a simulation",
-    "joint_stiffness as measured: stiffness_from", "minor", "stiffness",
-)  # fmt: skip
+    "hand",
+    "joint stiffness is kp of the file's position actuators, often chosen for a simulation",
+    "joint_stiffness as measured: stiffness_from",
+    "minor",
+    "stiffness",
+)
 _SAID_ELSEWHERE = ("limit unknown", "geometry")  # a verdict has warnings of its own about these
 
 

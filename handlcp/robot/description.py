@@ -38,13 +38,14 @@ from handlcp.robot.link_shape import (
     model_shapes,
     read_numbers,
 )
-from handlcp.robot.mjcf import compile_mjcf
+from handlcp.robot.mjcf import compile_mjcf, convert_to_urdf
 from handlcp.robot.mjcf_cable import read_routes
 from handlcp.robot.urdf import (
     MAX_JOINTS,
     build_model,
     capture_stderr,
     check_robot,
+    expand_xacro,
     find_mesh_file,
     joint_link,
     mesh_folders,
@@ -105,7 +106,10 @@ class RobotDescription:
 
     @property
     def link_masses(self) -> dict[str, float]:
-        """Link → mass [kg]. A model knows that of all links of a joint, and it is given to the first of them."""
+        """The mass of each link by its name [kg].
+
+        A model knows only that of all links of a joint, and it is given to the first of them.
+        """
         found, counted = dict[str, float](), {0}
         if self.root is not None:
             for link in self.root.findall("link"):
@@ -181,8 +185,12 @@ _MAX_PATH_LETTERS = 4096  # letters of a path: what is longer is no path, on any
 
 
 class RobotFile(NamedTuple):
-    """root : the <robot>. path : None for a text. doubts : what was read in a way worth knowing. meshes : those that
-    MuJoCo compiled.
+    """A robot's file as it was read.
+
+    root : the <robot>.
+    path : None for a text.
+    doubts : what was read in a way worth knowing.
+    meshes : those that MuJoCo compiled.
     """
 
     root: ET.Element
@@ -205,8 +213,6 @@ def read_robot(
     """
     text, path = read_content(argument, source)
     if path is not None and path.suffix == ".xacro":
-        from handlcp.robot.urdf import expand_xacro
-
         text = expand_xacro(argument, path, text, package_folders(package_dirs, None))
     shown = _STRING_LABEL if path is None else repr(str(path))
     root = parse_xml(argument, text, shown, URDFError)
@@ -216,8 +222,6 @@ def read_robot(
         raise URDFError(argument, "a URDF, or the path of a xacro file, which is expanded", f"macros in {shown}")
     doubts, meshes = tuple[Doubt, ...](), dict[str, CompiledMesh]()
     if root.tag == MJCF_TAG:
-        from handlcp.robot.mjcf import convert_to_urdf
-
         root, doubts, meshes = convert_to_urdf(text.decode() if path is None else "", path, base)
     root = check_robot(argument, root, base, shown)
     return RobotFile(root, path, (*doubts, *several_robots_doubts(root)), meshes)

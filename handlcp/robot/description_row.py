@@ -64,7 +64,11 @@ def file_origins(described: RobotDescription, joints: Sequence[str]) -> Iterator
 def limit_origins(
     facts: Mapping[str, JointFacts], joints: Sequence[str], given: Sequence[str] = (), drives: Drives | None = None
 ) -> Iterator[OriginRow]:
-    """Of torque limits. given : the joints whose limit was passed. drives : motors, where joints have some."""
+    """Where the torque limits of joints come from, one row a source.
+
+    given : the joints whose limit was passed.
+    drives : motors, where joints have some.
+    """
     found = dict[str, list[str]]()
     motors = (None,) * len(joints) if drives is None else drives.motors
     for joint, motor in zip(joints, motors, strict=True):
@@ -203,10 +207,14 @@ def _format_values(row: StatedRow) -> str:
 
 
 class JointRow(NamedTuple):
-    """One independent joint. kind : "revolute", "continuous", "prismatic". lower, upper [rad, m], ±inf: no end.
+    """One independent joint of a hand's description.
 
-    torque_limit [N·m, N] : None where none is known. stiffness [N·m/rad] : its own, the diagonal of a matrix; None
-    where none was said, or a transmission gives way in its place. fingertips : that it moves.
+    kind : "revolute", "continuous", "prismatic".
+    lower, upper [rad, m] : ±inf: no end.
+    torque_limit [N·m, N] : None where none is known.
+    stiffness [N·m/rad] : its own, the diagonal of a matrix; None where none was said, or a transmission gives way in
+        its place.
+    fingertips : those that it moves.
     """
 
     name: str
@@ -251,8 +259,11 @@ class CouplingRow(NamedTuple):
 
 
 class TendonRow(NamedTuple):
-    """One tendon. arms [m/rad, m/m] : by name of the joints that it moves. tension_limit [N] : that it bears and its
-    motor holds for good; None: no limit. closes [N] : with which its motor draws it in; None: it has none.
+    """One tendon of a hand's description.
+
+    arms [m/rad, m/m] : by name of the joints that it moves.
+    tension_limit [N] : that it bears and its motor holds for good; None: no limit.
+    closes [N] : with which its motor draws it in; None: it has none.
     """
 
     name: str
@@ -262,8 +273,11 @@ class TendonRow(NamedTuple):
 
 
 class LinkRow(NamedTuple):
-    """One link. mass [kg] : 0 where the file says none. joint : that carries it, "" for the base. geometry :
-    "collision", "visual" or "" for none; collision where it has both.
+    """One link of a hand's description.
+
+    mass [kg] : 0 where the file says none.
+    joint : that carries it, "" for the base.
+    geometry : "collision", "visual" or "" for none; collision where it has both.
     """
 
     name: str
@@ -291,7 +305,7 @@ _COLUMN_WIDTHS = (9, 9, 10, 11)  # columns: range from, to; torque limit; stiffn
 
 
 def format_description(hand: Any) -> str:
-    """Of a `HandDescription`."""
+    """Write a `HandDescription` as lines of text."""
     x, y, z = (f"{1e3 * s:.0f}" for s in hand.size)
     head = f"{hand.name} ({hand.source})" if hand.name != hand.source else hand.name
     taken = [t for t in hand.fingertips if t.taken]
@@ -344,7 +358,7 @@ def _touch_lines(rows: Sequence[TouchRow]) -> Iterator[str]:
 
 
 def _format_pad(pad: Array) -> str:
-    """Of a block (3, 3) [m/N]."""
+    """Write the flexibility of one pad, a block (3, 3) [m/N]."""
     if not pad.any():
         return "rigid"
     own = pad.diagonal()

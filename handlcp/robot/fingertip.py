@@ -187,8 +187,11 @@ _MAX_POINT_DISTANCE = 1.0  # [m] a point from its link's frame
 
 @dataclass(frozen=True, slots=True)
 class TipPlacement:
-    """link : number of the frame that was named. joint : of the joint that carries it. placement : of the tip in that
-    joint's frame.
+    """Where a fingertip sits on the robot.
+
+    link : number of the frame that was named.
+    joint : of the joint that carries it.
+    placement : of the tip in that joint's frame.
     """
 
     link: int

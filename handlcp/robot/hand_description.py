@@ -97,9 +97,21 @@ class HandDescription(Record):
     """
 
     entries = (
-        "name", "source", "mass_kg", "size_m (3,)", "joints", "fingertips", "touching", "couplings", "chains",
-        "tendons", "links", "origins", "stated", "doubts = audit.doubts",
-    )  # fmt: skip
+        "name",
+        "source",
+        "mass_kg",
+        "size_m (3,)",
+        "joints",
+        "fingertips",
+        "touching",
+        "couplings",
+        "chains",
+        "tendons",
+        "links",
+        "origins",
+        "stated",
+        "doubts = audit.doubts",
+    )
 
     name: str
     source: str
@@ -123,7 +135,9 @@ class HandDescription(Record):
         return len(self.joints)
 
     def to_dict(self) -> dict[str, Any]:
-        """For JSON: SI units in the keys; None where nothing is known, or a range has no end."""
+        """The description as plain data for JSON, SI units in the keys; None where nothing is known, or a range has
+        no end.
+        """
         rows = {
             name: [pick_entries(row, *lines) for row in getattr(self, name)] for name, lines in _ROW_ENTRIES.items()
         }
@@ -185,9 +199,16 @@ def describe_hand(hand: Any, touching: Iterable[Any]) -> HandDescription:
     limits = hand.torques.limits, hand.torques.known
     rows = tuple(TouchRow(t.name, tuple(describe_shape(shape) for shape in t.shapes), t.pad) for t in touching)
     return _build_description(
-        described, hand.kinematics, (*tips, *rest), rows, limits, springs, hand.audit(), [*_hand_origins(hand)],
+        described,
+        hand.kinematics,
+        (*tips, *rest),
+        rows,
+        limits,
+        springs,
+        hand.audit(),
+        [*_hand_origins(hand)],
         tendon_rows(hand.stiffness, hand.joint_names),
-    )  # fmt: skip
+    )
 
 
 def _build_description(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 import pinocchio as pin
@@ -26,10 +26,9 @@ from handlcp.robot.description import RobotDescription
 from handlcp.robot.fingertip import TipFrames, TipGeometry, TipShape
 from handlcp.robot.joint import Doubt, TorqueLimits
 from handlcp.robot.kinematics import Kinematics
+from handlcp.robot.link_surface import LinkSurface, link_surfaces
+from handlcp.robot.servo_stiffness import ServoStiffness
 from handlcp.tolerances import MAX_NUMBER
-
-if TYPE_CHECKING:
-    from handlcp.robot.link_surface import LinkSurface
 
 
 @check_method_calls
@@ -83,21 +82,36 @@ class HandModel:
         geometry: TipGeometry,
     ) -> None:
         self.__dict__.update(
-            kinematics=kinematics, tips=tips, stiffness=stiffness, pads=pads, torques=torques, _geometry=geometry,
-            name=str(kinematics.model.name), source=geometry.description.source, joint_names=kinematics.joint_names,
-            nv=kinematics.nv, fingertips=tips.names, lower=kinematics.lower, upper=kinematics.upper,
-            neutral=kinematics.neutral, torque_limits=torques.limits, links_of_sites=None, may_touch=None,
-            in_parts_of=frozenset(), own_tips=(), joint_friction=read_only(np.zeros(kinematics.nv)),
-        )  # fmt: skip
+            kinematics=kinematics,
+            tips=tips,
+            stiffness=stiffness,
+            pads=pads,
+            torques=torques,
+            _geometry=geometry,
+            name=str(kinematics.model.name),
+            source=geometry.description.source,
+            joint_names=kinematics.joint_names,
+            nv=kinematics.nv,
+            fingertips=tips.names,
+            lower=kinematics.lower,
+            upper=kinematics.upper,
+            neutral=kinematics.neutral,
+            torque_limits=torques.limits,
+            links_of_sites=None,
+            may_touch=None,
+            in_parts_of=frozenset(),
+            own_tips=(),
+            joint_friction=read_only(np.zeros(kinematics.nv)),
+        )
 
     @property
     def model(self) -> Any:
-        """The pinocchio.Model (a copy)."""
+        """A copy of the hand's pinocchio.Model."""
         return pin.Model(self.kinematics.model)
 
     @property
     def moving_joints(self) -> Any:
-        """(n, nv) bool: which independent joint moves which fingertip."""
+        """Which independent joint moves which fingertip, (n, nv) bool."""
         return self.kinematics.find_moving_joints(self.tips.support[:, 0, :])
 
     @lazy_property
@@ -165,9 +179,8 @@ class HandModel:
     @lazy_property
     def doubts(self) -> tuple[Doubt, ...]:
         """About the robot as it was read and its fingertips; those about torque limits that were passed left out."""
-        from handlcp.robot.audit import description_doubts, tip_doubts
+        from handlcp.robot.audit import description_doubts, tip_doubts  # 20 ms that no other question pays
         from handlcp.robot.joint_audit import tendon_doubts
-        from handlcp.robot.servo_stiffness import ServoStiffness
 
         servos = self.stiffness if isinstance(self.stiffness, ServoStiffness) else None
         pull = bool(self.stiffness.law[1])  # tendons, as they do
@@ -179,8 +192,6 @@ class HandModel:
     @lazy_property
     def link_surfaces(self) -> tuple[LinkSurface, ...]:
         """The links' collision geometry, loaded when first asked for. Raises URDFError."""
-        from handlcp.robot.link_surface import link_surfaces
-
         return link_surfaces(self.description)
 
     def posed(self, q: Array) -> Self:
@@ -300,7 +311,7 @@ class HandPosture:
         return self.hand.kinematics.gravity_torque(self.q, read_gravity(gravity))
 
     def _tip_numbers(self, tips: Any) -> tuple[int, ...]:
-        """Numbers of fingertips. Raises InputError."""
+        """Check the numbers of fingertips and return them. Raises InputError."""
         every = self.hand.tips.numbers
         if isinstance(tips, tuple) and tips == every:
             return every
@@ -308,7 +319,10 @@ class HandPosture:
         return tuple([check_integer(f"tips[{k}]", tip, 0, len(every) - 1) for k, tip in enumerate(given)])
 
     def _reduce_to_independent(self, J: Array, tips: tuple[int, ...]) -> Array:
-        """(m, 3, nv) from columns (m, 3, joints): 0 where a joint moves no tip; mimic joints added to their masters."""
+        """Reduce columns (m, 3, joints) to those of independent joints (m, 3, nv).
+
+        They are 0 where a joint moves no tip, and mimic joints are added to their masters.
+        """
         support, coupling = self.hand.tips.support, self.hand.kinematics.coupling
         J *= support if tips == self.hand.tips.numbers else support[list(tips)]
         return J if coupling is None else np.asarray(J @ coupling)

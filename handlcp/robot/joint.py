@@ -54,7 +54,11 @@ NO_PROPERTIES = JointProperties()
 
 
 class Servo(NamedTuple):
-    """A position actuator. kp [N·m/rad, N/m] : with its gear. arms : how far it turns with each joint [1, 1/m]."""
+    """A position actuator of the file.
+
+    kp [N·m/rad, N/m] : its stiffness, with its gear.
+    arms [1, 1/m] : how far it turns with each joint.
+    """
 
     name: str
     kp: float
@@ -62,7 +66,10 @@ class Servo(NamedTuple):
 
 
 def read_joint_properties(joint: ET.Element, reductions: dict[str, float]) -> JointProperties:
-    """Of a <joint>. reductions : of all joints, by name."""
+    """Read the springs, friction and limits of a <joint>.
+
+    reductions : of all joints, by name.
+    """
     spring, reach, limit = (joint.find(tag) for tag in ("passive", "reach", "limit"))
     return JointProperties(
         read_number(joint.find("dynamics"), "friction", 0.0, 0.0),
@@ -301,7 +308,7 @@ SHARED_LIMIT = "shared limit"  # what a doubt is about that leaves open what the
 
 @dataclass(frozen=True, slots=True)
 class Doubt:
-    """One doubt: the joint or link (or several, or "hand"), what is doubtful, and what to pass instead.
+    """What an audit does not believe of a joint or link (or several, or "hand"), and what to pass instead.
 
     severity : "serious": it can change a verdict, beside which it is said again; "minor": it changes numbers;
     "information": nothing is wrong, and something was read in a way worth knowing. about : a word for what it is
@@ -351,8 +358,13 @@ def read_ranges(names: Sequence[str], facts: Mapping[str, JointFacts], coupling:
 
 @dataclass(frozen=True, slots=True)
 class TorqueLimits:
-    """limits : (nv,) what the joints hold for good [N·m], inf for none. known : nv booleans. given : the joints whose
-    limit the user passed. drives : motors, where joints have some; without : the limits without them, else None.
+    """What torques the joints of a hand bear, and who says so.
+
+    limits (nv,) : what the joints hold for good [N·m], inf for none.
+    known : nv booleans.
+    given : the joints whose limit the user passed.
+    drives : motors, where joints have some.
+    without_motors : the limits without them, else None.
     """
 
     limits: Array

@@ -30,7 +30,10 @@ LARGEST_TORQUE, LARGEST_FORCE = 20.0, 1000.0  # [N·m, N] no joint of a finger h
 
 
 def joint_doubts(facts: Sequence[JointFacts], limits_given: Iterable[str] = ()) -> Iterator[Doubt]:
-    """limits_given : joints whose torque limit was passed; what their efforts are doesn't matter."""
+    """What is doubtful about the joints of a file.
+
+    limits_given : joints whose torque limit was passed; what their efforts are doesn't matter.
+    """
     given = set(limits_given)
     yield from _effort_doubts([f for f in facts if f.mimic is None and f.name not in given])
     yield from _coupling_doubts(facts)

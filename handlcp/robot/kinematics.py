@@ -59,7 +59,7 @@ class Kinematics:
             raise InputError(argument, expected, error.got) from None
 
     def configuration(self, q: Array) -> Array:
-        """(nq,) Pinocchio's configuration: with mimic joints, and continuous joints as (cos, sin)."""
+        """The configuration (nq,) as Pinocchio has it, with mimic joints, and continuous joints as (cos, sin)."""
         full = q if self.coupling is None else self.coupling @ q + self.offset
         return full if len(full) == len(self._zero) else np.asarray(pin.integrate(self.model, self._zero, full))
 

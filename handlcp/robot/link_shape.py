@@ -154,8 +154,12 @@ def check_units(argument: str, model: Any) -> None:
 
 
 class LinkSize(NamedTuple):
-    """Of one link. reach : how far its shapes go from its frame, at most [m]. mesh : the largest extent of its smallest
-    mesh [m], inf without one. meshed : whether a mesh reaches farthest. moved : whether a joint moves it.
+    """How large one link is, as its shapes say.
+
+    reach [m] : how far its shapes go from its frame, at most.
+    smallest_mesh [m] : the largest extent of its smallest mesh, inf without one.
+    has_farthest_mesh : whether a mesh reaches farthest.
+    is_moved : whether a joint moves it.
     """
 
     reach: float
@@ -228,8 +232,9 @@ def shape_doubts(sizes: Mapping[str, LinkSize], model: Any) -> Iterator[Doubt]:
     """Of shapes that are far too large for the robot, or of meshes that are far too small."""
     width = skeleton_width(model)
     still, moved = (
-        max(MAX_SHAPE_REACH, MAX_REACH_PER_SKELETON * width), max(MAX_MOVED_REACH, MAX_MOVED_PER_SKELETON * width),
-    )  # fmt: skip
+        max(MAX_SHAPE_REACH, MAX_REACH_PER_SKELETON * width),
+        max(MAX_MOVED_REACH, MAX_MOVED_PER_SKELETON * width),
+    )
     if large := {name: s for name, s in sizes.items() if s.reach > (moved if s.is_moved else still)}:
         reach = max(size.reach for size in large.values())
         what = (

@@ -136,8 +136,12 @@ PointsAndRadii = tuple[Array, Array]  # (m, 3) positions, (m,) radii
 
 @dataclass(frozen=True, eq=False)
 class LinkSurface:
-    """One link. frame : its number in Pinocchio's model. joint : of the joint that carries it. parts : coal's shapes,
-    with rotation and position in the link's frame. reach : no part is farther from the frame's origin [m].
+    """The collision shapes of one link.
+
+    frame : its number in Pinocchio's model.
+    joint : of the joint that carries it.
+    parts : coal's shapes, with rotation and position in the link's frame.
+    reach [m] : no part is farther from the frame's origin.
     """
 
     name: str

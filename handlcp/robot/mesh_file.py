@@ -156,10 +156,23 @@ class _ColladaScene(ElementCounter):
 
 
 _NUMBER_TYPES = {
-    "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4",
-    "double": "f8", "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4",
-    "float32": "f4", "float64": "f8",
-}  # fmt: skip
+    "char": "i1",
+    "uchar": "u1",
+    "short": "i2",
+    "ushort": "u2",
+    "int": "i4",
+    "uint": "u4",
+    "float": "f4",
+    "double": "f8",
+    "int8": "i1",
+    "uint8": "u1",
+    "int16": "i2",
+    "uint16": "u2",
+    "int32": "i4",
+    "uint32": "u4",
+    "float32": "f4",
+    "float64": "f8",
+}
 _INDEX_NAMES = ("vertex_indices", "vertex_index")
 _BYTE_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _MAX_FACE_CORNERS = 1000  # of a face
@@ -167,7 +180,11 @@ _MAX_FACE_CORNERS = 1000  # of a face
 
 @dataclass
 class _PlyElement:
-    """name, count : such as vertex, 4. properties : name, type of the numbers, type of how many of a list, or ""."""
+    """One element of the header of a PLY file.
+
+    name, count : such as vertex, 4.
+    properties : name, type of the numbers, type of how many of a list, or "".
+    """
 
     name: str
     count: int

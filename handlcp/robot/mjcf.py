@@ -109,7 +109,7 @@ class _UrdfWriter:
         self.doubts += [*found, *more, *self.scene.doubts, *soft_part_doubts(model)]
 
     def write_robot(self) -> tuple[ET.Element, tuple[Doubt, ...]]:
-        """Everything."""
+        """Write the whole robot: its element, and what is doubtful about it."""
         for b in range(self.model.nbody):
             if b not in self.scene.bodies:
                 self._write_body(b)
@@ -357,8 +357,9 @@ def servo_ranges(model: Any) -> dict[int, tuple[float, float]]:
             and int(model.actuator_biastype[a]) == _AFFINE_BIAS
         )
         if own and kp > 0.0 and gear and model.actuator_ctrllimited[a]:
-            low, high = sorted((gain * u + float(model.actuator_biasprm[a, 0])) / (kp * gear)
-                               for u in model.actuator_ctrlrange[a])  # fmt: skip
+            low, high = sorted(
+                (gain * u + float(model.actuator_biasprm[a, 0])) / (kp * gear) for u in model.actuator_ctrlrange[a]
+            )
             found[int(model.actuator_trnid[a, 0])] = (low, high)
     return found
 

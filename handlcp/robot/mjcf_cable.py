@@ -34,8 +34,10 @@ def passive_stiffness(kinematics: Kinematics) -> Array:
 
 
 def rest_angles(kinematics: Kinematics) -> Array:
-    """(nv,) of independent joints [rad, m]: where the springs of each and of those that follow it pull with nothing in
-    all; 0 without springs.
+    """Where the springs of each independent joint, and of those that follow it, pull with nothing in all, (nv,) [rad,
+    m].
+
+    It is 0 without springs.
     """
     (k, rest), coupling = _spring_constants(kinematics), kinematics.all_joints
     stiff = passive_stiffness(kinematics).diagonal()
@@ -82,7 +84,7 @@ class FileCable(NamedTuple):
 
 
 def write_cable(root: ET.Element, cable: FileCable) -> None:
-    """As the tag."""
+    """Write a cable as a tag of the robot."""
     element = add_element(root, CABLE_TAG, name=cable.name, kp=cable.kp, limit=cable.limit)
     for place in cable.route.places:
         if isinstance(place, Pulley):

@@ -20,7 +20,12 @@ _COUPLES_JOINTS = 2  # an equality; those before it are of bodies or sites
 
 
 class SceneParts(NamedTuple):
-    """bodies : numbers of those that are left out. ground : whether the shapes of the world are. said : what is."""
+    """What of an MJCF file is the scene's, and no part of the hand.
+
+    bodies : numbers of those that are left out.
+    has_ground : whether the shapes of the world are.
+    doubts : what is said of it.
+    """
 
     bodies: frozenset[int] = frozenset()
     has_ground: bool = False

@@ -23,12 +23,18 @@ _FILE_TAGS = ("mesh", "hfield", "texture", "skin", "flexcomp")
 
 # Element ("" : any), attribute → the largest number that is allowed in it. Memory is taken for each.
 _MAX_VALUES = {
-    ("size", "nkey"): 10_000, ("size", "njmax"): 1_000_000, ("size", "nconmax"): 1_000_000,
-    ("size", "nstack"): 10_000_000, ("size", "nuserdata"): 1_000_000,
+    ("size", "nkey"): 10_000,
+    ("size", "njmax"): 1_000_000,
+    ("size", "nconmax"): 1_000_000,
+    ("size", "nstack"): 10_000_000,
+    ("size", "nuserdata"): 1_000_000,
     **{("size", f"nuser_{of}"): 1000 for of in ("body", "jnt", "geom", "site", "cam", "tendon", "actuator", "sensor")},
-    ("user", "dim"): 1000, ("", "actdim"): 1000, ("", "nsample"): 1000, ("mesh", "octree_maxdepth"): 6,
+    ("user", "dim"): 1000,
+    ("", "actdim"): 1000,
+    ("", "nsample"): 1000,
+    ("mesh", "octree_maxdepth"): 6,
     ("mesh", "params"): 100,
-}  # fmt: skip
+}
 
 
 def check_mjcf_size(argument: str, text: bytes, path: Path | None) -> None:
@@ -88,8 +94,11 @@ class _ModelCount:
     def _count_included(self, element: ET.Element) -> float:
         """How much the file that an element names builds; 0 where there is none, which MuJoCo says."""
         name = element.get("file", "")
-        found = [f for folder in (self._folder, self._open_files[-1].parent if self._open_files else self._folder)
-                 if name and _is_there(f := folder / name)]  # fmt: skip
+        found = [
+            f
+            for folder in (self._folder, self._open_files[-1].parent if self._open_files else self._folder)
+            if name and _is_there(f := folder / name)
+        ]
         if not found:
             return 0.0
         file = found[0].resolve()
@@ -122,8 +131,10 @@ class _ModelCount:
         if self._pixels > _MAX_PIXELS or self._heights > _MAX_HEIGHTS:
             raise self._refuse(f"textures of at most {_MAX_PIXELS} pixels, {_MAX_HEIGHTS} heights", "more")
         if element.tag == "lengthrange":
-            total, step = (max(_attribute_numbers(element.get(name, "")), default=default)
-                           for name, default in (("inttotal", 10.0), ("timestep", 0.01)))  # fmt: skip
+            total, step = (
+                max(_attribute_numbers(element.get(name, "")), default=default)
+                for name, default in (("inttotal", 10.0), ("timestep", 0.01))
+            )
             if not 0.0 < total <= _MAX_LENGTHRANGE_STEPS * step:
                 raise self._refuse(
                     f"a <lengthrange> of at most {_MAX_LENGTHRANGE_STEPS} steps", f"{total:g} s of {step:g} s"

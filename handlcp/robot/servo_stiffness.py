@@ -65,7 +65,7 @@ class ServoStiffness(JointStiffness):
 
     @property
     def own_springs(self) -> Array:
-        """Of the file."""
+        """The springs (nv,) that the file gives the joints beside the servos [N·m/rad, N/m]."""
         return np.asarray(self.passive.diagonal())
 
     @property
@@ -74,7 +74,7 @@ class ServoStiffness(JointStiffness):
         return np.zeros(len(self.root)) if self._beside is None else self._beside
 
     def parallel_spring_torque(self, q: Array) -> Array | None:
-        """With k (q - θ)."""
+        """The torque k (q - θ) (nv,) of the springs beside the servos [N·m]; None: there are none."""
         return None if self._beside is None else read_only(self._beside * (q - self.rest))
 
     @property

@@ -29,11 +29,16 @@ MAX_JOINTS = 150  # that move: Pinocchio's data take 32 bytes times their cube
 
 # Element, attribute, how many numbers, least value. Pinocchio silently drops numbers that it cannot read.
 _NUMBER_ATTRIBUTES = (
-    ("origin", "xyz", 3, -math.inf), ("origin", "rpy", 3, -math.inf), ("mass", "value", 1, 0.0),
+    ("origin", "xyz", 3, -math.inf),
+    ("origin", "rpy", 3, -math.inf),
+    ("mass", "value", 1, 0.0),
     *(("inertia", name, 1, -math.inf) for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")),
-    ("sphere", "radius", 1, 0.0), ("cylinder", "radius", 1, 0.0), ("cylinder", "length", 1, 0.0),
-    ("box", "size", 3, 0.0), ("mesh", "scale", 3, -math.inf),
-)  # fmt: skip
+    ("sphere", "radius", 1, 0.0),
+    ("cylinder", "radius", 1, 0.0),
+    ("cylinder", "length", 1, 0.0),
+    ("box", "size", 3, 0.0),
+    ("mesh", "scale", 3, -math.inf),
+)
 _KEPT_TAGS = (
     "material",
     "transmission",

@@ -48,7 +48,11 @@ Clock = Callable[[dict[int, Callable[[], bool]]], dict[int, float]]
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """unknowns : how many more the scene has (< 0: fewer). ratio : of the times; None: every scene has the effect."""
+    """What an effect costs in one scene.
+
+    unknowns : how many more the scene has (< 0: fewer).
+    ratio : of the times; None: every scene has the effect.
+    """
 
     unknowns: int
     ratio: float | None
@@ -70,7 +74,7 @@ def costs(clock: Clock = best_times) -> dict[str, Cost]:
 @compile_now()
 def cost(entry: EffectDescription, clock: Clock = best_times) -> Cost:
     """The cost of one effect."""
-    on, off = trials(entry)
+    on, off = effect_scenes(entry)
     grasp = on.grasp(on.state(), on.ball())
     if on == off:
         lines = grasp.explain(on.faces, measure=True).effects
@@ -81,7 +85,7 @@ def cost(entry: EffectDescription, clock: Clock = best_times) -> Cost:
     return Cost(grasp.explain(on.faces).unknowns - less.unknowns, times[1] / times[0])
 
 
-def _run(trial: Trial) -> Callable[[], bool]:
+def _run(trial: EffectScene) -> Callable[[], bool]:
     """The work that is timed. It is done once here, to compile it and to show that the grasp holds."""
     state, ball = trial.state(), trial.ball()
 
@@ -100,14 +104,19 @@ def _run(trial: Trial) -> Callable[[], bool]:
 # An entry says in Python how its effect is asked for. That text is evaluated here, so what the page shows works.
 
 _PLAIN: dict[str, Any] = {
-    "joint_stiffness": 6.0, "mass": 0.0, "friction": mechanics.Coulomb(0.6), "faces": 8, "preload": 0.003,
-    "wrench": (0.0, 0.0, 3.0, 0.0, 0.0, 0.0), "gravity": (0.0, 0.0, 9.81),
-}  # fmt: skip
+    "joint_stiffness": 6.0,
+    "mass": 0.0,
+    "friction": mechanics.Coulomb(0.6),
+    "faces": 8,
+    "preload": 0.003,
+    "wrench": (0.0, 0.0, 3.0, 0.0, 0.0, 0.0),
+    "gravity": (0.0, 0.0, 9.81),
+}
 _SECTION = ("faces", "plane")  # arguments that stay when the effect is left out
 
 
 @dataclass(frozen=True, slots=True)
-class Trial:
+class EffectScene:
     """A grasp yet to be made. given : arguments of the hand, its object, `state.grasp` and `solve`, by name."""
 
     given: dict[str, Any]
@@ -120,10 +129,10 @@ class Trial:
     def state(self) -> HandState:
         """The hand, closed on the ball."""
         name = "two_finger" if "plane" in self.given else "five_finger"
-        return example_hand(name, joint_stiffness=self.given["joint_stiffness"]).at(_closed(name))
+        return example_hand(name, joint_stiffness=self.given["joint_stiffness"]).at(_closed_posture(name))
 
     def ball(self) -> Sphere:
-        """The object."""
+        """The object that the fingers hold."""
         return Sphere(0.035, placement=(0.0, 0.0, 0.07), mass=self.given["mass"])
 
     def grasp(self, state: HandState, ball: Sphere) -> HandGrasp:
@@ -139,14 +148,14 @@ def arguments(entry: EffectDescription) -> dict[str, Any]:
     return dict(eval(f"dict({entry.in_python})", names))
 
 
-def trials(entry: EffectDescription) -> tuple[Trial, Trial]:
+def effect_scenes(entry: EffectDescription) -> tuple[EffectScene, EffectScene]:
     """The scene with the effect and without it: equal where the reference scene itself has it."""
     asked = arguments(entry)
     posed = _PLAIN | {name: x for name, x in asked.items() if name in _SECTION}
-    return Trial(posed | asked), Trial(posed)
+    return EffectScene(posed | asked), EffectScene(posed)
 
 
 @cache
-def _closed(name: str) -> Any:
+def _closed_posture(name: str) -> Any:
     """The posture of the closed hand, which does not depend on its springs."""
-    return example_hand(name).close_on(Trial(_PLAIN).ball())
+    return example_hand(name).close_on(EffectScene(_PLAIN).ball())

@@ -40,7 +40,7 @@ COLUMN = {"n": 2, "o": 0, "t": 1}  # the paper's (n, o, t) are our (z, x, y)
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """A printed magnitude: its text, such as "5.83270e0", its value, and one unit of its last digit."""
+    """A printed magnitude with its text, such as "5.83270e0", its value, and one unit of its last digit."""
 
     text: str
     value: float
@@ -69,7 +69,7 @@ class Reading(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PaperTable:
-    """One table. Entries are magnitudes; fingers count from 1.
+    """One table of the paper. Entries are magnitudes; fingers count from 1.
 
     example, faces (None: planar), method : what the paper ran.
     golden : the columns that must be reproduced, of "force", "fingertip", "object".
@@ -211,7 +211,10 @@ class PrintedRow:
 
 
 def mark_of(printed: Number, ours: float, scale: float) -> Mark:
-    """Compare magnitudes. scale : the largest force or motion, beside which a number may count as zero."""
+    """Compare the magnitudes of a printed number and ours.
+
+    scale : the largest force or motion, beside which a number may count as zero.
+    """
     size, off = abs(ours), abs(abs(ours) - printed.value)
     if printed.value <= _RESIDUE * scale and size <= _ZERO * scale:
         return Mark.DIGITS if printed.value <= _NOISE * scale else Mark.RESIDUE
@@ -295,9 +298,11 @@ def friction_excess(grasp: Grasp, faces: int, forces: Array) -> Array:
 
 
 def compatibility(grasp: Grasp, faces: int, forces: Array) -> tuple[float, float]:
-    """(miss, largest elastic displacement) [m]: least worst residual of Gᵀu + E r + Nλ = 0 over all twists u and λ ≥ 0,
-    in normals and tangents of fingers whose force is not prescribed. λ may act on the faces at the limit, also where
-    the force is beyond it. A linear program.
+    """How far printed forces are from compatible motions: (miss, largest elastic displacement) [m].
+
+    The miss is the least worst residual of Gᵀu + E r + Nλ = 0 over all twists u and λ ≥ 0, in normals and tangents of
+    fingers whose force is not prescribed. λ may act on the faces at the limit, also where the force is beyond it. A
+    linear program.
     """
     scene = grasp.scene
     frictional = scene.force_unknown_mask & (scene.mu > 0)
@@ -333,7 +338,7 @@ class Miss:
         return None if self.elastic is None else self.amount / self.elastic
 
     @property
-    def holds(self) -> bool:
+    def is_satisfied(self) -> bool:
         """Whether the equation is satisfied as far as the printed digits tell."""
         return self.amount <= self.allowed
 
@@ -402,13 +407,17 @@ class TableComparison:
         """For a golden table "reproduced" or "failed", for another "solution" or "not a solution"."""
         if self.table.golden:
             return "reproduced" if self.ok else "failed"
-        return "solution" if all(m.holds for m in self.misses) else "not a solution"
+        return "solution" if all(m.is_satisfied for m in self.misses) else "not a solution"
 
     @property
     def verdict(self) -> str:
-        """One sentence: whether the golden rows match, else which of the paper's equations the printed forces miss."""
+        """One sentence that says whether the golden rows match, else which of the paper's equations the printed
+        forces miss.
+        """
         if not self.table.golden:
-            missed = [f"{m.equation} by {m} ({m.comment})".replace(" ()", "") for m in self.misses if not m.holds]
+            missed = [
+                f"{m.equation} by {m} ({m.comment})".replace(" ()", "") for m in self.misses if not m.is_satisfied
+            ]
             said = "not a solution of the paper's own model: misses " + "; ".join(missed)
             return said if missed else "the printed forces satisfy the paper's own equations"
         if wrong := [f"{r.column} {r.place}" for r in self.golden_rows if r.mark not in REPRODUCED]:
@@ -435,11 +444,18 @@ class TableComparison:
     def to_dict(self) -> dict[str, Any]:
         """Everything, SI units, printed numbers as text."""
         ours = pick_entries(
-            self.solution, "forces", "slip", "gap", "object_displacement", "states = contact_state", "status",
-            "worst_residual = residuals.worst", "loose_motions = uniqueness.loose_motions",
-        )  # fmt: skip
+            self.solution,
+            "forces",
+            "slip",
+            "gap",
+            "object_displacement",
+            "states = contact_state",
+            "status",
+            "worst_residual = residuals.worst",
+            "loose_motions = uniqueness.loose_motions",
+        )
         row = "column", "place", "ours", "relative", "printed = printed.text"
-        miss = "equation", "amount", "holds", "comment", "share_of_largest_elastic_displacement = share"
+        miss = "equation", "amount", "holds = is_satisfied", "comment", "share_of_largest_elastic_displacement = share"
         found = {"golden": bool(self.table.golden), "ours": ours | {"what": self.ours}}
         found["rows"] = [
             pick_entries(r, *row) | {"difference": abs(r.ours) - r.printed.value, "mark": r.mark.name.lower()}

@@ -150,7 +150,7 @@ def catalogue_table(entries: Sequence[EffectDescription], costs: Mapping[str, An
 
 def make_table(
     title: str, heads: Sequence[str], ways: str, rows: Iterable[Sequence[str | Text]] = (), note: str = ""
-) -> Table:  # fmt: skip
+) -> Table:
     """A table in the style of all others. ways : of each column, "<" for words, "|" for words that are never broken,
     ">" for numbers, on the right and never broken. note : stands below it.
     """

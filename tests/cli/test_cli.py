@@ -15,9 +15,9 @@ from typer.testing import CliRunner
 
 import handlcp as hl
 from handlcp.cli import app
+from handlcp.hand.library import urdf
 from handlcp.studies.effect_catalogue import Cost, entries
 from tests.support import patches
-from tests.support.hand import urdf
 from tests.support.messages import without_compiling
 from tests.support.texts import same, says, without_numbers
 

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import handlcp as hl
 from handlcp import scene as scenes
 from handlcp.cli import app
-from tests.support.envelope import EnvelopeQuestion
+from handlcp.studies.envelope.question import EnvelopeQuestion
 
 CUBE = str(pathlib.Path(__file__).parents[2] / "examples" / "cube_three_fingers.toml")
 FEW = ("--directions", "12", "--adaptive", "0", "--faces", "8", "--fixed")

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import handlcp as hl
 from handlcp.cli import app
-from tests.support.hand import allegro, psyonic, urdf
+from handlcp.hand.library import allegro, psyonic, urdf
 from tests.support.texts import says
 
 MJCF = """<mujoco model="claw"><worldbody>

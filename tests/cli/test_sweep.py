@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import handlcp as hl
 from handlcp.cli import app
-from tests.support.sweeps import BriefFrom, HandFrom
+from handlcp.design.sweep.study_file import BriefFrom, HandFrom
 
 URDF = pathlib.Path(__file__).parents[2] / "urdf" / "three_finger.urdf"
 BRIEF = 'tries = 16\n[objects.ball]\nshape = "sphere"\nradius_m = 0.03\nmass_kg = 0.1\n'

@@ -17,11 +17,12 @@ from typer.testing import CliRunner
 import handlcp as hl
 from handlcp import scene
 from handlcp.cli import app
+from handlcp.hand.library import urdf
 from handlcp.studies.accuracy import accuracy_cost
 from handlcp.studies.effect_catalogue import Cost, entries
+from handlcp.viz import terminal_table as tables
+from handlcp.viz.accuracy import all_tables
 from tests.support import patches
-from tests.support.hand import urdf
-from tests.support.show import all_tables, tables
 
 ROOT = pathlib.Path(__file__).parents[2]
 EXAMPLES = ("cube_three_fingers", "box_on_table", "planar_ring")

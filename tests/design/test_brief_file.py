@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from handlcp.contact.friction import as_law
+from handlcp.design.brief_file import BriefTables
+from handlcp.design.sweep.same import digest
 from handlcp.scene import keys, read
-from tests.support.design import BriefTables, as_law, digest
 from tests.support.texts import says
 
 BALL = '[objects.ball]\nshape = "sphere"\nradius_m = 0.03\nmass_kg = 0.15\n'

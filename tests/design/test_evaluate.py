@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.support.designs import evaluate_worst
+from handlcp.design.evaluate import evaluate_worst
 
 PULL, TWIST = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.02)
 BOX = hl.Box((0.04, 0.05, 0.08), mass=0.2)

@@ -10,8 +10,12 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from handlcp.design.evaluation import parse_requirement
+from handlcp.design.optimise.aims import margin, read_aims
+from handlcp.design.optimise.best import slopes_of
+from handlcp.design.optimise.slopes import Gradient, places, slope
+from handlcp.design.space import Space
 from tests.design.optima import SPACE, brief, make, run
-from tests.support.optima import Gradient, Space, margin, parse_requirement, places, read_aims, slope, slopes_of
 
 
 def of(function, u):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.support.design import NOT_FOUND, REQUIREMENT_UNITS, ObjectCase, parse_requirement
+from handlcp.design.evaluation import NOT_FOUND, REQUIREMENT_UNITS, ObjectCase, parse_requirement
 from tests.support.texts import says
 
 FACTORS = {"weight": 4.0, "pull": 9.0}

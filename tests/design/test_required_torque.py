@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from handlcp.actuation.motor import Drives
 from handlcp.errors import InputError, UnknownName
 from tests.design.hands import G, cube_grasp, pinch
 from tests.hand.levers import MU, L
-from tests.support.hand import Drives
 from tests.support.texts import says
 
 BRIEF = {"lift": {}, "push": (0, 3, 0, 0, 0, 0), "heavy, upside down": {"gravity": (0, 0, G), "mass": 0.8}}

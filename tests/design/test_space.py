@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 import handlcp as hl
-from tests.support.sweeps import Space
+from handlcp.design.space import Space
 
 MIXED = Space(
     {"length": (0.03, 0.06), "fingers": range(2, 5), "stiffness": (0.1, 10.0, "log"), "pad": ["soft", "hard"], "n": 3}

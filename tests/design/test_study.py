@@ -8,7 +8,9 @@ from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
 import handlcp as hl
-from tests.support.sweeps import Space, is_pareto_optimal, main_effect, parameter_label
+from handlcp.design.space import Space
+from handlcp.design.study import is_pareto_optimal, main_effect
+from handlcp.viz.study.figure import parameter_label
 
 
 def told(rows, space=None):

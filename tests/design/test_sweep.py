@@ -11,9 +11,11 @@ from functools import partial
 import pytest
 
 import handlcp as hl
+from handlcp.design.space import Space
+from handlcp.design.sweep.cells import MOST, cells_of
+from handlcp.design.sweep.table import write_table
 from tests.design.sweeps import NO_HANDS, bits, brief, make, no_hand, run, run_without_hands, stopped_after
 from tests.support.browser import opened
-from tests.support.sweeps import MOST, Space, cells_of, write_table
 
 
 @pytest.fixture(scope="module")

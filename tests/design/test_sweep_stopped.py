@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 
 import handlcp as hl
+from handlcp.design.sweep.journal import beside
 from tests.design.sweeps import bits, no_hand, run_without_hands, stopped_after
-from tests.support.sweeps import beside
 
 ROOT = Path(__file__).parents[2]
 SLOWLY = """

@@ -16,7 +16,6 @@ import tempfile
 import time
 import warnings
 from collections import Counter
-from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
@@ -39,7 +38,7 @@ class Trial(NamedTuple):
     kind: str
     value: Any
 
-    def __str__(self) -> str:
+    def __str__(self):
         return f"{self.call.name}({self.parameter}={shown(self.value)})"
 
 
@@ -52,12 +51,12 @@ class Outcome(NamedTuple):
     seconds: float
 
 
-def trials() -> list[Trial]:
+def trials():
     """All of them."""
     return [trial for call in calls() for trial in _of(call)]
 
 
-def _of(call: Call) -> Iterator[Trial]:
+def _of(call):
     yield Trial(call, "no_such_keyword", "unknown", 1)
     yield Trial(call, "", "many", [object()] * 40)
     for p in call.parameters:
@@ -71,7 +70,7 @@ def _of(call: Call) -> Iterator[Trial]:
                 yield Trial(call, p.name, "rest" if p.kind is p.VAR_POSITIONAL else kind, value)
 
 
-def run(trial: Trial, seconds: float = SECONDS) -> Outcome:
+def run(trial, seconds=SECONDS):
     """What comes of it."""
     call, name, kind, value = trial
     given = call.given()
@@ -104,10 +103,10 @@ def run(trial: Trial, seconds: float = SECONDS) -> Outcome:
 
 
 @contextmanager
-def limited(seconds: float) -> Iterator[None]:
+def limited(seconds):
     """The block ends with TooLong after so long."""
 
-    def end(*_: object) -> None:
+    def end(*_):
         raise TooLong
 
     before = signal.signal(signal.SIGALRM, end)
@@ -119,7 +118,7 @@ def limited(seconds: float) -> Iterator[None]:
         signal.signal(signal.SIGALRM, before)
 
 
-def fuzz(many: int, seed: int, seconds: float = SECONDS, among: Sequence[Trial] | None = None) -> list[Outcome]:
+def fuzz(many, seed, seconds=SECONDS, among=None):
     """So many of the trials, drawn without putting them back, in a folder that is thrown away. among : these trials;
     None: all.
     """
@@ -134,7 +133,7 @@ def fuzz(many: int, seed: int, seconds: float = SECONDS, among: Sequence[Trial] 
             os.chdir(here)
 
 
-def main() -> int:
+def main():
     """Run and print."""
     numbers = [int(word) for word in sys.argv[1:3]]
     many, seed = [*numbers, *(2500, 0)[len(numbers) :]]

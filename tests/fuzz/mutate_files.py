@@ -105,13 +105,13 @@ class Counts:
     found: Counter[str] = field(default_factory=Counter)
     wrong: dict[str, str] = field(default_factory=dict)
 
-    def __str__(self) -> str:
+    def __str__(self):
         heads = ["files", "read", "refused", "untyped", "hangs over 10 s", "over 2 GB", "written"]
         return "\n".join([*[f"{self.found[head]:6d}  {head}" for head in heads],
                           *[f"{name}: {why}" for name, why in self.wrong.items()]])  # fmt: skip
 
 
-def write_mutants(folder: Path, count: int, seed: int) -> tuple[list[tuple[str, Path]], Path]:
+def write_mutants(folder, count, seed):
     """(kind, file) of the bombs and of so many mutants in all, with one to three mutations each; and a file of
     somebody, which has to stay what it is.
     """
@@ -135,7 +135,7 @@ def write_mutants(folder: Path, count: int, seed: int) -> tuple[list[tuple[str, 
     return made, victim
 
 
-def _put(file: Path, data: bytes, original: Path) -> Path:
+def _put(file, data, original):
     """Written, with what has to stand beside it: the description of a table, or the table of a description."""
     file.write_bytes(data)
     table = original.with_name(original.name.removesuffix(".json"))
@@ -146,7 +146,7 @@ def _put(file: Path, data: bytes, original: Path) -> Path:
     return file
 
 
-def run(folder: Path, count: int, seed: int) -> Counts:
+def run(folder, count, seed):
     """Mutates and reads. folder : an empty one."""
     files, own = folder / "files", folder / "own"
     files.mkdir()
@@ -165,11 +165,11 @@ def run(folder: Path, count: int, seed: int) -> Counts:
     return counts
 
 
-def _state(folder: Path) -> dict[Path, tuple[int, int]]:
+def _state(folder):
     return {path: (path.stat().st_size, path.stat().st_mtime_ns) for path in folder.rglob("*")}
 
 
-def _read(listing: Path, first: int, own: Path, made: list[tuple[str, Path]], counts: Counts) -> int:
+def _read(listing, first, own, made, counts):
     """Reads from a number on until the child ends; returns the number to go on with."""
     command = [sys.executable, "-m", "tests.fuzz.read_files", str(listing), str(first), str(own), str(LIMIT)]
     told, lines, at, patience = own / "stderr", queue.Queue[str | None](), first, STARTS
@@ -201,13 +201,13 @@ def _read(listing: Path, first: int, own: Path, made: list[tuple[str, Path]], co
     return at + 1
 
 
-def _pump(stream, lines) -> None:
+def _pump(stream, lines):
     for line in stream:
         lines.put(line)
     lines.put(None)
 
 
-def _note(counts: Counts, file: tuple[str, Path], outcome: str) -> None:
+def _note(counts, file, outcome):
     heads = {"hang": "hangs over 10 s", "memory": "over 2 GB"}
     word = outcome.split(" ")[0].rstrip(":")
     counts.found[heads.get(word, word)] += 1
@@ -215,7 +215,7 @@ def _note(counts: Counts, file: tuple[str, Path], outcome: str) -> None:
         counts.wrong[file[1].name] = outcome
 
 
-def main() -> int:
+def main():
     """Prints the counts; 1 where any that has to be 0 is not."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=2000)

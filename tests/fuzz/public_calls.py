@@ -7,33 +7,14 @@ called. A test holds that no class is missing.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 import handlcp as hl
 from tests.design import optima
-from tests.fuzz.public_objects import (
-    BALL,
-    LAWS,
-    MJCF,
-    PUSH,
-    SHAPES,
-    TENDONS,
-    URDF,
-    brief,
-    cost,
-    cube_file,
-    hand,
-    hard,
-    held,
-    lcp,
-    pinch,
-    receiver,
-    state,
-    three,
-)
+from tests.fuzz import public_objects as made
 
 
 class Call(NamedTuple):
@@ -44,32 +25,32 @@ class Call(NamedTuple):
     given: Callable[[], dict[str, Any]]
 
     @property
-    def parameters(self) -> list[inspect.Parameter]:
+    def parameters(self):
         """All but the receiver."""
         return [p for p in inspect.signature(self.function).parameters.values() if p.name not in ("self", "cls")]
 
-    def prepare(self) -> None:
+    def prepare(self):
         """Make the receiver of a method, which takes its own time."""
         if isinstance(self.function, _Bound):
-            receiver(self.function.kind)
+            made.receiver(self.function.kind)
 
 
 # What a call is given; what is not named here has its default
 GIVEN: dict[str, Callable[[], dict[str, Any]]] = {
     "AccuracyCost.cheapest": lambda: {"error": 1.0},
-    "AccuracyCost.from_json": lambda: {"text": cost().to_json()},
+    "AccuracyCost.from_json": lambda: {"text": made.cost().to_json()},
     "AccuracyCost.front": lambda: {"method": "NSNGRK polished"},
     "AccuracyCost.of": lambda: {"method": "NSNGRK polished"},
     "AccuracyCost.to_csv": lambda: {"path": "cost.csv"},
     "AnisotropicCoulomb": lambda: {"mu_x": 0.5, "mu_y": 0.2},
-    **{f"{law}.with_mu": lambda: {"mu": 0.4} for law in LAWS},
-    **{f"{shape}.moved_to": lambda: {"placement": (0, 0, 0.1)} for shape in SHAPES},
-    **{f"{shape}.weighing": lambda: {"mass": 0.1} for shape in SHAPES},
+    **{f"{law}.with_mu": lambda: {"mu": 0.4} for law in made.LAWS},
+    **{f"{shape}.moved_to": lambda: {"placement": (0, 0, 0.1)} for shape in made.SHAPES},
+    **{f"{shape}.weighing": lambda: {"mass": 0.1} for shape in made.SHAPES},
     "Audit.about": lambda: {"joint": "finger_1_distal"},
     "Around": lambda: {"link": "palm", "placement": ((0, 0, 0), (0, 0, 1)), "radius": 0.01},
     "Box": lambda: {"size": 0.05},
-    "Brief": lambda: {"objects": BALL},
-    "Brief.from_toml": lambda: {"path": brief().to_toml("brief.toml")},
+    "Brief": lambda: {"objects": made.BALL},
+    "Brief.from_toml": lambda: {"path": made.brief().to_toml("brief.toml")},
     "Contact": lambda: {"position": (0.02, 0, 0), "normal": (-1.0, 0, 0)},
     "Contact.named": lambda: {"name": "thumb"},
     "Contact.with_friction": lambda: {"friction": hl.Coulomb(0.5)},
@@ -78,14 +59,14 @@ GIVEN: dict[str, Callable[[], dict[str, Any]]] = {
     "Cylinder": lambda: {"radius": 0.03, "length": 0.1},
     "Ellipsoid": lambda: {"radii": (0.03, 0.02, 0.04)},
     "Envelope.page": lambda: {"path": "envelope.html"},
-    "Environment": lambda: {"contacts": pinch().contacts},
+    "Environment": lambda: {"contacts": made.pinch().contacts},
     "FingerForceBound": lambda: {"limits": 10.0},
     "Flexibility": lambda: {
         "jacobian": np.ones((6, 2)),
         "root": np.eye(2),
         "pads": np.tile(1e-4 * np.eye(3), (2, 1, 1)),
     },
-    "Grasp": lambda: {"contacts": pinch().contacts, "wrench": PUSH, "flexibility": 1e-4, "preload": 1e-3},
+    "Grasp": lambda: {"contacts": made.pinch().contacts, "wrench": made.PUSH, "flexibility": 1e-4, "preload": 1e-3},
     "Grasp.follow": lambda: {"steps": 2},
     "Grasp.equilibria": lambda: {"faces": 4, "seconds": 0.1},
     "Grasp.payload": lambda: {"geometry": "fixed", "faces": 8},
@@ -93,16 +74,20 @@ GIVEN: dict[str, Callable[[], dict[str, Any]]] = {
     "Grasp.required_preload": lambda: {"tolerance": 0.5},
     "Grasp.required_stiffness": lambda: {"motion": 2e-3, "tolerance": 0.5},
     "GraspSolution.page": lambda: {"path": "solution.html"},
-    "GraspStream": lambda: {"grasp": pinch()},
-    "GraspStream.update": lambda: {"wrench": PUSH},
+    "GraspStream": lambda: {"grasp": made.pinch()},
+    "GraspStream.update": lambda: {"wrench": made.PUSH},
     "Hand.at": lambda: {"q": np.zeros(4)},
-    "Hand.close_on": lambda: {"obj": BALL},
+    "Hand.close_on": lambda: {"obj": made.BALL},
     "Hand.finger_joints": lambda: {"fingertip": "finger_1_tip"},
-    "Hand.from_mjcf": lambda: {"source": MJCF, "fingertips": {"tip": "bar"}, "joint_stiffness": 1.0},
-    "Hand.from_model": lambda: {"model": hand().model, "fingertips": ["finger_1_tip"], "joint_stiffness": 1.0},
-    "Hand.from_urdf": lambda: {"source": URDF, "fingertips": {"tip": ("bar", (0, 0, 0.05))}, "joint_stiffness": 1.0},
+    "Hand.from_mjcf": lambda: {"source": made.MJCF, "fingertips": {"tip": "bar"}, "joint_stiffness": 1.0},
+    "Hand.from_model": lambda: {"model": made.hand().model, "fingertips": ["finger_1_tip"], "joint_stiffness": 1.0},
+    "Hand.from_urdf": lambda: {
+        "source": made.URDF,
+        "fingertips": {"tip": ("bar", (0, 0, 0.05))},
+        "joint_stiffness": 1.0,
+    },
     "Hand.in_parts": lambda: {},
-    "Hand.limited": lambda: {"torques": hand().torques},
+    "Hand.limited": lambda: {"torques": made.hand().torques},
     "Hand.posed": lambda: {"q": np.zeros(4)},
     "Hand.stiffer": lambda: {"factor": 2.0},
     "Hand.tip_kind": lambda: {"tip": 0},
@@ -112,10 +97,10 @@ GIVEN: dict[str, Callable[[], dict[str, Any]]] = {
     "Hand.vary": lambda: {"changes": {"finger_1_tip.radius": 0.01}},
     "HandGrasp.follow": lambda: {"steps": 2},
     "HandGrasp.equilibria": lambda: {"faces": 4, "seconds": 0.1},
-    "HandGrasp.geometric_change": lambda: {"solution": hard().solve()},
+    "HandGrasp.geometric_change": lambda: {"solution": made.hard().solve()},
     "HandGrasp.payload": lambda: {"geometry": "fixed", "faces": 8},
-    "HandGrasp.load_limit": lambda: {"wrench": PUSH, "geometry": "fixed"},
-    "HandGrasp.best_change": lambda: {"wrench": PUSH, "geometry": "fixed"},
+    "HandGrasp.load_limit": lambda: {"wrench": made.PUSH, "geometry": "fixed"},
+    "HandGrasp.best_change": lambda: {"wrench": made.PUSH, "geometry": "fixed"},
     "HandGrasp.required_friction": lambda: {"tolerance": 0.5},
     "HandGrasp.required_grip": lambda: {"tolerance": 0.5},
     "HandGrasp.required_preload": lambda: {"tolerance": 0.5},
@@ -123,13 +108,13 @@ GIVEN: dict[str, Callable[[], dict[str, Any]]] = {
     "HandGrasp.required_stiffness": lambda: {"motion": 2e-3, "tolerance": 0.5},
     "HandGrasp.required_torque": lambda: {"tolerance": 0.5},
     "HandGraspSolution.page": lambda: {"path": "solution.html"},
-    "HandState.grasp": lambda: {"target": BALL},
-    "HandState.jacobian_at": lambda: {"points": state().tip_positions, "tips": (0, 1)},
+    "HandState.grasp": lambda: {"target": made.BALL},
+    "HandState.jacobian_at": lambda: {"points": made.state().tip_positions, "tips": (0, 1)},
     "HandState.turning": lambda: {"tips": (0, 1)},
     "KnownForce": lambda: {"contact": 0, "force": (0, 0, 1.0)},
     "LCP": lambda: {"M": np.eye(2), "q": [-1.0, 1.0]},
     "Loading.page": lambda: {"path": "loading.html"},
-    "Mesh": lambda: {"path": cube_file()},
+    "Mesh": lambda: {"path": made.cube_file()},
     "Motor": lambda: {"continuous": 1.0},
     "Motor.lasts": lambda: {"torque": 1.5},
     "Motor.share": lambda: {"torque": 1.5},
@@ -152,7 +137,7 @@ GIVEN: dict[str, Callable[[], dict[str, Any]]] = {
     "SoftFinger": lambda: {"mu": 0.5, "mu_torsion": 0.003},
     "SoftWrist": lambda: {"flexibility": np.eye(6)},
     "Sphere": lambda: {"radius": 0.03},
-    "Stage": lambda: {"name": "push", "load": PUSH},
+    "Stage": lambda: {"name": "push", "load": made.PUSH},
     "Study.column_of": lambda: {"name": "force"},
     "Study.load": lambda: {"path": "no such file.parquet"},
     "Study.page": lambda: {"path": "study.html"},
@@ -161,29 +146,29 @@ GIVEN: dict[str, Callable[[], dict[str, Any]]] = {
     "Study.pareto": lambda: {},
     "Synergies": lambda: {"S": {"a": {"finger_1_proximal": 1.0}}, "stiffness": 1.0},
     "Table": lambda: {"point": (0, 0, 0)},
-    "Table.under": lambda: {"obj": BALL},
-    "Tendons": lambda: {"moment_arms": TENDONS, "stiffness": 1e3},
+    "Table.under": lambda: {"obj": made.BALL},
+    "Tendons": lambda: {"moment_arms": made.TENDONS, "stiffness": 1e3},
     "Tendons.motored": lambda: {"motors": {}},
     "TotalForceBound": lambda: {"limit": 10.0},
     "Verdict.about": lambda: {"code": "torque"},
     "YCB": lambda: {"name": "018_plum"},
     "accuracy_cost": lambda: {
-        "grasp": pinch(),
+        "grasp": made.pinch(),
         "methods": ["NSNGRK polished"],
         "faces": [8],
         "tolerances": [1e-9],
         "left_out": False,
         "repeats": 1,
     },
-    "audit_urdf": lambda: {"path": URDF},
-    "describe_urdf": lambda: {"path": URDF},
-    "envelope": lambda: {"grasp": pinch(), "directions": 6, "faces": 8, "adaptive": 0, "progress": False},
-    "evaluate": lambda: {"hand": hand(), "brief": brief()},
+    "audit_urdf": lambda: {"path": made.URDF},
+    "describe_urdf": lambda: {"path": made.URDF},
+    "envelope": lambda: {"grasp": made.pinch(), "directions": 6, "faces": 8, "adaptive": 0, "progress": False},
+    "evaluate": lambda: {"hand": made.hand(), "brief": made.brief()},
     "example_hand": lambda: {"name": "two_finger"},
-    "find_grasp": lambda: {"hand": hand(), "obj": BALL, "tries": 2, "grip_force": 5.0},
+    "find_grasp": lambda: {"hand": made.hand(), "obj": made.BALL, "tries": 2, "grip_force": 5.0},
     "finger_hand": dict,
-    "finger_strength": lambda: {"hand": hand()},
-    "lift_and_shake": lambda: {"hand": three(), "rated_payload": 0.1, "opening": 0.08, "tries": 1},
+    "finger_strength": lambda: {"hand": made.hand()},
+    "lift_and_shake": lambda: {"hand": made.three(), "rated_payload": 0.1, "opening": 0.08, "tries": 1},
     "optimise": lambda: {
         "make": optima.make,
         "space": optima.SPACE,
@@ -192,25 +177,25 @@ GIVEN: dict[str, Callable[[], dict[str, Any]]] = {
         "executor": "serial",
         "progress": False,
     },
-    "path_cost": lambda: {"grasp": pinch(), "times": (0.5, 1), "repeats": 1},
+    "path_cost": lambda: {"grasp": made.pinch(), "times": (0.5, 1), "repeats": 1},
     "read_postures": lambda: {"source": [{"q": [0.0] * 4, "placement": [0.0] * 6}]},
     "reliability": lambda: {
-        "grasp": pinch(),
+        "grasp": made.pinch(),
         "spread": {"friction": 0.2},
         "samples": 64,
         "workers": 1,
         "progress": False,
     },
     "report": lambda: {
-        "hands": {"one": hand(), "other": hand().scale_stiffness(2.0)},
-        "brief": brief(),
+        "hands": {"one": made.hand(), "other": made.hand().scale_stiffness(2.0)},
+        "brief": made.brief(),
         "path": "report.html",
     },
-    "slip_resistance": lambda: {"held": pinch(), "axis": (0, 0, 1)},
-    "slopes": lambda: {"grasp": held(), "names": ["finger_1_tip.pad"]},
-    "solve_lcp": lambda: {"problem": lcp()},
-    "solve_many": lambda: {"grasps": [pinch()], "progress": False},
-    "split_cylinder": lambda: {"hand": three(), "diameter": 0.05, "grasps": ["pinch"]},
+    "slip_resistance": lambda: {"held": made.pinch(), "axis": (0, 0, 1)},
+    "slopes": lambda: {"grasp": made.held(), "names": ["finger_1_tip.pad"]},
+    "solve_lcp": lambda: {"problem": made.lcp()},
+    "solve_many": lambda: {"grasps": [made.pinch()], "progress": False},
+    "split_cylinder": lambda: {"hand": made.three(), "diameter": 0.05, "grasps": ["pinch"]},
     "stiffness_from": lambda: {"angle": [0.0, 0.1, 0.2], "torque": [0.0, 0.5, 1.0]},
     "sweep": lambda: {
         "make": optima.make,
@@ -220,10 +205,10 @@ GIVEN: dict[str, Callable[[], dict[str, Any]]] = {
         "executor": "serial",
         "progress": False,
     },
-    "tendon_routes": lambda: {"source": MJCF},
-    "to_mujoco": lambda: {"grasp": held()},
-    "vary_grasp": lambda: {"grasp": held(), "changes": {"finger_1_tip.pad": 1e-4}},
-    "wrench_from_fingertip_forces": lambda: {"grasp": pinch(), "forces": np.zeros((2, 3))},
+    "tendon_routes": lambda: {"source": made.MJCF},
+    "to_mujoco": lambda: {"grasp": made.held()},
+    "vary_grasp": lambda: {"grasp": made.held(), "changes": {"finger_1_tip.pad": 1e-4}},
+    "wrench_from_fingertip_forces": lambda: {"grasp": made.pinch(), "forces": np.zeros((2, 3))},
 }
 
 # Methods that are not called: the package calls them with what it made itself, as docs/extend.md says; and those of an
@@ -257,51 +242,16 @@ HOOKS = {
     "HandGraspSolution": ["deferred"],
     "GraspProblem": ["back", "candidate", "complete", "lift", "natural"],
 }
-MADE_BY_USERS = {
-    "AnisotropicCoulomb",
-    "Around",
-    "Auto",
-    "Box",
-    "Brief",
-    "Contact",
-    "ContactCompliance",
-    "Coulomb",
-    "Cylinder",
-    "Ellipsoid",
-    "Environment",
-    "FingerForceBound",
-    "Flexibility",
-    "Frictionless",
-    "GeometricStiffness",
-    "Grasp",
-    "GraspStream",
-    "HandGrasp",
-    "KnownForce",
-    "LCP",
-    "Lemke",
-    "Mesh",
-    "Motor",
-    "NSNGRK",
-    "PrescribedForce",
-    "Pulley",
-    "Pyramid",
-    "Route",
-    "SemismoothNewton",
-    "Site",
-    "SoftFinger",
-    "SoftWrist",
-    "Sphere",
-    "Stage",
-    "Synergies",
-    "Table",
-    "Tendons",
-    "TorqueSaturation",
-    "TotalForceBound",
-    "YCB",
-}
+_MADE_BY_USERS = """
+    AnisotropicCoulomb Around Auto Box Brief Contact ContactCompliance Coulomb Cylinder Ellipsoid Environment
+    FingerForceBound Flexibility Frictionless GeometricStiffness Grasp GraspStream HandGrasp KnownForce LCP Lemke
+    Mesh Motor NSNGRK PrescribedForce Pulley Pyramid Route SemismoothNewton Site SoftFinger SoftWrist Sphere Stage
+    Synergies Table Tendons TorqueSaturation TotalForceBound YCB
+"""
+MADE_BY_USERS = set(_MADE_BY_USERS.split())
 
 
-def calls() -> Iterator[Call]:
+def calls():
     """All of them, in order of their names."""
     for name in sorted(hl.__all__):
         value = getattr(hl, name)
@@ -311,7 +261,7 @@ def calls() -> Iterator[Call]:
             yield from _of_class(name, value)
 
 
-def _of_class(name: str, kind: type) -> Iterator[Call]:
+def _of_class(name, kind):
     if name in MADE_BY_USERS:
         yield Call(name, kind, GIVEN.get(name, dict))
     hooks = (*HOOKS.get(name, ()), *(_EFFECT if issubclass(kind, hl.grasp.Effect) else ()))
@@ -327,12 +277,12 @@ _EFFECT = tuple(name for name in dir(hl.grasp.Effect) if not name.startswith("_"
 class _Bound:
     """A method of the object that `MADE` has, made when it is called."""
 
-    def __init__(self, kind: str, method: str) -> None:
+    def __init__(self, kind, method):
         self.kind, self.method = kind, method
 
     @property
-    def __signature__(self) -> inspect.Signature:
+    def __signature__(self):
         return inspect.signature(getattr(getattr(hl, self.kind), self.method))
 
-    def __call__(self, *args: Any, **given: Any) -> Any:
-        return getattr(receiver(self.kind), self.method)(*args, **given)
+    def __call__(self, *args, **given):
+        return getattr(made.receiver(self.kind), self.method)(*args, **given)

@@ -22,7 +22,7 @@ MJCF = """<mujoco><worldbody><body name="palm"><body name="bar"><joint name="tur
 <geom size=".01" pos="0 0 .05"/></body></body></worldbody></mujoco>"""
 
 
-def cube_file() -> str:
+def cube_file():
     """A mesh file in the working folder."""
     import trimesh
 
@@ -31,70 +31,70 @@ def cube_file() -> str:
 
 
 @cache
-def hand() -> hl.Hand:
+def hand():
     return hl.example_hand("two_finger", joint_stiffness=6.0, torque_limits=3.0)
 
 
 @cache
-def state() -> hl.HandState:
+def state():
     return hand().at(hand().close_on(BALL))
 
 
 @cache
-def held() -> hl.HandGrasp:
+def held():
     """A ball in two fingers with soft pads of their own moment."""
     return state().grasp(BALL, hl.SoftFinger(0.8, 0.005), grip_force=5.0)
 
 
 @cache
-def three() -> hl.Hand:
+def three():
     return hl.example_hand("three_finger", joint_stiffness=6.0)
 
 
 @cache
-def hard() -> hl.HandGrasp:
+def hard():
     """A ball in two fingers, at points."""
     return state().grasp(BALL, 0.8, grip_force=5.0)
 
 
 @cache
-def pinch() -> hl.Grasp:
+def pinch():
     """Two points that press on an object, and have no hand."""
     contacts = [hl.Contact((s * 0.02, 0, 0), (-s, 0, 0), hl.Coulomb(0.5)) for s in (-1.0, 1.0)]
     return hl.Grasp(contacts, (0, 0, -1, 0, 0, 0), flexibility=1e-4, preload=1e-3)
 
 
 @cache
-def brief() -> hl.Brief:
+def brief():
     return hl.Brief(BALL, grip_force=5.0, tries=2)
 
 
 @cache
-def found() -> hl.Found:
+def found():
     return hl.find_grasp(hand(), hl.Sphere(0.03, mass=0.1), friction=0.8, tries=8)
 
 
 @cache
-def evaluation() -> hl.Evaluation:
+def evaluation():
     return hl.evaluate(hand(), brief())
 
 
 @cache
-def study() -> hl.Study:
+def study():
     return hl.sweep(optima.make, {"force": (0.5, 2.0)}, optima.brief, samples=2, executor="serial", progress=False)
 
 
 @cache
-def cost() -> hl.AccuracyCost:
+def cost():
     few = {"methods": ["NSNGRK polished"], "faces": [8], "tolerances": [1e-9], "left_out": False, "repeats": 1}
     return hl.accuracy_cost(pinch(), **few)
 
 
-def lcp() -> hl.LCP:
+def lcp():
     return hl.LCP([[2.0, 1.0], [1.0, 2.0]], [-1.0, 1.0])
 
 
-def tendons() -> hl.Tendons:
+def tendons():
     return hl.Tendons(TENDONS, 1e3, 1.0)
 
 
@@ -173,6 +173,6 @@ MADE: dict[str, Callable[[], Any]] = {
 
 
 @cache
-def receiver(kind: str) -> Any:
+def receiver(kind):
     """The object of a class whose methods are called; the class itself, where its methods make one."""
     return MADE[kind]() if kind in MADE else getattr(hl, kind)

@@ -23,7 +23,7 @@ LONGEST = 20_000  # letters of a message
 WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 
 
-def read_hand(path: Path) -> None:
+def read_hand(path):
     """With all its shapes, and what `audit` and `describe` say."""
     for look in (hl.audit_urdf, hl.describe_urdf):
         with contextlib.suppress(hl.HandLCPError):
@@ -32,7 +32,7 @@ def read_hand(path: Path) -> None:
     _ = hand.at(hand.neutral).tip_positions, str(hand.audit()), str(hand.describe().to_dict())
 
 
-def read_mjcf(path: Path) -> None:
+def read_mjcf(path):
     """Joints, springs, tendons and shapes."""
     with contextlib.suppress(hl.HandLCPError):
         hl.tendon_routes(path)
@@ -40,7 +40,7 @@ def read_mjcf(path: Path) -> None:
     _ = hand.at(hand.neutral).jacobian, str(hand.audit()), str(hand.describe().to_dict())
 
 
-def read_study(path: Path) -> None:
+def read_study(path):
     """What is asked of the table of a sweep."""
     study = hl.Study.load(path)
     str(study)
@@ -58,11 +58,11 @@ READ = {
 }  # fmt: skip
 
 
-def watch(allowed: tuple[str, ...]) -> list[str]:
+def watch(allowed):
     """Collects the files that Python opens to write, makes, moves or removes outside of these folders."""
     written = list[str]()
 
-    def hook(event: str, args: tuple[object, ...]) -> None:
+    def hook(event, args):
         changes = event in ("os.rename", "os.mkdir", "os.remove", "os.link", "os.symlink", "os.truncate", "os.chmod")
         opens = event == "open" and isinstance(args[2], int) and bool(args[2] & WRITES)
         if (changes or opens) and isinstance(args[0], str | bytes | os.PathLike):
@@ -74,12 +74,12 @@ def watch(allowed: tuple[str, ...]) -> list[str]:
     return written
 
 
-def size() -> int:
+def size():
     """Most memory so far [bytes]."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
-def main(listing: str, first: int, own: str, limit: float) -> None:
+def main(listing, first, own, limit):
     """A line a file from number `first` on: number, outcome, seconds. own : folder for this process's own files."""
     warnings.simplefilter("error")
     cache = os.environ.get("HANDLCP_CACHE_DIR", str(Path.home() / ".cache"))

@@ -16,7 +16,7 @@ import numpy as np
 import handlcp as hl
 
 
-def read(path: Path) -> str:
+def read(path):
     """A typed error by its name, "hand" for a hand that can be used, or what went wrong."""
     for look in (hl.audit_urdf, hl.describe_urdf):
         with contextlib.suppress(hl.HandLCPError):
@@ -38,7 +38,7 @@ def read(path: Path) -> str:
     return f"hand, {s.status.name}"
 
 
-def main(folder: str) -> None:
+def main(folder):
     """One line a file, the name first, so that the last one names a file that never came back."""
     warnings.simplefilter("error")
     contacts = [hl.Contact((-0.01, 0, 0), (1, 0, 0)), hl.Contact((0.01, 0, 0), (-1, 0, 0))]

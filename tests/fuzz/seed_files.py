@@ -126,9 +126,11 @@ def meshes():
     }  # fmt: skip
 
 
-def write_seeds(folder: Path) -> dict[str, list[Path]]:
+def write_seeds(folder):
     """Kind → valid files of it, with what stands beside them."""
-    from tests.support.sweeps import beside, journal_of, write_table
+    from handlcp.design.sweep.journal import beside
+    from handlcp.design.sweep.table import write_table
+    from tests.support.sweeps import journal_of
 
     put = {"hand.xml": MJCF, "mesh.urdf": MESH_URDF, "brief.toml": BRIEF, "study.toml": STUDY, "grasps.yaml": YAML}
     for name, text in put.items():
@@ -161,12 +163,12 @@ def write_seeds(folder: Path) -> dict[str, list[Path]]:
     }  # fmt: skip
 
 
-def study_saying(victim: Path, lines: str) -> str:
+def study_saying(victim, lines):
     """A study with these lines below its [hand]; VICTIM stands for a file of somebody."""
     return STUDY.replace("[space]", f"{lines}\n[space]").replace("VICTIM", victim.as_posix())
 
 
-def bombs(victim: Path) -> list[tuple[str, str, bytes]]:
+def bombs(victim):
     """(kind, ending, contents) of small files that describe much, or say where to write. victim : a file of somebody,
     which has to stay what it is.
     """
@@ -234,6 +236,6 @@ def bombs(victim: Path) -> list[tuple[str, str, bytes]]:
     return found
 
 
-def _npy(header: str) -> bytes:
+def _npy(header):
     """A file of this header, and no numbers."""
     return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header) + 1) + header.encode() + b"\n"

@@ -39,7 +39,7 @@ class Scene:
         return hl.Grasp(contacts, self.w, flexibility=self.E, preload=self.squeeze)
 
 
-def scene(seed) -> Scene:
+def scene(seed):
     rng = np.random.default_rng(seed)
     n = 2 + seed % 3
     t = 2 * np.pi * np.arange(n) / n + rng.uniform(-0.2, 0.2, n)
@@ -50,7 +50,7 @@ def scene(seed) -> Scene:
     return Scene(0.03 * out, -out, J @ J.T + 1e-4 * np.eye(3 * n), w, 5e-3)
 
 
-def coefficients(law) -> tuple[float, float, float]:
+def coefficients(law):
     """Along x, along y, and of the moment [m]."""
     if isinstance(law, hl.AnisotropicCoulomb):
         return law.mu_x, law.mu_y, 0.0
@@ -66,7 +66,7 @@ def used(law, f, moment):
         return np.where(f[:, 2] > 0, np.sqrt(sum(x**2 for x in parts)) / f[:, 2], 0.0)
 
 
-def missed(case, law, s, faces) -> float:
+def missed(case, law, s, faces):
     """The worst law, of balance, contact and friction: a tenth of friction's limit to spare means no slip."""
     f, u = s.forces, s.object_displacement
     moment = np.zeros(len(f)) if s.torsion is None else s.torsion
@@ -95,7 +95,7 @@ def missed(case, law, s, faces) -> float:
     return max(worst)
 
 
-def wrong(case, make, x, faces) -> str:
+def wrong(case, make, x, faces):
     """Why the answer is wrong; "" where it is right, undecided or refused."""
     try:
         law = make(x)
@@ -112,7 +112,7 @@ def wrong(case, make, x, faces) -> str:
     return ""
 
 
-def contradicted(case) -> list[str]:
+def contradicted(case):
     """Proofs that nothing holds, beside forces that do."""
     return [
         f"{status.name} of {law}, which the forces of {other} satisfy"
@@ -122,7 +122,7 @@ def contradicted(case) -> list[str]:
     ]
 
 
-def like(law, other) -> bool:
+def like(law, other):
     """Whether they differ in their coefficients alone."""
     return type(law) is type(other) and all(
         getattr(x, "torsional_flexibility", 0.0) == getattr(law, "torsional_flexibility", 0.0) for x in (law, other)

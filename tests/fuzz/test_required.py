@@ -22,7 +22,7 @@ MANY = [(kind, seed, what) for kind in KINDS for seed in range(60) for what in (
 SOME = [*FOUND, *FEW, *(pytest.param(*one, marks=pytest.mark.long) for one in LONG)]
 
 
-def grasp(kind, seed) -> hl.Grasp:
+def grasp(kind, seed):
     """Fingers of two joints and a pad around a waist, an arbitrary load, some squeeze or none."""
     rng = np.random.default_rng([seed, KINDS.index(kind)])
     n, planar = int(rng.integers(2, 5)), kind == "planar"

@@ -76,7 +76,7 @@ _ANNOTATED = {
 
 
 @cache
-def kind_of(name: str, annotation: str) -> str:
+def kind_of(name, annotation):
     """The kind of a parameter."""
     for pattern, kind in _ANNOTATED.items():
         if re.search(pattern, annotation):
@@ -84,7 +84,7 @@ def kind_of(name: str, annotation: str) -> str:
     return KINDS.get(name, "anything") if annotation.startswith("Any") else "object"
 
 
-def shown(value: object, most: int = 60) -> str:
+def shown(value, most=60):
     """A value's text, cut short."""
     try:
         text = repr(value)

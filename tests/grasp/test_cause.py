@@ -5,7 +5,27 @@ import pytest
 
 import handlcp as hl
 from handlcp.grasp import Bind
-from tests.support import cause as c
+from handlcp.grasp.failure.failure_mode import (
+    FailureMode,
+    StateLimits,
+    find_binding,
+    find_exceeded,
+    find_slide_through,
+    find_slipping,
+    is_exceeded,
+    limit_shares,
+    state_limits,
+)
+from handlcp.grasp.failure.failure_text import (
+    describe_event,
+    describe_failures,
+    describe_load,
+    describe_load_share,
+    explain_limit,
+    explain_loss,
+)
+from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING, PathStatus
+from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
 NAMES = ("thumb", "index")
 JOINTS = ("a", "b", "c")
@@ -15,7 +35,7 @@ INF = np.inf
 def limits(**more):
     """Torque limits 2, none, 0.5; ranges of 2 rad, none, and one that is a single place."""
     lower, upper = np.array([-1.0, -INF, 0.3]), np.array([1.0, INF, 0.3])
-    return c.StateLimits(NAMES, JOINTS, np.array([2.0, INF, 0.5]), lower, upper, **more)
+    return StateLimits(NAMES, JOINTS, np.array([2.0, INF, 0.5]), lower, upper, **more)
 
 
 AT = np.array([0.0, 0.0, 0.3])
@@ -25,61 +45,61 @@ NONE = np.zeros(3)
 # ---------------------------------------------------------------- the judge
 def test_shares_are_those_of_torques_ranges_and_motion():
     q = np.array([1.5, 100.0, 0.2])
-    share = c.limit_shares(
+    share = limit_shares(
         limits(motion=(0.01, 0.5)), np.array([-1.0, 7.0, 0.5]), q, np.array([0, 0.03, 0.04, 0.1, 0, 0])
     )
     np.testing.assert_allclose(share, [0.5, 0, 1, 1.25, -INF, 1.1, 5, 0.2])
 
 
 def test_shares_of_torques_alone_need_no_positions():
-    np.testing.assert_allclose(c.limit_shares(limits(), np.array([1.0, 1.0, 1.0])), [0.5, 0, 2])
-    assert c.find_exceeded(limits(), np.array([1.0, 1.0, 1.0])) == (c.FailureMode("torque", "c"),)
+    np.testing.assert_allclose(limit_shares(limits(), np.array([1.0, 1.0, 1.0])), [0.5, 0, 2])
+    assert find_exceeded(limits(), np.array([1.0, 1.0, 1.0])) == (FailureMode("torque", "c"),)
 
 
 def test_a_joint_beyond_its_limit_is_named_with_what_is_missing():
-    found = c.find_exceeded(limits(), np.array([-3.0, 1e6, 0.1]), np.array([-1.5, 0.0, 0.3]))
-    assert found == (c.FailureMode("torque", "a"), c.FailureMode("range", "a"))
+    found = find_exceeded(limits(), np.array([-3.0, 1e6, 0.1]), np.array([-1.5, 0.0, 0.3]))
+    assert found == (FailureMode("torque", "a"), FailureMode("range", "a"))
     assert [one.margin for one in found] == pytest.approx([-0.5, -0.25])
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(("beyond", "is_over"), [(0.9, False), (1.1, True)])
 def test_the_one_tolerance_holds_for_torque_range_and_motion_on_both_sides(sign, beyond, is_over):
-    slack = beyond * c.OVER_LIMIT_TOLERANCE
+    slack = beyond * OVER_LIMIT_TOLERANCE
     every = limits(motion=(0.01, 0.5))
-    assert bool(c.find_exceeded(every, sign * np.array([2.0 * (1 + slack), 0, 0]), AT)) is is_over
-    assert bool(c.find_exceeded(every, NONE, AT + sign * np.array([1.0 + 2.0 * slack, 0, 0]))) is is_over
-    assert bool(c.find_exceeded(every, NONE, AT, sign * np.array([0, 0, 0.01 * (1 + slack), 0, 0, 0]))) is is_over
-    assert bool(c.find_exceeded(every, NONE, AT, sign * np.array([0, 0, 0, 0.5 * (1 + slack), 0, 0]))) is is_over
-    assert bool(c.is_exceeded(1 + slack)) is is_over
+    assert bool(find_exceeded(every, sign * np.array([2.0 * (1 + slack), 0, 0]), AT)) is is_over
+    assert bool(find_exceeded(every, NONE, AT + sign * np.array([1.0 + 2.0 * slack, 0, 0]))) is is_over
+    assert bool(find_exceeded(every, NONE, AT, sign * np.array([0, 0, 0.01 * (1 + slack), 0, 0, 0]))) is is_over
+    assert bool(find_exceeded(every, NONE, AT, sign * np.array([0, 0, 0, 0.5 * (1 + slack), 0, 0]))) is is_over
+    assert bool(is_exceeded(1 + slack)) is is_over
 
 
 def test_at_the_limit_itself_nothing_is_over_and_that_is_what_binds():
     torque, q = np.array([2.0, 0, 0]), np.array([-1.0, 0, 0.2])
-    assert c.find_exceeded(limits(), torque, AT) == ()
-    assert c.find_binding(limits(), torque, np.array([-1.0, 0, 0.3])) == (
-        c.FailureMode("torque", "a"), c.FailureMode("range", "a"), c.FailureMode("range", "c"),
+    assert find_exceeded(limits(), torque, AT) == ()
+    assert find_binding(limits(), torque, np.array([-1.0, 0, 0.3])) == (
+        FailureMode("torque", "a"), FailureMode("range", "a"), FailureMode("range", "c"),
     )  # fmt: skip
-    assert c.find_exceeded(limits(), torque, q) == (c.FailureMode("range", "c"),)
+    assert find_exceeded(limits(), torque, q) == (FailureMode("range", "c"),)
 
 
 def test_what_binds_below_every_limit_is_the_nearest_to_it_as_near_as_the_place_is_known():
     torque = np.array([1.0, 0, 0.2499])
-    assert c.find_binding(limits(), torque) == (c.FailureMode("torque", "a"),)
-    assert c.find_binding(limits(), torque)[0].margin == pytest.approx(0.5)
-    assert c.find_binding(limits(), torque, near=1e-3) == (c.FailureMode("torque", "a"), c.FailureMode("torque", "c"))
-    assert c.find_binding(limits(), NONE) == ()
+    assert find_binding(limits(), torque) == (FailureMode("torque", "a"),)
+    assert find_binding(limits(), torque)[0].margin == pytest.approx(0.5)
+    assert find_binding(limits(), torque, near=1e-3) == (FailureMode("torque", "a"), FailureMode("torque", "c"))
+    assert find_binding(limits(), NONE) == ()
 
 
 def test_the_object_that_moves_and_turns_too_far_is_named_once():
-    found = c.find_exceeded(limits(motion=(0.01, 0.5)), NONE, AT, np.array([0.02, 0, 0, 1.5, 0, 0]))
-    assert found == (c.FailureMode("motion", "the object"),)
+    found = find_exceeded(limits(motion=(0.01, 0.5)), NONE, AT, np.array([0.02, 0, 0, 1.5, 0, 0]))
+    assert found == (FailureMode("motion", "the object"),)
     assert found[0].margin == pytest.approx(-2.0)
 
 
 def test_numbers_that_are_missing_exceed_nothing():
-    assert c.find_exceeded(limits(), np.full(3, np.nan), AT) == ()
-    assert c.find_exceeded(limits(), np.array([np.nan, 0, 1.0]), AT) == (c.FailureMode("torque", "c"),)
+    assert find_exceeded(limits(), np.full(3, np.nan), AT) == ()
+    assert find_exceeded(limits(), np.array([np.nan, 0, 1.0]), AT) == (FailureMode("torque", "c"),)
 
 
 def test_joints_that_yield_have_no_torque_to_exceed_and_a_grasp_without_joints_has_no_limits():
@@ -88,27 +108,25 @@ def test_joints_that_yield_have_no_torque_to_exceed_and_a_grasp_without_joints_h
     state = hand.at(hand.close_on(box))
     plain, yields = (state.grasp(box, 0.8, squeeze=0.005, effects=e).spec for e in ((), (hl.TorqueSaturation(),)))
     torque = np.full(6, 0.3)
-    assert {one.who for one in c.find_exceeded(c.state_limits(plain), torque)} == set(hand.joint_names)
-    assert c.find_exceeded(c.state_limits(yields), torque) == ()
+    assert {one.who for one in find_exceeded(state_limits(plain), torque)} == set(hand.joint_names)
+    assert find_exceeded(state_limits(yields), torque) == ()
     far = np.array(hand.upper) + 1.0
-    assert {one.kind for one in c.find_exceeded(c.state_limits(yields), torque, far)} == {"range"}
-    assert c.find_exceeded(c.state_limits(yields, ranges=False), torque, far) == ()
-    assert (
-        c.find_exceeded(c.state_limits(yields, nominal=far), torque, far + 1.0) == ()
-    )  # it stood out of its range before
+    assert {one.kind for one in find_exceeded(state_limits(yields), torque, far)} == {"range"}
+    assert find_exceeded(state_limits(yields, ranges=False), torque, far) == ()
+    assert find_exceeded(state_limits(yields, nominal=far), torque, far + 1.0) == ()  # it stood out of its range before
     bare = hl.Grasp([hl.Contact((0, 0, 0), (0, 0, 1), 0.5)], flexibility=1e-3)
-    assert c.find_exceeded(c.state_limits(bare.spec), np.zeros(0), np.zeros(0)) == ()
+    assert find_exceeded(state_limits(bare.spec), np.zeros(0), np.zeros(0)) == ()
 
 
 def test_contacts_give_way_by_opening_or_else_by_slipping_or_else_balance_does():
-    stick, slide, open_ = "sticking", "sliding", "separated"
-    assert c.find_slipping(NAMES, (slide, stick)) == (c.FailureMode("slips", "thumb"),)
-    assert c.find_slipping(NAMES, (slide, open_), (slide, stick)) == (c.FailureMode("opens", "index"),)
-    assert c.find_slipping(NAMES, (slide, open_), (slide, open_)) == (c.FailureMode("slips", "thumb"),)
-    assert c.find_slipping(NAMES, (stick, stick), (slide, stick)) == (c.FailureMode("slips", "thumb"),)
-    assert c.find_slipping(NAMES, (stick, open_)) == (c.FailureMode("equilibrium", "the object"),)
-    assert c.find_slide_through((slide, open_)) == (c.FailureMode("slides through", "the object"),)
-    assert c.find_slide_through((slide, stick)) == c.find_slide_through((open_, open_)) == ()
+    stick, slide, open_ = STICKING, SLIDING, SEPARATED
+    assert find_slipping(NAMES, (slide, stick)) == (FailureMode("slips", "thumb"),)
+    assert find_slipping(NAMES, (slide, open_), (slide, stick)) == (FailureMode("opens", "index"),)
+    assert find_slipping(NAMES, (slide, open_), (slide, open_)) == (FailureMode("slips", "thumb"),)
+    assert find_slipping(NAMES, (stick, stick), (slide, stick)) == (FailureMode("slips", "thumb"),)
+    assert find_slipping(NAMES, (stick, open_)) == (FailureMode("equilibrium", "the object"),)
+    assert find_slide_through((slide, open_)) == (FailureMode("slides through", "the object"),)
+    assert find_slide_through((slide, stick)) == find_slide_through((open_, open_)) == ()
 
 
 # ---------------------------------------------------------------- data
@@ -136,57 +154,55 @@ OBJECT = {
 
 @pytest.mark.parametrize("kind", ONE)
 def test_each_kind_has_words_for_one_and_for_several(kind):
-    one, both = c.FailureMode(kind, "thumb"), (c.FailureMode(kind, "thumb"), c.FailureMode(kind, "index"))
-    assert c.describe_failures([one]) == ONE[kind]
-    assert c.describe_failures(both) == SEVERAL[kind]
-    assert c.describe_failures([*both, c.FailureMode(kind, "ring")], brief=True) == SEVERAL[kind].replace(
-        "index", "2 more"
-    )
+    one, both = FailureMode(kind, "thumb"), (FailureMode(kind, "thumb"), FailureMode(kind, "index"))
+    assert describe_failures([one]) == ONE[kind]
+    assert describe_failures(both) == SEVERAL[kind]
+    assert describe_failures([*both, FailureMode(kind, "ring")], brief=True) == SEVERAL[kind].replace("index", "2 more")
 
 
 @pytest.mark.parametrize("kind", OBJECT)
 def test_what_happens_to_the_object_has_one_sentence(kind):
-    assert c.describe_failures([c.FailureMode(kind, "the object")]) == OBJECT[kind]
+    assert describe_failures([FailureMode(kind, "the object")]) == OBJECT[kind]
 
 
 def test_causes_of_several_kinds_and_none_at_all_have_words():
-    assert c.describe_failures([c.FailureMode("torque", "a"), c.FailureMode("range", "b")]) == (
+    assert describe_failures([FailureMode("torque", "a"), FailureMode("range", "b")]) == (
         "a reaches its torque limit; b reaches the end of its range"
     )
-    assert c.describe_failures(()) == "nothing gives out"
+    assert describe_failures(()) == "nothing gives out"
 
 
 def test_all_fingers_or_joints_of_a_grasp_are_called_so():
     spec = hl.Grasp([hl.Contact((0, 0, z), (1, 0, 0), 0.5, name=f"f{z}") for z in (0, 1, 2)], flexibility=1e-3).spec
-    assert c.describe_failures([c.FailureMode("slips", n) for n in spec.names], spec) == "all 3 fingers slip"
-    assert c.describe_failures([c.FailureMode("slips", n) for n in spec.names[:2]], spec) == "f0 and f1 slip"
-    assert c.describe_event("opens by turns", spec.names, spec) == "all 3 fingers let go and touch by turns"
-    assert c.describe_event("sticks", ["f1"], spec) == "f1 sticks again"
+    assert describe_failures([FailureMode("slips", n) for n in spec.names], spec) == "all 3 fingers slip"
+    assert describe_failures([FailureMode("slips", n) for n in spec.names[:2]], spec) == "f0 and f1 slip"
+    assert describe_event("opens by turns", spec.names, spec) == "all 3 fingers let go and touch by turns"
+    assert describe_event("sticks", ["f1"], spec) == "f1 sticks again"
 
 
 def test_a_sentence_says_at_which_load_what_gives_out():
     push = np.array([0, 0, 2.0, 0, 0, 0])
-    slips, balance, torque = (c.FailureMode(k, "thumb") for k in ("slips", "equilibrium", "torque"))
-    assert c.explain_limit([slips], 1.6, push) == (
+    slips, balance, torque = (FailureMode(k, "thumb") for k in ("slips", "equilibrium", "torque"))
+    assert explain_limit([slips], 1.6, push) == (
         "at 1.6 times the load, 3.2 N along +z: thumb slips, and nothing else balances more load"
     )
-    assert c.explain_limit([balance], 1.6, push) == "at 1.6 times the load, 3.2 N along +z: no forces balance more load"
-    assert c.explain_limit([balance], 0.0, push) == "it holds nothing of this load: no forces balance it"
-    assert c.explain_limit([slips], 0.0, push).endswith(": thumb slips, and nothing else balances it")
-    assert c.explain_limit([torque], 0.0, push) == "before there is any load, thumb reaches its torque limit"
-    assert c.explain_limit((), INF, push) == "nothing gives out, however large the load"
-    assert c.describe_load(np.array([0, 0, 0, 0, -0.5, 0])) == "0.5 N·m about -y"
+    assert explain_limit([balance], 1.6, push) == "at 1.6 times the load, 3.2 N along +z: no forces balance more load"
+    assert explain_limit([balance], 0.0, push) == "it holds nothing of this load: no forces balance it"
+    assert explain_limit([slips], 0.0, push).endswith(": thumb slips, and nothing else balances it")
+    assert explain_limit([torque], 0.0, push) == "before there is any load, thumb reaches its torque limit"
+    assert explain_limit((), INF, push) == "nothing gives out, however large the load"
+    assert describe_load(np.array([0, 0, 0, 0, -0.5, 0])) == "0.5 N·m about -y"
 
 
 def test_a_lost_object_is_told_with_what_its_contacts_did():
     spec = hl.Grasp([hl.Contact((0, 0, z), (1, 0, 0), 0.5, name=n) for z, n in enumerate(NAMES)], flexibility=1e-3).spec
-    told = c.explain_loss(c.PathStatus.RUNS_AWAY, spec, (slide, open_), np.array([0, 0, -1.0, 0, 0, 0]))
+    told = explain_loss(PathStatus.RUNS_AWAY, spec, (SLIDING, SEPARATED), np.array([0, 0, -1.0, 0, 0, 0]))
     assert told == (
         "the object runs away along -z: the fingers give way faster than their forces grow "
         "(thumb slides and index has let go)"
     )
     assert (
-        c.explain_loss(c.PathStatus.LOOSE, spec, (open_,) * 2)
+        explain_loss(PathStatus.LOOSE, spec, (SEPARATED,) * 2)
         == "no finger holds the object any more (both fingers have let go)"
     )
-    assert c.describe_load_share(np.array([0, 0, 3.0, 0, 0, 0]), np.array([0, 0, 6.0, 0, 0, 0])) == ", under 3 N of 6 N"
+    assert describe_load_share(np.array([0, 0, 3.0, 0, 0, 0]), np.array([0, 0, 6.0, 0, 0, 0])) == ", under 3 N of 6 N"

@@ -7,17 +7,10 @@ import pytest
 
 import handlcp as hl
 from handlcp.errors import InputError
+from handlcp.grasp.analysis.required_value import find_least
 from handlcp.studies.paper import example
 from tests.grasp.scenes import pinch
-from tests.support.grasp import (
-    arrays,
-    find_least,
-    holds_with,
-    required_friction,
-    required_preload,
-    with_friction,
-    with_preload,
-)
+from tests.support.grasp import arrays, holds_with, required_friction, required_preload, with_friction, with_preload
 from tests.support.texts import says
 
 C = 1e-4  # m/N, the pinch's flexibility

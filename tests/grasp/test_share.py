@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from handlcp.grasp.analysis.explanation import best_times
 from tests.grasp.scenes import cube_example, pinch, ring
 from tests.support import patches
 from tests.support.clocks import a_quarter_less
-from tests.support.steps import best_times, shares
+from tests.support.steps import shares
 from tests.support.texts import says
 
 

@@ -12,10 +12,10 @@ import pytest
 from handlcp import Contact, Coulomb, FingerForceBound, Frictionless, Grasp, KnownForce, PrescribedForce
 from handlcp.geometry import Box
 from handlcp.hand import Hand, example_hand
+from handlcp.hand.library import urdf
 from handlcp.lcp import NSNGRK, Status
 from handlcp.scene import load
 from tests.support.grasp import changed
-from tests.support.hand import urdf
 from tests.support.texts import same, says, without_numbers
 
 EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"

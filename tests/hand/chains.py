@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
-
 from handlcp.hand import Hand
 
 A, B = 0.05, 0.03  # m, of the links
@@ -20,7 +16,7 @@ _FINGER = """
 """
 
 
-def chain_hand(write: Callable[[str], Path], **more: Any) -> Hand:
+def chain_hand(write, **more):
     """Two such fingers, "left" at x = -10 mm and "right" at 10 mm; positive angles move a tip inwards."""
     fingers = "".join(_FINGER.format(n=n, x=x, s=s, A=A, B=B) for n, x, s in (("left", -0.01, 1), ("right", 0.01, -1)))
     settings = {"pad_flexibility": 0.0} | more

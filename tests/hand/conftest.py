@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -35,27 +33,27 @@ MIMIC = """
 
 
 @cache
-def _shared(name: str) -> Hand:
+def _shared(name):
     return example_hand(name)
 
 
 @pytest.fixture(params=HANDS)
-def hand(request: pytest.FixtureRequest) -> Hand:
+def hand(request):
     """Each of the six hands."""
     return _shared(request.param)
 
 
 @pytest.fixture
-def five() -> Hand:
+def five():
     """The five-finger hand."""
     return _shared("five_finger")
 
 
 @pytest.fixture
-def write(tmp_path: Path) -> Callable[[str], Path]:
+def write(tmp_path):
     """Write a URDF and say where."""
 
-    def _write(text: str) -> Path:
+    def _write(text):
         path = tmp_path / "some.urdf"
         path.write_text(text)
         return path
@@ -64,12 +62,12 @@ def write(tmp_path: Path) -> Callable[[str], Path]:
 
 
 @pytest.fixture
-def coupled(write: Callable[[str], Path]) -> Hand:
+def coupled(write):
     """A chain of two mimic joints, and a continuous joint; nv = 2."""
     return Hand.from_urdf(write(MIMIC), joint_stiffness=2.0, tip_radius=0.01)
 
 
-def inside(hand: Hand, seed: int) -> np.ndarray:
+def inside(hand, seed):
     """A posture inside the joint ranges."""
     lower, upper = np.maximum(hand.lower, -2), np.minimum(hand.upper, 2)
     return np.random.default_rng(seed).uniform(lower, upper)

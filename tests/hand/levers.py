@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
-
 from handlcp import Contact, Coulomb
-from handlcp.hand import Hand, HandGrasp
+from handlcp.hand import Hand
 
 L, K, PAD, MU = 0.08, 20.0, 1e-4, 0.5  # m, N·m/rad, m/N, –
 C = L * L / K + PAD  # m/N of a tip along its normal; PAD along its tangents
@@ -23,7 +19,7 @@ _FINGER = """
 """
 
 
-def lever_hand(write: Callable[[str], Path], **more: Any) -> Hand:
+def lever_hand(write, **more):
     """Two fingers, "left" at x = -10 mm and "right" at 10 mm; a positive angle moves a tip inwards by L times it."""
     sizes = {"length": L, "half": L / 2, "mass": MASS}
     left = _FINGER.format(name="left", x=-0.01, axis=1, **sizes)
@@ -32,7 +28,7 @@ def lever_hand(write: Callable[[str], Path], **more: Any) -> Hand:
     return Hand.from_urdf(write(f'<robot name="levers"><link name="palm"/>{left}{right}</robot>'), **settings)
 
 
-def lever_pinch(hand: Hand, force: tuple[float, float, float] = (0.0, 0.0, -1.0), **more: Any) -> HandGrasp:
+def lever_pinch(hand, force=(0.0, 0.0, -1.0), **more):
     """Both tips on an object between them, tangents up, under a force."""
     contacts = [Contact((side * 0.01, 0, L), (-side, 0, 0), Coulomb(MU), tangent=(0, 0, 1)) for side in (-1.0, 1.0)]
     return hand.at([0.0, 0.0]).grasp(contacts, wrench=(*force, 0, 0, 0), reference=(0, 0, L), **more)

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.hand import Hand, HandGrasp
+from handlcp.hand import Hand
 
-Writer = Callable[[str], Path]
 L, R = 0.08, 0.005  # m: the lever, and the radius of the tips of its fork, which hold a box of 20 mm
 A, B, LEAN = 0.03, 0.05, 0.4  # m, m, rad: from the hinge to the ends of the string, and to where that is straight
 T, KT = 60.0, 200.0  # N, N/m
@@ -24,7 +20,7 @@ FORK = f"""<robot name="fork"><link name="palm"/><link name="lever"/><link name=
   </robot>"""
 
 
-def fork(write: Writer, own: float) -> HandGrasp:
+def fork(write, own):
     """A box between two tips of one lever, whose spring `own` [N·m/rad] balances the string in the posture zero."""
     string = hl.Route([hl.Site("palm", (-A * np.sin(LEAN), 0, -A * np.cos(LEAN))), hl.Site("lever", (0, 0, B))])
     tendons = hl.Tendons({"string": string}, KT, own, pretension=T)
@@ -33,21 +29,21 @@ def fork(write: Writer, own: float) -> HandGrasp:
     return hand.at([0.0]).grasp(box, friction=hl.SoftFinger(0.8, 0.01), preload=2e-5, wrench=np.zeros(6))
 
 
-def arm(q: np.ndarray) -> np.ndarray:
+def arm(q):
     return A * B * np.sin(q - LEAN) / length(q)
 
 
-def length(q: np.ndarray) -> np.ndarray:
+def length(q):
     return np.sqrt(A * A + B * B + 2 * A * B * np.cos(q - LEAN))
 
 
-def force(q: np.ndarray, own: float) -> np.ndarray:
+def force(q, own):
     """(n,) [N] along x at the box that holds the lever at q, with own q of its spring and the string's torque."""
     zero = np.zeros(1)
     return (own * q + arm(zero) * T - arm(q) * (T + KT * (length(q) - length(zero)))) / (L * np.cos(q))
 
 
-def test_a_path_goes_as_the_string_says_where_the_spring_is_stiff_enough(write: Writer) -> None:
+def test_a_path_goes_as_the_string_says_where_the_spring_is_stiff_enough(write):
     """T a b / (a + b) = 1.125 N·m/rad is what the string takes of the spring where it is straight."""
     steps = fork(write, 1.2).follow((1.0, 0, 0, 0, 0, 0), steps=20).steps
     np.testing.assert_allclose(force(steps.q[:, 0], 1.2), steps.load[:, 0], atol=1e-7)
@@ -56,7 +52,7 @@ def test_a_path_goes_as_the_string_says_where_the_spring_is_stiff_enough(write: 
 
 
 @pytest.mark.parametrize("own", [1.105, 1.11])
-def test_the_lever_gives_way_at_the_load_where_the_string_wins(write: Writer, own: float) -> None:
+def test_the_lever_gives_way_at_the_load_where_the_string_wins(write, own):
     """Stable in the posture zero, and unstable where the string is straight: the largest force on the way."""
     q = np.linspace(0.0, LEAN, 100_001)
     most = force(q, own).max()
@@ -66,7 +62,7 @@ def test_the_lever_gives_way_at_the_load_where_the_string_wins(write: Writer, ow
     np.testing.assert_allclose(path.steps.load[-1, 0], most, rtol=1e-5)
 
 
-def test_a_lever_that_the_string_turns_over_holds_nothing(write: Writer) -> None:
+def test_a_lever_that_the_string_turns_over_holds_nothing(write):
     """Its spring is weaker than what the string takes of it, T ∂R/∂q, in the posture itself."""
     for own, holds in ((1.05, False), (1.12, True)):
         assert fork(write, own).follow(steps=5).reached == holds
@@ -76,7 +72,7 @@ def test_a_lever_that_the_string_turns_over_holds_nothing(write: Writer) -> None
 ROUND = 0.006  # m
 
 
-def on_pulley(write: Writer, side: object, shape: str = "cylinder") -> HandGrasp:
+def on_pulley(write, side, shape="cylinder"):
     """The fork with its string past a round body about the hinge, to the left of its centre up to q = LEAN."""
     around = hl.Around("palm", ((0, 0, 0), (0.0, 1.0, 0.0)), ROUND, shape, side)
     ends = hl.Site("palm", (-A * np.sin(LEAN), 0, -A * np.cos(LEAN))), hl.Site("lever", (0, 0, B))
@@ -87,7 +83,7 @@ def on_pulley(write: Writer, side: object, shape: str = "cylinder") -> HandGrasp
 
 
 @pytest.mark.parametrize("shape", ["cylinder", "sphere"])
-def test_without_a_side_a_string_crosses_the_pulley_where_both_ways_are_as_long(write: Writer, shape: str) -> None:
+def test_without_a_side_a_string_crosses_the_pulley_where_both_ways_are_as_long(write, shape):
     grasp = on_pulley(write, None, shape)
     cables = grasp.state.hand.stiffness.cables
     assert "'string'" in cables.crossed_body(np.array([LEAN - 0.01]), np.array([LEAN + 0.01]))
@@ -97,7 +93,7 @@ def test_without_a_side_a_string_crosses_the_pulley_where_both_ways_are_as_long(
     assert not sided.crossed_body(np.array([LEAN - 0.01]), np.array([LEAN + 0.01]))
 
 
-def test_a_path_on_which_a_string_would_cross_a_pulley_is_given_up_there(write: Writer) -> None:
+def test_a_path_on_which_a_string_would_cross_a_pulley_is_given_up_there(write):
     grasp = on_pulley(write, None)
     path = grasp.follow(steps=20)
     assert not path.reached
@@ -108,7 +104,7 @@ def test_a_path_on_which_a_string_would_cross_a_pulley_is_given_up_there(write: 
     assert "pass the side (Around.side)" in str(verdict).replace("\n", " ")
 
 
-def test_with_a_side_it_goes_on_with_the_radius_as_its_arm(write: Writer) -> None:
+def test_with_a_side_it_goes_on_with_the_radius_as_its_arm(write):
     path = on_pulley(write, (-0.02, 0, 0)).follow(steps=20)
     assert path.reached
     q, load = path.steps.q[:, 0], path.steps.load[:, 0]

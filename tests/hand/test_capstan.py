@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import handlcp as hl
 from handlcp.errors import InputError, UnknownName
-from handlcp.hand import Hand, HandGrasp
+from handlcp.hand import Hand
 
 from .levers import PAD, L, lever_hand, lever_pinch
 
-Writer = Callable[[str], Path]
 ARM, KT, OWN, GRIP = 0.01, 6e4, 4.0, 0.25  # m, N/m, N·m/rad, μθ
 SHUT, PULL = 0.05, 12.0  # rad commanded; N on the object
 K, LESS, MORE = OWN + KT * ARM**2, np.exp(-GRIP), np.exp(GRIP)
@@ -22,17 +18,17 @@ ASIDE = [PULL, 0.0, 0.0, 0.0, 0.0, 0.0]
 ARMS = {f"{side}_flexor": {f"{side}_joint": ARM} for side in ("left", "right")}
 
 
-def along(stiffness: float) -> float:
+def along(stiffness):
     """[N/m] of a tip along its normal, joint and pad."""
     return 1.0 / (L * L / stiffness + PAD)
 
 
-def pinch(write: Writer, **tendons: object) -> HandGrasp:
+def pinch(write, **tendons):
     hand = lever_hand(write, joint_stiffness=hl.Tendons(ARMS, KT, OWN, **({"friction": GRIP} | tendons)))
     return lever_pinch(hand, (0.0, 0.0, 0.0), joint_offset=[SHUT] * 2)
 
 
-def pressed() -> tuple[float, float]:
+def pressed():
     """N of a finger that has closed, and the tension: τ = r T exp(-μθ) - K_p q, with q = N PAD / L."""
     N = LESS * K * SHUT / (L + PAD / L * (LESS * K + (1.0 - LESS) * OWN))
     q = N * PAD / L
@@ -40,7 +36,7 @@ def pressed() -> tuple[float, float]:
 
 
 @pytest.mark.parametrize("steps", [1, 7, 40])
-def test_a_tendon_drawn_around_a_post_loses_the_share_that_its_wrap_takes(write: Writer, steps: int) -> None:
+def test_a_tendon_drawn_around_a_post_loses_the_share_that_its_wrap_takes(write, steps):
     end = pinch(write).follow(order="squeeze", steps=steps, geometry="fixed").last
     N, tension = pressed()
     np.testing.assert_allclose(end.read.forces[:, 2], N, rtol=2e-9 if steps == 1 else 1e-7)
@@ -49,7 +45,7 @@ def test_a_tendon_drawn_around_a_post_loses_the_share_that_its_wrap_takes(write:
 
 
 @pytest.mark.parametrize("steps", [3, 60])
-def test_a_post_holds_a_finger_that_is_pushed_open_until_the_tendon_slides_back(write: Writer, steps: int) -> None:
+def test_a_post_holds_a_finger_that_is_pushed_open_until_the_tendon_slides_back(write, steps):
     """T exp(-μθ) at the joint grows to T exp(μθ) while the joint stands still. The other finger goes on closing."""
     path = pinch(write).follow(ASIDE, steps=steps, geometry="fixed")
     load, moved = path.steps.load[:, 0], path.steps.displacement[:, 0]
@@ -74,7 +70,7 @@ RADII = np.array([0.012, 0.009, 0.006])
 WRAPS = np.array([0.1, 0.3, 0.2])
 
 
-def chain(order: tuple[int, ...] = (1, 2, 3)) -> HandGrasp:
+def chain(order=(1, 2, 3)):
     """Two fingers of three joints, each pulled by one tendon over three posts; the first link of each presses."""
     parts, arms, wraps = list[str](), dict[str, dict[str, float]](), dict[str, dict[str, float]]()
     for s, axis, x in (("left", 1, -0.01), ("right", -1, 0.01)):
@@ -96,7 +92,7 @@ def chain(order: tuple[int, ...] = (1, 2, 3)) -> HandGrasp:
 
 
 @pytest.mark.parametrize("order", [(1, 2, 3), (3, 1, 2)])
-def test_behind_three_posts_a_tendon_pulls_with_what_all_of_them_leave(order: tuple[int, ...]) -> None:
+def test_behind_three_posts_a_tendon_pulls_with_what_all_of_them_leave(order):
     """In the order in which it passes them: τ + K_p q = r T exp(-Σ μθ) at each joint."""
     end = chain(order).follow(order="squeeze", geometry="fixed").last
     assert end.read.forces[:, 2].min() > 1.0
@@ -107,7 +103,7 @@ def test_behind_three_posts_a_tendon_pulls_with_what_all_of_them_leave(order: tu
     np.testing.assert_allclose(pulled[at], left, rtol=1e-7)
 
 
-def test_what_posts_take_is_dissipated(write: Writer) -> None:
+def test_what_posts_take_is_dissipated(write):
     """All of it but for the steps' error, which halves with the steps; and it never falls."""
     off = []
     for steps in (150, 300):
@@ -119,7 +115,7 @@ def test_what_posts_take_is_dissipated(write: Writer) -> None:
     assert off[1] < 0.6 * off[0]
 
 
-def test_a_smooth_tendon_is_what_it_was(write: Writer) -> None:
+def test_a_smooth_tendon_is_what_it_was(write):
     smooth = pinch(write, friction=0.0).follow(ASIDE, geometry="fixed").steps.displacement
     slight = pinch(write, friction=1e-9).follow(ASIDE, geometry="fixed").steps.displacement
     np.testing.assert_allclose(slight, smooth, atol=1e-7 * abs(smooth).max())
@@ -136,8 +132,6 @@ def test_a_smooth_tendon_is_what_it_was(write: Writer) -> None:
         ("rough", InputError, "Tendons.friction"),
     ],
 )
-def test_friction_that_cannot_be_is_refused(
-    write: Writer, friction: object, error: type[Exception], words: str
-) -> None:
+def test_friction_that_cannot_be_is_refused(write, friction, error, words):
     with pytest.raises(error, match=words):
         pinch(write, friction=friction)

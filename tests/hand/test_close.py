@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from handlcp.errors import InputError, NotReached, UnknownName
 from handlcp.geometry import Box, Cylinder, Ellipsoid, Mesh, Sphere
-from handlcp.hand import Hand, example_hand
+from handlcp.hand import example_hand
 from tests.support.grasp import arrays
 from tests.support.hand import gaps
 from tests.support.texts import says
@@ -20,7 +19,7 @@ from .test_objects import box_file
 
 @pytest.mark.parametrize("name", ["two_finger", "three_finger", "five_finger"])
 @pytest.mark.parametrize("shape", ["sphere", "cylinder", "ellipsoid", "box", "mesh"])
-def test_upright_hands_touch(name: str, shape: str, tmp_path: Path) -> None:
+def test_upright_hands_touch(name, shape, tmp_path):
     """Every upright hand closes on every kind of object to the tolerance, inside its joint ranges."""
     at = (0.002, -0.001, 0.085)
     obj = {
@@ -39,7 +38,7 @@ def test_upright_hands_touch(name: str, shape: str, tmp_path: Path) -> None:
     assert arrays(hand.at(q).grasp(obj)).n == len(hand.fingertips)
 
 
-def test_the_ring_closes_on_a_disc() -> None:
+def test_the_ring_closes_on_a_disc():
     """Six fingers in a plane, from straight (a dead point: no joint moves the tip inward) and from bent."""
     hand = example_hand("planar_ring")
     disc = Cylinder(0.03, 0.02)
@@ -49,7 +48,7 @@ def test_the_ring_closes_on_a_disc() -> None:
         assert abs(hand.at(q).tip_positions[:, 2]).max() < 1e-12
 
 
-def test_allegro_and_psyonic_close() -> None:
+def test_allegro_and_psyonic_close():
     """Four joints a finger with a posture outside the ranges to start from; and coupled fingers on a bar."""
     allegro = example_hand("allegro")
     ball = Sphere(0.035, (0.06, 0.0, 0.07))
@@ -63,13 +62,13 @@ def test_allegro_and_psyonic_close() -> None:
     assert abs(gaps(psyonic, q, bar)[1]) <= 1e-6
 
 
-def test_squeeze_is_overlap(five: Hand) -> None:
+def test_squeeze_is_overlap(five):
     """Squeezing by 3 mm leaves each tip 3 mm inside."""
     ball = Sphere(0.03, (0, 0, 0.09))
     np.testing.assert_allclose(gaps(five, five.close_on(ball, squeeze=3e-3), ball), -3e-3, atol=1e-6)
 
 
-def test_other_fingers_stay(five: Hand) -> None:
+def test_other_fingers_stay(five):
     """Only the named fingers move."""
     q0 = np.full(10, 0.1)
     q = five.close_on(Sphere(0.03, (0, 0, 0.09)), q0, fingers=["finger_2_tip"])
@@ -77,7 +76,7 @@ def test_other_fingers_stay(five: Hand) -> None:
     assert moved == {"finger_2_proximal", "finger_2_distal"}
 
 
-def test_unreachable_fingers_are_named_with_what_is_left(five: Hand) -> None:
+def test_unreachable_fingers_are_named_with_what_is_left(five):
     """An object on one side: the near fingers touch, the far ones are reported with gaps and posture."""
     ball = Sphere(0.01, (0.045, 0.0, 0.1))
     with pytest.raises(NotReached) as caught:
@@ -85,7 +84,7 @@ def test_unreachable_fingers_are_named_with_what_is_left(five: Hand) -> None:
     error = caught.value
     assert "finger_1_tip" not in error.gaps
     assert {"finger_3_tip", "finger_4_tip"} <= set(error.gaps)
-    q = error.q  # type: ignore[attr-defined]
+    q = error.q
     left = gaps(five, q, ball)
     for name, gap in error.gaps.items():
         assert left[five.fingertips.index(name)] == pytest.approx(gap, abs=1e-12)
@@ -95,7 +94,7 @@ def test_unreachable_fingers_are_named_with_what_is_left(five: Hand) -> None:
         five.close_on(Sphere(0.01, (1.0, 0.0, 0.0)))
 
 
-def test_two_points_on_one_finger_are_said_to_share_its_joints() -> None:
+def test_two_points_on_one_finger_are_said_to_share_its_joints():
     """The link in the middle has no joint of its own: with it the whole finger would move."""
     hand = example_hand(
         "three_finger", joint_stiffness=6.0, fingertips=["finger_1_tip", "finger_1_proximal_link", "finger_2_tip"]
@@ -123,11 +122,9 @@ def test_two_points_on_one_finger_are_said_to_share_its_joints() -> None:
         ({"fingers": []}, "fingers", InputError),
     ],
 )
-def test_bad_arguments_are_named(
-    five: Hand, arguments: dict[str, object], argument: str, kind: type[InputError]
-) -> None:
+def test_bad_arguments_are_named(five, arguments, argument, kind):
     """One broken argument a time."""
     obj = arguments.pop("obj", Sphere(0.03, (0, 0, 0.09)))
     with pytest.raises(kind) as caught:
-        five.close_on(obj, **arguments)  # type: ignore[arg-type]
+        five.close_on(obj, **arguments)
     assert caught.value.argument == argument

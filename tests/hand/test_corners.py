@@ -126,8 +126,8 @@ def laid(R, size=(2 * HALF, 2 * HALF, HEIGHT), **arguments):
     return standing(0.5, R, (0.0, 0.0, -corners[:, 2].min()), size=size, **arguments)
 
 
-@pytest.mark.parametrize("axis", [(1, 0, 0), (1, 1, 0), (0.3, 1, 0)])
-@pytest.mark.parametrize("tilt", [1e-7, 1e-5, 1e-3, 1.9e-3, 2.1e-3, 4e-3, 1e-2])
+@pytest.mark.parametrize("axis", [(1, 0, 0), (0.3, 1, 0)])
+@pytest.mark.parametrize("tilt", [1e-7, 1.9e-3, 2.1e-3, 1e-2])
 def test_no_corner_is_lost_however_little_a_block_leans(tilt, axis):
     grasp = laid(pin.exp3(tilt * np.array(axis) / np.linalg.norm(axis)), max_gap=2e-3)
     assert len(grasp.contacts) == 4
@@ -140,16 +140,7 @@ def test_a_thin_plate_on_its_edge_tips_over_its_thickness():
     assert limit.factor == pytest.approx(WEIGHT * 0.0014 / 0.03, rel=0.02)  # it leans on pads, which give way
 
 
-def test_contacts_keep_their_numbers_under_noise():
-    rng, first = np.random.default_rng(0), standing(0.5)
-    where = np.array([c.position for c in first.contacts])
-    for _ in range(8):
-        R = pin.exp3(1e-9 * rng.normal(size=3))
-        moved = standing(0.5, R, CENTRE + 1e-9 * rng.normal(size=3))
-        np.testing.assert_allclose([c.position for c in moved.contacts], where, atol=1e-6)
-
-
-@pytest.mark.parametrize("tilt", [0.0, 0.0025, 0.01])
+@pytest.mark.parametrize("tilt", [0.0025])
 def test_a_disc_is_a_palm_as_a_box_is(tilt):
     disc = PALM.replace('<box size="0.2 0.2 0.02"/>', '<cylinder radius="0.1" length="0.02"/>')
     grasp = laid(pin.exp3(np.array([tilt, 0.0, 0.0])), urdf=disc, max_gap=2e-3)

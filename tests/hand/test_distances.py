@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from pathlib import Path
-from typing import Any
 
 import coal
 import numpy as np
@@ -13,19 +10,21 @@ import pinocchio as pin
 import pytest
 
 from handlcp.errors import InputError, Unsupported, URDFError
-from handlcp.geometry import YCB, Box, Cylinder, Ellipsoid, Mesh, Object
+from handlcp.geometry import YCB, Box, Cylinder, Ellipsoid, Mesh
+from handlcp.geometry.distance import signed_distance
 from handlcp.hand import Hand
-from tests.support.hand import ball_near, shape_near, signed_distance, urdf
+from handlcp.hand.library import urdf
+from tests.support.hand import ball_near, shape_near
 
 CLEAR = 1e-5  # [m] of a move that parts shapes, or leaves them in touch
 
 
-def _turn(rng: np.random.Generator) -> np.ndarray:
+def _turn(rng):
     Q = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     return np.asarray(Q * np.sign(np.linalg.det(Q)))
 
 
-def _lathe(path: Path, outline: list[tuple[float, float]], sides: int) -> Path:
+def _lathe(path, outline, sides):
     """The solid that an outline of (radius, height) makes when turned about z, as an OBJ file; ends on the axis."""
     a = 2 * np.pi * np.arange(sides) / sides
     lines = [f"v 0 0 {z:.17g}" for r, z in outline if r == 0.0]
@@ -41,7 +40,7 @@ def _lathe(path: Path, outline: list[tuple[float, float]], sides: int) -> Path:
     return path
 
 
-def _pairs(seed: int, count: int, folder: Path) -> Iterator[tuple[Any, np.ndarray, np.ndarray, Object]]:
+def _pairs(seed, count, folder):
     """Tips and objects that overlap: cylinders and capsules against boxes, cylinders, ellipsoids and a mesh."""
     rng = np.random.default_rng(seed)
     barrel = _lathe(folder / "barrel.obj", [(0.0, -0.03), (0.015, -0.03), (0.02, 0.0), (0.012, 0.03), (0.0, 0.03)], 24)
@@ -63,17 +62,17 @@ def _pairs(seed: int, count: int, folder: Path) -> Iterator[tuple[Any, np.ndarra
             yield tip, R, np.zeros(3), obj
 
 
-def _touch(tip: Any, R: np.ndarray, p: np.ndarray, obj: Object) -> bool:
+def _touch(tip, R, p, obj):
     """Coal's yes or no, which needs no depth."""
     asked, found = coal.CollisionRequest(), coal.CollisionResult()
     asked.gjk_tolerance = 1e-8
     return coal.collide(tip, coal.Transform3s(R, p), obj.geometry, obj.transform, asked, found) > 0
 
 
-def test_every_depth_is_the_shortest_way_out(tmp_path: Path) -> None:
+def test_every_depth_is_the_shortest_way_out(tmp_path):
     """Moved out along the normal by the depth the tip is free; moved by less in any direction it is not."""
     rng = np.random.default_rng(1)
-    for tip, R, p, obj in _pairs(0, 150, tmp_path):
+    for tip, R, p, obj in _pairs(0, 96, tmp_path):
         found = shape_near(tip, R, p, obj)
         assert -0.2 < found.gap < 0.0
         assert np.linalg.norm(found.normal) == pytest.approx(1.0)
@@ -83,10 +82,10 @@ def test_every_depth_is_the_shortest_way_out(tmp_path: Path) -> None:
         np.testing.assert_allclose(found.tip_point - found.position, -found.gap * found.normal, atol=1e-6)
 
 
-def test_every_gap_is_the_shortest_way_in(tmp_path: Path) -> None:
+def test_every_gap_is_the_shortest_way_in(tmp_path):
     """The same of tips that are apart: moved by the gap along the normal they touch, by less in any way they don't."""
     rng = np.random.default_rng(2)
-    for tip, R, p, obj in _pairs(1, 60, tmp_path):
+    for tip, R, p, obj in _pairs(1, 36, tmp_path):
         away = rng.normal(size=3)
         p = p + 0.15 * away / np.linalg.norm(away)
         found = shape_near(tip, R, p, obj)
@@ -96,7 +95,7 @@ def test_every_gap_is_the_shortest_way_in(tmp_path: Path) -> None:
             assert not _touch(tip, R, p + (found.gap - CLEAR) * way / np.linalg.norm(way), obj)
 
 
-def test_shapes_that_just_touch_have_a_gap_of_nothing_and_a_normal(tmp_path: Path) -> None:
+def test_shapes_that_just_touch_have_a_gap_of_nothing_and_a_normal(tmp_path):
     """Also where coal's normal is off, or its distance -1.8e308: 10 µm along the normal they touch, 10 µm back not."""
     rng = np.random.default_rng(0)
     barrel = _lathe(
@@ -104,7 +103,7 @@ def test_shapes_that_just_touch_have_a_gap_of_nothing_and_a_normal(tmp_path: Pat
     )
     tips = Mesh(barrel, 1.0).geometry, coal.Cylinder(0.01, 0.03)
     objects = Box((0.04, 0.05, 0.08)), Cylinder(0.03, 0.1), Ellipsoid((0.02, 0.03, 0.04))
-    for k in range(240):
+    for k in range(120):
         tip, obj, R, p = tips[k % 2], objects[k % 3], _turn(rng), rng.normal(size=3)
         p *= 0.12 / np.linalg.norm(p)
         for _ in range(3):
@@ -116,7 +115,7 @@ def test_shapes_that_just_touch_have_a_gap_of_nothing_and_a_normal(tmp_path: Pat
         assert _touch(tip, R, p + CLEAR * last.normal, obj)
 
 
-def test_where_the_normal_of_coal_is_off_the_gap_between_support_planes_is_found() -> None:
+def test_where_the_normal_of_coal_is_off_the_gap_between_support_planes_is_found():
     R = [[0.41236122, -0.59586321, -0.6891337], [-0.46844637, -0.78746216, 0.40057627],
          [-0.78135537, 0.15764006, -0.60384881]]  # fmt: skip
     Q = [[0.58191348, -0.73582449, 0.34632213], [0.59943443, 0.10029459, -0.79411546],
@@ -132,7 +131,7 @@ def test_where_the_normal_of_coal_is_off_the_gap_between_support_planes_is_found
     assert np.linalg.norm(beside - on) == pytest.approx(gap, abs=1e-10)  # no smaller: points are so near
 
 
-def test_an_edge_seven_nanometres_from_a_hull_has_a_gap_though_coals_normal_is_not_of_unit_length() -> None:
+def test_an_edge_seven_nanometres_from_a_hull_has_a_gap_though_coals_normal_is_not_of_unit_length():
     R = [[0.909638011, -0.112545343, -0.399865147], [0.121235446, 0.992617058, -0.003586484],
          [0.397316821, -0.045215427, 0.916566699]]  # fmt: skip
     sponge, edge = YCB("026_sponge").geometry, coal.Capsule(1e-4, 0.02370630840002)
@@ -144,7 +143,7 @@ def test_an_edge_seven_nanometres_from_a_hull_has_a_gap_though_coals_normal_is_n
 
 
 @pytest.mark.parametrize("shift", [0.0, 1e-3, -4e-3])
-def test_a_cylinder_lying_in_a_slab_is_as_deep_as_its_radius_and_the_slab(shift: float) -> None:
+def test_a_cylinder_lying_in_a_slab_is_as_deep_as_its_radius_and_the_slab(shift):
     """A finger of radius 8 mm lies `shift` above the middle of a slab, 20 mm thick: out through the nearer side."""
     rng = np.random.default_rng(3)
     for _ in range(20):
@@ -155,10 +154,10 @@ def test_a_cylinder_lying_in_a_slab_is_as_deep_as_its_radius_and_the_slab(shift:
         assert abs(found.normal @ Q[:, 2]) == pytest.approx(1.0, abs=1e-9)
 
 
-def test_a_ball_leaves_a_box_through_the_nearest_face() -> None:
+def test_a_ball_leaves_a_box_through_the_nearest_face():
     """Closed form, whichever face, edge or corner is the nearest one; inside and outside."""
     rng, size, r = np.random.default_rng(4), np.array([0.04, 0.06, 0.1]), 0.005
-    for _ in range(300):
+    for _ in range(150):
         P = pin.SE3(_turn(rng), rng.normal(size=3))
         x = rng.uniform(-1, 1, 3) * size
         over = abs(x) - size / 2
@@ -170,8 +169,8 @@ def test_a_ball_leaves_a_box_through_the_nearest_face() -> None:
         np.testing.assert_allclose(found.position - found.tip_point, found.gap * found.normal, atol=1e-12)
 
 
-@pytest.mark.parametrize("sides", [254, 300, 700])
-def test_fine_cones_and_cylinders_are_hulls_too(sides: int, tmp_path: Path) -> None:
+@pytest.mark.parametrize("sides", [254, 700])
+def test_fine_cones_and_cylinders_are_hulls_too(sides, tmp_path):
     """A vertex with hundreds of neighbours, and lids with hundreds of corners: volumes and gaps by hand."""
     r, h = 0.02, 0.05
     base = sides / 2 * np.sin(2 * np.pi / sides) * r**2
@@ -188,7 +187,7 @@ def test_fine_cones_and_cylinders_are_hulls_too(sides: int, tmp_path: Path) -> N
     assert shape_near(post, np.eye(3), np.array([0.0, 0.0, -0.012]), cone).gap == pytest.approx(0.002, abs=1e-7)
 
 
-def _with_tips(folder: Path, mesh: str) -> Path:
+def _with_tips(folder, mesh):
     """The two-finger hand with a mesh for the ball at each fingertip."""
     text = urdf("two_finger").read_text(encoding="utf-8")
     assert text.count("<sphere") > 0
@@ -197,7 +196,7 @@ def _with_tips(folder: Path, mesh: str) -> Path:
     return out
 
 
-def test_a_fingertip_may_be_a_fine_cone_and_may_not_be_flat(tmp_path: Path) -> None:
+def test_a_fingertip_may_be_a_fine_cone_and_may_not_be_flat(tmp_path):
     """Coal refuses the one with a bare RuntimeError, and crashes on the other."""
     _lathe(tmp_path / "cone.obj", [(0.0, -0.008), (0.008, -0.008), (0.0, 0.008)], 300)
     hand = Hand.from_urdf(_with_tips(tmp_path, "cone.obj"), joint_stiffness=1.0)
@@ -211,7 +210,7 @@ def test_a_fingertip_may_be_a_fine_cone_and_may_not_be_flat(tmp_path: Path) -> N
         hand.at(np.zeros(4)).grasp(Box(0.02, tip), max_gap=1.0)
 
 
-def test_a_distance_that_cannot_be_checked_is_refused_with_names() -> None:
+def test_a_distance_that_cannot_be_checked_is_refused_with_names():
     """Of a shape whose support function is not known; a position that is no number is no contact either."""
     with pytest.raises(Unsupported, match=r"fingertip.*Box"):
         shape_near(coal.Cone(0.01, 0.02), np.eye(3), np.zeros(3), Box(0.1))
@@ -219,7 +218,7 @@ def test_a_distance_that_cannot_be_checked_is_refused_with_names() -> None:
         shape_near(coal.Cylinder(0.01, 0.02), np.eye(3), np.full(3, np.nan), Box(0.1))
 
 
-def test_a_mesh_that_is_flat_is_no_object(tmp_path: Path) -> None:
+def test_a_mesh_that_is_flat_is_no_object(tmp_path):
     """A closed sheet of no thickness."""
     (tmp_path / "flat.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 3 2\n")
     with pytest.raises(InputError, match=r"flat\.obj"):

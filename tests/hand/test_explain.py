@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import pytest
 
 import handlcp as hl
-from handlcp.hand import HandGrasp
 
 CUBE = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
 FOLLOWED = "followed loadings alone"
 ARMS = {f"cable_{k}": {f"finger_{k}_proximal": 0.012, f"finger_{k}_distal": 0.008} for k in (1, 2, 3)}
 
 
-def grasp(**more: object) -> HandGrasp:
+def grasp(**more):
     hand = hl.example_hand("three_finger", **({"joint_stiffness": 6.0} | more))
     return hand.at(hand.close_on(CUBE)).grasp(CUBE, friction=0.8, squeeze=0.009)
 
 
-def lines(g: HandGrasp) -> dict[str, Any]:
+def lines(g):
     return {line.title: line for line in g.explain().effects if line.on}
 
 
@@ -31,7 +28,7 @@ RUBBING = {
 
 
 @pytest.mark.parametrize("title", RUBBING)
-def test_friction_that_loadings_count_and_a_solve_does_not_is_listed_so(title: str) -> None:
+def test_friction_that_loadings_count_and_a_solve_does_not_is_listed_so(title):
     rubs = grasp(**RUBBING[title])
     found = lines(rubs)[title]
     assert found.answers == FOLLOWED
@@ -46,14 +43,14 @@ def test_friction_that_loadings_count_and_a_solve_does_not_is_listed_so(title: s
     assert abs(ends[0] - ends[1]).max() > 0.02 * abs(ends[1]).max(), "a loading does"
 
 
-def test_springs_and_slack_of_tendons_are_listed() -> None:
+def test_springs_and_slack_of_tendons_are_listed():
     found = lines(grasp(joint_stiffness=hl.Tendons(ARMS, 2e4, 4.0, pretension=3.0)))
     assert "4 N·m/rad" in found["springs at joints"].why
     assert found["springs at joints"].answers == ""
     assert found["tendons that pull alone"].answers == FOLLOWED
 
 
-def test_an_effect_of_one_solve_alone_is_listed_so() -> None:
+def test_an_effect_of_one_solve_alone_is_listed_so():
     bent = grasp().replace(effects=[hl.GeometricStiffness()])
     assert lines(bent)["geometric stiffness"].answers == "one solve alone"
     assert all(line.answers == "" for line in grasp().explain().effects if line.on)

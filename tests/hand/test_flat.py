@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import example, given, settings, strategies as st
 
-from tests.support.hand import flat_corners
+from handlcp.geometry.contact_detection import choose_corners as flat_corners
 
 # Of a facet that one measure called wide while no corner was so far from the first one chosen
 FLAT = np.array([[9.77e-5, -8.5e-6], [-9.78e-5, -2.6e-6], [-7.12e-5, -6.85e-5], [7.11e-5, 6.15e-5]])  # m

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,12 +12,10 @@ from tests.support.texts import says
 
 from .levers import MU, L, lever_hand, lever_pinch
 
-Writer = Callable[[str], Path]
-KEY = "hand/test_force_bounds"
 BOX = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
 
 
-def wedged(write: Writer, limit: float, most: float = np.inf) -> hl.HandGraspSolution:
+def wedged(write, limit, most=np.inf):
     """Rigid joints and tips: N from W / 2μ = 1 N to what bounds each finger, and the torque is L N."""
     hand = lever_hand(write, joint_stiffness=np.inf, pad_flexibility=0.0, torque_limits=limit)
     effects = [hl.FingerForceBound(most)] if np.isfinite(most) else []
@@ -27,12 +23,12 @@ def wedged(write: Writer, limit: float, most: float = np.inf) -> hl.HandGraspSol
     return solution
 
 
-def reason(s: hl.HandGraspSolution) -> hl.Reason:
+def reason(s):
     (found,) = s.verdict.about("torques_open")
     return found
 
 
-def test_no_statics_can_tell_whether_a_joint_is_within_its_limit(write: Writer) -> None:
+def test_no_statics_can_tell_whether_a_joint_is_within_its_limit(write):
     s = wedged(write, 0.2, 3.0)
     b = s.force_bounds()
     np.testing.assert_allclose(b.torques, [[L / (2 * MU), 3.0 * L]] * 2, rtol=1e-9)
@@ -43,7 +39,7 @@ def test_no_statics_can_tell_whether_a_joint_is_within_its_limit(write: Writer) 
     says(str(b), "40 to 120 %")
 
 
-def test_joints_within_their_limits_whatever_the_forces_are(write: Writer) -> None:
+def test_joints_within_their_limits_whatever_the_forces_are(write):
     s = wedged(write, 0.25, 3.0)
     assert s.verdict.word == "HELD"
     assert reason(s).severity == "note"
@@ -51,20 +47,20 @@ def test_joints_within_their_limits_whatever_the_forces_are(write: Writer) -> No
     np.testing.assert_allclose(reason(s).values["joints"][0]["torque_Nm"], [L / (2 * MU), 3.0 * L], rtol=1e-9)
 
 
-def test_a_wedge_without_bounds_may_take_any_torque(write: Writer) -> None:
+def test_a_wedge_without_bounds_may_take_any_torque(write):
     s = wedged(write, 0.2)
     np.testing.assert_array_equal(s.force_bounds().torques[:, 1], np.inf)
     says(reason(s).sentence, "left_joint", "40 %")
 
 
-def test_a_joint_that_is_over_its_limit_with_all_forces_is_no_doubt(write: Writer) -> None:
+def test_a_joint_that_is_over_its_limit_with_all_forces_is_no_doubt(write):
     s = wedged(write, 0.05, 3.0)
     assert s.verdict.word == "OVER LIMIT"
     assert not s.verdict.about("torques_open")
 
 
 @pytest.mark.parametrize("faces", ["cone", 8])
-def test_where_forces_are_determined_a_verdict_says_what_it_said(faces: Any) -> None:
+def test_where_forces_are_determined_a_verdict_says_what_it_said(faces):
     hand = hl.example_hand("three_finger", joint_stiffness=6.0)
     grasp = hand.at(hand.close_on(BOX)).grasp(BOX, hl.Coulomb(0.8), squeeze=5e-3)
     s: Any = grasp.solve(faces)
@@ -77,7 +73,7 @@ def test_where_forces_are_determined_a_verdict_says_what_it_said(faces: Any) -> 
     assert (wide.torques[:, 1] > s.torques).all()
 
 
-def test_springs_that_bear_the_open_forces_know_the_torques() -> None:
+def test_springs_that_bear_the_open_forces_know_the_torques():
     """Tips on a rigid table leave forces open; every joint has a spring, and its torque is that of its deflection."""
     hand = hl.example_hand("three_finger", joint_stiffness=6.0)
     can = hl.Cylinder(0.025, 0.05, (0, 0, 0.08), 0.3)
@@ -93,11 +89,11 @@ def test_springs_that_bear_the_open_forces_know_the_torques() -> None:
     says(reason(s).sentence, "joint's")
 
 
-def test_pads_of_other_softness_lie_inside() -> None:
+def test_pads_of_other_softness_lie_inside():
     hand = hl.example_hand("three_finger", joint_stiffness=6.0)
     q = hand.close_on(BOX)
 
-    def solved(pads: Any) -> Any:
+    def solved(pads):
         other = hl.example_hand("three_finger", joint_stiffness=6.0, pad_flexibility=pads)
         return other.at(q).grasp(BOX, hl.Coulomb(0.8), joint_offset=0.05 * np.ones(hand.nv)).solve()
 

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import pickle
 import re
-from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -20,39 +17,35 @@ from handlcp import (
     NoSolutionFound,
     Sphere,
     Status,
-    Synergies,
     TorqueSaturation,
     accuracy_cost,
-    solve_many,
 )
 from handlcp.errors import InputError, Unsupported
-from handlcp.hand import Hand, HandGrasp, HandState, example_hand
+from handlcp.hand import Hand, example_hand
 from handlcp.lcp import Auto
 from handlcp.scene import read
 from tests.support import patches
 from tests.support.grasp import arrays, at_centre, judged
-from tests.support.hand import curvature, full_positions, jacobian_at, under_load
+from tests.support.hand import curvature, jacobian_at, under_load
 from tests.support.scene_texts import BOX_IN_TWO_FINGERS
 from tests.support.texts import says, without_numbers
 
-from .chains import A, B, chain_hand
 from .conftest import MIMIC, inside
 from .levers import PAD, K, L, lever_hand, lever_pinch
 
-Writer = Callable[[str], Path]
 BALL = Sphere(0.03, (0, 0, 0.085), mass=0.2)
 QUICK = Auto(search_seconds=0)
 BENT = GeometricStiffness()
 
 
-def ball_grasp(stiffness: object = 5.0, squeeze: float = 3e-3, **more: object) -> HandGrasp:
+def ball_grasp(stiffness=5.0, squeeze=3e-3, **more):
     hand = example_hand("five_finger", joint_stiffness=stiffness)
     plain = example_hand("five_finger", joint_stiffness=5.0)
-    return hand.at(plain.close_on(BALL, squeeze=squeeze)).grasp(BALL, **({"effects": [BENT]} | more))  # type: ignore[arg-type]
+    return hand.at(plain.close_on(BALL, squeeze=squeeze)).grasp(BALL, **({"effects": [BENT]} | more))
 
 
 # ---------------------------------------------------------------- second derivatives
-def points_of(state: HandState, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def points_of(state, seed):
     """Points beside the tips, where they are in tip axes, and frames turned anyhow."""
     rng = np.random.default_rng(seed)
     n = len(state.tip_positions)
@@ -61,11 +54,11 @@ def points_of(state: HandState, seed: int) -> tuple[np.ndarray, np.ndarray, np.n
     return state.tip_positions + np.einsum("nij,nj->ni", state.tip_rotations, local), local, frames
 
 
-def check_hessian(hand: Hand, q: np.ndarray) -> None:
+def check_hessian(hand, q):
     state, h = hand.at(q), 1e-5
     points, local, frames = points_of(state, 1)
 
-    def jacobian(q: np.ndarray) -> np.ndarray:
+    def jacobian(q):
         s = hand.at(q)
         moved = s.tip_positions + np.einsum("nij,nj->ni", s.tip_rotations, local)
         return (frames.transpose(0, 2, 1) @ jacobian_at(s, moved)).reshape(-1, hand.nv)
@@ -77,11 +70,11 @@ def check_hessian(hand: Hand, q: np.ndarray) -> None:
     np.testing.assert_array_equal(H, H.transpose(0, 2, 1))
 
 
-def test_second_derivatives_are_those_of_central_differences(hand: Hand) -> None:
+def test_second_derivatives_are_those_of_central_differences(hand):
     check_hessian(hand, inside(hand, 2))
 
 
-def test_so_are_those_of_mimic_joints_and_slides(coupled: Hand, write: Writer) -> None:
+def test_so_are_those_of_mimic_joints_and_slides(coupled, write):
     check_hessian(coupled, np.array([0.3, 0.7]))
     slide = MIMIC.replace('"k3" type="revolute"', '"k3" type="prismatic"')
     check_hessian(Hand.from_urdf(write(re.sub("<mimic[^>]*/>", "", slide)), joint_stiffness=1.0), np.full(4, 0.2))
@@ -89,7 +82,7 @@ def test_so_are_those_of_mimic_joints_and_slides(coupled: Hand, write: Writer) -
 
 # ---------------------------------------------------------------- springs that really turn
 @pytest.mark.parametrize("force", [(0.0, 0.0, 2.0), (0.0, 0.0, -2.0), (-1.0, 0.0, 1.5)])
-def test_one_link_has_the_tangent_stiffness_of_its_own_equilibria(write: Writer, force: tuple[float, ...]) -> None:
+def test_one_link_has_the_tangent_stiffness_of_its_own_equilibria(write, force):
     """It is k - f · p across the axis; and the tip's motion between two equilibria k (q_c - q) = J(q)ᵀ f, solved to
     the last digit, is J (k - f · p)⁻¹ Jᵀ times what was added to f.
     """
@@ -104,60 +97,27 @@ def test_one_link_has_the_tangent_stiffness_of_its_own_equilibria(write: Writer,
     r = (frame.T @ f)[None]
     np.testing.assert_allclose(under_load(g).stiffness(r)[0, 0], -f @ tip, rtol=1e-9)
     C = under_load(g).compliance(r)
-    assert C is not None
     np.testing.assert_allclose(C[0, 0], 1 / (k - f @ tip), rtol=1e-9)
 
     commanded = q + J @ f / k  # where this posture carries f
 
-    def path(more: np.ndarray) -> np.ndarray:
+    def path(more):
         x = q
         for _ in range(200):  # k (q_c - x) = J(x)ᵀ f
             x = commanded - L * np.array([np.cos(x), 0, -np.sin(x)]) @ (f + more) / k
         return L * np.array([np.sin(x), 0, np.cos(x)])
 
     change = under_load(g).change(r)
-    assert change is not None
     E = frame @ (g.flexibility + change) @ frame.T
     for push in np.eye(3)[[0, 2]] * 1e-5:
         moved = (path(-push) - path(push)) / 2  # the tip retreats where it pushes harder
         np.testing.assert_allclose(E @ push, moved, atol=1e-7 * abs(E).max() * 1e-5)
 
 
-def test_two_joints_have_the_tangent_flexibility_of_their_own_equilibria(write: Writer) -> None:
-    K2, f, q = np.array([0.6, 0.3]), np.array([-1.0, 0.0, 2.0]), np.array([0.5, 0.4])
-    hand = chain_hand(write, joint_stiffness=[*K2, 1.0, 1.0])
-    state = hand.at([*q, 0, 0])
-    g = state.grasp([Contact(state.tip_positions[0], (-1, 0, 0), tangent=(0, 0, 1))], fingers=["left_tip"],
-                    effects=[BENT])  # fmt: skip
-
-    def at(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        a, b = q[0], q[0] + q[1]
-        far = B * np.array([np.cos(b), 0, -np.sin(b)])
-        J = np.column_stack([A * np.array([np.cos(a), 0, -np.sin(a)]) + far, far])
-        return np.array([A * np.sin(a) + B * np.sin(b), 0, A * np.cos(a) + B * np.cos(b)]), J
-
-    commanded = q + at(q)[1].T @ f / K2
-
-    def path(more: np.ndarray) -> np.ndarray:
-        x = q
-        for _ in range(200):
-            x = commanded - at(x)[1].T @ (f + more) / K2
-        return at(x)[0]
-
-    R = g.frames[0]
-    change = under_load(g).change((R.T @ f)[None])
-    assert change is not None
-    E = R @ (g.flexibility + change) @ R.T
-    pushes = np.eye(3)[[0, 2]] * 1e-5
-    for push in pushes:
-        np.testing.assert_allclose(E @ push, (path(-push) - path(push)) / 2, atol=1e-7 * abs(E).max() * 1e-5)
-    assert max(abs(R @ change @ R.T @ push).max() for push in pushes) > 0.05 * abs(E).max() * 1e-5
-
-
 # ---------------------------------------------------------------- solved again until the forces stay
-@pytest.mark.parametrize("faces", [4, 8, "cone"])
+@pytest.mark.parametrize("faces", [8, "cone"])
 @pytest.mark.parametrize("pull", [8.0, -8.0])
-def test_fingers_that_carry_a_load_along_themselves_are_columns(write: Writer, faces: int | str, pull: float) -> None:
+def test_fingers_that_carry_a_load_along_themselves_are_columns(write, faces, pull):
     """Each carries P / 2 along its link: N = δ / (L² / (K - L P / 2) + pad), softer in compression and else stiffer."""
     g = lever_pinch(lever_hand(write), force=(0, 0, -pull), preload=1e-2, effects=[BENT])
     s = g.solve(faces)
@@ -170,32 +130,8 @@ def test_fingers_that_carry_a_load_along_themselves_are_columns(write: Writer, f
     assert s.trace[-1].startswith("geometric stiffness: 3 ")
 
 
-def test_a_real_hands_answer_has_the_flexibility_of_its_own_forces() -> None:
-    """E from numpy's inverse with K_g from central differences of Jᵀ f; the certifier passes the answer with that E."""
-    g = ball_grasp()
-    s = g.solve()
-    hand, state, h = g.state.hand, g.state, 1e-5
-    local = np.einsum("nji,nj->ni", state.tip_rotations, arrays(g).positions - state.tip_positions)
-
-    def torque(q: np.ndarray) -> np.ndarray:
-        there = hand.at(q)
-        points = there.tip_positions + np.einsum("nij,nj->ni", there.tip_rotations, local)
-        return s.forces_world.ravel() @ jacobian_at(there, points).reshape(-1, hand.nv)
-
-    K_g = np.array([(torque(state.q + e) - torque(state.q - e)) / (2 * h) for e in h * np.eye(hand.nv)])
-    np.testing.assert_allclose(under_load(g).stiffness(s.forces), K_g, atol=1e-8 * abs(K_g).max())
-    C = np.linalg.inv(hand.joint_stiffness + K_g)
-    E = g.jacobian @ C @ g.jacobian.T + 1e-4 * np.eye(15)
-    assert arrays(s) is not None
-    np.testing.assert_allclose(arrays(s).flexibility, E, atol=1e-9 * abs(E).max())
-    assert abs(E - g.flexibility).max() > 1e-3 * abs(E).max()
-    np.testing.assert_allclose(s.joint_deflection, C @ (s.forces.ravel() @ g.jacobian), atol=1e-9)
-    plain = state.grasp(BALL).replace(flexibility=E).solve(start=s)
-    np.testing.assert_allclose(plain.forces, s.forces, atol=1e-7 * abs(s.forces).max())
-
-
-@pytest.mark.parametrize(("command", "weight"), [(0.0, False), (0.01, False), (0.01, True)])
-def test_torques_are_those_of_the_deflected_posture(command: float, weight: bool) -> None:
+@pytest.mark.parametrize(("command", "weight"), [(0.01, False), (0.01, True)])
+def test_torques_are_those_of_the_deflected_posture(command, weight):
     """Of the same forces where the joints stand at q + δq - δ, contact points moving with the tips, by Pinocchio: what
     the torques miss is a quarter at half the squeeze, where those of the given posture miss half as much.
     """
@@ -222,44 +158,8 @@ def test_torques_are_those_of_the_deflected_posture(command: float, weight: bool
         np.testing.assert_allclose(s.torques, hand.joint_stiffness @ s.joint_deflection, atol=1e-9)
 
 
-def test_weight_and_commanded_joints_turn_with_the_fingers() -> None:
-    """(K + K_g) δ = Jᵀ f + g + K_g δq, and what is neither pad nor offset given is J (δ - δq)."""
-    command = np.tile([0.02, 0.05], 5)
-    g = ball_grasp(finger_weight=True, joint_offset=command)
-    s = g.solve()
-    hand, K_g = g.state.hand, under_load(g).stiffness(s.forces)
-    given = s.forces.ravel() @ g.jacobian + g.gravity_torque + K_g @ command
-    np.testing.assert_allclose((hand.joint_stiffness + K_g) @ s.joint_deflection, given, atol=1e-9)
-    assert arrays(s) is not None
-    moved = (arrays(s).flexibility - 1e-4 * np.eye(15)) @ s.forces.ravel() + (arrays(s).offset - g.tip_offset).ravel()
-    np.testing.assert_allclose(moved, g.jacobian @ (s.joint_deflection - command), atol=1e-12)
-
-
-def test_behind_synergies_nothing_is_inverted(write: Writer) -> None:
-    """S = 1 is the plain hand; one synergy over a joint and its mimics is the mimic joint; C of rank 5 still solves."""
-    s, t = (ball_grasp(k).solve() for k in (5.0, Synergies(np.eye(10), 5.0)))
-    np.testing.assert_allclose(t.forces, s.forces, atol=1e-9 * abs(s.forces).max())
-    hand = Hand.from_urdf(write(MIMIC), joint_stiffness={"z1": 2.0, "w": 3.0})
-    columns = {"grip": {"z1": 1.0, "m2": 0.7, "k3": -1.4}, "swing": {"w": 1.0}}
-    free = Hand.from_urdf(write(re.sub("<mimic[^>]*/>", "", MIMIC)), joint_stiffness=Synergies(columns, [2.0, 3.0]))
-    q = np.array([0.2, -0.4])
-    full = full_positions(hand, q)
-    changes = []
-    for h, at in ((hand, q), (free, full)):
-        state = h.at(at)
-        contacts = [Contact(p, (0, 0, 1)) for p in state.tip_positions]
-        changes.append(
-            under_load(state.grasp(contacts, effects=[BENT])).change(np.array([[1.0, -2.0, 3.0], [0.5, 0, 2.0]]))
-        )
-    assert changes[0] is not None
-    assert changes[1] is not None
-    np.testing.assert_allclose(changes[1], changes[0], rtol=0, atol=1e-12 * abs(changes[0]).max())
-    s = ball_grasp(Synergies(np.kron(np.eye(5), [[1.0], [0.6]]), 5.0), preload=5e-3).solve()
-    assert s.residuals.effects <= 1e-8
-
-
 # ---------------------------------------------------------------- where nothing is claimed
-def test_a_finger_that_buckles_is_no_answer(write: Writer) -> None:
+def test_a_finger_that_buckles_is_no_answer(write):
     """A column of 0.4 N·m/rad carries 0.4 / L = 5 N; at just less it is so soft that the squeeze is lost."""
     soft = lever_hand(write, joint_stiffness=0.4)
     for pull in (12.0, 9.9):
@@ -276,7 +176,7 @@ def test_a_finger_that_buckles_is_no_answer(write: Writer) -> None:
     assert lever_pinch(soft, force=(0, 0, -12.0), preload=0.25).solve().held, "without the effect nobody would know"
 
 
-def test_forces_that_have_not_settled_are_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_forces_that_have_not_settled_are_no_answer(monkeypatch):
     """Two solves leave more than the certifier lets pass."""
     g = ball_grasp(preload=5e-3)
     assert g.solve().held
@@ -286,7 +186,7 @@ def test_forces_that_have_not_settled_are_no_answer(monkeypatch: pytest.MonkeyPa
     says(s.trace[-1], "geometric stiffness", "2")
 
 
-def test_flexibility_that_is_not_the_joints_is_refused() -> None:
+def test_flexibility_that_is_not_the_joints_is_refused():
     g = ball_grasp(preload=5e-3)
     with pytest.raises(InputError) as e:
         g.replace(flexibility=0.5 * g.flexibility)
@@ -294,7 +194,7 @@ def test_flexibility_that_is_not_the_joints_is_refused() -> None:
     assert g.replace(flexibility=1.1 * g.flexibility).solve().held
 
 
-def test_no_proof_about_one_flexibility_is_passed_on(write: Writer) -> None:
+def test_no_proof_about_one_flexibility_is_passed_on(write):
     """What the unloaded fingers cannot do is not proven of the loaded ones; what no force can do still is."""
     hand = lever_hand(write)
     s = lever_pinch(hand, force=(0, 0, -1.0), preload=1e-6, effects=[BENT]).solve(throw=False)
@@ -306,19 +206,18 @@ def test_no_proof_about_one_flexibility_is_passed_on(write: Writer) -> None:
     assert s.certificate is not None
 
 
-def test_the_certifier_rejects_forces_that_have_another_flexibility() -> None:
+def test_the_certifier_rejects_forces_that_have_another_flexibility():
     """The answer without the effect is none with it, and by as much as E is off."""
     g = ball_grasp()
     plain = g.state.grasp(BALL).solve("cone")
     missed = judged(g, "cone", plain.forces, at_centre(g, plain))
     change = under_load(g).change(plain.forces)
-    assert change is not None
     assert missed.effects == pytest.approx(abs(change).max() / abs(g.flexibility).max())
     assert not missed.passes
 
 
 # ---------------------------------------------------------------- the size of it, without asking for it
-def test_one_correction_says_by_how_much_each_force_would_change(write: Writer) -> None:
+def test_one_correction_says_by_how_much_each_force_would_change(write):
     """On the levers it is the whole of it, because their tangential forces are given by the load."""
     hand = lever_hand(write)
     g = lever_pinch(hand, force=(0, 0, -8.0), preload=1e-2)
@@ -332,19 +231,14 @@ def test_one_correction_says_by_how_much_each_force_would_change(write: Writer) 
     np.testing.assert_array_equal(soft.geometric_change(soft.solve()), np.inf)
     for bad in (None, soft.replace(wrench=(0, 0, -1e3, 0, 0, 0)).solve(throw=False, solver=QUICK)):
         with pytest.raises(InputError) as e:
-            soft.geometric_change(bad)  # type: ignore[arg-type]
+            soft.geometric_change(bad)
         assert e.value.argument == "solution"
 
 
 # ---------------------------------------------------------------- neutral, absent, and in company
-def test_rigid_joints_have_none_of_it(write: Writer) -> None:
-    hand = lever_hand(write, joint_stiffness=np.inf)
-    g, plain = (lever_pinch(hand, preload=1e-3, effects=e) for e in ([BENT], []))
-    np.testing.assert_array_equal(under_load(g).change(np.ones((2, 3))), 0.0)
-    np.testing.assert_array_equal(g.solve().forces, plain.solve().forces)
 
 
-def test_it_brings_no_unknowns_and_explains_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_it_brings_no_unknowns_and_explains_itself(monkeypatch):
     patches.shares_of_a_quarter(monkeypatch)
     g = ball_grasp()
     plain = g.state.grasp(BALL)
@@ -357,30 +251,7 @@ def test_it_brings_no_unknowns_and_explains_itself(monkeypatch: pytest.MonkeyPat
     assert measured["finger flexibility"] == 0.25, "at the answer and with its E, as without the effect"
 
 
-def test_it_stays_when_numbers_change_between_processes_and_in_lists() -> None:
-    g = pickle.loads(pickle.dumps(ball_grasp())).replace(wrench=(0.1, 0, -1.0, 0, 0, 0))
-    s = g.solve()
-    assert "geometric stiffness" in s.trace[-1]
-    followed = g.solve(start=s)
-    np.testing.assert_allclose(followed.forces, s.forces, atol=1e-9 * abs(s.forces).max())
-    assert int(re.findall(r"(\d+) solves", followed.trace[-1])[0]) < int(re.findall(r"(\d+) solves", s.trace[-1])[0])
-    (many,) = solve_many([g], workers=1)
-    np.testing.assert_array_equal(many.forces, s.forces)
-    np.testing.assert_array_equal(many.torques, s.torques)
-
-
-def test_the_smallest_squeeze_is_that_of_softened_fingers(write: Writer) -> None:
-    """Friction μ N = P / 2 at the limit of the pyramid, N = δ / E(P): more squeeze than without."""
-    hand, pull = lever_hand(write, joint_stiffness=2.0), 8.0
-    limit = pull / 2 / 0.5
-    by_hand = [limit * (L * L / k + PAD) for k in (2.0, 2.0 - L * pull / 2)]
-    for need, effects in zip(by_hand, ([], [BENT]), strict=True):
-        for share, held in ((1.0 - 2e-4, False), (1.0 + 2e-4, True)):
-            pinch = lever_pinch(hand, force=(0, 0, -pull), effects=effects, preload=share * need)
-            assert pinch.solve(throw=False).held == held
-
-
-def test_what_cannot_count_it_says_so(write: Writer) -> None:
+def test_what_cannot_count_it_says_so(write):
     g = lever_pinch(lever_hand(write, torque_limits=0.6), preload=5e-3, effects=[BENT])
     for effect in (BENT, *g.effects):
         with pytest.raises(InputError, match=r"hand\.at\(q\)\.grasp") as e:
@@ -399,7 +270,7 @@ def test_what_cannot_count_it_says_so(write: Writer) -> None:
         lever_pinch(g.state.hand, effects=[TorqueSaturation(), BENT])
 
 
-def test_a_scene_file_asks_for_it() -> None:
+def test_a_scene_file_asks_for_it():
     text = f"""
     {BOX_IN_TWO_FINGERS}
     [grasp]

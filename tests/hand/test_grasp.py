@@ -2,55 +2,32 @@
 
 from __future__ import annotations
 
-import pickle
-
 import numpy as np
 import pytest
 
 from handlcp import Contact, Coulomb, Frictionless, Grasp, NoSolutionFound
-from handlcp.errors import HandLCPError, InputError, UnknownName
+from handlcp.errors import InputError, UnknownName
 from handlcp.geometry import Box, Cylinder, Sphere
-from handlcp.hand import Hand, HandGrasp, TorqueCheck, example_hand
+from handlcp.hand import TorqueCheck, example_hand
 from tests.support.grasp import arrays
 from tests.support.hand import jacobian_at, torque_check_of
 from tests.support.texts import says, without_numbers
-
-from .conftest import inside
 
 BALL = Sphere(0.03, (0.001, -0.002, 0.09), mass=0.03)
 
 
 @pytest.fixture
-def held(five: Hand) -> HandGrasp:
+def held(five):
     """Five fingers squeezing a ball by 6 mm."""
     return five.at(five.close_on(BALL, squeeze=6e-3)).grasp(BALL)
 
 
-def contacts_of(grasp: HandGrasp) -> list[Contact]:
+def contacts_of(grasp):
     """The same contacts, made by hand."""
     return [Contact(c.position, c.normal, c.friction, c.tangent) for c in grasp.contacts]
 
 
-def test_torques_are_virtual_work_at_the_contact_points(held: HandGrasp) -> None:
-    """τ · δq = Σ f · δp δp by differences of points fixed in the tip links."""
-    solution, state, hand = held.solve(), held.state, held.state.hand
-    local = (state.tip_rotations.transpose(0, 2, 1) @ (arrays(held).positions - state.tip_positions)[:, :, None])[
-        :, :, 0
-    ]
-
-    def points(q: np.ndarray) -> np.ndarray:
-        s = hand.at(q)
-        return s.tip_positions + (s.tip_rotations @ local[:, :, None])[:, :, 0]
-
-    work = []
-    for d in np.eye(hand.nv) * 1e-6:
-        moved = (points(state.q + d) - points(state.q - d)) / 2e-6
-        work.append(float((solution.forces_world * moved).sum()))
-    np.testing.assert_allclose(solution.torques, work, atol=1e-9)
-    assert abs(solution.torques).max() > 0.01
-
-
-def test_detected_contacts_are_ordinary_contacts(held: HandGrasp) -> None:
+def test_detected_contacts_are_ordinary_contacts(held):
     """Made in one go, they equal what the constructor makes, frame by frame."""
     for c, name in zip(held.contacts, held.fingertips, strict=True):
         same = Contact(c.position, c.normal, c.friction, None, c.name)
@@ -60,7 +37,7 @@ def test_detected_contacts_are_ordinary_contacts(held: HandGrasp) -> None:
         assert not c.rotation.flags.writeable
 
 
-def test_flexibility_is_turned_into_contact_axes(five: Hand) -> None:
+def test_flexibility_is_turned_into_contact_axes(five):
     """E of the grasp = Rᵀ (J K⁻¹ Jᵀ + pads) R at the contact points, with anisotropic pads and tendons."""
     rng = np.random.default_rng(0)
     A = rng.normal(size=(10, 10))
@@ -82,7 +59,7 @@ def test_flexibility_is_turned_into_contact_axes(five: Hand) -> None:
     assert (E == E.T).all()
 
 
-def test_contacts_given_equal_contacts_found(held: HandGrasp) -> None:
+def test_contacts_given_equal_contacts_found(held):
     """Contacts in a list, in a mapping, and a plain Grasp with the same arrays: the same forces."""
     state, load = held.state, np.array([0, 0, -0.03 * 9.81, 0, 0, 0])
     cs, reference = contacts_of(held), BALL.center_of_mass
@@ -100,7 +77,7 @@ def test_contacts_given_equal_contacts_found(held: HandGrasp) -> None:
     np.testing.assert_allclose(as_list.solve().torques, expected.torques, atol=1e-9)
 
 
-def test_weight_acts_at_the_centre_of_mass(held: HandGrasp) -> None:
+def test_weight_acts_at_the_centre_of_mass(held):
     """The same load about another reference, weight included: the same forces, and the moment that belongs to it."""
     point = np.array([0.1, 0.2, -0.3])
     other = held.state.grasp(BALL, reference=point)
@@ -113,41 +90,7 @@ def test_weight_acts_at_the_centre_of_mass(held: HandGrasp) -> None:
     assert not arrays(light).force.any()
 
 
-def test_joint_deflection_is_kinv_jt_f(five: Hand) -> None:
-    """The joints give way by K⁻¹ Jᵀ f; the tips retreat by J times that, plus the pads."""
-    k = np.arange(1.0, 11.0)
-    hand = example_hand("five_finger", joint_stiffness=k)
-    grasp = hand.at(five.close_on(BALL, squeeze=4e-3)).grasp(BALL, gravity=(0, 0, 0))
-    solution = grasp.solve()
-    torque = grasp.jacobian.T @ solution.forces.reshape(-1)
-    np.testing.assert_allclose(solution.joint_deflection, torque / k, rtol=1e-12)
-    retreat = grasp.jacobian @ solution.joint_deflection + 1e-4 * solution.forces.reshape(-1)
-    np.testing.assert_allclose(retreat, arrays(grasp).flexibility @ solution.forces.reshape(-1), atol=1e-12)
-
-
-def test_fingers_weight_adds_g_of_q(held: HandGrasp) -> None:
-    """Asked for in the torques, the fingers' own weight joins them, and nothing else changes."""
-    state = held.state
-    heavy = state.grasp(BALL, finger_weight="torques")
-    with_weight, without = heavy.solve(), held.solve()
-    np.testing.assert_allclose(with_weight.torques - without.torques, state.gravity_torque(), atol=1e-9)
-    np.testing.assert_allclose(with_weight.joint_deflection, without.joint_deflection, atol=1e-9)
-    assert abs(state.gravity_torque()).max() > 1e-3
-
-
-def test_mimic_joints_load_the_joint_they_follow() -> None:
-    """The psyonic's torques are Cᵀ of those of all ten joints."""
-    hand = example_hand("psyonic")
-    state = hand.at(inside(hand, 1))
-    cs = [Contact(p, (0, 0, 1), Coulomb(0.5)) for p in state.tip_positions]
-    grasp = state.grasp(cs)
-    assert grasp.jacobian.shape == (15, 6)
-    f = np.random.default_rng(2).normal(size=15)
-    world = (grasp.frames @ f.reshape(5, 3, 1))[:, :, 0].reshape(-1)
-    np.testing.assert_allclose(grasp.jacobian.T @ f, state.jacobian.T @ world, atol=1e-15)
-
-
-def test_the_ring_grasps_in_its_plane() -> None:
+def test_the_ring_grasps_in_its_plane():
     """Contacts made of 2-vectors, and a detected disc with a plane, give the same planar grasp."""
     hand = example_hand("planar_ring", torque_limits={"finger_1_distal": 0.001})
     disc = Cylinder(0.03, 0.02, mass=0.1)
@@ -167,7 +110,7 @@ def test_the_ring_grasps_in_its_plane() -> None:
     says(str(caught.value), caught.value.argument)
 
 
-def test_a_plane_may_miss_the_reference() -> None:
+def test_a_plane_may_miss_the_reference():
     """A load in the plane of the contacts has a moment out of it about any point beside: 100 mm below, f turns by
     0.1 z × f.
     """
@@ -189,7 +132,7 @@ def test_a_plane_may_miss_the_reference() -> None:
     says(caught.value.expected, "centre")
 
 
-def test_no_solution_leaves_nan_torques(five: Hand) -> None:
+def test_no_solution_leaves_nan_torques(five):
     """Not held: NaN torques that nobody can mistake for an answer, ok is False, and the error carries them."""
     state = five.at(five.close_on(BALL))
     grasp = state.grasp(BALL, Frictionless(), wrench=(0, 0, 0, 0, 0, 1))
@@ -202,7 +145,7 @@ def test_no_solution_leaves_nan_torques(five: Hand) -> None:
     assert isinstance(caught.value.solution.torque_check, TorqueCheck)
 
 
-def test_torque_check_names_the_binding_joint(held: HandGrasp) -> None:
+def test_torque_check_names_the_binding_joint(held):
     """Joint by joint torque, limit and utilisation; the highest binds; printed as a table."""
     hand = example_hand("five_finger", torque_limits={"finger_3_distal": 0.01})
     solution = hand.at(held.state.q).grasp(BALL).solve()
@@ -223,7 +166,7 @@ def test_torque_check_names_the_binding_joint(held: HandGrasp) -> None:
         check["thumb"]
 
 
-def test_torque_check_without_limits_claims_nothing() -> None:
+def test_torque_check_without_limits_claims_nothing():
     """An unknown limit is neither used up nor ok; an explicit inf is no limit; the rows stay finite."""
     check = torque_check_of(("a", "b", "c"), [1.0, -2.0, 0.0], [np.inf, np.inf, 2.0], (False, True, True))
     assert np.isfinite(check.utilisation).all()
@@ -238,52 +181,23 @@ def test_torque_check_without_limits_claims_nothing() -> None:
     assert not nothing.ok
 
 
-def test_solutions_and_tables_pickle_and_print(held: HandGrasp) -> None:
-    """Solutions go between processes, and rich prints the table."""
-    from io import StringIO
-
-    from rich.console import Console
-
-    solution = pickle.loads(pickle.dumps(held.solve()))
-    out = StringIO()
-    Console(file=out, width=100).print(solution.torque_check)
-    assert "finger_5_distal" in out.getvalue()
-
-
-def test_a_hand_grasp_comes_from_a_posture_only() -> None:
-    """The constructor says how."""
-    with pytest.raises(TypeError, match="grasp"):
-        HandGrasp([])
-
-
 @pytest.mark.parametrize(
     ("target", "arguments", "argument", "kind"),
     [
-        ("ball", {"friction": -0.5}, "friction", InputError),
         ("ball", {"friction": {"finger_1_tip": "rubber"}}, "friction['finger_1_tip']", InputError),
         ("ball", {"friction": {"thumb": Coulomb(0.5)}}, "friction", UnknownName),
-        ("ball", {"gravity": (0, 0)}, "gravity", InputError),
         ("ball", {"gravity": (0, 0, np.nan)}, "gravity", InputError),
         ("ball", {"wrench": (0, 0, 1)}, "wrench", InputError),
-        ("ball", {"preload": np.inf}, "preload", InputError),
         ("ball", {"preload": [1.0, 2.0]}, "preload", InputError),
-        ("ball", {"offset": np.zeros(3)}, "offset", InputError),
-        ("ball", {"reference": (0, 0)}, "reference", InputError),
-        ("ball", {"max_gap": -1.0}, "max_gap", InputError),
-        ("ball", {"fingers": ["thumb"]}, "fingers", UnknownName),
         ("ball", {"fingers": ["finger_1_tip", "finger_1_tip"]}, "fingers", InputError),
         ("ball", {"effects": ["friction"]}, "effects[0]", InputError),
         ("contacts", {"friction": Coulomb(0.5)}, "friction", InputError),
         ("too few", {}, "contacts", InputError),
-        ("no contacts", {}, "contacts[0]", InputError),
-        ("a number", {}, "target", InputError),
         ("unknown finger", {}, "contacts", UnknownName),
         ("missing finger", {"fingers": ["finger_1_tip", "finger_2_tip"]}, "contacts", InputError),
     ],
 )
-def test_bad_arguments_are_named(
-    held: HandGrasp, target: str, arguments: dict[str, object], argument: str, kind: type[HandLCPError]
-) -> None:
+def test_bad_arguments_are_named(held, target, arguments, argument, kind):
     """One broken argument a time."""
     cs = contacts_of(held)
     what = {
@@ -296,17 +210,11 @@ def test_bad_arguments_are_named(
         "missing finger": {"finger_1_tip": cs[0]},
     }[target]
     with pytest.raises(kind) as caught:
-        held.state.grasp(what, **arguments)  # type: ignore[arg-type]
-    assert caught.value.argument == argument  # type: ignore[attr-defined]
+        held.state.grasp(what, **arguments)
+    assert caught.value.argument == argument
 
 
-def test_friction_by_finger(held: HandGrasp) -> None:
-    """A mapping of fingertips to laws; the others get Coulomb(0.6)."""
-    grasp = held.state.grasp(BALL, {"finger_2_tip": Frictionless(), "finger_3_tip": Coulomb(0.2)})
-    assert arrays(grasp).mu.tolist() == [0.6, 0.0, 0.2, 0.6, 0.6]
-
-
-def test_box_between_two_fingers_is_held_by_friction() -> None:
+def test_box_between_two_fingers_is_held_by_friction():
     """Two fingers pinch a 50 g box: each carries half its weight, the squeeze is symmetric."""
     hand = example_hand("two_finger")
     box = Box((0.03, 0.04, 0.06), (0.0, 0.0, 0.08), mass=0.05)

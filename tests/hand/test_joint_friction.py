@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +9,10 @@ import pytest
 
 import handlcp as hl
 from handlcp.errors import InputError, UnknownName
-from handlcp.hand import Hand, HandGrasp, example_hand
+from handlcp.hand import Hand, example_hand
 
 from .levers import PAD, C, K, L, lever_hand, lever_pinch
 
-Writer = Callable[[str], Path]
 RUBS = 0.05  # N·m
 SHUT, BACK = 0.06, 0.03  # rad, commanded
 
@@ -25,12 +23,12 @@ RUBBING = {
 }  # fmt: skip
 
 
-def pinch(write: Writer, whose: str = "of the joint", **more: object) -> HandGrasp:
+def pinch(write, whose="of the joint", **more):
     return lever_pinch(lever_hand(write, **RUBBING[whose]), (0.0, 0.0, 0.0), **more)
 
 
 @pytest.mark.parametrize("whose", RUBBING)
-def test_a_joint_that_closes_presses_less_by_its_friction_and_one_that_opens_more(write: Writer, whose: str) -> None:
+def test_a_joint_that_closes_presses_less_by_its_friction_and_one_that_opens_more(write, whose):
     """N = (θ ∓ τ_f / K) L / C on both sides of a hysteresis loop, and between them as it was."""
     stages = [hl.Stage("close", joint_offset=[SHUT] * 2), hl.Stage("open", joint_offset=[BACK] * 2)]
     path = pinch(write, whose).follow(order=stages, steps=7, geometry="fixed")
@@ -43,8 +41,8 @@ def test_a_joint_that_closes_presses_less_by_its_friction_and_one_that_opens_mor
         np.testing.assert_allclose(force, expected, rtol=1e-7, atol=1e-7 * most)
 
 
-@pytest.mark.parametrize(("steps", "whose"), [(3, "of the joint"), (40, "of the joint"), (40, "of the drive")])
-def test_the_area_of_a_hysteresis_loop_is_the_work_that_friction_takes(write: Writer, steps: int, whose: str) -> None:
+@pytest.mark.parametrize(("steps", "whose"), [(3, "of the joint"), (40, "of the drive")])
+def test_the_area_of_a_hysteresis_loop_is_the_work_that_friction_takes(write, steps, whose):
     """Around it each joint goes PAD / C (Δθ - 2 τ_f / K) there and back, against τ_f; however long steps are."""
     angles = [SHUT, BACK, SHUT]
     stages = [hl.Stage(f"turn {k}", joint_offset=[angle] * 2) for k, angle in enumerate(angles)]
@@ -62,7 +60,7 @@ def test_the_area_of_a_hysteresis_loop_is_the_work_that_friction_takes(write: Wr
     np.testing.assert_allclose(held.forces[ends[2]], held.forces[ends[0]], rtol=1e-7, atol=1e-9)  # the loop closes
 
 
-def test_a_joint_pushed_back_stands_still_until_twice_its_friction_is_overcome(write: Writer) -> None:
+def test_a_joint_pushed_back_stands_still_until_twice_its_friction_is_overcome(write):
     """The finger behind is rigid but for its pad while the one before follows as it closed: 1 / (1 / C + 1 / PAD). Once
     it has turned from -τ_f to τ_f, both give way: C / 2.
     """
@@ -75,7 +73,7 @@ def test_a_joint_pushed_back_stands_still_until_twice_its_friction_is_overcome(w
     np.testing.assert_allclose(moved, expected, atol=1e-7 * expected.max())
 
 
-def test_a_finger_pushed_back_is_held_by_its_motor_and_the_friction_of_its_drive_together(write: Writer) -> None:
+def test_a_finger_pushed_back_is_held_by_its_motor_and_the_friction_of_its_drive_together(write):
     """Once the joint has turned back: τ = τ_m + τ_f. It gives out where that is what both hold, and not before."""
     motor = hl.Motor(1.1 * SHUT * L / C * L, friction=RUBS)
     grasp = lever_pinch(lever_hand(write, motors=motor), (0.0, 0.0, 0.0), joint_offset=[SHUT] * 2)
@@ -86,7 +84,7 @@ def test_a_finger_pushed_back_is_held_by_its_motor_and_the_friction_of_its_drive
     np.testing.assert_allclose(steps.pulled[-1, 1], motor.for_good, rtol=1e-6)
 
 
-def test_friction_leaves_a_certified_state_and_the_energy_in_balance() -> None:
+def test_friction_leaves_a_certified_state_and_the_energy_in_balance():
     ball = hl.Sphere(0.03, (0.0, 0.0, 0.09), mass=0.1)
     hand = example_hand("three_finger", joint_stiffness=6.0, pad_flexibility=1e-4, joint_friction=0.05)
     grasp = hand.at(hand.close_on(ball)).grasp(ball, squeeze=0.003)
@@ -101,7 +99,7 @@ def test_friction_leaves_a_certified_state_and_the_energy_in_balance() -> None:
     assert 0.5 * without.steps.forces[-1, 0, 2] < path.steps.forces[-1, 0, 2] < without.steps.forces[-1, 0, 2]
 
 
-def test_a_motor_overcomes_the_friction_of_its_joint_and_pulls_with_the_closing_torque() -> None:
+def test_a_motor_overcomes_the_friction_of_its_joint_and_pulls_with_the_closing_torque():
     """What dry friction takes of that is not left for the contacts; one solve has the forces of the closed hand."""
     ball = hl.Sphere(0.03, (0.0, 0.0, 0.09))
     hand = example_hand("two_finger", joint_friction={"finger_1_proximal": 0.02, "finger_2_proximal": 0.02})
@@ -114,8 +112,8 @@ def test_a_motor_overcomes_the_friction_of_its_joint_and_pulls_with_the_closing_
     np.testing.assert_allclose(grasp.solve().torques, path.steps.torques[end], rtol=0.1)
 
 
-@pytest.mark.parametrize(("friction", "of_drive"), [(0.02, 0.0), (0.02, 0.04)])
-def test_mujoco_has_the_same_forces(friction: float, of_drive: float) -> None:
+@pytest.mark.parametrize(("friction", "of_drive"), [(0.02, 0.04)])
+def test_mujoco_has_the_same_forces(friction, of_drive):
     """Its friction at joints is regularised: a joint that stands still creeps."""
     pytest.importorskip("mujoco")
     from handlcp.simulator import simulate
@@ -134,7 +132,7 @@ def test_mujoco_has_the_same_forces(friction: float, of_drive: float) -> None:
     np.testing.assert_allclose(path.solution.forces_world, truth.forces_world, atol=0.01 * size)
 
 
-def test_files_state_it() -> None:
+def test_files_state_it():
     """Where it is asked for; a URDF's <dynamics friction> is read as an MJCF's frictionloss is."""
     text = (Path(__file__).parents[2] / "urdf" / "two_finger.urdf").read_text(encoding="utf-8")
     rubbing = text.replace("</joint>", '<dynamics friction="0.03"/></joint>', 1)
@@ -148,13 +146,11 @@ def test_files_state_it() -> None:
     ("given", "error", "words"),
     [
         (-0.1, InputError, "joint_friction: expected a finite number ≥ 0"),
-        (np.inf, InputError, "joint_friction"),
         ("much", InputError, 'joint_friction: expected a number, a mapping by joint name, or "file"'),
         ({"thumb": 0.1}, UnknownName, "thumb"),
         ({"finger_1_distal": -1.0}, InputError, r"joint_friction\['finger_1_distal'\]"),
-        ([0.1], InputError, "joint_friction"),
     ],
 )
-def test_friction_that_cannot_be_is_refused(given: object, error: type[Exception], words: str) -> None:
+def test_friction_that_cannot_be_is_refused(given, error, words):
     with pytest.raises(error, match=words):
         example_hand("two_finger", joint_friction=given)

@@ -13,16 +13,15 @@ import pytest
 
 from handlcp.errors import UnknownName, URDFError
 from handlcp.hand import HANDS, Hand, example_hand
-from tests.support.hand import SHIPPED_HANDS, allegro, knows_all_limits, psyonic, urdf
+from handlcp.hand.library import SHIPPED_HANDS, allegro, psyonic, urdf
+from tests.support.hand import knows_all_limits
 
 ROOT = Path(__file__).parents[2]
 
 
-def test_urdfs_are_regenerated_byte_for_byte() -> None:
+def test_urdfs_are_regenerated_byte_for_byte():
     """The script in urdf/ writes the files that are in urdf/, every byte."""
     spec = importlib.util.spec_from_file_location("generate", ROOT / "urdf" / "generate.py")
-    assert spec is not None
-    assert spec.loader is not None
     generate = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(generate)
     assert set(generate.HANDS) == set(SHIPPED_HANDS)
@@ -31,7 +30,7 @@ def test_urdfs_are_regenerated_byte_for_byte() -> None:
 
 
 @pytest.mark.parametrize("name", SHIPPED_HANDS)
-def test_yourdfpy_and_pinocchio_read_the_same_hand(name: str) -> None:
+def test_yourdfpy_and_pinocchio_read_the_same_hand(name):
     """Yourdfpy validates each file, and its forward kinematics agrees with Pinocchio's."""
     from yourdfpy import URDF
 
@@ -47,7 +46,7 @@ def test_yourdfpy_and_pinocchio_read_the_same_hand(name: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "fingers"), list(zip(SHIPPED_HANDS, (2, 3, 5, 6), strict=True)))
-def test_shipped_hands_are_what_they_say(name: str, fingers: int) -> None:
+def test_shipped_hands_are_what_they_say(name, fingers):
     """Two joints a finger, 50 + 40 mm, efforts 0.8 and 0.4 N·m, sound inertias, visual and collision geometry."""
     hand = example_hand(name)
     model = hand.model
@@ -70,7 +69,7 @@ def test_shipped_hands_are_what_they_say(name: str, fingers: int) -> None:
         assert pin.buildGeomFromUrdf(model, str(urdf(name)), kind).ngeoms >= 3 * fingers
 
 
-def test_positive_angles_close_upright_hands() -> None:
+def test_positive_angles_close_upright_hands():
     """Fingers point along +z at zero, and positive angles bring every tip nearer to the axis of the palm."""
     for name in ("two_finger", "three_finger", "five_finger"):
         hand = example_hand(name)
@@ -79,7 +78,7 @@ def test_positive_angles_close_upright_hands() -> None:
         assert (np.hypot(*after[:, :2].T) < np.hypot(*before[:, :2].T) - 0.01).all()
 
 
-def test_the_ring_is_planar_and_points_at_its_centre() -> None:
+def test_the_ring_is_planar_and_points_at_its_centre():
     """All tips and all motions lie in the xy plane; straight fingers point at the origin."""
     hand = example_hand("planar_ring")
     state = hand.at(hand.neutral)
@@ -90,7 +89,7 @@ def test_the_ring_is_planar_and_points_at_its_centre() -> None:
 
 
 @pytest.mark.parametrize("name", HANDS)
-def test_example_hands_have_sane_limits(name: str) -> None:
+def test_example_hands_have_sane_limits(name):
     """Every limit is known; the Allegro's placeholder of 15 N·m is gone."""
     hand = example_hand(name)
     assert knows_all_limits(hand)
@@ -98,7 +97,7 @@ def test_example_hands_have_sane_limits(name: str) -> None:
     assert example_hand(name, torque_limits=0.3).torque_limits.tolist() == [0.3] * hand.nv
 
 
-def test_both_sides_of_example_robot_data() -> None:
+def test_both_sides_of_example_robot_data():
     """Left and right Allegro, and the right psyonic hand, cut from the same robot; its base is the world."""
     file, share = allegro("left")
     hand = Hand.from_urdf(file, joint_stiffness=1.0, package_dirs=share)
@@ -115,7 +114,7 @@ def test_both_sides_of_example_robot_data() -> None:
     assert max(math.dist(p, (0, 0, 0)) for p in right.at(right.neutral).tip_positions) < 0.25
 
 
-def test_unknown_hands_list_those_that_exist() -> None:
+def test_unknown_hands_list_those_that_exist():
     """The error names them."""
     with pytest.raises(UnknownName, match="planar_ring"):
         urdf("four_finger")
@@ -125,7 +124,7 @@ def test_unknown_hands_list_those_that_exist() -> None:
         allegro("both")
 
 
-def test_where_conda_has_installed_the_robot_data_it_is_found(tmp_path, monkeypatch) -> None:
+def test_where_conda_has_installed_the_robot_data_it_is_found(tmp_path, monkeypatch):
     def gone(name):
         raise metadata.PackageNotFoundError(name)
 

@@ -6,12 +6,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from handlcp.errors import InputError, NotReached, UnknownName
+from handlcp.errors import InputError, NotReached
 from handlcp.geometry import Box, Cylinder, Sphere
-from handlcp.grasp import Contact
 from handlcp.hand import Hand, example_hand
-from tests.support.grasp import said_of_contacts
-from tests.support.show import hand_bodies, undrawn_tip_shapes
+from handlcp.viz.picture.body import hand_bodies, undrawn_tip_shapes
 from tests.support.texts import says
 
 # A flat palm, its upper face at z = 0, and a bar beside it that a hinge tilts over it
@@ -73,18 +71,6 @@ def test_a_cylinder_lying_on_a_palm_is_held_at_both_ends():
     np.testing.assert_allclose(np.sort(where[:, 1]), [-0.03, 0.03], atol=1e-3)
 
 
-def test_a_ball_on_a_palm_touches_once_and_is_not_numbered():
-    grasp = on_palm(BALL)
-    assert names(grasp) == ["palm"]
-    np.testing.assert_allclose(grasp.contacts[0].position, 0.0, atol=1e-6)
-    np.testing.assert_allclose(grasp.contacts[0].normal, [0, 0, 1], atol=1e-6)
-
-
-def test_four_corners_share_a_weight_as_one_patch():
-    s = on_palm(Box(0.04, (0, 0, 0.02), mass=0.5), flat(pad_flexibility=1e-4)).solve()
-    np.testing.assert_allclose(s.normal_force, 0.5 * 9.81 / 4, rtol=1e-3)
-
-
 def test_only_links_that_are_named_touch():
     beside = Box(0.04, (0.03, 0, 0.02))  # on the palm, against the bar
     assert {n.partition(" ")[0] for n in names(on_palm(beside))} == {"palm", "bar"}
@@ -126,12 +112,6 @@ def test_friction_by_link_and_by_contact():
     assert {found[f"bar {k}"] for k in (1, 2, 3, 4)} == {0.6}  # as of every contact of which nothing is said
 
 
-def test_a_link_that_does_not_touch_may_be_named():
-    assert on_palm(BALL, friction={"bar": 0.9}).contacts[0].mu == 0.6
-    thumb = flat(fingertips={"thumb": "bare"})
-    assert on_palm(BALL, thumb, friction={"thumb": 0.9}).contacts[0].mu == 0.6
-
-
 # ---------------------------------------------------------------- The same grasp said in another way.
 
 
@@ -171,55 +151,16 @@ def test_a_grasp_made_again_closes_again():
 # ---------------------------------------------------------------- What a user reads.
 
 
-def test_contacts_on_links_are_contacts_in_words_and_tables():
-    s = ball_in_five_fingers(max_gap=1e-3).solve()
-    assert "\ncontact " in str(s)
-    assert "finger  " not in str(s).partition("\njoint")[0]
-    assert "contacts" in s.diagnosis
-    assert "fingers stick" not in str(s.verdict)
-    assert "fingers slide" not in str(s.verdict)
-
-
-def test_a_sentence_about_many_contacts_is_short():
-    spec = on_palm(Box(0.04, (0.03, 0, 0.02))).spec
-    every = spec.names
-    five = {name: 1e-3 * (k + 1) for k, name in enumerate(every[:5])}
-    assert said_of_contacts(spec, five, {}, ()) == "4 contacts of palm slide up to 4 mm, bar 1 slides 5 mm"
-    assert said_of_contacts(spec, {}, {}, every[1:]) == "3 contacts of palm, 4 contacts of bar let go"
-    assert said_of_contacts(spec, {}, {}, ()) == "all contacts stick"
-    two = {name: 1e-3 for name in every[:2]}
-    assert said_of_contacts(spec, two, {}, ()) == "palm 1 slides 1 mm, palm 2 slides 1 mm"
-    ball = ball_in_five_fingers(max_gap=1e-3).spec
-    many = {name: 1e-3 * (k + 1) for k, name in enumerate(ball.names[:6])}
-    assert said_of_contacts(ball, many, {}, ()) == f"6 of 10 contacts slide, up to 6 mm ({ball.names[5]})"
-
-
-def test_a_hand_says_what_may_touch():
-    text = str(flat(pad_flexibility={"palm": 2e-5}).describe())
-    assert "palm: box 100 × 100 × 20 mm, pad 20 µm/N" in text
-    assert "bar: box 20 × 20 × 80 mm, rigid" in text
-    assert "bare: ball of 12 mm radius, rigid" in text
-    rows = {row["name"]: row for row in flat(pad_flexibility=1e-4).describe().to_dict()["touching"]}
-    assert list(rows) == ["bare", "palm", "bar"]
-    assert rows["palm"]["pad_m_per_N"] == (1e-4 * np.eye(3)).tolist()
-
-
 # ---------------------------------------------------------------- What is refused, or judged.
 
 _REFUSED = {
     "a link that there is not": ({"links": ["plam"]}, "links", "did you mean 'palm'"),
-    "a number for a link": ({"links": [1]}, "links", "a link among"),
-    "no links": ({"links": []}, "links", "at least one"),
-    "a word": ({"links": "palm"}, "links", '"tips", "all", or a list with the names'),
     "links beside fingers": ({"fingers": ["bare"]}, "fingers", "None beside links"),
     "an object held without a command": ({"hold_object": True}, "hold_object", "closing_torque"),
-    "an object held by a number": ({"hold_object": 1, "closing_torque": 0.1}, "hold_object", "True or False"),
     "two commands": ({"closing_torque": 0.1, "squeeze": 1e-3}, "closing_torque", "at most one of"),
     "a torque that opens": ({"closing_torque": -0.1}, "closing_torque", "≥ 0"),
-    "a torque that is no number": ({"closing_torque": float("nan")}, "closing_torque", "finite"),
     "a torque of no joint": ({"closing_torque": {"plam": 0.1}}, "closing_torque", "a joint among [hinge]"),
     "friction of no link": ({"friction": {"plam": 0.5}}, "friction", "did you mean 'palm'"),
-    "a squeeze of no link": ({"squeeze": {"plam": 1e-3}}, "squeeze", "did you mean 'palm'"),
 }
 
 
@@ -237,29 +178,10 @@ def test_a_link_without_collision_geometry_cannot_touch():
         on_palm(BALL, hand, links=["palm", "bare"])
 
 
-def test_a_hand_without_collision_geometry_has_no_links_that_touch():
-    bare = "<robot name='a'><link name='b'/><link name='c'/><joint name='j' type='revolute'><parent link='b'/>"
-    bare += "<child link='c'/><axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>"
-    hand = Hand.from_urdf(bare, fingertips=["c"], joint_stiffness=1.0)
-    with pytest.raises(InputError, match="links: expected links with collision geometry, got 'a', whose links"):
-        on_palm(BALL, hand)
-    assert hand.describe().touching == ()
-
-
-def test_pads_of_no_link():
-    with pytest.raises(UnknownName, match="did you mean 'palm'"):
-        flat(pad_flexibility={"plam": 1e-4})
-
-
 def test_pads_of_a_link_without_collision_geometry():
     hand = flat(fingertips=["bar"])
     with pytest.raises(InputError, match=r"or links with collision geometry .*, got bare, which has none"):
         hand.replace(pad_flexibility={"bare": 1e-4, "palm": 1e-4})
-
-
-def test_an_object_is_kept_only_where_something_closes_the_hand():
-    with pytest.raises(InputError, match="closing_torque that is not 0, got True, with 0"):
-        on_palm(BALL, closing_torque=0.0, hold_object=True)
 
 
 def test_an_open_hand_that_never_touches_says_how_near_it_came():
@@ -272,7 +194,7 @@ def test_an_open_hand_that_never_touches_says_how_near_it_came():
         on_palm(far, closing_torque=0.1)
 
 
-@pytest.mark.parametrize("obj", [Sphere(0.02), Box(0.04), Cylinder(0.02, 0.06)])
+@pytest.mark.parametrize("obj", [Sphere(0.02), Cylinder(0.02, 0.06)])
 @pytest.mark.parametrize("closing", [{}, {"closing_torque": 0.1}])
 def test_an_object_that_begins_inside_the_palm_is_refused(obj, closing):
     with pytest.raises(InputError, match=r"target: expected an object beside the hand, .*, got palm, \d+ mm inside it"):
@@ -294,12 +216,6 @@ def test_where_an_object_begins_inside_links_the_verdict_says_how_deep_and_it_ca
     says(text, "palm")
 
 
-def test_a_link_that_links_leaves_out_is_said_to_be_left_out():
-    grasp = on_palm(Box(0.04, (0.03, 0, 0.017), mass=0.2), links=["bar"])
-    (inside,) = grasp.solve(throw=False).verdict.about("link_inside")
-    says(inside.sentence, "palm", "links=")
-
-
 def test_hundreds_of_contacts_are_refused():
     box = '<collision><origin xyz="{} {} -0.01"/><geometry><box size="0.005 0.005 0.02"/></geometry></collision>'
     many = "".join(box.format(0.01 * i, 0.01 * k) for i in range(-5, 6) for k in range(-5, 6))
@@ -307,21 +223,6 @@ def test_hundreds_of_contacts_are_refused():
     hand = Hand.from_urdf(FLAT.replace(link, many, 1), fingertips=["bare"], joint_stiffness=5.0, tip_radius=0.012)
     with pytest.raises(InputError, match=r"links: expected at most 100 contacts \(name fewer links, .*got 484 places"):
         on_palm(Box((0.2, 0.2, 0.04), (0, 0, 0.02)), hand, links=["palm"])
-
-
-def test_links_and_torques_are_for_objects_that_are_known():
-    state, given = flat().at([0.0]), [Contact((0, 0, 0), (0, 0, 1))]
-    for argument, value in (("links", "all"), ("closing_torque", 0.1), ("hold_object", True)):
-        with pytest.raises(InputError) as e:
-            state.grasp(given, **{argument: value})
-        assert e.value.argument == argument
-
-
-@pytest.mark.parametrize("links", ["all", "tips"])
-def test_a_torque_turns_no_rigid_joint(links):
-    hand = flat(joint_stiffness=None)
-    with pytest.raises(InputError, match=r"closing_torque: expected joints that give way, .*hinge: rigid"):
-        on_palm(Sphere(0.03, (0.01, 0, 0.06)), hand, links=links, closing_torque=0.1, max_gap=0.05)
 
 
 def test_a_picture_outlines_links_that_are_drawn_elsewhere():
@@ -346,28 +247,11 @@ def test_how_a_hand_closes_stays_where_only_its_command_changes():
         np.testing.assert_array_equal(other.opened, said.opened)
 
 
-def test_links_are_named_once_and_an_array_of_names_will_do():
-    assert names(on_palm(BALL, links=np.array(["palm"]))) == names(on_palm(BALL, links=["palm"]))
-    with pytest.raises(InputError, match=r"links: expected names of links, each once, got palm several times"):
-        on_palm(BALL, links=["palm", "bar", "palm"])
-
-
-def test_what_is_said_of_links_that_do_not_touch_is_read_all_the_same():
-    assert names(on_palm(BALL, friction={"bar": 0.3, "palm": 0.9}, links=["palm"])) == ["palm"]
-    with pytest.raises(InputError, match=r"friction\['bar'\]: expected a coefficient"):
-        on_palm(BALL, friction={"bar": -1.0}, links=["palm"])
-
-
 def test_a_hand_does_not_close_on_an_object_inside_its_palm():
     with pytest.raises(InputError, match=r"obj: expected an object beside the hand.* got palm, \d+ mm inside it"):
         example_hand("three_finger").close_on(Sphere(0.03, (0, 0, 0)), wrap=True)
     with pytest.raises(InputError, match=r"wrap: expected True, a mapping of joints to speeds"):
         example_hand("three_finger").close_on(Sphere(0.03, (0, 0, 0.045)), wrap="yes")
-
-
-def test_a_hand_that_is_still_open_is_told_how_it_closes():
-    with pytest.raises(NotReached, match=r"close_on\(obj, wrap=True\) closes the hand first, or closing_torque="):
-        flat().at([0.5]).grasp(Sphere(0.02, (0, 0, 0.05)), links=["palm"], squeeze=0.001)
 
 
 def test_friction_of_a_link_stays_when_a_grasp_is_made_again():
@@ -381,7 +265,7 @@ def test_friction_of_a_link_stays_when_a_grasp_is_made_again():
 
 
 @pytest.mark.long
-def test_a_scene_that_is_its_own_mirror_image_holds_as_much_both_ways_and_check_agrees() -> None:
+def test_a_scene_that_is_its_own_mirror_image_holds_as_much_both_ways_and_check_agrees():
     """A snap of 1.5 mm under 0.2 kg hid in the shortest step after one that only the flow had found."""
     hand = example_hand("three_finger", joint_stiffness=6.0)
     box = Box(0.05, placement=(0.0, 0.0, 0.03), mass=0.3)

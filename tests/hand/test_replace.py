@@ -80,12 +80,12 @@ def test_it_is_the_grasp_made_with_that_argument(state, grasp, name, k):
     assert_same(grasp.replace(**{name: OTHER[name][k]}), afresh(state, **{name: OTHER[name][k]}), solve=k == 0)
 
 
-@pytest.mark.parametrize(("name", "k"), CASES, ids=[f"{name} {k}" for name, k in CASES])
-def test_after_other_changes_copies_and_pickles_too(state, grasp, name, k):
+@pytest.mark.parametrize("name", OTHER)
+def test_after_other_changes_copies_and_pickles_too(state, grasp, name):
     between = pickle.loads(pickle.dumps(copy.copy(grasp.replace(mass=0.3, preload=3e-4))))
     heavier = hl.Box(0.05, (0, 0, 0.08), 0.3)
-    expected = {"preload": 3e-4} | {name: OTHER[name][k]}
-    assert_same(between.replace(**{name: OTHER[name][k]}), afresh(state, heavier, **expected))
+    expected = {"preload": 3e-4} | {name: OTHER[name][0]}
+    assert_same(between.replace(**{name: OTHER[name][0]}), afresh(state, heavier, **expected))
 
 
 def test_of_nothing_and_of_the_value_that_it_has_it_is_the_same_grasp(grasp):
@@ -150,11 +150,8 @@ def test_a_wrench_that_leaves_the_weight_out_says_so_where_the_grasp_is_judged(g
         assert "left out" not in str(other.explain())
 
 
-LOADS = [(0.3, 0, -5.0, 0, 0, 0.01), np.zeros(6), [0, 4.0, 0, 0.02, 0, 0]]
-
-
-@pytest.mark.parametrize("load", LOADS)
-def test_a_load_is_besides_the_weight_as_the_wrench_of_a_fresh_grasp(state, grasp, load):
+def test_a_load_is_besides_the_weight_as_the_wrench_of_a_fresh_grasp(state, grasp):
+    load = (0.3, 0, -5.0, 0, 0, 0.01)
     assert_same(grasp.replace(load=load), afresh(state, wrench=load), solve=True)
     heavy, moon = hl.Box(0.05, (0, 0, 0.08), 0.4), (0, 0, -1.62)
     changed = grasp.replace(load=load, mass=0.4, gravity=moon, squeeze=3e-3)
@@ -165,13 +162,6 @@ def test_a_load_is_besides_the_weight_as_the_wrench_of_a_fresh_grasp(state, gras
     assert_same(off.replace(load=load), state.grasp(BOX, reference=(0.01, 0, 0.05), squeeze=4e-3, wrench=load))
 
 
-def test_a_load_after_a_wrench_brings_the_weight_back(state, grasp):
-    w = np.array([0.3, 0, -5.0, 0, 0, 0.01])
-    whole = grasp.replace(wrench=w)
-    assert_same(whole.replace(load=w), grasp.replace(load=w))
-    assert_same(type(grasp)(grasp.spec.replace(asked=None)).replace(load=w), afresh(state, wrench=w))
-
-
 def test_a_load_is_six_numbers_and_not_beside_a_wrench(grasp):
     with pytest.raises(hl.InputError, match="6") as refused:
         grasp.replace(load=(0, 5, 0))
@@ -179,19 +169,6 @@ def test_a_load_is_six_numbers_and_not_beside_a_wrench(grasp):
     with pytest.raises(hl.InputError) as refused:
         grasp.replace(load=np.zeros(6), wrench=np.zeros(6))
     says(str(refused.value), "weight included")
-
-
-def test_unknown_names_are_told_what_was_meant(state, grasp):
-    said = []
-    for replace, name in (
-        (grasp.replace, "frction"), (grasp.replace, "joint_stiffness"), (grasp.replace, "faces"),
-        (state.hand.replace, "stiffness"), (grasp.replace, "zzz"),
-    ):  # fmt: skip
-        with pytest.raises(TypeError) as refused:
-            replace(**{name: 1})
-        said.append(str(refused.value))
-    says("\n".join(said), "'friction'?", "hand.replace(joint_stiffness", "'joint_s")
-    assert "max_gap" in said[-1]
 
 
 def test_another_object_is_looked_for_and_so_is_the_table_under_it(state, grasp):

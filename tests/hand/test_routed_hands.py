@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.hand import Hand, HandGrasp
+from handlcp.hand import Hand
 from tests.support.routed import KT, threes
 
 from .chains import A, chain_hand
 
-Writer = Callable[[str], Path]
 FIRST, SECOND, Y = 0.009, 0.006, (0.0, 1.0, 0.0)  # m, m
 
 
-def on_pulleys(name: str, x: float, s: float) -> hl.Route:
+def on_pulleys(name, x, s):
     """Over two pulleys about the joints, on which the cable lies in every posture that matters."""
     return hl.Route([
         hl.Site("palm", (x - s * 0.02, 0, -0.02)),
@@ -29,7 +25,7 @@ def on_pulleys(name: str, x: float, s: float) -> hl.Route:
     ])  # fmt: skip
 
 
-def chains(write: Writer, routed: bool, friction: float = 0.0) -> HandGrasp:
+def chains(write, routed, friction=0.0):
     """A box between two fingers of two joints, with one tendon each."""
     arms: dict[str, object] = {n: {f"{n}_root": FIRST, f"{n}_end": SECOND} for n in ("left", "right")}
     if routed:
@@ -40,7 +36,7 @@ def chains(write: Writer, routed: bool, friction: float = 0.0) -> HandGrasp:
     return hand.at(np.zeros(4)).grasp(box, friction=0.8, squeeze=0.003)
 
 
-def test_a_cable_on_pulleys_is_a_tendon_of_fixed_arms(write: Writer) -> None:
+def test_a_cable_on_pulleys_is_a_tendon_of_fixed_arms(write):
     fixed, routed = (chains(write, along).follow() for along in (False, True))
     np.testing.assert_allclose(routed.steps.tensions, fixed.steps.tensions, rtol=1e-8)
     np.testing.assert_allclose(routed.steps.forces, fixed.steps.forces, atol=1e-8)
@@ -50,7 +46,7 @@ def test_a_cable_on_pulleys_is_a_tendon_of_fixed_arms(write: Writer) -> None:
     assert routed.solution.held
 
 
-def test_posts_of_a_route_take_what_its_wraps_say(write: Writer) -> None:
+def test_posts_of_a_route_take_what_its_wraps_say(write):
     """F = T (1 - exp(-μθ)) at the first pulley, of what the drive pulls with, with θ of the end's posture."""
     path = chains(write, True, friction=0.1).follow(order="squeeze")
     bound = on_pulleys("left", -0.01, 1.0).bound(path.state.hand.kinematics)
@@ -60,7 +56,7 @@ def test_posts_of_a_route_take_what_its_wraps_say(write: Writer) -> None:
     np.testing.assert_allclose(posts, [tension - left, left * (1 - np.exp(-0.1 * second))], rtol=1e-6)
 
 
-def test_arms_are_those_of_the_posture_in_which_the_hand_stands(write: Writer) -> None:
+def test_arms_are_those_of_the_posture_in_which_the_hand_stands(write):
     """A straight cable has the arm of its distance from the joint, which a grasp's stiffness has, too."""
     across = {n: hl.Route([hl.Site("palm", (x - s * 0.02, 0, -0.02)), hl.Site(f"{n}_1", (s * 0.015, 0, 0.02))])
               for n, x, s in (("left", -0.01, 1.0), ("right", 0.01, -1.0))}  # fmt: skip
@@ -73,7 +69,7 @@ def test_arms_are_those_of_the_posture_in_which_the_hand_stands(write: Writer) -
         np.testing.assert_allclose(state.hand.joint_stiffness[0, 0], 1.0 + KT * arm**2, rtol=1e-12)
 
 
-def compared(grasp: HandGrasp, near: float) -> None:
+def compared(grasp, near):
     """Forces, joint torques and tensions at the end of the loading, beside MuJoCo."""
     from handlcp.simulator import simulate
 
@@ -85,14 +81,7 @@ def compared(grasp: HandGrasp, near: float) -> None:
     np.testing.assert_allclose(path.steps.torques[-1], truth.torques, atol=near * torque)
 
 
-def test_energy_is_in_balance_where_arms_change_and_tendons_go_slack() -> None:
-    """Drives draw in ∫ T dx; tendons, joints and pads store it, and the load takes and gives its own."""
-    steps = threes(True, 1.0).follow().steps
-    assert (steps.tensions[-1] == 0.0).any()
-    np.testing.assert_allclose(steps.work[-1], steps.stored[-1] + steps.dissipated[-1], rtol=1e-5)
-
-
-def test_what_posts_of_routes_take_is_dissipated(write: Writer) -> None:
+def test_what_posts_of_routes_take_is_dissipated(write):
     """Work is what is stored and what the pulleys take, the nearer the shorter the steps."""
     off = list[float]()
     for count in (50, 200):
@@ -103,20 +92,20 @@ def test_what_posts_of_routes_take_is_dissipated(write: Writer) -> None:
     assert off[1] < 0.3 * off[0]
 
 
-def test_iterates_are_about_as_many_as_where_arms_stay() -> None:
+def test_iterates_are_about_as_many_as_where_arms_stay():
     """With Σ T ∂R/∂q in the tangent; without it there were twice as many."""
     routed, fixed = (threes(True, 2.0, along).follow().steps.states for along in (True, False))
     assert np.mean([s.iterates for s in routed]) < 1.3 * np.mean([s.iterates for s in fixed])
 
 
 @pytest.mark.parametrize(("extensors", "pretension"), [(False, 0.0), (True, 2.0)])
-def test_mujoco_has_the_same_forces_and_torques(extensors: bool, pretension: float) -> None:
+def test_mujoco_has_the_same_forces_and_torques(extensors, pretension):
     """Spatial tendons, which only pull: an extensor goes slack under the load."""
     pytest.importorskip("mujoco")
     compared(threes(extensors, pretension), 0.005)
 
 
-def finger(k: int, angle: float) -> tuple[str, str]:
+def finger(k, angle):
     """Three joints 40 mm apart that bend towards the middle, and four tendons: long and short ones on both sides."""
     x, y = -0.05 * np.cos(angle), -0.05 * np.sin(angle)
     body, tail = "", ""
@@ -144,7 +133,7 @@ def finger(k: int, angle: float) -> tuple[str, str]:
     return roots + body + tail, tendons
 
 
-def twenty_text(more: str = "", joints: str = "") -> str:
+def twenty_text(more="", joints=""):
     """Five fingers of three joints and four tendons each, written in MJCF."""
     fingers = [finger(k, 2 * np.pi * k / 5) for k in range(5)]
     return f"""<mujoco model="twenty"><compiler angle="radian" autolimits="true"/><worldbody><body name="palm">
@@ -154,7 +143,7 @@ def twenty_text(more: str = "", joints: str = "") -> str:
     )
 
 
-def twenty() -> HandGrasp:
+def twenty():
     """A ball in five fingers."""
     text = twenty_text()
     routes = hl.tendon_routes(text)
@@ -167,6 +156,6 @@ def twenty() -> HandGrasp:
 
 
 @pytest.mark.long
-def test_a_whole_hand_of_twenty_tendons_is_as_in_mujoco() -> None:
+def test_a_whole_hand_of_twenty_tendons_is_as_in_mujoco():
     pytest.importorskip("mujoco")
     compared(twenty(), 0.02)

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import pytest
 
 from handlcp.actuation import Around, Pulley, Route, Site
-from handlcp.errors import InputError, UnknownName, Unsupported
+from handlcp.errors import InputError, UnknownName
 from handlcp.hand import Hand
-from tests.support.routes import read_routes
+from handlcp.robot.mjcf_cable import read_routes
 
 from .chains import chain_hand
 from .conftest import inside
@@ -23,15 +21,15 @@ Y = (0.0, 1.0, 0.0)
 
 
 @cache
-def of_mjcf(text: str, tip: str) -> Hand:
+def of_mjcf(text, tip):
     return Hand.from_mjcf(text, [tip], joint_stiffness=1.0, tip_radius=0.005)
 
 
-def postures(hand: Hand, n: int) -> np.ndarray:
+def postures(hand, n):
     return np.random.default_rng(0).uniform(hand.lower, hand.upper, (n, hand.nv))
 
 
-def differences(bound, q: np.ndarray, step: float = STEP) -> np.ndarray:
+def differences(bound, q, step=STEP):
     """(nv,) -dL/dq by central differences."""
     return np.array([(bound.at(q - d).length - bound.at(q + d).length) / (2 * step) for d in step * np.eye(len(q))])
 
@@ -40,21 +38,21 @@ def differences(bound, q: np.ndarray, step: float = STEP) -> np.ndarray:
 
 
 @pytest.fixture
-def chains(write: Callable[[str], Path]) -> Hand:
+def chains(write):
     """Two fingers of two joints about y; link left_1 begins at (-0.01, 0, 0), and left_2 at its top."""
     return chain_hand(write, joint_stiffness=1.0, tip_radius=0.005)
 
 
-def left(hand: Hand, root: float = 0.0, end: float = 0.0) -> dict[str, float]:
+def left(hand, root=0.0, end=0.0):
     return {name: {"left_root": root, "left_end": end}.get(name, 0.0) for name in hand.joint_names}
 
 
-def arm_of(hand: Hand, path, joint: str) -> float:
+def arm_of(hand, path, joint):
     return float(path.arms[hand.joint_names.index(joint)])
 
 
 @pytest.mark.parametrize("angle", [-1.1, 0.0, 0.4, 1.5])
-def test_the_arm_of_a_straight_cable_is_its_distance_from_the_axis(chains: Hand, angle: float) -> None:
+def test_the_arm_of_a_straight_cable_is_its_distance_from_the_axis(chains, angle):
     """From the palm to the first link: length by the law of cosines, arm |p × u| about the hinge; no other joint."""
     p, r = np.array([0.02, 0.0, -0.01]), np.array([0.012, 0.0, 0.03])  # seen from the hinge; the second on the link
     bound = Route([Site("palm", p + np.array([-0.01, 0, 0])), Site("left_1", r)]).bound(chains.kinematics)
@@ -67,27 +65,17 @@ def test_the_arm_of_a_straight_cable_is_its_distance_from_the_axis(chains: Hand,
     assert path.angles.shape == (0,)
 
 
-def test_pulling_turns_a_joint_to_larger_angles_where_the_arm_is_positive(chains: Hand) -> None:
-    """A cable on the side of +x of a finger that stands along z bends it to +x, which is a positive angle about y."""
-    path = (
-        Route([Site("palm", (0.0, 0, -0.01)), Site("left_1", (0.01, 0, 0.02))])
-        .bound(chains.kinematics)
-        .at(left(chains))
-    )
-    assert arm_of(chains, path, "left_root") == pytest.approx(0.01)
-
-
 R = 0.006
 
 
-def on_pulley(top: float = 0.03) -> Route:
+def on_pulley(top=0.03):
     """Up the back of the finger, on a pulley of radius R about the first hinge; sites below and above its edge."""
     pulley = Around("palm", ((-0.01, 0.0, 0.0), Y), R, side=(-0.011, 0.0, 0.02))
     return Route([Site("palm", (-0.01 - R, 0.0, -0.03)), pulley, Site("left_1", (-R, 0.0, top))])
 
 
 @pytest.mark.parametrize("angle", [0.05, 0.7, 1.9])
-def test_on_a_pulley_the_arm_is_its_radius_and_the_angle_that_of_the_joint(chains: Hand, angle: float) -> None:
+def test_on_a_pulley_the_arm_is_its_radius_and_the_angle_that_of_the_joint(chains, angle):
     """Sites on the tangents: the cable lies on the pulley over exactly the angle of the joint, and lengthens by r θ."""
     path = on_pulley().bound(chains.kinematics).at(left(chains, angle))
     assert path.angles == pytest.approx([angle], abs=1e-15)
@@ -95,7 +83,7 @@ def test_on_a_pulley_the_arm_is_its_radius_and_the_angle_that_of_the_joint(chain
     assert path.length == pytest.approx(0.06 + R * angle, abs=1e-15)
 
 
-def test_a_cable_leaves_a_pulley_that_is_not_in_its_way(chains: Hand) -> None:
+def test_a_cable_leaves_a_pulley_that_is_not_in_its_way(chains):
     """Bent the other way it is straight, between the sites and on the right side of the axis."""
     path = on_pulley().bound(chains.kinematics).at(left(chains, -0.3))
     assert path.angles == [0.0]
@@ -104,16 +92,7 @@ def test_a_cable_leaves_a_pulley_that_is_not_in_its_way(chains: Hand) -> None:
     assert abs(arm_of(chains, path, "left_root")) > R
 
 
-def test_a_side_keeps_the_cable_there_over_more_than_half_a_turn(chains: Hand) -> None:
-    """The arm stays the radius while the angle passes π."""
-    bound = on_pulley(0.01).bound(chains.kinematics)
-    for angle in (3.0, 3.2, 3.6):
-        path = bound.at(left(chains, angle))
-        assert path.angles == pytest.approx([angle], abs=1e-14)
-        assert arm_of(chains, path, "left_root") == pytest.approx(-R, abs=1e-15)
-
-
-def test_without_a_side_the_cable_goes_round_where_that_is_shorter(chains: Hand) -> None:
+def test_without_a_side_the_cable_goes_round_where_that_is_shorter(chains):
     """One site on each side of the plane through the axis: the cable passes on the side of both."""
     for x in (-0.002, 0.002):
         pulley = Around("palm", ((-0.01, 0.0, 0.0), Y), R)
@@ -127,7 +106,7 @@ def test_without_a_side_the_cable_goes_round_where_that_is_shorter(chains: Hand)
         assert not path.arms.any()
 
 
-def test_on_a_cylinder_a_cable_with_a_slope_is_straight_once_unrolled(chains: Hand) -> None:
+def test_on_a_cylinder_a_cable_with_a_slope_is_straight_once_unrolled(chains):
     """Rise h over the flat length F: √(F² + h²), pieces of one slope, and the angle θ F/√(F² + h²) of the capstan."""
     h, angle = 0.02, 0.9
     flat = on_pulley().bound(chains.kinematics).at(left(chains, angle)).length
@@ -140,7 +119,7 @@ def test_on_a_cylinder_a_cable_with_a_slope_is_straight_once_unrolled(chains: Ha
     assert [way[1] for way in ways] == pytest.approx([h / np.hypot(flat, h)] * 2, abs=1e-14)
 
 
-def test_a_ball_through_whose_centre_the_line_goes(chains: Hand) -> None:
+def test_a_ball_through_whose_centre_the_line_goes(chains):
     """Any plane is as good, the side's where there is one; length 2 √(d² - r²) + r (π - 2 arccos(r/d))."""
     d, r = 0.03, 0.008
     for side in (None, (-0.01, 0.05, 0.0)):
@@ -154,18 +133,7 @@ def test_a_ball_through_whose_centre_the_line_goes(chains: Hand) -> None:
             assert path.pieces[0].end[1] > 0.0
 
 
-def test_a_differential_shares_its_length_between_its_branches(chains: Hand) -> None:
-    """Two branches at a pulley of 2: half of the length and of the arms of either cable."""
-    cable = {n: [Site("palm", (0, 0, -0.01)), Site(f"{n}_1", (0, 0, 0.02))] for n in ("left", "right")}
-    q = left(chains, 0.3)
-    single = [Route(places).bound(chains.kinematics).at(q) for places in cable.values()]
-    both = Route([Pulley(2), *cable["left"], Pulley(2), *cable["right"]]).bound(chains.kinematics).at(q)
-    assert both.length == pytest.approx((single[0].length + single[1].length) / 2, abs=1e-16)
-    np.testing.assert_allclose(both.arms, (single[0].arms + single[1].arms) / 2, atol=1e-17)
-    assert [piece.leg for piece in both.pieces] == [0, 1]
-
-
-def test_a_placement_is_one_however_it_is_said(chains: Hand) -> None:
+def test_a_placement_is_one_however_it_is_said(chains):
     """A pin.SE3 whose z is the axis, and a point with the axis."""
     first, body, last = on_pulley().places
     turned = pin.SE3(np.array(pin.rpy.rpyToMatrix(-np.pi / 2, 0.0, 0.0)), np.array([-0.01, 0.0, 0.0]))
@@ -176,23 +144,10 @@ def test_a_placement_is_one_however_it_is_said(chains: Hand) -> None:
     np.testing.assert_allclose(ours.arms, theirs.arms, atol=1e-16)
 
 
-def test_how_arms_change_is_the_second_derivative(chains: Hand) -> None:
-    """Straight over one hinge: L = √(a² + b² - 2ab cos(γ - q)) differentiated twice by hand; zero on a pulley."""
-    a, b, gamma = 0.02, 0.03, np.pi / 2
-    route = Route([Site("palm", (-0.01 + a, 0, 0)), Site("left_1", (0, 0, b))])
-    q = 0.4
-    s, c = np.sin(gamma - q), np.cos(gamma - q)
-    L = np.sqrt(a**2 + b**2 - 2 * a * b * c)
-    second = a * b * c / L - (a * b * s) ** 2 / L**3
-    i = chains.joint_names.index("left_root")
-    assert route.bound(chains.kinematics).slope(left(chains, q))[i, i] == pytest.approx(-second, rel=1e-7)
-    assert abs(on_pulley().bound(chains.kinematics).slope(left(chains, q))).max() < 1e-9
-
-
 # ---------------------------------------------------------------- against MuJoCo
 
 
-def finger(name: str, at: str, links: int = 3, spread: bool = False, ball: bool = False) -> tuple[str, str]:
+def finger(name, at, links=3, spread=False, ball=False):
     """A finger along z of links 40 mm long: its <body>, and <spatial> tendons on both sides of its joints.
 
     A joint carries a cylinder, or a ball, whose side sites are flexor and extensor; with spread the first has two axes.
@@ -221,20 +176,20 @@ def finger(name: str, at: str, links: int = 3, spread: bool = False, ball: bool 
     return roots + body + tail, tendons
 
 
-def mjcf(bodies: str, tendons: str) -> str:
+def mjcf(bodies, tendons):
     return f"""<mujoco model="cabled"><compiler angle="radian" autolimits="true"/><worldbody>
       <body name="palm"><geom type="box" size="0.03 0.04 0.005" pos="0 0 -0.05" mass="0.1"/>{bodies}</body></worldbody>
       <tendon>{tendons}</tendon></mujoco>"""
 
 
-def planar() -> str:
+def planar():
     """Three joints, cylinders at them; beside the flexor and the extensor a cable without side sites."""
     bodies, tendons = finger("f", "0 0 0")
     free = '<spatial name="free"><site site="f_extensor_root"/><geom geom="f_w0"/><site site="f_f0"/></spatial>'
     return mjcf(bodies, tendons + free)
 
 
-def spatial() -> str:
+def spatial():
     """Two axes at the root; balls at one finger's joints, oblique cables round a cylinder of the other, and free ones
     round a ball.
     """
@@ -247,7 +202,7 @@ def spatial() -> str:
     return mjcf(far + balls + rods, first + second + across)
 
 
-def whole_hand() -> str:
+def whole_hand():
     """Five fingers of three or four joints and twenty tendons: two sided ones a finger, a free one, a differential."""
     at = ["0.05 0.03 -0.02", "0 0.03 0", "0 0.01 0.003", "0 -0.01 0", "0 -0.03 -0.004"]
     made = [finger(f"f{i}", place, spread=i != 2, ball=i in (0, 3)) for i, place in enumerate(at)]
@@ -266,7 +221,7 @@ def whole_hand() -> str:
 HANDS = [(planar, "f_2", 3), (spatial, "b_2", 6), (whole_hand, "f0_2", 20)]
 
 
-def arms_of_mujoco(mujoco, model, data) -> np.ndarray:
+def arms_of_mujoco(mujoco, model, data):
     """(tendons, dofs) -dL/dq."""
     J = np.zeros((model.ntendon, model.nv))
     mujoco.mju_sparse2dense(J, data.ten_J.ravel(), model.ten_J_rownnz, model.ten_J_rowadr, model.ten_J_colind.ravel())
@@ -274,8 +229,8 @@ def arms_of_mujoco(mujoco, model, data) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("write_hand", "tip", "n"), HANDS)
-def test_lengths_and_arms_are_those_of_mujoco(write_hand: Callable[[], str], tip: str, n: int) -> None:
-    """In 200 postures to 1e-9; at least as many wraps as there are tendons touch in some of them and not in others."""
+def test_lengths_and_arms_are_those_of_mujoco(write_hand, tip, n):
+    """In 100 postures to 1e-9; at least as many wraps as there are tendons touch in some of them and not in others."""
     mujoco = pytest.importorskip("mujoco")
     text = write_hand()
     model = mujoco.MjModel.from_xml_string(text)
@@ -286,7 +241,7 @@ def test_lengths_and_arms_are_those_of_mujoco(write_hand: Callable[[], str], tip
     bounds = [(model.tendon(name).id, route.bound(hand.kinematics, name)) for name, route in read.items()]
     dofs = [int(model.jnt_dofadr[model.joint(name).id]) for name in hand.joint_names]
     touched = []
-    for q in postures(hand, 200):
+    for q in postures(hand, 100):
         data.qpos[dofs] = q
         mujoco.mj_fwdPosition(model, data)
         arms = arms_of_mujoco(mujoco, model, data)[:, dofs]
@@ -299,7 +254,7 @@ def test_lengths_and_arms_are_those_of_mujoco(write_hand: Callable[[], str], tip
     assert np.count_nonzero((shares > 0.02) & (shares < 0.98)) >= n
 
 
-def test_a_side_chooses_the_way_that_mujoco_chooses(chains: Hand) -> None:
+def test_a_side_chooses_the_way_that_mujoco_chooses(chains):
     """Points, side and shape at random about one circle: arcs up to more than half a turn, and straight cables."""
     mujoco = pytest.importorskip("mujoco")
     rng, more_than_half = np.random.default_rng(3), 0
@@ -309,7 +264,7 @@ def test_a_side_chooses_the_way_that_mujoco_chooses(chains: Hand) -> None:
           <geom name="g" type="{shape}" size="0.01 0.02"/><body><joint/><geom size="0.01"/></body></worldbody>
           <tendon><spatial><site site="a"/><geom geom="g" sidesite="s"/><site site="b"/></spatial></tendon></mujoco>""")
         data = mujoco.MjData(model)
-        for _ in range(300):
+        for _ in range(150):
             angles, away = rng.uniform(-np.pi, np.pi, 3), rng.uniform(0.0101, 0.04, 3)
             points = np.array([away * np.cos(angles), away * np.sin(angles), rng.uniform(-0.01, 0.01, 3)]).T
             model.site_pos[:] = points
@@ -319,14 +274,14 @@ def test_a_side_chooses_the_way_that_mujoco_chooses(chains: Hand) -> None:
             path = route.bound(chains.kinematics).at(left(chains))
             assert path.length == pytest.approx(data.ten_length[0], abs=1e-9)
             more_than_half += path.angles[0] > np.pi
-    assert more_than_half > 10
+    assert more_than_half > 5
 
 
 # ---------------------------------------------------------------- differences
 
 
 @pytest.mark.parametrize(("write_hand", "tip", "n"), HANDS)
-def test_arms_are_the_derivatives_of_the_length(write_hand: Callable[[], str], tip: str, n: int) -> None:
+def test_arms_are_the_derivatives_of_the_length(write_hand, tip, n):
     """Central differences; postures in which a wrap comes or goes within a step are rare and left out."""
     mujoco = pytest.importorskip("mujoco")
     text = write_hand()
@@ -338,7 +293,7 @@ def test_arms_are_the_derivatives_of_the_length(write_hand: Callable[[], str], t
             np.testing.assert_allclose(bound.at(q).arms, differences(bound, q), atol=1e-9)
 
 
-def test_arms_of_joints_that_others_follow(coupled: Hand) -> None:
+def test_arms_of_joints_that_others_follow(coupled):
     """Mimic joints, a mimic of a mimic and a continuous joint: arms over the independent joints only."""
     route = Route([Site("palm", (0.0, 0.03, 0.0)), Site("a", (0.02, 0.0, 0.01)),
                    Around("b", ((0.02, 0.0, 0.0), (0.0, 0.0, 1.0)), 0.004), Site("c", (0.02, 0.01, 0.0)),
@@ -355,7 +310,7 @@ def test_arms_of_joints_that_others_follow(coupled: Hand) -> None:
     assert touched
 
 
-def test_pieces_and_arcs_make_up_the_path(chains: Hand) -> None:
+def test_pieces_and_arcs_make_up_the_path(chains):
     """They follow each other, touch the cylinder along its tangents, and make up the length."""
     path = on_pulley().bound(chains.kinematics).at(left(chains, 0.8))
     first, last = path.pieces
@@ -378,41 +333,28 @@ BALL = Around("palm", (0, 0, 0.1), 0.01, "sphere")
     ("make", "named"),
     [
         (lambda: Site("palm", (0, 0)), r"Site.point: expected metres in the link's frame of shape .3,., got shape"),
-        (lambda: Site(3, (0, 0, 0)), "Site.link: expected the name of a link, got 3"),
         (lambda: Around("palm", (0, 0, 0), 0.0, "sphere"), "Around.radius: expected a finite number > 0"),
         (lambda: Around("palm", (0, 0, 0), 0.01), "Around.placement: expected a pin.SE3"),
-        (lambda: Around("palm", ((0, 0, 0), (0, 0, 2)), 0.01), "Around.placement.1.: expected a unit vector"),
         (lambda: Around("palm", (0, 0, 0), 0.01, "cone"), 'Around.shape: expected "cylinder" or "sphere", got'),
         (lambda: Around("palm", ((0, 0, 0), Y), 0.01, side=(0, 1, 0)), "Around.side: expected a point beside the axis"),
         (lambda: Pulley(-1), "Pulley.divisor: expected a finite number > 0"),
-        (lambda: Route(SITE), "Route.places: expected a sequence of Site, Around and Pulley"),
-        (lambda: Route([]), "Route.places: expected a sequence"),
         (lambda: Route([SITE]), r"Route.places\[0\]: expected a branch of at least two Sites"),
-        (lambda: Route([SITE, SITE, Pulley(2), SITE]), r"Route.places\[3\]: expected a branch of at least two Sites"),
         (lambda: Route([SITE, BALL]), r"Route.places\[1\]: expected an Around between two Sites, got Site before"),
-        (lambda: Route([BALL, SITE]), r"Route.places\[0\]: expected an Around between two Sites, got nothing before"),
-        (lambda: Route([SITE, BALL, BALL, SITE]), r"Route.places\[1\]: expected an Around between two Sites"),
         (lambda: Route([SITE, SITE, Pulley(2)]), r"Route.places\[2\]: expected a Pulley that a Site follows"),
     ],
 )
-def test_what_is_no_route_is_refused_by_name(make: Callable[[], object], named: str) -> None:
+def test_what_is_no_route_is_refused_by_name(make, named):
     with pytest.raises(InputError, match=named):
         make()
 
 
-def test_a_side_inside_the_body_is_not_supported() -> None:
-    for shape, at in (("sphere", (0, 0, 0)), ("cylinder", ((0, 0, 0), Y))):
-        with pytest.raises(Unsupported, match=f"inside the {shape}"):
-            Around("palm", at, 0.01, shape, side=(0.003, 0, 0))
-
-
-def test_a_link_that_is_not_there_is_named(chains: Hand) -> None:
+def test_a_link_that_is_not_there_is_named(chains):
     with pytest.raises(UnknownName, match=r"pull.places\[1\].link: .*'left_3'; did you mean 'left_") as found:
         Route([SITE, Site("left_3", (0, 0, 0))]).bound(chains.kinematics, "pull")
     assert "left_2" in found.value.valid
 
 
-def test_a_site_inside_what_the_tendon_goes_round_is_named_with_its_posture(chains: Hand) -> None:
+def test_a_site_inside_what_the_tendon_goes_round_is_named_with_its_posture(chains):
     """On the surface is outside: there the cable begins on the body. Deeper, the depth is said."""
     for depth, fails in ((0.0, False), (1e-4, True)):
         route = Route([SITE, Around("left_1", ((0, 0, 0.05), Y), 0.01), Site("left_1", (0, 0, 0.04 + depth))])
@@ -424,7 +366,7 @@ def test_a_site_inside_what_the_tendon_goes_round_is_named_with_its_posture(chai
             bound.at(left(chains, 0.2))
 
 
-def test_a_tendon_of_an_mjcf_file_that_cannot_be_read_is_told_why() -> None:
+def test_a_tendon_of_an_mjcf_file_that_cannot_be_read_is_told_why():
     """A side site inside its geom, and one on another body; the rest is read, and sums of joint angles are left out."""
     mujoco = pytest.importorskip("mujoco")
     bodies = finger("f", "0 0 0")[0].replace(

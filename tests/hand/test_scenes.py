@@ -20,14 +20,14 @@ DOOR = '<body name="door" pos="1 0 0"><joint name="hinge"/><geom type="box" size
 GROUND = '<geom type="plane" size="1 1 .1"/><geom type="box" size=".2 .2 .01" pos="0 0 -0.2"/><light pos="0 0 1"/>'
 
 
-def scene(*parts: str, free: str = "", robots: tuple[str, ...] = ("",), more: str = "") -> str:
+def scene(*parts, free="", robots=("",), more=""):
     palms = "".join(PALM.format(p=p, at=f"{2 * i} 0 0", free=free) for i, p in enumerate(robots))
     motors = "".join(MOTORS.format(p=p) for p in robots)
     world = "".join(parts)
     return f"<mujoco><worldbody>{world}{palms}</worldbody>{more}<actuator>{motors}</actuator></mujoco>"
 
 
-def said(text: str) -> str:
+def said(text):
     return " | ".join(d.what for d in hl.audit_urdf(text) if d.about in ("scene", "robots"))
 
 
@@ -84,7 +84,7 @@ def test_two_hands_in_one_world_are_a_serious_doubt_until_one_is_named():
 
 
 def test_two_arms_of_a_urdf_are_a_serious_doubt_and_fingers_are_none():
-    def chain(name: str, count: int) -> str:
+    def chain(name, count):
         links = "".join(f'<link name="{name}{k}"/>' for k in range(count))
         joints = "".join(
             f'<joint name="{name}_j{k}" type="revolute"><parent link="{f"{name}{k - 1}" if k else "stand"}"/>'
@@ -94,7 +94,7 @@ def test_two_arms_of_a_urdf_are_a_serious_doubt_and_fingers_are_none():
         )
         return links + joints
 
-    def doubts(count: int) -> list[str]:
+    def doubts(count):
         text = f'<robot name="r"><link name="stand"/>{chain("a", count)}{chain("b", count)}</robot>'
         return [d.what for d in hl.audit_urdf(text).serious if d.about == "robots"]
 

@@ -31,21 +31,17 @@ SPLIT = f'{TENDONS}{FOLLOWS}<actuator>{THIRD}<position name="one" tendon="sum" k
 BOX = hl.Box((0.07, 0.08, 0.04), (0, 0.01, 0.05), mass=0.05)
 
 
-def hand(rest: str, **more: object) -> hl.Hand:
+def hand(rest, **more):
     return hl.Hand.from_mjcf(HAND.format(rest=rest), ["l_tip", "m_tip", "r_tip"], tip_radius=0.006, **more)
 
 
-def doubts(hand: hl.Hand) -> list[hl.Doubt]:
+def doubts(hand):
     return [d for d in hand.audit().serious if d.about == "shared limit"]
 
 
 @pytest.mark.parametrize(
     ("rest", "actuators", "joints"),
-    [
-        (DIFFERENTIAL, "(one, two)", "lj, rj"),
-        (SPLIT, "(one)", "rj"),
-        (f"{FOLLOWS}{EACH}", "(one)", "rj"),
-    ],
+    [(DIFFERENTIAL, "(one, two)", "lj, rj"), (SPLIT, "(one)", "rj"), (f"{FOLLOWS}{EACH}", "(one)", "rj")],
     ids=["a differential", "one actuator for both", "the follower driven"],
 )
 def test_the_actuators_are_named_and_the_verdict_is_undecided_until_limits_are_passed(rest, actuators, joints):
@@ -71,11 +67,7 @@ def test_the_actuators_are_named_and_the_verdict_is_undecided_until_limits_are_p
 
 @pytest.mark.parametrize(
     "rest",
-    [
-        EACH,
-        ONE_PULLS_TWO,
-        DIFFERENTIAL.replace('forcerange="-1 1"', ""),
-    ],
+    [EACH, ONE_PULLS_TWO, DIFFERENTIAL.replace('forcerange="-1 1"', "")],
     ids=["one for each", "one alone for two", "without limits"],
 )
 def test_limits_that_a_joint_has_on_its_own_are_no_doubt(rest):

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import handlcp as hl
 from handlcp.errors import InputError, UnknownName
-from handlcp.hand import HandGrasp, example_hand
+from handlcp.hand import example_hand
 
 from .levers import PAD, L, lever_hand, lever_pinch
 
-Writer = Callable[[str], Path]
 ARM, KT, OWN = 0.01, 6e4, 4.0  # m, N/m, N·m/rad
 SHUT, PULL = 0.05, 8.0  # rad commanded; N on the object
 BOTH = OWN + 2 * KT * ARM**2  # N·m/rad of a joint with both tendons
@@ -25,19 +21,19 @@ WAYS = {"flexor": ARM, "extensor": -ARM}
 ARMS = {f"{side}_{way}": {f"{side}_joint": arm} for side in ("left", "right") for way, arm in WAYS.items()}
 
 
-def along(K: float) -> float:
+def along(K):
     """[N/m] of a tip along its normal, joint and pad."""
     return 1.0 / (L * L / K + PAD)
 
 
-def pinch(write: Writer, pretension: object = 0.0, shut: float = SHUT, **tendons: object) -> HandGrasp:
+def pinch(write, pretension=0.0, shut=SHUT, **tendons):
     """Levers with a flexor and an extensor each."""
     hand = lever_hand(write, joint_stiffness=hl.Tendons(ARMS, KT, OWN, pretension=pretension, **tendons))
     return lever_pinch(hand, (0.0, 0.0, 0.0), **({"joint_offset": [shut] * 2} if shut else {}))
 
 
 @pytest.mark.parametrize("steps", [1, 40])
-def test_a_finger_pushed_open_loses_its_extensor_and_the_other_keeps_both(write: Writer, steps: int) -> None:
+def test_a_finger_pushed_open_loses_its_extensor_and_the_other_keeps_both(write, steps):
     """Of the joint behind the flexor alone is left; the one that follows the object has both. In one step or many."""
     path = pinch(write).follow(ASIDE, steps=steps, geometry="fixed")
     load, moved = path.steps.load[:, 0], path.steps.displacement[:, 0]
@@ -48,7 +44,7 @@ def test_a_finger_pushed_open_loses_its_extensor_and_the_other_keeps_both(write:
 
 
 @pytest.mark.parametrize("more", [1.0, 2.5])
-def test_pretension_keeps_an_extensor_taut_until_the_joint_has_let_it_go(write: Writer, more: float) -> None:
+def test_pretension_keeps_an_extensor_taut_until_the_joint_has_let_it_go(write, more):
     """T₀ = k r Δq, where the joint gives way by Δq = F L / K."""
     path = pinch(write, pretension=more).follow(ASIDE, steps=80, geometry="fixed")
     load, moved = path.steps.load[:, 0], path.steps.displacement[:, 0]
@@ -59,13 +55,13 @@ def test_pretension_keeps_an_extensor_taut_until_the_joint_has_let_it_go(write: 
     np.testing.assert_allclose(moved, np.where(load < first, before, after), atol=1e-7 * moved.max())
 
 
-def test_a_rod_pushes_and_is_as_stiff_as_a_spring(write: Writer) -> None:
+def test_a_rod_pushes_and_is_as_stiff_as_a_spring(write):
     path = pinch(write, pretension=np.inf).follow(ASIDE, geometry="fixed")
     np.testing.assert_allclose(path.steps.displacement[-1, 0], PULL / (2.0 * along(BOTH)), rtol=1e-8)
     assert not path.events
 
 
-def test_drives_let_no_tendon_go_below_its_pretension_while_they_close(write: Writer) -> None:
+def test_drives_let_no_tendon_go_below_its_pretension_while_they_close(write):
     """The flexor makes the torque of the contact and turns the joint against its own spring; the extensor stays at
     T₀.
     """
@@ -75,7 +71,7 @@ def test_drives_let_no_tendon_go_below_its_pretension_while_they_close(write: Wr
         np.testing.assert_allclose(end.pull.tension, pretension + made * np.array([1.0, 0.0] * 2), atol=1e-6)
 
 
-def test_a_flexor_that_works_against_a_spring_never_goes_slack(write: Writer) -> None:
+def test_a_flexor_that_works_against_a_spring_never_goes_slack(write):
     """Contacts push joints open alone, so that such a hand is what it was when tendons were springs."""
     arms = {name: row for name, row in ARMS.items() if "flexor" in name}
     moved = []
@@ -88,12 +84,7 @@ def test_a_flexor_that_works_against_a_spring_never_goes_slack(write: Writer) ->
     np.testing.assert_allclose(moved[0], moved[1], rtol=0.0, atol=1e-12)
 
 
-def test_energy_is_in_balance_while_tendons_hang_slack(write: Writer) -> None:
-    steps = pinch(write, pretension=1.0).follow(ASIDE, steps=200, geometry="fixed").steps
-    np.testing.assert_allclose(steps.work[-1], steps.stored[-1] + steps.dissipated[-1], rtol=1e-5)
-
-
-def test_two_tendons_that_share_a_spring_go_slack_as_the_rest_allows(write: Writer) -> None:
+def test_two_tendons_that_share_a_spring_go_slack_as_the_rest_allows(write):
     """Coupled tendons, k not diagonal: of a pair of which one is slack the other is as stiff as k₁₁ - k₁₂² / k₂₂."""
     k = np.kron(np.eye(2), KT * np.array([[1.0, 0.4], [0.4, 1.0]]))
     hand = lever_hand(write, joint_stiffness=hl.Tendons(ARMS, k, OWN))
@@ -102,7 +93,7 @@ def test_two_tendons_that_share_a_spring_go_slack_as_the_rest_allows(write: Writ
     np.testing.assert_allclose(path.steps.displacement[-1, 0], PULL / (along(one) + along(both)), rtol=1e-8)
 
 
-def test_what_a_tendon_bears_ends_a_load_and_decides_a_verdict(write: Writer) -> None:
+def test_what_a_tendon_bears_ends_a_load_and_decides_a_verdict(write):
     """The flexor behind the load takes F along(ONE) / (along(ONE) + along(BOTH)) of it at its tip, all but the share of
     the joint's own spring.
     """
@@ -125,7 +116,7 @@ def test_what_a_tendon_bears_ends_a_load_and_decides_a_verdict(write: Writer) ->
 LOAD = [2.0, 1.0, 0.0, 0.0, 0.02, 0.0]
 
 
-def boxed(pretension: float, k: float = 1e4) -> HandGrasp:
+def boxed(pretension, k=1e4):
     """A box in three fingers with a flexor and an extensor at each joint."""
     box = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
     joints = example_hand("three_finger").joint_names
@@ -136,7 +127,7 @@ def boxed(pretension: float, k: float = 1e4) -> HandGrasp:
 
 
 @pytest.mark.parametrize("pretension", [0.0, 1.0])
-def test_mujoco_has_the_same_forces_and_tensions(pretension: float) -> None:
+def test_mujoco_has_the_same_forces_and_tensions(pretension):
     pytest.importorskip("mujoco")
     from handlcp.simulator import simulate
 
@@ -148,7 +139,7 @@ def test_mujoco_has_the_same_forces_and_tensions(pretension: float) -> None:
     np.testing.assert_allclose(path.solution.forces_world, truth.forces_world, atol=0.02 * size)
 
 
-def test_what_a_slack_tendon_falls_short_of_is_the_pretension_that_keeps_it_taut() -> None:
+def test_what_a_slack_tendon_falls_short_of_is_the_pretension_that_keeps_it_taut():
     """As `required_torque` advises. Tried: with as much none goes slack, with less some do."""
     missing = -min(float(s.pull.taut.min()) for s in boxed(0.0).follow().steps.states)
     assert missing > 0.0
@@ -160,20 +151,17 @@ def test_what_a_slack_tendon_falls_short_of_is_the_pretension_that_keeps_it_taut
     ("more", "error", "words"),
     [
         ({"pretension": -1.0}, InputError, "Tendons.pretension: expected a number ≥ 0"),
-        ({"pretension": [1.0]}, InputError, "Tendons.pretension: expected 4 numbers, one for each tendon"),
         ({"pretension": {"thumb": 1.0}}, UnknownName, "thumb"),
-        ({"limits": 0.0}, InputError, "Tendons.limits"),
         ({"limits": {"left_flexor": -2.0}}, InputError, r"Tendons.limits\['left_flexor'\]"),
         ({"limits": {"left_flexor": 2.0}, "pretension": 3.0}, InputError, "at least the pretension, 3 N"),
-        ({"limits": "strong"}, InputError, "Tendons.limits"),
     ],
 )
-def test_tendons_that_cannot_be_are_refused(more: dict[str, object], error: type[Exception], words: str) -> None:
+def test_tendons_that_cannot_be_are_refused(more, error, words):
     with pytest.raises(error, match=words):
         hl.Tendons(ARMS, KT, OWN, **more)
 
 
-def test_a_command_against_the_way_of_every_tendon_is_not_called_held(write: Writer) -> None:
+def test_a_command_against_the_way_of_every_tendon_is_not_called_held(write):
     arms = {f"{side}_extensor": {f"{side}_joint": -ARM} for side in ("left", "right")}
     grasp = lever_pinch(lever_hand(write, joint_stiffness=hl.Tendons(arms, KT, OWN)), joint_offset=[SHUT] * 2)
     assert grasp.solve().verdict.word == "UNDECIDED"
@@ -186,7 +174,7 @@ def test_a_command_against_the_way_of_every_tendon_is_not_called_held(write: Wri
 
 
 @pytest.mark.long
-def test_motors_sized_for_tendons_that_pull_the_other_way_are_not_confirmed() -> None:
+def test_motors_sized_for_tendons_that_pull_the_other_way_are_not_confirmed():
     cube = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.3)
     arms = {f"cable_{k}": {f"finger_{k}_proximal": -0.012, f"finger_{k}_distal": -0.008} for k in (1, 2, 3)}
     hand = example_hand("three_finger", joint_stiffness=hl.Tendons(arms, 2e4, 4.0))
@@ -197,9 +185,7 @@ def test_motors_sized_for_tendons_that_pull_the_other_way_are_not_confirmed() ->
 
 
 @pytest.mark.parametrize(("share", "word"), [(0.005, "HELD"), (0.02, "UNDECIDED")])
-def test_a_hundredth_of_a_command_that_no_tendon_makes_is_a_doubt_and_more_decides(
-    write: Writer, share: float, word: str
-) -> None:
+def test_a_hundredth_of_a_command_that_no_tendon_makes_is_a_doubt_and_more_decides(write, share, word):
     arms = {"both": {"left_joint": ARM, "right_joint": ARM}}
     hand = lever_hand(write, joint_stiffness=hl.Tendons(arms, KT, OWN))
     told = np.linalg.solve(hand.joint_stiffness, [1.0 + share, 1.0 - share])  # N·m, of which the tendon makes 1 and 1
@@ -209,13 +195,12 @@ def test_a_hundredth_of_a_command_that_no_tendon_makes_is_a_doubt_and_more_decid
     assert reason.values["share"] == pytest.approx(share, rel=0.05)
 
 
-def test_what_a_tendon_uses_of_its_limit_stands_beside_its_tension(write: Writer) -> None:
+def test_what_a_tendon_uses_of_its_limit_stands_beside_its_tension(write):
     """Its whole tension, pretension included, whether that is of one solve or of the end of a path."""
     grasp = pinch(write, pretension=3.0, limits={"left_flexor": 80.0, "right_flexor": 80.0})
     one, end = grasp.solve(throw=False), grasp.follow(ASIDE, geometry="fixed").solution
     for solution, begun in ((one, 3.0), (end, 0.0)):
         effort = solution.effort
-        assert effort is not None
         np.testing.assert_allclose(effort.limits, [80.0, np.inf] * 2)
         np.testing.assert_allclose(effort.used[::2], (effort.values[::2] + begun) / 80.0, rtol=1e-12)
         assert not effort.used[1::2].any()
@@ -223,5 +208,4 @@ def test_what_a_tendon_uses_of_its_limit_stands_beside_its_tension(write: Writer
         assert (first[2], second[2:]) == ("80.00", ("none", "–"))
         assert first[3] == f"{100 * effort.used[0]:.0f} %"
     plain = pinch(write).solve(throw=False).effort
-    assert plain is not None
     assert plain.table.heads == ("tendon tension", "N")

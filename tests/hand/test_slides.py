@@ -17,13 +17,13 @@ HINGE = """<joint name="h_hinge" type="revolute"><parent link="palm"/><child lin
 BOX = hl.Box(0.04, (0, 0, 0.05), mass=0.1)
 
 
-def text(effort: float = 60.0, hinge: bool = False) -> str:
+def text(effort=60.0, hinge=False):
     slides = "".join(SLIDE.format(n=n, x=-0.04 * way, way=way, effort=effort) for n, way in (("l", 1), ("r", -1)))
     palm = '<link name="palm"><collision><geometry><box size="0.1 0.02 0.01"/></geometry></collision></link>'
     return f'<robot name="slides">{palm}{slides}{HINGE if hinge else ""}</robot>'
 
 
-def gripper(stiffness: float = 1e4, **more: float) -> hl.Hand:
+def gripper(stiffness=1e4, **more):
     return hl.Hand.from_urdf(text(**more), ["l", "r"], joint_stiffness=stiffness)
 
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from tests.support.hand import hull_planes, shape_distance_outside, support_points
+from handlcp.geometry.distance import shape_distance_outside, support_points
+from handlcp.robot.link_surface import hull_planes
 from tests.support.kernels import interpreted
 
 RNG = np.random.default_rng(4)
@@ -16,7 +17,7 @@ N /= np.linalg.norm(N, axis=1)[:, None]
 CLOUD = RNG.standard_normal((40, 3)) * (0.02, 0.03, 0.05)
 
 
-def _hull() -> coal.Convex:
+def _hull():
     hull = ConvexHull(CLOUD)
     points, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
     for point in CLOUD:

@@ -5,19 +5,18 @@ from __future__ import annotations
 import pickle
 import re
 import time
-from collections.abc import Callable
 
 import numpy as np
 import pinocchio as pin
 import pytest
 
 import handlcp as hl
-from tests.support.hand import allegro, psyonic, urdf
+from handlcp.hand.library import allegro, psyonic, urdf
 
 BALL = hl.Sphere(0.03, (0, 0, 0.09))
 
 
-def test_the_text_of_a_urdf_is_as_good_as_its_path() -> None:
+def test_the_text_of_a_urdf_is_as_good_as_its_path():
     text = urdf("three_finger").read_text()
     of_file, of_text = (hl.Hand.from_urdf(s, joint_stiffness=1.0) for s in (urdf("three_finger"), f"\n  {text}"))
     q = of_file.close_on(BALL)
@@ -26,7 +25,7 @@ def test_the_text_of_a_urdf_is_as_good_as_its_path() -> None:
     assert of_text.source == "three_finger"
 
 
-def test_meshes_of_a_text_are_found_through_package_dirs() -> None:
+def test_meshes_of_a_text_are_found_through_package_dirs():
     file, share = psyonic()
     anchors = {"base": "LeftPsyonicAbilityBaseLink", "joint_stiffness": 1.0}
     hand = hl.Hand.from_urdf(file.read_text(), package_dirs=share, **anchors)
@@ -35,7 +34,7 @@ def test_meshes_of_a_text_are_found_through_package_dirs() -> None:
         _ = hl.Hand.from_urdf(file.read_text(), **anchors).link_surfaces
 
 
-def test_a_model_makes_the_hand_of_its_file() -> None:
+def test_a_model_makes_the_hand_of_its_file():
     model = pin.buildModelFromUrdf(str(urdf("five_finger")))
     hand, same = hl.Hand.from_model(model, joint_stiffness=1.0), hl.example_hand("five_finger")
     q = np.linspace(0, 0.5, 10)
@@ -47,12 +46,12 @@ def test_a_model_makes_the_hand_of_its_file() -> None:
 
 
 @pytest.fixture
-def wrapped() -> hl.Hand:
+def wrapped():
     """The three-finger hand, from Pinocchio's RobotWrapper."""
     return hl.Hand.from_model(pin.RobotWrapper.BuildFromURDF(str(urdf("three_finger"))), joint_stiffness=1.0)
 
 
-def test_a_robot_wrapper_brings_its_collision_geometry(wrapped: hl.Hand) -> None:
+def test_a_robot_wrapper_brings_its_collision_geometry(wrapped):
     """The same contacts, and the same links seen inside an object, as from the file."""
     hand = hl.Hand.from_urdf(urdf("three_finger"), joint_stiffness=1.0)
     q = hand.close_on(BALL)
@@ -63,7 +62,7 @@ def test_a_robot_wrapper_brings_its_collision_geometry(wrapped: hl.Hand) -> None
     assert wrapped.describe().size == pytest.approx(hand.describe().size)
 
 
-def test_meshes_of_a_robot_wrapper_come_too() -> None:
+def test_meshes_of_a_robot_wrapper_come_too():
     file, share = allegro()
     hand = hl.Hand.from_model(pin.RobotWrapper.BuildFromURDF(str(file), [str(share)]), joint_stiffness=1.0)
     same = hl.Hand.from_urdf(file, joint_stiffness=1.0)
@@ -72,19 +71,19 @@ def test_meshes_of_a_robot_wrapper_come_too() -> None:
         np.testing.assert_allclose(one.net[0], other.net[0], atol=1e-12)
 
 
-def test_hands_of_wrappers_pickle(wrapped: hl.Hand) -> None:
+def test_hands_of_wrappers_pickle(wrapped):
     again = pickle.loads(pickle.dumps(wrapped))
     np.testing.assert_array_equal(again.close_on(BALL), wrapped.close_on(BALL))
 
 
 @pytest.mark.parametrize("source", [None, 3, "two_finger.urdf", object()])
-def test_what_is_no_model_is_refused(source: object) -> None:
+def test_what_is_no_model_is_refused(source):
     with pytest.raises(hl.InputError, match=r"pinocchio\.Model") as caught:
         hl.Hand.from_model(source, joint_stiffness=1.0)
     assert caught.value.argument == "model"
 
 
-def test_mimic_joints_of_a_model_are_refused() -> None:
+def test_mimic_joints_of_a_model_are_refused():
     """Pinocchio gives them no column of the Jacobian; the URDF itself says more."""
     text = re.sub(r'(<joint name="finger_1_distal".*?)</joint>', r'\1<mimic joint="finger_1_proximal"/></joint>',
                   urdf("three_finger").read_text(), flags=re.S)  # fmt: skip
@@ -96,7 +95,7 @@ def test_mimic_joints_of_a_model_are_refused() -> None:
 
 
 # ---------------------------------------------------------------- other units
-def test_a_hand_in_millimetres_is_asked_about() -> None:
+def test_a_hand_in_millimetres_is_asked_about():
     text = urdf("three_finger").read_text()
     with pytest.raises(hl.URDFError, match="millimetres") as caught:
         hl.Hand.from_urdf(scaled(text, 1000.0), joint_stiffness=1.0)
@@ -104,16 +103,16 @@ def test_a_hand_in_millimetres_is_asked_about() -> None:
     assert hl.Hand.from_urdf(scaled(text, 2.0), joint_stiffness=1.0).nv == 6, "a large hand is one all the same"
 
 
-def scaled(text: str, by: float) -> str:
+def scaled(text, by):
     """Every position of a URDF so many times as large."""
 
-    def longer(m: re.Match[str]) -> str:
+    def longer(m):
         return 'origin xyz="' + " ".join(str(by * float(x)) for x in m[1].split()) + '"'
 
     return re.sub(r'origin xyz="([^"]*)"', longer, text)
 
 
-def test_masses_in_grams_are_asked_about() -> None:
+def test_masses_in_grams_are_asked_about():
     text = urdf("three_finger").read_text()
     heavy = re.sub(r'mass value="([^"]*)"', lambda m: f'mass value="{1e4 * float(m[1])}"', text)
     with pytest.raises(hl.URDFError, match="grams"):
@@ -121,14 +120,14 @@ def test_masses_in_grams_are_asked_about() -> None:
 
 
 @pytest.mark.parametrize("radius", [8, {"finger_1_tip": 12.0}])
-def test_a_tip_radius_in_millimetres_is_asked_about(radius: object) -> None:
+def test_a_tip_radius_in_millimetres_is_asked_about(radius):
     with pytest.raises(hl.InputError, match=r"if millimetres are meant, 0\.0") as caught:
         hl.example_hand("three_finger", tip_radius=radius)
     assert caught.value.argument.startswith("tip_radius")
 
 
 # ---------------------------------------------------------------- too large
-def chain(links: int) -> str:
+def chain(links):
     """A robot of so many links in a row."""
     limit = '<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
     rows = [
@@ -149,7 +148,7 @@ def chain(links: int) -> str:
         pytest.param(lambda: "<mujoco>" + "<body>" * 10_000 + "</body>" * 10_000 + "</mujoco>", id="nested bodies"),
     ],
 )
-def test_what_is_too_large_is_refused_at_once(text: Callable[[], str]) -> None:
+def test_what_is_too_large_is_refused_at_once(text):
     """By a typed error, and not after minutes or by a crash of a library below."""
     made = text()
     start = time.process_time()
@@ -161,7 +160,7 @@ def test_what_is_too_large_is_refused_at_once(text: Callable[[], str]) -> None:
     assert time.process_time() - start < 5.0
 
 
-def test_names_that_are_no_path_are_refused() -> None:
+def test_names_that_are_no_path_are_refused():
     for name in ("x" * 5000, "a\0b"):
         with pytest.raises(hl.URDFError) as caught:
             hl.Hand.from_urdf(name, joint_stiffness=1.0)

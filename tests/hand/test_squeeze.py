@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,36 +10,33 @@ import pytest
 from handlcp import Contact, ContactCompliance, Coulomb, Environment, GraspStream, Synergies, Tendons
 from handlcp.errors import InputError, UnknownName
 from handlcp.geometry import Box, Sphere
-from handlcp.hand import Hand, HandGrasp, example_hand
-from tests.support.differences import kinematics
+from handlcp.hand import example_hand
 from tests.support.hand import gaps
-from tests.support.texts import says
 
 from .chains import A, B, chain_hand
 from .levers import PAD, C, K, L, lever_hand
 
-Writer = Callable[[str], Path]
 BALL = Sphere(0.03, (0.001, -0.002, 0.09), mass=0.03)
 CUBE = Box(0.05, (0, 0, 0.08), mass=0.2)
 STICKY = Coulomb(3.0)
 
 
-def vice(obj: Any) -> Environment:
+def vice(obj):
     """What holds an object still: six contacts all around, ten times stiffer than any pad and pressed together."""
     c, axes = obj.center_of_mass, np.concatenate([np.eye(3), -np.eye(3)])
     return Environment([Contact(c - 0.1 * n, n, Coulomb(1.0)) for n in axes], 1e-9, -1e-6)
 
 
-def of(hand: Hand, obj: Any, **more: Any) -> HandGrasp:
+def of(hand, obj, **more):
     return hand.at(hand.close_on(obj)).grasp(obj, STICKY, **more)
 
 
 @pytest.fixture
-def three() -> Hand:
+def three():
     return example_hand("three_finger", joint_stiffness=6.0)
 
 
-def leaning(write: Writer, degrees: float, **more: Any) -> HandGrasp:
+def leaning(write, degrees, **more):
     """The left lever, whose tip moves along x, against a wall whose normal leans out of the lever's plane."""
     t = np.radians(degrees)
     wall = Contact((-0.01, 0, L), (np.cos(t), np.sin(t), 0), STICKY, tangent=(0, 0, 1))
@@ -50,7 +44,7 @@ def leaning(write: Writer, degrees: float, **more: Any) -> HandGrasp:
 
 
 # ---------------------------------------------------------------- closed forms
-def test_two_joints_press_on_a_wall_with_the_torques_of_that_force(write: Writer) -> None:
+def test_two_joints_press_on_a_wall_with_the_torques_of_that_force(write):
     """Without pads δq = K⁻¹ Jᵀ n f; J of bent links A and B is written down."""
     stiffness, q = np.array([3.0, 5.0, 3.0, 5.0]), np.array([0.3, 0.7, 0.0, 0.0])
     hand = chain_hand(write, joint_stiffness=stiffness)
@@ -72,14 +66,14 @@ def test_two_joints_press_on_a_wall_with_the_torques_of_that_force(write: Writer
     assert squeezed.out_of_reach == grasp.out_of_reach == ()
 
 
-def test_pads_give_way_beside_the_joints(write: Writer) -> None:
+def test_pads_give_way_beside_the_joints(write):
     """N = L δq / C of a lever with a pad against a wall: to press with f it is told L δq = C f."""
     grasp = leaning(write, 0.0, grip_force=2.0)
     assert grasp.joint_offset @ grasp.joint_offset == pytest.approx((C * 2.0 / L) ** 2, rel=1e-9)
 
 
-@pytest.mark.parametrize("degrees", [10.0, 30.0, 60.0])
-def test_a_normal_that_leans_out_of_the_plane_is_met_sideways(write: Writer, degrees: float) -> None:
+@pytest.mark.parametrize("degrees", [10.0, 60.0])
+def test_a_normal_that_leans_out_of_the_plane_is_met_sideways(write, degrees):
     """The tip moves along x alone. To go deeper by s it moves s / cos θ, s tan θ of it along the wall. With a pad that
     is alike in all directions the force is along x, too.
     """
@@ -95,7 +89,7 @@ def test_a_normal_that_leans_out_of_the_plane_is_met_sideways(write: Writer, deg
     np.testing.assert_allclose(wedge.share, np.sin(t), rtol=1e-9)
 
 
-def test_across_the_plane_nothing_is_within_reach(write: Writer) -> None:
+def test_across_the_plane_nothing_is_within_reach(write):
     squeezed, gripped = leaning(write, 90.0, squeeze=1e-3), leaning(write, 90.0, grip_force=2.0)
     for grasp, what, asked in ((squeezed, "squeeze", 1e-3), (gripped, "grip force", 2.0)):
         (reach,) = grasp.out_of_reach
@@ -105,21 +99,9 @@ def test_across_the_plane_nothing_is_within_reach(write: Writer) -> None:
     assert not squeezed.joint_offset.any()
 
 
-def test_an_overlap_that_no_joint_came_by_is_named(write: Writer) -> None:
-    """The tip's ball is 2 mm inside a box beside it, and moves along the box's face."""
-    hand = lever_hand(write, tip_radius=0.01)
-    box = Box(0.04, (-0.01, 0.028, L))
-    grasp = hand.at([0.0, 0.0]).grasp(box, fingers=["left_tip"])
-    np.testing.assert_allclose(grasp.offset, [[0, 0, -2e-3]], atol=1e-12)
-    (wedge,) = grasp.out_of_reach
-    assert (wedge.what, wedge.carried) == ("overlap", True)
-    np.testing.assert_allclose(wedge.missing, 2e-3, rtol=1e-9)
-    says(str(wedge), "2 mm", "left_tip", "100 %")
-
-
 # ---------------------------------------------------------------- against the forward kinematics
 @pytest.mark.parametrize("name", ["three_finger", "five_finger", "allegro"])
-def test_to_first_order_a_squeeze_takes_the_tips_so_much_deeper(name: str) -> None:
+def test_to_first_order_a_squeeze_takes_the_tips_so_much_deeper(name):
     hand = example_hand(name)
     obj, more = {"three_finger": (CUBE, {}), "five_finger": (BALL, {})}.get(
         name, (Sphere(0.035, (0.06, 0, 0.07)), {"fingers": ["link_3.0_tip", "link_7.0_tip", "link_11.0_tip"]})
@@ -135,17 +117,8 @@ def test_to_first_order_a_squeeze_takes_the_tips_so_much_deeper(name: str) -> No
     assert missed[1] < 0.3 * missed[0] + 1e-6
 
 
-def test_it_is_the_smallest_command_that_does_so(five: Hand) -> None:
-    """The rows of J along the normals span it: nothing in it leaves the depths as they are."""
-    grasp = of(five, BALL, squeeze=2e-3)
-    rows = np.einsum("nb,nbj->nj", grasp.frames[:, :, 2], kinematics(grasp).jacobian)
-    np.testing.assert_allclose(rows @ grasp.joint_offset, 2e-3 + grasp.mechanism.stand_off[:, 2], atol=1e-12)
-    left = grasp.joint_offset - rows.T @ np.linalg.lstsq(rows.T, grasp.joint_offset, rcond=None)[0]
-    assert abs(left).max() < 1e-12
-
-
 @pytest.mark.parametrize("obj", [CUBE, Sphere(0.03, (0.001, -0.002, 0.09), mass=0.2)], ids=["cube", "ball"])
-def test_closing_deeper_and_squeezing_are_the_same_to_first_order(three: Hand, obj: Any) -> None:
+def test_closing_deeper_and_squeezing_are_the_same_to_first_order(three, obj):
     """The cube's flanks lean 30° out of their fingers' planes."""
     friction, away = Coulomb(0.8), {"wrench": (0, 0, 0, 0, 0, 0), "gravity": (0, 0, 0)}
     touching, off = three.at(three.close_on(obj)), []
@@ -158,7 +131,7 @@ def test_closing_deeper_and_squeezing_are_the_same_to_first_order(three: Hand, o
     assert off[1] * 1e-3 < 0.02 * told.normal_force.max()
 
 
-def test_gaps_and_overlaps_count(three: Hand) -> None:
+def test_gaps_and_overlaps_count(three):
     """A squeeze says how deep the tips are told to go in all, wherever the posture has them."""
     q = three.close_on(CUBE)
     apart, inside = three.at(q - 0.002), three.at(three.close_on(CUBE, squeeze=1e-3))
@@ -171,7 +144,7 @@ def test_gaps_and_overlaps_count(three: Hand) -> None:
     np.testing.assert_allclose(inside.grasp(CUBE, squeeze=0.0).offset, 0.0, atol=1e-9)
 
 
-def test_the_readmes_cube_is_squeezed_as_a_simulator_of_its_joints_says(three: Hand) -> None:
+def test_the_readmes_cube_is_squeezed_as_a_simulator_of_its_joints_says(three):
     """MuJoCo, joints commanded 5 mm deeper along the normals: 3.2, 3.1, 3.1 N and 0.14 mm. As a preload half of it on
     the flanks is a wedge.
     """
@@ -187,7 +160,7 @@ def test_the_readmes_cube_is_squeezed_as_a_simulator_of_its_joints_says(three: H
 # ---------------------------------------------------------------- a grip force, with the object held still
 @pytest.mark.parametrize("weighed", [False, True])
 @pytest.mark.parametrize("name", ["three_finger", "five_finger"])
-def test_on_an_object_that_stays_where_it_is_the_tips_press_as_hard_as_told(name: str, weighed: bool) -> None:
+def test_on_an_object_that_stays_where_it_is_the_tips_press_as_hard_as_told(name, weighed):
     hand = example_hand(name, joint_stiffness=6.0)
     obj = CUBE if name == "three_finger" else Sphere(0.03, (0, 0, 0.09), mass=0.03)
     force = np.array([3.0, 2.0, 1.0, 0.5, 2.5])[: len(hand.fingertips)]
@@ -203,31 +176,22 @@ def test_on_an_object_that_stays_where_it_is_the_tips_press_as_hard_as_told(name
     np.testing.assert_allclose(sideways[1:], lean * force[1:], atol=2e-3)
 
 
-def test_what_effects_add_to_the_flexibility_is_counted(three: Hand) -> None:
+def test_what_effects_add_to_the_flexibility_is_counted(three):
     grasp = of(three, CUBE, grip_force=2.0, environment=vice(CUBE), effects=[ContactCompliance(5e-4)])
     # It softens the vice as well
     np.testing.assert_allclose(grasp.solve("cone").normal_force[:3], 2.0, rtol=0.1)
     np.testing.assert_allclose(_alone(grasp)[:, 2], 2.0, rtol=1e-6)
 
 
-def _alone(grasp: HandGrasp) -> np.ndarray:
+def _alone(grasp):
     """(k, 3) forces of fingers that stick to an object that stays: E r = -d."""
     k = 3 * len(grasp.fingertips)
     E, d = grasp.scene.flexibility[:k, :k], grasp.offset[: k // 3].reshape(-1)
     return np.linalg.solve(E, -d).reshape(-1, 3)
 
 
-@pytest.mark.parametrize("name", ["two_finger", "three_finger", "five_finger"])
-def test_forces_by_fingertip_are_those_of_the_fingers_alone(name: str) -> None:
-    hand = example_hand(name, joint_stiffness=6.0)
-    obj = CUBE if name == "three_finger" else BALL
-    first = hand.fingertips[0]
-    force = _alone(of(hand, obj, grip_force={first: 2.0}))[:, 2]
-    np.testing.assert_allclose(force, [2.0] + [0.0] * (len(force) - 1), atol=1e-6)
-
-
 # ---------------------------------------------------------------- what actuators can command
-def test_rigid_joints_are_commanded_all_the_same(write: Writer) -> None:
+def test_rigid_joints_are_commanded_all_the_same(write):
     hand = chain_hand(write, joint_stiffness=np.inf, pad_flexibility=PAD)
     z = A + B * np.cos(0.5)
     wall = Contact((-0.01 + B * np.sin(0.5), 0, z), (1, 0, 0), STICKY)
@@ -243,7 +207,7 @@ def test_rigid_joints_are_commanded_all_the_same(write: Writer) -> None:
     assert e.value.argument == "grip_force"
 
 
-def test_tendons_command_what_drawing_them_in_does(three: Hand) -> None:
+def test_tendons_command_what_drawing_them_in_does(three):
     R = np.random.default_rng(0).uniform(0.005, 0.01, (2, three.nv))
     hand = example_hand("three_finger", joint_stiffness=Tendons(R, [4e4, 5e4], 2.0))
     for asked in ({"squeeze": 2e-3}, {"grip_force": 2.0}):
@@ -259,7 +223,7 @@ def test_tendons_command_what_drawing_them_in_does(three: Hand) -> None:
         assert (reach.share <= 1.0).all()
 
 
-def test_one_synergy_squeezes_all_fingers_alike() -> None:
+def test_one_synergy_squeezes_all_fingers_alike():
     """Five fingers on a ball at the middle are told one depth, and one actuator makes it; of one alone it cannot."""
     curl = np.tile([1.0, 0.5], 5)[:, None]
     hand = example_hand("five_finger", joint_stiffness=Synergies(curl, 20.0, 6.0))
@@ -274,7 +238,7 @@ def test_one_synergy_squeezes_all_fingers_alike() -> None:
 
 
 # ---------------------------------------------------------------- doors
-def test_a_number_an_array_and_a_mapping_say_the_same(three: Hand) -> None:
+def test_a_number_an_array_and_a_mapping_say_the_same(three):
     state = three.at(three.close_on(CUBE))
     for argument, value in (("squeeze", 2e-3), ("grip_force", 1.5)):
         one = state.grasp(CUBE, **{argument: value}).joint_offset
@@ -286,13 +250,13 @@ def test_a_number_an_array_and_a_mapping_say_the_same(three: Hand) -> None:
 
 
 @pytest.mark.parametrize("force", [[0.5, 0.6, 0.6], {"finger_1_tip": 0.5, "finger_2_tip": 0.6, "finger_3_tip": 0.6}])
-def test_advice_to_press_harder_says_with_how_many_newtons(three: Hand, force: Any) -> None:
+def test_advice_to_press_harder_says_with_how_many_newtons(three, force):
     grasp = three.at(three.close_on(CUBE)).grasp(CUBE, 0.5, grip_force=force)
     said = [advice.sentence for advice in grasp.check().about("advice")]
     assert said[0].startswith("500 % of the grip force (2.5 to 3 N) would hold it")
 
 
-def test_a_new_command_takes_the_place_of_the_old_one(three: Hand) -> None:
+def test_a_new_command_takes_the_place_of_the_old_one(three):
     state = three.at(three.close_on(CUBE))
     first = state.grasp(CUBE, squeeze=2e-3)
     for change in ({"squeeze": 1e-3}, {"grip_force": 2.0}, {"joint_offset": [0.01] * 6}):
@@ -307,17 +271,7 @@ def test_a_new_command_takes_the_place_of_the_old_one(three: Hand) -> None:
     np.testing.assert_allclose(beside.replace(squeeze=1e-3).offset[:, 2], -2e-3, atol=1e-12)
 
 
-def test_a_stream_follows_a_squeezed_grasp(three: Hand) -> None:
-    state = three.at(three.close_on(CUBE))
-    stream = GraspStream(state.grasp(CUBE, Coulomb(0.8), squeeze=4e-3))
-    np.testing.assert_allclose(stream.update().forces, stream.grasp.solve().forces, atol=1e-8)
-    assert stream.grasp.out_of_reach == ()
-    again = pickle.loads(pickle.dumps(stream))
-    softer = stream.grasp.replace(squeeze=3e-3)
-    np.testing.assert_allclose(again.update(joint_offset=softer.joint_offset).forces, softer.solve().forces, atol=1e-8)
-
-
-def test_a_stream_tells_gaps_from_preloads(three: Hand) -> None:
+def test_a_stream_tells_gaps_from_preloads(three):
     """The posture moves and the gaps stay; an offset that is passed takes their place."""
     q = three.close_on(CUBE, squeeze=4e-3)
     stream = GraspStream(three.at(q).grasp(CUBE, Coulomb(0.8)))
@@ -328,38 +282,18 @@ def test_a_stream_tells_gaps_from_preloads(three: Hand) -> None:
     np.testing.assert_allclose(wedge.share, [0, 0.5, 0.5], atol=1e-6)
 
 
-def test_what_is_out_of_reach_is_said(write: Writer, three: Hand) -> None:
-    state = three.at(three.close_on(CUBE))
-    said = " ".join(str(state.grasp(CUBE, preload=5e-3).explain()).split())  # lines are wrapped
-    (wedge,) = state.grasp(CUBE, preload=5e-3).out_of_reach
-    assert str(wedge) in said
-    says(str(wedge), "finger_2_tip", "2.5 mm", "50 %")
-    lines = {line.title: line.why for line in state.grasp(CUBE, squeeze=5e-3).explain().effects}
-    says(lines["commanded joint offset"], "5 mm", "finger_2_tip", "finger_1_proximal")
-    across = leaning(write, 85.0, squeeze=1e-3, preload=1e-3)
-    says(str(leaning(write, 90.0, grip_force=2.0).out_of_reach[0]), "2 N", "100 %")
-    assert [r.what for r in across.out_of_reach] == ["preload"]
-    gripped = {line.title: line.why for line in state.grasp(CUBE, grip_force=3.0).explain().effects}
-    says(gripped["commanded joint offset"], "3 N", "finger_2_tip", "1.73 N")
-
-
 @pytest.mark.parametrize(
     ("bad", "kind", "argument"),
     [
-        ({"squeeze": -1e-3}, InputError, "squeeze"),
-        ({"squeeze": [1e-3]}, InputError, "squeeze"),
         ({"squeeze": [1e-3, 1e-3, -1e-3]}, InputError, "squeeze"),
         ({"squeeze": {"thumb": 1e-3}}, UnknownName, "squeeze"),
         ({"squeeze": {"finger_1_tip": "a"}}, InputError, "squeeze['finger_1_tip']"),
-        ({"squeeze": "deep"}, InputError, "squeeze"),
         ({"grip_force": np.nan}, InputError, "grip_force"),
-        ({"grip_force": -1.0}, InputError, "grip_force"),
         ({"squeeze": 1e-3, "grip_force": 1.0}, InputError, "grip_force"),
         ({"squeeze": 1e-3, "joint_offset": [0.0] * 6}, InputError, "joint_offset"),
-        ({"grip_force": 1.0, "joint_offset": [0.0] * 6}, InputError, "joint_offset"),
     ],
 )
-def test_what_makes_no_sense_is_named(three: Hand, bad: dict[str, Any], kind: type[InputError], argument: str) -> None:
+def test_what_makes_no_sense_is_named(three, bad, kind, argument):
     state = three.at(three.close_on(CUBE))
     for call in (lambda: state.grasp(CUBE, **bad), lambda: state.grasp(CUBE).replace(**bad)):
         with pytest.raises(kind) as e:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import json
-
 import pytest
 
 import handlcp as hl
-from tests.support.hand import urdf
+from handlcp.hand.library import urdf
 
 TEXT = urdf("three_finger").read_text(encoding="utf-8")
 GEARS = """
@@ -131,19 +129,6 @@ def test_every_number_says_where_it_came_from():
     assert sources["pad", "finger_2_tip"] == "default: rigid"
     assert sources["shape of a tip", "finger_1_tip"] == "given"
     assert {number for number, *_ in rows} >= {"range", "torque limit", "stiffness", "pad", "mass"}
-
-
-def test_a_model_s_numbers_are_the_model_s():
-    model = hand_of().model
-    hand = hl.Hand.from_model(model, ["finger_1_tip"], joint_stiffness=1.0, tip_radius=0.01)
-    assert {r.source for r in hand.describe().origins if r.number == "torque limit"} == {"the model"}
-
-
-def test_a_description_goes_into_json_and_prints_in_eighty_columns():
-    described = hand_of('<dynamics friction="0.05"/>', GEARS).describe()
-    data = json.loads(described.to_json())
-    assert {row["what"] for row in data["stated"]} == {"dry friction", "reduction"}
-    assert max(map(len, str(described).splitlines())) <= 80
 
 
 # ---------------------------------------------------------------- MJCF

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.hand import Hand, example_hand
+from handlcp.hand import example_hand
 from tests.support.grasp import arrays
 
 BALL = hl.Sphere(0.03, placement=(0, 0, 0.085), mass=0.2)
 
 
 @pytest.fixture(scope="module")
-def five() -> Hand:
+def five():
     """The five-finger hand with springs that let it hold the ball."""
     return example_hand("five_finger", joint_stiffness=5.0)
 
@@ -57,10 +57,10 @@ def same(update, solution):
 
 
 @pytest.mark.parametrize("faces", [8, "cone"])
-def test_a_stream_follows_posture_and_load(five: Hand, faces):
+def test_a_stream_follows_posture_and_load(five, faces):
     q, load, grasp = followed(five)
     stream, states, last, fallen = hl.GraspStream(grasp(q, load), faces), set(), None, 0
-    for posture, wrench in walk(q, load, 60, pull=3.0):
+    for posture, wrench in walk(q, load, 40, pull=3.0):
         # Where friction allows several equilibria, the start says which one comes out
         solution = grasp(posture, wrench).solve(faces, QUICK, throw=False, start=last)
         update = stream.update(posture, wrench=wrench)
@@ -71,7 +71,7 @@ def test_a_stream_follows_posture_and_load(five: Hand, faces):
         states |= set(update.contact_state)
         last = solution
     assert {"sticking", "sliding"} <= states
-    assert fallen < 20
+    assert fallen < 14
 
 
 @pytest.mark.parametrize("pads", [1e-4, (3e-4, 2e-4, 1e-4)], ids=["isotropic pads", "anisotropic pads"])
@@ -95,23 +95,7 @@ def test_flexibility_and_jacobian_are_the_hands_with_tendons_pads_and_weight(pad
         np.testing.assert_allclose(now.solve().torques, made.solve().torques, atol=1e-9)
 
 
-def test_mimic_joints_and_some_of_the_fingers():
-    hand = example_hand("psyonic")
-    rng = np.random.default_rng(3)
-    tips = hand.fingertips[1:4]
-    state = hand.at(hand.neutral)
-    p = state.tip_positions[1:4]
-    contacts = [hl.Contact(x, z / np.linalg.norm(z)) for x, z in zip(p, rng.normal(size=(3, 3)), strict=True)]
-    g = state.grasp(contacts, fingers=tips, wrench=(0, 0, -0.1, 0, 0, 0), preload=1e-3)
-    stream = hl.GraspStream(g)
-    q = hand.neutral + 0.05
-    stream.update(q)
-    other = hand.at(q).grasp(contacts, fingers=tips)
-    np.testing.assert_allclose(stream.grasp.jacobian, other.jacobian, atol=1e-15)
-    np.testing.assert_allclose(arrays(stream.grasp).flexibility, arrays(other).flexibility, atol=1e-15)
-
-
-def test_contacts_that_roll(five: Hand):
+def test_contacts_that_roll(five):
     q, load, grasp = followed(five)
     g = grasp(q, load)
     stream = hl.GraspStream(g)
@@ -128,7 +112,7 @@ def test_contacts_that_roll(five: Hand):
     assert [c.position.tolist() for c in stream.grasp.contacts] == positions.tolist()
 
 
-def test_what_cannot_be_held_is_undecided_and_then_held_again(five: Hand):
+def test_what_cannot_be_held_is_undecided_and_then_held_again(five):
     q, load, grasp = followed(five)
     stream = hl.GraspStream(grasp(q, load))
     first = stream.update()
@@ -153,7 +137,7 @@ def test_a_grasp_without_a_hand_is_followed_under_its_load():
         stream.update([0.0])
 
 
-def test_readings_of_the_fingertips_lead_to_the_load_online(five: Hand):
+def test_readings_of_the_fingertips_lead_to_the_load_online(five):
     """The paper's online use: the world pulls, sensors read, the model follows."""
     q, load, grasp = followed(five)
     stream = hl.GraspStream(grasp(q, load))
@@ -167,14 +151,12 @@ def test_readings_of_the_fingertips_lead_to_the_load_online(five: Hand):
     ("argument", "change"),
     [
         ("q", {"q": [0.0, 1.0]}),
-        ("q", {"q": np.full(10, np.nan)}),
-        ("wrench", {"wrench": np.zeros(5)}),
         ("offset", {"offset": np.zeros(15)}),
         ("positions", {"positions": np.zeros((4, 3))}),
         ("frames", {"frames": np.zeros((5, 3, 3))}),
     ],
 )
-def test_a_refused_change_changes_nothing(five: Hand, argument, change):
+def test_a_refused_change_changes_nothing(five, argument, change):
     q, load, grasp = followed(five)
     stream = hl.GraspStream(grasp(q, load))
     before = stream.update().forces
@@ -184,8 +166,8 @@ def test_a_refused_change_changes_nothing(five: Hand, argument, change):
     np.testing.assert_array_equal(stream.update().forces, before)
 
 
-@pytest.mark.parametrize("twin", [copy.copy, copy.deepcopy, lambda s: pickle.loads(pickle.dumps(s))])
-def test_copies_share_nothing_and_go_on_from_where_it_is(five: Hand, twin):
+@pytest.mark.parametrize("twin", [copy.copy, lambda s: pickle.loads(pickle.dumps(s))])
+def test_copies_share_nothing_and_go_on_from_where_it_is(five, twin):
     q, load, grasp = followed(five)
     stream = hl.GraspStream(grasp(q, load), "cone")
     stream.update(q + 0.01, wrench=load * 1.2)
@@ -194,13 +176,6 @@ def test_copies_share_nothing_and_go_on_from_where_it_is(five: Hand, twin):
     moved = other.update(q - 0.01, wrench=load * 0.5)
     same(moved, grasp(q - 0.01, load * 0.5).solve("cone"))
     same(stream.update(), grasp(q + 0.01, load * 1.2).solve("cone"))
-
-
-def test_a_single_solve_may_start_at_an_update(five: Hand):
-    q, load, grasp = followed(five)
-    g = grasp(q, load)
-    update = hl.GraspStream(g).update()
-    np.testing.assert_allclose(g.solve(start=update).forces, g.solve().forces, rtol=1e-9)
 
 
 def test_effects_asked_for_by_name_are_refused():
@@ -212,7 +187,7 @@ def test_effects_asked_for_by_name_are_refused():
         hl.GraspStream(contacts)
 
 
-def test_updates_keep_no_memory(five: Hand):
+def test_updates_keep_no_memory(five):
     q, load, grasp = followed(five)
     stream = hl.GraspStream(grasp(q, load))
     moves = list(walk(q, load, 20, size=1e-3))

@@ -12,9 +12,8 @@ import pytest
 import handlcp as hl
 from handlcp.actuation import Around, Pulley, Route, Site
 from handlcp.errors import InputError
-from handlcp.hand import Hand, example_hand
+from handlcp.hand import example_hand
 from tests.support.kernels import interpreted
-from tests.support.routes import BoundRoute
 
 from .conftest import inside
 
@@ -22,7 +21,7 @@ Y = (0.0, 1.0, 0.0)
 
 
 @cache
-def cabled(friction: float = 0.0) -> Hand:
+def cabled(friction=0.0):
     """Two flexors round cylinders, an extensor round a ball on the other side, and a differential."""
     routes = dict[str, Route]()
     for k, a in ((1, 0.0), (2, 2 * np.pi / 3), (3, -2 * np.pi / 3)):
@@ -40,15 +39,15 @@ def cabled(friction: float = 0.0) -> Hand:
     return example_hand("three_finger", joint_stiffness=hl.Tendons(routes, 3e4, 1.0, pretension=2.0, friction=friction))
 
 
-def postures(hand: Hand, n: int) -> np.ndarray:
+def postures(hand, n):
     return np.random.default_rng(1).uniform(-0.5, 0.9, (n, hand.nv))
 
 
-def alone(hand: Hand) -> list[BoundRoute]:
+def alone(hand):
     return [route.bound(hand.kinematics) for route in hand.stiffness.routes.values()]
 
 
-def test_a_hand_has_the_arms_and_lengths_of_each_route() -> None:
+def test_a_hand_has_the_arms_and_lengths_of_each_route():
     hand = cabled()
     wraps = 0
     for q in postures(hand, 5):
@@ -60,7 +59,7 @@ def test_a_hand_has_the_arms_and_lengths_of_each_route() -> None:
     assert 0 < wraps < 15
 
 
-def test_posts_are_the_round_bodies_in_their_order_whether_touched_or_not() -> None:
+def test_posts_are_the_round_bodies_in_their_order_whether_touched_or_not():
     """μ θ, and the arms of what comes after."""
     hand = cabled(0.2)
     for q in postures(hand, 5):
@@ -73,7 +72,7 @@ def test_posts_are_the_round_bodies_in_their_order_whether_touched_or_not() -> N
                 np.testing.assert_allclose(row, path.pieces[-1].arms, atol=1e-17)
 
 
-def test_compiled_or_not_it_is_the_same() -> None:
+def test_compiled_or_not_it_is_the_same():
     hand = cabled()
     for q in postures(hand, 2):
         for bound in alone(hand):
@@ -86,11 +85,11 @@ def test_compiled_or_not_it_is_the_same() -> None:
             np.testing.assert_allclose(plain.angles, compiled.angles, atol=1e-14)
 
 
-def by_differences(bound: BoundRoute, q: np.ndarray, step: float = 1e-6) -> np.ndarray:
+def by_differences(bound, q, step=1e-6):
     return np.array([(bound.at(q + d).arms - bound.at(q - d).arms) / (2 * step) for d in step * np.eye(len(q))])
 
 
-def test_how_arms_change_is_what_central_differences_of_them_say(coupled: Hand) -> None:
+def test_how_arms_change_is_what_central_differences_of_them_say(coupled):
     """Also of joints that others follow."""
     hand = cabled()
     for q in postures(hand, 3):
@@ -105,30 +104,28 @@ def test_how_arms_change_is_what_central_differences_of_them_say(coupled: Hand) 
         np.testing.assert_allclose(bound.slope(q), by_differences(bound, q), atol=1e-9)
 
 
-def test_tensions_weigh_how_arms_change_and_rigid_joints_feel_none_of_it() -> None:
+def test_tensions_weigh_how_arms_change_and_rigid_joints_feel_none_of_it():
     hand = cabled()
     q, T = postures(hand, 1)[0], np.array([3.0, 0.0, 1.0, 2.0])
     slopes = np.array([bound.slope(q) for bound in alone(hand)])
     turning = hand.posed(q).stiffness.cables.moment_arm_stiffness
-    assert turning is not None
     np.testing.assert_allclose(turning(T), np.tensordot(T, slopes, 1), atol=1e-12)
     first = hand.joint_names[0]
     springs = {name: np.inf if name == first else 1.0 for name in hand.joint_names}
     rigid = hand.replace(joint_stiffness=hl.Tendons(hand.stiffness.routes, 3e4, springs)).posed(q).stiffness.cables
-    assert rigid.moment_arm_stiffness is not None
     expected = np.tensordot(T, slopes, 1)
     expected[0] = expected[:, 0] = 0.0
     np.testing.assert_allclose(rigid.moment_arm_stiffness(T), expected, atol=1e-12)
 
 
-def test_a_hand_with_routes_is_pickled() -> None:
+def test_a_hand_with_routes_is_pickled():
     hand = cabled()
     again = pickle.loads(pickle.dumps(hand))
     for q in postures(hand, 2):
         np.testing.assert_array_equal(again.posed(q).stiffness.root, hand.posed(q).stiffness.root)
 
 
-def test_hands_that_share_tendons_have_arms_of_their_own() -> None:
+def test_hands_that_share_tendons_have_arms_of_their_own():
     """The same routes on links of other sizes: nothing is remembered of one hand for the other."""
     hand = cabled()
     q = postures(hand, 1)[0]
@@ -139,7 +136,7 @@ def test_hands_that_share_tendons_have_arms_of_their_own() -> None:
     assert there is not stiffness
 
 
-def test_friction_at_posts_of_several_branches_is_refused() -> None:
+def test_friction_at_posts_of_several_branches_is_refused():
     """Also where they share the tension alike: what one branch loses the other does not miss."""
     routes = [cabled().stiffness.routes[f"cable {k}"].places for k in (1, 2)]
     pair = Route([Pulley(2), *routes[0], Pulley(2), *routes[1]])

@@ -11,7 +11,7 @@ from importlib import metadata
 import pytest
 
 import handlcp as hl
-from tests.support.hand import allegro
+from handlcp.hand.library import allegro
 
 PAGE = pathlib.Path(__file__).parents[2] / "docs" / "tour" / "my_hand.md"
 FILES = {

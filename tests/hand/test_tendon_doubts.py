@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import pytest
 
 import handlcp as hl
-from tests.support.hand import doubt_reasons
+from handlcp.robot.audit import doubt_reasons
 
 JOINT, LINKS = "finger_1_distal", ("finger_1_proximal_link", "finger_1_distal_link")
 
 
-def route(*points: tuple[str, float]) -> hl.Route:
+def route(*points):
     return hl.Route([hl.Site(link, (x, 0.0, 0.01)) for link, x in points])
 
 
-def doubts(row: Any) -> list[hl.Doubt]:
+def doubts(row):
     tendons = hl.Tendons({"pull": row, "good": {JOINT: 0.01}}, 2e4, 4.0)
     return [d for d in hl.example_hand("three_finger", joint_stiffness=tendons).audit() if d.about == "tendon arms"]
 
@@ -29,18 +27,18 @@ def doubts(row: Any) -> list[hl.Doubt]:
         (route((LINKS[0], 0.01), (LINKS[0], 0.02)), "minor", "moves no joint"),
     ],
 )
-def test_tendons_that_cannot_be_meant_are_doubted(row: Any, severity: str, words: str) -> None:
+def test_tendons_that_cannot_be_meant_are_doubted(row, severity, words):
     found = doubts(row)
     assert {(d.joint, d.severity) for d in found} == {("pull", severity)}
     assert any(words in d.what for d in found)
 
 
 @pytest.mark.parametrize("row", [{JOINT: -0.15}, route((LINKS[0], 0.01), (LINKS[1], 0.01))])
-def test_tendons_of_hands_are_not(row: Any) -> None:
+def test_tendons_of_hands_are_not(row):
     assert not doubts(row)
 
 
-def test_such_arms_are_a_warning_beside_a_verdict() -> None:
+def test_such_arms_are_a_warning_beside_a_verdict():
     hand = hl.example_hand("three_finger", joint_stiffness=hl.Tendons({"pull": {JOINT: 10.0}}, 2e4, 4.0))
     (reason,) = doubt_reasons(hand.doubts)
     assert (reason.code, reason.severity) == ("hand_doubtful", "warning")

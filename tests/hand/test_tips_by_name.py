@@ -13,12 +13,12 @@ JOINT = """<joint name="{name}_j" type="revolute"><parent link="{parent}"/><chil
 PALM = '<link name="palm"><collision><geometry><box size=".1 .03 .02"/></geometry></collision></link>'
 
 
-def link(name: str, parent: str, at: str, length: float, follows: float | None = None) -> str:
+def link(name, parent, at, length, follows=None):
     mimic = "" if follows is None else f'<mimic joint="right_knuckle_j" multiplier="{follows}"/>'
     return JOINT.format(name=name, parent=parent, at=at, mimic=mimic, half=length / 2, length=length)
 
 
-def gripper(bars: bool = True, tip: str = "") -> str:
+def gripper(bars=True, tip=""):
     """Two fingers that stay parallel: a knuckle and a bar of the same length turn alike, the finger turns back."""
     text = PALM
     for side, way in (("right", 1), ("left", -1)):
@@ -34,8 +34,7 @@ def gripper(bars: bool = True, tip: str = "") -> str:
 
 
 @pytest.mark.parametrize(
-    "tip",
-    ["_tip", "_tip_link", "_fingertip_link", "_tip_1", "_fingertip", "_tip_frame", "Tip", "_tip_link_2"],
+    "tip", ["_tip", "_tip_link", "_fingertip_link", "_tip_1", "_fingertip", "_tip_frame", "Tip", "_tip_link_2"]
 )
 def test_names_that_say_fingertip_are_taken(tip):
     """Beside bars, whose names do not."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,7 +20,7 @@ HAND = """<robot name="mm"><link name="palm"/><link name="l">{tip}</link><link n
 BOX = hl.Box(0.05, (0, 0, 0.03), mass=0.1)
 
 
-def stl() -> str:
+def stl():
     facets = "".join(
         "facet normal 0 0 0 outer loop " + " ".join(f"vertex {x:g} {y:g} {z:g}" for x, y, z in CORNERS[list(face)])
         + " endloop endfacet\n" for face in FACES
@@ -29,7 +28,7 @@ def stl() -> str:
     return f"solid tip\n{facets}endsolid tip\n"
 
 
-def dae(unit: str, axis: str = "Z_UP") -> str:
+def dae(unit, axis="Z_UP"):
     numbers, faces = " ".join(f"{x:g}" for x in CORNERS.ravel()), " ".join(str(k) for face in FACES for k in face)
     return f"""<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset>{unit}<up_axis>{axis}</up_axis></asset><library_geometries><geometry id="g"><mesh><source id="p">
@@ -41,14 +40,14 @@ def dae(unit: str, axis: str = "Z_UP") -> str:
 </library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
 
 
-def written(folder: Path, shape: str) -> Path:
+def written(folder, shape):
     (folder / "tip.stl").write_text(stl())
     file = folder / "hand.urdf"
     file.write_text(HAND.format(tip=TIP.format(shape)))
     return file
 
 
-def corners(file: Path, link: str = "l") -> np.ndarray:
+def corners(file, link="l"):
     """Of the mesh of a link, in its collision's axes [m]."""
     hand = hl.Hand.from_urdf(file, ["l", "r"], joint_stiffness=3.0)
     (part,) = (p for p in hand.description.load_shapes("collision") if hand.model.frames[p.frame].name == link)
@@ -74,12 +73,6 @@ def test_links_in_millimetres_are_refused_in_a_sentence_and_doubted_at_once(tmp_
     with pytest.raises(hl.URDFError, match="in metres"):
         hand.close_on(BOX)
     assert time.perf_counter() - begun < 5.0
-
-
-def test_the_scale_that_the_sentence_names_mends_it(tmp_path):
-    file = written(tmp_path, '<mesh filename="tip.stl" scale="0.001 0.001 0.001"/>')
-    assert not [d for d in hl.audit_urdf(file) if d.about == "shape"]
-    np.testing.assert_allclose(corners(file), np.unique(1e-3 * CORNERS, axis=0), rtol=1e-6)
 
 
 def test_a_mesh_that_is_scaled_twice_is_doubted(tmp_path):
@@ -125,7 +118,7 @@ def test_the_unit_of_a_collada_file_counts_and_its_up_axis_does_not(tmp_path, un
     assert not [d for d in hand.audit() if d.about == "shape"]
 
 
-@pytest.mark.parametrize("metres", ["nan", "-1", "0", "mm", "1e30"])
+@pytest.mark.parametrize("metres", ["nan", "0", "1e30"])
 def test_a_unit_that_is_no_length_is_refused(tmp_path, metres):
     (tmp_path / "tip.dae").write_text(dae(f'<unit meter="{metres}"/>'))
     with pytest.raises(hl.InputError, match=r"unit of 1e-09 to 1000 m in <unit meter"):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.support.hand import urdf
+from handlcp.hand.library import urdf
 
 LINE = '<xacro:property name="half" value="${0.5 * 1.2}"/>'
 HEAD = '<robot name="three_finger" xmlns:xacro="http://www.ros.org/wiki/xacro">'

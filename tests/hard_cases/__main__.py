@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
 import sys
 
-import tests.hard_cases as here
 from tests.hard_cases.scenes import FACES, examine
+from tests.hard_cases.test_families import FAMILIES
 
 
-def main(count: int) -> None:
+def main(count):
     """Print the table, and below it the name of every case that is undecided or wrong."""
-    print(f"{'family':34s}" + "".join(f"{f:>16}" for f in FACES) + "    (answered / undecided / wrong)")
+    print(f"{'family':36s}" + "".join(f"{f:>16}" for f in FACES) + "    (answered / undecided / wrong)")
     trouble = []
-    for module in sorted(m.name for m in pkgutil.iter_modules(here.__path__) if m.name.startswith("test_")):
-        families = getattr(importlib.import_module(f"tests.hard_cases.{module}"), "FAMILIES", {})
-        for name, cases in families.items():
-            cells = []
-            for faces in FACES:
-                r = examine(cases(faces, count))
-                cells.append(f"{len(r.solved) + len(r.refused)} / {len(r.undecided)} / {len(r.wrong)}")
-                trouble += [f"{name}, {faces}: wrong {w}" for w in r.wrong]
-                trouble += [f"{name}, {faces}: undecided {u}" for u in r.undecided]
-            print(f"{name:34s}" + "".join(f"{c:>16s}" for c in cells), flush=True)
+    for name, (_, generate) in FAMILIES.items():
+        found = [(faces, examine(generate(faces, count))) for faces in FACES]
+        cells = [f"{len(r.solved) + len(r.refused)} / {len(r.undecided)} / {len(r.wrong)}" for _, r in found]
+        print(f"{name:36s}" + "".join(f"{c:>16s}" for c in cells), flush=True)
+        for faces, r in found:
+            trouble += [f"{name}, {faces}: wrong {w}" for w in r.wrong]
+            trouble += [f"{name}, {faces}: undecided {u}" for u in r.undecided]
     print("\n".join(trouble))
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,7 +17,7 @@ HARD = os.environ.get("HANDLCP_HARD") == "1"
 ENOUGH = 1e-7  # a SOLVED answer must satisfy every law to this
 
 
-def count(default: int) -> int:
+def count(default):
     """Scenes of a family: few by default, twenty times as many with HANDLCP_HARD=1."""
     return default * (20 if HARD else 1)
 
@@ -44,11 +43,11 @@ class Case:
     forces: np.ndarray | None = None
 
     @property
-    def reference(self) -> np.ndarray:
+    def reference(self):
         """(3,) what the package is told to refer to: the origin, but a point of the plane in planar scenes."""
         return np.zeros(3) if self.plane is None else self.p.mean(0)
 
-    def grasp(self) -> hl.Grasp:
+    def grasp(self):
         """The same for the package."""
         contacts = [
             hl.Contact(p, R[:, 2], hl.Coulomb(mu), tangent=R[:, 0])
@@ -60,7 +59,7 @@ class Case:
             w[3:] = self.plane * (self.plane @ w[3:])
         return hl.Grasp(contacts, w, flexibility=self.E, offset=self.d, reference=c, plane=self.plane)
 
-    def solve(self) -> hl.GraspSolution:
+    def solve(self):
         """Whatever comes out."""
         return self.grasp().solve(self.faces, throw=False)
 
@@ -74,14 +73,14 @@ class Report:
     undecided: list[str] = field(default_factory=list)
     wrong: list[str] = field(default_factory=list)
 
-    def demand(self) -> None:
+    def demand(self):
         """Nothing wrong, nothing undecided."""
         assert not self.wrong, f"{len(self.wrong)} wrong: {self.wrong}"
         assert not self.undecided, f"{len(self.undecided)} undecided: {self.undecided}"
         assert self.solved or self.refused, "no case at all"
 
 
-def verdict(case: Case, s: hl.GraspSolution) -> tuple[str, str]:
+def verdict(case, s):
     """("solved" | "refused" | "undecided" | "wrong", why)."""
     if s.status is hl.Status.SOLVED:
         if case.answer != "solvable":
@@ -105,7 +104,7 @@ def verdict(case: Case, s: hl.GraspSolution) -> tuple[str, str]:
     return "undecided", ""
 
 
-def examine(cases: Iterable[Case]) -> Report:
+def examine(cases):
     """Solve and judge all of them."""
     report = Report()
     for case in cases:
@@ -115,13 +114,13 @@ def examine(cases: Iterable[Case]) -> Report:
 
 
 # ---------------------------------------------------------------- geometry
-def turn(rng) -> np.ndarray:
+def turn(rng):
     """(3, 3) random rotation."""
     Q = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     return Q * np.sign(np.linalg.det(Q))
 
 
-def frames(z, x=None, rng=None) -> np.ndarray:
+def frames(z, x=None, rng=None):
     """(n, 3, 3) frames with the normals z (n, 3) and tangents near x (n, 3), random ones when None."""
     z = np.asarray(z, float)
     z = z / np.linalg.norm(z, axis=1, keepdims=True)
@@ -148,12 +147,12 @@ def ball(rng, n, radius=0.03):
     return out * radius + rng.uniform(-0.1, 0.1, 3), frames(-out, rng=rng)
 
 
-def wrench_map(p, R) -> np.ndarray:
+def wrench_map(p, R):
     """(6, 3n) contact forces to the wrench about the origin."""
     return np.hstack([np.vstack([Q, np.cross(a, Q.T).T]) for a, Q in zip(p, R, strict=True)])
 
 
-def fingers(rng, n, rank=2, pad=(2e-4, 2e-4, 1e-4), shared=False, lever=0.05) -> np.ndarray:
+def fingers(rng, n, rank=2, pad=(2e-4, 2e-4, 1e-4), shared=False, lever=0.05):
     """(3n, 3n) J Jᵀ of `rank` joints a finger (1 N·m/rad), one more for all when `shared`; pads."""
     J = np.zeros((3 * n, rank * n + 1))
     for i in range(n):
@@ -211,9 +210,7 @@ def at_contact(rng, state, mu, faces, force, travel):
     return f, v
 
 
-def backwards(
-    name, rng, p, R, mu, E, faces, states=None, force=1.0, travel=None, twist=None, plane=None, unique=False
-) -> Case:
+def backwards(name, rng, p, R, mu, E, faces, states=None, force=1.0, travel=None, twist=None, plane=None, unique=False):
     """A case with the solution that these states have: the offsets and the wrench are what it takes."""
     n, section = len(p), 2 if plane is not None else faces
     mu = np.broadcast_to(np.asarray(mu, float), (n,)).copy()
@@ -238,7 +235,7 @@ def backwards(
 
 
 # ---------------------------------------------------------------- contact by contact
-def springs(name, p, R, mu, soft, faces, d, twist, plane=None, unique=False) -> Case:
+def springs(name, p, R, mu, soft, faces, d, twist, plane=None, unique=False):
     """Fingers that bend on their own, soft (n, 2): tangential and normal flexibility. For any motion `twist` of the
     object about the contacts' centre each force is a formula: the normal spring pushes or lets go, the tangential one
     is cut off at the limit. The load is what balances them.

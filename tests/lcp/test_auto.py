@@ -7,15 +7,11 @@ import pytest
 
 import handlcp as hl
 from handlcp.lcp import ContactProblem, proposals
+from handlcp.lcp.solver import OtherStarts, scale_by_limits as in_units_of_limits
 from tests.grasp.scenes import pinch, ring as make_ring
 from tests.lcp.problems import random_p, random_psd
 from tests.support.grasp import contact_problem
-from tests.support.lcp import (
-    OtherStarts,
-    certified,
-    in_units_of_limits,
-    solves_contact,
-)
+from tests.support.lcp import certified, solves_contact
 from tests.support.texts import says
 
 AUTO = hl.Auto(restarts=2)
@@ -179,8 +175,8 @@ def test_a_method_that_knows_contacts_only_says_so_on_a_plain_lcp():
 
 def test_stalled_kaczmarz_steps_end_within_their_budget():
     """Steps that make no progress must not be asked for in batches that double until an integer overflows."""
-    from tests.hard_cases.test_flexibility import apart
+    from tests.hard_cases.test_families import FAMILIES
 
-    case = list(apart(4, 30))[29]
+    case = list(FAMILIES["flexibility: apart"][1](4, 30))[29]
     for name, proposal in proposals(contact_problem(case.grasp(), 4)):
         assert proposal.iterations < 10**7, name

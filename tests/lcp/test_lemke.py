@@ -7,9 +7,10 @@ import pytest
 
 import handlcp as hl
 from handlcp.lcp import Units
+from handlcp.lcp.lemke import eliminate_free
 from tests.lcp.problems import KNOWN, random_p
 from tests.oracle import every_solution
-from tests.support.lcp import eliminate_free, pivoted
+from tests.support.lcp import pivoted
 from tests.support.texts import says
 
 

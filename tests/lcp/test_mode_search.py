@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from handlcp.lcp.modes.mode_search import ModeSearch
 from tests.grasp.scenes import ring
 from tests.support.grasp import contact_problem
-from tests.support.lcp import ModeSearch, misses_patch, nearest_point, patches
+from tests.support.lcp import misses_patch, nearest_point, patches
 from tests.support.search import searched
 
 
@@ -70,7 +71,7 @@ def test_a_search_in_small_pieces_ends_like_one_in_one_piece(faces):
 @pytest.mark.parametrize("faces", [16, "cone"])
 def test_the_search_finds_an_equilibrium_that_the_stages_miss(faces):
     """16 faces have 45 million choices of modes."""
-    from tests.hard_cases.test_no_pads import FAMILIES
+    from tests.hard_cases.test_families import FAMILIES
 
-    case = list(FAMILIES["no pads: a mixture"](faces, 34))[33]
+    case = list(FAMILIES["no pads: a mixture"][1](faces, 34))[33]
     assert searched(case.grasp(), faces).outcome == "solution"

@@ -9,9 +9,10 @@ import pytest
 
 from handlcp.errors import InputError
 from handlcp.lcp import LCP
+from handlcp.lcp.certificate import search_active_sets
 from tests.lcp.problems import KNOWN, random_psd
 from tests.oracle import every_solution
-from tests.support.lcp import certified, search_active_sets
+from tests.support.lcp import certified
 
 
 @pytest.mark.parametrize("seed", range(40))

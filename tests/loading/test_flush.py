@@ -65,15 +65,10 @@ def test_a_block_between_flat_jaws_turns_as_far_as_its_corners_and_friction_say(
     np.testing.assert_allclose(rocking(rocks.displacement[4], friction), 1.3 * held, rtol=2e-3)
 
 
-def test_half_the_step_turns_a_rocking_block_as_far():
-    angles = [turned("mesh", 0.2, steps=steps).displacement[4] for steps in (20, 40)]
-    np.testing.assert_allclose(*angles, rtol=2e-3)
-
-
 @pytest.mark.parametrize(
     ("friction", "links"), [(hl.SoftFinger(0.3, 0.005), "tips"), (0.3, "all")], ids=["soft jaws", "corners"]
 )
-@pytest.mark.parametrize("angle", [0.0, 4e-4, -9e-4])
+@pytest.mark.parametrize("angle", [0.0, -9e-4])
 def test_a_block_that_is_slightly_turned_comes_to_lie_flat_and_is_held(angle, friction, links):
     """The nearest points are corners, on opposite ends of the jaws."""
     turn = pin.SE3(pin.exp3(np.array([0.0, angle, 0.0])), np.zeros(3))

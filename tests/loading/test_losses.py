@@ -21,18 +21,6 @@ def test_a_soft_hand_drops_a_ball_that_one_solve_calls_held():
     assert [e.kind for e in h.events if e.kind == "lost"] == ["lost"]
 
 
-def test_lost_raises_where_that_is_asked_for():
-    with pytest.raises(hl.NoSolutionFound, match="lost in stage 'load'") as caught:
-        ball(stiffness=1.0, squeeze=1e-3).follow(throw=True)
-    assert isinstance(caught.value.problem, hl.Loading)
-
-
-def test_a_load_that_nothing_balances_is_lost_at_once():
-    h = cube().follow((0, 0, 0, 0, 0, 5.0), steps=5)
-    assert not h.reached
-    assert h.lost_at < 0.25
-
-
 def test_a_larger_load_is_lost_earlier():
     at = [ball().follow((0, 0, pull, 0, 0, 0), steps=20) for pull in (20.0, 40.0)]
     assert [h.reached for h in at] == [False, False]
@@ -58,31 +46,12 @@ def test_a_saturated_joint_yields_and_never_exceeds_its_limit():
     assert any(e.kind == "yields" for e in h.events)
 
 
-def test_a_joint_beyond_its_range_is_named():
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
-    box = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
-    q = hand.close_on(box)
-    far = {"finger_1_distal": float(hand.upper[list(hand.joint_names).index("finger_1_distal")] + 1.0)}
-    h = hand.at(q).grasp(box, friction=hl.Coulomb(0.8), joint_offset=far).follow(order="squeeze", steps=10)
-    assert all(e.who in (*hand.joint_names, *hand.fingertips) or e.kind == "lost" for e in h.events)
-
-
-def test_an_object_without_squeeze_and_support_is_lost_under_its_weight():
-    h = cube(squeeze=None).follow(steps=5)
-    assert not h.reached
-    assert h.stages == ("load",)  # there is nothing to squeeze with
-
-
 @pytest.mark.parametrize(
     ("words", "named"),
     [
         ({"order": "later"}, "order[0]"),
-        ({"order": ()}, "order"),
-        ({"order": 3}, "order"),
         ({"load": (1.0, 2.0)}, "load"),
-        ({"load": np.zeros((0, 6))}, "load"),
         ({"geometry": "moving"}, "geometry"),
-        ({"steps": 0}, "steps"),
         ({"tolerance": 0.0}, "tolerance"),
         ({"order": [hl.Stage("a", joint_offset=[1.0])]}, "order[0].joint_offset"),
     ],
@@ -90,12 +59,6 @@ def test_an_object_without_squeeze_and_support_is_lost_under_its_weight():
 def test_bad_arguments_are_named(words, named):
     with pytest.raises(hl.InputError, match=f"^{re.escape(named)}:"):
         cube().follow(**words)
-
-
-@pytest.mark.parametrize(("words", "named"), [({"name": ""}, "name"), ({"name": "a", "squeeze": -1.0}, "squeeze")])
-def test_a_stage_refuses_what_no_grasp_could_mean(words, named):
-    with pytest.raises(hl.InputError, match=rf"^Stage\.{named}:"):
-        hl.Stage(**words)
 
 
 def test_a_grasp_without_a_hand_is_followed_in_its_first_posture_alone():
@@ -145,7 +108,7 @@ def test_a_ball_off_the_middle_stays_between_the_fingers_whatever_the_steps(face
     hand = hl.example_hand("three_finger", joint_stiffness=6.0)
     sphere = hl.Sphere(0.034, (0.004, 0, 0.07), mass=0.02)
     g = hand.at(hand.close_on(sphere)).grasp(sphere, hl.Coulomb(0.8), squeeze=0.002)
-    ends_ = [g.follow(faces=faces, steps=steps) for steps in (8, 20, 80)]
+    ends_ = [g.follow(faces=faces, steps=steps) for steps in (8, 80)]
     assert all(h.reached for h in ends_)
     for h in ends_:
         np.testing.assert_allclose(h.steps.forces_world[-1], g.solve("cone").forces_world, rtol=0.02, atol=0.01)
@@ -162,12 +125,6 @@ def test_a_box_that_stands_on_something_rigid_is_held():
     assert h.reached
     np.testing.assert_allclose(h.steps.forces_world[-1].sum(axis=0), (0, 0, -0.5 * G), atol=1e-6)
     assert h.steps.forces[-1, 2:, 2].min() > 0.5  # it stands on its four corners
-
-
-def test_a_hand_that_opens_lets_go():
-    h = cube().follow(order=["squeeze", hl.Stage("open", joint_offset=np.full(6, -0.02))], steps=8)
-    assert h.lost_stage == "open"
-    assert "pushes" not in h.why
 
 
 @pytest.mark.long

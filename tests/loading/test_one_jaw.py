@@ -55,16 +55,3 @@ def test_a_hand_of_one_joint_has_all_that_hands_have():
     moved = hl.GraspStream(grasp).update(q=grasp.state.q + 1e-5)
     assert moved.held
     assert np.shape(moved.torques) == (1,)
-
-
-def test_what_a_joint_that_slides_does_is_said_in_newtons():
-    s = held().solve()
-    table, force = str(s.torque_check), s.torques[0]
-    assert "N·m" not in table
-    assert f"{abs(force):.3f}" in table
-    assert "of 40 N" in s.verdict.text
-    assert s.torque_check["slide"].unit == "N"
-    tight = held().state.hand.replace(torque_limits=0.5 * abs(force)).at([0.02 - GAP])
-    over = tight.grasp(held().target, MU, links="all", closing_torque=PULL, gravity=(0, 0, 0)).solve()
-    assert f"slide needs {abs(force):.3g} N of {0.5 * abs(force):.3g} N" in over.verdict.text
-    assert "N·m" not in str(held().margins().torque) + str(held().margins()).partition("load")[0]

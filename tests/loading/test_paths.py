@@ -4,23 +4,10 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.loading.hands import ball, cube, ends, gripper
+from tests.loading.hands import ball, cube, gripper
 
 LOAD = (0.3, 0.1, -0.5, 0.002, 0.0, 0.001)
 TIGHT = 1e-11
-
-
-def test_an_elastic_path_there_and_back_returns_to_its_start():
-    order = ("squeeze", hl.Stage("there", load=LOAD), hl.Stage("back", load=np.zeros(6)))
-    h = cube().follow(order=order, steps=6, tolerance=TIGHT)
-    start, far, end = ends(h)
-    steps = h.steps
-    assert h.reached
-    assert abs(steps.displacement[far] - steps.displacement[start]).max() > 1e-4
-    for values in (steps.displacement, steps.q, steps.forces_world):
-        np.testing.assert_allclose(
-            values[end], values[start], atol=1e-7 * abs(values).max()
-        )  # a damper takes a millionth of a step's motion
 
 
 def test_half_the_step_halves_the_error_or_better():
@@ -117,18 +104,10 @@ def test_fixed_geometry_is_one_solve_where_nothing_slips_and_all_comes_together(
     np.testing.assert_allclose(h.displacement, one.object_displacement, atol=1e-12)
 
 
-def test_squeeze_and_load_in_turn_differ_from_both_together_where_fingers_slip():
-    h = ball(stiffness=1.0, squeeze=0.002).follow(geometry="fixed", order=("squeeze", "load"))
-    both = ball(stiffness=1.0, squeeze=0.002).follow(geometry="fixed", order="together")
-    assert any(e.kind == "slips" for e in (*h.events, *both.events))
-    assert h.reached
-    assert both.reached
-
-
-@pytest.mark.parametrize("pads", [0.0, 1e-8, 1e-6, 1e-4])
+@pytest.mark.parametrize("pads", [0.0, 1e-6])
 def test_stiff_directions_lose_no_object_whatever_the_steps(pads):
     """Two fingers beside each other slide outward alike; between them nothing but the pads gives way."""
-    for steps in (8, 20, 40):
+    for steps in (8, 40):
         h = gripper(pads).follow(steps=steps)
         assert h.reached, (steps, h.why)
         assert abs(h.displacement[[1, 3, 5]]).max() < 1e-5, "the middle stays the middle"

@@ -117,7 +117,7 @@ def test_a_planar_wedge_bears_what_its_interval_does():
 
 
 # ---------------------------------------------------------------- linear programs
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(4))
 def test_on_pyramids_it_is_the_linear_program(seed):
     rng = np.random.default_rng(seed)
     n, base = int(rng.integers(2, 6)), np.append(rng.normal(size=3), np.zeros(3)) * (seed % 2)
@@ -134,7 +134,7 @@ def test_on_pyramids_it_is_the_linear_program(seed):
     assert found.factors == pytest.approx(expected, rel=1e-8, abs=1e-7)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_the_cone_lies_between_the_fine_pyramids_in_it_and_around_it(seed):
     rng = np.random.default_rng(seed)
     n, fine = 4, 180
@@ -168,13 +168,6 @@ def test_joints_with_torque_limits_are_the_same_linear_program(base):
     assert found.factors == pytest.approx(expected, rel=1e-8)
     assert found.torque.any(axis=1).all()  # without motors at their limit a grasp that squeezes holds more
     assert {kind for kind, _ in found.binds(0)} <= {"slips", "opens", "torque"}
-
-
-def test_friction_alone_holds_any_load_where_torques_do_not_count():
-    grasp = handlcp.scene.load("examples/cube_three_fingers.toml").build()
-    down = [(0, 0, -1.0, 0, 0, 0)]
-    assert bounds(grasp, down, base=None, torques=False).factors.tolist() == [np.inf]
-    assert np.isfinite(bounds(grasp, down, base=None).factors).all()
 
 
 # ---------------------------------------------------------------- its proofs

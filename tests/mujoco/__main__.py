@@ -1,8 +1,5 @@
 """Run every case, or those whose names hold a word: `python -m tests.mujoco [word ...]`. Minutes; exit 1 for a miss.
 
-`python -m tests.mujoco --truth [word ...]` asks whether MuJoCo says the same twice as slowly, and with half the time
-step: how far its forces, and the load at which it loses the object, change.
-
 `python -m tests.mujoco limits [word ...]` compares load limits: see `tests.mujoco.limits`; `power [word ...]` power
 grasps: see `tests.mujoco.power`; `power pads` their forces with other pads: see `tests.mujoco.power_pads`; `closing`
 the order in which links touch: see `tests.mujoco.closing`.
@@ -14,14 +11,10 @@ from __future__ import annotations
 
 import os
 import sys
-from dataclasses import replace
 from statistics import median
-
-import numpy as np
 
 os.environ.setdefault("HANDLCP_KERNELS", "compiled")
 
-from handlcp.simulator import SimulatorSettings, simulate
 from tests.mujoco import closing, limits as load_limits, power
 from tests.mujoco.case import limit_error, misses
 from tests.mujoco.cases import CASES
@@ -43,32 +36,6 @@ def row(case, found):
     ratio = theirs.seconds / found.seconds
     times = f" {1e3 * found.seconds:5.0f} ms {theirs.seconds:6.2f} s {ratio:6.0f}"
     return f"{case.name:44s} {case.hand:13s} {both:6s}{errors}{moves}{limit}{times}"
-
-
-def truth(words):
-    """Print by how much MuJoCo's answers change when it takes twice the time, and half the time step."""
-    print(f"{'case':44s} {'twice as slow':>16s} {'half the step':>16s}", flush=True)
-    for case in chosen(words):
-        own = SimulatorSettings()
-        finer = replace(own, timestep=own.timestep / 2)
-        first = run(case, own, case.seconds)
-        changes = [change(first, run(case, own, 2 * case.seconds)), change(first, run(case, finer, case.seconds))]
-        print(f"{case.name:44s} {changes[0]:>16s} {changes[1]:>16s}", flush=True)
-
-
-def run(case, settings, seconds):
-    """MuJoCo alone."""
-    return simulate(case.make(), case.load, case.order, seconds=seconds, settings=settings)
-
-
-def change(one, other):
-    """Of the forces where both hold, else of the share of the load where both lose; in words where they differ."""
-    if one.held != other.held:
-        return "held or lost"
-    if one.held:
-        largest = np.linalg.norm(one.forces_world, axis=1).max()
-        return f"{100 * abs(other.forces_world - one.forces_world).max() / largest:.3f} %"
-    return f"{one.lost_at:.1%} → {other.lost_at:.1%}"
 
 
 def chosen(words):
@@ -102,8 +69,6 @@ def main(words):
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == ["--truth"]:
-        sys.exit(truth(sys.argv[2:]))
     if sys.argv[1:2] == ["limits"]:
         sys.exit(1 if load_limits.main(sys.argv[2:]) else 0)
     if sys.argv[1:2] == ["power"]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.simulator import Comparison, compare
+from handlcp.simulator import compare
 
 # Of the largest force or torque. A jump is fast: where friction ends behind it is no question of statics.
 NEAR = {"sticks": 0.01, "slides": 0.03, "jumps": 0.1}
@@ -33,13 +33,13 @@ class Case:
     seconds: float = 2.0
     short: bool = False
 
-    def run(self, seconds: float | None = None) -> Comparison:
+    def run(self, seconds=None):
         """Both, MuJoCo with so many seconds for each stage, or its own."""
         time = self.seconds if seconds is None else seconds
         return compare(self.make(), self.load, self.order, seconds=time)
 
 
-def misses(case: Case, found: Comparison) -> list[str]:
+def misses(case, found):
     """What is not as it has to be, in words; nothing where all is well."""
     ours, theirs = found.loading, found.simulation
     held = case.kind in NEAR
@@ -58,13 +58,13 @@ def misses(case: Case, found: Comparison) -> list[str]:
     return []
 
 
-def limit_error(found: Comparison) -> float:
+def limit_error(found):
     """By how much the share of the load is off at which handlcp loses the object; NaN where one holds it."""
     ours, theirs = found.loading.lost_at, found.simulation.lost_at
     return float("nan") if ours is None or theirs is None else (ours - theirs) / max(theirs, 1e-9)
 
 
-def closing(grasp: Any, depth: Any) -> Any:
+def closing(grasp, depth):
     """The same with joints commanded so that the tips would move so far along their normals [m], the smallest way."""
     k = len(grasp.fingertips)
     normal = grasp.jacobian[2 : 3 * k : 3]

@@ -79,9 +79,9 @@ ASIDE = [0.5, 0, 0, 0, 0, 0]
 BEAD = hl.Sphere(0.03, [0, 0, 0.085], mass=0.5)
 
 STICKS = (
-    Case("cube", "three_finger", "sticks", three, short=True),
+    Case("cube", "three_finger", "sticks", three),
     Case("cube, stiff, squeezed hard", "three_finger", "sticks", lambda: three(K=20.0, offset=0.05)),
-    Case("ball", "three_finger", "sticks", lambda: three(hl.Sphere(0.03, [0, 0, 0.08], mass=0.05)), short=True),
+    Case("ball", "three_finger", "sticks", lambda: three(hl.Sphere(0.03, [0, 0, 0.08], mass=0.05))),
     Case("ellipsoid", "three_finger", "sticks", lambda: three(hl.Ellipsoid([0.03, 0.03, 0.04], [0, 0, 0.08], 0.05))),
     Case("turned ellipsoid, load about another point", "three_finger", "sticks",
          lambda: three(TURNED, reference=[0.01, 0, 0.07], wrench=[0, 0, -0.1, 0.001, 0, 0])),
@@ -93,7 +93,7 @@ STICKS = (
     Case("all together", "three_finger", "sticks", three, order="together", short=True),
     Case("torque about the vertical", "three_finger", "sticks", lambda: three(wrench=[0, 0, 0, 0, 0, 0.005])),
     Case("fingers that sag", "three_finger", "sticks", lambda: three(finger_weight=True)),
-    Case("fingers that sagged", "three_finger", "sticks", lambda: three(finger_weight="torques"), short=True),
+    Case("fingers that sagged", "three_finger", "sticks", lambda: three(finger_weight="torques")),
     Case("joints at their limit", "three_finger", "sticks",
          lambda: three(offset=0.03, hand={"torque_limits": 0.12}, effects=[hl.TorqueSaturation()]), short=True),
     Case("five fingers, 1 mm", "five_finger", "sticks", lambda: five(6.0, 0.001, height=0.075)),

@@ -8,7 +8,6 @@ unless the order is the same for all of them. Links that touch within a step of 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -22,7 +21,7 @@ TOUCHES = 1e-3  # [N]
 TOGETHER = 1.5 / STEPS + 0.005  # of the closing: what a step, and what joints lag behind in MuJoCo
 
 
-def grasp(number: int) -> Any:
+def grasp(number):
     """The box of this number, and the open hand that closes on it."""
     random = np.random.default_rng((SEED, number))
     sides = random.uniform((0.035, 0.035, 0.04), (0.055, 0.055, 0.07))
@@ -42,7 +41,7 @@ class Order:
     theirs: dict[str, float]
 
     @property
-    def swapped(self) -> list[tuple[str, str]]:
+    def swapped(self):
         """Links that touch in another order there, and those that touch in one of both alone."""
         both = [link for link in self.ours if link in self.theirs]
         found = [
@@ -52,7 +51,7 @@ class Order:
         return found + [(link, "") for link in self.ours.keys() ^ self.theirs.keys()]
 
 
-def order(number: int) -> Order:
+def order(number):
     """Of one box."""
     made = grasp(number)
     hand = made.state.hand
@@ -71,7 +70,7 @@ def order(number: int) -> Order:
     return Order(ours, theirs)
 
 
-def main() -> int:
+def main():
     """Print them; 1 unless all have the same order."""
     same = 0
     for number in range(COUNT):

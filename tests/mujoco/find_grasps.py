@@ -24,12 +24,12 @@ OBJECTS = {
 MU = 0.7
 
 
-def hand(name: str) -> hl.Hand:
+def hand(name):
     """A commercial hand whose torque limits are out of the way."""
     return hl.example_hand(name, joint_stiffness=5.0, torque_limits=10.0, **HANDS[name])
 
 
-def main() -> None:
+def main():
     """Find and write them."""
     rows = {}
     for name in HANDS:

@@ -54,26 +54,26 @@ PALMS = {
 SMALL = ("three_finger", "five_finger")
 
 
-def hull(points: Any) -> Any:
+def hull(points):
     """A mesh: the hull of points (m, 3)."""
     return trimesh.Trimesh(vertices=np.array(points), process=True).convex_hull
 
 
-def cup(size: float) -> Any:
+def cup(size):
     """A cup with twelve sides that is wider above than below."""
     angles = np.arange(12) * np.pi / 6
     rings = ((0.75, -1.2), (1.0, 1.2))
     return hull([(size * r * np.cos(a), size * r * np.sin(a), size * z) for r, z in rings for a in angles])
 
 
-def stone(size: float) -> Any:
+def stone(size):
     """A stone with 40 corners."""
     random = np.random.default_rng(5)
     points = random.standard_normal((40, 3))
     return hull(size * points / np.linalg.norm(points, axis=1)[:, None] * (1.0, 0.8, 1.2))
 
 
-def thing(name: str, hand: str, at: Any) -> Any:
+def thing(name, hand, at):
     """The object of this name, made for the size of a hand, there."""
     size = 0.03 if hand in SMALL else 0.035
     match name:
@@ -93,12 +93,12 @@ def thing(name: str, hand: str, at: Any) -> Any:
 THINGS = ("box", "cylinder", "ball", "cup", "stone")
 
 
-def a_hand(name: str) -> Any:
+def a_hand(name):
     """A hand whose torque limits are out of the way."""
     return hl.example_hand(name, joint_stiffness=STIFFNESS, torque_limits=10.0)
 
 
-def made(row: Any) -> Any:
+def made(row):
     """The grasp of a row of the file."""
     hand = a_hand(row["hand"])
     obj = thing(row["thing"], row["hand"], pin.SE3(np.array(row["rotation"]), np.array(row["position"])))
@@ -106,7 +106,7 @@ def made(row: Any) -> Any:
     return state.grasp(obj, hl.Coulomb(row["mu"]), links="all", closing_torque=row["torque"])
 
 
-def main(names: list[str]) -> None:
+def main(names):
     """Find and write them."""
     rows: dict[str, Any] = json.loads(FILE.read_text(encoding="utf-8")) if FILE.exists() else {}
     for name in names or list(PALMS):
@@ -127,7 +127,7 @@ def main(names: list[str]) -> None:
         FILE.write_text(f"{{\n{text}\n}}\n", encoding="utf-8")
 
 
-def tried(hand: Any, name: str, what: str, random: Any) -> dict[str, Any] | None:
+def tried(hand, name, what, random):
     """One placement at random; a row, where the hand holds the object there."""
     palm, q = PALMS[name], np.clip(hand.neutral, hand.lower, hand.upper)
     for joint, (low, high) in palm.joints.items():

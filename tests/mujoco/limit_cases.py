@@ -35,12 +35,12 @@ class LimitCase:
     short: bool = False
 
     @property
-    def title(self) -> str:
+    def title(self):
         """Its name in the stored table."""
         return f"{self.hand}, {self.name}, {self.load}"
 
 
-def ball() -> Any:
+def ball():
     """Three fingers around a ball of 50 g."""
     return three(hl.Sphere(0.03, [0, 0, 0.08], mass=0.05), hand=FREE)
 
@@ -49,23 +49,23 @@ FREE = {"torque_limits": 10.0}
 SOFT = hl.SoftFinger(0.8, 0.008)
 
 
-def in_two(obj: Any, offset: float) -> Any:
+def in_two(obj, offset):
     """Two soft fingers that hang and pinch an object."""
     return two(obj, offset, SOFT, hand=FREE)
 
 
-def in_five(obj: Any, depth: float) -> Any:
+def in_five(obj, depth):
     """Five fingers that hang around an object, closed so far."""
     hand = hl.example_hand("five_finger", joint_stiffness=6.0, **FREE)
     return closing(hand.at(hand.close_on(obj)).grasp(obj, hl.Coulomb(0.6), gravity=UP), depth)
 
 
 @cache
-def _found() -> Any:
+def _found():
     return json.loads(find_grasps.FILE.read_text(encoding="utf-8"))
 
 
-def found(hand: str, thing: str, squeeze: float = 1.0) -> Any:
+def found(hand, thing, squeeze=1.0):
     """A grasp of `grasps.json`, squeezed so many times as much."""
     row = _found()[f"{hand} {thing}"]
     obj = find_grasps.OBJECTS[thing](pin.SE3(np.array(row["rotation"]), np.array(row["position"])))
@@ -102,7 +102,7 @@ GRASPS: dict[tuple[str, str], tuple[Callable[[], Any], tuple[str, str]]] = {
 SHORT = {"two_finger, ball, gentle, +z", "three_finger, ball, -z", "allegro, ball, random force"}
 
 
-def _loads(ways: tuple[str, str], seed: int) -> dict[str, tuple[float, ...]]:
+def _loads(ways, seed):
     """Two along axes, a random force, and a random force with a torque; each of 1 N."""
     loads = {}
     for way in ways:

@@ -13,7 +13,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from handlcp.simulator import SimulatedLimit, SimulatorSettings
+from handlcp.simulator import SimulatorSettings
 
 FILE = pathlib.Path(__file__).with_name("limits.json")
 SHARES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98)  # of the load, where motion is kept
@@ -39,7 +39,7 @@ class Truth:
     seconds: float
 
     @classmethod
-    def of(cls, limit: SimulatedLimit, most: float) -> Truth:
+    def of(cls, limit, most):
         """What of a simulation is kept."""
         track = limit.track
         end = min(limit.factor, most)
@@ -54,13 +54,13 @@ class Truth:
             factors, motion, limit.seconds,
         )  # fmt: skip
 
-    def at(self, factor: float) -> Any:
+    def at(self, factor):
         """(6,) how far the object had moved since the load began to grow [m, rad]."""
         if not (len(self.factors) and factor <= self.factors[-1]):
             return np.full(6, np.nan)
         return np.array([np.interp(factor, self.factors, column) for column in self.motion.T])
 
-    def row(self) -> dict[str, Any]:
+    def row(self):
         """As JSON; null for what never happened."""
         return {
             "factor": _number(self.factor), "jump": _number(self.jump), "first_at": _number(self.first_at),
@@ -70,7 +70,7 @@ class Truth:
         }  # fmt: skip
 
     @classmethod
-    def read(cls, row: dict[str, Any]) -> Truth:
+    def read(cls, row):
         """The opposite of `row`."""
         factor, jump, first_at = (np.inf if row[k] is None else row[k] for k in ("factor", "jump", "first_at"))
         return cls(
@@ -79,12 +79,12 @@ class Truth:
         )  # fmt: skip
 
 
-def stored() -> dict[str, Truth]:
+def stored():
     """By the titles of the cases; nothing without the file."""
     return {title: Truth.read(row) for title, row in _rows().items()}
 
 
-def store(title: str, truth: Truth) -> None:
+def store(title, truth):
     """Put one row into the file."""
     rows = dict(sorted((_rows() | {title: truth.row()}).items()))
     head = {"mujoco": mujoco.__version__, "settings": asdict(SimulatorSettings())}
@@ -92,14 +92,14 @@ def store(title: str, truth: Truth) -> None:
     FILE.write_text(f'{{"made_with": {json.dumps(head)},\n"rows": {{\n{lines}\n}}}}\n', encoding="utf-8")
 
 
-def _rows() -> dict[str, Any]:
+def _rows():
     rows: dict[str, Any] = json.loads(FILE.read_text(encoding="utf-8"))["rows"] if FILE.exists() else {}
     return rows
 
 
-def _number(value: float, digits: int = 8) -> float | None:
+def _number(value, digits=8):
     return float(f"{value:.{digits}g}") if np.isfinite(value) else None
 
 
-def _numbers(values: Any, digits: int = DIGITS) -> Any:
+def _numbers(values, digits=DIGITS):
     return [_numbers(v, digits) for v in values] if np.ndim(values) else _number(float(values), digits)

@@ -2,7 +2,7 @@
 
 `python -m tests.mujoco limits [word ...]` runs every case, or those whose titles hold one of the words, here and in
 MuJoCo; exit 1 where the measure below is missed. `limits --stored` compares with the rows of `limits.json` instead, in
-seconds. `limits --write` computes those rows. `limits --truth` asks whether MuJoCo says the same at half the rate.
+seconds. `limits --write` computes those rows.
 
 The measure: the load at which the object is lost within 3 % in 76 of 80 cases; MuJoCo's first jump of more than 1 mm or
 2° between 0.97 times the load from which the object slides through and 1.03 times that at which it is lost, in all; no
@@ -12,7 +12,6 @@ load that is HELD is dropped; where NOT HELD says "slides through", the object h
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
@@ -51,7 +50,7 @@ class Ours:
     seconds: float
 
 
-def ours(case: LimitCase) -> Ours:
+def ours(case):
     """The load limit, with the hand followed."""
     grasp = case.make()
     began = perf_counter()
@@ -63,7 +62,7 @@ def ours(case: LimitCase) -> Ours:
     return Ours(limit.factor, min(slides, lost), lost, min(ends, default=np.inf), squeezed, took)
 
 
-def theirs(case: LimitCase, rate: float = RATE) -> Truth:
+def theirs(case, rate=RATE):
     """The same in MuJoCo. Its load grows at a rate that hangs on what is expected."""
     grasp = case.make()
     expected = grasp.load_limit(case.wrench).factor
@@ -85,7 +84,7 @@ class Compared:
     wrong: tuple[str, ...]
 
     @property
-    def apart(self) -> float:
+    def apart(self):
         """Of the factors at which the object is lost or a joint ends the path, as a share of MuJoCo's."""
         one, other = self.ours.end, self.truth.factor
         if not np.isfinite(other):  # it held all of the load that it was given
@@ -93,12 +92,12 @@ class Compared:
         return one / other - 1.0 if other > 0.0 else float("inf")
 
     @property
-    def squeeze_error(self) -> float:
+    def squeeze_error(self):
         """Largest difference of the squeeze's forces, as a share of the largest force."""
         difference = np.linalg.norm(self.ours.squeezed - self.truth.squeezed, axis=1)
         return float(difference.max() / np.linalg.norm(self.truth.squeezed, axis=1).max())
 
-    def __str__(self) -> str:
+    def __str__(self):
         o, t = self.ours, self.truth
         numbers = f"{o.end:8.4f} {t.factor:8.4f} {100 * self.apart:+7.2f}%"
         numbers += f" {o.slides:8.4f} {t.jump:8.4f} {o.lost:8.4f} {100 * self.squeeze_error:7.2f}%"
@@ -107,7 +106,7 @@ class Compared:
         return line + (f"  MISS: {'; '.join(self.wrong)}" if self.wrong else "")
 
 
-def compared(case: LimitCase, truth: Truth) -> Compared:
+def compared(case, truth):
     """A case, and what of it misses the measure."""
     found = ours(case)
     wrong = list[str]()
@@ -126,7 +125,7 @@ def compared(case: LimitCase, truth: Truth) -> Compared:
     return Compared(case, found, truth, tuple(words), tuple(wrong))
 
 
-def judged(case: LimitCase, truth: Truth, share: float) -> tuple[str, str]:
+def judged(case, truth, share):
     """The verdict at a share of MuJoCo's loss, and what is wrong with it."""
     load = share * truth.factor
     grasp = case.make()
@@ -142,17 +141,16 @@ def judged(case: LimitCase, truth: Truth, share: float) -> tuple[str, str]:
     return "slides", f"slides {1e3 * said:.2f} mm at {share:g}, {1e3 * moved:.2f} there" if not off <= MOVED else ""
 
 
-def slid(verdict: Any) -> float | None:
+def slid(verdict):
     """By how much the object slides through, as a verdict says it [m]; None where it does not."""
     reasons = verdict.about("slides_through")
     return float(reasons[0].values["moved_m"]) if reasons else None
 
 
-def main(words: list[str]) -> int:
+def main(words):
     """Print the table and what it comes to; 1 where the measure is missed."""
-    runs: dict[str, Callable[[list[str]], int]] = {"--truth": at_half_the_rate, "--write": write}
-    if words[:1] and words[0] in runs:
-        return runs[words[0]](words[1:])
+    if words[:1] == ["--write"]:
+        return write(words[1:])
     from_file = words[:1] == ["--stored"]
     rows = stored() if from_file else {}
     cases = chosen(words[1:] if from_file else words)
@@ -167,7 +165,7 @@ def main(words: list[str]) -> int:
     return summary(found)
 
 
-def summary(found: list[Compared]) -> int:
+def summary(found):
     """Print the measure; 1 where it is missed."""
     if not found:
         return 1
@@ -187,7 +185,7 @@ def summary(found: list[Compared]) -> int:
     return int(near < ENOUGH * len(found) or any(count[part] for part in exact))
 
 
-def write(words: list[str]) -> int:
+def write(words):
     """Compute rows with MuJoCo and put them into the file, one by one; 0."""
     for case in chosen(words):
         truth = theirs(case)
@@ -197,16 +195,6 @@ def write(words: list[str]) -> int:
     return 0
 
 
-def at_half_the_rate(words: list[str]) -> int:
-    """Print by how much MuJoCo's limits change when the load grows half as fast; 0."""
-    print(f"{'case':48s} {'5 s':>9s} {'10 s':>9s} {'change':>8s}", flush=True)
-    for case in chosen(words):
-        one, other = (theirs(case, rate).factor for rate in (RATE, 2 * RATE))
-        change = 0.0 if one == other else 100 * (other / one - 1)
-        print(f"{case.title:48s} {one:9.4f} {other:9.4f} {change:+7.2f}%", flush=True)
-    return 0
-
-
-def chosen(words: list[str]) -> list[LimitCase]:
+def chosen(words):
     """Cases whose titles hold one of the words; all without words."""
     return [c for c in CASES if not words or any(word in c.title for word in words)]

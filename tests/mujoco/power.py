@@ -54,28 +54,28 @@ class PowerCase:
     way: str
 
     @property
-    def title(self) -> str:
+    def title(self):
         """Its name in the stored table."""
         return f"{self.grasp}, {self.way}"
 
     @property
-    def wrench(self) -> Any:
+    def wrench(self):
         """(6,)."""
         load = np.zeros(6)
         load[WAYS[self.way]] = 1.0 if self.way[0] == "+" else -1.0
         return load
 
-    def make(self) -> Any:
+    def make(self):
         """The grasp."""
         return made(_grasps()[self.grasp])
 
 
-def _grasps() -> dict[str, Any]:
+def _grasps():
     rows: dict[str, Any] = json.loads(FILE.read_text(encoding="utf-8"))
     return rows
 
 
-def _cases() -> tuple[PowerCase, ...]:
+def _cases():
     """Each grasp pulled one way, all ways in turn; then the next way, and so on."""
     ways, names = list(WAYS), list(_grasps())
     return tuple(PowerCase(name, ways[(i + k) % len(ways)]) for k in range(len(ways)) for i, name in enumerate(names))
@@ -84,7 +84,7 @@ def _cases() -> tuple[PowerCase, ...]:
 CASES = _cases()
 
 
-def by_link(grasp: Any, forces: Any) -> Any:
+def by_link(grasp, forces):
     """(links, 3) forces (n, 3) of contacts, summed by link."""
     links = grasp.state.hand.links_of_sites
     return np.array(
@@ -92,7 +92,7 @@ def by_link(grasp: Any, forces: Any) -> Any:
     )
 
 
-def apart(ours: Any, theirs: Any) -> float:
+def apart(ours, theirs):
     """Largest difference, as a share of the largest force."""
     return float(np.linalg.norm(ours - theirs, axis=1).max() / max(np.linalg.norm(theirs, axis=1).max(), 1e-9))
 
@@ -114,12 +114,12 @@ class Row:
     slow: float = float("nan")
 
     @property
-    def losses(self) -> tuple[float, float]:
+    def losses(self):
         """Between which loads the object is lost [N]; inf : not up to the largest load."""
         both = [self.truth.factor, *([] if np.isnan(self.slow) else [self.slow])]
         return min(both), max(both)
 
-    def as_json(self) -> dict[str, Any]:
+    def as_json(self):
         """As JSON."""
         held = bool(np.isfinite(self.forces).all())
         return {
@@ -128,7 +128,7 @@ class Row:
         } | ({} if np.isnan(self.slow) else {"slow_N": self.slow if np.isfinite(self.slow) else None})  # fmt: skip
 
     @classmethod
-    def read(cls, row: dict[str, Any]) -> Row:
+    def read(cls, row):
         """The opposite."""
         squeezed = np.array(row["squeezed_by_link_N"])
         forces = row["forces_by_link_N"]
@@ -137,7 +137,7 @@ class Row:
         return cls(Truth.read(row["limit"]), row["load_N"], found, squeezed, np.inf if slow is None else slow)
 
 
-def theirs(case: PowerCase) -> Row:
+def theirs(case):
     """Of MuJoCo, whose load grows at a rate that hangs on what is expected."""
     grasp = case.make()
     expected = grasp.load_limit(case.wrench).factor
@@ -149,14 +149,14 @@ def theirs(case: PowerCase) -> Row:
     return Row(Truth.of(limit, most), load, by_link(grasp, forces), by_link(grasp, limit.squeezed))
 
 
-def asked_again(case: PowerCase, row: Row) -> Row:
+def asked_again(case, row):
     """With the loss of an object that is damped more."""
     damped = SimulatorSettings(object_damping=SLOW * SimulatorSettings().object_damping)
     most = row.truth.most
     return replace(row, slow=simulate_limit(case.make(), case.wrench, most, seconds=RATE, settings=damped).factor)
 
 
-def _ends(limit: Any) -> tuple[float, float]:
+def _ends(limit):
     """Between which loads the object is lost, as handlcp says [N]: from where it slides through on mass and damping
     decide whether it is caught again, and beyond a joint's limit, or where the path was given up, nothing is claimed.
     """
@@ -165,13 +165,13 @@ def _ends(limit: Any) -> tuple[float, float]:
     return min(at.values(), default=np.inf), ends[0] if ends and not {"limit", "undecided"} & set(at) else np.inf
 
 
-def stored() -> dict[str, Row]:
+def stored():
     """By the titles of the cases; nothing without the file."""
     rows = json.loads(ROWS.read_text(encoding="utf-8"))["rows"] if ROWS.exists() else {}
     return {title: Row.read(row) for title, row in rows.items()}
 
 
-def store(title: str, row: Row) -> None:
+def store(title, row):
     """Put one row into the file."""
     rows = json.loads(ROWS.read_text(encoding="utf-8"))["rows"] if ROWS.exists() else {}
     rows = dict(sorted((rows | {title: row.as_json()}).items()))
@@ -202,7 +202,7 @@ class Compared:
     seconds: float
 
     @property
-    def apart(self) -> float:
+    def apart(self):
         """Of the loads at which the object is lost, as a share of MuJoCo's; 0 where the two spans meet."""
         low, high = (min(loss, self.row.truth.most) for loss in self.row.losses)
         first, last = (min(end, self.row.truth.most) for end in self.ends)
@@ -212,7 +212,7 @@ class Compared:
         return end / near - 1.0 if near > 0.0 else 1.0
 
     @property
-    def wrong(self) -> list[str]:
+    def wrong(self):
         """What is not as it has to be, in words; each begins with its part of the measure."""
         found, truth = [], self.row.truth
         if not BAND[0] - 1.0 <= self.apart <= BAND[1] - 1.0:
@@ -224,7 +224,7 @@ class Compared:
         found += [f"forces {100 * e:.1f} %" for e in (self.squeeze, self.half) if e > FORCES]
         return found
 
-    def __str__(self) -> str:
+    def __str__(self):
         t = self.row.truth
         numbers = f"{self.contacts:8d} {100 * self.squeeze:7.2f}% {100 * self.half:7.2f}% {self.ends[0]:8.3f}"
         slow = "" if np.isnan(self.row.slow) else f"{self.row.slow:.3f}"
@@ -233,7 +233,7 @@ class Compared:
         return f"{self.case.title:32s} {numbers} {times}" + (f"  MISS: {'; '.join(self.wrong)}" if self.wrong else "")
 
 
-def compared(case: PowerCase, row: Row) -> Compared:
+def compared(case, row):
     """What handlcp says, beside a row."""
     grasp = case.make()
     began = perf_counter()
@@ -250,7 +250,7 @@ def compared(case: PowerCase, row: Row) -> Compared:
     )  # fmt: skip
 
 
-def main(words: list[str]) -> int:
+def main(words):
     """Print the table and what it comes to; 1 where the measure is missed."""
     if words[:1] == ["pads"]:
         return power_pads.main(words[1:])
@@ -265,7 +265,7 @@ def main(words: list[str]) -> int:
     return summary(found)
 
 
-def summary(found: list[Compared]) -> int:
+def summary(found):
     """Print the measure; 1 where it is missed."""
     if not found:
         return 1
@@ -290,7 +290,7 @@ def summary(found: list[Compared]) -> int:
     return int(not (right and inside))
 
 
-def write(words: list[str], how: str) -> int:
+def write(words, how):
     """Compute rows with MuJoCo and put them into the file, one by one; 0."""
     for case in chosen(words):
         row = stored().get(case.title)
@@ -309,6 +309,6 @@ def write(words: list[str], how: str) -> int:
     return 0
 
 
-def chosen(words: list[str]) -> list[PowerCase]:
+def chosen(words):
     """Cases whose titles hold one of the words; all without words."""
     return [case for case in CASES if not words or any(word in case.title for word in words)]

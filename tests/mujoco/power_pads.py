@@ -16,8 +16,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from handlcp.simulator.object_body import pad_name
+from handlcp.simulator.simulation_run import SimulationRun
 from tests.mujoco.find_power_grasps import FILE as GRASPS, made
-from tests.support.simulator import SimulationRun, pad_name
 
 FILE = pathlib.Path(__file__).with_name("power_pads.json")
 FACTOR, SEED = 2.0, 7
@@ -27,7 +28,7 @@ SLIDES, GONE = 0.97, 1e-3  # share of the friction limit from which a contact sl
 # it is gone
 
 
-def theirs(grasp: Any, seed: int) -> Any:
+def theirs(grasp, seed):
     """(n, 3) forces on the object of MuJoCo with other pads [N], world axes; None where it is lost."""
     run, random = SimulationRun(grasp, None, None), np.random.default_rng(seed)
     model = run.model
@@ -55,7 +56,7 @@ class Found(NamedTuple):
     other: tuple[str, ...]
 
 
-def outside(grasp: Any, forces: Any) -> Found:
+def outside(grasp, forces):
     """Of forces (n, 3) of MuJoCo with other pads."""
     solution = grasp.follow().solution
     bounds = solution.force_bounds(pads=(1.0 / FACTOR, FACTOR)).forces
@@ -73,13 +74,13 @@ def outside(grasp: Any, forces: Any) -> Found:
     )
 
 
-def stored() -> dict[str, Any]:
+def stored():
     """Forces by the titles of grasps; nothing without the file."""
     rows: dict[str, Any] = json.loads(FILE.read_text(encoding="utf-8")) if FILE.exists() else {}
     return rows
 
 
-def summary(grasps: list[str]) -> bool:
+def summary(grasps):
     """Print how many of the grasps are inside; whether all are of those that are stored."""
     rows, known = stored(), json.loads(GRASPS.read_text(encoding="utf-8"))
     found = {name: outside(made(known[name]), np.array(rows[name])) for name in grasps if name in rows}
@@ -100,7 +101,7 @@ def summary(grasps: list[str]) -> bool:
     return not wrong
 
 
-def main(words: list[str]) -> int:
+def main(words):
     """Compute them with MuJoCo, for the grasps whose titles hold one of the words, and put them into the file; 0."""
     known = json.loads(GRASPS.read_text(encoding="utf-8"))
     for name in known:

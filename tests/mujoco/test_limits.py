@@ -9,10 +9,10 @@ pytest.importorskip("mujoco")
 
 import handlcp as hl
 from handlcp.simulator import simulate, simulate_limit
+from handlcp.simulator.load_limit import LimitTracker
 from tests.mujoco.cases import three
 from tests.mujoco.limit_cases import CASES
 from tests.mujoco.limit_truth import Truth, stored
-from tests.support.simulator import LimitTracker, relative_motion
 
 REST, FORCES = np.zeros(6), np.zeros((2, 3))
 
@@ -52,11 +52,6 @@ def test_a_turn_of_more_than_two_degrees_is_a_jump():
 def moved_by(start, degrees):
     """The same, turned about the first axis."""
     return start + np.array([0, 0, 0, np.radians(degrees), 0, 0])
-
-
-def test_motion_counts_from_where_the_load_found_the_object():
-    start, end = np.array([1e-3, 0, 0, 0, 0.2, 0]), np.array([3e-3, 0, 0, 0, 0.5, 0])
-    assert relative_motion(start, end) == pytest.approx([2e-3, 0, 0, 0, 0.3, 0])
 
 
 def test_an_object_weighs_what_it_weighs_whatever_mass_it_moves_with():

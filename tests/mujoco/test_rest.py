@@ -18,8 +18,8 @@ import pinocchio as pin
 
 import handlcp as hl
 from handlcp.simulator import compare, simulate
+from handlcp.simulator.simulation_run import SimulationRun
 from tests.mujoco.cases import three
-from tests.support.simulator import SimulationRun
 
 ROWS = json.loads(pathlib.Path(__file__).with_name("table_grasps.json").read_text(encoding="utf-8"))
 REACH = 0.03  # [m]

@@ -21,7 +21,7 @@ SHORT = [case for case in CASES if case.short]
 
 @pytest.mark.parametrize("case", SHORT, ids=lambda case: case.name)
 def test_both_end_with_the_same_forces_and_torques(case):
-    found = case.run(seconds=2.0)
+    found = case.run(seconds=1.0)
     assert not misses(case, found)
     if case.kind == "sticks":
         assert found.force_error < 3e-3

@@ -95,18 +95,14 @@ def test_a_load_acts_at_the_reference_point_of_the_object():
 @pytest.mark.parametrize(
     ("make", "what"),
     [
-        (lambda: three().replace(preload=0.001), "a preload or an offset"),
         (lambda: three().replace(flexibility=1e-4), "a flexibility other"),
         (lambda: three(law=hl.AnisotropicCoulomb(0.5, 0.8)), "friction AnisotropicCoulomb"),
         (lambda: three(law=hl.SoftFinger(0.5, 0.004, 1.0)), "torsional flexibility"),
         (lambda: three(effects=[hl.TotalForceBound(50.0)]), "total"),
-        (lambda: three(effects=[hl.ContactCompliance(1e-5)]), "contact compliance"),
-        (lambda: three(effects=[hl.SoftWrist([1e-4] * 6)]), "wrist"),
         (lambda: three(effects=[hl.TorqueSaturation()], K=np.diag([6.0] * 6) + np.eye(6, k=1) + np.eye(6, k=-1)),
          "torque limits of joints that share springs"),
         (lambda: three(K={"finger_1_distal": np.inf} | {f"finger_{i}_{j}": 6.0 for i in (1, 2, 3)
                           for j in ("proximal", "distal") if (i, j) != (1, "distal")}), "is rigid"),
-        (lambda: hl.Grasp([hl.Contact([0, 0, 0], [0, 0, 1])], flexibility=1e-4), "contacts without a hand"),
         (lambda: hl.example_hand("three_finger").at(np.zeros(6)).grasp([hl.Contact([0, 0, 0], [0, 0, 1])] * 3),
          "contacts given one by one"),
     ],

@@ -25,10 +25,10 @@ from handlcp import (
 from handlcp.errors import InputError
 from handlcp.geometry import Box, Cylinder, Ellipsoid, Mesh, Sphere
 from handlcp.hand import Hand, HandGrasp, example_hand
+from handlcp.hand.library import urdf
 from handlcp.scene import load, read
 from tests.support import texts
 from tests.support.grasp import arrays
-from tests.support.hand import urdf
 from tests.support.scene_texts import TWO_CONTACTS
 
 CUBE = """

@@ -75,12 +75,3 @@ def test_only_answers_have_derivatives():
     none = hl.Grasp([hl.Contact((0, 0, 0), (0, 0, 1), hl.Coulomb(0.5))], (0, 0, 5, 0, 0, 0)).solve(throw=False)
     with pytest.raises(hl.HandLCPError, match="held"):
         none.sensitivity()
-
-
-def test_names_are_checked():
-    s = grasp("Coulomb", 0).solve().sensitivity()
-    with pytest.raises(hl.HandLCPError, match="a parameter among"):
-        s.of("forces", "stiffness")
-    with pytest.raises(AttributeError):
-        _ = s.forces_by_weather
-    assert "forces_by_wrench" in dir(s)

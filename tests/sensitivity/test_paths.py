@@ -62,27 +62,6 @@ def test_a_jump_is_no_derivative_whatever_its_size_beside_the_step():
     assert np.isfinite(PathSensitivity(pinch((0.5, 0.6)).spec, end).factor_by_friction).all()
 
 
-def test_the_table_is_first_order_of_a_tenth_more(limit, found):
-    said = str(found)
-    assert "friction +10 %" in said
-    assert f"{0.1 * limit.factor:+.3g}" in said
-    assert all(len(line) <= 80 for line in said.splitlines())
-
-
-def test_plain_data_holds_what_was_asked_for(limit):
-    fresh = limit.sensitivity()
-    assert set(fresh.to_dict()) == {"factor", "jumps"}
-    told = (fresh.factor_by_friction, fresh.to_dict())[1]
-    assert told["factor_by_friction"] == [None, None]
-    assert told["jumps"] == ["factor_by_friction"]
-
-
-def test_names_of_common_changes_are_checked(found):
-    assert "all_friction" in found.parameters
-    with pytest.raises(hl.HandLCPError, match="a parameter among"):
-        found.of("factor", "all_wrench")
-
-
 def test_pads_count_where_hand_and_object_are_followed():
     """Against limits of hands with other pads, closed by the same command of the joints."""
     hand, cube = hl.example_hand("three_finger", joint_stiffness=6.0), hl.Box(0.05, (0, 0, 0.08), mass=0.2)

@@ -44,7 +44,7 @@ def on_table(feet):
 
 def bare_hand(keep: Callable[[str], bool] = lambda link: False, name: str = "three_finger") -> hl.Hand:
     """An example hand whose links have no geometry, except those that are kept. Its tips are balls of 8 mm."""
-    from tests.support.hand import urdf
+    from handlcp.hand.library import urdf
 
     root = ET.parse(urdf(name)).getroot()
     for link in root.findall("link"):

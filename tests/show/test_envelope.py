@@ -12,9 +12,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import handlcp as hl
 from handlcp.errors import InputError
+from handlcp.viz.envelope.surface import bound_lines, cut_by_plane, divide_mixed_cells, make_surface
 from tests.support import squeezed
 from tests.support.browser import opened
-from tests.support.show import bound_lines, cut_by_plane, divide_mixed_cells, make_surface
 
 NASTY = "</script><script>document.documentElement.dataset.pwned=1</script>"
 MU, GRIP = 0.5, 2.0

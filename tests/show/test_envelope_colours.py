@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.support.show import ENVELOPE_COLOURS, ENVELOPE_GREYS, facing_weakest
+from handlcp.viz.envelope.page import choose_view_axes as facing_weakest
+from tests.support.show import ENVELOPE_COLOURS, ENVELOPE_GREYS
 
 _TO_XYZ = np.array([[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750],
                     [0.0193339, 0.1191920, 0.9503041]])  # fmt: skip

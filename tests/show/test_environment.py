@@ -12,10 +12,13 @@ from matplotlib.text import Text
 
 from handlcp import Contact, Coulomb, Environment, Grasp
 from handlcp.scene import load
+from handlcp.viz import terminal_table as tables
+from handlcp.viz.picture.body import environment_bodies, stub_bodies
+from handlcp.viz.picture.figure import draw_solution
+from handlcp.viz.solution_output import solution_record
 from tests.show.test_picture import contacts_only, volume
 from tests.show.test_tables import printed
 from tests.support.grasp import arrays
-from tests.support.show import draw_solution, environment_bodies, solution_record, stub_bodies, tables
 from tests.support.texts import says, without_numbers
 
 EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"

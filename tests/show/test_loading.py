@@ -16,9 +16,11 @@ from matplotlib.text import Text
 import handlcp as hl
 from handlcp.geometry import Sphere
 from handlcp.hand import example_hand
+from handlcp.viz.loading.curves import grasp_at_end, solution_at_end
+from handlcp.viz.loading.figure import draw_end_picture as loading_picture, draw_loading as loading_figure
 from tests.show.picture_cases import LONG, on_table
 from tests.support import patches
-from tests.support.show import events_in_short, grasp_at_end, loading_figure, loading_picture, solution_at_end
+from tests.support.show import events_in_short
 from tests.support.texts import says, without_numbers
 
 MU = 0.6

@@ -22,8 +22,8 @@ from handlcp.errors import InputError, Unsupported
 from handlcp.geometry import Sphere
 from handlcp.hand import example_hand
 from handlcp.scene import load
+from handlcp.viz.loading.curves import solution_at_end
 from tests.support.browser import opened
-from tests.support.show import solution_at_end
 
 EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
 NASTY = "</script><script>document.documentElement.dataset.pwned=1</script>\"' & <img src=x onerror=dataset.pwned=1>"

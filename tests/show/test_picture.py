@@ -11,17 +11,12 @@ from matplotlib.image import imread
 from handlcp import Contact, Coulomb, Frictionless, Grasp
 from handlcp.errors import InputError, Unsupported
 from handlcp.scene import load
+from handlcp.viz.picture import body as shapes
+from handlcp.viz.picture.camera import camera_against, fill_triangles
+from handlcp.viz.picture.figure import draw_solution
+from handlcp.viz.picture.overlay import friction_cone_rim, nice_number
 from tests.support import patches
-from tests.support.show import (
-    camera_against,
-    camera_of,
-    draw_solution,
-    fill_triangles,
-    friction_cone_rim,
-    nice_number,
-    save,
-    shapes,
-)
+from tests.support.show import camera_of, save
 from tests.support.texts import says
 
 EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"

@@ -7,18 +7,14 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import handlcp as hl
+from handlcp.viz.loading.curves import grasp_at_end, solution_at_end
+from handlcp.viz.picture.body import hand_bodies, undrawn_tip_shapes
+from handlcp.viz.picture.camera import camera_against
+from handlcp.viz.picture.figure import draw_solution
+from handlcp.viz.picture.overlay import RotationArc
+from handlcp.viz.style import describe_motion
 from tests.show.picture_cases import bare_hand, case, ring
 from tests.support import patches
-from tests.support.show import (
-    RotationArc,
-    camera_against,
-    describe_motion,
-    draw_solution,
-    grasp_at_end,
-    hand_bodies,
-    solution_at_end,
-    undrawn_tip_shapes,
-)
 
 UP = np.array([0.0, 0.0, 1.0])
 

@@ -12,9 +12,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.patches import Polygon
 from matplotlib.text import Text
 
+from handlcp.viz.picture.figure import draw_solution
+from handlcp.viz.style import shorten_names
 from tests.show.picture_cases import CASES, LONG, case
 from tests.support import patches
-from tests.support.show import draw_solution, shorten_names
 
 
 @pytest.fixture(autouse=True)

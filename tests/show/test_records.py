@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from handlcp.record import to_plain
 from handlcp.simulator import compare, simulate_limit
 from handlcp.studies.accuracy import accuracy_cost
 from handlcp.studies.paper import run
@@ -20,7 +21,7 @@ from tests.design import optima
 from tests.design.hands import pinch as levers
 from tests.hand.conftest import MIMIC
 from tests.support.published import gripper
-from tests.support.records import described, doc_of, kinds, to_plain, within
+from tests.support.records import described, doc_of, kinds, within
 
 BOX = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
 PUSH = (1.0, 0, 0, 0, 0, 0)

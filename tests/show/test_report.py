@@ -8,18 +8,11 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.support.design import (
-    ObjectCase,
-    compare_hands,
-    describe_better_hands,
-    describe_brief,
-    draw_comparable_pictures,
-    hand_number,
-    hand_numbers,
-    mark_best,
-    number_unit,
-    reported_by,
-)
+from handlcp.design.evaluation import ObjectCase
+from handlcp.hand.vary.vary import hand_number, hand_numbers, number_unit
+from handlcp.viz.picture.figure import draw_comparable_pictures
+from handlcp.viz.report.report import compare_hands, describe_better_hands, describe_brief, mark_best
+from tests.support.design import reported_by
 
 BRIEF = hl.Brief({"a <b> ball": hl.Sphere(0.03, mass=0.1)}, loads={"pull": (1.0, 0, 0, 0, 0, 0)}, tries=8)
 LONG = {f"finger_{k}_distal.length": 0.042 for k in (1, 2, 3)}

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from handlcp import Contact, Coulomb, Frictionless, Grasp
+from handlcp import Contact, Coulomb, Frictionless, Grasp, words as units
 from handlcp.geometry import Box
 from handlcp.hand import example_hand
-from tests.support.show import tables, units
+from handlcp.viz import terminal_table as tables
 from tests.support.texts import says
 
 

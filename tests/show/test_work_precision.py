@@ -16,10 +16,10 @@ from rich.console import Console
 import handlcp as hl
 from handlcp.errors import InputError, Unsupported
 from handlcp.studies.accuracy import METHODS, Row
+from handlcp.studies.accuracy.result import NOT_RUN
 from handlcp.studies.paper import example
+from handlcp.viz.accuracy import all_tables, figure as work_precision_figure
 from tests.support import patches
-from tests.support.show import all_tables, work_precision_figure
-from tests.support.study import NOT_RUN
 from tests.support.texts import says
 
 ENOUGH = 3600.0  # s, a budget that no busy machine spends

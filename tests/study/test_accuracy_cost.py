@@ -14,11 +14,13 @@ import pytest
 import handlcp as hl
 from handlcp.errors import InputError, NoSolutionFound, UnknownName
 from handlcp.studies.accuracy import METHODS, AccuracyCost
+from handlcp.studies.accuracy.cost import UNDETERMINED
+from handlcp.studies.accuracy.result import CERTIFIED, LOOSE, NOT_RUN, OTHER
 from handlcp.studies.paper import example
 from tests.grasp.scenes import ring
 from tests.support import patches
 from tests.support.grasp import arrays
-from tests.support.study import CERTIFIED, LOOSE, NOT_RUN, OTHER, UNDETERMINED, left_out, planned_rows
+from tests.support.study import left_out, planned_rows
 from tests.support.texts import says
 
 ENOUGH = 3600.0  # s, a budget that no busy machine spends

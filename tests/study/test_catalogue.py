@@ -11,7 +11,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.scene import SceneFile, keys
-from handlcp.studies.effect_catalogue import cost, costs, entries, trials
+from handlcp.studies.effect_catalogue import cost, costs, effect_scenes, entries
 from tests.support import patches
 from tests.support.effects import entry_for, kinds_in_the_catalogue, made_up_entry
 from tests.support.grasp import arrays
@@ -62,7 +62,7 @@ def test_every_effect_and_every_line_of_explain_is_on_the_page():
     headings = re.findall(r"^### (.*)$", PAGE, flags=re.M)
     assert headings == list(ALL)
     assert {kind.title for kind in kinds_in_the_catalogue()} <= set(headings)
-    hand = made(trials(ALL["finger flexibility"])[0]).explain()
+    hand = made(effect_scenes(ALL["finger flexibility"])[0]).explain()
     contacts = hl.Grasp([hl.Contact((0, 0, 0), (1, 0, 0), hl.Coulomb(0.5))], flexibility=1e-3).explain()
     for line in (*hand.effects, *contacts.effects):
         assert any(h == line.title or h.startswith(f"{line.title}: ") for h in headings), line.title
@@ -95,7 +95,7 @@ def test_links_of_the_page_lead_somewhere():
 
 @pytest.mark.parametrize("entry", ASKED, ids=lambda e: e.title)
 def test_what_the_page_says_in_python_asks_for_that_effect_and_no_other(entry):
-    on, off = trials(entry)
+    on, off = effect_scenes(entry)
     if entry.title == "object weight":  # part of the load, no line of its own
         np.testing.assert_allclose(
             arrays(made(on)).wrench - arrays(made(off)).wrench, [0, 0, 0.3 * 9.81, 0, 0, 0], atol=1e-12
@@ -110,7 +110,7 @@ def test_what_the_page_says_in_python_asks_for_that_effect_and_no_other(entry):
 
 @pytest.mark.parametrize("entry", ASKED, ids=lambda e: e.title)
 def test_a_scene_file_with_the_pages_keys_is_the_same_grasp_as_in_python(entry):
-    on, _ = trials(entry)
+    on, _ = effect_scenes(entry)
     scene = tomllib.loads(SCENE)
     if "plane" in on.given:
         scene["hand"]["name"] = "two_finger"
@@ -140,12 +140,14 @@ def test_the_cost_is_the_difference_in_unknowns_and_the_ratio_of_times():
 
 def test_what_the_page_says_of_the_reference_scene_is_so():
     """Bounds are reached, torque limits are not, the table bears something."""
-    solved = {title: made(trials(e)[0]).solve() for title, e in ALL.items() if "bound" in title or "sat" in title}
+    solved = {
+        title: made(effect_scenes(e)[0]).solve() for title, e in ALL.items() if "bound" in title or "sat" in title
+    }
     assert len(solved) == 3
     assert solved["total normal-force bound"].forces[:, 2].sum() == pytest.approx(6.0, rel=1e-9)
     assert solved["per-finger force bound"].forces[:, 2] == pytest.approx(np.full(5, 1.2), rel=1e-9)
     assert not solved["torque saturation"].joint_yield.any()
-    assert made(trials(ALL["environment contacts"])[0]).solve().forces[-1, 2] > 0.1
+    assert made(effect_scenes(ALL["environment contacts"])[0]).solve().forces[-1, 2] > 0.1
 
 
 def test_a_reference_scene_that_is_not_held_is_no_measurement():

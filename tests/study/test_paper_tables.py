@@ -50,7 +50,7 @@ def test_golden_fails_when_a_force_is_off(number):
 def test_the_others_are_not_solutions_and_say_so(number):
     c = compare(number)
     assert c.level == "not a solution"
-    assert all((m.equation in c.verdict) != m.holds for m in c.misses if len(misses(number, m.equation)) == 1)
+    assert all((m.equation in c.verdict) != m.is_satisfied for m in c.misses if len(misses(number, m.equation)) == 1)
     assert c.solution.held
     assert c.solution.residuals.worst < 1e-8
 
@@ -76,7 +76,7 @@ def test_table_5_prints_the_friction_limit_where_the_fingers_stick():
     assert c.solution.contact_state[1:] == ("sticking", "sticking")
     np.testing.assert_allclose(abs(c.solution.forces[1:, [2, 1]]), [[5.656, 1.414]] * 2, rtol=1e-9)
     (friction,), (elastic,) = misses(5, "friction"), misses(5, "elastic")
-    assert friction.holds
+    assert friction.is_satisfied
     # The printed force is on a face of the 16: apothem μ cos(π/16) of its normal part
     assert 1.609 / (0.3 * np.cos(np.pi / 16) * 5.4684) == pytest.approx(1.0, abs=1e-4)
     assert elastic.share == pytest.approx(0.075, rel=0.01)
@@ -92,7 +92,7 @@ def test_elastic_compatibility_is_missed(number, share):
 def test_table_9_balances_once_its_overwritten_forces_are_recovered():
     printed, recovered = misses(9, "balance")
     assert printed.amount > 1
-    assert recovered.holds
+    assert recovered.is_satisfied
 
 
 def test_table_10_balances_only_with_its_exponent_corrected_and_leaves_the_pyramid():

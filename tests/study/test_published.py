@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from handlcp.studies.published.lift_and_shake import LIFT_ACCELERATION, SHAKE_ACCELERATION, shake_grasp
 from tests.design.hands import pinch as levers
 from tests.hand.levers import L
-from tests.support.published import LIFT_ACCELERATION, SHAKE_ACCELERATION, gripper, shake_grasp
+from tests.support.published import gripper
 from tests.support.squeezed import MU, G, K, N, R, pinch as two_points
 from tests.support.texts import says
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.support.hand import ServoStiffness
+from handlcp.robot.servo_stiffness import ServoStiffness
 from tests.support.reliability import grasp_with
 
 HAND = hl.example_hand("three_finger", joint_stiffness=6.0)

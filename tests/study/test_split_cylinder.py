@@ -9,8 +9,9 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import handlcp as hl
+from handlcp.studies.grip_strength.measure import close_with_full_torque
+from handlcp.studies.grip_strength.split_force import ContactsAroundAxis
 from tests.hand.levers import L, lever_hand, lever_pinch
-from tests.support.grip_strength import ContactsAroundAxis, close_with_full_torque
 from tests.support.texts import says
 
 R, N, MU, K = 0.025, 3.0, 0.5, 1e-3  # radius [m], grip [N], friction, flexibility [m/N]

@@ -10,8 +10,6 @@ from pathlib import Path
 
 import pytest
 
-__all__ = ["Opened", "opened"]
-
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 _OPTIONS = ["--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--virtual-time-budget=8000"]
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-__all__ = ["Ticking", "a_quarter_less"]
-
 
 class Ticking:
     """In place of the module `time`: every look at it takes so many seconds, and nothing else takes any."""

@@ -7,8 +7,6 @@ import pinocchio as pin
 
 from tests.support.hand import configuration
 
-__all__ = ["Kinematics", "differences", "kinematics"]
-
 STEP = 1e-3  # rad; fourth-order differences leave about 1e-13 of rounding and 1e-14 of truncation
 
 

@@ -19,21 +19,6 @@ from handlcp.grasp.assembly.problem import stamped_effects
 from handlcp.grasp.assembly.scene_builder import add_flexibility
 from tests.support.grasp import arrays
 
-__all__ = [
-    "ENVIRONMENT",
-    "KINDS",
-    "compliances",
-    "entry_for",
-    "has_an_equation_of_its_own",
-    "kinds_in_the_catalogue",
-    "limits_kept",
-    "limits_of",
-    "made_up_entry",
-    "page_of",
-    "softened",
-    "stamps",
-]
-
 ENVIRONMENT: str = _ENVIRONMENT.title
 # Every effect that any grasp may have, by its title
 KINDS: dict[str, type] = {

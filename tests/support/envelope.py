@@ -7,9 +7,6 @@ from types import SimpleNamespace
 import numpy as np
 
 from handlcp.studies.envelope import question as ask
-from handlcp.studies.envelope.question import EnvelopeQuestion
-
-__all__ = ["EnvelopeQuestion", "without_limits"]
 
 
 def without_limits(monkeypatch):

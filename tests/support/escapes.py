@@ -7,8 +7,6 @@ import numpy as np
 from tests.support.friction_sets import corners, reach
 from tests.support.laws import spread
 
-__all__ = ["escapes"]
-
 
 def escapes(case, twist) -> bool:
     """Of `case` (as in `laws.of_case`) with a twist (6,) about its reference: no contact's force resists it beyond

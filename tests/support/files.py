@@ -5,10 +5,6 @@ from __future__ import annotations
 from contextlib import contextmanager
 from unittest.mock import patch
 
-from handlcp.write_file import check_destination, write_file
-
-__all__ = ["check_destination", "read_limits", "write_file"]
-
 _WHERE = {
     "arrays": ("handlcp.hand.find.postures.MOST_ARRAYS",), "rows": ("handlcp.design.sweep.table.MOST_ROWS",),
     "cells": ("handlcp.design.sweep.table.MOST_CELLS",),

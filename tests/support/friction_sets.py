@@ -17,8 +17,6 @@ import numpy as np
 from scipy.optimize import nnls
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
-__all__ = ["Ball", "Interval", "Polygon", "Polyhedron", "Set", "Smooth", "corners", "limit", "polyhedron", "reach"]
-
 
 class Set(Protocol):
     """Any of them."""

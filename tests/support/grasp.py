@@ -12,7 +12,6 @@ import numpy as np
 import handlcp as hl
 from handlcp.contact.friction import as_section, limit_set
 from handlcp.grasp.analysis import required_value as _required
-from handlcp.grasp.analysis.required_value import find_least
 from handlcp.grasp.analysis.solve_to_accuracy import force_error
 from handlcp.grasp.assembly.problem import GraspContactProblem, SolverCandidate, assemble, stamped_effects
 from handlcp.grasp.batch.first_stage import scene_rows
@@ -25,36 +24,6 @@ from handlcp.grasp.solve.compiled_solve import write_row
 from handlcp.grasp.solve.solve_spec import fixed_point_residual, is_force_dependent
 from handlcp.grasp.verify.certifier import certify_candidate
 from handlcp.lcp.kernels.projection import project_on_set as _nearest
-
-__all__ = [
-    "anew",
-    "arrays",
-    "at_centre",
-    "candidate",
-    "changed",
-    "claimed_force_error",
-    "contact_problem",
-    "describe_motion",
-    "diagnose",
-    "diagnosed",
-    "find_least",
-    "holds_with",
-    "judge_of",
-    "judged",
-    "limit_surface",
-    "load_about",
-    "nearest_in_polygon",
-    "packed",
-    "plain_problem",
-    "required_friction",
-    "required_preload",
-    "residuals",
-    "said_of_contacts",
-    "section",
-    "section_of",
-    "with_friction",
-    "with_preload",
-]
 
 
 # ---------------------------------------------------------------- what a grasp is made of

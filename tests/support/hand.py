@@ -8,59 +8,16 @@ from typing import Any
 import numpy as np
 
 import handlcp as hl
-from handlcp.actuation.motor import Drives
 from handlcp.actuation.tendon_stiffness import TendonStiffness
 from handlcp.geometry import Object
-from handlcp.geometry.contact_detection import choose_corners as flat_corners, nearest_proximity
-from handlcp.geometry.distance import shape_distance_outside, signed_distance, support_points
+from handlcp.geometry.contact_detection import nearest_proximity
 from handlcp.geometry.link_contacts import body_gaps, contact_bodies
-from handlcp.geometry.link_penetration import find_penetrating_links
-from handlcp.geometry.table import RIM_POINTS, _support_corners as _points_needed
+from handlcp.geometry.table import _support_corners as _points_needed
 from handlcp.hand import Hand, HandGrasp, HandState, TorqueCheck
-from handlcp.hand.find import find as find_module
-from handlcp.hand.library import SHIPPED_HANDS, allegro, psyonic, urdf
 from handlcp.hand.torque_check import torque_check
-from handlcp.robot.audit import doubt_reasons
 from handlcp.robot.fingertip import TipShape, make_sphere_tip
 from handlcp.robot.hand_model import contact_hessian
-from handlcp.robot.link_surface import hull_planes
 from handlcp.robot.servo_stiffness import ServoStiffness
-
-__all__ = [
-    "RIM_POINTS",
-    "SHIPPED_HANDS",
-    "Drives",
-    "ServoStiffness",
-    "allegro",
-    "ball_near",
-    "configuration",
-    "curvature",
-    "deflection",
-    "doubt_reasons",
-    "effort",
-    "elastic_flexibility",
-    "find_module",
-    "find_penetrating_links",
-    "flat_corners",
-    "full_positions",
-    "gaps",
-    "hull_planes",
-    "is_one_spring_a_joint",
-    "jacobian_at",
-    "knows_all_limits",
-    "link_gap",
-    "mimic",
-    "points_needed",
-    "psyonic",
-    "shape_distance_outside",
-    "shape_near",
-    "signed_distance",
-    "support_points",
-    "tendons_of",
-    "torque_check_of",
-    "under_load",
-    "urdf",
-]
 
 
 # ---------------------------------------------------------------- how tips touch

@@ -26,8 +26,6 @@ from tests.support.differences import kinematics
 from tests.support.friction_sets import limit
 from tests.support.laws import balance, contact, reported, spread
 
-__all__ = ["Asked", "laws"]
-
 
 @dataclass
 class Asked:

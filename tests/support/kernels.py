@@ -13,19 +13,10 @@ from typing import Any
 from unittest.mock import patch
 
 import handlcp
-from handlcp.cli.warm_jobs import JOBS
 from handlcp.lcp.compiler import background_compile, compile_policy, folders
-from handlcp.lcp.compiler.compile_policy import MANY_CALLS, compile_in_background, compile_now
 from handlcp.lcp.compiler.kernel import Kernel
 from handlcp.lcp.kernels import dense as _door
 from handlcp.lcp.kernels.dense import multiply_add, solve_ranked
-
-__all__ = [
-    "JOBS", "MANY_CALLS", "alone", "anew", "automatic", "background_compile", "cached_in", "compile_in_background",
-    "compile_now", "compiled", "compiler_beside", "constants", "decorated", "folder_of_cache", "impatient",
-    "interpreted", "is_compiled", "is_locked", "kernels", "known_files", "large", "loaded", "mode", "put", "roots",
-    "said_afresh", "small", "waiting",
-]  # fmt: skip
 
 PACKAGE = pathlib.Path(handlcp.__file__).parent
 roots, put, waiting, decorated = (

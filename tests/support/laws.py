@@ -21,8 +21,6 @@ import numpy as np
 
 from tests.support.friction_sets import Set, limit
 
-__all__ = ["Laws", "balance", "contact", "of_case", "reported", "spread"]
-
 GROWTH = 1e3  # forces larger than this many times the load excuse no more
 
 

@@ -19,41 +19,16 @@ from handlcp.lcp import (
     certify as _public_certify,
     lemke as _lemke,
 )
-from handlcp.lcp.certificate import certify_contact, search_active_sets
+from handlcp.lcp.certificate import certify_contact
 from handlcp.lcp.contact_problem import MultiplierLCP, unpack_problem as _opened
 from handlcp.lcp.kernels import contact_newton as _contact_newton, kaczmarz as _kaczmarz
 from handlcp.lcp.kernels.dense import multiply_add
 from handlcp.lcp.kernels.projection import project_on_set as _nearest
-from handlcp.lcp.lemke import eliminate_free
 from handlcp.lcp.modes import mode_cones as _modes
 from handlcp.lcp.modes.mode_fit import fit_mode, new_active_columns
-from handlcp.lcp.modes.mode_search import ModeSearch
-from handlcp.lcp.solver import OtherStarts, scale_by_limits as in_units_of_limits
 
 # Where the certifiers of answers to problems and to grasps are
 CERTIFIERS = tuple(pathlib.Path(inspect.getfile(certifier)) for certifier in (certify_contact, certify_candidate))
-
-__all__ = [
-    "CERTIFIERS",
-    "Kaczmarz",
-    "ModeSearch",
-    "OtherStarts",
-    "certified",
-    "contact_rows",
-    "eliminate_free",
-    "eliminated",
-    "in_units_of_limits",
-    "misses_patch",
-    "nearest_in_polyhedron",
-    "nearest_point",
-    "patches",
-    "pivoted",
-    "projection",
-    "search_active_sets",
-    "solves_contact",
-    "status_of_contact",
-    "uniform_numbers",
-]
 
 
 # ---------------------------------------------------------------- the certifier's word on natural units

@@ -11,8 +11,6 @@ from handlcp.grasp.limits.directions import Limits, limits_of
 from handlcp.grasp.limits.followed import followed_limit
 from tests.support.grasp import section_of
 
-__all__ = ["balanced", "limit_in_steps", "limits_of_grasp"]
-
 
 def limits_of_grasp(grasp: hl.Grasp, wrenches: Any, faces: Any = "cone", geometry: str = "fixed") -> Limits:
     """Limits of loads (m, 6) in one call."""

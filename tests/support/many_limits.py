@@ -13,8 +13,6 @@ from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.path.state import State
 from handlcp.grasp.path.step import Stepper
 
-__all__ = ["Counted", "many_limits"]
-
 
 def many_limits(grasp: Any, wrenches: Any, geometry: str = "followed") -> Limits:
     """Of loads (m, 6), on the exact cone."""

@@ -10,8 +10,6 @@ import handlcp as hl
 from handlcp.contact.friction import as_section
 from handlcp.grasp.verify.static_load_bound import StaticLoadBounds, static_load_bounds
 
-__all__ = ["bounds"]
-
 
 def bounds(
     grasp: hl.Grasp, wrenches: Any, faces: Any = "cone", base: Any = (0.0,) * 6, torques: bool = True

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from handlcp.lcp.compiler.compile_policy import silence, warn_not_kept
-
-__all__ = ["silence", "warn_not_kept", "without_compiling"]
-
 
 def without_compiling(said: str) -> str:
     """What a program said on stderr, without lines about compiling: whoever comes first to a kernel waits for it."""

@@ -19,28 +19,6 @@ from tests.support.steps import told
 
 Patch = pytest.MonkeyPatch
 
-__all__ = [
-    "advice_is_watched",
-    "another_effect",
-    "chunks_of",
-    "coarse_pictures",
-    "contacts_take_long",
-    "costs_of_effects",
-    "everything_to_processes",
-    "meshes_of_at_most",
-    "no_newton_on_cones",
-    "no_solve_takes_more_than",
-    "nothing_is_eliminated",
-    "paper_report",
-    "shards_of",
-    "shares_of_a_quarter",
-    "ticks_between_shares",
-    "ticks_of_equilibria",
-    "ticks_of_studies",
-    "watched_first_stage",
-    "without_module",
-]
-
 
 # ---------------------------------------------------------------- pictures
 def coarse_pictures(patch: Patch) -> None:

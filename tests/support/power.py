@@ -14,8 +14,6 @@ import numpy as np
 import handlcp as hl
 from handlcp.check import Array
 
-__all__ = ["STRONG", "WEAK", "PowerGrasp", "factor_of", "power_grasp"]
-
 FINGERS, JOINTS = 4, 4
 _FLEXION = np.deg2rad((-60.0, 5.0, 60.0, 110.0))  # where around the object phalanges begin, and the last one ends
 WEAK, STRONG = 0.15, 0.6  # friction

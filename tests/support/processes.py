@@ -9,10 +9,6 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from handlcp.grasp.batch.worker_pool import worker_pool
-
-__all__ = ["hears_ctrl_c", "on_a_full_disk", "worker_pool"]
-
 _ROOT = Path(__file__).parents[2]
 _LIMIT = """
 import resource

@@ -6,21 +6,6 @@ import io
 import re
 
 from handlcp import progress
-from handlcp.progress import (
-    REDRAW_SECONDS,
-    SILENT_SECONDS,
-    TimeBudgetError,
-    exclude_from_budget,
-    report_progress,
-    time_budget,
-    track_progress,
-    track_steps,
-)
-
-__all__ = [
-    "NINE_SECONDS", "REDRAW_SECONDS", "SILENT_SECONDS", "Clock", "Terminal", "TimeBudgetError", "exclude_from_budget",
-    "report_progress", "terminal_with", "time_budget", "track_progress", "track_steps",
-]  # fmt: skip
 
 # A program that takes nine seconds of a clock that runs ahead
 NINE_SECONDS = """

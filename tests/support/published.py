@@ -6,9 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import handlcp as hl
-from handlcp.studies.published.lift_and_shake import LIFT_ACCELERATION, SHAKE_ACCELERATION, ShakenObject, shake_grasp
-
-__all__ = ["LIFT_ACCELERATION", "SHAKE_ACCELERATION", "ShakenObject", "gripper", "shake_grasp"]
 
 _JAW = """
   <link name="{name}"><collision><geometry><sphere radius="0.008"/></geometry></collision></link>

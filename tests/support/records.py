@@ -12,19 +12,7 @@ from typing import Any
 
 import handlcp
 from handlcp.lazy_property import lazy_property
-from handlcp.record import UNIT_SUFFIXES, Record, RecordEntry, parse_entry, to_plain
-
-__all__ = [
-    "UNIT_SUFFIXES",
-    "Record",
-    "RecordEntry",
-    "described",
-    "doc_of",
-    "kinds",
-    "parse_entry",
-    "to_plain",
-    "within",
-]
+from handlcp.record import Record, RecordEntry, parse_entry
 
 
 def kinds() -> set[str]:

@@ -9,8 +9,6 @@ from handlcp.contact.friction import law as _law
 from handlcp.grasp.derivatives.parameter import parameter as _parameter
 from handlcp.grasp.model import effect as _effect
 
-__all__ = ["definitions_of_a_test"]
-
 
 @contextmanager
 def definitions_of_a_test() -> Iterator[None]:

@@ -7,11 +7,9 @@ from typing import Any
 import numpy as np
 
 from handlcp.studies.reliability.chance import Chance, estimate_chance
-from handlcp.studies.reliability.run import SobolBlocks, make_blocks
+from handlcp.studies.reliability.run import SobolBlocks
 from handlcp.studies.reliability.sample_placer import SamplePlacer
 from handlcp.studies.reliability.spread import read_spread
-
-__all__ = ["SobolBlocks", "chance", "chance_in_two_looks", "grasp_with", "make_blocks", "steps_of"]
 
 
 def chance(good: Any, blocks: SobolBlocks, level: float = 0.95) -> Chance:

@@ -28,21 +28,6 @@ from handlcp.grasp.verify.load_capacity import (
 from handlcp.lcp.certificate import search_active_sets
 from tests.support.grasp import contact_problem, plain_problem, residuals, section_of
 
-__all__ = [
-    "active_sets",
-    "applicable",
-    "choices_of_modes",
-    "from_seeds",
-    "is_escape",
-    "is_overload",
-    "jammed",
-    "least_total",
-    "members_of_modes",
-    "overload",
-    "saturation",
-    "searched",
-]
-
 
 # ---------------------------------------------------------------- is there an equilibrium?
 def searched(grasp: hl.Grasp, faces: Any, *more: Any, work: float = 1e10) -> Any:

@@ -12,8 +12,6 @@ from handlcp.hand import library
 from handlcp.hand.grasp_variation import lengthen_link
 from handlcp.hand.hand_grasp import make_grasp
 
-__all__ = ["HANDS_OF_LIBRARY", "STEPS", "differences", "misses", "quantities", "varied"]
-
 HANDS_OF_LIBRARY = tuple([name for name in library.HANDS if name != "planar_ring"])  # the ring lies in a plane
 
 # Fourth-order differences over these leave about 1e-10 of truncation and of the solver's rounding

@@ -7,8 +7,6 @@ from typing import Any
 
 import handlcp as hl
 
-__all__ = ["MU", "G", "K", "N", "R", "cube", "pinch"]
-
 MU, N, R, K = 0.5, 2.0, 0.02, 1e-3  # of the pinch: friction, grip [N], half width [m], flexibility [m/N]
 G = 9.81
 

@@ -10,7 +10,7 @@ import numpy as np
 
 import handlcp as hl
 from handlcp.check import read_only
-from handlcp.grasp.analysis.explanation import best_times, measure_shares
+from handlcp.grasp.analysis.explanation import measure_shares
 from handlcp.grasp.assembly.problem import GraspContactProblem, GraspProblem, assemble, friction_sets, problem_design
 from handlcp.grasp.effects.contact_mechanics import CoulombFriction, FingerFlexibility, ObjectBalance, UnilateralContact
 from handlcp.grasp.model.equation_system import EquationSystem
@@ -22,19 +22,6 @@ from handlcp.grasp.solve.solve_spec import CertifiedCandidate, conclude_first_st
 from handlcp.lcp import NSNGRK, ContactProblem, Units, certify, proposals
 from handlcp.lcp.certificate import certify_contact
 from tests.support.grasp import arrays, contact_problem, judge_of, section_of
-
-__all__ = [
-    "ByHand",
-    "OneCall",
-    "assembly",
-    "assembly_by_hand",
-    "best_times",
-    "certificate",
-    "first_found",
-    "newton_steps",
-    "shares",
-    "told",
-]
 
 
 class OneCall:

@@ -10,23 +10,8 @@ import numpy as np
 import handlcp as hl
 from handlcp.contact.friction import as_section
 from handlcp.grasp.limits.directions import limits_of
-from handlcp.studies.accuracy.as_printed import RES, STEPS
-from handlcp.studies.accuracy.cost import UNDETERMINED, variants
+from handlcp.studies.accuracy.cost import variants
 from handlcp.studies.accuracy.methods import settings
-from handlcp.studies.accuracy.result import CERTIFIED, LOOSE, NOT_RUN, OTHER
-
-__all__ = [
-    "CERTIFIED",
-    "LOOSE",
-    "NOT_RUN",
-    "OTHER",
-    "RES",
-    "STEPS",
-    "UNDETERMINED",
-    "left_out",
-    "limits_of_directions",
-    "planned_rows",
-]
 
 
 def left_out(grasp: Any) -> dict[str, Any]:

@@ -4,19 +4,11 @@ from __future__ import annotations
 
 from handlcp.cli.design import load_hand
 from handlcp.design.space import Space
-from handlcp.design.study import is_pareto_optimal, main_effect
-from handlcp.design.sweep.cells import MOST, cells_of, points
+from handlcp.design.sweep.cells import points
 from handlcp.design.sweep.journal import Journal, beside
-from handlcp.design.sweep.study_file import DESIGN_NUMBERS, BriefFrom, HandFrom, load
+from handlcp.design.sweep.study_file import load
 from handlcp.design.sweep.sweep import check_names
-from handlcp.design.sweep.table import write_table
 from handlcp.design.sweep.work import Maker
-from handlcp.viz.study.figure import parameter_label
-
-__all__ = [
-    "DESIGN_NUMBERS", "MOST", "BriefFrom", "HandFrom", "Space", "beside", "cells_of", "check_study",
-    "is_pareto_optimal", "journal_of", "main_effect", "parameter_label", "table_of", "write_table",
-]  # fmt: skip
 
 
 def check_study(path):

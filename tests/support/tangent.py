@@ -8,20 +8,8 @@ import numpy as np
 
 import handlcp as hl
 from handlcp.grasp.derivatives.active_set import (
-    LinearLaws,
-    active_rows,
-    least_norm_solutions,
-    matrix_rank,
-    saddle_matrix,
-    solve_inverse,
     solve_without_slip as _without_slip,
 )
-from handlcp.grasp.verify.contact_state import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, ContactStates
-
-__all__ = [
-    "GLIDING", "RESTING", "SEPARATED", "SLIDING", "STICKING", "ContactStates", "LinearLaws", "active_rows",
-    "least_norm_solutions", "matrix_rank", "saddle_matrix", "solve_inverse", "without_slip",
-]  # fmt: skip
 
 
 def without_slip(grasp: hl.Grasp) -> Any:

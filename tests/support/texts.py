@@ -20,8 +20,6 @@ import re
 import tempfile
 import tomllib
 
-__all__ = ["FILE", "WRITE", "same", "says", "stored", "without_numbers"]
-
 FILE = pathlib.Path(__file__).parents[1] / "texts" / "sentences.toml"
 WRITE = "HANDLCP_WRITE_TEXTS"
 _HEAD = f"# The package's sentences, word for word. Tests with {WRITE}=1 write this file: tests/support/texts.py\n"

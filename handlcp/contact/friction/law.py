@@ -169,7 +169,7 @@ class AnisotropicCoulomb(FrictionLaw):
 
     @property
     def scale(self) -> tuple[float, float]:
-        """(μ_x, μ_y) / μ."""
+        """The coefficients over their common one, (μ_x, μ_y) / μ [-]."""
         return self.mu_x / self.mu, self.mu_y / self.mu
 
     @property
@@ -246,7 +246,7 @@ class SoftFinger(FrictionLaw):
 
     @property
     def lever(self) -> float:
-        """μ_τ/μ [m]."""
+        """The length of the torsional friction's lever, μ_τ/μ [m]."""
         return self.mu_torsion / self.mu if self.mu > 0.0 else 0.0
 
     @property

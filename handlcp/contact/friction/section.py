@@ -54,7 +54,7 @@ class Pyramid:
 
     @property
     def name(self) -> str:
-        """For reports."""
+        """The section's name in reports, such as "8-face inscribed pyramid"."""
         return f"{self.faces}-face {'inscribed' if self.inscribed else 'circumscribed'} pyramid"
 
 
@@ -158,7 +158,7 @@ def limit_set(section: Section, tangents: int) -> LimitSet:
 
 
 def _polyhedron(m: int) -> tuple[Array, Array]:
-    """Normals (3, f) and vertices (3, p)."""
+    """The polyhedron about a ball with m meridians: its normals (3, f) and vertices (3, p)."""
     k = max(1, round(m / 4))
     meridian, parallel = 2 * np.pi * np.arange(m) / m, 0.5 * np.pi * np.arange(-k + 1, k) / k
     rings = [[np.cos(p) * np.cos(meridian), np.cos(p) * np.sin(meridian), np.full(m, np.sin(p))] for p in parallel]

@@ -113,15 +113,17 @@ class Equilibria(Record):
         return len(self.found)
 
     def __iter__(self) -> Iterator[GraspSolution]:
-        """Smallest forces first."""
+        """Run through the equilibria, that with the smallest forces first."""
         return iter(self.found)
 
     def to_frame(self) -> Any:
         """A pandas table with a row for each contact of each equilibrium: "equilibrium", from 1 on, "contact", "state",
         normal_N, friction_N, friction_used, slip_m, gap_m. Raises Unsupported without pandas.
         """
-        each = [contact_data(s) | {"equilibrium": [k] * len(s.names), "contact": s.names}
-                for k, s in enumerate(self.found, 1)]  # fmt: skip
+        each = [
+            contact_data(s) | {"equilibrium": [k] * len(s.names), "contact": s.names}
+            for k, s in enumerate(self.found, 1)
+        ]
         return make_data_frame({name: [x for one in each for x in one[name]] for name in _COLUMNS})
 
     def __str__(self) -> str:
@@ -252,7 +254,7 @@ class _EquilibriumListing:
         return Equilibria(tuple(known), complete, why, time.monotonic() - self.start)
 
     def _forces(self, c: SolverCandidate) -> Array:
-        """(n, 3) in contact axes."""
+        """The forces (n, 3) of a candidate in contact axes [N]."""
         return self.scene.to_contact_axes(c.components)[: 3 * self.scene.n].reshape(-1, 3)
 
     def _close(self, a: Array, b: Array) -> bool:

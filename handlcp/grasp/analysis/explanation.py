@@ -98,7 +98,7 @@ _ANSWERS_MEANT = {
 
 @dataclass(frozen=True, slots=True)
 class EffectLine:
-    """One effect: its title and law, whether it is on, why, and the unknowns it brings: ((name, count, free), …).
+    """One effect of a grasp, whether it is on and why, and the unknowns that it brings: ((name, count, free), …).
 
     answers : which answers count it, "followed loadings alone" or "one solve alone"; "": every answer.
     share : of a solve's time, as measured (`compare_without`); below 0 where it saves time. None: not measured, or
@@ -115,7 +115,7 @@ class EffectLine:
 
     @property
     def cost(self) -> int:
-        """How many unknowns."""
+        """The number of unknowns that the effect brings."""
         return sum(count for _, count, _ in self.unknowns)
 
 

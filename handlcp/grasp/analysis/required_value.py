@@ -34,8 +34,12 @@ _ZERO_SHARE = 1e-9  # of the start: less is nothing
 
 @dataclass(frozen=True, slots=True)
 class LeastValue:
-    """value : the least that holds; None: none was found. fails : the largest tried below it that does not, None where
-    the floor itself holds; where no value was found, the last that was not too much. tried : of (x, whether it holds).
+    """The least value with which something holds, as a search found it.
+
+    value : the least that holds; None: none was found.
+    fails : the largest tried below it that does not hold, None where the floor itself holds; where no value was found,
+        the last that was not too much.
+    tried : pairs (x, whether it holds).
     """
 
     value: float | None
@@ -68,7 +72,9 @@ class _LeastSearch:
         return None, floor
 
     def step_up(self, start: float, most: float, step: float) -> tuple[float | None, float | None]:
-        """(a value that does not hold, one above it that does); None: nothing up to `most` does."""
+        """Double the step until a value holds: (a value that does not hold, one above it that does); None: nothing
+        up to `most` does.
+        """
         low = start
         while low < most:
             high, step = min(start + step, most), 2.0 * step
@@ -99,9 +105,16 @@ class _LeastSearch:
 
 
 def find_least(
-    holds: HoldsTest, start: float, most: float, tolerance: float, *, step: float | None = None, floor: float = 0.0,
-    too_much: HoldsTest = lambda x: False, sure: HoldsTest | None = None,
-) -> LeastValue:  # fmt: skip
+    holds: HoldsTest,
+    start: float,
+    most: float,
+    tolerance: float,
+    *,
+    step: float | None = None,
+    floor: float = 0.0,
+    too_much: HoldsTest = lambda x: False,
+    sure: HoldsTest | None = None,
+) -> LeastValue:
     """The least value that holds, to a relative tolerance: value - fails ≤ tolerance · value, or one rounding step.
 
     start : where the search begins, near the answer if that is known. floor, most : the least and the largest tried.
@@ -212,9 +225,13 @@ def is_surely_held(spec: GraspSpec, section: Section) -> bool:
 
 
 def required_preload(
-    spec: GraspSpec, section: Section, tolerance: float = 1e-3, limit: float | None = None, test: HoldsGrasp = is_held,
+    spec: GraspSpec,
+    section: Section,
+    tolerance: float = 1e-3,
+    limit: float | None = None,
+    test: HoldsGrasp = is_held,
     sure: HoldsGrasp = is_surely_held,
-) -> Required:  # fmt: skip
+) -> Required:
     """The smallest squeeze [m] that, added to every finger whose force is not prescribed, makes the grasp hold.
 
     limit : largest squeeze tried [m]; None: 10⁴ natural motions, the fingers' mean deflection under the load (rigid
@@ -232,9 +249,13 @@ def required_preload(
 
 
 def required_friction(
-    spec: GraspSpec, section: Section, tolerance: float = 1e-3, limit: float | None = None, test: HoldsGrasp = is_held,
+    spec: GraspSpec,
+    section: Section,
+    tolerance: float = 1e-3,
+    limit: float | None = None,
+    test: HoldsGrasp = is_held,
     sure: HoldsGrasp = is_surely_held,
-) -> Required:  # fmt: skip
+) -> Required:
     """The smallest friction coefficient, common to all contacts that have friction, with which the grasp holds.
 
     limit : largest coefficient tried, 10 when None. test, sure : as in `required_preload`.

@@ -17,6 +17,7 @@ from handlcp.errors import NoSolutionFound, Unsupported
 from handlcp.grasp.assembly.problem import AnyProblem, GraspContactProblem, solution_candidate, stamped_effects
 from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.derivatives.active_set import LinearLaws, active_rows
+from handlcp.grasp.derivatives.parameter.squeeze import MAX_SQUEEZE_SHARE
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solution.solution import Accuracy, GraspSolution
@@ -30,9 +31,13 @@ from handlcp.tolerances import ACTIVE_TOLERANCE, RANK_TOLERANCE
 
 
 def solve_with_advice(
-    spec: GraspSpec, section: Section, solver: AnySolver = None, start: Array = NO_START, scene: Scene | None = None,
+    spec: GraspSpec,
+    section: Section,
+    solver: AnySolver = None,
+    start: Array = NO_START,
+    scene: Scene | None = None,
     proof: bool = True,
-) -> GraspSolution:  # fmt: skip
+) -> GraspSolution:
     """As `solve_spec`; NO_EQUILIBRIUM can be asked for the `required_preload` that would hold."""
     return attach_advice(solve_spec(spec, section, solver, start, scene, proof), spec, section)
 
@@ -48,8 +53,7 @@ def _find_helpful_squeeze(spec: GraspSpec, section: Section) -> float | None:
     """The smallest squeeze that holds within the joints' torque limits, up to a fifth of the grasp's size [m]: of two
     digits, as it is said, where that holds, too.
     """
-    from handlcp.grasp.analysis.required_value import required_preload
-    from handlcp.grasp.derivatives.parameter.squeeze import MAX_SQUEEZE_SHARE
+    from handlcp.grasp.analysis.required_value import required_preload  # 40 ms that only advice pays
 
     least = required_preload(
         spec,
@@ -67,7 +71,7 @@ def _find_helpful_squeeze(spec: GraspSpec, section: Section) -> float | None:
 
 def _holds_within_limits(spec: GraspSpec, section: Section) -> bool:
     """Whether an equilibrium is found, and no joint is over its torque limit there."""
-    from handlcp.grasp.analysis.required_value import BRIEF_CHAIN
+    from handlcp.grasp.analysis.required_value import BRIEF_CHAIN  # as above
 
     found = solve_spec(spec, section, BRIEF_CHAIN)
     check = getattr(found, "torque_check", None)
@@ -140,8 +144,11 @@ def force_error(problem: GraspContactProblem, solution: GraspSolution) -> float:
 
 
 class _ErrorLaws:
-    """At x (n,): what rounding can have done to y, ρ and s = x - ρ y, (n,) each; of each block's s_T the length and
-    direction, and the limit μ x_N. piece (n + k,) bool: which pairs touch, then which of k blocks stick.
+    """The laws at a solution x (n,), and what rounding can have done there.
+
+    noise, rho, s (n,) : of y, the scales ρ, and s = x - ρ y.
+    size, along, radius : of each block's s_T the length and direction, and the limit μ x_N.
+    piece (n + k,) bool : which pairs touch, then which of k blocks stick.
     """
 
     def __init__(self, problem: GraspContactProblem, x: Array) -> None:
@@ -241,7 +248,7 @@ _FINEST_NEWTON = SemismoothNewton(tol=1e-13)  # as far as rounding lets Newton's
 
 def solve_to_accuracy(
     spec: GraspSpec, accuracy: float, solver: AnySolver, start: Array, proof: bool = True
-) -> GraspSolution:  # fmt: skip
+) -> GraspSolution:
     """The solution on the exact section with its `Accuracy`, and more Newton steps where the request needs them.
 
     A proof that nothing holds the object, or that there is no equilibrium, is a final answer and passes unchanged.
@@ -288,7 +295,7 @@ def _true_section(scene: Scene) -> Section:
 def _through_pyramids(
     spec: GraspSpec, scene: Scene, solver: AnySolver, best: GraspSolution
 ) -> tuple[GraspSolution, int, str]:
-    """(solution, solves, words): Newton's method on the cone from the answers of pyramids."""
+    """Run Newton's method on the cone from the answers of pyramids, until one is held: (solution, solves, words)."""
     method = replace(as_chain(solver) or Auto(), search_seconds=0.0)
     for k, faces in enumerate(_START_FACES):
         near = solve_with_advice(spec, Pyramid(faces), method, scene=scene)

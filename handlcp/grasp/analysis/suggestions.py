@@ -162,5 +162,5 @@ def force_change(spec: GraspSpec, section: Section, solution: GraspSolution, eff
 
 
 def _format_percent(share: float) -> str:
-    """In two digits."""
+    """Write a share as percent in two digits."""
     return f"{100 * share:.2g} %"

@@ -90,9 +90,13 @@ class GraspContactProblem(ContactProblem):
         for e in known.effects:
             e.stamp(scene, system)
         super().__init__(
-            system.M, system.q, known.pattern, friction_sets(scene, section), lambda: Units(*system.sizes(scene)),
+            system.M,
+            system.q,
+            known.pattern,
+            friction_sets(scene, section),
+            lambda: Units(*system.sizes(scene)),
             lambda faces: friction_sets(scene, Interval() if scene.kind.planar else Pyramid(faces)),
-        )  # fmt: skip
+        )
         self.scene, self.section, self.requested_effects, self.effects, self.system = (
             scene,
             section,
@@ -206,7 +210,7 @@ MULTIPLIER_NAMES = {"r_T": "λ", "r_S": "λ_S"}  # by the tangential forces that
 
 
 class GraspProblem(MultiplierLCP):
-    """The assembled problem: an `LCP` that knows what its unknowns mean.
+    """The assembled problem as an `LCP` that knows what its unknowns mean.
 
     eliminated : whether the free unknowns (tangential forces and object motion) were eliminated; M and q are then
         the Schur complement, a standard LCP (paper, equation (17)), otherwise the mixed problem itself.

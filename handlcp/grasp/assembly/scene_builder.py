@@ -63,10 +63,21 @@ def build_scene(spec: GraspSpec) -> Scene:
             given[3 * i : 3 * i + 3] = force if scale is None else force / scale[3 * i : 3 * i + 3]
     force, E = spec.wrench[:3], E if isinstance(E, Flexibility) else read_only(E)
     return Scene(
-        spec.positions, read_only(frames), read_only(mu), cast(Array, E), read_only(d), force,
-        read_only(spec.wrench[3:] + cross_rows(spec.reference, force)), spec.plane,
-        cached_kind(governed, tangents, planar, bool(E.any())), spec.fingers, given, scale, spec.mechanism, held,
-    )  # fmt: skip
+        spec.positions,
+        read_only(frames),
+        read_only(mu),
+        cast(Array, E),
+        read_only(d),
+        force,
+        read_only(spec.wrench[3:] + cross_rows(spec.reference, force)),
+        spec.plane,
+        cached_kind(governed, tangents, planar, bool(E.any())),
+        spec.fingers,
+        given,
+        scale,
+        spec.mechanism,
+        held,
+    )
 
 
 def _add_effect_flexibility(spec: GraspSpec, soft: tuple[int, ...], E: FlexibilityInput) -> FlexibilityInput:

@@ -66,17 +66,26 @@ _SPATIAL_FREEDOM = np.eye(6)
 
 
 def scene_rows(scenes: Sequence[Scene], kind: CompiledKind, section: Section) -> Array:
-    """(m, width) read-only: the rows of scenes of one kind, field by field for all at once, in a third of the time."""
+    """The rows (m, width) of scenes of one kind, written field by field for all at once, in a third of the time.
+    Read-only.
+    """
     m, soft = len(scenes), kind.kind.soft
     positions, frames, E, offset, known, force, moment, mu = zip(*map(_READ_FIELDS, scenes), strict=True)
     none = np.zeros(kind.kind.components)
     return write_rows(
-        m, kind.scene_width, positions=positions, frames=frames, flexibility=E, offset=offset,
+        m,
+        kind.scene_width,
+        positions=positions,
+        frames=frames,
+        flexibility=E,
+        offset=offset,
         prescribed=[none if a is None else a for a in known],
-        spin=[s.arrays.spin for s in scenes] if soft else np.zeros((m, 0)), force=force, moment=moment,
+        spin=[s.arrays.spin for s in scenes] if soft else np.zeros((m, 0)),
+        force=force,
+        moment=moment,
         freedom=[s.freedom for s in scenes] if kind.kind.planar else [_SPATIAL_FREEDOM] * m,
         limits=[s.limits(section) for s in scenes] if soft else np.array(mu) * section.share,
-    )  # fmt: skip
+    )
 
 
 def solve_scene_rows(numbers: Array, pattern: ScenePattern, width: int, seed: int) -> Array:
@@ -103,7 +112,7 @@ class SceneParcel:
 
     @property
     def size(self) -> int:
-        """Bytes, about."""
+        """The size of the parcel as it is sent [bytes], about."""
         return self.values.nbytes + self.common.nbytes + 4096
 
 
@@ -121,9 +130,13 @@ def solve_parcel(parcel: SceneParcel) -> Array:
     numbers[:, parcel.varying] = parcel.values
     p = parcel.pattern  # kernels are compiled for arrays that may be written to, or not, and on its way that is lost
     pattern = p._replace(
-        contacts=p.contacts.copy(), unknown=p.unknown.copy(), role=p.role.copy(), order=p.order.copy(),
-        blocks=p.blocks.copy(), normals=read_only(p.normals.copy()),
-    )  # fmt: skip
+        contacts=p.contacts.copy(),
+        unknown=p.unknown.copy(),
+        role=p.role.copy(),
+        order=p.order.copy(),
+        blocks=p.blocks.copy(),
+        normals=read_only(p.normals.copy()),
+    )
     return solve_scene_rows(read_only(numbers), pattern, parcel.width, parcel.seed)
 
 
@@ -225,14 +238,14 @@ def answers_in_threads(batch: GraspBatch, kinds: list[BatchMembers], workers: in
     chain = as_chain(batch.solver)
     assert chain is not None or not kinds  # `kinds_of` saw to it
 
-    def solved(shard: BatchMembers) -> FirstStageAnswers:
+    def solve_shard(shard: BatchMembers) -> FirstStageAnswers:
         assert chain is not None
         kind = shard.kind
         return FirstStageAnswers(
             *shard, solve_scene_rows(_numbers(batch, shard), kind.pattern, kind.answer_width, chain.seed)
         )
 
-    yield from _in_threads(list(split_members(kinds, _GRASPS_PER_TASK)), solved, workers)
+    yield from _in_threads(list(split_members(kinds, _GRASPS_PER_TASK)), solve_shard, workers)
 
 
 def solve_rows(numbers: Array, kind: CompiledKind, workers: int) -> Array:
@@ -240,11 +253,11 @@ def solve_rows(numbers: Array, kind: CompiledKind, workers: int) -> Array:
     chain = as_chain(None)
     assert chain is not None
 
-    def solved(part: Array) -> Array:
+    def solve_part(part: Array) -> Array:
         return solve_scene_rows(part, kind.pattern, kind.answer_width, chain.seed)
 
     parts = [numbers[at : at + _GRASPS_PER_TASK] for at in range(0, len(numbers), _GRASPS_PER_TASK)]
-    return np.concatenate(list(_in_threads(parts, solved, workers)))
+    return np.concatenate(list(_in_threads(parts, solve_part, workers)))
 
 
 def _in_threads(parts: Sequence[P], solved: Callable[[P], R], workers: int) -> Iterator[R]:

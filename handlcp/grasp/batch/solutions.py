@@ -19,6 +19,7 @@ from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model.mechanism import read_joints
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solve.compiled_answer import CompiledAnswer
+from handlcp.grasp.solve.solve_spec import conclude_first_stage
 from handlcp.lazy_property import lazy_property
 from handlcp.lcp import Status
 from handlcp.record import Record, make_data_frame
@@ -227,8 +228,6 @@ class Solutions(Record, Sequence[GraspSolution]):
     @overload
     def __getitem__(self, at: slice) -> list[GraspSolution]: ...
     def __getitem__(self, at: int | slice) -> GraspSolution | list[GraspSolution]:
-        from handlcp.grasp.solve.solve_spec import conclude_first_stage
-
         if isinstance(at, slice):
             return [self[k] for k in range(len(self))[at]]
         k = range(len(self))[index(at)]

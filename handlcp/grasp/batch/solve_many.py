@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass, replace
 from queue import SimpleQueue
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from handlcp.check import Array, check_call, check_workers
 from handlcp.contact.friction import Pyramid, Section
@@ -20,12 +20,14 @@ from handlcp.grasp.batch.first_stage import (
     FirstStageAnswers,
     GraspBatch,
     answers_in_threads,
+    batch_of,
     group_by_kind,
     pack_shard,
     solve_parcel,
     split_members,
     split_settled,
 )
+from handlcp.grasp.batch.solutions import Solutions
 from handlcp.grasp.batch.worker_pool import worker_pool
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model.request import GraspSpec
@@ -33,15 +35,10 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solve.compiled_answer import CompiledAnswer, get_compiled_kind
 from handlcp.grasp.solve.solve_spec import solve_in_stages, solve_spec
+from handlcp.lcp import Auto, ContactSolver, Solver
 from handlcp.lcp.compiler.compile_policy import compile_in_background
 from handlcp.lcp.solve import AnySolver
 from handlcp.progress import Progress, track_progress
-
-if TYPE_CHECKING:
-    from handlcp.grasp.batch.first_stage import FirstStageAnswers
-    from handlcp.grasp.batch.solutions import Solutions
-    from handlcp.grasp.solution.solution import GraspSolution
-    from handlcp.lcp import Auto, ContactSolver, Solver
 
 # ----------------------------------------------------------------
 # Jobs on any `concurrent.futures` executor: what comes back in the order in which it is done, and what fails.
@@ -258,9 +255,15 @@ def _split(left: list[int], share: int) -> Iterator[list[int]]:
 
 @check_call()
 def solve_many(
-    grasps: Iterable[Grasp], faces: int | str | Pyramid = "cone", solver: Solver | ContactSolver | Auto | None = None,
-    *, workers: int | None = None, executor: Executor | None = None, progress: Progress = None, proof: bool = True,
-) -> Solutions:  # fmt: skip
+    grasps: Iterable[Grasp],
+    faces: int | str | Pyramid = "cone",
+    solver: Solver | ContactSolver | Auto | None = None,
+    *,
+    workers: int | None = None,
+    executor: Executor | None = None,
+    progress: Progress = None,
+    proof: bool = True,
+) -> Solutions:
     """The solution of each grasp, as its own `solve(faces, solver, throw=False, proof=proof)` gives it: the same bits,
     whatever the workers, on machines of one kind.
 
@@ -281,9 +284,6 @@ def solve_many(
     BrokenProcessPool where a process was killed, comes out as it is, and there are no solutions; a Dask cluster sends
     what a lost worker had to another.
     """
-    from handlcp.grasp.batch.first_stage import batch_of
-    from handlcp.grasp.batch.solutions import Solutions
-
     batch = batch_of(grasps, faces, solver, proof)
     if executor is not None and not isinstance(executor, Executor):
         raise InputError("executor", "a concurrent.futures.Executor, or None", repr(executor)[:80])

@@ -34,9 +34,14 @@ from handlcp.tolerances import RANK_TOLERANCE
 
 
 class LinearLaws(NamedTuple):
-    """K (k, k) : natural units, square. kept (k,) : rows that keep their values whatever contacts do. contacts (n, 4) :
-    the row of each contact's normal component and those of its tangents, padded by -1. What is neither kept nor of a
-    contact is zero and stays so. limits (n,) : μ. softness [N/m] : natural unit of force over that of motion.
+    """The laws of an answer, linear while contacts keep their states.
+
+    K (k, k) : natural units, square.
+    kept (k,) : rows that keep their values whatever contacts do.
+    contacts (n, 4) : the row of each contact's normal component and those of its tangents, padded by -1. What is
+        neither kept nor of a contact is zero and stays so.
+    limits (n,) : μ.
+    softness [N/m] : natural unit of force over that of motion.
     """
 
     K: Array
@@ -164,7 +169,10 @@ def matrix_rank(A: Array) -> int:
 
 @kernel
 def solve_inverse(A: Array, B: Array, least: float) -> tuple[Array, bool]:
-    """(A⁻¹ B, whether there is one): A (k, k) has a pivot larger than `least` for every unknown. B (k, p)."""
+    """Solve A x = B for B (k, p), and say whether A (k, k) has an inverse: (A⁻¹ B, regular).
+
+    It has one where every unknown has a pivot larger than `least`.
+    """
     k, p = B.shape
     wide = np.empty((k, k + p))
     wide[:, :k], wide[:, k:] = A, B
@@ -193,7 +201,7 @@ def linear_laws(scene: Scene, limits: Array, rows: Array, gives: Bools) -> Linea
 
 
 def least_norm_solutions(A: Array, b: Array, rank: float) -> tuple[Array, Array]:
-    """(x, N): the smallest x (k, p) with A x = b, NaN in columns without one, and what spans A's null space (k, j).
+    """The smallest x (k, p) with A x = b, NaN in columns without one, and what spans A's null space (k, j).
 
     rank : singular values below this share of the largest count as zero.
     """

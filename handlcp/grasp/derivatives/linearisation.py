@@ -18,8 +18,12 @@ from handlcp.tolerances import RANK_TOLERANCE
 
 
 class PointArrays(NamedTuple):
-    """Of an answer. reference (3,), forces (c,) in the laws' coordinates and twist (6,) about the reference. tangent
-    (c, c) : ∂v/∂r [m/N]. rows (m, c) : natural, of the limits that are reached; gives (m,) : those that give way.
+    """The arrays of an answer that its derivatives need.
+
+    reference (3,), forces (c,), twist (6,) : forces in the laws' coordinates, the twist about the reference.
+    tangent (c, c) : ∂v/∂r [m/N].
+    rows (m, c) : natural, of the limits that are reached.
+    gives (m,) : those that give way.
     sizes (5,) : natural units of force, motion and length; `weak` and `slow` of `find_states`.
     """
 
@@ -33,10 +37,14 @@ class PointArrays(NamedTuple):
 
 
 class Linearisation(NamedTuple):
-    """v (c,) : motions, as the certifier has them. states : of the contacts. edge (n,) : 1 where a contact rests, or
-    sticks at its limit, so that its next state depends on the change. laws : about the reference. inverse
-    (k, k + n) : the changes in natural units that unit right-hand sides cause, as in `active_rows`; regular : whether
-    they are unique.
+    """An answer linearised while its contacts keep their states.
+
+    v (c,) : motions, as the certifier has them.
+    states : of the contacts.
+    edge (n,) : 1 where a contact rests, or sticks at its limit, so that its next state depends on the change.
+    laws : about the reference.
+    inverse (k, k + n) : the changes in natural units that unit right-hand sides cause, as in `active_rows`.
+    regular : whether they are unique.
     """
 
     v: Array
@@ -141,7 +149,7 @@ class LinearisedPoint:
 
     @property
     def states(self) -> ContactStates:
-        """Of the contacts."""
+        """The states of the contacts at the answer."""
         return self.linearisation.states
 
     def equations(self, states: ContactStates, gives: Bools) -> tuple[Array, Array]:
@@ -156,12 +164,9 @@ class LinearisedPoint:
         push = answer.law_forces[2 : 3 * answer.scene.n : 3]
         # δA r - δb_s: limits of forces depend on no parameter
         used = reached.joints @ change.torque - abs(reached.joints) @ change.torque_limits
-        return np.concatenate([
-            change.motion / answer.sizes[1],
-            answer.scene.arrays.freedom @ change.balance / answer.balance_sizes[:, None],
-            used / reached.sizes[:, None],
-            change.friction * (push / answer.sizes[0])[:, None],
-        ])  # fmt: skip
+        balance = answer.scene.arrays.freedom @ change.balance / answer.balance_sizes[:, None]
+        slides = change.friction * (push / answer.sizes[0])[:, None]
+        return np.concatenate([change.motion / answer.sizes[1], balance, used / reached.sizes[:, None], slides])
 
     def motion(self, x: Array) -> Array:
         """(6, p) of the object about the reference, SI, from x (k, p) in natural units."""

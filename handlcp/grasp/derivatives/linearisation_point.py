@@ -91,7 +91,7 @@ class LinearisationPoint:
     # ---- joints
     @lazy_property
     def jacobian_rows(self) -> Array:
-        """(c, nv) [J; T]: how fast the joints move the contact points, and turn the soft ones about their normals."""
+        """How fast the joints move the contact points, and turn the soft ones about their normals: [J; T] (c, nv)."""
         mechanism = self.spec.mechanism
         return np.zeros((self.scene.components, 0)) if mechanism is None else mechanism.jacobian_rows(self.scene.soft)
 
@@ -153,7 +153,7 @@ class LinearisationPoint:
     # ---- limits and friction
     @lazy_property
     def friction(self) -> Any:
-        """The friction sets."""
+        """The friction sets of the contacts at this answer."""
         return friction_limits(self.scene, self.section)
 
     @lazy_property
@@ -243,7 +243,7 @@ class LawChange:
     depth_change: DepthChange | None = None
 
     def along_direction(self, direction: Array) -> LawChange:
-        """(…, 1) along a direction (p,)."""
+        """The change along one direction (p,) of the parameters, as a single column (…, 1)."""
         straight = _from_parts([(part @ direction)[:, None] for part in self._parts])
         if self.depth_change is None:
             return straight
@@ -302,7 +302,7 @@ class DepthChange:
     change: LawChange
 
     def with_rates(self, rates: Array) -> DepthChange:
-        """With other parameters."""
+        """The same change of depths with the rates of other parameters."""
         return replace(self, rates=rates)
 
 

@@ -28,7 +28,9 @@ from handlcp.words import TextTable, first_largest_index, wrap_text
 
 
 def path_table(s: Any, here: dict[str, Array]) -> str:
-    """Of a `PathSensitivity`: each row a tenth more of a parameter, of all fingers or joints together."""
+    """The table of a `PathSensitivity`, each row with a tenth more of a parameter, of all fingers or joints
+    together.
+    """
     rows, unclear = [], []
     for p in parameters_by_effort():
         if not p.common or p.name not in s.parameters or not (changes := s.of_share(p.name, TABLE_SHARE)):
@@ -89,7 +91,11 @@ class PathSensitivity:
     """
 
     def __init__(self, spec: GraspSpec, end: Callable[[GraspSpec], dict[str, Array]], coarser: float = 1.0) -> None:
-        """End : the quantities at the end of the path of a grasp. coarser : times the steps of the parameters."""
+        """Take the quantities at the end of a grasp's path as they are now.
+
+        end : the quantities at the end of the path of a grasp.
+        coarser : how many times the usual steps of the parameters are.
+        """
         self._spec, self._end, self._coarser = spec, end, coarser
         self._here = end(spec)
         self._found: dict[str, dict[str, TwoSidedDifferences]] = {}
@@ -108,10 +114,12 @@ class PathSensitivity:
     @property
     def jumps(self) -> tuple[str, ...]:
         """Of the derivatives asked for so far, those with an entry where the end jumps or has a corner."""
-        return tuple([
-            f"{quantity}_by_{parameter}" for parameter, found in self._found.items() for quantity, s in found.items()
+        return tuple(
+            f"{quantity}_by_{parameter}"
+            for parameter, found in self._found.items()
+            for quantity, s in found.items()
             if (np.isnan(s.derivative) & np.isfinite(s.ahead) & np.isfinite(s.behind)).any()
-        ])  # fmt: skip
+        )
 
     def of(self, quantity: str, parameter: str) -> Array:
         """The derivative, as the attribute. Raises UnknownName."""
@@ -165,8 +173,10 @@ class PathSensitivity:
             ahead, behind = (self._end(one.varied(self._spec, k, step)) for step in (h, -h))
             for of, pairs in columns.items():
                 pairs.append(self._sides(of, ahead, behind, h))
-        return {of: TwoSidedDifferences(*[_stack_columns(list(one), shape) for one in zip(*pairs, strict=True)])
-                for of, pairs in columns.items()}  # fmt: skip
+        return {
+            of: TwoSidedDifferences(*[_stack_columns(list(one), shape) for one in zip(*pairs, strict=True)])
+            for of, pairs in columns.items()
+        }
 
     def _sides(self, name: str, ahead: dict[str, Array], behind: dict[str, Array], h: float) -> TwoSidedDifferences:
         here = self._here[name]
@@ -179,7 +189,9 @@ class PathSensitivity:
         return TwoSidedDifferences(read_only(a), read_only(b), read_only(np.where(same, (a + b) / 2.0, np.nan)))
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain data, SI: the quantities, and the derivatives asked for so far, None for what is no number; `jumps`."""
+        """The quantities and the derivatives asked for so far as plain data, in SI, None for what is no number;
+        `jumps`.
+        """
         found = {f"{of}_by_{by}": to_plain(s.derivative) for by, each in self._found.items() for of, s in each.items()}
         return {**{name: to_plain(here) for name, here in self._here.items()}, **found, "jumps": list(self.jumps)}
 
@@ -191,7 +203,7 @@ class PathSensitivity:
         return f"PathSensitivity(of={', '.join(self.quantities)})"
 
     def __getattr__(self, name: str) -> Any:
-        """`<quantity>_by_<parameter>`."""
+        """Return the derivative that `<quantity>_by_<parameter>` names."""
         quantity, by, parameter = name.partition("_by_")
         if not by or name.startswith("_"):
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)

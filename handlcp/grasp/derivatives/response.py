@@ -36,8 +36,12 @@ _IMMEDIATE_TURN = 1e12  # natural units: friction that is against its contact's 
 
 
 class NextState(NamedTuple):
-    """kind, turn : as in `ContactStates`. faces (k, 3) : outward normals that it slides against. follows : whether the
-    normal is against the slip that begins, which is not known before. slips : whether it slips already.
+    """A contact state that may follow on a small change.
+
+    kind, turn : as in `ContactStates`.
+    faces (k, 3) : outward normals that it slides against.
+    follows : whether the normal is against the slip that begins, which is not known before.
+    slips : whether it slips already.
     """
 
     kind: int
@@ -47,7 +51,7 @@ class NextState(NamedTuple):
     slips: bool = False
 
     def with_slip_against(self, normal: Array) -> NextState:
-        """Against another slip."""
+        """The same state, sliding against another outward normal (3,) or (2,)."""
         return self._replace(faces=_pad_normals([normal]))
 
 
@@ -103,7 +107,7 @@ def _subsets(normals: list[Array], d: int) -> Iterator[Array]:
 
 
 def _pad_normals(normals: list[Array]) -> Array:
-    """Rows of three."""
+    """Stack normals of two or three entries as rows (k, 3), padded by 0."""
     out = np.zeros((len(normals), 3))
     for row, m in zip(out, normals, strict=True):
         row[: len(m)] = m
@@ -165,9 +169,11 @@ def _grazes_edge(at: LinearisedPoint, i: int) -> bool:
 
 
 def one_sided_changes(at: LinearisedPoint, kinks: tuple[DerivativeKink, ...], b: Array) -> tuple[Array, Array]:
-    """(x (k,), N (k, j)): the changes in natural units for right-hand sides b (k + n,) as `LinearisedPoint` has them,
-    and what spans the changes that no law of the next states resists. NaN where no next state is consistent: nothing
-    near is an answer on that side.
+    """Find how an answer changes on one side of its corners, and what stays free: (x (k,), N (k, j)).
+
+    x : the changes in natural units for right-hand sides b (k + n,) as `LinearisedPoint` has them; NaN where no next
+        state is consistent: nothing near is an answer on that side.
+    N : what spans the changes that no law of the next states resists.
     """
     reached, contacts = at.answer.reached_limits, [k.contact for k in kinks if k.contact is not None]
     every = [next_states(at, i) for i in contacts]

@@ -30,7 +30,12 @@ from handlcp.words import TextTable, first_largest_index, wrap_text
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """unit : of the quantity. rate : (…, p) its rates. joints : whether only a hand has it."""
+    """A quantity of an answer, and how fast it changes.
+
+    unit : of the quantity.
+    rate : gives its rates (…, p).
+    joints : whether only a hand has it.
+    """
 
     unit: str
     rate: Callable[[LinearisationPoint, ResponseRates, LawChange], Array]
@@ -57,7 +62,7 @@ def _relative_motion(answer: LinearisationPoint, rates: ResponseRates) -> Array:
 
 
 def _torques(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> Array:
-    """τ = Jᵀ r + …"""
+    """Rates (nv, p) of the joint torques τ = Jᵀ r + …."""
     return np.asarray(answer.torque_rows.T @ rates.forces + change.torque)
 
 
@@ -325,7 +330,7 @@ class Sensitivity(Record):
         return describe_sensitivity(self, self._answer)
 
     def __getattr__(self, name: str) -> Array:
-        """`<quantity>_by_<parameter>`."""
+        """Return the derivative that `<quantity>_by_<parameter>` names."""
         quantity, by, parameter = name.partition("_by_")
         if not by or quantity not in QUANTITIES or all(p.name != parameter for p in parameters()):
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
@@ -353,7 +358,9 @@ def _touching_kinks(answer: LinearisationPoint) -> tuple[DerivativeKink, ...]:
 
 
 def make_sensitivity(solution: Any) -> Sensitivity:
-    """Of a `GraspSolution`. Raises InputError for one that is not held, and so has no forces."""
+    """Linearise a `GraspSolution` for its derivatives. Raises InputError for one that is not held, and so has no
+    forces.
+    """
     s = solution
     if not s.held or s.spec is None or s.scene is None or s.section is None:
         raise InputError("solution", "a solution that is held: others have no forces", s.status.name)

@@ -30,8 +30,12 @@ from handlcp.words import TextTable, wrap_text
 
 @dataclass(frozen=True, slots=True)
 class TriedChange(Record):
-    """One change. what : in words. factor : on the load, that the grasp holds then. gain : factor over that without the
-    change, minus 1; negative where it costs load. limit : its `LoadLimit`.
+    """One change of a grasp, and how much load is held with it.
+
+    what : the change in words.
+    factor : on the load, that the grasp holds then.
+    gain : factor over that without the change, minus 1; negative where it costs load.
+    limit : its `LoadLimit`.
     """
 
     entries = ("change = what", "factor", "gain", "why = limit.why")
@@ -55,9 +59,15 @@ class BestChange(Record):
     """
 
     entries = (
-        "load_N_Nm (6,) = wrench", "share", "factor_before = before.factor", "tried", "checked_at_factor = between",
-        "verdict_with = verdicts.0", "verdict_without = verdicts.1", "why_not",
-    )  # fmt: skip
+        "load_N_Nm (6,) = wrench",
+        "share",
+        "factor_before = before.factor",
+        "tried",
+        "checked_at_factor = between",
+        "verdict_with = verdicts.0",
+        "verdict_without = verdicts.1",
+        "why_not",
+    )
 
     wrench: Array
     share: float
@@ -80,7 +90,7 @@ class BestChange(Record):
 
     @property
     def table(self) -> TextTable:
-        """Change by change."""
+        """The table of the changes that were tried, one a row."""
         rows = [("as it is", _format_factor(self.before.factor), "", _describe_limit(self.before))]
         rows += [(t.what, _format_factor(t.factor), _format_gain(t.gain), _describe_limit(t.limit)) for t in self.tried]
         return TextTable(
@@ -115,10 +125,8 @@ class BestChange(Record):
 
 
 @track_progress("load limits with each change")
-def best_change(
-    spec: GraspSpec, section: Section, wrench: Any, share: Any, geometry: Any
-) -> BestChange:  # fmt: skip
-    """See `Grasp.best_change`."""
+def best_change(spec: GraspSpec, section: Section, wrench: Any, share: Any, geometry: Any) -> BestChange:
+    """Find which change of the grasp buys most load, as `Grasp.best_change` documents."""
     part = check_number("share", share, above=0.0)
     if part >= 1.0:
         raise InputError("share", "a share below 1, such as 0.1", share)

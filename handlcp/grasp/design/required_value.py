@@ -51,8 +51,10 @@ def check_most_force(value: Any, spec: GraspSpec) -> Array:
         MOST_FORCE_ARGUMENT, dict(value) if isinstance(value, Mapping) else value, spec.names, None
     )
     if isinstance(value, Mapping):
-        said = [check_number(f"{MOST_FORCE_ARGUMENT}[{name!r}]", one, above=0.0) if one is not None else np.inf
-                for name, one in zip(spec.names, listed, strict=True)]  # fmt: skip
+        said = [
+            check_number(f"{MOST_FORCE_ARGUMENT}[{name!r}]", one, above=0.0) if one is not None else np.inf
+            for name, one in zip(spec.names, listed, strict=True)
+        ]
         return np.array(said)
     given = check_array(MOST_FORCE_ARGUMENT, listed, (), (n,))
     if not (given > 0.0).all():
@@ -121,7 +123,7 @@ class ChangedGrasp:
 @track_progress("looking for the least value")
 def find_least_value(
     changed: ChangedGrasp, start: float, most: float, tolerance: float, unit: str, bears: Array | None = None
-) -> Required:  # fmt: skip
+) -> Required:
     """The least number with which the grasp holds to the end of its loading, to a relative tolerance, and what `check`
     says of it. Where that is that it does not hold, since more steps end differently, `check` is asked from there on.
     start : near it, > 0. bears (n,) : how hard contacts may press on the way [N]; None: as hard as they do.
@@ -181,7 +183,7 @@ def verdict_on(spec: GraspSpec, section: Section) -> Verdict:
 
 
 def verdict_word(spec: GraspSpec, section: Section) -> str:
-    """Its word."""
+    """The word of the grasp's verdict, such as "HELD"."""
     return verdict_on(spec, section).word
 
 
@@ -192,13 +194,13 @@ _SEARCH_START_SHARE = 1e-3  # of the largest value tried: where the search start
 
 
 def confirm_required_friction(spec: GraspSpec, section: Section, tolerance: float) -> Required:
-    """See `Grasp.required_friction`."""
+    """Find the least friction that holds and what `check` says of it, as `Grasp.required_friction` documents."""
     found, own = required_friction(spec, section, tolerance), {c.mu for c in spec.contacts if c.mu > 0.0}
     return _confirm_required(found, lambda mu: with_friction(spec, mu), section, own.pop() if len(own) == 1 else None)
 
 
 def confirm_required_preload(spec: GraspSpec, section: Section, tolerance: float) -> Required:
-    """See `Grasp.required_preload`."""
+    """Find the least preload that holds and what `check` says of it, as `Grasp.required_preload` documents."""
     found = required_preload(spec, section, tolerance)
     return _confirm_required(found, spec.with_squeeze, section, None)
 
@@ -206,7 +208,7 @@ def confirm_required_preload(spec: GraspSpec, section: Section, tolerance: float
 @track_progress("looking for the least value")
 def _confirm_required(
     found: Required, make: Callable[[float], GraspSpec], section: Section, own: float | None
-) -> Required:  # fmt: skip
+) -> Required:
     """The same with what `check` says of it. Where contacts move as the hand does, what `check` says counts: unless
     the grasp holds at the value, and not below, it is searched for anew from there, by following.
 
@@ -295,15 +297,15 @@ class RequiredStiffness(Record):
 
 @track_progress("looking for the least stiffness")
 def required_stiffness(spec: GraspSpec, section: Section, motion: Any, tolerance: Any) -> RequiredStiffness:
-    """See `Grasp.required_stiffness`."""
+    """Find the stiffness that keeps the object's motion within a bound, as `Grasp.required_stiffness` documents."""
     allowed, near = check_number("motion", motion, above=0.0), check_tolerance(tolerance)
 
-    def made(factor: float) -> GraspSpec:
+    def scale_stiffness(factor: float) -> GraspSpec:
         if (found := find_parameter("stiffness").scaled(spec, factor)) is None:
             raise InputError("flexibility", "that of joints, whose stiffness can be changed", "one that is not theirs")
         return found
 
-    changed, pads = ChangedGrasp(made, section), _pad_motion(spec)
+    changed, pads = ChangedGrasp(scale_stiffness, section), _pad_motion(spec)
 
     def enough(factor: float) -> bool:
         path = changed.path(factor)
@@ -316,7 +318,9 @@ def required_stiffness(spec: GraspSpec, section: Section, motion: Any, tolerance
     if (value := found.value) is not None:
         moved, below = _load_motion(changed.path(value)), found.fails
         short = "" if below is None else _why_short(changed.path(below))
-        return RequiredStiffness(value, below, allowed, moved, pads, verdict_word(made(value), section), short)
+        return RequiredStiffness(
+            value, below, allowed, moved, pads, verdict_word(scale_stiffness(value), section), short
+        )
     held = {x: path for x, path in changed.paths.items() if path.held and not _exceeded_joints(path)}
     moved = _load_motion(held[max(held)]) if held else np.nan
     return RequiredStiffness(None, None, allowed, moved, pads, "", _explain_failure(changed, held, allowed, pads))

@@ -133,26 +133,37 @@ class SoftWrist(Effect):
         "soft_wrist",
         (
             FileKey(
-                "translation_m_per_N", _Softness, "a number ≥ 0 or three of them",
-                "how the palm moves along x, y, z under a force", default=0.0,
+                "translation_m_per_N",
+                _Softness,
+                "a number ≥ 0 or three of them",
+                "how the palm moves along x, y, z under a force",
+                default=0.0,
             ),
             FileKey(
-                "rotation_rad_per_Nm", _Softness, "a number ≥ 0 or three of them",
-                "how it turns about x, y, z under a torque", default=0.0,
+                "rotation_rad_per_Nm",
+                _Softness,
+                "a number ≥ 0 or three of them",
+                "how it turns about x, y, z under a torque",
+                default=0.0,
             ),
             FileKey(
-                "flexibility", Annotated[list[_Six], Len(6, 6)], "six rows of six finite numbers",
+                "flexibility",
+                Annotated[list[_Six], Len(6, 6)],
+                "six rows of six finite numbers",
                 "instead of both: the (6, 6) matrix from force and torque to motion and rotation, "
                 "in m/N, rad/N and rad/(N·m)",
             ),
             FileKey(
-                "at_m", Three, "three finite numbers", "the point of the palm where it does so, world axes",
+                "at_m",
+                Three,
+                "three finite numbers",
+                "the point of the palm where it does so, world axes",
                 default=[0.0, 0.0, 0.0],
             ),
         ),
         "a table",
         "a palm that gives way under all fingers",
-    )  # fmt: skip
+    )
 
     def __init__(self, flexibility: Any, at: Any = (0.0, 0.0, 0.0)) -> None:
         argument = "SoftWrist.flexibility"
@@ -195,7 +206,9 @@ class SoftWrist(Effect):
         return np.asarray((E + E.T) / 2)
 
     def carried(self, at: Placement, soft: tuple[int, ...]) -> Array:
-        """(6, c) W: the wrench of the forces about `at`; it does not carry the environment."""
+        """The wrench that the wrist carries about `at` as a map W (6, c) of the forces; it does not carry the
+        environment.
+        """
         W = wrench_map(at.positions, self.at, at.frames, at.frames[list(soft)][:, :, 2].T.copy())
         W[:, 3 * at.of_hand : 3 * at.n] = 0.0
         W[:, 3 * at.n :][:, np.array(soft, dtype=int) >= at.of_hand] = 0.0

@@ -42,7 +42,7 @@ class ObjectBalance(Effect):
         return None
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
-        """u: (dof,) motion of the object about the contacts' centre."""
+        """The motion u (dof,) of the object about the contacts' centre."""
         return (Unknown("u", scene.dof, True, "twist"),)
 
     def stamp(self, scene: Scene, system: EquationSystem) -> None:
@@ -83,11 +83,11 @@ class UnilateralContact(Effect):
         return None
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
-        """r_N: (n_N,) normal forces."""
+        """The normal forces r_N (n_N,) of the contacts."""
         return (Unknown("r_N", len(scene.kind.normal_index), False, "force"),)
 
     def stamp(self, scene: Scene, system: EquationSystem) -> None:
-        """The initial gaps."""
+        """Add the initial gaps to the rows of the normal forces."""
         system.load("r_N", scene.natural.d[: len(scene.kind.normal_index)])
 
 
@@ -130,7 +130,7 @@ class CoulombFriction(Effect):
         return {"contacts": tuple([c.with_friction(c.friction.with_mu(0.0)) if c.mu > 0.0 else c for c in contacts])}
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
-        """r_T: two a contact, one in a plane."""
+        """The tangential forces r_T, two a contact, one in a plane."""
         return (Unknown("r_T", sum(scene.kind.tangents[i] for i in scene.rough), True, "force"),)
 
     def stamp(self, scene: Scene, system: EquationSystem) -> None:
@@ -220,7 +220,9 @@ class SoftFingerFriction(Effect):
         return {"contacts": tuple([c.with_friction(Coulomb(c.mu)) if c.friction.lever > 0.0 else c for c in contacts])}
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
-        """r_S: x, y and the moment over its lever, three a contact."""
+        """The tangential forces and the moment r_S of soft fingers, x, y and the moment over its lever: three a
+        contact.
+        """
         return (Unknown("r_S", 3 * len(scene.soft), True, "force"),)
 
     def stamp(self, scene: Scene, system: EquationSystem) -> None:

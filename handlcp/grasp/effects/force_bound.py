@@ -132,7 +132,7 @@ class FingerForceBound(Effect):
         return f"asked for: {len(limit.room)} contacts, {low:g}{'' if low == high else f' to {high:g}'} N"
 
     def limits(self, scene: Scene) -> tuple[Limit, ...]:
-        """z̄_i: how far each bounded finger gives way."""
+        """How far each bounded finger gives way, z̄_i."""
         bounds = self.bounds if isinstance(self.bounds, tuple) else (self.bounds,) * (scene.n - scene.environment)
         every = np.append(bounds, np.full(scene.n - len(bounds), np.inf))
         bounded = np.flatnonzero(scene.force_unknown_mask & np.isfinite(every))

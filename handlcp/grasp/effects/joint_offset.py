@@ -48,12 +48,12 @@ class CommandReach:
 
     @property
     def unit(self) -> str:
-        """Of the arrays: "m" or "N"."""
+        """The unit of the arrays, "m" or "N"."""
         return "N" if self.what == "grip force" else "m"
 
     @property
     def share(self) -> Array:
-        """(k,) 0 to 1: the missing part of what was asked; 1 where nothing was asked and the finger is moved."""
+        """The missing part of what was asked, (k,) from 0 to 1; 1 where nothing was asked and the finger is moved."""
         whole = np.maximum(self.asked, self.missing)
         return read_only(np.divide(self.missing, whole, out=np.zeros(len(whole)), where=whole > 0.0))
 
@@ -63,7 +63,7 @@ class CommandReach:
         return bool(self.missing.max(initial=0.0) <= _MENTIONED_SHARE * self.asked.max(initial=0.0))
 
     def __str__(self) -> str:
-        """In one sentence."""
+        """Say in one sentence how much of the command is reached."""
         say, whole = (
             format_force if self.unit == "N" else format_length,
             f"{'an' if self.what == 'overlap' else 'a'} {self.what}",

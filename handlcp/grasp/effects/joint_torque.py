@@ -80,7 +80,7 @@ class FingerWeight(Effect):
         return self.torque
 
     def read(self, scene: Scene, forces: Array, extra: dict[str, Array], joints: JointReading) -> JointReading:
-        """Joints that sag."""
+        """Add to the joints' deflection how far they sag under the fingers' weight."""
         if not self.sags or scene.mechanism is None:
             return joints
         return replace(joints, deflection=joints.deflection + scene.mechanism.deflection(self.torque))

@@ -178,7 +178,7 @@ class KnownForce(Effect):
         return f"asked for: contact {self.contact} pushes with {', '.join(known)}"
 
     def limits(self, scene: Scene) -> tuple[Limit, ...]:
-        """κ⁺ and κ⁻: how far the finger moves along each known component, away from the object and towards it."""
+        """How far the finger moves along each known component, away from the object and towards it: κ⁺ and κ⁻."""
         unknown = set(scene.kind.index.tolist())
         known = [(3 * self.contact + k, f) for k, f in enumerate(self.force) if f is not None]
         bears = [(at, f) for at, f in known if at in unknown]

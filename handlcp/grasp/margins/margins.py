@@ -56,8 +56,14 @@ class Margins(Record):
     """
 
     entries = (
-        "held = solution.held", "safety", "friction", "torque", "force_closure", "form_closure", "wrench_space",
-    )  # fmt: skip
+        "held = solution.held",
+        "safety",
+        "friction",
+        "torque",
+        "force_closure",
+        "form_closure",
+        "wrench_space",
+    )
 
     spec: GraspSpec
     section: Section
@@ -178,7 +184,7 @@ class Margins(Record):
 
 
 def make_margins(spec: GraspSpec, scene: Scene, section: Section, solution: Any, length: Any) -> Margins:
-    """See `Grasp.margins`."""
+    """Gather how far a solution is from failing, as `Grasp.margins` documents."""
     if not isinstance(solution, GraspSolution) or len(solution.forces) != scene.n:
         raise InputError("solution", "a solution of this grasp, or None", repr(solution)[:80])
     L = None if length is None else check_number("length", length, above=0.0)
@@ -198,7 +204,7 @@ def _wrap_whole(text: str) -> str:
 
 
 def _describe_space(space: WrenchSpace) -> str:
-    """One sentence."""
+    """Describe the wrench space in one sentence."""
     if space.why:
         return f"wrench space: none, {space.why}"
     few = "" if space.dimension == space.of else f" in {space.dimension} of {space.of} dimensions"

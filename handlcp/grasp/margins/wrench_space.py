@@ -93,17 +93,24 @@ def _test_closure(F: Array, W: Array) -> tuple[Array | None, Array | None]:
     g, size = W.shape[1], np.sqrt((W * W).sum(axis=0))
     # The widest least share s: a = s + b, b ≥ 0, W a = 0, mean of a is one
     lp = linprog(
-        np.append(np.zeros(g), -1.0), A_eq=np.vstack([np.column_stack([W, W.sum(axis=1)]), np.append(np.ones(g), g)]),
-        b_eq=np.append(np.zeros(dof), g), bounds=[(0.0, None)] * g + [(0.0, None)], method="highs",
-    )  # fmt: skip
+        np.append(np.zeros(g), -1.0),
+        A_eq=np.vstack([np.column_stack([W, W.sum(axis=1)]), np.append(np.ones(g), g)]),
+        b_eq=np.append(np.zeros(dof), g),
+        bounds=[(0.0, None)] * g + [(0.0, None)],
+        method="highs",
+    )
     if lp.x is not None and lp.x[-1] > _STRICT_SHARE:
         a = (lp.x[:-1] + lp.x[-1]) / g
         a = a - np.linalg.pinv(W) @ (W @ a)  # balance to the last bit
         if a.min() > 0.0:
             return F @ (a / a.sum()), None
     lp = linprog(
-        -(W / size).sum(axis=1), A_ub=-(W / size).T, b_ub=np.zeros(g), bounds=[(-1.0, 1.0)] * dof, method="highs",
-    )  # fmt: skip
+        -(W / size).sum(axis=1),
+        A_ub=-(W / size).T,
+        b_ub=np.zeros(g),
+        bounds=[(-1.0, 1.0)] * dof,
+        method="highs",
+    )
     if lp.x is not None:
         t = lp.x / (np.sqrt(lp.x @ lp.x) or 1.0)
         work = W.T @ t / size
@@ -179,9 +186,17 @@ class WrenchSpace(Record):
     """
 
     entries = (
-        "epsilon", "epsilon_most", "volume", "volume_most", "dimension", "of", "length_m", "weakest (6,)", "faces",
+        "epsilon",
+        "epsilon_most",
+        "volume",
+        "volume_most",
+        "dimension",
+        "of",
+        "length_m",
+        "weakest (6,)",
+        "faces",
         "why",
-    )  # fmt: skip
+    )
 
     epsilon: float
     epsilon_most: float
@@ -226,9 +241,16 @@ def wrench_space(scene: Scene, section: Section, reference: Array, length: float
     about = load @ scene.freedom
     about[3:] += np.cross(scene.units.centre - reference, about[:3])
     return WrenchSpace(
-        radius, radius if most is None else max(most, radius), hull.volume, max(outer.volume, hull.volume), d,
-        scene.dof, L, read_only(about), faces,
-    )  # fmt: skip
+        radius,
+        radius if most is None else max(most, radius),
+        hull.volume,
+        max(outer.volume, hull.volume),
+        d,
+        scene.dof,
+        L,
+        read_only(about),
+        faces,
+    )
 
 
 def _bounding_sections(scene: Scene, section: Section) -> tuple[Section, Section, int]:
@@ -247,8 +269,11 @@ def _bounding_sections(scene: Scene, section: Section) -> tuple[Section, Section
 def _refine_hull(hull: _ConvexHull, scene: Scene, every: Array, U: Array) -> float:
     """An upper bound of ε on the cone; the hull gets corners until its ball comes close, or for so many rounds."""
     own = scene.kind.contact_components
-    normals = [(U.T @ every[:, at[0]], U.T @ every[:, at[1 : 1 + t]], mu) for at, t, mu
-               in zip(own, scene.kind.tangents, scene.mu, strict=True) if at[0] >= 0]  # fmt: skip
+    normals = [
+        (U.T @ every[:, at[0]], U.T @ every[:, at[1 : 1 + t]], mu)
+        for at, t, mu in zip(own, scene.kind.tangents, scene.mu, strict=True)
+        if at[0] >= 0
+    ]
     most = np.inf
     for _ in range(_MAX_HULLS):
         facets, offsets = hull.facets()
@@ -304,7 +329,7 @@ class _ConvexHull:
         self.volume = float(hull.volume)
 
     def add(self, points: Array) -> None:
-        """More points (d, k)."""
+        """Add points, the columns of (d, k), to the hull."""
         self._points = np.column_stack([self._points, points])
         self._make()
 

@@ -44,10 +44,18 @@ class CompiledKind:
         self.scene_width = row_width(scene)
         self.answer_width = HEADER_SIZE + 2 * kind.components + 9 + kind.n + where.size
         self.pattern = ScenePattern(
-            kind.contact_components, kind.index, roles.role, roles.order, roles.blocks, section.faces,
-            polyhedron_normals(scene, section), kind.flexible, kind.dof,
-            (*where.forces, where.at["u"].start, where.size), len(kind.soft),
-        )  # fmt: skip
+            kind.contact_components,
+            kind.index,
+            roles.role,
+            roles.order,
+            roles.blocks,
+            section.faces,
+            polyhedron_normals(scene, section),
+            kind.flexible,
+            kind.dof,
+            (*where.forces, where.at["u"].start, where.size),
+            len(kind.soft),
+        )
 
 
 _KINDS: dict[tuple[Section, SceneKind], CompiledKind] = {}
@@ -140,7 +148,7 @@ class CompiledAnswer:
 
     @property
     def iterations(self) -> int:
-        """Kaczmarz steps."""
+        """The number of Kaczmarz steps that the solver took."""
         return int(self.row.item(0))
 
     @property
@@ -150,7 +158,7 @@ class CompiledAnswer:
 
     @property
     def twist(self) -> Array:
-        """(6,) about `centre`."""
+        """The object's motion (6,) about `centre` [m, rad]."""
         return self.start[-9:-3]
 
     @property
@@ -165,7 +173,7 @@ class CompiledAnswer:
 
     @property
     def motion(self) -> Array:
-        """(c,) object minus fingertip [m]."""
+        """The motion (c,) of the object minus that of the fingertip at each component [m]."""
         c = self.kind.kind.components
         return self.row[HEADER_SIZE + c + 9 : HEADER_SIZE + 2 * c + 9]
 
@@ -177,7 +185,7 @@ class CompiledAnswer:
 
     @property
     def candidate(self) -> SolverCandidate:
-        """Forces and motion."""
+        """The forces and the motion as a candidate for the certifier."""
         return SolverCandidate(self.components, self.twist, {}, len(self.kind.kind.soft))
 
     @property

@@ -41,10 +41,16 @@ def read_scene(scene: Array, n: int, soft: int, dof: int) -> tuple[GraspArrays, 
     e = d + 3 * soft + 6
     f = e + 6 * dof
     return GraspArrays(
-        scene[: 3 * n].reshape(n, 3), scene[3 * n : a].reshape(n, 3, 3), scene[a:b].reshape(c, c), scene[b : b + c],
-        scene[b + c : d], scene[d : e - 6].reshape(3, soft), scene[e - 6 : e - 3], scene[e - 3 : e],
+        scene[: 3 * n].reshape(n, 3),
+        scene[3 * n : a].reshape(n, 3, 3),
+        scene[a:b].reshape(c, c),
+        scene[b : b + c],
+        scene[b + c : d],
+        scene[d : e - 6].reshape(3, soft),
+        scene[e - 6 : e - 3],
+        scene[e - 3 : e],
         scene[e:f].reshape(dof, 6),
-    ), scene[f:]  # fmt: skip
+    ), scene[f:]
 
 
 def scene_views(row: Array, n: int, soft: int, dof: int) -> tuple[GraspArrays, Array]:
@@ -64,8 +70,10 @@ def write_row(scene: Scene, section: Section, row: Array) -> None:
 
 
 def write_rows(count: int, width: int, **fields: Sequence[Array] | Array) -> Array:
-    """(m, width) read-only: rows of m scenes, field by field. Each field of `Given`, and `limits`, is an array (m, …),
-    or one for each scene; where all of these are one and the same, as after `replace`, it is copied once.
+    """Write the rows (m, width) of m scenes, field by field. Read-only.
+
+    Each field of `GraspArrays`, and `limits`, is an array (m, …), or one for each scene; where all of these are one and
+    the same, as after `replace`, it is copied once.
     """
     out, at = np.empty((count, width)), 0
     for own in [fields[name] for name in (*GraspArrays._fields, "limits")]:
@@ -213,7 +221,9 @@ def solve_unknowns(
 
 @kernel
 def stamp_rows(p: ScenePattern, blocks: NaturalBlocks) -> tuple[Array, Array]:
-    """M and q: balance, gaps, tangential offsets and flexibility, as the effects stamp them."""
+    """The matrix M and the vector q with balance, gaps, tangential offsets and flexibility, as the effects stamp
+    them.
+    """
     normal, count, tangent, u, size = p.at
     M, q = np.zeros((size, size)), np.zeros(size)
     couple_block(M, u, (normal, count, tangent), blocks.G, 1.0)

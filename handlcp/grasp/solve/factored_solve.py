@@ -96,15 +96,22 @@ def _read_row(scene: FactoredRow, n: int) -> _FactoredScene:
     h = f + nv * m
     factor = FlexibilityFactor(s[e:f].reshape(3 * n, nv), s[f:h].reshape(nv, m), s[h : h + 9 * n].reshape(n, 3, 3))
     g = GraspArrays(
-        s[:a].reshape(n, 3), s[a:b].reshape(n, 3, 3), scene.matrix, s[b:c], s[:0], s[:0].reshape(3, 0),
-        s[c : c + 3], s[c + 3 : c + 6], s[c + 6 : e].reshape(6, 6),
-    )  # fmt: skip
+        s[:a].reshape(n, 3),
+        s[a:b].reshape(n, 3, 3),
+        scene.matrix,
+        s[b:c],
+        s[:0],
+        s[:0].reshape(3, 0),
+        s[c : c + 3],
+        s[c + 3 : c + 6],
+        s[c + 6 : e].reshape(6, 6),
+    )
     return _FactoredScene(g, factor, s[h + 9 * n :])
 
 
 @kernel
 def _joint_columns(E: FlexibilityFactor) -> tuple[Array, Array]:
-    """(J A (3n, m), diagonal of E (3n,))."""
+    """The columns J A (3n, m) of the joints, and the diagonal of E (3n,)."""
     c, (nv, m) = len(E.rows), E.root.shape
     B, softness = np.zeros((c, m)), np.empty(c)
     for i in range(c):

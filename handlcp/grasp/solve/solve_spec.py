@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,8 +22,10 @@ from handlcp.grasp.model.status import contact_words
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solution.uniqueness import Uniqueness, find_uniqueness, free_branches, minimum_norm_candidate
 from handlcp.grasp.solve.compiled_answer import NO_START, CompiledAnswer, solve_scene, start_values
+from handlcp.grasp.solve.equilibrium_search import EquilibriumSearch, EquilibriumSearchResult
 from handlcp.grasp.verify.certifier import Certification, Residuals, certify_candidate, forces_in_world
 from handlcp.grasp.verify.contact_state import classify_contacts
+from handlcp.grasp.verify.load_capacity import escape_in_si, find_escape_twist
 from handlcp.lcp import (
     BRIEF_SEARCH_STAGE,
     FIRST_STAGE,
@@ -39,9 +41,6 @@ from handlcp.lcp import (
 from handlcp.lcp.solve import AnySolver
 from handlcp.tolerances import FIXED_POINT_TOLERANCE
 
-if TYPE_CHECKING:
-    from handlcp.grasp.solve.equilibrium_search import EquilibriumSearch, EquilibriumSearchResult
-
 
 class CertifiedCandidate(NamedTuple):
     """A candidate, what the certifier says of it, and how many steps of the method it took."""
@@ -52,9 +51,14 @@ class CertifiedCandidate(NamedTuple):
 
 
 def make_solution(
-    spec: GraspSpec, scene: Scene, section: Section, effects: tuple[Effect, ...], judged: CertifiedCandidate,
-    trace: tuple[str, ...], smallest: bool = True,
-) -> GraspSolution:  # fmt: skip
+    spec: GraspSpec,
+    scene: Scene,
+    section: Section,
+    effects: tuple[Effect, ...],
+    judged: CertifiedCandidate,
+    trace: tuple[str, ...],
+    smallest: bool = True,
+) -> GraspSolution:
     """The solution from a candidate that the certifier passes; effects : all that were stamped. smallest : where it
     leaves something free, the least forces and motion in place of the candidate's.
     """
@@ -73,9 +77,15 @@ def make_solution(
 
 
 def solution_from_numbers(
-    spec: GraspSpec, scene: Scene, section: Section, judged: CertifiedCandidate, states: Ints,
-    uniqueness: Uniqueness | None, trace: tuple[str, ...], arm: Array,
-) -> GraspSolution:  # fmt: skip
+    spec: GraspSpec,
+    scene: Scene,
+    section: Section,
+    judged: CertifiedCandidate,
+    states: Ints,
+    uniqueness: Uniqueness | None,
+    trace: tuple[str, ...],
+    arm: Array,
+) -> GraspSolution:
     """A SOLVED solution with these numbers, and with what moves the fingers reads off it; arm (3,) [m] leads from the
     point that the candidate's twist refers to to the grasp's reference. states (n,) : of `ContactStatus`.
     """
@@ -92,13 +102,28 @@ def solution_from_numbers(
     if mechanism is not None:
         kind, read = mechanism.solution, mechanism.solution_fields(scene, spec.effects, own, torsion, candidate.extra)
     return kind(
-        status=Status.SOLVED, names=spec.names, forces=own,
-        forces_world=read_only(forces_in_world(scene.frames, candidate.components)), gap=read_only(points[:, 2]),
-        slip=read_only(points[:, :2]), object_displacement=read_only(shift_twist(candidate.twist, arm)),
-        contact_state=contact_words(states.tolist()), residuals=judged.verdict.residuals, uniqueness=uniqueness,
-        certificate=None, iterations=judged.iterations, trace=trace, extra=candidate.extra, torsion=torsion, spin=spin,
-        scene=scene, reference=spec.reference, spec=spec, section=section, **read,
-    )  # fmt: skip
+        status=Status.SOLVED,
+        names=spec.names,
+        forces=own,
+        forces_world=read_only(forces_in_world(scene.frames, candidate.components)),
+        gap=read_only(points[:, 2]),
+        slip=read_only(points[:, :2]),
+        object_displacement=read_only(shift_twist(candidate.twist, arm)),
+        contact_state=contact_words(states.tolist()),
+        residuals=judged.verdict.residuals,
+        uniqueness=uniqueness,
+        certificate=None,
+        iterations=judged.iterations,
+        trace=trace,
+        extra=candidate.extra,
+        torsion=torsion,
+        spin=spin,
+        scene=scene,
+        reference=spec.reference,
+        spec=spec,
+        section=section,
+        **read,
+    )
 
 
 def as_not_holdable(made: GraspSolution, spec: GraspSpec, scene: Scene, twist: Array) -> GraspSolution:
@@ -135,9 +160,16 @@ def lazy_solution(spec: GraspSpec, scene: Scene, section: Section, found: Compil
     """SOLVED, from an answer that passes and leaves nothing free, of a scene without soft or anisotropic contacts."""
     kind: type[GraspSolution] = GraspSolution if spec.mechanism is None else spec.mechanism.solution
     return kind.with_deferred_fields(
-        _SolutionFields(spec, scene, found), status=Status.SOLVED, certificate=None, extra={}, yielding={}, scene=scene,
-        reference=spec.reference, spec=spec, section=section,
-    )  # fmt: skip
+        _SolutionFields(spec, scene, found),
+        status=Status.SOLVED,
+        certificate=None,
+        extra={},
+        yielding={},
+        scene=scene,
+        reference=spec.reference,
+        spec=spec,
+        section=section,
+    )
 
 
 def first_stage_trace(found: CompiledAnswer) -> tuple[str, ...]:
@@ -159,7 +191,7 @@ class _SolutionFields:
 
     @property
     def forces(self) -> Array:
-        """(n, 3)."""
+        """The contact forces (n, 3) in contact axes [N]."""
         return self.found.components.reshape(-1, 3)
 
     @property
@@ -200,9 +232,14 @@ _PROOF_WORDS, _NO_PROOF_WORDS = "nothing holds it", "no proof that nothing holds
 
 
 def solve_in_stages(
-    spec: GraspSpec, scene: Scene, section: Section, solver: AnySolver = None, start: Array = NO_START,
-    proof: bool = True, first: CompiledAnswer | None = None,
-) -> GraspSolution:  # fmt: skip
+    spec: GraspSpec,
+    scene: Scene,
+    section: Section,
+    solver: AnySolver = None,
+    start: Array = NO_START,
+    proof: bool = True,
+    first: CompiledAnswer | None = None,
+) -> GraspSolution:
     """Forces, slips and motion of `build(spec)`; start as in `compiled_answer.start_from`, proof as in `Grasp.solve`.
 
     first : what the compiled first stage came to, where that is known.
@@ -236,8 +273,6 @@ def conclude_first_stage(spec: GraspSpec, scene: Scene, section: Section, found:
 
 def _refuse(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
     """NOT_HOLDABLE where that is proven, else UNDECIDED."""
-    from handlcp.grasp.verify.load_capacity import escape_in_si
-
     escape = found.escape
     trace = (*first_stage_trace(found), f"holdability: {_NO_PROOF_WORDS if escape is None else _PROOF_WORDS}")
     made = undecided_solution(spec, scene, section, found.residuals, found.iterations, trace)
@@ -245,12 +280,15 @@ def _refuse(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnsw
 
 
 def _run_all_stages(
-    spec: GraspSpec, scene: Scene, section: Section, solver: AnySolver, start: Array, first: Proposal | None,
+    spec: GraspSpec,
+    scene: Scene,
+    section: Section,
+    solver: AnySolver,
+    start: Array,
+    first: Proposal | None,
     proof: bool,
-) -> GraspSolution:  # fmt: skip
+) -> GraspSolution:
     """One stage after the other; `first` is the first one's proposal, where that is known."""
-    from handlcp.grasp.solve.equilibrium_search import EquilibriumSearch
-
     chain = as_chain(solver)
     # The chain works on friction as a set, whatever the section: pyramids cost no more than the cone
     problem = (assemble if chain is None else GraspContactProblem)(scene, section, stamped_effects(spec.effects))
@@ -322,8 +360,6 @@ class _StagedSolve:
 
     def prove_escape(self) -> bool:
         """Whether it is proven that nothing holds the object."""
-        from handlcp.grasp.verify.load_capacity import find_escape_twist
-
         self.escape = find_escape_twist(self.scene, self.problem.section)
         self.trace.append(f"holdability: {_NO_PROOF_WORDS if self.escape is None else _PROOF_WORDS}")
         return self.escape is not None
@@ -355,9 +391,13 @@ class _StagedSolve:
             return made
         certificate = None if found.escape is None else escape_certificate(spec, scene, scene.twist(found.escape))
         return replace(
-            made, status=Status.NO_EQUILIBRIUM, bounds=found.bounds, cause=found.cause, certificate=certificate,
+            made,
+            status=Status.NO_EQUILIBRIUM,
+            bounds=found.bounds,
+            cause=found.cause,
+            certificate=certificate,
             yielding=found.yielding,
-        )  # fmt: skip
+        )
 
 
 # ----------------------------------------------------------------
@@ -393,9 +433,13 @@ def update_effects(spec: GraspSpec, forces: Array) -> GraspSpec | str:
 
 
 def solve_to_fixed_point(
-    spec: GraspSpec, scene: Scene, section: Section, solver: AnySolver = None, start: Array = NO_START,
+    spec: GraspSpec,
+    scene: Scene,
+    section: Section,
+    solver: AnySolver = None,
+    start: Array = NO_START,
     proof: bool = True,
-) -> GraspSolution:  # fmt: skip
+) -> GraspSolution:
     """As `stages.solve_in_stages`; scene : of the unloaded fingers. The trace ends with how the iteration went. What is
     said of uniqueness holds for the last E.
     """
@@ -464,9 +508,13 @@ def _relative_change(difference: Array, of: Array) -> float:
 
 
 def solve_spec(
-    spec: GraspSpec, section: Section, solver: AnySolver = None, start: Array = NO_START, scene: Scene | None = None,
+    spec: GraspSpec,
+    section: Section,
+    solver: AnySolver = None,
+    start: Array = NO_START,
+    scene: Scene | None = None,
     proof: bool = True,
-) -> GraspSolution:  # fmt: skip
+) -> GraspSolution:
     """The certified solution; its status says what it is worth, and nothing is raised for want of one.
 
     start : as in `compiled_answer.start_from`. scene : `build(spec)`, where that is known. proof : as in `Grasp.solve`.

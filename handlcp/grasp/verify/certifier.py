@@ -64,10 +64,11 @@ def compute_motions_and_residuals(
     twist: Array,
     growth: float,
 ) -> tuple[Array, LawResiduals]:
-    """(v, misses): v (c,) object minus fingertip, v = Gᵀ u + E r + d, of forces (c,) and the twist (6,) u.
+    """The motions v = Gᵀ u + E r + d (c,) of the object minus the fingertips, and the residuals of every law.
 
-    offset (c,) : d, with what effects open. growth : see `_sizes`. NaN throughout where a force or the twist is not
-    finite.
+    offset (c,) : d, with what effects open.
+    forces (c,), twist (6,) : r and u.
+    growth : see `_residual_scales`. NaN throughout where a force or the twist is not finite.
     """
     total = 0.0
     for x in forces:
@@ -119,7 +120,7 @@ def compute_residuals(
 
 @kernel
 def _contact_motions(G: Array, E: Array, offset: Array, forces: Array, twist: Array) -> ContactMotions:
-    """Of the components (c,)."""
+    """The motions of the components (c,), with what they are summed of."""
     c = len(forces)
     v, own, terms = np.empty(c), np.empty(c), np.empty(c)
     for i in range(c):
@@ -202,7 +203,7 @@ def _component_units(g: GraspArrays, length: float) -> Array:
 def _residual_scales(
     p: GraspGeometry, unit: Array, contacts: Ints, offset: Array, forces: Array, moved: ContactMotions, growth: float
 ) -> tuple[float, Array]:
-    """(F, V): the force [N] and each contact's motion (n,) [m] that residuals are measured by.
+    """The force F [N] and each contact's motion V (n,) [m] that residuals are measured by.
 
     A component counts as what it is in contact axes where the law's coordinates make it larger: a large lever excuses
     no overlap, a small one no imbalance.
@@ -353,7 +354,10 @@ class LimitsAtAnswer:
         return list(out)
 
     def conditions(self, basis: Array, active: Bools, multipliers: Array) -> tuple[Array, Array]:
-        """(D, now), limits' order: now + D c ≥ 0 keeps every limit, and every motion ≥ 0, along a branch's basis."""
+        """The rows D and values `now`, in the limits' order, of now + D c ≥ 0 along a branch's basis.
+
+        They keep every limit, and every motion ≥ 0.
+        """
         D = -self.rows @ basis[: self.rows.shape[1]]
         D[active] = multipliers
         return D, np.where(active, self.motion, self.slack)
@@ -456,9 +460,15 @@ def certify_candidate(
         if (opening := e.opening(scene, candidate.extra)) is not None:
             offset = offset + opening
     v, misses = compute_motions_and_residuals(
-        scene.arrays, scene.geometry, scene.kind.contact_components, friction_limits(scene, section), offset,
-        candidate.components, candidate.twist, MAX_RESIDUAL_GROWTH,
-    )  # fmt: skip
+        scene.arrays,
+        scene.geometry,
+        scene.kind.contact_components,
+        friction_limits(scene, section),
+        offset,
+        candidate.components,
+        candidate.twist,
+        MAX_RESIDUAL_GROWTH,
+    )
     F = misses.force_size
     others = F  # NaN where a force or the twist is not finite: no law is worth asking then
     if F == F:

@@ -22,9 +22,12 @@ _SPAN_TOLERANCE = 1e-6  # a normal this near to the span of others is one of the
 
 
 class ContactStates(NamedTuple):
-    """kind (n,): of `ContactStatus`. against (n,), faces (n, 3, 3): how many independent outward normals a
-    contact slides against, and those, in rows. turn (n,): slip over friction [m/N] of a contact that slides on a round
-    set, where both turn together; else 0.
+    """The states of n contacts at an answer.
+
+    kind (n,) : of `ContactStatus`.
+    face_count (n,), faces (n, 3, 3) : how many independent outward normals a contact slides against, and those, in
+        rows.
+    turn (n,) : slip over friction [m/N] of a contact that slides on a round set, where both turn together; else 0.
     """
 
     kind: Ints

@@ -133,13 +133,13 @@ class ConeProduct:
     """The cones of m rows: `linear` half-lines, then so many second-order cones of each dimension, in order."""
 
     def __init__(self, linear: int, more: tuple[tuple[int, int], ...]) -> None:
-        """More : (dimension, count) of second-order cones."""
+        """Make the product of so many half-lines and of second-order cones, (dimension, count) each."""
         self.linear, self.second_order = linear, tuple([(d, count) for d, count in more if count])
         self.rows = linear + sum(d * count for d, count in self.second_order)
 
     @lazy_property
     def unit(self) -> Array:
-        """(m,) e: 1 on half-lines, (1, 0, …) on cones."""
+        """The unit element e (m,) of the cones: 1 on half-lines, (1, 0, …) on cones."""
         cones = [np.tile(np.append(1.0, np.zeros(d - 1)), count) for d, count in self.second_order]
         return np.concatenate([np.ones(self.linear), *cones])
 
@@ -313,11 +313,17 @@ def build_capacity(scene: Scene, section: Section, effects: tuple[Effect, ...], 
     tail = sum(d * count for d, count in cones)
     none = np.full(tail, -1)
     return Capacity(
-        np.concatenate([lines, *curved]), np.concatenate([np.zeros(k), room[kept], np.zeros(tail)]),
-        ConeProduct(len(lines), tuple(cones)), np.concatenate([owners, np.full(kept.sum(), -1), *of_curved]),
-        np.concatenate([np.full(k, -1), joint[kept], none]), np.concatenate([np.full(k, -1), effect[kept], none]),
-        beside, rows[first][:, index], room[first], scene.natural.full_G[:, index],
-    )  # fmt: skip
+        np.concatenate([lines, *curved]),
+        np.concatenate([np.zeros(k), room[kept], np.zeros(tail)]),
+        ConeProduct(len(lines), tuple(cones)),
+        np.concatenate([owners, np.full(kept.sum(), -1), *of_curved]),
+        np.concatenate([np.full(k, -1), joint[kept], none]),
+        np.concatenate([np.full(k, -1), effect[kept], none]),
+        beside,
+        rows[first][:, index],
+        room[first],
+        scene.natural.full_G[:, index],
+    )
 
 
 def friction_rows(
@@ -369,7 +375,9 @@ def _limit_rows(scene: Scene, effects: tuple[Effect, ...], torques: bool) -> tup
 
 
 def _equality_pairs(rows: Array, room: Array) -> Array:
-    """(k, k) bool: row i and row j > i say that a force is what it is known to be: A_i = -A_j, b_i = -b_j."""
+    """Pairs of rows that say that a force is what it is known to be, (k, k) bool: A_i = -A_j and b_i = -b_j, with j
+    > i.
+    """
     k = len(rows)
     same = (rows[:, None] == -rows[None]).all(axis=2) & (room[:, None] == -room[None])
     return np.asarray(same & (np.arange(k)[:, None] < np.arange(k)[None]))

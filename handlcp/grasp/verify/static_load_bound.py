@@ -74,9 +74,13 @@ def balance_depth(capacity: Capacity, base: Array) -> float:
     room = np.column_stack([G, cones.unit])
     lid = np.append(np.zeros(G.shape[1]), 1.0)[None]
     program = ConicPrograms(
-        -lid[0], np.column_stack([kept @ A, np.zeros(len(kept))])[None], (kept @ b / size)[None],
-        np.concatenate([lid, room]), np.append(1.0, capacity.h / size)[None], _with_half_line(cones),
-    )  # fmt: skip
+        -lid[0],
+        np.column_stack([kept @ A, np.zeros(len(kept))])[None],
+        (kept @ b / size)[None],
+        np.concatenate([lid, room]),
+        np.append(1.0, capacity.h / size)[None],
+        _with_half_line(cones),
+    )
     found = solve_conic(program)
     return float(found.x[0, -1]) if found.status[0] == ENDED else -1.0
 
@@ -132,7 +136,7 @@ def _solve_programs(
 
 
 def _equality_rows(capacity: Capacity, base: Array) -> tuple[Array, Array]:
-    """(e, m) and (e,): balance, and forces that are known."""
+    """The equations of balance and of forces that are known: rows (e, m) and right-hand sides (e,)."""
     return np.concatenate([capacity.wrenches, capacity.equations]), np.concatenate([-base, capacity.values])
 
 
@@ -188,8 +192,12 @@ class StaticLoadBounds:
         """(kind, who) of all that binds at the factor of wrench number k; kind: "slips", "opens", "torque", "force"
         (a limit of an effect). Empty where the factor is not finite.
         """
-        every = ((SLIPS, self.slips, self.names), (OPENS, self.opens, self.names),
-                 (TORQUE, self.torque, self.joints), ("force", self.limited, self.effects))  # fmt: skip
+        every = (
+            (SLIPS, self.slips, self.names),
+            (OPENS, self.opens, self.names),
+            (TORQUE, self.torque, self.joints),
+            ("force", self.limited, self.effects),
+        )
         return tuple([(kind, names[j]) for kind, mask, names in every for j in np.flatnonzero(mask[k])])
 
 
@@ -240,11 +248,18 @@ def _bounds_in_si(
     light = normal < _OPEN_FORCE_SHARE * np.nanmax(abs(normal), axis=1, initial=0.0, keepdims=True)
     rough = np.array(scene.kind.tangents) > 0
     return StaticLoadBounds(
-        read_only(found.factors), read_only(found.gaps), balanced, read_only(forces), contact & ~light & rough,
-        contact & (light | ~rough), _any_by_owner(binding, capacity.joint, len(joints)),
-        _any_by_owner(binding, capacity.effect, len(capacity.effects)), spec.names, joints,
+        read_only(found.factors),
+        read_only(found.gaps),
+        balanced,
+        read_only(forces),
+        contact & ~light & rough,
+        contact & (light | ~rough),
+        _any_by_owner(binding, capacity.joint, len(joints)),
+        _any_by_owner(binding, capacity.effect, len(capacity.effects)),
+        spec.names,
+        joints,
         tuple([e.called for e in capacity.effects]),
-    )  # fmt: skip
+    )
 
 
 def _any_by_owner(binding: Bools, owner: Ints, count: int) -> Bools:

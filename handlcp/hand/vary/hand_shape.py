@@ -36,7 +36,11 @@ STIFFNESS, LIMIT, MOTOR, RADIUS, PAD = "stiffness", "torque_limit", "motor", "ra
 
 
 class HandChanges(NamedTuple):
-    """whole : arguments of `Hand.replace`. named : what is changed → of which joint, fingertip, … → to what."""
+    """What is changed of a hand, read from names.
+
+    arguments : those of `Hand.replace`.
+    named : what is changed → of which joint, fingertip, … → to what.
+    """
 
     arguments: dict[str, Any]
     named: dict[str, dict[str, Any]]
@@ -78,9 +82,15 @@ def _changeable_numbers(hand: HandModel) -> dict[str, Sequence[str]]:
     tendons = hand.stiffness.names if isinstance(hand.stiffness, TendonStiffness) else ()
     links = tuple(dict.fromkeys((*hand.fingertips, *hand.description.links_with(COLLISION))))
     return {
-        LENGTH: movable, AXIS: movable, POSITION: movable, STIFFNESS: joints, LIMIT: joints,
-        MOTOR: tuple(dict.fromkeys((*joints, *tendons))), RADIUS: hand.fingertips, PAD: links,
-    }  # fmt: skip
+        LENGTH: movable,
+        AXIS: movable,
+        POSITION: movable,
+        STIFFNESS: joints,
+        LIMIT: joints,
+        MOTOR: tuple(dict.fromkeys((*joints, *tendons))),
+        RADIUS: hand.fingertips,
+        PAD: links,
+    }
 
 
 def _unknown_change(name: Any, of: str, what: str, known: Mapping[str, Sequence[str]]) -> UnknownName:

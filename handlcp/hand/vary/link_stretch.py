@@ -28,8 +28,11 @@ _END_TOLERANCE = 1e-9  # of the length: a link that begins so close to the end i
 
 @dataclass(frozen=True, slots=True)
 class LinkStretch:
-    """direction (3,) : of the line, a unit vector. before, after : the lengths L, L' [m]. start : t of the origin of
-    the frame in which direction and points are given [m]; 0 in that of the joint.
+    """A link that is made longer or shorter along a line.
+
+    direction (3,) : of the line, a unit vector.
+    before, after : the lengths L, L' [m].
+    start : t of the origin of the frame in which direction and points are given [m]; 0 in that of the joint.
     """
 
     direction: Array
@@ -84,7 +87,7 @@ class LinkStretch:
         return k, min(float(cosines[k]), 1.0)
 
     def _shift_at(self, t: float) -> float:
-        """T' - t [m]."""
+        """How far a point at t along the line is moved, t' - t [m]."""
         return (self.after - self.before) * min(max(t / self.before, 0.0), 1.0)
 
 
@@ -120,7 +123,10 @@ def stretch_model(model: Any, stretches: Mapping[int, LinkStretch]) -> None:
 def stretch_parts(
     given: GivenShapes, model: Any, stretches: Mapping[int, LinkStretch]
 ) -> tuple[GivenShapes, list[str]]:
-    """The geometry; model : as it was before. And names of links with meshes that keep their shape, all of them."""
+    """Stretch the shapes of links, and name those whose meshes all keep their shape.
+
+    model : as it was before.
+    """
     kinds, kept = list[tuple[str, tuple[LinkShape, ...]]](), list[str]()
     for kind, parts in given:
         made = []

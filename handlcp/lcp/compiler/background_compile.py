@@ -83,7 +83,7 @@ class _CompilerProcess:
             self.sent.add(request)
 
     def end(self) -> None:
-        """End the process. What it was at is lost, what it finished is kept."""
+        """Stop the process that compiles. What it was at is lost, what it finished is kept."""
         if (process := self._release()) is not None:
             try:
                 process.wait(_KILL_AFTER_SECONDS)

@@ -34,7 +34,7 @@ class KernelCache:
 
     @property
     def cache_path(self) -> str:
-        """The first folder."""
+        """The folder that compiled kernels are written to, the first of those that are read."""
         return str(next(iter(folders.cache_folders()), ""))
 
     def stamp(self, types: Any, target: Any) -> int:
@@ -84,13 +84,13 @@ class KernelCache:
             warn_not_kept(why)
 
     def enable(self) -> None:
-        """Nothing: it is."""
+        """Do nothing, as the cache is always on."""
 
     def disable(self) -> None:
-        """Nothing: HANDLCP_CACHE_DIR says where it is, and an unwritable folder is none."""
+        """Do nothing, as HANDLCP_CACHE_DIR says where the cache is, and an unwritable folder is none."""
 
     def flush(self) -> None:
-        """Nothing: files of an earlier source are never read."""
+        """Do nothing, as files of an earlier source are never read."""
 
     def _file(self, types: Any, codegen: Any) -> str:
         """The name of a file: all that the code depends on, as types, processor, versions, and the function itself."""

@@ -110,7 +110,7 @@ _open_blocks = {"soon": 0, "at once": 0}  # how many blocks of each are open, in
 
 @cache
 def kernel_mode() -> str:
-    """What HANDLCP_KERNELS says. Raises InputError for anything else than its three words."""
+    """The mode of kernels that HANDLCP_KERNELS says. Raises InputError for anything else than its three words."""
     word = os.environ.get("HANDLCP_KERNELS") or "auto"
     if word not in ("auto", "compiled", "interpreted"):
         raise InputError("HANDLCP_KERNELS", '"auto", "compiled" or "interpreted"', repr(word))

@@ -6,7 +6,6 @@ import threading
 from typing import Any
 
 import numba
-from numba.core.registry import cpu_target
 from numba.extending import typeof_impl
 
 from handlcp.lcp.compiler import background_compile, compile_policy, link
@@ -15,7 +14,6 @@ from handlcp.lcp.compiler.compile_policy import announce_waiting
 from handlcp.progress import exclude_from_budget
 
 t: Any = numba.types
-link.install_library_class(cpu_target.target_context.codegen())
 
 _lock = threading.RLock()
 
@@ -29,12 +27,12 @@ def dispatcher(kernel: Any) -> Any:
     with _lock:
         if kernel.jit is None:
             typeof_impl.register(type(kernel))(_typeof)
-            jit = numba.njit(error_model="numpy", nogil=True, no_cfunc_wrapper=True)(kernel.function)
+            options = {"error_model": "numpy", "nogil": True, "no_cfunc_wrapper": True}
+            jit = numba.njit(**options, pipeline_class=link.KernelCompiler)(kernel.function)
             jit._cache = KernelCache(kernel.function)
             jit.compile = lambda types: _compile(jit, types)
-            jit._compile_for_args = lambda *args: _choose_code(
-                kernel, jit, args
-            )  # numba's C code calls what it returns
+            # numba's C code calls what this one returns
+            jit._compile_for_args = lambda *args: _choose_code(kernel, jit, args)
             jit.get_call_template = lambda args, kws: type(jit).get_call_template(jit, _general_types(args), kws)
             kernel.jit = kernel.run = jit
         return kernel.jit

@@ -16,7 +16,10 @@ from handlcp.lcp.compiler.folders import is_kept
 
 
 class _ThreadState(threading.local):
-    """outermost : the kernel that this thread runs as Python, called by no other; None: it runs none."""
+    """What this thread runs as Python.
+
+    outermost : the kernel that no other kernel called; None: it runs none.
+    """
 
     outermost: Kernel | None = None
 
@@ -45,7 +48,7 @@ class Kernel:
         self.missing: dict[Any, int] = {}
 
     def __call__(self, *args: Any) -> Any:
-        """Run it."""
+        """Run the kernel, compiled where it is, else as Python."""
         return self.run(*args)
 
     def __reduce__(self) -> str:

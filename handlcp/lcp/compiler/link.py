@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
 from numba.core.compiler_lock import global_compiler_lock
 from numba.extending import overload
 from numba.np import arrayobj
@@ -29,7 +30,7 @@ class LinkedKernel(NamedTuple):
 
 
 class Library(JITCodeLibrary):  # type: ignore[misc]
-    """Code of one function. own : what its callers need of it, where it is a large kernel. needs : what it calls."""
+    """Code of one kernel. own : what its callers need of it, where it is large. needs : large kernels that it calls."""
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
@@ -46,10 +47,18 @@ class Library(JITCodeLibrary):  # type: ignore[misc]
             self.needs[own.symbol] = own
 
 
-def install_library_class(codegen: Any) -> None:
-    """Let numba's code generator make such libraries. Nothing happens where it is not the one that is known."""
-    if getattr(codegen, "_library_class", None) is JITCodeLibrary:
-        codegen._library_class = Library
+class KernelCompiler(Compiler):  # type: ignore[misc]
+    """Numba's compiler of one kernel, whose code is a `Library`; all other functions have numba's own.
+
+    numba's way to extend it: https://numba.readthedocs.io/en/stable/extending/customizing.html
+    """
+
+    def define_pipelines(self) -> Any:
+        """The pipelines of numba, with the library that they fill."""
+        if self.state.library is None:
+            self.state.library = Library(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
+            self.state.library.enable_object_caching()
+        return super().define_pipelines()
 
 
 def is_large(found: Any) -> bool:
@@ -59,14 +68,14 @@ def is_large(found: Any) -> bool:
 
 
 def keep_apart(found: Any, kernel: str, types: Any) -> None:
-    """From now on callers of this kernel do not take it in."""
-    if isinstance(found.library, Library):
-        found.library.own = LinkedKernel(kernel, types, found.fndesc.llvm_func_name)
+    """From now on callers of this kernel do not take it in. found : what numba compiled, or loaded from a file."""
+    found.library.own = LinkedKernel(kernel, types, found.fndesc.llvm_func_name)
 
 
 # ----------------------------------------------------------------
 # Whatever assigns to a slice takes in numba's message about shapes that differ, with all that puts numbers into words:
-# up to half of the time that such a kernel takes to compile.
+# two thirds of the time that a kernel takes to compile. While one is compiled, and nothing else can be, that message is
+# another one.
 
 _NUMBA_RAISE_STUB = "raise_with_shape_context"  # numba's stub for it, which is looked up when a kernel is compiled
 

@@ -25,7 +25,7 @@ def complementarity_residual(z: Array, w: Array, free: Bools) -> float:
 
 @kernel
 def unknown_size(z: Array) -> float:
-    """max(1, largest |z_i|): what a residual is measured against."""
+    """The size of the unknowns that a residual is measured against, max(1, largest |z_i|)."""
     largest = 1.0
     for x in z:
         largest = max(largest, abs(x))

@@ -217,7 +217,7 @@ def multiply_entries(a: Array, b: Array) -> Array:
 def recompute_residual(
     M: Array, q: Array, free: Bools, z_unit: Array, w_unit: Array, z: Array, growth: float
 ) -> tuple[Array, float]:
-    """(w, residual): w = M z + q, and the worst of |min(z_i, w_i)|, |w_i| where free, in units of z and w.
+    """Recompute w = M z + q, and the worst of |min(z_i, w_i)|, |w_i| where free, in units of z and w: (w, residual).
 
     Divided by the size of z, clipped to [1, growth]. Infinite where anything is not finite.
     """
@@ -238,7 +238,7 @@ def recompute_residual(
 def recompute_natural_residual(
     M: Array, q: Array, free: Bools, z_unit: Array, w_unit: Array, x: Array, growth: float
 ) -> tuple[Array, Array, float]:
-    """(z, w, residual): the same for z = x in units of z."""
+    """Recompute (z, w, residual) as `recompute_residual` does, for z = x in units of z."""
     z = multiply_entries(x, z_unit)
     w, residual = recompute_residual(M, q, free, z_unit, w_unit, z, growth)
     return z, w, residual

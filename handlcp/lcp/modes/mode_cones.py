@@ -258,9 +258,13 @@ def _further_motion(d: int, p: Array, along: Array, best: float, of: Array) -> f
 
 
 class FullEquations(NamedTuple):
-    """All N rows. M (N, n, 4) : by each contact's normal force and up to three tangential ones. F (N, f) : by the free
-    unknowns. q (N,). row (n, 4) : the row of each of its motions, -1 where there is none; of other rows y = 0.
-    tangents, limits (n,), faces : as in `Cones`.
+    """All N rows of the laws, before the free unknowns are taken out.
+
+    M (N, n, 4) : by each contact's normal force and up to three tangential ones.
+    F (N, f) : by the free unknowns.
+    q (N,) : what is given.
+    row (n, 4) : the row of each of its motions, -1 where there is none; of other rows y = 0.
+    tangents, limits (n,), faces : as in `ModeCones`.
     """
 
     M: Array
@@ -273,8 +277,11 @@ class FullEquations(NamedTuple):
 
 
 class ReducedEquations(NamedTuple):
-    """cones, b : what a fit is asked for. top (rank, f + 1 + 8n) : rows that give the free unknowns `taken` (rank,), a
-    triangle in these columns, by q, forces and motions.
+    """The equations of one choice of modes, without the free unknowns.
+
+    cones, b : what a fit is asked for.
+    top (rank, f + 1 + 8n) : rows that give the free unknowns `taken` (rank,), a triangle in these columns, by q, forces
+        and motions.
     """
 
     cones: ModeCones
@@ -285,7 +292,7 @@ class ReducedEquations(NamedTuple):
 
 @kernel
 def reduce_equations(w: FullEquations, codes: Ints) -> ReducedEquations:
-    """Of modes codes (n,)."""
+    """Reduce the equations to those of one choice of contact modes, codes (n,)."""
     N, f, n = len(w.q), w.F.shape[1], len(codes)
     known = np.ones(N, np.bool_)
     for i in range(n):

@@ -49,9 +49,21 @@ def new_active_columns(b: Array) -> ActiveColumns:
     R = len(b)
     k = R + 1
     return ActiveColumns(
-        np.zeros(1, np.int64), np.zeros(R), np.zeros((k, R)), np.zeros((R, k)), np.zeros((k, k)), np.zeros(k), b.copy(),
-        np.zeros(k), np.zeros(k), b.copy(), np.zeros(k, np.int64), np.zeros(k, np.int64), np.zeros((k, 4)), np.zeros(k),
-    )  # fmt: skip
+        np.zeros(1, np.int64),
+        np.zeros(R),
+        np.zeros((k, R)),
+        np.zeros((R, k)),
+        np.zeros((k, k)),
+        np.zeros(k),
+        b.copy(),
+        np.zeros(k),
+        np.zeros(k),
+        b.copy(),
+        np.zeros(k, np.int64),
+        np.zeros(k, np.int64),
+        np.zeros((k, 4)),
+        np.zeros(k),
+    )
 
 
 @kernel
@@ -178,9 +190,10 @@ _MAX_COLUMN_CHANGES = 20  # changes of the active columns, in numbers of equatio
 
 @kernel
 def fit_mode(c: ModeCones, codes: Ints, corners: Array, a: ActiveColumns) -> tuple[float, int]:
-    """(what is left, of |b|, 0 where it is rounding; multiply-adds spent). `a` holds generators to begin with, and then
-    those of the fit.
+    """Fit forces and motions of one choice of modes: (what is left, multiply-adds spent).
 
+    What is left is a share of |b|, 0 where it is rounding.
+    a : holds generators to begin with, and then those of the fit.
     codes (n,), corners (n, 3, 3) : mode and patch of every contact.
     """
     n, R = len(codes), len(a.b)

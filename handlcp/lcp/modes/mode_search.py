@@ -87,9 +87,12 @@ def new_mode_tree(w: FullEquations) -> ModeTree:
     for i in range(n):
         room += 3 + count_patches(w.tangents[i]) + (4 * _MAX_SPLITS if w.tangents[i] > 1 else 0)
     tree = ModeTree(
-        np.zeros((room, n), np.int64), np.zeros((room, n, 3, 3)), np.zeros((room, n), np.int64),
-        np.full((room, R + 1, 6), -1.0), np.zeros(5, np.int64),
-    )  # fmt: skip
+        np.zeros((room, n), np.int64),
+        np.zeros((room, n, 3, 3)),
+        np.zeros((room, n), np.int64),
+        np.full((room, R + 1, 6), -1.0),
+        np.zeros(5, np.int64),
+    )
     tree.counts[0] = 1
     return tree
 
@@ -99,9 +102,13 @@ def new_mode_node(w: FullEquations) -> ModeNode:
     """Arrays for one node."""
     n = len(w.tangents)
     return ModeNode(
-        np.zeros(n, np.int64), np.zeros((n, 3, 3)), np.zeros(n, np.int64), np.zeros((n, 4)), np.zeros((n, 4)),
+        np.zeros(n, np.int64),
+        np.zeros((n, 3, 3)),
+        np.zeros(n, np.int64),
+        np.zeros((n, 4)),
+        np.zeros((n, 4)),
         np.zeros(w.F.shape[1]),
-    )  # fmt: skip
+    )
 
 
 @kernel
@@ -321,7 +328,8 @@ class ModeSearch:
         return math.prod(each)
 
     def candidates(self, work: float, end: float = math.inf) -> Iterator[Array]:
-        """(n,) each, natural units: what may be an answer, or near one, until so many multiply-adds were spent in all.
+        """Candidates (n,) in natural units that may be an answer, or near one, until so many multiply-adds were spent
+        in all.
 
         end : of `time.monotonic`, if earlier.
         """
@@ -332,8 +340,10 @@ class ModeSearch:
                 yield self._unknowns()
 
     def each_choice(self, work: float) -> Iterator[Array]:
-        """(n,) each, natural units: one answer of each choice of modes that has any, until so many multiply-adds were
-        spent in all. Where `exhausted`, the other choices are proven to have none within the bounds.
+        """One answer (n,) in natural units of each choice of modes that has any, until so many multiply-adds were spent
+        in all.
+
+        Where `exhausted`, the other choices are proven to have none within the bounds.
         """
         return (self._unknowns() for last in self._visits(work, math.inf) if last)
 
@@ -346,9 +356,7 @@ class ModeSearch:
             report_progress(f"{self.node_count} choices of contact modes")
             ended, budget = int(counts[2]), int(min(left, _WORK_BETWEEN_CLOCKS))
             with compile_in_background(work / _WORK_PER_CALL):
-                what = visit_nodes(
-                    self._tree, self._whole, self.problem.sets.normals, self._claim, budget, self._node
-                )  # fmt: skip
+                what = visit_nodes(self._tree, self._whole, self.problem.sets.normals, self._claim, budget, self._node)
             self.exhausted = what == EXHAUSTED
             if what == CANDIDATE:
                 yield bool(counts[2] > ended)

@@ -28,7 +28,7 @@ UnitsOf = Literal["natural", "given"]
 
 
 def in_units(problem: LCP, units: UnitsOf) -> tuple[ScaledLCP, Array]:
-    """(the problem in these units, sizes (n,)): z in these units divided by the sizes is z in natural units.
+    """The problem in these units, and sizes (n,) by which z in them is divided to be z in natural units.
 
     "natural": the problem's own. "given": the user's, metres and newtons, as in the paper.
     """
@@ -77,7 +77,7 @@ class AsPrinted:
     def run(self, problem: ScaledLCP, z: Array, state: Seeds, history: Array) -> tuple[int, float, int]:
         """Take the steps, in place on z. Returns (steps taken, ‖Φ‖₂, rows of history written)."""
         M, q, free = problem.M, problem.q, problem.free
-        return _printed(M, q, free, z, state, self.max_iterations, self.tol, self.stride, history)
+        return _run_steps(M, q, free, z, state, self.max_iterations, self.tol, self.stride, history)
 
 
 @kernel
@@ -87,7 +87,7 @@ def _phi(z: float, w: float, free: bool) -> float:
 
 
 @kernel
-def _printed(
+def _run_steps(
     M: Array, q: Array, free: Bools, z: Array, state: Seeds, steps: int, tolerance: float, stride: int, history: Array
 ) -> tuple[int, float, int]:
     """Take up to `steps` steps in place on z (n,). Returns (steps taken, ‖Φ‖₂, rows of history written)."""

@@ -87,7 +87,7 @@ def _stiffer(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
             yield "fingertip pads", "joints that give way, hard fingertips", _with(grasp, joints + around)
         if joints.any():
             rest = "soft fingertips" if pads.any() else "rigid fingers"
-            yield "joint compliance", f"stiff joints, {rest}", _with(_unsagged(grasp), pads + around)
+            yield "joint compliance", f"stiff joints, {rest}", _with(_without_sag(grasp), pads + around)
     elif E.any():
         yield "finger flexibility", "rigid fingers", _with(grasp, np.zeros_like(E))
 
@@ -116,7 +116,7 @@ def _with_effects(grasp: Grasp, effects: tuple[Effect, ...]) -> Grasp:
     return type(grasp)(grasp.spec.replace(effects=validate.effects(effects, grasp.spec)))
 
 
-def _unsagged(grasp: HandGrasp) -> Grasp:
+def _without_sag(grasp: HandGrasp) -> Grasp:
     """The grasp with joints that do not give way to the fingers' weight."""
     held = tuple(replace(e, sags=False) if isinstance(e, FingerWeight) else e for e in grasp.spec.effects)
     return _with_effects(grasp, held)
@@ -157,7 +157,7 @@ def accuracy_cost(
     Errors are measured against `grasp.solve("cone")`, certified. Where that is one equilibrium of several, rows that
     reach another are marked, not scored. Raises NoSolutionFound where the scene has no answer; InputError.
     """
-    chosen, sides, tols = _checked(grasp, methods, faces, tolerances)
+    chosen, sides, tols = _check_arguments(grasp, methods, faces, tolerances)
     check_integer("repeats", repeats, 1, 10_000)
     seconds = check_number("seconds", seconds, above=0.0)
     check_integer("seed", seed, 0)
@@ -237,7 +237,7 @@ def _notes(exact: GraspSolution, rows: Sequence[Row]) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _checked(
+def _check_arguments(
     grasp: Any, methods: Any, faces: Any, tolerances: Any
 ) -> tuple[tuple[Method, ...], tuple[tuple[int, ...], bool], tuple[tuple[float, ...], bool]]:
     """(methods, faces, tolerances), the latter two with whether they were asked for."""

@@ -35,7 +35,10 @@ class Errors:
         self.motion_scale = reference.residuals.motion_scale
 
     def __call__(self, forces: Array, slip: Array, grasp: Grasp | None = None) -> dict[str, float | None]:
-        """force_error, slip_error, torque_error. grasp : the one whose torques count; None: the reference's."""
+        """Compare forces and slip with the reference: force_error, slip_error, torque_error.
+
+        grasp : the one whose torques count; None: the reference's.
+        """
         torques = _torques(grasp or self.grasp, forces)
         off = None if torques is None or self.torques is None else _share(torques - self.torques, self.torques)
         return {
@@ -60,25 +63,27 @@ class Bench:
         """The row of a setting: one run of at most `most` steps, then as many repeats as fit into `seconds`."""
         if s.method.form == "grasp":
             return self._whole(s, seconds)
-        problem, solver = self._problem(s), s.method.configured(s.tolerance or 1.0, most, self.seed)
+        problem, solver = self._problem(s), s.method.configure(s.tolerance or 1.0, most, self.seed)
         if s.method.form == "cone":
             subject, units, run = problem, np.ones(1), solver.propose_contact
         else:
             subject, units = in_units(problem, "natural" if s.method.form == "LCP" else "given")
             run = solver.propose
-        proposal, times = timed(lambda: subject, run, self.repeats, seconds)
+        proposal, times = time_runs(lambda: subject, run, self.repeats, seconds)
         scene, candidate = self.grasp.scene, problem.candidate(proposal.z / units)
-        verdict = certify_candidate(scene, problem.effects, as_section(s.asked, scene.plane is not None), candidate)
+        verdict = certify_candidate(
+            scene, problem.effects, as_section(s.faces_asked, scene.plane is not None), candidate
+        )
         worst = verdict.residuals.worst
         slip = np.where(scene.force_unknown_mask[:, None], verdict.motion.reshape(-1, 3)[:, :2], 0.0)
-        said = _said(proposal.outcome) if worst > 0 and not verdict.residuals.passes else CERTIFIED
+        said = _status_of_outcome(proposal.outcome) if worst > 0 and not verdict.residuals.passes else CERTIFIED
         found = _times(times) | {"iterations": proposal.iterations, "outcome": proposal.outcome}
         return self._row(s, said, worst, candidate, slip, found)
 
     def _whole(self, s: Setting, seconds: float) -> Row:
         """The row of `grasp.solve`. Each run gets a new grasp, which keeps nothing from an earlier solve."""
         chain, again = Auto(seed=self.seed), partial(type(self.grasp), self.grasp.spec)
-        solution, times = timed(again, lambda g: g.solve(s.asked, chain, throw=False), self.repeats, seconds)
+        solution, times = time_runs(again, lambda g: g.solve(s.faces_asked, chain, throw=False), self.repeats, seconds)
         assert solution.scene is not None
         candidate = solution_candidate(solution.scene, solution)
         said = CERTIFIED if solution.held else solution.status.name.lower().replace("_", " ")
@@ -88,7 +93,11 @@ class Bench:
     def _row(
         self, s: Setting, said: str, worst: float, candidate: SolverCandidate, slip: Array, found: dict[str, Any]
     ) -> Row:
-        """The row. said : status, unless the candidate belongs to another equilibrium. found : further fields."""
+        """The row of one setting, with its errors.
+
+        said : status, unless the candidate belongs to another equilibrium.
+        found : further fields.
+        """
         errors = self.errors(candidate.forces, slip)
         off = errors["force_error"]
         # Friction on a pyramid may point up to π/m away from the slip: forces may be off by about this share
@@ -108,16 +117,19 @@ class Bench:
         return verdict.residuals.passes and off is not None and off > _SAME
 
     def _problem(self, s: Setting) -> Any:
-        """The assembled problem. "cone" and "grasp" work on friction as a set, the others on multipliers."""
+        """The assembled problem that a setting's method works on.
+
+        "cone" and "grasp" work on friction as a set, the others on multipliers.
+        """
         multipliers = s.method.form in ("LCP", "SI")
-        key = (s.asked, multipliers)
+        key = (s.faces_asked, multipliers)
         if key not in self._problems:
-            problem = self.grasp.problem(s.asked)
+            problem = self.grasp.problem(s.faces_asked)
             self._problems[key] = problem if multipliers else getattr(problem, "contact", problem)
         return self._problems[key]
 
 
-def timed(
+def time_runs(
     prepare: Callable[[], Any], run: Callable[[Any], Any], repeats: int, seconds: float
 ) -> tuple[Any, list[float]]:
     """(result of the first run, times [s]) of `repeats` runs; `prepare` makes the argument of each, untimed.
@@ -126,7 +138,7 @@ def timed(
     which fills the caches, counts only where there is no other. The garbage collector is off meanwhile.
     """
 
-    def once() -> tuple[Any, float]:
+    def run_once() -> tuple[Any, float]:
         subject = prepare()
         start = time.perf_counter()
         result = run(subject)
@@ -135,11 +147,11 @@ def timed(
     begun, collects = time.perf_counter(), gc.isenabled()
     gc.disable()
     try:
-        result, first = once()
+        result, first = run_once()
         times: list[float] = []
         wanted = max(repeats, min(_MANY, int(_SHORT / max(first, 1e-9))))
         while len(times) < wanted and time.perf_counter() - begun + first < seconds:
-            times.append(once()[1])
+            times.append(run_once()[1])
     finally:
         if collects:
             gc.enable()
@@ -158,7 +170,7 @@ def _times(times: list[float]) -> dict[str, Any]:
     return {"seconds": median, "seconds_low": low, "seconds_high": high, "runs": len(times)}
 
 
-def _said(outcome: str) -> str:
+def _status_of_outcome(outcome: str) -> str:
     """The status of an answer that the certifier refuses, from the method's own words."""
     if "spent" in outcome:
         return SPENT

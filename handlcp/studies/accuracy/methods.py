@@ -44,8 +44,9 @@ MOST = 200_000  # Kaczmarz steps of methods without Newton steps at the end
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """One method. meaning : in words.
+    """One method of solving whose cost is measured.
 
+    meaning : in words.
     form : what it works on. "grasp": all of `grasp.solve`. "cone": friction as a set, so that faces mean nothing.
         "LCP": the pyramid's complementarity problem in natural units. "SI": the same in metres and newtons.
     most : steps at most. growth : the cost of a step grows as n^growth with the unknowns n.
@@ -65,7 +66,7 @@ class Method:
         """Whether it has a tolerance."""
         return hasattr(self.solver, "tol")
 
-    def configured(self, tol: float, most: int, seed: int) -> Any:
+    def configure(self, tol: float, most: int, seed: int) -> Any:
         """The solver with those of the settings that it has."""
         settings = {"tol": tol, "max_iterations": most, "seed": seed}
         return replace(self.solver, **{name: x for name, x in settings.items() if hasattr(self.solver, name)})
@@ -98,7 +99,7 @@ class Setting:
     tolerance: float | None
 
     @property
-    def asked(self) -> int | str | Pyramid:
+    def faces_asked(self) -> int | str | Pyramid:
         """The argument `faces` of `grasp.problem` and `grasp.solve`. LCPs of scenes without pyramids ignore the 8."""
         if self.faces is not None:
             return Pyramid(self.faces, inscribed=self.section == "inscribed")
@@ -106,9 +107,11 @@ class Setting:
 
 
 def settings(
-    methods: Sequence[Method], faces: tuple[tuple[int, ...], bool], tolerances: tuple[tuple[float, ...], bool],
+    methods: Sequence[Method],
+    faces: tuple[tuple[int, ...], bool],
+    tolerances: tuple[tuple[float, ...], bool],
     pyramids: bool,
-) -> dict[Method, tuple[Setting, ...]]:  # fmt: skip
+) -> dict[Method, tuple[Setting, ...]]:
     """The settings of each method, in the order in which to run them: not every pair, unless both lists are given.
 
     faces, tolerances : each with whether it was asked for. pyramids : whether the scene has any; without them LCPs are

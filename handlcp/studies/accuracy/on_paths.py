@@ -74,7 +74,7 @@ class PathCost(Record):
 
     @property
     def summary(self) -> str:
-        """One sentence: the order of convergence, and how often the estimate is too small."""
+        """One sentence about the order of convergence, and how often the estimate is too small."""
         orders = []
         for question in (FOLLOW, LIMIT):
             rows = [r for r in self.of(question) if r.error > 0.0]
@@ -87,8 +87,10 @@ class PathCost(Record):
         return f"{fall}the estimate is below the true error in {low} of {len(known)} rows"
 
     def plot(self, path: Any = None, *, title: str = "") -> Any:
-        """The figure: error against time for each question, its estimate dashed. A matplotlib figure, or the file that
-        it was written to. Raises InputError for an unknown format; Unsupported without matplotlib.
+        """Draw error against time for each question, its estimate dashed.
+
+        A matplotlib figure, or the file that it was written to. Raises InputError for an unknown format; Unsupported
+        without matplotlib.
         """
         from handlcp.viz.accuracy.on_paths import figure  # answers pay for no picture that nobody draws
         from handlcp.viz.output_file import draw_or_save
@@ -98,9 +100,16 @@ class PathCost(Record):
     def __str__(self) -> str:
         """A table and the summary."""
         rows = [
-            (r.question, f"× {r.times:g}", f"{r.steps}", _milliseconds(r.seconds), share(r.error),
-             share(r.estimate) if np.isfinite(r.estimate) else "–") for r in self.rows
-        ]  # fmt: skip
+            (
+                r.question,
+                f"× {r.times:g}",
+                f"{r.steps}",
+                _milliseconds(r.seconds),
+                share(r.error),
+                share(r.estimate) if np.isfinite(r.estimate) else "–",
+            )
+            for r in self.rows
+        ]
         heads = "question", "asked", "steps", "time\nms", "error", "estimate"
         table = TextTable(heads, tuple(rows), "<>>>>>")
         said = f"{self.summary[0].upper()}{self.summary[1:]}."
@@ -115,9 +124,14 @@ def _milliseconds(seconds: float) -> str:
 @check_call()
 @compile_now()
 def path_cost(
-    grasp: Grasp, wrench: Any = None, *, geometry: str | None = None, faces: int | str | Pyramid = "cone",
-    times: Sequence[float] = (0.5, 1, 2, 4, 8, 16), repeats: int = 3,
-) -> PathCost:  # fmt: skip
+    grasp: Grasp,
+    wrench: Any = None,
+    *,
+    geometry: str | None = None,
+    faces: int | str | Pyramid = "cone",
+    times: Sequence[float] = (0.5, 1, 2, 4, 8, 16),
+    repeats: int = 3,
+) -> PathCost:
     """Time and error of `load_limit` along a wrench, and of `follow` up to 0.7 of that limit, over the number of steps.
 
     wrench, geometry, faces : as in `Grasp.load_limit`; in one posture, too, the path is taken in steps here. times :

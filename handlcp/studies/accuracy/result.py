@@ -194,7 +194,7 @@ class AccuracyCost(Record):
 
     @property
     def summary(self) -> str:
-        """One sentence: what 8 faces cost, or the number nearest to it, and what the cone costs."""
+        """One sentence about what 8 faces cost, or the number nearest to it, and what the cone costs."""
         if not any(any(f) for f in self.reference.forces):
             return "no finger pushes here: there is no relative force error"
         solved = [r for r in self.rows if r.status == CERTIFIED and r.comparable]
@@ -216,7 +216,7 @@ class AccuracyCost(Record):
 
     @classmethod
     def from_json(cls, text: str) -> AccuracyCost:
-        """What `to_json` wrote. Raises InputError for anything else."""
+        """Read what `to_json` wrote. Raises InputError for anything else."""
         from pydantic import TypeAdapter, ValidationError
 
         try:

@@ -44,7 +44,10 @@ def save(costs: Costs, path: Any) -> Path:
 
 
 def draw(costs: Costs) -> Figure:
-    """The figure. costs : one study, (title, study), or several. Raises InputError; Unsupported without matplotlib."""
+    """Draw what accuracy costs, one row a study.
+
+    costs : one study, (title, study), or several. Raises InputError; Unsupported without matplotlib.
+    """
     scenes = _scenes(costs)
     inches = ROW * len(scenes) + FOOT
     figure = new_figure(figsize=(WIDTH, inches), dpi=100)
@@ -79,7 +82,7 @@ def _row(figure: Any, cost: AccuracyCost, bottom: float, height: float) -> None:
 
 
 def _scenes(costs: Any) -> list[tuple[str, AccuracyCost]]:
-    """(title, study) for each row. Raises InputError."""
+    """The title and the study of each row of the figure. Raises InputError."""
     if isinstance(costs, AccuracyCost):
         return [("", costs)]
     found = [costs] if isinstance(costs, tuple) and costs and isinstance(costs[0], str) else costs

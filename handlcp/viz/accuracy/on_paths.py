@@ -19,7 +19,7 @@ PANELS = (
 
 
 def figure(cost: PathCost, title: str = "") -> Figure:
-    """Both panels. Raises Unsupported without matplotlib."""
+    """Draw both panels of error against time. Raises Unsupported without matplotlib."""
     made = new_figure(figsize=(WIDTH, HEIGHT), dpi=100)
     made.text(0.012, 0.975, title, fontsize=HEAD, weight="bold", color=INK, va="top", parse_math=False)
     made.text(0.012, 0.905, f"{cost.summary[0].upper()}{cost.summary[1:]}.", fontsize=TEXT_SIZE, color=INK, va="top")

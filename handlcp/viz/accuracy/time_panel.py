@@ -49,14 +49,14 @@ def ladder(ax: Any, points: Sequence[CurveLabel], size: float, curves: Sequence[
     """
     scale, back = ax.figure.dpi / 72.0, ax.transData.inverted()
     own = [ax.transData.transform(c.points)[0] for c in points]
-    ink = np.vstack([np.zeros((0, 2)), *(_sampled(ax.transData.transform(c.points)) for c in curves)])
+    ink = np.vstack([np.zeros((0, 2)), *(_sample_lines(ax.transData.transform(c.points)) for c in curves)])
     taken: list[Any] = []
     lines: list[tuple[float, float]] = []
     out = []
     for c, (x, y) in sorted(zip(points, own, strict=True), key=lambda pair: -float(pair[1][0])):
         text, drawn = _text(ax, c, size)
         bottom = y + _LIFT * scale + np.arange(_RUNGS) * (drawn.height + 1.0)
-        rungs = [_at(drawn, x + 3.0 * scale, b) for b in bottom]
+        rungs = [_move_corner(drawn, x + 3.0 * scale, b) for b in bottom]
         costs = []
         for k, box in enumerate(rungs):
             wide = box.padded(3.0, 0.0)
@@ -80,7 +80,7 @@ def write(ax: Any, curves: Sequence[CurveLabel], size: float, others: Array, wri
     """
     gap, back, frame = _GAP * ax.figure.dpi / 72.0, ax.transData.inverted(), ax.get_window_extent()
     own = [ax.transData.transform(c.points) for c in curves]
-    ink = np.vstack([*map(_sampled, own), ax.transData.transform(others.reshape(-1, 2))])
+    ink = np.vstack([*map(_sample_lines, own), ax.transData.transform(others.reshape(-1, 2))])
     taken = [a.get_window_extent().padded(1.0) for a in written]
     lines: list[Array] = []
     for c, points in sorted(zip(curves, own, strict=True), key=lambda pair: len(pair[1])):
@@ -114,7 +114,7 @@ def _text(ax: Any, c: CurveLabel, size: float) -> tuple[Any, Any]:
     return text, text.get_window_extent()
 
 
-def _at(box: Any, left: float, bottom: float) -> Any:
+def _move_corner(box: Any, left: float, bottom: float) -> Any:
     """The box with its corner elsewhere."""
     return box.translated(left - box.x0, bottom - box.y0)
 
@@ -125,7 +125,7 @@ def _places(point: Array, box: Any, gap: float) -> list[Any]:
     way = np.column_stack([np.cos(turns), np.sin(turns)])
     # Beside the point the box is centred on its height, above and below on its width
     corners = point + gap * way - box.size * (1.0 - np.clip(1.6 * way, -1.0, 1.0)) / 2
-    return [_at(box, left, bottom) for left, bottom in corners]
+    return [_move_corner(box, left, bottom) for left, bottom in corners]
 
 
 def _line_cost(line: Array, box: Any, ink: Array, taken: list[Any], lines: list[Array]) -> float:
@@ -140,7 +140,7 @@ def _between(point: Array, box: Any) -> Array:
     return np.linspace(point, np.clip(point, box.min, box.max), 20)
 
 
-def _sampled(points: Array) -> Array:
+def _sample_lines(points: Array) -> Array:
     """The points, and more on the lines between them."""
     parts = [np.linspace(a, b, 2 + int(np.hypot(*(b - a)) / _DENSE)) for a, b in pairwise(points)]
     return np.vstack([points, *parts])

@@ -118,11 +118,11 @@ def _place_contacts(spec: GraspSpec, positions: Array, frames: Array) -> GraspSp
     if spec.mechanism is not None:
         made: GraspSpec = spec.mechanism.variation.replace_contacts(spec, positions, frames)
         return made
-    contacts = tuple([
-        c.from_arrays(p, read_only(R @ before.T @ c.rotation), c.friction, c.planar, c.name)  # its own axes turn along
-        for c, p, R, before in zip(spec.contacts, positions, frames, spec.frames, strict=True)
-    ])  # fmt: skip
-    return spec.replace(contacts=contacts, positions=positions, frames=frames)
+    contacts = []
+    for c, p, R, before in zip(spec.contacts, positions, frames, spec.frames, strict=True):
+        rotation = read_only(R @ before.T @ c.rotation)  # its own axes turn along
+        contacts.append(c.from_arrays(p, rotation, c.friction, c.planar, c.name))
+    return spec.replace(contacts=tuple(contacts), positions=positions, frames=frames)
 
 
 # ---------------------------------------------------------------- closed forms

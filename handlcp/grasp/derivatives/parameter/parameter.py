@@ -256,11 +256,11 @@ class Parameter(ABC):
         some = np.zeros(len(nominal), bool)
         some[list(at) if at else slice(None)] = True
 
-        def made(spec: GraspSpec, factor: float) -> GraspSpec:
+        def scale_nominal(spec: GraspSpec, factor: float) -> GraspSpec:
             steps = np.where(some, (factor - 1.0) * nominal, 0.0)
             return self.varied_all(spec, steps.reshape(self.shape(spec)))
 
-        samples.remade.append((made, values))
+        samples.remade.append((scale_nominal, values))
 
     # ---- what a designer can do with it
     def shares(self, spec: GraspSpec, share: float) -> Iterator[tuple[str, GraspSpec | None]]:

@@ -46,8 +46,9 @@ class _RebuiltParameter(Parameter):
 
 
 class JointPosture(JointParameter, _RebuiltParameter):
-    """(nv,) [rad, m]; derivatives [1/rad, 1/m]. In samples, how far the joints stand from where they are said to be;
-    the fingertips go along.
+    """The posture of the joints, (nv,) [rad, m]; derivatives by it are in [1/rad, 1/m].
+
+    In samples, how far the joints stand from where they are said to be; the fingertips go along.
     """
 
     name = "posture"
@@ -122,13 +123,13 @@ def _rebuild_change(answer: LinearisationPoint, what: str, count: int, h: float)
         )
     gaps: dict[tuple[int, bool], Array] = {}
 
-    def kept(k: int, step: float) -> GraspSpec:
+    def vary_and_measure(k: int, step: float) -> GraspSpec:
         one: GraspSpec = made(spec, what, k, step, found[0])
         assert one.mechanism is not None  # a hand's
         gaps[k, step > 0.0] = one.mechanism.variation.gaps()[deeper.contacts]
         return one
 
-    change = difference_laws(answer, count, h, kept)
+    change = difference_laws(answer, count, h, vary_and_measure)
     none = np.full(len(deeper.contacts), np.nan)
     rates = [(gaps.get((k, False), none) - gaps.get((k, True), none)) / (2.0 * h) for k in range(count)]
     every = replace(change, depth_change=deeper.with_rates(np.column_stack([np.zeros((len(none), 0)), *rates])))

@@ -39,7 +39,7 @@ _MORE_FACTORS = (1.25, 1.5, 2.0, 3.0, 5.0)  # times what was asked for
 
 
 class Squeeze(ContactParameter):
-    """(n,) [m] of each normal."""
+    """How deep each contact's normal is squeezed, (n,) [m]."""
 
     name = "squeeze"
     order, effort, step, together, spread = 60, 0, 1e-7, True, "squeeze"
@@ -145,7 +145,7 @@ def squeeze_deeper(spec: GraspSpec, depth: float) -> GraspSpec:
 
 
 class JointCommand(JointParameter):
-    """(nv,) δq [rad, m]."""
+    """How far each joint is commanded beyond its posture, δq (nv,) [rad, m]."""
 
     name = "joint_offset"
     order, effort, common = 70, 0, "command of the joints"

@@ -130,7 +130,7 @@ _MIN_PAD_SHARE = 1e-9  # of the flexibility: a pad softer by less is rounding
 
 
 class PadFlexibility(ContactParameter):
-    """(n,) [m/N] of each contact."""
+    """The flexibility of the pad at each contact, (n,) [m/N]."""
 
     name = "pads"
     order, step, together, spread = 30, 1e-8, True, "pads"
