@@ -206,6 +206,7 @@ class GraspQuestions(ABC):
         """
         from handlcp.studies.payload.largest_mass import payload  # only who asks pays for a study
 
+        assert isinstance(self, Grasp)
         return payload(self, orientations, acceleration, geometry, faces, motion, turn, accuracy)
 
     def margins(

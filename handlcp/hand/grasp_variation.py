@@ -133,7 +133,7 @@ class GraspVariation:
 
     def gaps(self) -> Array:
         """(k,) gaps between fingertips and object as they were detected [m]; below 0 inside."""
-        return self.mechanism.stand_off[:, 2]
+        return np.asarray(self.mechanism.stand_off[:, 2])
 
     def with_squeeze(self, spec: GraspSpec, depth: float) -> GraspSpec:
         """The grasp with fingers squeezed by depth [m] more, by commands of the joints."""

@@ -59,12 +59,12 @@ class HandMechanism(Mechanism):
     rest_posture: Array
 
     @property
-    def report(self) -> HandReport:  # type: ignore[override]
+    def report(self) -> HandReport:
         """What verdicts, explanations and pictures say of the hand."""
         return HandReport(self)
 
     @property
-    def variation(self) -> GraspVariation:  # type: ignore[override]
+    def variation(self) -> GraspVariation:
         """The same grasp with something changed."""
         return GraspVariation(self)
 

@@ -105,8 +105,8 @@ class HandReport:
     def pulling_reasons(self, spec: GraspSpec, torque: Array) -> Iterator[Reason]:
         """Torques (nv,) [N·m] where the hand has closed, beside those that it was to close with."""
         if (found := self.mechanism.motor_pull(spec, torque)) is not None:
-            hand = self.mechanism.posture.hand
-            yield from motor_pull_reasons(self.mechanism.names, *found, spec.asked.closed.stuck, hand.sliding)
+            (pulling, shares), hand = found, self.mechanism.posture.hand
+            yield from motor_pull_reasons(self.mechanism.names, pulling, shares, spec.asked.closed.stuck, hand.sliding)
 
     def place_reasons(self, posture: HandPosture | None, obj: Object | None, when: str) -> Iterator[Reason]:
         """What a posture alone says, with the object where it is then; None for what is not known. when : that is,

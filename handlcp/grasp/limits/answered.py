@@ -54,7 +54,7 @@ class Followed(NamedTuple):
     limits: StateLimits
     at: Array
     geometry: str
-    slid: tuple[float, list[str]] | None
+    slid: tuple[float, list[ContactStatus]] | None
 
     @property
     def number(self) -> int:
@@ -90,7 +90,8 @@ def _known(f: Followed) -> _Ends | None:
         return None
 
     def inside(state: State) -> tuple[set[str], str]:
-        return mechanism.report.find_links_inside(state.where.q, state.where.pose)
+        found: tuple[set[str], str] = mechanism.report.find_links_inside(state.where.q, state.where.pose)
+        return found
 
     at_first, _ = inside(f.run.states[0])
 

@@ -19,21 +19,23 @@ class ContactStatus(IntEnum):
     SLIDING = 2
     GLIDING = 3
     RESTING = 4
+    UNKNOWN = 5  # there is no answer
 
 
 SEPARATED, STICKING, SLIDING = ContactStatus.SEPARATED, ContactStatus.STICKING, ContactStatus.SLIDING
-_SHOWN = (SEPARATED, STICKING, SLIDING, SLIDING, SEPARATED)
-_CONTACT_WORDS = {SEPARATED: "separated", STICKING: "sticking", SLIDING: "sliding"}
+UNKNOWN = ContactStatus.UNKNOWN
+_SHOWN = (SEPARATED, STICKING, SLIDING, SLIDING, SEPARATED, UNKNOWN)
+_CONTACT_WORDS = {SEPARATED: "separated", STICKING: "sticking", SLIDING: "sliding", UNKNOWN: "unknown"}
 _STATUS_OF_WORD = {word: status for status, word in _CONTACT_WORDS.items()}
 
 
 def shown_statuses(codes: Iterable[int]) -> tuple[ContactStatus, ...]:
-    """(n,) of each contact SEPARATED, STICKING or SLIDING, from any codes of `ContactStatus`."""
+    """(n,) of each contact SEPARATED, STICKING, SLIDING or UNKNOWN, from any codes of `ContactStatus`."""
     return tuple([_SHOWN[code] for code in codes])
 
 
 def contact_words(codes: Iterable[int]) -> tuple[str, ...]:
-    """(n,) of each contact "separated", "sticking" or "sliding", as public answers have it."""
+    """(n,) of each contact "separated", "sticking", "sliding" or "unknown", as public answers have it."""
     return tuple([_CONTACT_WORDS[_SHOWN[code]] for code in codes])
 
 

@@ -177,7 +177,8 @@ class Loading(Record):
         mechanism, where = self.steps.grasp.spec.mechanism, self.last.where
         if mechanism is None or not self.steps.geometry.follows:
             return None, None
-        return mechanism.report.place_at(where.q, where.pose)
+        place: tuple[Any, Any] = mechanism.report.place_at(where.q, where.pose)
+        return place
 
     def page(self, path: Any, *, obj: Any = None, title: str = "", verdict: Any = None) -> Path:
         """A page with a slider through all steps, as `GraspSolution.page`; obj : where it stands at the start."""

@@ -18,7 +18,7 @@ from handlcp.grasp.model.contact import MANY_CONTACTS, shift_twist
 from handlcp.grasp.model.mechanism import hard_contact_torques
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.model.status import contact_words
+from handlcp.grasp.model.status import UNKNOWN, contact_words
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solution.uniqueness import Uniqueness, find_uniqueness, free_branches, minimum_norm_candidate
 from handlcp.grasp.solve.compiled_answer import NO_START, CompiledAnswer, solve_scene, start_values
@@ -144,7 +144,8 @@ def undecided_solution(
     judged = CertifiedCandidate(
         SolverCandidate(nothing, np.full(6, np.nan), {}, len(scene.soft)), Certification(nothing, residuals), iterations
     )
-    made = solution_from_numbers(spec, scene, section, judged, ("unknown",) * scene.n, None, trace, np.zeros(3))
+    states = np.full(scene.n, UNKNOWN)
+    made = solution_from_numbers(spec, scene, section, judged, states, None, trace, np.zeros(3))
     return replace(made, status=Status.UNDECIDED)
 
 

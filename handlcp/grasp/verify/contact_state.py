@@ -17,7 +17,7 @@ from handlcp.lcp.modes.mode_cones import STUCK, find_support, new_mode_cones, wr
 from handlcp.lcp.modes.mode_fit import fit_mode, new_active_columns
 from handlcp.tolerances import ACTIVE_TOLERANCE, CERTIFY_TOLERANCE
 
-SEPARATED, STICKING, SLIDING, GLIDING, RESTING = map(int, ContactStatus)  # kernels take plain numbers
+SEPARATED, STICKING, SLIDING, GLIDING, RESTING, UNKNOWN = map(int, ContactStatus)  # kernels take plain numbers
 _SPAN_TOLERANCE = 1e-6  # a normal this near to the span of others is one of theirs
 
 
