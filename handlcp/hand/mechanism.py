@@ -145,10 +145,12 @@ class HandMechanism(Mechanism):
         joints = read_joints(self, scene, effects, forces, torsion, extra)
         total = read_only(joints.torque)
         return {
-            "torques": total, "joint_deflection": read_only(joints.deflection),
-            "joint_yield": read_only(joints.yielded), "torque_check": self.check_torques(total, joints.yielded),
+            "torques": total,
+            "joint_deflection": read_only(joints.deflection),
+            "joint_yield": read_only(joints.yielded),
+            "torque_check": self.check_torques(total, joints.yielded),
             "effort": self._effort(total, effects),
-        }  # fmt: skip
+        }
 
     def _effort(self, torque: Array, effects: tuple[Effect, ...]) -> Effort | None:
         """What tendons or synergies do for torques (nv,), or what is known of it from a path."""
@@ -187,16 +189,31 @@ def hand_mechanism(spec: GraspSpec) -> HandMechanism:
 
 
 def make_hand_mechanism(
-    posture: HandPosture, tips: tuple[int, ...], positions: Array, frames: Array, target: Object | None, gravity: Array,
+    posture: HandPosture,
+    tips: tuple[int, ...],
+    positions: Array,
+    frames: Array,
+    target: Object | None,
+    gravity: Array,
     stand_off: Array,
-) -> HandMechanism:  # fmt: skip
+) -> HandMechanism:
     """The mechanism of fingers whose contacts are at positions (k, 3) with frames (k, 3, 3), contact axes."""
     hand, k = posture.hand, len(tips)
     jacobian = (frames.transpose(0, 2, 1) @ posture.jacobian_at(positions, tips)).reshape(3 * k, hand.nv)
     return HandMechanism(
-        hand.joint_names, read_only(jacobian), hand.stiffness.root, hand.torques.limits, posture, tips, positions,
-        frames, target, gravity, stand_off, posture.q,
-    )  # fmt: skip
+        hand.joint_names,
+        read_only(jacobian),
+        hand.stiffness.root,
+        hand.torques.limits,
+        posture,
+        tips,
+        positions,
+        frames,
+        target,
+        gravity,
+        stand_off,
+        posture.q,
+    )
 
 
 def finger_flexibility(mechanism: HandMechanism) -> Array:

@@ -27,12 +27,15 @@ OBJECT = "the object"
 
 @dataclass(frozen=True, slots=True)
 class FailureMode(Record):
-    """What gives out. kind : "slips" (a finger that slips), "opens" (a contact that lets go), "torque" (a joint at its
-    torque limit), "tension" (a tendon at its limit), "range" (a joint at the end of its range), "equilibrium" (forces
-    can no longer balance the load), "motion" (the object moves farther than was allowed), "slides through" (the object,
-    where no contact that presses sticks), "undecided" (something does, and it is not known what).
-    who : the finger, the joint, the tendon or "the object". margin : share of the limit that is left; 0 at the limit,
-    below 0 beyond it. Causes of the same kind and name are equal, whatever their margins.
+    """What gives out first when a load grows: a contact, a joint, a tendon or the object.
+
+    kind : "slips" (a finger that slips), "opens" (a contact that lets go), "torque" (a joint at its torque limit),
+        "tension" (a tendon at its limit), "range" (a joint at the end of its range), "equilibrium" (forces no longer
+        balance the load), "motion" (the object moves farther than was allowed), "slides through" (the object, where no
+        contact that presses sticks), "undecided" (something does, and it is not known what).
+    who : the finger, the joint, the tendon or "the object".
+    margin : share of the limit that is left; 0 at the limit, below 0 beyond it. Causes of the same kind and name are
+        equal, whatever their margins.
     """
 
     entries = ("kind", "who")

@@ -19,7 +19,7 @@ from handlcp.grasp.failure.failure_mode import (
     TORQUE,
     UNDECIDED,
     FailureMode,
-)  # fmt: skip
+)
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.status import SEPARATED, SLIDING, ContactStatus, PathStatus
 
@@ -106,7 +106,7 @@ _FAILURE_PHRASES = {  # of one, of several
     TORQUE: ("reaches its torque limit", "reach their torque limits"),
     TENSION: ("reaches the limit of its tension", "reach the limits of their tensions"),
     RANGE: ("reaches the end of its range", "reach the ends of their ranges"),
-}  # fmt: skip
+}
 _OBJECT_PHRASES = {
     EQUILIBRIUM: "no forces balance more load",
     MOTION: "the object moves farther than allowed",
@@ -122,8 +122,10 @@ _EVENT_PHRASES = {  # of one, of several
     "opens by turns": ("lets go and touches by turns", "let go and touch by turns"),
     "over limit": ("needs more than its torque limit", "need more than their torque limits"),
     "within limit": ("is within its torque limit again", "are within their torque limits again"),
-    "over limit by turns": ("goes over its torque limit and back by turns", "go over their torque limits and back by "
-                            "turns"),
+    "over limit by turns": (
+        "goes over its torque limit and back by turns",
+        "go over their torque limits and back by turns",
+    ),
     "over tension": ("pulls with more than its limit", "pull with more than their limits"),
     "within tension": ("is within its limit again", "are within their limits again"),
     "over tension by turns": ("goes over its limit and back by turns", "go over their limits and back by turns"),
@@ -139,7 +141,7 @@ _EVENT_PHRASES = {  # of one, of several
     "slides through": ("begins to slide through: no contact that presses sticks any more", "slide through"),
     "snaps": ("snaps to another place", "snap to another place"),
     "snaps by turns": ("snaps to other places, several times", "snap to other places, several times"),
-}  # fmt: skip
+}
 BY_TURNS = " by turns"
 _JOINT_EVENTS = ("over limit", "within limit", "yields", "holds", "range end", "range", TORQUE)
 _TENDON_EVENTS = ("over tension", "within tension", "slackens", "tightens", TENSION)
@@ -164,8 +166,8 @@ def describe_failures(causes: Sequence[FailureMode], spec: GraspSpec | None = No
 
 def explain_limit(
     causes: Sequence[FailureMode], factor: float, wrench: Array, spec: GraspSpec | None = None, then: str = ""
-) -> str:  # fmt: skip
-    """One sentence: what ends the growth of a load at this factor on a wrench (6,) [N, N·m].
+) -> str:
+    """Say in one sentence what ends the growth of a load at this factor on a wrench (6,) [N, N·m].
 
     then : what the object does there, such as "slides through"; "": no more load is balanced.
     """

@@ -186,8 +186,8 @@ class Mechanism:
         raise NotImplementedError
 
     def jacobian_rows(self, soft: tuple[int, ...]) -> Array:
-        """(3n + k, nv) [J; T]: the Jacobian of the points, and how fast fingertips of the k contacts in `soft` turn
-        about their normals [rad/rad].
+        """Jacobian (3n + k, nv) [J; T] of the contact points, and of the turns of the k contacts in `soft` about their
+        normals [rad/rad].
         """
         raise NotImplementedError
 
@@ -200,7 +200,7 @@ class Mechanism:
         return joint_flexibility(rows, self.root)
 
     def deflection(self, torque: Array) -> Array:
-        """(nv,) K⁻¹ τ [rad]."""
+        """How far joints give way to torques τ (nv,) [N·m]: (nv,) K⁻¹ τ [rad]."""
         return np.asarray(self.root @ (torque @ self.root))
 
     def gravity_torque(self) -> Array | None:

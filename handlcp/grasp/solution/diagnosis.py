@@ -32,9 +32,14 @@ class DiagnosisText:
     """
 
     def __init__(
-        self, names: Sequence[str], positions: Array, reference: Array, environment: int = 0, faces: int = 0,
+        self,
+        names: Sequence[str],
+        positions: Array,
+        reference: Array,
+        environment: int = 0,
+        faces: int = 0,
         who: str = "finger",
-    ) -> None:  # fmt: skip
+    ) -> None:
         if len(set(names)) < len(names):  # with each one's number: "finger 1 (a)"
             names = [f"finger {i} ({n})" if names.count(n) > 1 else n for i, n in enumerate(names, 1)]
         self._names, self._fingers = names, names[: len(names) - environment]
@@ -98,7 +103,7 @@ class DiagnosisText:
         return f"{cannot}, although {names[0] if len(names) == 1 else 'every finger'} squeezes the object"
 
     def motion(self, twist: Array, slide: str, turn: str) -> str:
-        """E.g. "slides out along (0, 0, -1)", "turns about (1, 0, 0) through (0, 0, 0.1) m", or both (a screw).
+        """Describe a motion: "slides out along (0, 0, -1)", "turns about (1, 0, 0) through (0, 0, 0.1) m", or a screw.
 
         twist (6,) m, rad. A motion is a translation when no contact notices its turn, and a turn about an axis when the
         points of that axis stay where they are, both within a thousandth.

@@ -37,9 +37,12 @@ if TYPE_CHECKING:
 def contact_data(s: Any) -> dict[str, Any]:
     """Columns of a table with a row for each contact."""
     found = columns_from_arrays(s, "state = contact_state", "normal_N = normal_force") | {
-        "friction_N": np.hypot(*s.tangential_force.T), "friction_used": s.friction_used,
-        "friction_margin_N": s.friction_margin, "slip_m": np.hypot(*s.slip.T), "gap_m": s.gap,
-    }  # fmt: skip
+        "friction_N": np.hypot(*s.tangential_force.T),
+        "friction_used": s.friction_used,
+        "friction_margin_N": s.friction_margin,
+        "slip_m": np.hypot(*s.slip.T),
+        "gap_m": s.gap,
+    }
     for which, forces in (("", s.forces), ("world_", s.forces_world)):
         found |= {f"{which}{axis}_N": forces[:, k] for k, axis in enumerate("xyz")}
     if s.torsion is not None:
@@ -300,7 +303,7 @@ class GraspSolution(Record, DeferredFields):
 
     @property
     def normal_force(self) -> Array:
-        """(n,) N."""
+        """(n,) N, with which each finger presses along its contact's normal."""
         return self.forces[:, 2]
 
     @property

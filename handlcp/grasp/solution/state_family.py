@@ -69,8 +69,10 @@ class FactorRanges(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StateFamily:
-    """Natural units. basis (c, k) : the forces are those of the answer and basis · y, wherever h - G y, (m,), lies in
-    the cones. wider (n,) : contacts that are allowed more than their laws allow.
+    """All forces that satisfy the same conditions with the same contact states, natural units.
+
+    basis (c, k) : the forces are those of the answer and basis · y, wherever h - G y, (m,), lies in the cones.
+    wider (n,) : contacts that are allowed more than their laws allow.
     """
 
     basis: Array
@@ -135,8 +137,10 @@ def iterate_families(kept: KeptStates, ranges: FactorRanges | None) -> Iterator[
 
 
 class _StateChoice(NamedTuple):
-    """One choice. kind (n,) : of contacts; those that are RESTING may do anything. gives (m,) : limits that give way.
-    loose (m,) : limits that may do anything.
+    """One choice of what contacts and limits do.
+
+    kind (n,) : of contacts; those that are RESTING may do anything.
+    gives (m,) : limits that give way. loose (m,) : limits that may do anything.
     """
 
     kind: Ints

@@ -54,13 +54,25 @@ HELD, OVER_LIMIT, UNDECIDED, NOT_HELD = "HELD", "OVER LIMIT", "UNDECIDED", "NOT 
 
 _WORD_ORDER = (NOT_HELD, UNDECIDED, OVER_LIMIT)  # the first that a reason decides is the word
 _DECIDED_WORD = {
-    "not_holdable": NOT_HELD, "no_equilibrium": NOT_HELD, "no_squeeze": NOT_HELD, "lost": NOT_HELD,
-    "slides_through": NOT_HELD, "steps_differ": UNDECIDED, "solver_stopped": UNDECIDED,
-    "follow_stopped": UNDECIDED, "link_inside": UNDECIDED, "joint_range": UNDECIDED, "large_motion": UNDECIDED,
-    "torque_over_limit": OVER_LIMIT, "tension_over_limit": OVER_LIMIT, "overheats": OVER_LIMIT,
-    "closing_over_peak": OVER_LIMIT, "unplaced": UNDECIDED, "command_not_made": UNDECIDED,
+    "not_holdable": NOT_HELD,
+    "no_equilibrium": NOT_HELD,
+    "no_squeeze": NOT_HELD,
+    "lost": NOT_HELD,
+    "slides_through": NOT_HELD,
+    "steps_differ": UNDECIDED,
+    "solver_stopped": UNDECIDED,
+    "follow_stopped": UNDECIDED,
+    "link_inside": UNDECIDED,
+    "joint_range": UNDECIDED,
+    "large_motion": UNDECIDED,
+    "torque_over_limit": OVER_LIMIT,
+    "tension_over_limit": OVER_LIMIT,
+    "overheats": OVER_LIMIT,
+    "closing_over_peak": OVER_LIMIT,
+    "unplaced": UNDECIDED,
+    "command_not_made": UNDECIDED,
     "limit_shared": UNDECIDED,
-}  # fmt: skip
+}
 _PARAGRAPH_HEADS = {"warning": "Warning", "advice": "Advice"}
 
 
@@ -191,7 +203,10 @@ def is_beyond_small_motions(share: Any, adrift: Any) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class MotionSizes:
-    """move : of the object's contact points, at most [m]. turn [rad]. slip, squeeze : the largest [m]. size : R [m].
+    """How large the motions of an answer are, beside what equations of small motions can say.
+
+    move : of the object's contact points, at most [m]. turn : of the object [rad].
+    slip, squeeze : the largest [m]. size : R of the grasp [m].
     yielded : the largest, of a joint at its torque limit [rad]. adrift : see `is_adrift`.
     """
 
@@ -281,7 +296,7 @@ def friction_margin(scene: Scene, forces: Array, torsion: Array | None) -> Array
 
 
 def _friction_and_limit(scene: Scene, forces: Array, torsion: Array | None) -> tuple[Array, Array]:
-    """(|r̂_T|, μ r_N), (n,) each."""
+    """Friction force |r̂_T| and its limit μ r_N of each contact, (n,) each [N]."""
     soft = list(scene.soft)
     moments = np.zeros(scene.n) if torsion is None else torsion[soft]
     lawful, turning = np.split(scene.to_law_axes(np.append(forces, moments if soft else [])), [3 * scene.n])
@@ -331,9 +346,15 @@ def large_motion_reasons(found: MotionSizes) -> Iterator[Reason]:
     if text := found.sentence:
         severity = "decides" if found.too_large else "warning"
         values = {
-            "move_m": found.move, "turn_rad": found.turn, "slip_m": found.slip, "squeeze_m": found.squeeze,
-            "size_m": found.size, "yield_rad": found.yielded, "force_error": found.share, "adrift": found.adrift,
-        }  # fmt: skip
+            "move_m": found.move,
+            "turn_rad": found.turn,
+            "slip_m": found.slip,
+            "squeeze_m": found.squeeze,
+            "size_m": found.size,
+            "yield_rad": found.yielded,
+            "force_error": found.share,
+            "adrift": found.adrift,
+        }
         yield Reason("large_motion", severity, text, values)
 
 

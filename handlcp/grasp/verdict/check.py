@@ -272,7 +272,7 @@ def check(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution:
 
 def judge_grasp(
     spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution, patience: Patience = PATIENT
-) -> Verdict:  # fmt: skip
+) -> Verdict:
     """The same without advice, which takes many times as long where the grasp does not hold. patience : as in
     `advance`.
     """

@@ -29,7 +29,7 @@ from handlcp.grasp.solution.verdict import (
     motion_reason,
     no_load_reasons,
     open_reasons,
-)  # fmt: skip
+)
 
 _NAMED_SLIDE = 1e-4  # of the grasp's size: a contact that slides less on the way and sticks at the end is not named
 _LEFT_PLACE_SHARE = 0.15  # of the grasp's size: an object that slides farther has left its place
