@@ -16,11 +16,11 @@ import json
 import math
 import platform
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from functools import cache
-from importlib import import_module
+from html import escape
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
@@ -166,8 +166,7 @@ class Record:
 
     def _repr_html_(self) -> str:
         """What a notebook shows is what prints."""
-        text: str = load_display("text_html")(self)
-        return text
+        return f'<pre style="margin:0;background:none">{escape(str(self))}</pre>'
 
     def __rich__(self) -> Any:
         """What rich shows is what prints, brackets and all."""
@@ -217,13 +216,3 @@ def columns_from_rows(rows: Iterable[Any], *lines: str) -> dict[str, Any]:
     """A column for each line, with what it is in each of the rows."""
     every = list(rows)
     return {one.key: [one.value_in(row) for row in every] for one in map(parse_entry, lines)}
-
-
-# ----------------------------------------------------------------
-# The one step upward: answers offer their pictures, tables and pages, and grasps studies of theirs, which the rooms
-# above them make.
-
-
-def load_display(name: str) -> Callable[..., Any]:
-    """A function of `handlcp.viz.doors`, imported when it is called for: no answer pays for a picture nobody draws."""
-    return getattr(import_module("handlcp.viz.doors"), name)  # type: ignore[no-any-return]

@@ -1,14 +1,16 @@
 """Imports run one way: cli → viz → design → studies → scene → simulator → hand → grasp → contact → lcp → record,
 words, refinement, lazy_property, check, progress, read_file, write_file, errors, tolerances, version.
-Answers reach their pictures and pages through `record.load_display`, by name, when they are asked for.
 
-Every import counts, wherever it stands: on top of a file, inside a function, or for type checkers alone.
+Every import counts, wherever it stands: on top of a file, inside a function, or for type checkers alone. But methods of
+answers and grasps, such as `plot`, import from viz and studies what they show when they are called.
 """
 
 import ast
 import pathlib
 import re
 from functools import cache
+
+import pytest
 
 import handlcp
 
@@ -53,15 +55,32 @@ def dotted(file):
 
 
 MODULES = {dotted(p): p for p in ROOT.rglob("*.py")}
+SHOWN = ("viz", "studies")  # rooms whose functions methods of the rooms below may call
+
+
+def methods(tree):
+    """The functions that stand in classes."""
+    classes = [node for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
+    return [node for kind in classes for node in kind.body if isinstance(node, ast.FunctionDef)]
+
+
+def shows(file, node):
+    """Whether an import in a method of this file is of a room above that shows or studies."""
+    room = dotted(file).partition(".")[2].partition(".")[0]
+    asked = (getattr(node, "module", None) or "").split(".")
+    return asked[0] == "handlcp" and asked[1:2] and asked[1] in SHOWN and ORDER.index(room) < ORDER.index(asked[1])
 
 
 @cache
 def imports(file):
-    """(module, name) of everything that a file imports from the package; `from package import module` is an import of
-    the module, and has no name.
+    """(module, name) of everything that a file imports from the package, but for what its methods show; `from package
+    import module` is an import of the module, and has no name.
     """
-    found = []
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+    tree, found = ast.parse(file.read_text(encoding="utf-8")), []
+    shown = {node for method in methods(tree) for node in ast.walk(method) if shows(file, node)}
+    for node in ast.walk(tree):
+        if node in shown:
+            continue
         if isinstance(node, ast.Import):
             found += [(a.name, "") for a in node.names if a.name.partition(".")[0] == "handlcp"]
         elif isinstance(node, ast.ImportFrom) and (node.module or "").partition(".")[0] == "handlcp":
@@ -100,6 +119,22 @@ def circles(edges):
         if node not in index:
             visit(node)
     return sorted(groups)
+
+
+@pytest.mark.parametrize(
+    ("room", "text", "counts"),
+    [
+        ("grasp", "from {viz} import draw", True),
+        ("grasp", "def plot():\n    from {viz} import draw", True),
+        ("grasp", "class A:\n    def plot(self):\n        from {viz} import draw", False),
+        ("grasp", "class A:\n    def plot(self):\n        from {hand} import draw", True),
+        ("cli", "class A:\n    def plot(self):\n        from {viz} import draw", True),
+    ],
+)
+def test_only_what_methods_show_does_not_count(room, text, counts):
+    tree = ast.parse(text.format(viz="handlcp.viz", hand="handlcp.hand"))
+    shown = {node for method in methods(tree) for node in ast.walk(method) if shows(ROOT / room / "a.py", node)}
+    assert bool(shown) != counts
 
 
 def short(file):

@@ -33,10 +33,9 @@ from handlcp.grasp import Explanation, Grasp, GraspSolution, Loading, Suggestion
 from handlcp.grasp.verdict.check import make_suggestions
 from handlcp.lcp import Auto
 from handlcp.viz import terminal_table as tables
-from handlcp.viz.doors import plot as draw_grasp
 from handlcp.viz.loading import figure as report
 from handlcp.viz.loading.curves import solution_at_end
-from handlcp.viz.loading.figure import solution_tables
+from handlcp.viz.loading.figure import plot_solution, solution_tables
 from handlcp.viz.output_file import draw_or_save
 from handlcp.viz.solution_output import solution_record
 from handlcp.write_file import write_file
@@ -80,7 +79,7 @@ def solve(
     judged = grasp.check(faces=sides, solution=solution)
     shown = _choose_solution(solution, judged)
     if plot is not None:
-        draw_grasp(solution, plot, file.shape(), file.title, judged)
+        plot_solution(solution, plot, file.shape(), file.title, judged)
     if page is not None:
         from handlcp.viz.page.document import write_grasp_page  # pages are paid for by those who ask for one
 

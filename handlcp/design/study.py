@@ -21,7 +21,7 @@ from handlcp.design.sweep.table import DESCRIBED, check_rows, checked_table, col
 from handlcp.design.sweep.work import DESIGN, ERROR, Maker, Row, in_order
 from handlcp.errors import InputError, UnknownName, shorten_text as shortly, translate_arguments
 from handlcp.grasp.solution.verdict import HELD
-from handlcp.record import load_display, make_data_frame, parse_entry
+from handlcp.record import make_data_frame, parse_entry
 from handlcp.words import TextTable, wrap_text
 
 PAYLOAD_COLUMN, LESS_TORQUE_COLUMN = "payload_kg", "-torque_Nm"
@@ -192,7 +192,10 @@ class Study:
 
         path : a file to write, .png, .svg, .pdf or .jpg. Raises InputError; Unsupported without matplotlib.
         """
-        return load_display("study_plot")(self, path, title, by)
+        from handlcp.viz.output_file import draw_or_save
+        from handlcp.viz.study.figure import draw_study  # answers pay for no picture that nobody draws
+
+        return draw_or_save(path, draw_study, self, title, by)
 
     def page(
         self, path: Any, title: str = "", by: Sequence[str] = (PAYLOAD_COLUMN, LESS_TORQUE_COLUMN), most: int = 50
@@ -201,7 +204,9 @@ class Study:
         are made and evaluated again. by : two columns as in `pareto`. most : designs with a hand, evenly along the
         front. Raises InputError; Unsupported without trimesh.
         """
-        return Path(load_display("study_page")(self, path, title, by, most))
+        from handlcp.viz.study.page import write_study_page  # studies pay for no page that nobody writes
+
+        return write_study_page(self, path, title, by, most)
 
     @property
     def space(self) -> Space:

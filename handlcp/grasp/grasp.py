@@ -15,7 +15,6 @@ from handlcp.grasp.effects import Effect
 from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.request import ContactGraspRequest, GraspSpec, rebuild, require_spec_alone
 from handlcp.grasp.model.scene import Scene
-from handlcp.record import load_display
 
 if TYPE_CHECKING:
     from handlcp.grasp.analysis.equilibria import Equilibria
@@ -205,7 +204,10 @@ class GraspQuestions(ABC):
         gives out. For repeated use design for `first_slip` of the rows: beyond it a finger slides each time. Raises
         InputError, Unsupported (known forces; an accuracy that is not reached).
         """
-        return load_display("payload")(self, orientations, acceleration, geometry, faces, motion, turn, accuracy)
+        from handlcp.studies.payload.largest_mass import payload  # only who asks pays for a study
+
+        assert isinstance(self, Grasp)
+        return payload(self, orientations, acceleration, geometry, faces, motion, turn, accuracy)
 
     def margins(
         self, solution: GraspSolution | None = None, faces: int | str | Pyramid = "cone", length: float | None = None

@@ -13,7 +13,7 @@ from handlcp.check import Array
 from handlcp.grasp.model.effect import FOLLOWED_LOADINGS
 from handlcp.robot.hand_model import HandModel
 
-ExplanationLine = tuple[str, str, bool, str, str]  # as `Mechanism.lines` has it
+ExplanationLine = tuple[str, str, bool, str, str]  # as `HandReport.explanation_lines` has it
 _FRICTION_LAW = "against the motion: |τ_f| ≤ {}, and τ_f = -{} sign(q̇) where a joint moves"
 
 

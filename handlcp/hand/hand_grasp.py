@@ -144,7 +144,7 @@ class HandGrasp(HandRequirements):
     @property
     def turning(self) -> Array:
         """(k, nv) of the k soft contacts' fingertips about their normals [rad/rad]; zero for the environment's."""
-        return self.mechanism.turning_rates(self.scene.soft)
+        return self.mechanism.jacobian_rows(self.scene.soft)[len(self.jacobian) :]
 
     @property
     def finger_weight(self) -> bool | str:
@@ -264,7 +264,7 @@ class HandGrasp(HandRequirements):
             super().explain(faces, measure),
             object_weight_wrench(self.target, self.given_gravity, self.reference),
         )
-        begins = [reason.sentence for reason in self.mechanism.start_inside_reasons(self.spec)]
+        begins = [reason.sentence for reason in self.mechanism.report.start_inside_reasons(self.spec)]
         carried = [*begins, *(str(reach) for reach in self.out_of_reach if reach.carried)]
         more = {
             UnilateralContact.title: "".join([f"; {text}" for text in carried]),

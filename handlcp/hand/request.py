@@ -448,7 +448,7 @@ def _change_friction(
     found = changes.get("found", asked.found)
     if found is None and (isinstance(target, Object) or "object" in changes):
         if isinstance(asked_for, Mapping) and isinstance(asked.target, Object):
-            links = mechanism.links  # what is said of a link is said of all its contacts
+            links = mechanism.report.links  # what is said of a link is said of all its contacts
             kept = {n: law for n, law in zip(names, old, strict=True) if n in here and links.get(n) not in asked_for}
             return {"friction": kept | dict(asked_for)}
         return {}

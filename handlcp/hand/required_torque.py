@@ -236,8 +236,10 @@ def _unreachable_end(path: Loading) -> str | None:
         return None
     for number in (0, -1):
         at = path.steps.states[number].where
-        there = mechanism.place_at(at.q, at.pose)
-        found = [r for r in mechanism.place_reasons(*there, "at the end of the loading") if r.severity == "decides"]
+        there = mechanism.report.place_at(at.q, at.pose)
+        found = [
+            r for r in mechanism.report.place_reasons(*there, "at the end of the loading") if r.severity == "decides"
+        ]
         if found:
             return None if number == 0 else f"not held: {found[0].sentence}"
     return None

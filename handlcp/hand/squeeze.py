@@ -75,7 +75,7 @@ def start_penetration(spec: GraspSpec) -> Array:
     """
     mechanism: Any = spec.mechanism  # a hand's
     inside = overlap_depths(mechanism.stand_off[:, 2])
-    if not mechanism.links or not inside.any():
+    if not mechanism.report.links or not inside.any():
         return np.zeros(len(inside))
     command = find_command(spec.effects)
     opened = command is not None and command.opened is not None  # from where links close until they touch
@@ -91,7 +91,7 @@ def start_link_depths(spec: GraspSpec) -> dict[str, float]:
     depths = dict[str, float]()
     for tip, depth in zip(mechanism.fingertips, start_penetration(spec).tolist(), strict=True):
         if depth > 0.0:
-            link = mechanism.links[tip]
+            link = mechanism.report.links[tip]
             depths[link] = max(depth, depths.get(link, 0.0))
     if depths:
         with suppress(URDFError):
@@ -119,7 +119,7 @@ def move_out_of_link(spec: GraspSpec) -> tuple[str, float, GraspSpec] | None:
     if not begun or moved is None or spec.of_hand < spec.n:
         return None
     link, depth = next(iter(begun.items()))
-    its = [mechanism.links[tip] == link for tip in mechanism.fingertips]
+    its = [mechanism.report.links[tip] == link for tip in mechanism.fingertips]
     way = mechanism.frames[its, :, 2].sum(axis=0)
     if (size := float(np.linalg.norm(way))) < _MIN_NORMAL_SUM * sum(its):
         return None

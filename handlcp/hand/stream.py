@@ -20,6 +20,7 @@ from handlcp.grasp.model import validate
 from handlcp.grasp.model.contact import Placement, cross_rows, shift_twist
 from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.request import wrench_about
+from handlcp.grasp.model.status import UNKNOWN, contact_words
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solve.compiled_answer import CompiledAnswer, get_compiled_kind, start_values
 from handlcp.grasp.solve.compiled_solve import scene_views, solve_scenes, write_row
@@ -93,7 +94,7 @@ class GraspUpdate:
     @property
     def contact_state(self) -> tuple[str, ...]:
         """(n,) "separated", "sticking", "sliding"; "unknown" where there is no answer."""
-        return self._found.states if self.held else ("unknown",) * self._grasp.spec.n
+        return contact_words(self._found.states.tolist() if self.held else (UNKNOWN,) * self._grasp.spec.n)
 
     @property
     def torques(self) -> Array:

@@ -19,7 +19,7 @@ from handlcp.grasp.failure.failure_mode import TENSION, TORQUE, FailureMode, is_
 from handlcp.grasp.failure.failure_text import describe_torque_excess
 from handlcp.grasp.solution.force_bounds import find_torque_bounds, format_span, is_apart, torque_shares
 from handlcp.grasp.solution.verdict import Reason
-from handlcp.record import Record, load_display
+from handlcp.record import Record
 from handlcp.words import TextTable, wrap_text
 
 
@@ -211,7 +211,9 @@ class TorqueCheck(Record):
         return f"All joints hold; {self.binding} is closest to its limit."
 
     def __rich__(self) -> Any:
-        return load_display("torque_table")(self)
+        from handlcp.viz.terminal_table import torque_table  # for rich alone
+
+        return torque_table(self)
 
 
 def torque_check(

@@ -23,9 +23,10 @@ from handlcp.geometry.link_contacts import ALL_LINKS, body_gaps, contact_bodies,
 from handlcp.geometry.object import Object
 from handlcp.grasp.effects.joint_offset import JointOffset, find_command
 from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.model.status import PathStatus
 from handlcp.grasp.path.advance import Leg, Open
 from handlcp.grasp.path.follow import TOLERANCE, begun, geometry_of
-from handlcp.grasp.path.state import Goal, Outcome, Run, State
+from handlcp.grasp.path.state import Goal, Run, State
 from handlcp.grasp.path.watch import watch_of
 from handlcp.hand.closing import bending_rates, wrap_hand
 from handlcp.hand.mechanism import HandMechanism
@@ -262,14 +263,14 @@ class _TorqueClosing:
             on, before = np.isin(fingers, list(turning)), run.states[-1]
             self._turn_motors(on)
             last, shares = run.states[-1], self._torque_shares(run.states[-1])
-            self.stuck |= run.outcome is Outcome.GAVE_UP
+            self.stuck |= run.status.is_given_up
             there = set(fingers[on & (shares > 1.0 - _TORQUE_TOLERANCE)].tolist())
             done = there or turning  # a finger whose turning on drives another one too far; or nothing more to be had
             for finger in done:
                 its = fingers == finger
-                if run.outcome is Outcome.LIMIT or shares[its].max() > self._torque_shares(before)[its].max():
+                if run.status == PathStatus.LIMIT or shares[its].max() > self._torque_shares(before)[its].max():
                     found[its] = last.controls.command[its]
-            if run.outcome is Outcome.LOST:  # the closing itself loses the object
+            if run.status.is_lost:  # the closing itself loses the object
                 found[on] = last.controls.command[on] + rate[on]
             turning = turning - done
         return found, run.states[-1].rubs
@@ -282,7 +283,7 @@ class _TorqueClosing:
         beyond = Open(
             _COMMAND_STEP, _MAX_COMMAND_FACTOR, lambda state: float((self._torque_shares(state) - most).max())
         )
-        self.run.outcome = Outcome.END
+        self.run.status = PathStatus.REACHED
         Leg(self.stepper, self.watch, self.run, 0, goal, _COMMAND_STEP, beyond).through()
 
     def _torque_shares(self, state: State) -> Array:

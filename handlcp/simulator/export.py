@@ -119,10 +119,10 @@ def least_tendon_forces(grasp: HandGrasp) -> dict[str, tuple[float, float]]:
     """The least forces of actuators of tendons that may go slack, before and after the hand has closed [N]: an actuator
     that holds the joints where they are commanded, where its tendon pulls with a, pulls with a + F ≥ 0.
     """
-    cables = grasp.mechanism.cables
+    cables = grasp.mechanism.joint_model.cables
     if cables is None or not np.isfinite(cables.pretension).any() or has_routes(grasp.state.hand):
         return {}
-    states = grasp.follow(order="squeeze").steps.states if grasp.mechanism.has_command(grasp.spec) else ()
+    states = grasp.follow(order="squeeze").steps.states if grasp.mechanism.variation.has_command(grasp.spec) else ()
     found = dict[str, tuple[float, float]]()
     for i in np.flatnonzero(np.isfinite(cables.pretension)).tolist():
         first = after = float(cables.pretension[i])

@@ -81,7 +81,7 @@ def route_commands(grasp: HandGrasp, names: tuple[str, ...], arms: Array) -> tup
     Raises Unsupported for a pretension that no springs at the joints balance.
     """
     mechanism, stiffness = grasp.mechanism, grasp.state.hand.stiffness
-    cables = mechanism.cables
+    cables = mechanism.joint_model.cables
     assert cables is not None
     assert isinstance(stiffness, TendonStiffness)
     rest = mechanism.rest_posture
@@ -91,7 +91,7 @@ def route_commands(grasp: HandGrasp, names: tuple[str, ...], arms: Array) -> tup
     bent = np.linalg.lstsq(cables.passive, preload)[0]
     if abs(cables.passive @ bent - preload).max(initial=0.0) > _BALANCE_TOLERANCE * abs(preload).max(initial=0.0):
         raise Unsupported("a pretension that no springs at the joints balance cannot be written")
-    loading = grasp.follow(order="squeeze" if mechanism.has_command(grasp.spec) else [Stage("rest")], steps=8)
+    loading = grasp.follow(order="squeeze" if mechanism.variation.has_command(grasp.spec) else [Stage("rest")], steps=8)
     both = []
     for state in (loading.steps.states[0], loading.last):
         drawn = np.linalg.solve(cables.springs, state.pull.drawn)

@@ -7,11 +7,27 @@ from typing import Any
 
 import numpy as np
 
+from handlcp.errors import InputError
 from handlcp.grasp import Explanation, Grasp, GraspSolution, Loading, Suggestions, Verdict
 from handlcp.grasp.solution.solution import contact_text_table
+from handlcp.hand.hand_grasp import make_grasp
 from handlcp.record import columns_from_arrays, package_versions, pick_entries, rows_from_columns, to_plain
 from handlcp.viz.loading.curves import grasp_at_end, solution_at_end
 from handlcp.words import TextTable
+
+
+def solution_to_dict(solution: GraspSolution) -> dict[str, Any]:
+    """Everything about a solution as plain data: see `GraspSolution.to_dict`."""
+    grasp = grasp_of_solution(solution)
+    return solution_record(grasp, solution, grasp.explain())
+
+
+def grasp_of_solution(solution: GraspSolution) -> Grasp:
+    """The grasp that a solution answers. Raises InputError for one that does not know what was solved."""
+    spec = solution.spec
+    if spec is None:
+        raise InputError("solution", "one made by grasp.solve()", "one that does not know its grasp")
+    return make_grasp(spec)
 
 
 def solution_record(
@@ -108,7 +124,7 @@ _CELL_STYLE = "padding:2px 10px 2px 0;border:none;background:none;white-space:no
 _HEAD_RULE_STYLE = "border-bottom:1px solid #8886"
 
 
-def html(solution: GraspSolution) -> str:
+def solution_html(solution: GraspSolution) -> str:
     """A solution as one piece of HTML: verdict, contacts and joint torques, as a notebook shows it.
 
     Colours are readable on white and on black.
@@ -127,11 +143,6 @@ def html(solution: GraspSolution) -> str:
 def table_html(table: TextTable) -> str:
     """A text table as a table in HTML, for notebooks."""
     return _table_with_bars(table, [""] * len(table.rows))
-
-
-def text_html(value: Any) -> str:
-    """The printed text of a value, line by line, as HTML."""
-    return f'<pre style="margin:0;background:none">{escape(str(value))}</pre>'
 
 
 def _table_with_bars(table: TextTable, bars: list[str]) -> str:

@@ -19,6 +19,7 @@ from handlcp.grasp.failure.failure_text import (
     describe_load,
     explain_limit,
 )
+from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
 NAMES = ("thumb", "index")
@@ -113,7 +114,7 @@ def test_joints_that_yield_have_no_torque_to_exceed_and_a_grasp_without_joints_h
 
 
 def test_contacts_give_way_by_opening_or_else_by_slipping_or_else_balance_does():
-    stick, slide, open_ = "sticking", "sliding", "separated"
+    stick, slide, open_ = STICKING, SLIDING, SEPARATED
     assert find_slipping(NAMES, (slide, stick)) == (FailureMode("slips", "thumb"),)
     assert find_slipping(NAMES, (slide, open_), (slide, stick)) == (FailureMode("opens", "index"),)
     assert find_slipping(NAMES, (slide, open_), (slide, open_)) == (FailureMode("slips", "thumb"),)

@@ -179,5 +179,9 @@ def test_a_link_that_the_loading_brings_into_the_object_is_said_to_be_there_at_i
     state = hand.at(hand.neutral)
     ball = hl.Sphere(0.03, (0.0, 0.0, 0.03 - 4.5e-3), mass=0.05)
     mechanism = state.grasp(dict(around(ball)), preload=1e-3).spec.mechanism
-    said = [r.sentence for r in mechanism.end_reasons(np.zeros(6), np.zeros(6), (state, ball)) if "palm" in r.sentence]
+    said = [
+        r.sentence
+        for r in mechanism.report.end_reasons(np.zeros(6), np.zeros(6), (state, ball))
+        if "palm" in r.sentence
+    ]
     says("; ".join(said), "palm", "at the end of the loading")

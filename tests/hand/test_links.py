@@ -195,10 +195,10 @@ def test_where_an_object_begins_inside_links_the_verdict_says_how_deep_and_it_ca
     says(begins.sentence, "2 mm inside palm")
     assert "the object begins 2 mm inside palm" in str(grasp.payload(geometry="fixed"))
     assert not grasp.out_of_reach
-    text, depth, made = grasp.mechanism.move_object_out(grasp.spec)
+    text, depth, made = grasp.mechanism.variation.move_object_out(grasp.spec)
     assert depth == pytest.approx(2e-3)
     np.testing.assert_allclose(made.mechanism.target.placement.translation, (0, 0, 0.02), atol=1e-5)
-    assert not [*made.mechanism.start_inside_reasons(made)]
+    assert not [*made.mechanism.report.start_inside_reasons(made)]
     says(text, "palm")
 
 

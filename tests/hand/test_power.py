@@ -70,7 +70,7 @@ def test_it_is_held_in_the_worst_direction_and_sorted_by_that(found):
 def test_a_row_names_the_links_that_press_and_less_than_the_load_is_warned_of(found):
     by_link = {}
     for name, force in found[0].normal_force.items():
-        link = found[0].grasp.mechanism.links[name]
+        link = found[0].grasp.mechanism.report.links[name]
         by_link[link] = by_link.get(link, 0.0) + force
     hardest = max(by_link, key=by_link.get)
     assert f"pressing: {hardest} {by_link[hardest]:.2g} N, " in str(found[0])

@@ -401,7 +401,7 @@ def test_motors_of_a_hand_are_by_joint_and_by_tendon(write):
         lever_hand(write, joint_stiffness=plain, motors=named),
         lever_hand(write, joint_stiffness=plain).replace(motors=named),
     ]
-    limits = [lever_pinch(hand).mechanism.cables.limits for hand in hands]
+    limits = [lever_pinch(hand).mechanism.joint_model.cables.limits for hand in hands]
     np.testing.assert_array_equal(limits[1], limits[0])
     np.testing.assert_array_equal(limits[2], limits[0])
     assert np.isfinite(limits[0]).sum() == 1

@@ -37,7 +37,7 @@ def test_soft_pads_twist_as_their_flexibility_says_while_contacts_are_followed()
     line = g.spec.positions[1] - g.spec.positions[0]
     line /= np.linalg.norm(line)
     h = g.follow(np.append(np.zeros(3), moment * line))
-    assert h.last.kinds == ("sticking", "sticking")
+    assert h.steps.contact_state[-1] == ("sticking", "sticking")
     assert line @ h.displacement[3:] == pytest.approx(0.5 * moment * c, rel=1e-4)
     assert max(s.iterates for s in h.steps.states) <= 5  # Newton's steps: no part of the tangent is missing
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from handlcp.grasp.model.status import PathStatus
 from handlcp.grasp.path import advance, step
 from handlcp.grasp.path.advance import Leg
 from handlcp.grasp.path.newton.iteration import one_iteration
@@ -19,7 +20,8 @@ def give_up_beyond(share, patch):
     found = Leg._found
 
     def stopped(leg, state, at, size):
-        return Failure("no answer") if leg.beyond is not None and at + size > share else found(leg, state, at, size)
+        is_beyond = leg.beyond is not None and at + size > share
+        return Failure(PathStatus.NO_FORCES) if is_beyond else found(leg, state, at, size)
 
     patch.setattr(Leg, "_found", stopped)
     patch.setattr(advance, "flow", lambda stepper, state, *rest: (state, STUCK))

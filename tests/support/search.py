@@ -106,8 +106,8 @@ def jammed(grasp):
 class _Joints(Mechanism):
     """Joints that carry contacts without turning them."""
 
-    def turning_rates(self, contacts):
-        return np.zeros((len(contacts), len(self.names)))
+    def jacobian_rows(self, soft):
+        return np.concatenate([self.jacobian, np.zeros((len(soft), len(self.names)))])
 
 
 class _Saturation(hl.TorqueSaturation):

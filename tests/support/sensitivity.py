@@ -9,8 +9,8 @@ import pinocchio as pin
 
 import handlcp as hl
 from handlcp.hand import library
+from handlcp.hand.grasp_variation import lengthen_link
 from handlcp.hand.hand_grasp import make_grasp
-from handlcp.robot.grasp_variation import lengthen_link
 
 HANDS_OF_LIBRARY = tuple([name for name in library.HANDS if name != "planar_ring"])  # the ring lies in a plane
 
@@ -71,7 +71,7 @@ def _contacts(spec, parameter, i, axis, step):
     else:
         frames[i] = frames[i] @ pin.exp3(np.eye(3)[axis] * step)
     if spec.mechanism is not None:
-        return make_grasp(spec.mechanism.replace_contacts(spec, positions, frames))
+        return make_grasp(spec.mechanism.variation.replace_contacts(spec, positions, frames))
     contacts = [
         hl.Contact(p, R[:, 2], c.friction, tangent=R[:, 0])
         for p, R, c in zip(positions, frames, spec.contacts, strict=True)

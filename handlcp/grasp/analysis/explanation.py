@@ -197,7 +197,7 @@ def explain_effects(spec: GraspSpec, scene: Scene, section: Section) -> Explanat
             ENVIRONMENT_DESCRIPTION.title, ENVIRONMENT_DESCRIPTION.equation, m > 0, _describe_environment(spec, m)
         )
     )
-    for title, law, is_on, why, answers in () if spec.mechanism is None else spec.mechanism.explanation_lines():
+    for title, law, is_on, why, answers in () if spec.mechanism is None else spec.mechanism.report.explanation_lines():
         lines.append(EffectLine(title, law, is_on, why, answers=answers))
     total = sum(g.count for g in problem.groups)
     rcond = problem.rcond if isinstance(problem, GraspProblem) else None

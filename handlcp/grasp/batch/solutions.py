@@ -16,12 +16,13 @@ from handlcp.check import Array, Bools, Ints, check_method_calls, read_only
 from handlcp.errors import Unsupported
 from handlcp.grasp.batch.first_stage import STATUSES, FirstStageAnswers, GraspBatch
 from handlcp.grasp.grasp import Grasp
+from handlcp.grasp.model.mechanism import read_joints
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solve.compiled_answer import CompiledAnswer
 from handlcp.grasp.solve.solve_spec import conclude_first_stage
 from handlcp.lazy_property import lazy_property
 from handlcp.lcp import Status
-from handlcp.record import Record, load_display, make_data_frame
+from handlcp.record import Record, make_data_frame
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 from handlcp.words import TextTable, number_duplicates, wrap_text
 
@@ -59,7 +60,7 @@ class GraspGroup:
         self.forces[row] = components[: 3 * n].reshape(-1, 3)
         if (mechanism := spec.mechanism) is not None:
             torsion = scene.scatter_torsion(components[3 * n :]) if scene.soft else None
-            joints = mechanism.joints(scene, spec.effects, self.forces[row], torsion, {})
+            joints = read_joints(mechanism, scene, spec.effects, self.forces[row], torsion, {})
             self._put_torques(row, joints.torque, mechanism.limits)
 
     def _put_torques(self, row: int, torques: Array, limits: Array) -> None:
@@ -308,8 +309,9 @@ class Solutions(Record, Sequence[GraspSolution]):
         """What a notebook shows: how many came to what."""
         counts = Counter(self.status.tolist()).most_common()
         rows = tuple((name, str(k)) for name, k in counts)
-        text: str = load_display("table_html")(TextTable(("status", f"of {len(self)} grasps"), rows, "<>"))
-        return text
+        from handlcp.viz.solution_output import table_html  # for notebooks alone
+
+        return table_html(TextTable(("status", f"of {len(self)} grasps"), rows, "<>"))
 
     def __str__(self) -> str:
         """How many came to what."""

@@ -17,7 +17,7 @@ from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
 from handlcp.grasp.effects.joint_offset import commanded_offset
 from handlcp.grasp.effects.joint_torque import TorqueSaturation
 from handlcp.grasp.model.effect import Limit
-from handlcp.grasp.model.mechanism import JointReading
+from handlcp.grasp.model.mechanism import JointReading, read_joints
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.verify.certifier import friction_limits, limits_at_answer
@@ -101,7 +101,7 @@ class LinearisationPoint:
         mechanism = self.spec.mechanism
         if mechanism is None:
             return JointReading(np.zeros(0), np.zeros(0), np.zeros(0))
-        return mechanism.joints(self.scene, self.spec.effects, self.forces, self.torsion, self.extra)
+        return read_joints(mechanism, self.scene, self.spec.effects, self.forces, self.torsion, self.extra)
 
     @lazy_property
     def command(self) -> Array:
@@ -199,7 +199,7 @@ class LinearisationPoint:
     def elastic_joints(self) -> bool:
         """Whether E follows the springs of the joints, because no other one was given."""
         mechanism = self.spec.mechanism
-        return mechanism is not None and mechanism.has_joint_flexibility(self.spec)
+        return mechanism is not None and mechanism.variation.has_joint_flexibility(self.spec)
 
 
 @lru_cache(maxsize=64)

@@ -258,7 +258,7 @@ class Sensitivity(Record):
     def length_names(self) -> tuple[str, ...]:
         """(m,) joints and fingertips whose places are `lengths`; () without a hand."""
         mechanism = self._answer.spec.mechanism
-        return () if mechanism is None else mechanism.lengths
+        return () if mechanism is None else mechanism.variation.lengths
 
     @property
     def kinks(self) -> tuple[DerivativeKink, ...]:
@@ -345,7 +345,7 @@ class Sensitivity(Record):
 def _touching_kinks(answer: LinearisationPoint) -> tuple[DerivativeKink, ...]:
     """Fingertips that just touch, where that gives derivatives by posture and lengths two sides."""
     deeper, mechanism = depth_change_at(answer), answer.spec.mechanism
-    found = None if mechanism is None else mechanism.inside_depths(answer.spec)
+    found = None if mechanism is None else mechanism.variation.inside_depths(answer.spec)
     if deeper is None or found is None:
         return ()
     some = [int(i) for i in deeper.contacts if found[1][i]]

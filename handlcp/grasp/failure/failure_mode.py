@@ -13,6 +13,7 @@ from handlcp.check import Array, Bools, read_only
 from handlcp.grasp.effects.joint_torque import TorqueSaturation
 from handlcp.grasp.model.mechanism import Cables, Mechanism
 from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING, ContactStatus
 from handlcp.record import Record
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
@@ -26,12 +27,15 @@ OBJECT = "the object"
 
 @dataclass(frozen=True, slots=True)
 class FailureMode(Record):
-    """What gives out. kind : "slips" (a finger that slips), "opens" (a contact that lets go), "torque" (a joint at its
-    torque limit), "tension" (a tendon at its limit), "range" (a joint at the end of its range), "equilibrium" (forces
-    can no longer balance the load), "motion" (the object moves farther than was allowed), "slides through" (the object,
-    where no contact that presses sticks), "undecided" (something does, and it is not known what).
-    who : the finger, the joint, the tendon or "the object". margin : share of the limit that is left; 0 at the limit,
-    below 0 beyond it. Causes of the same kind and name are equal, whatever their margins.
+    """What gives out first when a load grows: a contact, a joint, a tendon or the object.
+
+    kind : "slips" (a finger that slips), "opens" (a contact that lets go), "torque" (a joint at its torque limit),
+        "tension" (a tendon at its limit), "range" (a joint at the end of its range), "equilibrium" (forces no longer
+        balance the load), "motion" (the object moves farther than was allowed), "slides through" (the object, where no
+        contact that presses sticks), "undecided" (something does, and it is not known what).
+    who : the finger, the joint, the tendon or "the object".
+    margin : share of the limit that is left; 0 at the limit, below 0 beyond it. Causes of the same kind and name are
+        equal, whatever their margins.
     """
 
     entries = ("kind", "who")
@@ -132,9 +136,9 @@ def state_limits(
     torque, free = mechanism.limits, np.full(len(mechanism.names), np.inf)
     if any(isinstance(e, TorqueSaturation) for e in spec.effects):
         torque = free
-    cables = Cables.without_tendons(0) if mechanism.cables is None else mechanism.cables
+    cables = mechanism.joint_model.cables or Cables.without_tendons(0)
     efforts = np.concatenate([torque, cables.limits])
-    lower, upper = (mechanism.ranges if ranges else None) or (-free, free)
+    lower, upper = mechanism.joint_model.ranges if ranges else (-free, free)
     if nominal is not None:
         left = is_exceeded(
             StateLimits((), mechanism.names, free, lower, upper).inverse_spans * _range_excess(lower, upper, nominal)
@@ -180,9 +184,9 @@ def find_exceeded_closing(mechanism: Mechanism | None, efforts: Callable[[], Arr
     """Joints and tendons that closing took more of than their motors give. efforts : makes (nv + t,) [N·m, N], and is
     asked only where there are motors.
     """
-    if mechanism is None or (closes := mechanism.closing_limits) is None:
+    if mechanism is None or (closes := mechanism.joint_model.closing_limits) is None:
         return ()
-    free, cables = np.full(len(mechanism.names), np.inf), mechanism.cables
+    free, cables = np.full(len(mechanism.names), np.inf), mechanism.joint_model.cables
     tendons = () if cables is None else cables.names
     return find_exceeded(StateLimits((), mechanism.names, closes, -free, free, tendons=tendons), efforts())
 
@@ -205,24 +209,24 @@ def find_binding(
 
 
 def find_slipping(
-    names: Sequence[str], kinds: Sequence[str], before: Sequence[str] | None = None
+    names: Sequence[str], kinds: Sequence[ContactStatus], before: Sequence[ContactStatus] | None = None
 ) -> tuple[FailureMode, ...]:
     """What gives way where no more load is balanced: contacts that open there; or else all that slide; or else balance
-    itself. kinds (n,) : "separated", "sticking", "sliding". before (n,) : the same short of that place; None: nothing
+    itself. kinds (n,) : what each contact does. before (n,) : the same short of that place; None: nothing
     opens there.
     """
     if before is not None:
-        opened = [n for n, a, b in zip(names, before, kinds, strict=True) if b == "separated" != a]
+        opened = [n for n, a, b in zip(names, before, kinds, strict=True) if b == SEPARATED != a]
         if opened:
             return tuple([FailureMode(OPENS, name) for name in opened])
     every = zip(names, kinds if before is None else before, kinds, strict=True)
-    sliding = [name for name, a, b in every if "sliding" in (a, b)]
+    sliding = [name for name, a, b in every if SLIDING in (a, b)]
     return tuple([FailureMode(SLIPS, name) for name in sliding]) or (FailureMode(EQUILIBRIUM, OBJECT),)
 
 
-def find_slide_through(kinds: Sequence[str]) -> tuple[FailureMode, ...]:
+def find_slide_through(kinds: Sequence[ContactStatus]) -> tuple[FailureMode, ...]:
     """That the object slides through, where contacts press and none of them sticks; else ()."""
-    return (FailureMode(SLIDES, OBJECT),) if "sliding" in kinds and "sticking" not in kinds else ()
+    return (FailureMode(SLIDES, OBJECT),) if SLIDING in kinds and STICKING not in kinds else ()
 
 
 def largest_share_index(share: Array) -> int:

@@ -19,24 +19,21 @@ from handlcp.grasp.failure.failure_mode import (
     TORQUE,
     UNDECIDED,
     FailureMode,
-)  # fmt: skip
+)
 from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.model.status import SEPARATED, SLIDING, ContactStatus, PathStatus
 
 # ---------------------------------------------------------------- Why an object is lost, in one sentence.
 
-# How a loading fails
-RUNS_AWAY, UNSTABLE, PUSHED_OUT, LOOSE, NO_FORCES, TOO_FAR, LEAPS, STUCK, CROSSES, SNAPS = (
-    "runs away", "unstable", "pushed out", "loose", "no answer", "too far", "leaps", "stuck", "crosses", "snaps"
-)  # fmt: skip
 _SENTENCES = {
-    RUNS_AWAY: "the object runs away{}: the fingers give way faster than their forces grow",
-    UNSTABLE: "the object is in balance, but a small push{} drives it away: it tips over, or the fingers are "
-    "too soft for their forces",
-    PUSHED_OUT: "the squeeze pushes the object out from between the fingers",
-    LOOSE: "no finger holds the object any more",
-    NO_FORCES: "the fingers do not create the forces that would balance the load",
-    TOO_FAR: "no balance was found near the last one, however small the step: the object would have to jump",
-    LEAPS: "no balance was found near the last one, however small the step: the object would have to jump",
+    PathStatus.RUNS_AWAY: "the object runs away{}: the fingers give way faster than their forces grow",
+    PathStatus.UNSTABLE: "the object is in balance, but a small push{} drives it away: it tips over, or the fingers "
+    "are too soft for their forces",
+    PathStatus.PUSHED_OUT: "the squeeze pushes the object out from between the fingers",
+    PathStatus.LOOSE: "no finger holds the object any more",
+    PathStatus.NO_FORCES: "the fingers do not create the forces that would balance the load",
+    PathStatus.TOO_FAR: "no balance was found near the last one, however small the step: the object would have to jump",
+    PathStatus.LEAPS: "no balance was found near the last one, however small the step: the object would have to jump",
 }
 _NO_BALANCE_IN_PLACE = (
     "no balance of the fingers was found on an object that is kept in place: they press too hard, or slip off it"
@@ -44,15 +41,16 @@ _NO_BALANCE_IN_PLACE = (
 
 
 def explain_loss(
-    how: str, spec: GraspSpec, kinds: Sequence[str], motion: Array | None = None, kept: bool = False
+    status: PathStatus, spec: GraspSpec, kinds: Sequence[ContactStatus], motion: Array | None = None, kept: bool = False
 ) -> str:
-    """How the loading fails, one of the above, and what the contacts last did: kinds (n,) "separated", "sticking",
-    "sliding". motion (6,) : in which the object runs away, or a small push grows; None: not known. kept : whether the
-    object is kept in place there, and only the fingers can fail.
+    """How a loading loses the object, and what the contacts last did, in one sentence.
+
+    status : how the loading ends. kinds (n,) : of the contacts at the last state. motion (6,) : in which the object
+    runs away, or a small push grows; None: not known. kept : whether the object is kept in place there, and only the
+    fingers can fail.
     """
     open_, sliding = (
-        [name for name, kind in zip(spec.names, kinds, strict=True) if kind == what]
-        for what in ("separated", "sliding")
+        [name for name, kind in zip(spec.names, kinds, strict=True) if kind == what] for what in (SEPARATED, SLIDING)
     )
     state = []
     if sliding:
@@ -60,19 +58,21 @@ def explain_loss(
     if open_:
         state.append(f"{describe_names(open_, spec)} {'have' if len(open_) > 1 else 'has'} let go")
     text = (
-        _NO_BALANCE_IN_PLACE if kept else _SENTENCES[how].format("" if motion is None else describe_direction(motion))
+        _NO_BALANCE_IN_PLACE
+        if kept
+        else _SENTENCES[status].format("" if motion is None else describe_direction(motion))
     )
     return f"{text} ({' and '.join(state)})" if state else text
 
 
-def explain_giving_up(how: str, who: str = "") -> str:
+def explain_giving_up(status: PathStatus, who: str = "") -> str:
     """Why a path was given up, though nothing says that the object is lost. who : a tendon and a body, in words."""
-    if how == CROSSES:
+    if status == PathStatus.CROSSES:
         way = "pass the side (Around.side) on which it lies in all these postures, or route it between"
         return f"there tendon {who.replace(' the ', ' goes over to the other side of the ', 1)}: {way}"
-    if how == STUCK:
+    if status == PathStatus.STUCK:
         return "forces balance the load up to there, and no next state is found"
-    if how == SNAPS:
+    if status == PathStatus.SNAPS:
         return "the object snaps elsewhere there"
     return "contacts touch, slip and let go so often there that hundreds of short steps do not lead on"
 
@@ -106,7 +106,7 @@ _FAILURE_PHRASES = {  # of one, of several
     TORQUE: ("reaches its torque limit", "reach their torque limits"),
     TENSION: ("reaches the limit of its tension", "reach the limits of their tensions"),
     RANGE: ("reaches the end of its range", "reach the ends of their ranges"),
-}  # fmt: skip
+}
 _OBJECT_PHRASES = {
     EQUILIBRIUM: "no forces balance more load",
     MOTION: "the object moves farther than allowed",
@@ -122,8 +122,10 @@ _EVENT_PHRASES = {  # of one, of several
     "opens by turns": ("lets go and touches by turns", "let go and touch by turns"),
     "over limit": ("needs more than its torque limit", "need more than their torque limits"),
     "within limit": ("is within its torque limit again", "are within their torque limits again"),
-    "over limit by turns": ("goes over its torque limit and back by turns", "go over their torque limits and back by "
-                            "turns"),
+    "over limit by turns": (
+        "goes over its torque limit and back by turns",
+        "go over their torque limits and back by turns",
+    ),
     "over tension": ("pulls with more than its limit", "pull with more than their limits"),
     "within tension": ("is within its limit again", "are within their limits again"),
     "over tension by turns": ("goes over its limit and back by turns", "go over their limits and back by turns"),
@@ -139,7 +141,7 @@ _EVENT_PHRASES = {  # of one, of several
     "slides through": ("begins to slide through: no contact that presses sticks any more", "slide through"),
     "snaps": ("snaps to another place", "snap to another place"),
     "snaps by turns": ("snaps to other places, several times", "snap to other places, several times"),
-}  # fmt: skip
+}
 BY_TURNS = " by turns"
 _JOINT_EVENTS = ("over limit", "within limit", "yields", "holds", "range end", "range", TORQUE)
 _TENDON_EVENTS = ("over tension", "within tension", "slackens", "tightens", TENSION)
@@ -164,8 +166,8 @@ def describe_failures(causes: Sequence[FailureMode], spec: GraspSpec | None = No
 
 def explain_limit(
     causes: Sequence[FailureMode], factor: float, wrench: Array, spec: GraspSpec | None = None, then: str = ""
-) -> str:  # fmt: skip
-    """One sentence: what ends the growth of a load at this factor on a wrench (6,) [N, N·m].
+) -> str:
+    """Say in one sentence what ends the growth of a load at this factor on a wrench (6,) [N, N·m].
 
     then : what the object does there, such as "slides through"; "": no more load is balanced.
     """
@@ -217,7 +219,7 @@ def describe_names(who: Sequence[str], spec: GraspSpec | None, kind: str = "") -
         if kind.removesuffix(BY_TURNS) in _JOINT_EVENTS:
             groups = [(() if spec.mechanism is None else spec.mechanism.names, "joints")]
         if kind.removesuffix(BY_TURNS) in _TENDON_EVENTS:
-            cables = None if spec.mechanism is None else spec.mechanism.cables
+            cables = None if spec.mechanism is None else spec.mechanism.joint_model.cables
             groups = [(() if cables is None else cables.names, "tendons")]
         for group, plural in groups:
             if len(who) == len(group) and set(who) == set(group):

@@ -24,9 +24,10 @@ from handlcp.grasp.failure.failure_mode import (
 from handlcp.grasp.failure.failure_text import describe_direction, describe_pad_depth, explain_giving_up, explain_limit
 from handlcp.grasp.limits.result import Later, LimitEvent, LimitPath, LoadLimit, Reached, Rest
 from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.model.status import SLIDING, ContactStatus, PathStatus
 from handlcp.grasp.path.advance import Leg
 from handlcp.grasp.path.follow import Loading, solution_of
-from handlcp.grasp.path.state import LET_GO, Outcome, Run, State
+from handlcp.grasp.path.state import LET_GO, Run, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import margins
 from handlcp.grasp.solution.solution import GraspSolution
@@ -53,7 +54,7 @@ class Followed(NamedTuple):
     limits: StateLimits
     at: Array
     geometry: str
-    slid: tuple[float, list[str]] | None
+    slid: tuple[float, list[ContactStatus]] | None
 
     @property
     def number(self) -> int:
@@ -85,11 +86,12 @@ class _Ends(NamedTuple):
 def _known(f: Followed) -> _Ends | None:
     """Where a link that was outside before the load grew comes into the object; None: nowhere that is looked at."""
     mechanism = f.spec.mechanism
-    if f.geometry != "followed" or mechanism is None or not mechanism.links:
+    if f.geometry != "followed" or mechanism is None or not mechanism.report.links:
         return None
 
     def inside(state: State) -> tuple[set[str], str]:
-        return mechanism.find_links_inside(state.where.q, state.where.pose)
+        found: tuple[set[str], str] = mechanism.report.find_links_inside(state.where.q, state.where.pose)
+        return found
 
     at_first, _ = inside(f.run.states[0])
 
@@ -122,9 +124,9 @@ def answer(f: Followed) -> LoadLimit:
     run, end = f.run, f.run.shares[-1]
     first = next((e.share for e in run.events if e.kind == "slips"), None)
     slides = None if run.slides is None else run.slides.share
-    factor, number = np.inf if run.outcome is Outcome.UNBOUNDED else end, f.number
+    factor, number = np.inf if run.status == PathStatus.UNBOUNDED else end, f.number
     binds: tuple[FailureMode, ...] = ()
-    if run.outcome is Outcome.LIMIT:
+    if run.status == PathStatus.LIMIT:
         if find_exceeded(f.limits, *_read(f, run.states[0])):  # before there is any load
             factor, number = 0.0, 0
         binds = find_binding(f.limits, *_read(f, run.states[number]), near=_AT)
@@ -132,7 +134,7 @@ def answer(f: Followed) -> LoadLimit:
             c for c in find_binding(f.limits, *_read(f, run.states[0]), near=_AT) if c.margin <= OVER_LIMIT_TOLERANCE
         ]
         binds = (factor > 0.0 and tuple([c for c in binds if c not in stood])) or binds
-    elif run.outcome is Outcome.LOST:
+    elif run.status.is_lost:
         before = run.states[-2].kinds if len(run.states) > 1 else None
         binds = find_slipping(f.spec.names, run.states[-1].kinds, before)
     if run.slides is not None:
@@ -142,7 +144,7 @@ def answer(f: Followed) -> LoadLimit:
         binds = _about_to_slip(f, run.states[number]) or binds
     if f.slid is not None:
         factor, number, slides, binds = 0.0, 0, 0.0, find_slipping(f.spec.names, f.slid[1])
-    gave_up, ends = run.outcome is Outcome.GAVE_UP, _known(f)
+    gave_up, ends = run.status.is_given_up, _known(f)
     if gave_up and run.slides is None:
         binds = _UNKNOWN
     early = ends if ends is not None and ends.factor < factor else None
@@ -157,8 +159,9 @@ def answer(f: Followed) -> LoadLimit:
         if early is not None:
             return f"held up to {factor:.4g} times the load, and undecided beyond: {early.why}"
         if gave_up:
-            assert run.failure is not None
-            return f"held up to {end:.4g} times the load, and undecided beyond: {explain_giving_up(*run.failure)}"
+            return (
+                f"held up to {end:.4g} times the load, and undecided beyond: {explain_giving_up(run.status, run.who)}"
+            )
         return explain_limit(binds, factor, f.wrench, f.spec, _then(_through(f)))
 
     later = Later(
@@ -168,11 +171,11 @@ def answer(f: Followed) -> LoadLimit:
     return LoadLimit(factor, f.wrench, binds, f.geometry, later, first, slides)
 
 
-def kinds_near(run: Run, number: int) -> list[str]:
+def kinds_near(run: Run, number: int) -> list[ContactStatus]:
     """What contacts do where the object slides through; those that stick for a moment there slide."""
     near = [s.kinds for s, x in zip(run.states, run.shares, strict=True) if x >= (1.0 - _NEAR) * run.shares[number]]
     last = run.states[min(number + 1, len(run.states) - 1)].kinds
-    return ["sliding" if any(kinds[i] == "sliding" for kinds in near) else last[i] for i in range(len(last))]
+    return [SLIDING if any(kinds[i] == SLIDING for kinds in near) else last[i] for i in range(len(last))]
 
 
 def _about_to_slip(f: Followed, state: State) -> tuple[FailureMode, ...]:
@@ -199,7 +202,7 @@ def _then(run: Run) -> str:
 
 def _through(f: Followed) -> Run:
     """The whole path, beyond where the object begins to slide through."""
-    if f.run.outcome is Outcome.END and f.run.slides is not None:
+    if f.run.status == PathStatus.REACHED and f.run.slides is not None:
         f.leg.through()
     return f.run
 
@@ -207,30 +210,29 @@ def _through(f: Followed) -> Run:
 def _rest(f: Followed, ends: _Ends | None, number: int) -> Rest:
     """What follows. ends : of what is known up to where the object slides through. number : of the limit's state."""
     at, k = f.run.states[number], f.spec.of_hand
-    asked = () if f.spec.mechanism is None else f.spec.mechanism.command_reasons(f.spec)
+    asked = () if f.spec.mechanism is None else f.spec.mechanism.report.command_reasons(f.spec)
     doubts = [r.sentence for r in asked if r.code == "command_not_made"]
     if pressed := describe_pad_depth(at.where.give[:k], at.iterate.frames[:k, :, 2], f.spec.names):
         doubts.append(pressed)
     run = f.run if ends is not None else _through(f)
     ends = ends or _known(f)
     known = np.inf if ends is None else ends.factor
-    lost = run.shares[-1] if run.outcome is Outcome.LOST and ends is None else None
+    lost = run.shares[-1] if run.status.is_lost and ends is None else None
     first = next((e.share for e in run.events if e.kind == "slips"), None)
     slides = 0.0 if f.slid is not None else None if run.slides is None else run.slides.share
     named = ("first_slip", first), ("slides", slides), ("lost", lost)
     marks = {name: f.mark(x) for name, x in named if x is not None and x <= known}
-    if ends is not None or run.outcome is Outcome.GAVE_UP:
+    if ends is not None or run.status.is_given_up:
         marks["undecided"] = f.mark(min(known, run.shares[-1]))
-    elif run.outcome is Outcome.LIMIT:
+    elif run.status == PathStatus.LIMIT:
         marks["limit"] = f.mark(run.shares[-1])
     events = [LimitEvent(e.kind, e.who, e.share) for e in run.events if e.kind in _NAMED]
     events += [LimitEvent("snaps", OBJECT, s.share, s.moved, s.turned, s.pushed) for s in run.snaps if s.rests]
     if slides is not None:
         events.append(LimitEvent("slides through", OBJECT, slides))
     said = "" if ends is None else ends.why
-    if ends is None and run.outcome is Outcome.GAVE_UP:
-        assert run.failure is not None
-        said = explain_giving_up(*run.failure)
+    if ends is None and run.status.is_given_up:
+        said = explain_giving_up(run.status, run.who)
     told = tuple(sorted([e for e in events if e.factor <= known], key=lambda e: e.factor))
     return Rest(lost, marks, told, said, "; ".join(doubts))
 
@@ -276,7 +278,7 @@ def nothing(
         text = (
             f"the hand cannot close so hard: {words.list_names([c.who for c in closing])} would need more than the peak"
         )
-    elif run.outcome is Outcome.GAVE_UP:
+    elif run.status.is_given_up:
         binds, text = _UNKNOWN, f"undecided: the {loading.lost_stage} alone was not followed to its end: {reason}"
     else:
         binds = (

@@ -27,6 +27,7 @@ from handlcp.grasp.limits.result import Later, LimitEvent, LoadLimit, Reached, R
 from handlcp.grasp.limits.system import System, system_of
 from handlcp.grasp.model.contact import shift_twist
 from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.model.status import SLIDING, contact_statuses
 from handlcp.grasp.path.follow import follow
 from handlcp.grasp.path.geometry import length_of
 from handlcp.grasp.path.state import Stage
@@ -105,8 +106,9 @@ def _squeezed(system: System) -> Start:
         return Start(_place(system, np.zeros(scene.components), np.zeros(6), {}), "")
     if not sags and not (spec.offset[:, 2] > _NONE * size).any():
         found = solve_spec(alone, system.section, proof=False)
-        stays = "sliding" not in found.contact_state  # the force of a contact that slides depends on its path
-        if found.held and stays and abs(found.forces).max() > _ON * scene.units.force:
+        # the force of a contact that slides depends on its path
+        stays = found.held and SLIDING not in contact_statuses(found.contact_state)
+        if stays and abs(found.forces).max() > _ON * scene.units.force:
             return Start(_from_solution(system, found), "")
     return _followed(system, ("squeeze",))
 
@@ -225,7 +227,7 @@ def fixed_limit(
 
 def springs_alone(spec: GraspSpec) -> bool:
     """Whether fingers give way as springs do, as a trace takes it; others are followed in steps."""
-    return spec.mechanism is None or spec.mechanism.is_elastic
+    return spec.mechanism is None or spec.mechanism.joint_model.is_elastic
 
 
 def ends_plainly(system: System) -> bool:

@@ -13,9 +13,10 @@ from handlcp.grasp.failure.failure_mode import StateLimits, find_exceeded_closin
 from handlcp.grasp.limits.answered import OWN_WRENCH, Followed, answer as answered, kinds_near, nothing
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.model.status import PathStatus
 from handlcp.grasp.path.advance import PATIENT, Leg, Open, Patience, advance
 from handlcp.grasp.path.follow import TOLERANCE, begun, geometry_of, loading_of
-from handlcp.grasp.path.state import STILL, Goal, Outcome, Run, Stage, State
+from handlcp.grasp.path.state import STILL, Goal, Run, Stage, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.trajectory import closing_efforts
 from handlcp.grasp.path.watch import watch_of
@@ -66,7 +67,7 @@ class Before:
     @property
     def held(self) -> bool:
         """Whether the object is held by then, and has not begun to slide through, and motors close so hard."""
-        return not self._closing and self._run.outcome is Outcome.END and self._run.slides is None
+        return not self._closing and self._run.status == PathStatus.REACHED and self._run.slides is None
 
     def bounds(self, wrenches: Array) -> Array:
         """(k,) the largest factors on loads (k, 6) that friction and torque limits alone allow."""
@@ -79,7 +80,7 @@ class Before:
     def limit(self, wrench: Array, until: float = np.inf) -> LoadLimit:
         """Of a load (6,) that grows, up to this factor: none is found that is larger."""
         spec, section, before, stepper = self._spec, self._section, self._run, self._stepper
-        if before.outcome is not Outcome.END or self._closing:
+        if before.status != PathStatus.REACHED or self._closing:
             loading = loading_of(before, self._goals[:-1], stepper, section)
             return nothing(spec, wrench, before, self._geometry, loading, self._closing)
         start, finer, follows = before.states[-1], self._finer, self._body.follows

@@ -16,7 +16,7 @@ from handlcp.grasp.failure.failure_text import describe_event
 from handlcp.grasp.path.events import jump
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.lazy_property import lazy_property
-from handlcp.record import Record, load_display
+from handlcp.record import Record
 from handlcp.words import wrap_text
 
 _CALLED = {
@@ -208,7 +208,10 @@ class LoadLimit(Record):
 
         path : of a png, svg, pdf or jpg file; None: the matplotlib figure itself. Raises as `GraspSolution.plot`.
         """
-        return load_display("limit_plot")(self, path, title)
+        from handlcp.viz.load_limit_figure import draw_limit  # answers pay for no picture that nobody draws
+        from handlcp.viz.output_file import draw_or_save
+
+        return draw_or_save(path, draw_limit, self, title)
 
     def __str__(self) -> str:
         """The sentence, and what happens on the way."""

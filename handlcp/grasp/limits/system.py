@@ -144,14 +144,17 @@ def _watch(
             rows = np.concatenate([rows, own, -own])
             level = np.concatenate([level, most[some] - held[some], most[some] + held[some]])
             watched += tuple([("torque", joints.names[j]) for j in some]) * 2
-        nominal = joints.nominal
-        if nominal is not None and joints.ranges is not None:
+        nominal = joints.joint_model.position
+        if nominal is not None and joints.joint_model.ranges is not None:
             sag = sum([e.torque for e in effects if isinstance(e, FingerWeight) and e.sags], np.zeros(len(T)))
             command = commanded_offset(effects, len(T))
             q = nominal + command - joints.deflection(sag)
             Q = joints.root @ (joints.root.T @ T)
             give = _yield_rows(scene, effects, limits, len(T))
-            for end, sign in ((joints.ranges[0], 1.0), (joints.ranges[1], -1.0)):  # q = q0 - Q r - give
+            for end, sign in (
+                (joints.joint_model.ranges[0], 1.0),
+                (joints.joint_model.ranges[1], -1.0),
+            ):  # q = q0 - Q r - give
                 some = np.flatnonzero(np.isfinite(end) & (sign * (q - end) >= 0.0))
                 rows = np.concatenate([rows, sign * np.hstack([Q, give])[some]])
                 level = np.append(level, (sign * (q - end))[some])

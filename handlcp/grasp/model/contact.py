@@ -206,7 +206,7 @@ class Placement:
     @property
     def links(self) -> dict[str, str]:
         """By the names of contacts that are places on links: the link; {} where fingertips alone touch."""
-        return {} if self.mechanism is None else self.mechanism.links
+        return {} if self.mechanism is None else self.mechanism.report.links
 
     @property
     def planar(self) -> bool:

@@ -15,9 +15,10 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array
+from handlcp.grasp.model.status import ContactStatus, PathStatus
 from handlcp.grasp.path.geometry import between
 from handlcp.grasp.path.stability import GROWS, MOVES, REST, STUCK, flow, growing, growth, measured
-from handlcp.grasp.path.state import SLIDES, STICKS, Controls, Failure, Goal, Guess, Outcome, Run, Slides, Snap, State
+from handlcp.grasp.path.state import SLIDES, STICKS, Controls, Failure, Goal, Guess, Run, Slides, Snap, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.watch import Rate, Watch, first_change, reached
 from handlcp.progress import report_progress
@@ -75,7 +76,7 @@ def advance(
     if stepper.grasp.sags:  # gaps open where fingers give way to their own weight
         settled = stepper.step(state, first)
         if isinstance(settled, Failure):
-            run.ends(Outcome.LOST, settled)
+            run.ends(*settled)
             return run
         run.states[0] = settled
     for k, goal in enumerate(goals):
@@ -103,7 +104,7 @@ class Leg:
         self.then = MOVES  # what a flow from there comes to; that it goes on until it rests, has left or is stuck
         self.failed = False  # whether the last try had no solution
         self.before: tuple[State, float] | None = None  # the state before the last, and the step between them
-        self.calm: tuple[str, ...] = ()  # contact states for which a small push that seemed to grow died away
+        self.calm: tuple[ContactStatus, ...] = ()  # contact states for which a small push that seemed to grow died away
         load, weight = self.goal.end.load != self.begin.load, self.goal.end.weight != self.begin.weight
         self.rate = Rate(_TELLS * self.base, bool(load.any()) or weight)
 
@@ -115,22 +116,22 @@ class Leg:
         while self.share < self.last * (1.0 - 1e-12):
             self.count += 1
             if self.count > self.patience.tries:
-                return run.ends(Outcome.GAVE_UP, Failure("too many steps"))
+                return run.ends(PathStatus.TOO_MANY_STEPS)
             if run.snaps and not self.patience.snaps:
-                return run.ends(Outcome.GAVE_UP, Failure("snaps"))
+                return run.ends(PathStatus.SNAPS)
             known = len(run.states)
             goes_on = self._advanced()
-            ends = not goes_on and run.outcome in (Outcome.LOST, Outcome.GAVE_UP)
+            ends = not goes_on and (run.status.is_lost or run.status.is_given_up)
             if who := self.stepper.crosses(run.states, known - 1, ends):
                 run.back_to(known)
-                return run.ends(Outcome.GAVE_UP, Failure("crosses", who))
+                return run.ends(PathStatus.CROSSES, who)
             if not goes_on:
                 return False
             if pause and run.slides is not None:
                 return True
         if not run.states[-1].loaded and self._pushed_out():
-            return run.ends(Outcome.LOST, Failure("pushed out"))
-        return self.beyond is None or run.ends(Outcome.UNBOUNDED)
+            return run.ends(PathStatus.PUSHED_OUT)
+        return self.beyond is None or run.ends(PathStatus.UNBOUNDED)
 
     def _advanced(self) -> bool:
         """One try of a step; whether the path goes on."""
@@ -142,7 +143,7 @@ class Leg:
             size = self.last - share
         found = self._found(state, share, size)
         if isinstance(found, State) and self._leaps(state, found, share, size):
-            found = Failure("leaps")
+            found = Failure(PathStatus.LEAPS)
         if isinstance(found, Failure):
             return self._failed(state, found, size)
         size, found = self._located(state, found, share, size)
@@ -154,12 +155,12 @@ class Leg:
         if self.beyond is not None and self.beyond.over(found) > 0.0:
             size, found = self._limit(state, found, share, size)
             self._add(found, share + size)
-            return run.ends(Outcome.LIMIT)
+            return run.ends(PathStatus.LIMIT)
         self._slides(state, found, share, size)
         self.share = share = share + size
         happens = self._add(found, share)
         if state.loaded and not found.loaded and not found.controls.kept:
-            return run.ends(Outcome.LOST, Failure("loose"))
+            return run.ends(PathStatus.LOOSE)
         self.before = None if happens else (state, size)
         self.step = self._following(share, found, np.inf if happens else size * (1.0 if self.failed else 2.0), size)
         self.failed = False
@@ -211,8 +212,8 @@ class Leg:
     def _over(self, how: str, why: Failure) -> bool:
         """The path ends here, as a flow said."""
         if how == STUCK:
-            return self.run.ends(Outcome.GAVE_UP, Failure("stuck"))
-        return self.run.ends(Outcome.LOST, why)
+            return self.run.ends(PathStatus.STUCK)
+        return self.run.ends(*why)
 
     def _leaps(self, state: State, found: State, share: float, size: float) -> bool:
         """Whether the step may have jumped over a snap: it ends much farther away than the last step did, or far from
@@ -334,7 +335,7 @@ class Leg:
             self._add(end, more)
             self.share = more
         self.step, self.before = self.base, None
-        return how == REST or self._over(how, Failure("unstable"))
+        return how == REST or self._over(how, Failure(PathStatus.UNSTABLE))
 
     def _growing(self, state: State) -> Array:
         """(6,) the motion in which a small push grows, turns times the contacts' distance."""

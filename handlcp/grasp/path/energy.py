@@ -57,7 +57,7 @@ def done(force: Array, moved: Array) -> Array:
 def _cables(grasp: StepGrasp) -> Cables | None:
     """Of a path; where geometry stays, arms are those of the grasp's posture."""
     mechanism = grasp.spec.mechanism
-    cables = None if mechanism is None else mechanism.cables
+    cables = None if mechanism is None else mechanism.joint_model.cables
     return cables if cables is None or grasp.geometry.follows else cables._replace(elasticity_at=None)
 
 

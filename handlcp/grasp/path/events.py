@@ -115,7 +115,7 @@ def summary(events: Iterable[Event], spec: GraspSpec) -> tuple[Summary, ...]:
             groups.append(new)
     mechanism = spec.mechanism
     joints = () if mechanism is None else mechanism.names
-    tendons = () if mechanism is None or mechanism.cables is None else mechanism.cables.names
+    tendons = () if mechanism is None or mechanism.joint_model.cables is None else mechanism.joint_model.cables.names
     order = {name: k for k, name in enumerate((*spec.names, *joints, *tendons))}
     for g in groups:
         g.who.sort(key=lambda name: order.get(name, -1))

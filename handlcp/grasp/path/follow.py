@@ -19,13 +19,14 @@ from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.derivatives.path_sensitivity import PathSensitivity
 from handlcp.grasp.effects.joint_offset import find_command
 from handlcp.grasp.failure.failure_mode import OBJECT, find_exceeded, state_limits
-from handlcp.grasp.failure.failure_text import UNSTABLE, describe_load_share, explain_giving_up, explain_loss
+from handlcp.grasp.failure.failure_text import describe_load_share, explain_giving_up, explain_loss
 from handlcp.grasp.model.contact import cross_rows
 from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.model.status import PathStatus
 from handlcp.grasp.path.advance import PATIENT, Patience, advance
 from handlcp.grasp.path.events import Event, Summary, summary
 from handlcp.grasp.path.geometry import FixedGeometry, Geometry
-from handlcp.grasp.path.state import Controls, Goal, Outcome, Run, Slides, State, read_stages
+from handlcp.grasp.path.state import Controls, Goal, Run, Slides, State, read_stages
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.step_grasp import StepGrasp
 from handlcp.grasp.path.trajectory import Steps
@@ -35,7 +36,7 @@ from handlcp.grasp.solution.verdict import HELD, NOT_HELD, OVER_LIMIT, UNDECIDED
 from handlcp.grasp.solve.solve_spec import certify_known_answer, solve_spec
 from handlcp.lazy_property import lazy_property
 from handlcp.progress import track_progress
-from handlcp.record import Record, load_display, make_data_frame, package_versions, pick_entries
+from handlcp.record import Record, make_data_frame, package_versions, pick_entries
 from handlcp.refinement import refine_until_converged, require_accuracy
 from handlcp.words import wrap_text
 
@@ -77,7 +78,7 @@ class Loading(Record):
     stages: tuple[str, ...]
     section: Section
     slides: Slides | None = None
-    outcome: Outcome = Outcome.END
+    outcome: PathStatus = PathStatus.REACHED
     accuracy: float = np.nan
     again: Callable[[GraspSpec], Loading] | None = field(default=None, repr=False)
 
@@ -93,7 +94,7 @@ class Loading(Record):
         """As a verdict has it: "HELD"; "OVER LIMIT": held, and at the end a joint or tendon is over its limit; "NOT
         HELD"; "UNDECIDED": the path was given up. `Grasp.check` judges more, such as links inside the object.
         """
-        if self.outcome is Outcome.GAVE_UP:
+        if self.outcome.is_given_up:
             return UNDECIDED
         return NOT_HELD if not self.held else OVER_LIMIT if self._over else HELD
 
@@ -176,19 +177,24 @@ class Loading(Record):
         mechanism, where = self.steps.grasp.spec.mechanism, self.last.where
         if mechanism is None or not self.steps.geometry.follows:
             return None, None
-        return mechanism.place_at(where.q, where.pose)
+        place: tuple[Any, Any] = mechanism.report.place_at(where.q, where.pose)
+        return place
 
     def page(self, path: Any, *, obj: Any = None, title: str = "", verdict: Any = None) -> Path:
         """A page with a slider through all steps, as `GraspSolution.page`; obj : where it stands at the start."""
-        written: Path = load_display("loading_page")(self, path, title, obj, verdict)
-        return written
+        from handlcp.viz.page.document import write_loading_page  # loadings pay for no page that nobody writes
+
+        return write_loading_page(self, path, title, obj, verdict)
 
     def plot(self, path: Any = None, *, title: str = "") -> Any:
         """The figure of the loading: forces, friction, object motion and torques over its stages, and its events.
 
         path : of a png, svg, pdf or jpg file; None: the matplotlib figure itself. Raises as `GraspSolution.plot`.
         """
-        return load_display("loading_plot")(self, path, title)
+        from handlcp.viz.loading.figure import draw_loading  # answers pay for no picture that nobody draws
+        from handlcp.viz.output_file import draw_or_save
+
+        return draw_or_save(path, draw_loading, self, title)
 
     def to_frame(self) -> Any:
         """A pandas table with a row for each step, as `steps.to_dict` has it. Raises Unsupported without pandas."""
@@ -349,7 +355,7 @@ def geometry_of(spec: GraspSpec, asked: Any) -> Geometry:
 def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) -> Loading:
     """What became of a grasp, from a run of these stages."""
     spec = stepper.grasp.spec
-    events, lost = list(run.events), run.outcome is not Outcome.END
+    events, lost = list(run.events), run.status != PathStatus.REACHED
     number = run.under_way
     share = run.shares[-1] if number == run.stages[-1] else 0.0  # no state of this stage was found
     stage = goals[number].name if goals else None
@@ -362,15 +368,15 @@ def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) 
         events.append(Event("slides through", OBJECT, goals[run.slides.stage].name, run.slides.share, run.slides.stage))
     events.sort(key=lambda e: (e.number, e.share))
     last = run.states[-1]
-    if run.outcome is Outcome.GAVE_UP:
-        assert run.failure is not None
-        sentence = f"given up in stage {stage!r} at {words.format_percent(share)}: {explain_giving_up(*run.failure)}"
+    if run.status.is_given_up:
+        sentence = (
+            f"given up in stage {stage!r} at {words.format_percent(share)}: {explain_giving_up(run.status, run.who)}"
+        )
     elif lost:
-        assert run.failure is not None
         going = stepper.between(run.states[-2].where.pose, last.where.pose) if len(run.states) > 1 else None
-        if run.failure.kind == UNSTABLE:
+        if run.status == PathStatus.UNSTABLE:
             going = np.array(run.snaps[-1].pushed)
-        why = explain_loss(run.failure.kind, spec, last.kinds, going, goals[number].end.kept)
+        why = explain_loss(run.status, spec, last.kinds, going, goals[number].end.kept)
         events.append(Event("lost", why, str(stage), share, number))
         weight, end = np.append(stepper.grasp.weight, np.zeros(3)), goals[number].end
         now = last.controls
@@ -382,5 +388,5 @@ def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) 
     names = tuple([g.name for g in goals])
     return Loading(
         not lost, share if lost else None, stage if lost else None, sentence, tuple(events), steps, names, section,
-        run.slides, run.outcome,
+        run.slides, run.status,
     )  # fmt: skip

@@ -206,7 +206,7 @@ class FixedGeometry(Geometry):
 
     def mechanism(self, iterate: Iterate) -> Mechanism | None:
         mechanism: Mechanism | None = self.spec.mechanism
-        return None if mechanism is None else mechanism.with_joint_shift(iterate.at.q)
+        return None if mechanism is None else mechanism.variation.with_joint_shift(iterate.at.q)
 
     def slipped(self, a: Iterate, b: Iterate, slip_memory: Array) -> Array:
         return np.asarray(b.bodies - a.bodies - slip_memory)
@@ -229,5 +229,5 @@ def _turning(mechanism: Mechanism, spec: GraspSpec) -> Array:
     soft = tuple([i for i, c in enumerate(spec.contacts) if c.friction.lever > 0.0])
     rows = np.zeros((spec.n, len(mechanism.names)))
     if soft:
-        rows[list(soft)] = mechanism.turning_rates(soft)
+        rows[list(soft)] = mechanism.jacobian_rows(soft)[3 * spec.n :]
     return rows

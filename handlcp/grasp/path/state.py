@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from enum import Enum
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from handlcp.check import Array, check_array, check_init_call, check_number, check_sequence, read_only
 from handlcp.errors import InputError, shorten_repr
+from handlcp.grasp.model.status import ContactStatus, PathStatus
 from handlcp.grasp.path.events import Event
 from handlcp.grasp.path.geometry import Iterate, Where
 from handlcp.grasp.path.newton.numbers import Loads, Read
@@ -175,7 +175,7 @@ def _own(argument: str, stage: Stage, now: Controls, commands: tuple[Array, Arra
 # ----------------------------------------------------------------
 # The grasp at the end of a step of loading, what is expected of the next one, why a step fails, and a run of them.
 
-OPEN, STICKS, SLIDES = "separated", "sticking", "sliding"
+OPEN, STICKS, SLIDES = ContactStatus.SEPARATED, ContactStatus.STICKING, ContactStatus.SLIDING
 STILL = read_only(np.zeros(6))
 
 
@@ -183,7 +183,7 @@ class State(NamedTuple):
     """where : the configuration at the end of the step. iterate : the contacts as the step was solved with them.
     loads : of the step. slip_memory (n, 3) : slip between that iterate and the end, as `Geometry.slipped` has it.
     slid (n, 3) : slip of the step, of the object past the fingertip along x and y [m], and about z [rad].
-    read : forces, slips and gaps, torques. kinds (n,) : "separated", "sticking", "sliding". yielded (nv,) : how far
+    read : forces, slips and gaps, torques. kinds (n,) : OPEN, STICKS or SLIDES. yielded (nv,) : how far
     joints at their limit are driven back [rad]. controls : what was asked for. start : where the next solve begins.
     gives (k,) : motions of limits that give way. iterates : how many the step took. met (dof, dof) : the wrench that a
     small push meets, natural units, along it where it drives it further; empty where that was not measured. rubs
@@ -196,7 +196,7 @@ class State(NamedTuple):
     slip_memory: Array
     slid: Array
     read: Read
-    kinds: tuple[str, ...]
+    kinds: tuple[ContactStatus, ...]
     yielded: Array
     controls: Controls
     start: Array
@@ -248,30 +248,10 @@ class Guess(NamedTuple):
 
 
 class Failure(NamedTuple):
-    """Why a path goes no further. kind : of a step, "no answer" (these fingers create no forces that balance the load),
-    "runs away" (each iterate ends farther on than the one before), "too far" (the object moves farther than a step
-    may), "leaps" (the step jumps over a snap); of a state, "unstable" (a small push grows), "loose" (no finger holds
-    the object); of a stage, "pushed out" (by the squeeze); of a path, "too many steps", "snaps" (where none is wanted),
-    "stuck" (forces balance the load, and no next state is found), "crosses" (a tendon goes over to the other side of a
-    round body). who : what does, in words.
-    """
+    """Why a path goes no further. who : the tendon that crosses a body, in words; "" of everything else."""
 
-    kind: str
+    status: PathStatus
     who: str = ""
-
-
-class Outcome(Enum):
-    """How a path ends: at the END of its program; at a LIMIT that was set, such as a joint's torque; LOST, no static
-    state follows and the object leaves, or does not come to rest while it flows; UNBOUNDED, nothing ends it however
-    large the load; GAVE_UP, more steps than any path of use takes, or none is found where forces balance the load:
-    never a limit.
-    """
-
-    END = "end"
-    LIMIT = "limit"
-    LOST = "lost"
-    UNBOUNDED = "unbounded"
-    GAVE_UP = "gave up"
 
 
 class Snap(NamedTuple):
@@ -304,7 +284,7 @@ class Slides(NamedTuple):
 class Run:
     """states, stages (number of the stage) and shares of all steps, the state before anything included; events; snaps;
     slides : where the object begins to slide through, None: nowhere; under_way : the number of the stage that was begun
-    last; how it ends: outcome, and failure : why there is no next state.
+    last; status : how it ends; who : the tendon that crosses a body there, in words.
     """
 
     states: list[State]
@@ -314,8 +294,8 @@ class Run:
     snaps: list[Snap] = field(default_factory=list)
     slides: Slides | None = None
     under_way: int = 0
-    outcome: Outcome = Outcome.END
-    failure: Failure | None = None
+    status: PathStatus = PathStatus.REACHED
+    who: str = ""
 
     def back_to(self, count: int) -> None:
         """Without the states after so many, and what happens on the way to them."""
@@ -332,7 +312,7 @@ class Run:
         self.stages.append(stage)
         self.shares.append(share)
 
-    def ends(self, outcome: Outcome, failure: Failure | None = None) -> bool:
+    def ends(self, status: PathStatus, who: str = "") -> bool:
         """Note how the path ends before its program is finished. Returns False."""
-        self.outcome, self.failure = outcome, failure
+        self.status, self.who = status, who
         return False

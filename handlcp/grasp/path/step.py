@@ -17,6 +17,7 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.contact.friction import Section
 from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.model.status import PathStatus, shown_statuses
 from handlcp.grasp.path.geometry import Geometry, Iterate, Where, between, length_of
 from handlcp.grasp.path.joints import Joints
 from handlcp.grasp.path.newton.answer import Reached
@@ -28,7 +29,6 @@ from handlcp.grasp.path.pull import NO_PULL, Pull, Task
 from handlcp.grasp.path.state import OPEN, Controls, Failure, Guess, State
 from handlcp.grasp.path.step_grasp import StepGrasp, StepLaws, Under
 from handlcp.grasp.solve.solve_spec import solve_spec
-from handlcp.grasp.verify.contact_state import state_names
 from handlcp.lcp import Auto
 
 # h of a quasi-static step: its damper takes 1e-8 of the forces that such a motion would need, so that a state passes
@@ -140,7 +140,7 @@ class Stepper:
             damping = Damping(1.0 / h, pads, damper, done, was.q - now.q, was.give - now.give, was.turn - now.turn)
             reached = self._answer(_Asked(iterate, loads, slipped, damping, gives, most, task, begun), start, state)
             if reached is None:
-                return Failure("no answer")
+                return Failure(PathStatus.NO_FORCES)
             end = Where(
                 iterate.at.q + reached.change,
                 reached.give,
@@ -150,11 +150,11 @@ class Stepper:
             start, gives, miss, begun = reached.start, reached.gives, reached.miss, reached.pull
             if miss <= near or not follows:
                 if follows and self.far(state.where.pose, end.pose) > _LARGEST:
-                    return Failure("too far")
+                    return Failure(PathStatus.TOO_FAR)
                 ahead = reached.forces[:, 2].max(initial=0.0) <= _NOTHING * self.stiffness * self.length
                 still = not follows and not (ahead and not loads.load.any() and not loads.weight.any())
                 if still and self._held_back(state.where.pose, end.pose, reached.forces) > _HELD_BACK:
-                    return Failure("no answer")
+                    return Failure(PathStatus.NO_FORCES)
                 motion, spin = reached.motion, reached.spin
                 if past is not None:
                     motion[:, :2] += past[:, :2]
@@ -173,7 +173,7 @@ class Stepper:
                     rubs = joints.taken(joints.rubbing(pull, stands, end.q, left))
                     # as if there were springs alone
                     loads = loads._replace(command=end.q + yielded - iterate.at.q + joints.C @ left)
-                kinds = state_names(reached.kinds)
+                kinds = shown_statuses(reached.kinds)
                 if ahead:
                     kinds = (OPEN,) * len(kinds)  # pushed ahead, and held by nobody
                 return State(
@@ -194,15 +194,15 @@ class Stepper:
                     pull,
                 )
             if (count > 3 and miss > _CONTRACTS * last) or miss > _PARTS * last:
-                return Failure("runs away")
+                return Failure(PathStatus.RUNS_AWAY)
             if self.far(state.where.pose, end.pose) > 2.0 * _LARGEST:
-                return Failure("too far")
+                return Failure(PathStatus.TOO_FAR)
             there = geometry.displacement(end.pose)
             share = swing.share(there - (geometry.displacement(iterate.at.pose) if here is None else here))
             here = there if share == 1.0 else None
             last = miss if share == 1.0 else max(miss, last)
             iterate = geometry.iterate(end if share == 1.0 else between(geometry, iterate.at, end, share), iterate)
-        return Failure("runs away")
+        return Failure(PathStatus.RUNS_AWAY)
 
     def untouched(self, state: State, controls: Controls) -> State | Failure:
         """A step in which no contact carries anything and nothing pulls the object: fingers go where they are
@@ -212,7 +212,7 @@ class Stepper:
         under, n = self.grasp.under(controls, state.controls), self.grasp.spec.n
         pulled = under.load.any() or (under.weight.any() and not controls.kept)
         if pulled or self.grasp.sags or not self.geometry.follows:
-            return Failure("no answer")
+            return Failure(PathStatus.NO_FORCES)
         q, rubs, pull = under.commanded, self._still, NO_PULL
         if (joints := self.joints) is not None:
             task = _task(state, controls, under)
@@ -223,7 +223,7 @@ class Stepper:
         slipped = self.geometry.slipped(state.iterate, iterate, state.slip_memory)
         loads = self.grasp.loads(iterate, slipped, under)
         if loads.base[:, 2].min(initial=0.0) < -self.grasp.touches:
-            return Failure("no answer")
+            return Failure(PathStatus.NO_FORCES)
         none, springs = np.zeros(n), self._springs(q)
         torque = iterate.elastic.gravity + springs
         read = Read(np.zeros((n, 3)), loads.base, none, loads.spin, torque, under.commanded - q, springs)
@@ -238,7 +238,7 @@ class Stepper:
             return found
         most = self.slow / _FREE * _NOTHING * self.stiffness * self.length
         if found.read.forces[:, 2].max(initial=0.0) > most:
-            return Failure("no answer")
+            return Failure(PathStatus.NO_FORCES)
         return found._replace(kinds=(OPEN,) * len(found.kinds))
 
     def sought(self, state: State, controls: Controls) -> State | Failure | None:
@@ -296,7 +296,7 @@ class Stepper:
         found = self._solved(asked, begun)
         if not state.loaded and (found is None or not found.kinds.any()):
             return self._pressed(asked._replace(near=-1.0)) or found
-        if not len(begun) or (found is not None and state_names(found.kinds) == state.kinds):
+        if not len(begun) or (found is not None and shown_statuses(found.kinds) == state.kinds):
             return found
         c = len(self.laws.laws.scale)
         size = _CLOSE * float(abs(start[:c]).max())
@@ -305,7 +305,7 @@ class Stepper:
         other = self._solved(asked, begun, cold=True)
         if found is None or other is None:
             return found or other
-        if state_names(other.kinds) == state.kinds:
+        if shown_statuses(other.kinds) == state.kinds:
             return other
         off = [float(abs(a.start[:c] - start[:c]).max()) for a in (found, other)]
         return found if off[0] <= off[1] else other
@@ -370,12 +370,12 @@ class Stepper:
 def _joints(spec: GraspSpec, geometry: Geometry, root: Array) -> Joints | None:
     """Of joints with dry friction, or with tendons that may go slack or have a limit; None: springs alone."""
     mechanism = spec.mechanism
-    if mechanism is None or not (mechanism.dry_friction.any() or mechanism.cables is not None):
+    if mechanism is None or not (mechanism.joint_model.dry_friction.any() or mechanism.joint_model.cables is not None):
         return None
-    cables = mechanism.cables
+    cables = mechanism.joint_model.cables
     if cables is not None and not geometry.follows:  # joints are measured from the posture, and arms are those there
         cables = cables._replace(shift=np.zeros(len(cables.names)), elasticity_at=None, moment_arm_stiffness=None)
-    return Joints(root, mechanism.dry_friction, cables, geometry.posture)
+    return Joints(root, mechanism.joint_model.dry_friction, cables, geometry.posture)
 
 
 def _task(state: State, controls: Controls, under: Under) -> Task:

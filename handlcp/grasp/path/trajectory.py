@@ -13,6 +13,7 @@ from handlcp.check import Array, Ints, read_only
 from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.model.contact import cross_rows
 from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.status import contact_words
 from handlcp.grasp.path.energy import done, driven, stored
 from handlcp.grasp.path.geometry import Geometry
 from handlcp.grasp.path.state import SLIDES, State
@@ -78,7 +79,7 @@ class Steps:
     @lazy_property
     def contact_state(self) -> tuple[tuple[str, ...], ...]:
         """Of each step and contact: "separated", "sticking" or "sliding"."""
-        return tuple([s.kinds for s in self.states])
+        return tuple([contact_words(s.kinds) for s in self.states])
 
     @lazy_property
     def slip(self) -> Array:
@@ -98,7 +99,7 @@ class Steps:
     @lazy_property
     def sliding(self) -> Array:
         """(m, n) 1 in the steps in which a contact slides, 0 elsewhere: what is apart moves past, and does not slip."""
-        slides = _rows([[float(kind == SLIDES) for kind in kinds] for kinds in self.contact_state]).copy()
+        slides = _rows([[float(kind == SLIDES) for kind in kinds] for kinds in [s.kinds for s in self.states]]).copy()
         slides[0] = 0.0  # before anything is loaded
         return read_only(slides)
 

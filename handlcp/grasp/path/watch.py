@@ -21,7 +21,7 @@ from handlcp.grasp.failure.failure_mode import StateLimits, is_exceeded, limit_s
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.events import Event
 from handlcp.grasp.path.geometry import Geometry
-from handlcp.grasp.path.state import OPEN, SLIDES, Failure, State
+from handlcp.grasp.path.state import OPEN, SLIDES, STICKS, Failure, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.tolerances import SLIDE_THROUGH_DISTANCE, SLIDE_THROUGH_SPEEDUP
 
@@ -137,12 +137,12 @@ class Watch:
         for name, before, now, gap in zip(self.limits.names, a.kinds, b.kinds, gaps.tolist(), strict=True):
             if before == now:
                 continue
-            if now == "separated":
+            if now == OPEN:
                 yield "opens", name
-            elif before == "separated" and gap > self.near:
+            elif before == OPEN and gap > self.near:
                 yield "touches", name
-            if now == "sliding" or (now == "sticking" and before == "sliding"):
-                yield "slips" if now == "sliding" else "sticks", name
+            if now == SLIDES or (now == STICKS and before == SLIDES):
+                yield "slips" if now == SLIDES else "sticks", name
 
     def _joints(self, a: State, b: State) -> Iterator[tuple[str, str]]:
         """What joints and tendons do."""

@@ -12,6 +12,7 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array, Bools
+from handlcp.grasp.model.status import SEPARATED, SLIDING, ContactStatus
 from handlcp.grasp.solution.uniqueness import Uniqueness
 from handlcp.tolerances import ACTIVE_TOLERANCE
 
@@ -31,9 +32,14 @@ class DiagnosisText:
     """
 
     def __init__(
-        self, names: Sequence[str], positions: Array, reference: Array, environment: int = 0, faces: int = 0,
+        self,
+        names: Sequence[str],
+        positions: Array,
+        reference: Array,
+        environment: int = 0,
+        faces: int = 0,
         who: str = "finger",
-    ) -> None:  # fmt: skip
+    ) -> None:
         if len(set(names)) < len(names):  # with each one's number: "finger 1 (a)"
             names = [f"finger {i} ({n})" if names.count(n) > 1 else n for i, n in enumerate(names, 1)]
         self._names, self._fingers = names, names[: len(names) - environment]
@@ -44,9 +50,9 @@ class DiagnosisText:
         rms = float(np.sqrt((spread**2).sum(axis=1).mean()))  # as the grasp measures itself [m]
         self._size = rms or float(np.linalg.norm(positions[0])) or 1.0
 
-    def describe_held(self, forces: Array, states: Sequence[str], free: Uniqueness | None) -> str:
-        """Of a SOLVED solution: forces (n, 3) N in contact axes, states (n,), what it leaves free."""
-        apart, slides = (np.array([state == s for state in states]) for s in ("separated", "sliding"))
+    def describe_held(self, forces: Array, states: Sequence[ContactStatus], free: Uniqueness | None) -> str:
+        """Of a SOLVED solution: forces (n, 3) N in contact axes, states (n,) of the contacts, what it leaves free."""
+        apart, slides = (np.array([state == s for state in states]) for s in (SEPARATED, SLIDING))
         # What has friction slides only against a force on its limit; what has none is called sliding even at rest, as
         # nothing keeps it from it
         smooth = slides & (np.hypot(forces[:, 0], forces[:, 1]) <= ACTIVE_TOLERANCE * forces[:, 2])
@@ -97,7 +103,7 @@ class DiagnosisText:
         return f"{cannot}, although {names[0] if len(names) == 1 else 'every finger'} squeezes the object"
 
     def motion(self, twist: Array, slide: str, turn: str) -> str:
-        """E.g. "slides out along (0, 0, -1)", "turns about (1, 0, 0) through (0, 0, 0.1) m", or both (a screw).
+        """Describe a motion: "slides out along (0, 0, -1)", "turns about (1, 0, 0) through (0, 0, 0.1) m", or a screw.
 
         twist (6,) m, rad. A motion is a translation when no contact notices its turn, and a turn about an axis when the
         points of that axis stay where they are, both within a thousandth.

@@ -17,6 +17,8 @@ from handlcp.check import Array, Bools, check_array, read_only
 from handlcp.contact.friction import Cone, Pyramid, limit_set
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.effects.joint_torque import TorqueSaturation
+from handlcp.grasp.model.mechanism import read_joints
+from handlcp.grasp.model.status import SEPARATED, SLIDING, contact_statuses
 from handlcp.grasp.solution.state_family import (
     FactorRanges,
     KeptStates,
@@ -39,9 +41,12 @@ _MAX_CUTS = 4  # how often more of them are added
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReadingExtremes:
-    """Of p readings: change (p, 2), by how much they may be less (≤ 0) and more (≥ 0) than at the answer; -inf and inf
-    where nothing bounds them, or no method found what does. wider (n,) : as in `StateFamily`, of any of them. gap : the
-    largest, relative to the larger of a change and the unit.
+    """How much p readings of the forces may differ from those at the answer.
+
+    change (p, 2) : by how much they may be less (≤ 0) and more (≥ 0); -inf and inf where nothing bounds them, or no
+        method found what does.
+    wider (n,) : as in `StateFamily`, of any of them.
+    gap : the largest, relative to the larger of a change and the unit.
     """
 
     change: Array
@@ -187,9 +192,19 @@ class ForceBounds(Record):
     """
 
     entries = (
-        "names", "normal_N (n, 2)", "forces_N (n, 3, 2)", "joints", "torques_Nm (nv, 2)", "limit_Nm (nv,)",
-        "utilisation (nv, 2)", "open", "pads", "friction", "wider", "gap",
-    )  # fmt: skip
+        "names",
+        "normal_N (n, 2)",
+        "forces_N (n, 3, 2)",
+        "joints",
+        "torques_Nm (nv, 2)",
+        "limit_Nm (nv,)",
+        "utilisation (nv, 2)",
+        "open",
+        "pads",
+        "friction",
+        "wider",
+        "gap",
+    )
 
     names: tuple[str, ...]
     forces: Array
@@ -233,9 +248,11 @@ class ForceBounds(Record):
     @property
     def _sentence(self) -> str:
         text = f"Not determined: {words.join_names(self.open)}" if self.open else "All forces are determined"
-        asked = [f"{what} from {least:g} to {most:g} times what they are"
-                 for what, (least, most) in (("pads", self.pads), ("friction", self.friction))
-                 if (least, most) != _UNCHANGED]  # fmt: skip
+        asked = [
+            f"{what} from {least:g} to {most:g} times what they are"
+            for what, (least, most) in (("pads", self.pads), ("friction", self.friction))
+            if (least, most) != _UNCHANGED
+        ]
         if asked:
             text += f", with {' and '.join(asked)} where contacts go on doing what they do"
         if self.wider or asked:
@@ -248,8 +265,10 @@ def _table(
 ) -> TextTable:
     values = bounds.reshape(-1).tolist()
     name, size = words.choose_prefix(unit, values)
-    cells = [c if np.isfinite(x) else "∞" if x > 0.0 else "-∞"
-             for c, x in zip(words.format_column([x / size for x in values]), values, strict=True)]  # fmt: skip
+    cells = [
+        c if np.isfinite(x) else "∞" if x > 0.0 else "-∞"
+        for c, x in zip(words.format_column([x / size for x in values]), values, strict=True)
+    ]
     heads, columns = [who, f"least {what}\n{name}", f"largest\n{name}"], [list(names), cells[::2], cells[1::2]]
     if shares is not None:
         heads, columns = [*heads, "of limit"], [*columns, shares]
@@ -301,11 +320,16 @@ def find_force_bounds(solution: Any, pads: Any, friction: Any) -> ForceBounds:
         moved = found.change[3 * n :] * scene.units.force
     forces = s.forces.reshape(-1, 1) + found.change[: 3 * n] * scene.units.force
     return ForceBounds(
-        s.names, read_only(forces.reshape(n, 3, 2)), () if mechanism is None else mechanism.names,
-        read_only(torques[:, None] + moved), np.zeros(0) if mechanism is None else mechanism.limits, *factors,
+        s.names,
+        read_only(forces.reshape(n, 3, 2)),
+        () if mechanism is None else mechanism.names,
+        read_only(torques[:, None] + moved),
+        np.zeros(0) if mechanism is None else mechanism.limits,
+        *factors,
         tuple([name for name, yes in zip(s.names, found.wider.tolist(), strict=True) if yes]),
-        found.gap, s.residuals.force_scale,
-    )  # fmt: skip
+        found.gap,
+        s.residuals.force_scale,
+    )
 
 
 def find_torque_bounds(s: Any) -> Array:
@@ -325,9 +349,10 @@ def _is_determined(s: Any) -> bool:
     do where they are at rest, nor at forces that may leave one of two faces.
     """
     near = 2.0 * ACTIVE_TOLERANCE * max(s.residuals.motion_scale, s.scene.units.motion)
-    rests = [state == "separated" and gap <= near for state, gap in zip(s.contact_state, s.gap.tolist(), strict=True)]
+    states = contact_statuses(s.contact_state)
+    rests = [state == SEPARATED and gap <= near for state, gap in zip(states, s.gap.tolist(), strict=True)]
     known = s.uniqueness is not None and s.uniqueness.forces_determined
-    faces = isinstance(s.section, Pyramid) and "sliding" in s.contact_state
+    faces = isinstance(s.section, Pyramid) and SLIDING in states
     return known and not faces and not any(rests) and not any(e.stamps for e in s.spec.effects)
 
 
@@ -344,7 +369,7 @@ def _torque_rows(s: Any) -> Array:
 
     def torque(components: Array) -> Array:
         moments = scene.scatter_torsion(components[3 * n :]) if soft else None
-        return np.asarray(mechanism.joints(scene, effects, components[: 3 * n].reshape(n, 3), moments, {}).torque)
+        return np.asarray(read_joints(mechanism, scene, effects, components[: 3 * n].reshape(n, 3), moments, {}).torque)
 
     still = torque(np.zeros(c))
     return np.array([torque(unit) - still for unit in np.eye(c)]).T

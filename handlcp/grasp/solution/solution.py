@@ -1,4 +1,4 @@
-"""How answers are shown: printed, as pictures and as data."""
+"""The certified answer to a grasp: forces, motion and contact states, and how they are printed, drawn and written."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ from handlcp.errors import InputError
 from handlcp.grasp.effects.joint_offset import describe_missing_squeeze
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.status import contact_statuses
 from handlcp.grasp.verify.certifier import Residuals
 from handlcp.lcp.problem import Status
-from handlcp.record import Record, columns_from_arrays, load_display, make_data_frame
+from handlcp.record import Record, columns_from_arrays, make_data_frame
 from handlcp.tolerances import CERTIFY_TOLERANCE
 from handlcp.words import TextTable, wrap_text
 
@@ -33,68 +34,15 @@ if TYPE_CHECKING:
 # What an answer looks like: a picture, plain data. Made by `handlcp.viz`, which stands above this room.
 
 
-@check_method_calls
-class DisplayedSolution(Record):
-    """Base of solutions that can be looked at."""
-
-    def plot(self, path: Any = None, *, obj: Any = None, title: str = "", verdict: Any = None) -> Any:
-        """The picture of the grasp: a matplotlib figure, or the file that it was written to.
-
-        path : of a png, svg or pdf file; None: the figure itself, which a notebook shows. obj : what to draw as the
-        object where the grasp knows none. verdict : of `grasp.check()`, and drawn is the end of the loading that it
-        is about, where that is reached; None: what this solution alone says.
-        Raises InputError for an unknown format or a missing folder, Unsupported without matplotlib.
-        """
-        return load_display("plot")(self, path, obj, title, verdict)
-
-    def page(
-        self, path: Any, *, obj: Any = None, title: str = "", verdict: Any = None, loading: Any = None
-    ) -> Path:  # fmt: skip
-        """A page to turn the grasp on: one HTML file that needs no network. Returns the file.
-
-        path : it ends in .html. obj : as in `plot`. loading : what `grasp.follow()` returned, which the page shows step
-        by step; None: the loading that the verdict is about, if any. verdict : of `grasp.check()`; None: whether the
-        loading reached its end, or without a loading what this solution alone says.
-        Raises InputError for a file that cannot be written, Unsupported without trimesh, which brings the viewer.
-        """
-        written: Path = load_display("page")(self, path, obj, title, verdict, loading)
-        return written
-
-    def to_dict(self) -> dict[str, Any]:
-        """The whole answer as plain data: SI units in the key names, None for what is not a finite number."""
-        found: dict[str, Any] = load_display("to_dict")(self)
-        return found
-
-    def to_frame(self, of: str = "contacts") -> Any:
-        """A pandas table, indexed by name. SI units in the names of the columns; NaN where there is no answer.
-
-        of : "contacts": state, normal_N, friction_N, friction_used, friction_margin_N, slip_m, gap_m, the force in
-        contact axes (x_N, y_N, z_N) and in world axes, and of soft fingers the moment about the normal. "joints":
-        torque_Nm, limit_Nm, utilisation, margin_Nm, yield_rad.
-        Raises InputError for anything else, and for joints without a hand; Unsupported without pandas.
-        """
-        tables = self._tables()
-        if of not in tables:
-            without = "" if "joints" in tables else " for a grasp without a hand"
-            raise InputError("of", " or ".join(f'"{name}"' for name in tables) + without, repr(of))
-        return make_data_frame(*tables[of])
-
-    def _tables(self) -> dict[str, tuple[dict[str, Any], list[str]]]:
-        """Columns and index of each table, by its name."""
-        return {"contacts": (contact_data(self), words.number_duplicates(getattr(self, "names")))}  # noqa: B009
-
-    def _repr_html_(self) -> str:
-        """What a notebook shows: the verdict, the contacts, the joints."""
-        text: str = load_display("html")(self)
-        return text
-
-
 def contact_data(s: Any) -> dict[str, Any]:
     """Columns of a table with a row for each contact."""
     found = columns_from_arrays(s, "state = contact_state", "normal_N = normal_force") | {
-        "friction_N": np.hypot(*s.tangential_force.T), "friction_used": s.friction_used,
-        "friction_margin_N": s.friction_margin, "slip_m": np.hypot(*s.slip.T), "gap_m": s.gap,
-    }  # fmt: skip
+        "friction_N": np.hypot(*s.tangential_force.T),
+        "friction_used": s.friction_used,
+        "friction_margin_N": s.friction_margin,
+        "slip_m": np.hypot(*s.slip.T),
+        "gap_m": s.gap,
+    }
     for which, forces in (("", s.forces), ("world_", s.forces_world)):
         found |= {f"{which}{axis}_N": forces[:, k] for k, axis in enumerate("xyz")}
     if s.torsion is not None:
@@ -237,7 +185,7 @@ class DeferredFields:
 
 @check_method_calls
 @dataclass(frozen=True)
-class GraspSolution(DisplayedSolution, DeferredFields):
+class GraspSolution(Record, DeferredFields):
     """The certified answer to a grasp. Arrays are read-only; n contacts; NaN where there is no answer.
 
     status : the certifier's verdict.
@@ -324,7 +272,10 @@ class GraspSolution(DisplayedSolution, DeferredFields):
         who = "finger" if self.spec is None else self.spec.who
         say = DiagnosisText(self.names, self.scene.positions, self.reference, self.scene.environment, faces, who)
         if self.held:
-            text, moved = say.describe_held(self.forces, self.contact_state, self.uniqueness), self._motions
+            text, moved = (
+                say.describe_held(self.forces, contact_statuses(self.contact_state), self.uniqueness),
+                self._motions,
+            )
             return f"{text}; but {moved.sentence}" if moved is not None and moved.too_large else text
         if self.status is Status.NO_EQUILIBRIUM:
             squeeze = self.scene.offset[2 : 3 * self.scene.n : 3]
@@ -341,7 +292,7 @@ class GraspSolution(DisplayedSolution, DeferredFields):
         from handlcp.grasp.solution.verdict import make_verdict, solution_reasons
 
         mechanism = None if self.spec is None else self.spec.mechanism
-        return make_verdict((*(() if mechanism is None else mechanism.reasons(self)), *solution_reasons(self)))
+        return make_verdict((*(() if mechanism is None else mechanism.report.reasons(self)), *solution_reasons(self)))
 
     @property
     def _motions(self) -> MotionSizes | None:
@@ -352,7 +303,7 @@ class GraspSolution(DisplayedSolution, DeferredFields):
 
     @property
     def normal_force(self) -> Array:
-        """(n,) N."""
+        """(n,) N, with which each finger presses along its contact's normal."""
         return self.forces[:, 2]
 
     @property
@@ -423,6 +374,60 @@ class GraspSolution(DisplayedSolution, DeferredFields):
         from handlcp.grasp.solution.force_bounds import find_force_bounds
 
         return find_force_bounds(self, pads, friction)
+
+    def plot(self, path: Any = None, *, obj: Any = None, title: str = "", verdict: Any = None) -> Any:
+        """The picture of the grasp: a matplotlib figure, or the file that it was written to.
+
+        path : of a png, svg or pdf file; None: the figure itself, which a notebook shows. obj : what to draw as the
+        object where the grasp knows none. verdict : of `grasp.check()`, and drawn is the end of the loading that it
+        is about, where that is reached; None: what this solution alone says.
+        Raises InputError for an unknown format or a missing folder, Unsupported without matplotlib.
+        """
+        from handlcp.viz.loading.figure import plot_solution  # answers pay for no picture that nobody draws
+
+        return plot_solution(self, path, obj, title, verdict)
+
+    def page(self, path: Any, *, obj: Any = None, title: str = "", verdict: Any = None, loading: Any = None) -> Path:
+        """A page to turn the grasp on: one HTML file that needs no network. Returns the file.
+
+        path : it ends in .html. obj : as in `plot`. loading : what `grasp.follow()` returned, which the page shows step
+        by step; None: the loading that the verdict is about, if any. verdict : of `grasp.check()`; None: whether the
+        loading reached its end, or without a loading what this solution alone says.
+        Raises InputError for a file that cannot be written, Unsupported without trimesh, which brings the viewer.
+        """
+        from handlcp.viz.page.document import write_solution_page  # nor for a page
+
+        return write_solution_page(self, path, obj, title, verdict, loading)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The whole answer as plain data: SI units in the key names, None for what is not a finite number."""
+        from handlcp.viz.solution_output import solution_to_dict  # nor for data that nobody writes
+
+        return solution_to_dict(self)
+
+    def to_frame(self, of: str = "contacts") -> Any:
+        """A pandas table, indexed by name. SI units in the names of the columns; NaN where there is no answer.
+
+        of : "contacts": state, normal_N, friction_N, friction_used, friction_margin_N, slip_m, gap_m, the force in
+        contact axes (x_N, y_N, z_N) and in world axes, and of soft fingers the moment about the normal. "joints":
+        torque_Nm, limit_Nm, utilisation, margin_Nm, yield_rad.
+        Raises InputError for anything else, and for joints without a hand; Unsupported without pandas.
+        """
+        tables = self._tables()
+        if of not in tables:
+            without = "" if "joints" in tables else " for a grasp without a hand"
+            raise InputError("of", " or ".join(f'"{name}"' for name in tables) + without, repr(of))
+        return make_data_frame(*tables[of])
+
+    def _tables(self) -> dict[str, tuple[dict[str, Any], list[str]]]:
+        """Columns and index of each table, by its name."""
+        return {"contacts": (contact_data(self), words.number_duplicates(getattr(self, "names")))}  # noqa: B009
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the verdict, the contacts, the joints."""
+        from handlcp.viz.solution_output import solution_html  # for notebooks alone
+
+        return solution_html(self)
 
     def __str__(self) -> str:
         return format_solution(self, ())

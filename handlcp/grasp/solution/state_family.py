@@ -69,8 +69,10 @@ class FactorRanges(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StateFamily:
-    """Natural units. basis (c, k) : the forces are those of the answer and basis · y, wherever h - G y, (m,), lies in
-    the cones. wider (n,) : contacts that are allowed more than their laws allow.
+    """All forces that satisfy the same conditions with the same contact states, natural units.
+
+    basis (c, k) : the forces are those of the answer and basis · y, wherever h - G y, (m,), lies in the cones.
+    wider (n,) : contacts that are allowed more than their laws allow.
     """
 
     basis: Array
@@ -135,8 +137,10 @@ def iterate_families(kept: KeptStates, ranges: FactorRanges | None) -> Iterator[
 
 
 class _StateChoice(NamedTuple):
-    """One choice. kind (n,) : of contacts; those that are RESTING may do anything. gives (m,) : limits that give way.
-    loose (m,) : limits that may do anything.
+    """One choice of what contacts and limits do.
+
+    kind (n,) : of contacts; those that are RESTING may do anything.
+    gives (m,) : limits that give way. loose (m,) : limits that may do anything.
     """
 
     kind: Ints
@@ -343,7 +347,7 @@ def own_flexibility(s: Any) -> Array:
     """(n, 3, 3) of each contact without that of the joints, contact axes [m/N]: its pad."""
     n, mechanism = s.spec.n, s.spec.mechanism
     E = s.spec.flexibility[: 3 * n, : 3 * n]
-    if mechanism is not None and mechanism.has_joint_flexibility(s.spec):
+    if mechanism is not None and mechanism.variation.has_joint_flexibility(s.spec):
         E = E - mechanism.compliance(mechanism.jacobian_rows(())[: 3 * n])
     each = np.arange(n)
     own = E.reshape(n, 3, n, 3)[each, :, each]

@@ -110,8 +110,9 @@ def _cone_span(D: Array) -> Array:
 def state_inequalities(
     scene: Scene, section: Section, kind: Ints, states: ContactStates, forces: Array, motion: Array, contacts: Ints
 ) -> tuple[Array, Array]:
-    """(rows, now): now + rows · (Δr, Δu) ≥ 0 keeps these contacts in their states; forces and motion (c,), natural
-    units.
+    """Inequalities (rows, now) that keep these contacts in their states: now + rows · (Δr, Δu) ≥ 0.
+
+    forces, motion (c,) : natural units.
     """
     c, limits = scene.components, scene.limits(section)
     force = np.eye(c, c + scene.dof)
@@ -201,9 +202,14 @@ _ROUNDING_SHARE = 1e-14  # of a unit vector's entries
 
 
 def minimum_norm_candidate(
-    scene: Scene, effects: tuple[Effect, ...], section: Section, states: ContactStates, candidate: SolverCandidate,
-    verdict: Certification, branches: tuple[Branch, ...],
-) -> SolverCandidate:  # fmt: skip
+    scene: Scene,
+    effects: tuple[Effect, ...],
+    section: Section,
+    states: ContactStates,
+    candidate: SolverCandidate,
+    verdict: Certification,
+    branches: tuple[Branch, ...],
+) -> SolverCandidate:
     """The member of least norm (natural units) that keeps every contact in its state; verdict : on the candidate.
 
     In each branch min ‖x₀ + B c‖ subject to the inequalities of the states (forces push, gaps stay open, friction

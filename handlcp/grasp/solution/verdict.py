@@ -44,6 +44,7 @@ from handlcp.check import Array, Bools, check_method_calls, read_only
 from handlcp.errors import RequirementNotMet
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING, ContactStatus, contact_statuses
 from handlcp.grasp.solution.uniqueness import Uniqueness
 from handlcp.lcp.problem import Status
 from handlcp.record import Record
@@ -53,13 +54,25 @@ HELD, OVER_LIMIT, UNDECIDED, NOT_HELD = "HELD", "OVER LIMIT", "UNDECIDED", "NOT 
 
 _WORD_ORDER = (NOT_HELD, UNDECIDED, OVER_LIMIT)  # the first that a reason decides is the word
 _DECIDED_WORD = {
-    "not_holdable": NOT_HELD, "no_equilibrium": NOT_HELD, "no_squeeze": NOT_HELD, "lost": NOT_HELD,
-    "slides_through": NOT_HELD, "steps_differ": UNDECIDED, "solver_stopped": UNDECIDED,
-    "follow_stopped": UNDECIDED, "link_inside": UNDECIDED, "joint_range": UNDECIDED, "large_motion": UNDECIDED,
-    "torque_over_limit": OVER_LIMIT, "tension_over_limit": OVER_LIMIT, "overheats": OVER_LIMIT,
-    "closing_over_peak": OVER_LIMIT, "unplaced": UNDECIDED, "command_not_made": UNDECIDED,
+    "not_holdable": NOT_HELD,
+    "no_equilibrium": NOT_HELD,
+    "no_squeeze": NOT_HELD,
+    "lost": NOT_HELD,
+    "slides_through": NOT_HELD,
+    "steps_differ": UNDECIDED,
+    "solver_stopped": UNDECIDED,
+    "follow_stopped": UNDECIDED,
+    "link_inside": UNDECIDED,
+    "joint_range": UNDECIDED,
+    "large_motion": UNDECIDED,
+    "torque_over_limit": OVER_LIMIT,
+    "tension_over_limit": OVER_LIMIT,
+    "overheats": OVER_LIMIT,
+    "closing_over_peak": OVER_LIMIT,
+    "unplaced": UNDECIDED,
+    "command_not_made": UNDECIDED,
     "limit_shared": UNDECIDED,
-}  # fmt: skip
+}
 _PARAGRAPH_HEADS = {"warning": "Warning", "advice": "Advice"}
 
 
@@ -190,7 +203,10 @@ def is_beyond_small_motions(share: Any, adrift: Any) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class MotionSizes:
-    """move : of the object's contact points, at most [m]. turn [rad]. slip, squeeze : the largest [m]. size : R [m].
+    """How large the motions of an answer are, beside what equations of small motions can say.
+
+    move : of the object's contact points, at most [m]. turn : of the object [rad].
+    slip, squeeze : the largest [m]. size : R of the grasp [m].
     yielded : the largest, of a joint at its torque limit [rad]. adrift : see `is_adrift`.
     """
 
@@ -243,7 +259,9 @@ def solution_motions(s: Any) -> MotionSizes:
     shift, turn = (float(np.linalg.norm(part)) for part in (s.object_displacement[:3], s.object_displacement[3:]))
     offset = scene.to_law_axes(scene.offset)[2 : 3 * scene.n : 3]
     slip, yielded = float(np.hypot(*s.slip.T).max(initial=0.0)), getattr(s, "joint_yield", np.zeros(1))
-    sticks, slides = (np.array([state == word for state in s.contact_state]) for word in ("sticking", "sliding"))
+    sticks, slides = (
+        np.array([now == state for now in contact_statuses(s.contact_state)]) for state in (STICKING, SLIDING)
+    )
     adrift = is_adrift(offset[:fingers], sticks[:fingers], slides[:fingers], scene.mu[:fingers])
     squeeze = -float(offset.min(initial=0.0))
     return MotionSizes(
@@ -278,7 +296,7 @@ def friction_margin(scene: Scene, forces: Array, torsion: Array | None) -> Array
 
 
 def _friction_and_limit(scene: Scene, forces: Array, torsion: Array | None) -> tuple[Array, Array]:
-    """(|r̂_T|, μ r_N), (n,) each."""
+    """Friction force |r̂_T| and its limit μ r_N of each contact, (n,) each [N]."""
     soft = list(scene.soft)
     moments = np.zeros(scene.n) if torsion is None else torsion[soft]
     lawful, turning = np.split(scene.to_law_axes(np.append(forces, moments if soft else [])), [3 * scene.n])
@@ -309,7 +327,7 @@ def solution_reasons(s: Any) -> Iterator[Reason]:
             for part in e.words(s.scene, s.names, s.extra):
                 yield Reason("effect", "note", part, {"effect": e.title})
         yield _contact_reason(s)
-        yield from friction_reasons(s.names, s.friction_used, s.contact_state)
+        yield from friction_reasons(s.names, s.friction_used, contact_statuses(s.contact_state))
         yield motion_reason(s.object_displacement, s.scene.force, s.scene.units.length)
         yield from open_reasons(s.uniqueness)
         yield from large_motion_reasons(solution_motions(s))
@@ -328,19 +346,25 @@ def large_motion_reasons(found: MotionSizes) -> Iterator[Reason]:
     if text := found.sentence:
         severity = "decides" if found.too_large else "warning"
         values = {
-            "move_m": found.move, "turn_rad": found.turn, "slip_m": found.slip, "squeeze_m": found.squeeze,
-            "size_m": found.size, "yield_rad": found.yielded, "force_error": found.share, "adrift": found.adrift,
-        }  # fmt: skip
+            "move_m": found.move,
+            "turn_rad": found.turn,
+            "slip_m": found.slip,
+            "squeeze_m": found.squeeze,
+            "size_m": found.size,
+            "yield_rad": found.yielded,
+            "force_error": found.share,
+            "adrift": found.adrift,
+        }
         yield Reason("large_motion", severity, text, values)
 
 
 def _contact_reason(s: Any) -> Reason:
     """What the contacts of a `GraspSolution` do."""
-    slips = np.hypot(*s.slip.T).tolist()
+    slips, states = np.hypot(*s.slip.T).tolist(), contact_statuses(s.contact_state)
     spins = np.zeros(len(slips)) if s.spin is None else abs(s.spin)
-    sliding = {n: d for n, state, d in zip(s.names, s.contact_state, slips, strict=True) if state == "sliding"}
+    sliding = {n: d for n, state, d in zip(s.names, states, slips, strict=True) if state == SLIDING}
     turns = {n: float(a) for n, a in zip(s.names, spins, strict=True) if a > _TWIST_TOLERANCE}
-    apart = [n for n, state in zip(s.names, s.contact_state, strict=True) if state == "separated"]
+    apart = [n for n, state in zip(s.names, states, strict=True) if state == SEPARATED]
     return contacts_reason(s.spec, sliding, turns, apart)
 
 
@@ -381,13 +405,15 @@ def _describe_slides(sliding: Mapping[str, float], spec: GraspSpec) -> str:
     return ", ".join(f"{who} {'slides' if len(far) == 1 else 'slide up to'} {way}" for who, far, way in named)
 
 
-def friction_reasons(names: Sequence[str], used: Array, states: Sequence[str], when: str = "") -> Iterator[Reason]:
+def friction_reasons(
+    names: Sequence[str], used: Array, states: Sequence[ContactStatus], when: str = ""
+) -> Iterator[Reason]:
     """How near the contacts are to sliding; a warning where hardly any friction is left. used, states (n,). when : such
     as " at the end".
     """
     every = list(zip(names, used.tolist(), states, strict=True))
-    sticks = [(x, n) for n, x, state in every if state == "sticking" and x >= 0.0]
-    slides = [n for n, x, state in every if state == "sliding" and x > 0.0]
+    sticks = [(x, n) for n, x, state in every if state == STICKING and x >= 0.0]
+    slides = [n for n, x, state in every if state == SLIDING and x > 0.0]
     values = {"used": {n: x for n, x, _ in every if np.isfinite(x)}}
     if not sticks and slides:
         text = "friction is used up at every contact that pushes: nothing is left for a disturbance"

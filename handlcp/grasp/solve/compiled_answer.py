@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, Ints, read_only
 from handlcp.contact.friction import Section
 from handlcp.errors import InputError
 from handlcp.grasp.assembly.problem import SolverCandidate, polyhedron_normals, problem_design
@@ -24,7 +24,6 @@ from handlcp.grasp.solve.compiled_solve import (
 )
 from handlcp.grasp.solve.factored_solve import FactoredRow, solve_factored
 from handlcp.grasp.verify.certifier import LawResiduals, Residuals
-from handlcp.grasp.verify.contact_state import state_names
 from handlcp.lcp import Proposal
 from handlcp.lcp.solver import describe_outcome
 from handlcp.tolerances import CERTIFY_TOLERANCE, SOLVE_TOLERANCE
@@ -179,10 +178,10 @@ class CompiledAnswer:
         return self.row[HEADER_SIZE + c + 9 : HEADER_SIZE + 2 * c + 9]
 
     @property
-    def states(self) -> tuple[str, ...]:
-        """For each contact "separated", "sticking" or "sliding", where it is an answer."""
+    def states(self) -> Ints:
+        """(n,) of `ContactStatus`, where it is an answer."""
         at, n = HEADER_SIZE + 2 * self.kind.kind.components + 9, self.kind.kind.n
-        return state_names(self.row[at : at + n].astype(np.int64))
+        return self.row[at : at + n].astype(np.int64)
 
     @property
     def candidate(self) -> SolverCandidate:

@@ -9,20 +9,22 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, Ints, read_only
 from handlcp.contact.friction import Section
 from handlcp.grasp.assembly.problem import AnyProblem, GraspContactProblem, SolverCandidate, assemble, stamped_effects
 from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.model.contact import MANY_CONTACTS, shift_twist
+from handlcp.grasp.model.mechanism import hard_contact_torques
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.status import UNKNOWN, contact_words
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solution.uniqueness import Uniqueness, find_uniqueness, free_branches, minimum_norm_candidate
 from handlcp.grasp.solve.compiled_answer import NO_START, CompiledAnswer, solve_scene, start_values
 from handlcp.grasp.solve.equilibrium_search import EquilibriumSearch, EquilibriumSearchResult
 from handlcp.grasp.verify.certifier import Certification, Residuals, certify_candidate, forces_in_world
-from handlcp.grasp.verify.contact_state import classify_contacts, state_names
+from handlcp.grasp.verify.contact_state import classify_contacts
 from handlcp.grasp.verify.load_capacity import escape_in_si, find_escape_twist
 from handlcp.lcp import (
     BRIEF_SEARCH_STAGE,
@@ -63,7 +65,7 @@ def make_solution(
     candidate, verdict, arm = judged.candidate, judged.verdict, spec.reference - scene.units.centre
     states = classify_contacts(scene, section, candidate, verdict)
     if not all(e.only_limits for e in effects):
-        return solution_from_numbers(spec, scene, section, judged, state_names(states.kind), None, trace, arm)
+        return solution_from_numbers(spec, scene, section, judged, states.kind, None, trace, arm)
     free = free_branches(scene, effects, section, states, candidate)
     if free and smallest:
         least = minimum_norm_candidate(scene, effects, section, states, candidate, verdict, free)
@@ -71,7 +73,7 @@ def make_solution(
             judged = CertifiedCandidate(least, checked, judged.iterations)
             states = classify_contacts(scene, section, least, checked)
     free_to = replace(find_uniqueness(scene, free, arm), smallest=smallest)
-    return solution_from_numbers(spec, scene, section, judged, state_names(states.kind), free_to, trace, arm)
+    return solution_from_numbers(spec, scene, section, judged, states.kind, free_to, trace, arm)
 
 
 def solution_from_numbers(
@@ -79,13 +81,13 @@ def solution_from_numbers(
     scene: Scene,
     section: Section,
     judged: CertifiedCandidate,
-    states: tuple[str, ...],
+    states: Ints,
     uniqueness: Uniqueness | None,
     trace: tuple[str, ...],
     arm: Array,
 ) -> GraspSolution:
     """A SOLVED solution with these numbers, and with what moves the fingers reads off it; arm (3,) [m] leads from the
-    point that the candidate's twist refers to to the grasp's reference.
+    point that the candidate's twist refers to to the grasp's reference. states (n,) : of `ContactStatus`.
     """
     candidate, n = judged.candidate, scene.n
     forces, motion = scene.to_contact_axes(candidate.components), scene.to_law_axes(judged.verdict.motion)
@@ -107,7 +109,7 @@ def solution_from_numbers(
         gap=read_only(points[:, 2]),
         slip=read_only(points[:, :2]),
         object_displacement=read_only(shift_twist(candidate.twist, arm)),
-        contact_state=states,
+        contact_state=contact_words(states.tolist()),
         residuals=judged.verdict.residuals,
         uniqueness=uniqueness,
         certificate=None,
@@ -142,7 +144,8 @@ def undecided_solution(
     judged = CertifiedCandidate(
         SolverCandidate(nothing, np.full(6, np.nan), {}, len(scene.soft)), Certification(nothing, residuals), iterations
     )
-    made = solution_from_numbers(spec, scene, section, judged, ("unknown",) * scene.n, None, trace, np.zeros(3))
+    states = np.full(scene.n, UNKNOWN)
+    made = solution_from_numbers(spec, scene, section, judged, states, None, trace, np.zeros(3))
     return replace(made, status=Status.UNDECIDED)
 
 
@@ -202,7 +205,7 @@ class _SolutionFields:
         mechanism, effects = self.spec.mechanism, self.spec.effects
         assert mechanism is not None  # only its solutions have more fields
         if name == "torques" and not effects:
-            return {name: mechanism.torques(self.scene, self.forces)}
+            return {name: hard_contact_torques(mechanism, self.scene, self.forces)}
         return mechanism.solution_fields(self.scene, effects, self.forces, None, {})
 
 
@@ -213,7 +216,7 @@ _FIELD_MAKERS: dict[str, Callable[[_SolutionFields], Any]] = {
     "gap": lambda f: f.found.motion[2::3],
     "slip": lambda f: f.found.motion.reshape(-1, 3)[:, :2],
     "object_displacement": lambda f: read_only(shift_twist(f.found.twist, f.arm)),
-    "contact_state": lambda f: f.found.states,
+    "contact_state": lambda f: contact_words(f.found.states.tolist()),
     "residuals": lambda f: f.found.residuals,
     "uniqueness": lambda f: find_uniqueness(f.scene, (), f.arm),
     "iterations": lambda f: f.found.iterations,

@@ -32,7 +32,6 @@ from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.path.advance import PATIENT, Patience
 from handlcp.grasp.path.follow import Loading, follow, sliding
-from handlcp.grasp.path.state import Outcome
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solution.verdict import (
     HELD,
@@ -182,7 +181,7 @@ def _holds_within_limits(spec: GraspSpec, section: Section, order: Any) -> bool:
 
 def _move_out_trials(spec: GraspSpec) -> Iterator[Trial]:
     """The object out of the links that it begins inside."""
-    if spec.mechanism is not None and (found := spec.mechanism.move_object_out(spec)) is not None:
+    if spec.mechanism is not None and (found := spec.mechanism.variation.move_object_out(spec)) is not None:
         text, far, other = found
         yield Trial("out", far, text, other)
 
@@ -196,7 +195,7 @@ def _shift_trials(spec: GraspSpec) -> Iterator[Trial]:
     for share in _SHIFT_SHARES:
         for way, name in ((1.0, "along"), (-1.0, "against")):
             far = round_two_digits(share * build_scene(spec).units.length)
-            other = mechanism.regrip_shifted(spec, way * far * load / strength)
+            other = mechanism.variation.regrip_shifted(spec, way * far * load / strength)
             if other is not None:
                 yield Trial(
                     "grip",
@@ -273,7 +272,7 @@ def check(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution:
 
 def judge_grasp(
     spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution, patience: Patience = PATIENT
-) -> Verdict:  # fmt: skip
+) -> Verdict:
     """The same without advice, which takes many times as long where the grasp does not hold. patience : as in
     `advance`.
     """
@@ -304,7 +303,7 @@ def follow_until_agreed(
     if _sticks_throughout(coarse):
         return coarse, True  # such steps are exact, however long
     path = follow(spec, section, None, order, None, STEPS_PER_STAGE, None, patience=patience)
-    if path.outcome is Outcome.GAVE_UP:
+    if path.outcome.is_given_up:
         return path, True
     for _ in range(_MAX_DOUBLINGS):
         if coarse.held == path.held:
@@ -322,7 +321,7 @@ def _sticks_throughout(path: Loading) -> bool:
 def _reasons(
     spec: GraspSpec, scene: Scene, section: Section, solution: GraspSolution, path: Loading
 ) -> Iterator[Reason]:
-    if path.outcome is Outcome.GAVE_UP:
+    if path.outcome.is_given_up:
         yield Reason("follow_stopped", "decides", f"the loading was {path.why}")
         return
     if path.held:
@@ -340,7 +339,7 @@ def _reasons(
         yield equilibrium_reason(solution.status, _without_advice(solution).diagnosis)
     yield slides_reason(path) if path.reached else lost_reason(path)
     if spec.mechanism is not None:
-        yield from spec.mechanism.command_reasons(spec)
+        yield from spec.mechanism.report.command_reasons(spec)
     yield from place_reasons(spec, path)
     yield from rigid_reasons(spec)
     if solution.held:

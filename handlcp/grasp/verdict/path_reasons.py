@@ -13,6 +13,7 @@ from handlcp.grasp.failure.failure_text import describe_pad_depth
 from handlcp.grasp.model.mechanism import Cables
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.status import SEPARATED, SLIDING
 from handlcp.grasp.path.follow import Loading
 from handlcp.grasp.path.geometry import RIGID
 from handlcp.grasp.path.pull import Pull
@@ -28,7 +29,7 @@ from handlcp.grasp.solution.verdict import (
     motion_reason,
     no_load_reasons,
     open_reasons,
-)  # fmt: skip
+)
 
 _NAMED_SLIDE = 1e-4  # of the grasp's size: a contact that slides less on the way and sticks at the end is not named
 _LEFT_PLACE_SHARE = 0.15  # of the grasp's size: an object that slides farther has left its place
@@ -86,20 +87,20 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     last, mechanism = path.last, spec.mechanism
     yield from no_load_reasons(spec)
     if mechanism is not None:
-        before = [*mechanism.command_reasons(spec), *place_reasons(spec, path)]
+        before = [*mechanism.report.command_reasons(spec), *place_reasons(spec, path)]
         known = {_reason_key(reason) for reason in before}
         place = (path.state, path.object)
-        found = mechanism.end_reasons(path.steps.torques[-1], last.yielded, place)
+        found = mechanism.report.end_reasons(path.steps.torques[-1], last.yielded, place)
         yield from (r for r in found if _reason_key(r) not in known)
-        if mechanism.cables is not None:
-            yield from mechanism.tension_reasons(last.pull.tension)
-            yield from _slack_reasons(mechanism.cables, last.pull)
-        yield from mechanism.closing_reasons(
+        if mechanism.joint_model.cables is not None:
+            yield from mechanism.report.tension_reasons(last.pull.tension)
+            yield from _slack_reasons(mechanism.joint_model.cables, last.pull)
+        yield from mechanism.report.closing_reasons(
             find_exceeded_closing(mechanism, lambda: closing_efforts(path.steps.states))
         )
         if "squeeze" in path.stages:
             closed = np.flatnonzero(path.steps.stage == path.stages.index("squeeze"))
-            yield from mechanism.pulling_reasons(spec, path.steps.states[closed[-1]].stretched)
+            yield from mechanism.report.pulling_reasons(spec, path.steps.states[closed[-1]].stretched)
         yield from before
     end = path.solution
     if end.held and end.scene is not None:
@@ -109,7 +110,7 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     slid, turned = _slid_distances(path, scene.units.length)
     came = (path.steps.forces[:, :, 2] > 0.0).any(axis=0) | (spec.offset[:, 2] <= _NEVER_TOUCHED_GAP)
     ends = zip(spec.names, last.kinds, came.tolist(), strict=True)
-    apart = [n for n, kind, here in ends if kind == "separated" and here]
+    apart = [n for n, kind, here in ends if kind == SEPARATED and here]
     yield contacts_reason(spec, slid, turned, apart)
     if end.held:
         yield from friction_reasons(spec.names, end.friction_used, last.kinds, " at the end" if slid else "")
@@ -122,7 +123,7 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     if text := describe_pad_depth(last.where.give[:k], last.iterate.frames[:k, :, 2], spec.names):
         yield Reason("pressed_in", "warning", text)
     if end.held:
-        yield from () if mechanism is None else mechanism.open_reasons(end)
+        yield from () if mechanism is None else mechanism.report.open_reasons(end)
         yield from open_reasons(end.uniqueness)
     if not path.steps.geometry.follows:
         yield from large_motion_reasons(_path_motions(path, scene, slid))
@@ -140,7 +141,7 @@ def place_reasons(spec: GraspSpec, path: Loading) -> Iterator[Reason]:
     first, mechanism = path.steps.states[0].where, spec.mechanism
     if mechanism is not None and path.steps.geometry.follows:
         when = f"before stage {path.stages[0]!r}" if path.stages else "in the given posture"
-        yield from mechanism.place_reasons(*mechanism.place_at(first.q, first.pose), when)
+        yield from mechanism.report.place_reasons(*mechanism.report.place_at(first.q, first.pose), when)
 
 
 def comparison_reasons(solution: GraspSolution, path: Loading) -> Iterator[Reason]:
@@ -181,7 +182,7 @@ def _slid_distances(path: Loading, size: float) -> tuple[dict[str, float], dict[
     or still does at the end.
     """
     steps = path.steps
-    slides = np.array([[kind == "sliding" for kind in kinds] for kinds in steps.contact_state])
+    slides = np.array([[kind == SLIDING for kind in state.kinds] for state in steps.states])
     way = steps.slid[-1]
     turn: Array = (abs(steps.spin) * slides)[1:].sum(axis=0)
     names, soft = steps.names, steps.torsion.any()

@@ -10,22 +10,21 @@ from handlcp.check import Array, Ints
 from handlcp.contact.friction import Section
 from handlcp.grasp.assembly.problem import SolverCandidate
 from handlcp.grasp.model.scene import Scene
+from handlcp.grasp.model.status import ContactStatus
 from handlcp.grasp.verify.certifier import Certification, FrictionLimits, friction_limits
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.lcp.modes.mode_cones import STUCK, find_support, new_mode_cones, write_reach
 from handlcp.lcp.modes.mode_fit import fit_mode, new_active_columns
 from handlcp.tolerances import ACTIVE_TOLERANCE, CERTIFY_TOLERANCE
 
-# GLIDING pushes without friction, RESTING touches without pushing
-SEPARATED, STICKING, SLIDING, GLIDING, RESTING = 0, 1, 2, 3, 4
-_STATE_NAMES = ("separated", "sticking", "sliding", "sliding", "separated")
+SEPARATED, STICKING, SLIDING, GLIDING, RESTING, UNKNOWN = map(int, ContactStatus)  # kernels take plain numbers
 _SPAN_TOLERANCE = 1e-6  # a normal this near to the span of others is one of theirs
 
 
 class ContactStates(NamedTuple):
     """The states of n contacts at an answer.
 
-    kind (n,) : one of the constants above.
+    kind (n,) : of `ContactStatus`.
     face_count (n,), faces (n, 3, 3) : how many independent outward normals a contact slides against, and those, in
         rows.
     turn (n,) : slip over friction [m/N] of a contact that slides on a round set, where both turn together; else 0.
@@ -35,11 +34,6 @@ class ContactStates(NamedTuple):
     face_count: Ints
     faces: Array
     turn: Array
-
-
-def state_names(kind: Ints) -> tuple[str, ...]:
-    """For each contact "separated", "sticking" or "sliding"."""
-    return tuple([_STATE_NAMES[k] for k in kind.tolist()])
 
 
 def classify_contacts(
@@ -56,7 +50,7 @@ def classify_contacts(
 def find_states(
     contacts: Ints, friction: FrictionLimits, forces: Array, v: Array, weak: float, slow: float
 ) -> ContactStates:
-    """Of forces (c,) [N] and motions v (c,) [m], of which those up to `weak` and `slow` count as none.
+    """Classify contacts by forces (c,) [N] and motions v (c,) [m], of which those up to `weak` and `slow` are none.
 
     contacts (n, 4) : as in `contact_laws`. A contact under force control follows the object: it sticks.
     """

@@ -13,6 +13,7 @@ from handlcp.check import Array, check_method_calls
 from handlcp.contact.friction import as_section
 from handlcp.geometry.object import Object
 from handlcp.grasp.failure.failure_mode import UNDECIDED
+from handlcp.grasp.model.status import SEPARATED, contact_statuses
 from handlcp.grasp.path.advance import PATIENT, Patience
 from handlcp.grasp.path.follow import follow
 from handlcp.grasp.solution.solution import GraspSolution
@@ -74,7 +75,7 @@ class Candidate(Record):
     @property
     def pressing(self) -> int:
         """How many of the fingers press on the object; the others only touch it, or let go under the load."""
-        return sum(state != "separated" for state in self.solution.contact_state[: self.grasp.spec.of_hand])
+        return sum(s != SEPARATED for s in contact_statuses(self.solution.contact_state[: self.grasp.spec.of_hand]))
 
     @property
     def rank(self) -> float:
@@ -177,7 +178,7 @@ class Candidate(Record):
         """In words: of a pinch finger by finger, of a power grasp the links that press hardest."""
         if self.kind != "power":
             return f"forces {', '.join(f'{f:.2g}' for f in self.solution.normal_force)} N"
-        by_link, links = dict[str, float](), self.grasp.mechanism.links
+        by_link, links = dict[str, float](), self.grasp.mechanism.report.links
         for name, force in self.normal_force.items():
             link = links.get(name, name)
             by_link[link] = by_link.get(link, 0.0) + force

@@ -14,7 +14,7 @@ from functools import cache
 from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parents[2]
-_CONSTANT_FILES = ("tolerances.py",)  # files without a kernel whose numbers kernels take over
+_CONSTANT_FILES = ("tolerances.py", "status.py")  # files without a kernel whose numbers kernels take over
 _PROBE_FILE = "probe"  # a file that is written to see whether one can be
 _MAX_OLD_FOLDERS = 3  # folders of earlier sources that are left when a new one is made
 

@@ -18,7 +18,7 @@ from handlcp.grasp.limits.load_limit import is_followed, load_of
 from handlcp.grasp.path.follow import follow, sliding
 from handlcp.grasp.path.state import Stage
 from handlcp.lcp.compiler.compile_policy import compile_now
-from handlcp.record import Record, load_display
+from handlcp.record import Record
 from handlcp.refinement import ERROR_SAFETY, MIN_STEP_RATIO
 from handlcp.studies.accuracy.methods import share
 from handlcp.words import TextTable, wrap_text
@@ -92,7 +92,10 @@ class PathCost(Record):
         A matplotlib figure, or the file that it was written to. Raises InputError for an unknown format; Unsupported
         without matplotlib.
         """
-        return load_display("path_cost_plot")(self, path, title)
+        from handlcp.viz.accuracy.on_paths import figure  # answers pay for no picture that nobody draws
+        from handlcp.viz.output_file import draw_or_save
+
+        return draw_or_save(path, figure, self, title)
 
     def __str__(self) -> str:
         """A table and the summary."""

@@ -13,7 +13,7 @@ from handlcp.check import Array, Ints, check_method_calls, read_only
 from handlcp.grasp import Grasp
 from handlcp.grasp.failure.failure_text import NOTHING_FAILS, describe_failures
 from handlcp.lazy_property import lazy_property
-from handlcp.record import Record, load_display, make_data_frame, package_versions, pick_entries
+from handlcp.record import Record, make_data_frame, package_versions, pick_entries
 from handlcp.studies.envelope.direction import Compliance, DirectionGrid, Sector, group_causes
 from handlcp.studies.envelope.question import FOLLOWED_GEOMETRY, BindingCauses, EnvelopeQuestion
 from handlcp.words import TextTable, wrap_text
@@ -327,21 +327,28 @@ class Envelope(Record):
         path : of a png, svg, pdf or jpg file; None: the figure itself. Raises InputError for an unknown format, and for
         directions that lie neither all around nor in a plane; Unsupported without matplotlib.
         """
-        return load_display("envelope_plot")(self, path, title)
+        from handlcp.viz.envelope.figure import draw_envelope  # answers pay for no picture that nobody draws
+        from handlcp.viz.output_file import draw_or_save
+
+        return draw_or_save(path, draw_envelope, self, title)
 
     def polar(self, path: Any = None, *, title: str = "") -> Any:
         """Polar diagrams of the factors in the planes xy, yz and xz, or in the plane that was asked for: coloured by
         what gives out first, the bound dashed. Returns and raises as `plot`.
         """
-        return load_display("envelope_polar")(self, path, title)
+        from handlcp.viz.envelope.figure import draw_polar_envelope  # answers pay for no picture that nobody draws
+        from handlcp.viz.output_file import draw_or_save
+
+        return draw_or_save(path, draw_polar_envelope, self, title)
 
     def page(self, path: Any, *, title: str = "") -> Path:
         """A page to turn the hand on, with the surface around it: one HTML file that needs no network. Returns the
         file. Raises InputError for a file that cannot be written, or directions that do not lie all around; Unsupported
         without trimesh.
         """
-        written: Path = load_display("envelope_page")(self, path, title)
-        return written
+        from handlcp.viz.envelope.page import write_envelope_page  # answers pay for no page that nobody writes
+
+        return write_envelope_page(self, path, title)
 
     def to_frame(self) -> Any:
         """A pandas table with a row for each direction: x, y, z, the factor and the bound with their unit, what binds,

@@ -25,7 +25,7 @@ from handlcp.grasp.failure.failure_mode import (
     state_limits,
 )
 from handlcp.grasp.failure.failure_text import describe_failures
-from handlcp.grasp.path.state import Outcome, State
+from handlcp.grasp.path.state import State
 from handlcp.hand import Hand, HandGrasp, find_grasp
 from handlcp.hand.torque_check import MIN_TORQUE_SHARE
 from handlcp.lazy_property import lazy_property
@@ -97,7 +97,7 @@ def close_with_full_torque(grasp: HandGrasp, force: Array, share: float) -> Full
         factor *= (1.0 - _TORQUE_MARGIN) / most
     if ends:
         return FullTorqueGrasp(made, path, ends, describe_failures(ends, grasp.spec))
-    if lost is None or lost.outcome is Outcome.GAVE_UP:
+    if lost is None or lost.outcome.is_given_up:
         return FullTorqueGrasp(
             made, path, (FailureMode(UNDECIDED, OBJECT),), "a harder grip was not followed to its end"
         )

@@ -10,7 +10,7 @@ from handlcp.check import Array, check_method_calls
 from handlcp.grasp.failure.failure_mode import FailureMode
 from handlcp.hand import HandGrasp, HandGraspSolution
 from handlcp.lazy_property import lazy_property
-from handlcp.record import Record, load_display
+from handlcp.record import Record
 from handlcp.studies.grip_strength.split_force import ContactsAroundAxis
 from handlcp.words import wrap_text
 
@@ -104,7 +104,10 @@ class SplitCylinder(Record):
         path : of a png, svg, pdf or jpg file; None: the figure itself. Raises InputError for an unknown format;
         Unsupported without matplotlib.
         """
-        return load_display("split_plot")(self, path, title)
+        from handlcp.viz.output_file import draw_or_save
+        from handlcp.viz.strength_figure import draw_split_cylinder  # answers pay for no picture that nobody draws
+
+        return draw_or_save(path, draw_split_cylinder, self, title)
 
     @property
     def headline(self) -> str:

@@ -12,7 +12,7 @@ from handlcp.check import Array, check_method_calls
 from handlcp.grasp import LoadLimit
 from handlcp.grasp.failure.failure_mode import UNDECIDED, FailureMode
 from handlcp.grasp.failure.failure_text import describe_failures
-from handlcp.record import Record, load_display
+from handlcp.record import Record
 from handlcp.studies.envelope.question import DirectionalLoad
 from handlcp.studies.envelope.result import describe_geometry, format_direction
 from handlcp.words import TextTable, wrap_text
@@ -184,7 +184,11 @@ class Payload(Record):
     def warnings(self) -> tuple[str, ...]:
         """In words, the links that the object begins inside, before the hand closes."""
         spec = self.load.grasp.spec
-        return () if spec.mechanism is None else tuple([r.sentence for r in spec.mechanism.start_inside_reasons(spec)])
+        return (
+            ()
+            if spec.mechanism is None
+            else tuple([r.sentence for r in spec.mechanism.report.start_inside_reasons(spec)])
+        )
 
     def moving(self, row: Orientation) -> str:
         """In words, how the hand accelerates in a row; "" at rest."""
@@ -201,7 +205,10 @@ class Payload(Record):
         path : of a png, svg, pdf or jpg file; None: the figure itself. Raises InputError for an unknown format;
         Unsupported without matplotlib.
         """
-        return load_display("payload_plot")(self, path, title)
+        from handlcp.viz.output_file import draw_or_save
+        from handlcp.viz.strength_figure import draw_payload  # answers pay for no picture that nobody draws
+
+        return draw_or_save(path, draw_payload, self, title)
 
     def __str__(self) -> str:
         """The mass, what was asked, warnings, a table of the directions, for which number to design, and doubts."""

@@ -17,7 +17,7 @@ from handlcp.grasp import GraspSolution, Verdict
 from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.solution.verdict import Reason, solution_motions
 from handlcp.progress import Progress
-from handlcp.record import Record, load_display, make_data_frame
+from handlcp.record import Record, make_data_frame
 from handlcp.studies.reliability.chance import Chance, Influence, estimate_chance, format_value, rank_influences
 from handlcp.studies.reliability.outcome import CHECK, OUTCOME_WORDS, SOLVE, SampleOutcomes
 from handlcp.studies.reliability.run import (
@@ -213,7 +213,10 @@ class Reliability(Record):
         """The margins of all samples, and what matters most: a matplotlib figure, or the file. Raises as
         `GraspSolution.plot`.
         """
-        return load_display("reliability_plot")(self, path, title)
+        from handlcp.viz.output_file import draw_or_save
+        from handlcp.viz.reliability_figure import draw_reliability  # answers pay for no picture that nobody draws
+
+        return draw_or_save(path, draw_reliability, self, title)
 
     @property
     def chances(self) -> tuple[str, ...]:

@@ -10,6 +10,8 @@ import numpy as np
 from rich.table import Table
 
 from handlcp import words
+from handlcp.check import check_call
+from handlcp.geometry.object import Object
 from handlcp.grasp import Grasp, GraspSolution, Verdict
 from handlcp.grasp.path.follow import Loading
 from handlcp.tolerances import CERTIFY_TOLERANCE
@@ -23,10 +25,11 @@ from handlcp.viz.loading.curves import (
     make_panels,
     solution_at_end,
 )
-from handlcp.viz.output_file import Figure, new_figure
+from handlcp.viz.output_file import Figure, draw_or_save, new_figure
 from handlcp.viz.picture.content import PictureContent
-from handlcp.viz.picture.figure import PICTURE_HEIGHT, PICTURE_WIDTH, compose_picture
+from handlcp.viz.picture.figure import PICTURE_HEIGHT, PICTURE_WIDTH, compose_picture, draw_solution
 from handlcp.viz.picture.panel import WORD_COLOURS, draw_verdict_headline as verdict_head
+from handlcp.viz.solution_output import grasp_of_solution
 from handlcp.viz.style import (
     BAD_COLOUR,
     BLUE,
@@ -61,6 +64,21 @@ def draw_loading_headline(figure: Any, loading: Loading, title: str, below: str 
 # The hand where a loading ends: its posture, the object where it is then, and the forces of the last step.
 
 HEADLINE_GAP = 0.1  # inches between the sentences and the picture
+
+
+@check_call()
+def plot_solution(
+    solution: GraspSolution,
+    path: Any = None,
+    obj: Object | None = None,
+    title: str = "",
+    verdict: Verdict | None = None,
+) -> Any:
+    """Draw a solution, or the loading of its verdict where that is held to its end: see `GraspSolution.plot`."""
+    followed = None if verdict is None else verdict.loading
+    if verdict is not None and followed is not None and followed.reached and followed.solution.held:
+        return draw_or_save(path, draw_verdict_picture, followed, verdict, title, obj)
+    return draw_or_save(path, draw_solution, grasp_of_solution(solution), solution, obj, title, verdict)
 
 
 def draw_verdict_picture(loading: Loading, verdict: Verdict, title: str = "", obj: Any = None) -> Figure:

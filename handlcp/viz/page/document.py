@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from handlcp import words
 from handlcp.check import Array, check_call
-from handlcp.errors import InputError
+from handlcp.errors import InputError, shorten_repr
 from handlcp.geometry.distance import outermost_points, spread_directions
 from handlcp.geometry.object import Object
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
@@ -34,6 +34,7 @@ from handlcp.viz.picture.content import (
     UNKNOWN_COLOUR,
     PictureContent,
 )
+from handlcp.viz.solution_output import grasp_of_solution
 
 
 def page_data(
@@ -222,6 +223,21 @@ def _legend_lines(
 
 _GRASP_SCRIPTS = ("solids.js", "marks.js", "labels.js", "view.js", "panel.js", "player.js", "page.js", "opened.js")
 _DATA_DIGITS = 6
+
+
+@check_call("obj")  # anything with a surface of triangles is drawn
+def write_solution_page(
+    solution: GraspSolution,
+    path: Any,
+    obj: Object | None = None,
+    title: str = "",
+    verdict: Verdict | None = None,
+    loading: Loading | None = None,
+) -> Path:
+    """Write the page of a solution: see `GraspSolution.page`."""
+    if obj is not None and not hasattr(obj, "triangles"):
+        raise InputError("obj", "an object, such as hl.Sphere(0.03)", shorten_repr(obj))
+    return write_grasp_page(grasp_of_solution(solution), solution, path, obj, title, verdict, loading)
 
 
 def write_grasp_page(

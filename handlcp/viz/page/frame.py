@@ -12,6 +12,7 @@ import pinocchio as pin
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution, Loading
+from handlcp.grasp.model.status import contact_words
 from handlcp.grasp.solution.verdict import friction_used
 from handlcp.viz.picture.content import MAX_ARROW_LENGTH, MIN_DRAWN_MOMENT
 from handlcp.viz.picture.overlay import nice_number
@@ -73,7 +74,7 @@ def snapshot_of_solution(grasp: Grasp, s: GraspSolution, acts_at: Array) -> Snap
     forces = s.forces if held else np.zeros((n, 3))
     state = getattr(grasp, "state", None)
     slip = s.slip if held else np.zeros((n, 2))
-    slides = np.array([kind == "sliding" for kind in s.contact_state])
+    slides = np.array([word == "sliding" for word in s.contact_state])
     return Snapshot(
         label="all at once",
         positions=scene.positions,
@@ -128,7 +129,7 @@ def snapshots_of_loading(loading: Loading, acts_at: Array, posture: Any) -> list
                 slip=steps.slid_from[k],
                 gap=steps.gap[k],
                 friction_share=used[k],
-                states=state.kinds,
+                states=contact_words(state.kinds),
                 load=force,
                 moment=state.loads.moment - np.cross(at, force),
                 acts_at=at,

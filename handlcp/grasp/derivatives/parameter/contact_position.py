@@ -116,7 +116,7 @@ class ContactNormals(_ContactVectors):
 def _place_contacts(spec: GraspSpec, positions: Array, frames: Array) -> GraspSpec:
     """The grasp with its contacts at positions (n, 3) with frames (n, 3, 3)."""
     if spec.mechanism is not None:
-        made: GraspSpec = spec.mechanism.replace_contacts(spec, positions, frames)
+        made: GraspSpec = spec.mechanism.variation.replace_contacts(spec, positions, frames)
         return made
     contacts = []
     for c, p, R, before in zip(spec.contacts, positions, frames, spec.frames, strict=True):
@@ -211,7 +211,7 @@ def _add_joints(answer: LinearisationPoint, forces: Array, moments: Array, turns
     moved = answer.joints.deflection + answer.joints.yielded - answer.command
     if not follows:
         moved = moved - mechanism.deflection(answer.components @ J)
-    turning, axes = mechanism.angular_jacobian(), spec.frames
+    turning, axes = mechanism.variation.angular_jacobian(), spec.frames
     velocity = (axes @ (J[: 3 * n] @ moved).reshape(n, 3, 1))[:, :, 0]
     body = _BodyMotion(answer, velocity, turning @ moved, np.zeros((n, 3)), np.ones(n))
     change.motion[:] += body.velocity_changes(answer, turns)

@@ -66,7 +66,7 @@ def with_load(spec: GraspSpec, load: Array) -> GraspSpec:
     """The grasp under a load (6,) beside the object's weight, about the reference."""
     if spec.mechanism is None:
         return spec.replace(wrench=read_only(np.array(load)))
-    made: GraspSpec = spec.mechanism.with_load(spec, load)
+    made: GraspSpec = spec.mechanism.variation.with_load(spec, load)
     return made
 
 
@@ -87,14 +87,14 @@ class Mass(Parameter):
     def values(self, spec: GraspSpec) -> Array:
         mechanism = spec.mechanism
         weighs = mechanism is not None and mechanism.weight_of_object(spec.reference).any()
-        return np.array([mechanism.object_mass]) if mechanism is not None and weighs else np.zeros(0)
+        return np.array([mechanism.variation.object_mass]) if mechanism is not None and weighs else np.zeros(0)
 
     def varied(self, spec: GraspSpec, k: int, step: float) -> GraspSpec:
         """With the weight in the load."""
         mechanism = spec.mechanism
         assert mechanism is not None
         before = mechanism.weight_of_object(spec.reference)
-        made = mechanism.with_object_mass(mechanism.object_mass + step)
+        made = mechanism.variation.with_object_mass(mechanism.variation.object_mass + step)
         return spec.replace(
             mechanism=made, wrench=read_only(spec.wrench + made.weight_of_object(spec.reference) - before)
         )

@@ -16,6 +16,7 @@ from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.derivatives.linearisation_point import LawChange, LinearisationPoint, zero_change
 from handlcp.grasp.effects.joint_torque import TorqueSaturation
+from handlcp.grasp.model.mechanism import read_joints
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import wrench_map
 
@@ -106,7 +107,7 @@ def _evaluate_laws(answer: LinearisationPoint, spec: GraspSpec) -> tuple[Array, 
     if spec.mechanism is None:
         return v, b, scene.limits(answer.section), np.zeros(0)
     others = tuple([e for e in spec.effects if not isinstance(e, TorqueSaturation)])
-    torque = spec.mechanism.joints(scene, others, answer.forces, answer.torsion, answer.extra).torque
+    torque = read_joints(spec.mechanism, scene, others, answer.forces, answer.torsion, answer.extra).torque
     return v, b, scene.limits(answer.section), torque
 
 

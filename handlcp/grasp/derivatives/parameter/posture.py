@@ -31,14 +31,14 @@ _SIDEWAYS_TOLERANCE = 1e-6  # of a depth: a sideways motion that is rounding
 
 
 class _RebuiltParameter(Parameter):
-    """What a mechanism can vary (`Mechanism.varied`)."""
+    """What a mechanism can vary (`GraspVariation.vary_parameter`)."""
 
     def values(self, spec: GraspSpec) -> Array:
         return np.zeros(self.shape(spec))
 
     def varied(self, spec: GraspSpec, k: int, step: float) -> GraspSpec:
         assert spec.mechanism is not None
-        made: GraspSpec = spec.mechanism.vary_parameter(spec, self.name, k, step)
+        made: GraspSpec = spec.mechanism.variation.vary_parameter(spec, self.name, k, step)
         return made
 
     def change(self, answer: LinearisationPoint) -> LawChange:
@@ -74,13 +74,13 @@ class JointPosture(JointParameter, _RebuiltParameter):
 
 
 class LinkLengths(_RebuiltParameter):
-    """(m, 3) [m] of `Mechanism.lengths`; derivatives [1/m]."""
+    """(m, 3) [m] of `GraspVariation.lengths`; derivatives [1/m]."""
 
     name = "lengths"
     order, step = 120, 1e-7
 
     def shape(self, spec: GraspSpec) -> tuple[int, ...]:
-        return (0 if spec.mechanism is None else len(spec.mechanism.lengths), 3)
+        return (0 if spec.mechanism is None else len(spec.mechanism.variation.lengths), 3)
 
 
 # ---------------------------------------------------------------- made again, with fingertips that just touch
@@ -89,10 +89,10 @@ def depth_change_at(answer: LinearisationPoint) -> DepthChange | None:
     are squeezed sideways by that. rates : (t, 0). None: there are none.
     """
     spec, mechanism = answer.spec, answer.spec.mechanism
-    found = None if mechanism is None else mechanism.inside_depths(spec)
+    found = None if mechanism is None else mechanism.variation.inside_depths(spec)
     if mechanism is None or found is None:
         return None
-    made, (inside, touches) = mechanism.vary_parameter, found
+    made, (inside, touches) = mechanism.variation.vary_parameter, found
     some = np.flatnonzero(touches | (inside > 0.0))
 
     def deeper(j: int, h: float) -> GraspSpec:
@@ -112,7 +112,11 @@ def _rebuild_change(answer: LinearisationPoint, what: str, count: int, h: float)
     spec, mechanism = answer.spec, answer.spec.mechanism
     if mechanism is None:
         return zero_change(answer, 0)
-    found, made, deeper = mechanism.inside_depths(spec), mechanism.vary_parameter, depth_change_at(answer)
+    found, made, deeper = (
+        mechanism.variation.inside_depths(spec),
+        mechanism.variation.vary_parameter,
+        depth_change_at(answer),
+    )
     if found is None or deeper is None:
         return difference_laws(
             answer, count, h, lambda k, h: made(spec, what, k, h, None if found is None else found[0])
@@ -122,7 +126,7 @@ def _rebuild_change(answer: LinearisationPoint, what: str, count: int, h: float)
     def vary_and_measure(k: int, step: float) -> GraspSpec:
         one: GraspSpec = made(spec, what, k, step, found[0])
         assert one.mechanism is not None  # a hand's
-        gaps[k, step > 0.0] = one.mechanism.gaps()[deeper.contacts]
+        gaps[k, step > 0.0] = one.mechanism.variation.gaps()[deeper.contacts]
         return one
 
     change = difference_laws(answer, count, h, vary_and_measure)

@@ -61,9 +61,9 @@ class Squeeze(ContactParameter):
             offset = spec.offset.copy()
             offset[: spec.of_hand][pressed] *= factor
             return spec.replace(offset=read_only(offset))
-        if not (pressed.any() or spec.mechanism.has_command(spec)):
+        if not (pressed.any() or spec.mechanism.variation.has_command(spec)):
             return None
-        made: GraspSpec = spec.mechanism.with_squeeze_share(spec, factor)
+        made: GraspSpec = spec.mechanism.variation.with_squeeze_share(spec, factor)
         return made
 
     def change(self, answer: LinearisationPoint) -> LawChange:
@@ -116,7 +116,7 @@ class Squeeze(ContactParameter):
                 )
         if why == MISSING_TORQUE and spec.mechanism is not None:  # which limits torques
             for share in _LESS_SHARES:
-                made = spec.mechanism.with_squeeze_share(spec, share)
+                made = spec.mechanism.variation.with_squeeze_share(spec, share)
                 yield Trial("less squeeze", share, f"{words.format_percent(share)} of the squeeze", made)
 
 
@@ -134,7 +134,9 @@ def _repeat_harder(harder: Callable[[float], Any], times: float) -> Trial | None
 
 def squeeze_deeper(spec: GraspSpec, depth: float) -> GraspSpec:
     """The grasp with every finger whose force is not prescribed squeezed by depth [m] more."""
-    made: GraspSpec = spec.with_squeeze(depth) if spec.mechanism is None else spec.mechanism.with_squeeze(spec, depth)
+    made: GraspSpec = (
+        spec.with_squeeze(depth) if spec.mechanism is None else spec.mechanism.variation.with_squeeze(spec, depth)
+    )
     return made
 
 

@@ -45,7 +45,7 @@ class Stiffness(JointParameter):
 
     def values(self, spec: GraspSpec) -> Array:
         """1 / C_jj; 0 for a rigid joint, and where the flexibility was given."""
-        if spec.mechanism is None or not spec.mechanism.has_joint_flexibility(spec):
+        if spec.mechanism is None or not spec.mechanism.variation.has_joint_flexibility(spec):
             return np.zeros(self.shape(spec))
         C = (spec.mechanism.root**2).sum(axis=1)
         return np.where(C > 0.0, 1.0 / np.where(C > 0.0, C, 1.0), 0.0)
@@ -53,7 +53,7 @@ class Stiffness(JointParameter):
     def varied(self, spec: GraspSpec, k: int, step: float) -> GraspSpec:
         """Made again as it was asked for."""
         assert spec.mechanism is not None
-        made: GraspSpec = spec.mechanism.vary_parameter(spec, "stiffness", k, step)
+        made: GraspSpec = spec.mechanism.variation.vary_parameter(spec, "stiffness", k, step)
         return made
 
     def scaled(self, spec: GraspSpec, factor: float) -> GraspSpec | None:
@@ -66,11 +66,11 @@ class Stiffness(JointParameter):
             E[:k, :k] *= 1.0 / factor
         else:
             E -= less * mechanism.compliance(mechanism.jacobian)
-            made = mechanism.with_stiffness_factor(factor)
+            made = mechanism.variation.with_stiffness_factor(factor)
         if not E.any() or float(np.linalg.eigvalsh(E)[0]) < -SEMIDEFINITE_TOLERANCE * float(abs(E).max()):
             return None
         stiff = spec.replace(mechanism=made, flexibility=read_only(E))
-        return stiff if made is None else made.regrip(stiff)
+        return stiff if made is None else made.variation.regrip(stiff)
 
     def change(self, answer: LinearisationPoint) -> LawChange:
         if not answer.elastic_joints:
@@ -94,7 +94,7 @@ class Stiffness(JointParameter):
         if not isinstance(given, Mapping):
             return factor_entries("stiffness", argument, given, (), "")
         mechanism = require_hand(spec, argument, given)
-        if not mechanism.has_joint_springs:
+        if not mechanism.variation.has_joint_springs:
             raise InputError(argument, "one number or distribution for a hand with tendons or synergies", "a mapping")
         return factor_entries("stiffness", argument, given, mechanism.names, "a joint")
 
@@ -116,7 +116,7 @@ class Stiffness(JointParameter):
 
 def require_hand(spec: GraspSpec, argument: str, given: Any) -> Any:
     """The hand of a grasp. Raises InputError for a grasp without one."""
-    if spec.mechanism is None or spec.mechanism.nominal is None:
+    if spec.mechanism is None:
         expected = "the grasp of a hand, made by hand.at(q).grasp(...)"
         raise InputError(argument, expected, "a grasp without one")
     return spec.mechanism
@@ -140,7 +140,7 @@ class PadFlexibility(ContactParameter):
         """Of each contact without that of the joints, the mean over its axes."""
         mechanism, axes = spec.mechanism, (0, 2) if spec.planar else (0, 1, 2)
         own = np.diagonal(spec.flexibility)[: 3 * spec.n].reshape(spec.n, 3)
-        if mechanism is not None and mechanism.has_joint_flexibility(spec):
+        if mechanism is not None and mechanism.variation.has_joint_flexibility(spec):
             through = mechanism.jacobian_rows(())[: 3 * spec.n] @ mechanism.root
             own = own - (through**2).sum(axis=1).reshape(spec.n, 3)
         pads = own[:, axes].mean(axis=1)
@@ -150,7 +150,7 @@ class PadFlexibility(ContactParameter):
         E = spec.flexibility
         for a in (0, 2) if spec.planar else (0, 1, 2):
             E = with_larger_entry(E, (3 * k + a) * (len(E) + 1), step)
-        mechanism = None if spec.mechanism is None else spec.mechanism.with_softer_pad(k, step)
+        mechanism = None if spec.mechanism is None else spec.mechanism.variation.with_softer_pad(k, step)
         return spec.replace(flexibility=E, mechanism=mechanism)
 
     def change(self, answer: LinearisationPoint) -> LawChange:
@@ -215,5 +215,5 @@ class TorqueLimit(JointParameter):
 def with_torque_limits(spec: GraspSpec, limits: Array) -> GraspSpec:
     """The grasp by a hand whose motors have these limits (nv,) [N·m], inf for none; all of them count as known."""
     assert spec.mechanism is not None
-    made: GraspSpec = spec.mechanism.with_torque_limits(spec, read_only(limits))
+    made: GraspSpec = spec.mechanism.variation.with_torque_limits(spec, read_only(limits))
     return made

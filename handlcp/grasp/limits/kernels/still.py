@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Ints
+from handlcp.grasp.verify.contact_state import SEPARATED, SLIDING, STICKING
 from handlcp.lcp.kernels.contact_newton import (
     ContactArrays,
     clip_open_pairs,
@@ -28,7 +29,7 @@ from handlcp.lcp.kernels.contact_newton import (
 from handlcp.lcp.kernels.dense import kernel, multiply_add
 from handlcp.tolerances import SOLVE_TOLERANCE
 
-FREE, STICKS, SLIDES = 0, 1, 2  # of contacts; a limit that gives way is 1, another one 0
+FREE, STICKS, SLIDES = SEPARATED, STICKING, SLIDING  # of contacts; a limit that gives way is 1, another one 0
 _SLOW = 1e-10  # 1 / h
 _HELD = 1e-9  # of the largest force: what the damper may take of a state that is held
 _EXACT = SOLVE_TOLERANCE * 1e-2
