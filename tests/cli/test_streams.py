@@ -226,7 +226,7 @@ def test_ctrl_c_in_a_terminal_ends_a_pool_of_processes_and_nobody_says_a_word():
 
 COMPILES = """
 import time
-from tests.support.messages import hint
+from handlcp.lcp.compiler.compile_policy import warn_not_kept as hint
 from tests.support.processes import worker_pool
 def slowly(k):
     hint(f"process {k}")

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-import pytest
-
 from handlcp.grasp.path import advance, step
 from handlcp.grasp.path.advance import Leg
 from handlcp.grasp.path.newton.iteration import one_iteration
@@ -13,16 +9,16 @@ from handlcp.grasp.path.stability import STUCK
 from handlcp.grasp.path.state import Failure
 
 
-def in_one_matrix(patch: pytest.MonkeyPatch) -> None:
+def in_one_matrix(patch):
     """Paths of many contacts are computed as those of few are: contacts are not eliminated one by one."""
     patch.setattr(step, "iteration_by_contact", one_iteration)
 
 
-def give_up_beyond(share: float, patch: pytest.MonkeyPatch) -> None:
+def give_up_beyond(share, patch):
     """From this share of an open stage on no step finds a state, and the object neither moves on nor rests."""
     found = Leg._found
 
-    def stopped(leg: Leg, state: Any, at: float, size: float) -> Any:
+    def stopped(leg, state, at, size):
         return Failure("no answer") if leg.beyond is not None and at + size > share else found(leg, state, at, size)
 
     patch.setattr(Leg, "_found", stopped)
