@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Annotated, Any, Literal
 
@@ -14,10 +15,36 @@ from handlcp.contact.friction import friction_laws
 # What the tables of a scene file are made of, for pydantic: refusals in words, and tables known only when read.
 
 
+_UNIT = re.compile(r"_(kg_per_m3|m_per_s2|m_per_N|N_per_Nm|N_per_m|Nm_per_rad|rad_per_Nm|kg|rad|Nm|N|m|s)$")
+
+
+def argument_of(key: str) -> str:
+    """The argument of the package's functions that a key says: its name without the unit, "squeeze" for "squeeze_m"."""
+    return _UNIT.sub("", key)
+
+
 class FileTable(BaseModel):
-    """A table of a scene file: no keys but its own, no conversions but integers to numbers."""
+    """A table of a scene file: no keys but its own, no conversions but integers to numbers.
+
+    A key is the argument that its value is passed as, followed by its unit.
+    """
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+    @classmethod
+    def keys_by_argument(cls, path: str, owner: str = "") -> dict[str, str]:
+        """The keys' full names by argument, for `translate_arguments`.
+
+        path : of the table in its file; "": the top.
+        owner : what messages put before the arguments, such as "Motor.".
+        """
+        start = f"{path}." if path else ""
+        return {f"{owner}{argument_of(key)}": f"{start}{key}" for key in cls.model_fields}
+
+    def arguments(self, *left_out: str) -> dict[str, Any]:
+        """The table's values by argument, without None and without the arguments `left_out`."""
+        said = {argument_of(key): getattr(self, key) for key in type(self).model_fields}
+        return {name: value for name, value in said.items() if value is not None and name not in left_out}
 
 
 class ExpectedWords(WrapValidator):
