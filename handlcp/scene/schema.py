@@ -129,7 +129,7 @@ class TendonsTable(FileTable):
 
     moment_arms_m: k.Arms
     """how much of each tendon is drawn in per radian of each joint; joints left out of a table: 0"""
-    stiffness_N_per_m: k.Stiffness
+    stiffness_N_per_m: k.TendonStiffness
     """of the tendons"""
     passive_Nm_per_rad: k.Springs = 0.0
     """springs at the joints themselves; joints left out of a table: none"""
@@ -150,7 +150,7 @@ class SynergiesTable(FileTable):
 
     columns: k.Arms
     """how far each actuator moves each joint; joints left out of a table: 0"""
-    stiffness_Nm_per_rad: k.Stiffness
+    stiffness_Nm_per_rad: k.ActuatorStiffness
     """of the actuators"""
     joint_stiffness_Nm_per_rad: k.Stiffness | None = None
     """of the joints' own springs behind the actuators; left out: rigid"""

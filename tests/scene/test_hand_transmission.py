@@ -62,7 +62,7 @@ def test_what_the_tendons_do_comes_back() -> None:
 @pytest.mark.parametrize(
     ("text", "key"),
     [
-        (TENDONS.replace("2e4", "-1"), "hand.tendons.stiffness_N_per_m"),
+        (TENDONS.replace("2e4", "-1"), "hand.tendons.stiffness_N_per_m['left']"),
         (TENDONS.replace("{left = 2e4, right = 3e4}", "{left = 2e4}"), "hand.tendons.stiffness_N_per_m"),
         (TENDONS.replace("left = {finger_1", "left = {thumb_1"), "hand.tendons.moment_arms_m['left']"),
         (TENDONS.replace("0.5", "0"), "hand.tendons.passive_Nm_per_rad"),
