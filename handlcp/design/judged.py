@@ -29,7 +29,7 @@ from handlcp.grasp.path.advance import Patience
 from handlcp.grasp.solution.verdict import HELD, NOT_HELD, OVER_LIMIT, UNDECIDED
 from handlcp.hand.find.candidate import Candidate
 from handlcp.hand.hand_grasp import HandGrasp
-from handlcp.studies.payload.largest_mass import ANY, payload, unit_mass_loads
+from handlcp.studies.payload.largest_mass import ANY, find_payload, unit_mass_loads
 
 _MOTORS = {TORQUE, TENSION}
 _WORST = (NOT_FOUND, NOT_HELD, UNDECIDED, OVER_LIMIT, HELD)
@@ -94,7 +94,7 @@ def _weights(
     `up_to_the_first`.
     """
     if brief.orientations == ANY:
-        rows = payload(grasp, ANY, brief.acceleration, motion=brief.motion).by_orientation
+        rows = find_payload(grasp, ANY, brief.acceleration, motion=brief.motion).by_orientation
         return [(row.limit, np.inf) for row in rows]
     pulls = unit_mass_loads(grasp, brief.acceleration)
     specs = {id(spec): spec for spec, _ in pulls}  # several where gravity pulls at fingers that weigh something

@@ -192,8 +192,7 @@ class Study:
 
         path : a file to write, .png, .svg, .pdf or .jpg. Raises InputError; Unsupported without matplotlib.
         """
-        from handlcp.viz.output_file import draw_or_save
-        from handlcp.viz.study.figure import draw_study  # answers pay for no picture that nobody draws
+        from handlcp.viz import draw_or_save, draw_study  # answers pay for no picture that nobody draws
 
         return draw_or_save(path, draw_study, self, title, by)
 
@@ -204,7 +203,7 @@ class Study:
         are made and evaluated again. by : two columns as in `pareto`. most : designs with a hand, evenly along the
         front. Raises InputError; Unsupported without trimesh.
         """
-        from handlcp.viz.study.page import write_study_page  # studies pay for no page that nobody writes
+        from handlcp.viz import write_study_page  # studies pay for no page that nobody writes
 
         return write_study_page(self, path, title, by, most)
 

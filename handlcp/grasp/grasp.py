@@ -204,10 +204,10 @@ class GraspQuestions(ABC):
         gives out. For repeated use design for `first_slip` of the rows: beyond it a finger slides each time. Raises
         InputError, Unsupported (known forces; an accuracy that is not reached).
         """
-        from handlcp.studies.payload.largest_mass import payload  # only who asks pays for a study
+        from handlcp.studies import find_payload  # only who asks pays for a study
 
         assert isinstance(self, Grasp)
-        return payload(self, orientations, acceleration, geometry, faces, motion, turn, accuracy)
+        return find_payload(self, orientations, acceleration, geometry, faces, motion, turn, accuracy)
 
     def margins(
         self, solution: GraspSolution | None = None, faces: int | str | Pyramid = "cone", length: float | None = None

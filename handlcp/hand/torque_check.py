@@ -211,7 +211,7 @@ class TorqueCheck(Record):
         return f"All joints hold; {self.binding} is closest to its limit."
 
     def __rich__(self) -> Any:
-        from handlcp.viz.terminal_table import torque_table  # for rich alone
+        from handlcp.viz import torque_table  # for rich alone
 
         return torque_table(self)
 

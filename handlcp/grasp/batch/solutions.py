@@ -309,7 +309,7 @@ class Solutions(Record, Sequence[GraspSolution]):
         """What a notebook shows: how many came to what."""
         counts = Counter(self.status.tolist()).most_common()
         rows = tuple((name, str(k)) for name, k in counts)
-        from handlcp.viz.solution_output import table_html  # for notebooks alone
+        from handlcp.viz import table_html  # for notebooks alone
 
         return table_html(TextTable(("status", f"of {len(self)} grasps"), rows, "<>"))
 

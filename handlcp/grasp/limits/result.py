@@ -208,8 +208,7 @@ class LoadLimit(Record):
 
         path : of a png, svg, pdf or jpg file; None: the matplotlib figure itself. Raises as `GraspSolution.plot`.
         """
-        from handlcp.viz.load_limit_figure import draw_limit  # answers pay for no picture that nobody draws
-        from handlcp.viz.output_file import draw_or_save
+        from handlcp.viz import draw_limit, draw_or_save  # answers pay for no picture that nobody draws
 
         return draw_or_save(path, draw_limit, self, title)
 

@@ -182,7 +182,7 @@ class Loading(Record):
 
     def page(self, path: Any, *, obj: Any = None, title: str = "", verdict: Any = None) -> Path:
         """A page with a slider through all steps, as `GraspSolution.page`; obj : where it stands at the start."""
-        from handlcp.viz.page.document import write_loading_page  # loadings pay for no page that nobody writes
+        from handlcp.viz import write_loading_page  # loadings pay for no page that nobody writes
 
         return write_loading_page(self, path, title, obj, verdict)
 
@@ -191,8 +191,7 @@ class Loading(Record):
 
         path : of a png, svg, pdf or jpg file; None: the matplotlib figure itself. Raises as `GraspSolution.plot`.
         """
-        from handlcp.viz.loading.figure import draw_loading  # answers pay for no picture that nobody draws
-        from handlcp.viz.output_file import draw_or_save
+        from handlcp.viz import draw_loading, draw_or_save  # answers pay for no picture that nobody draws
 
         return draw_or_save(path, draw_loading, self, title)
 

@@ -383,7 +383,7 @@ class GraspSolution(Record, DeferredFields):
         is about, where that is reached; None: what this solution alone says.
         Raises InputError for an unknown format or a missing folder, Unsupported without matplotlib.
         """
-        from handlcp.viz.loading.figure import plot_solution  # answers pay for no picture that nobody draws
+        from handlcp.viz import plot_solution  # answers pay for no picture that nobody draws
 
         return plot_solution(self, path, obj, title, verdict)
 
@@ -395,13 +395,13 @@ class GraspSolution(Record, DeferredFields):
         loading reached its end, or without a loading what this solution alone says.
         Raises InputError for a file that cannot be written, Unsupported without trimesh, which brings the viewer.
         """
-        from handlcp.viz.page.document import write_solution_page  # nor for a page
+        from handlcp.viz import write_solution_page  # nor for a page
 
         return write_solution_page(self, path, obj, title, verdict, loading)
 
     def to_dict(self) -> dict[str, Any]:
         """The whole answer as plain data: SI units in the key names, None for what is not a finite number."""
-        from handlcp.viz.solution_output import solution_to_dict  # nor for data that nobody writes
+        from handlcp.viz import solution_to_dict  # nor for data that nobody writes
 
         return solution_to_dict(self)
 
@@ -425,7 +425,7 @@ class GraspSolution(Record, DeferredFields):
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the verdict, the contacts, the joints."""
-        from handlcp.viz.solution_output import solution_html  # for notebooks alone
+        from handlcp.viz import solution_html  # for notebooks alone
 
         return solution_html(self)
 

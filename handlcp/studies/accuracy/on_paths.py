@@ -92,10 +92,9 @@ class PathCost(Record):
         A matplotlib figure, or the file that it was written to. Raises InputError for an unknown format; Unsupported
         without matplotlib.
         """
-        from handlcp.viz.accuracy.on_paths import figure  # answers pay for no picture that nobody draws
-        from handlcp.viz.output_file import draw_or_save
+        from handlcp.viz import draw_or_save, draw_path_cost  # answers pay for no picture that nobody draws
 
-        return draw_or_save(path, figure, self, title)
+        return draw_or_save(path, draw_path_cost, self, title)
 
     def __str__(self) -> str:
         """A table and the summary."""

@@ -327,8 +327,7 @@ class Envelope(Record):
         path : of a png, svg, pdf or jpg file; None: the figure itself. Raises InputError for an unknown format, and for
         directions that lie neither all around nor in a plane; Unsupported without matplotlib.
         """
-        from handlcp.viz.envelope.figure import draw_envelope  # answers pay for no picture that nobody draws
-        from handlcp.viz.output_file import draw_or_save
+        from handlcp.viz import draw_envelope, draw_or_save  # answers pay for no picture that nobody draws
 
         return draw_or_save(path, draw_envelope, self, title)
 
@@ -336,8 +335,7 @@ class Envelope(Record):
         """Polar diagrams of the factors in the planes xy, yz and xz, or in the plane that was asked for: coloured by
         what gives out first, the bound dashed. Returns and raises as `plot`.
         """
-        from handlcp.viz.envelope.figure import draw_polar_envelope  # answers pay for no picture that nobody draws
-        from handlcp.viz.output_file import draw_or_save
+        from handlcp.viz import draw_or_save, draw_polar_envelope  # answers pay for no picture that nobody draws
 
         return draw_or_save(path, draw_polar_envelope, self, title)
 
@@ -346,7 +344,7 @@ class Envelope(Record):
         file. Raises InputError for a file that cannot be written, or directions that do not lie all around; Unsupported
         without trimesh.
         """
-        from handlcp.viz.envelope.page import write_envelope_page  # answers pay for no page that nobody writes
+        from handlcp.viz import write_envelope_page  # answers pay for no page that nobody writes
 
         return write_envelope_page(self, path, title)
 

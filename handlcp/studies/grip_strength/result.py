@@ -104,8 +104,7 @@ class SplitCylinder(Record):
         path : of a png, svg, pdf or jpg file; None: the figure itself. Raises InputError for an unknown format;
         Unsupported without matplotlib.
         """
-        from handlcp.viz.output_file import draw_or_save
-        from handlcp.viz.strength_figure import draw_split_cylinder  # answers pay for no picture that nobody draws
+        from handlcp.viz import draw_or_save, draw_split_cylinder  # answers pay for no picture that nobody draws
 
         return draw_or_save(path, draw_split_cylinder, self, title)
 

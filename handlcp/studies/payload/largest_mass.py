@@ -52,7 +52,7 @@ _IN_PLANE_TOLERANCE = 1e-9
 _NEGLIGIBLE_MASS = 1e-6  # [kg]: overlaps of rounding hold micrograms
 
 
-def payload(
+def find_payload(
     grasp: Grasp,
     orientations: Any = SIX,
     acceleration: Any = 0.0,

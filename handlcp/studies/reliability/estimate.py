@@ -213,8 +213,7 @@ class Reliability(Record):
         """The margins of all samples, and what matters most: a matplotlib figure, or the file. Raises as
         `GraspSolution.plot`.
         """
-        from handlcp.viz.output_file import draw_or_save
-        from handlcp.viz.reliability_figure import draw_reliability  # answers pay for no picture that nobody draws
+        from handlcp.viz import draw_or_save, draw_reliability  # answers pay for no picture that nobody draws
 
         return draw_or_save(path, draw_reliability, self, title)
 

@@ -18,7 +18,7 @@ PANELS = (
 )
 
 
-def figure(cost: PathCost, title: str = "") -> Figure:
+def draw_path_cost(cost: PathCost, title: str = "") -> Figure:
     """Draw both panels of error against time. Raises Unsupported without matplotlib."""
     made = new_figure(figsize=(WIDTH, HEIGHT), dpi=100)
     made.text(0.012, 0.975, title, fontsize=HEAD, weight="bold", color=INK, va="top", parse_math=False)

@@ -1,0 +1,1 @@
+from .payload.largest_mass import find_payload as find_payload
