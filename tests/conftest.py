@@ -4,8 +4,6 @@ They wait for the compiler, once: what a test runs then does not depend on how f
 is left behind. HANDLCP_KERNELS=interpreted runs it without a compiler, for those with time.
 """
 
-from __future__ import annotations
-
 import gc
 import os
 

@@ -1,7 +1,5 @@
 """An oracle that shares no code with the solvers: every active set of a small problem, one after the other."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

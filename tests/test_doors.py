@@ -4,8 +4,6 @@ A test imports what it needs from where that is in the package; `tests.support` 
 oracles, and what tests put in the place of something inside.
 """
 
-from __future__ import annotations
-
 import ast
 import pathlib
 import re

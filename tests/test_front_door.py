@@ -1,7 +1,5 @@
 """What somebody sees who looks at the package first: its help, its names, how to get what is missing."""
 
-from __future__ import annotations
-
 import pathlib
 import re
 

@@ -5,8 +5,6 @@ Every import counts, wherever it stands: on top of a file, inside a function, or
 answers and grasps, such as `plot`, import from viz and studies what they show when they are called.
 """
 
-from __future__ import annotations
-
 import ast
 import pathlib
 import re

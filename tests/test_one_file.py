@@ -236,8 +236,3 @@ def test_a_solver_that_claims_what_is_not_so_is_not_believed() -> None:
     assert hl.solve_lcp(hl.LCP([[1.0]], [-3.0]), Guess(), throw=False).status is hl.Status.UNDECIDED
     with pytest.raises(hl.NoSolutionFound):
         pinch(hl.Coulomb(MU)).solve(3, Guess())
-
-
-def test_a_solver_of_plain_problems_is_refused_the_cone() -> None:
-    with pytest.raises(hl.Unsupported, match="TryAll knows no cones"):
-        pinch(hl.Coulomb(MU)).solve("cone", TryAll())

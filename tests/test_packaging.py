@@ -1,7 +1,5 @@
 """What makes the package one that can be installed, cited and released says the same everywhere."""
 
-from __future__ import annotations
-
 import pathlib
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """Each sentence of the table of SECURITY.md, and of its list about compiled code, has a test here or names one."""
 
-from __future__ import annotations
-
 import json
 import os
 import pathlib
@@ -34,7 +32,7 @@ PROVEN = {
         "tests/lcp/test_kernels.py::test_others_may_read_what_is_kept_and_a_folder_that_they_can_write_is_refused",
     # Of files, where a test elsewhere proves it
     "All of it: it is a program, which xacrodoc expands.":
-        "tests/hand/test_xacro.py::test_a_xacro_file_is_the_hand_that_its_urdf_is",
+        "tests/hand/test_input.py::test_a_xacro_file_is_the_hand_that_its_urdf_is",
     "Links, joints, shapes and numbers.": "tests/hand/test_kinematics.py::test_psyonic_follows_its_urdf",
 }  # fmt: skip
 

@@ -1,7 +1,5 @@
 """Files are written whole or not at all: full disks, links, permissions, pipes, and what stdout was redirected to."""
 
-from __future__ import annotations
-
 import os
 import stat
 import subprocess
@@ -221,8 +219,7 @@ print("after")
 
 
 @posix
-@pytest.mark.parametrize("place", ["/dev/stdout", "/dev/fd/1"])
-@pytest.mark.parametrize("to", ["pipe", "file", "appended"])
+@pytest.mark.parametrize(("place", "to"), [("/dev/stdout", "pipe"), ("/dev/stdout", "file"), ("/dev/fd/1", "appended")])
 def test_stdout_gets_a_file_between_what_is_printed_before_and_after(place, to, tmp_path):
     file = tmp_path / "out.txt"
     file.write_text("first\n")

@@ -245,7 +245,7 @@ def tangent_stiffness_blocks(p: LinkedContacts, r: Array, z: Array) -> tuple[boo
 
 
 _LINE_SEARCH_MEMORY = 8  # steps over which ‖F‖ may rise, as in `solve_contacts`
-_MIN_STEP_LENGTH = 2e-2
+_MIN_STEP_LENGTH = 2e-2  # step length below which the line search takes what it has
 _ADMM_RELAXATION = 1.6  # over-relaxation of ADMM
 # Newton's steps, and those on the ball in place of a polygon, as in `solve_contacts`
 _MAX_BALL_STEPS, _BALL_TOLERANCE, _MAX_NEWTON_STEPS = 8, 1e-2, 12

@@ -326,14 +326,8 @@ def write_ball_contacts(
     places (n, 3), turns (n, 3, 3) : of the fingertips.
     """
     arm, c, out, step = np.empty(3), np.empty(3), np.empty(3), _NORMAL_STEP * sizes.max()
-    H, N, spans, own, at, moves = (
-        np.empty((3, 3)),
-        np.empty((3, 3)),
-        np.empty((2, 3)),
-        np.empty((2, 3)),
-        np.zeros(2),
-        np.empty((3, 6)),
-    )
+    H, N, moves = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 6))
+    spans, own, at = np.empty((2, 3)), np.empty((2, 3)), np.zeros(2)
     for i in range(len(swept.radii)):
         if swept.corners[i, 0] == swept.corners[i, 0]:
             rotate_vector(R, swept.corners[i], c)

@@ -39,14 +39,24 @@ Stage = tuple[str, Callable[[], Proposal | None]]
 
 FIRST_STAGE = "NSNGRK, Newton first"
 BRIEF_SEARCH_STAGE, LONG_SEARCH_STAGE = "search, briefly", "search, longer"
-STAGES_BETWEEN_SEARCHES = 2  # stages between these two
+STAGES_BETWEEN_SEARCHES = 2  # stages between these two, here and in the stages of a grasp
 _NSNGRK_STAGE = "NSNGRK"
 _ON_SET_SUFFIX = ", on the friction set"  # ends the names of stages that work on an LCP's contact form
 _FIRST_STAGE_ON_SET = FIRST_STAGE + _ON_SET_SUFFIX
-_START_FACES = (16, 4)  # of pyramids whose answers are worth a start, besides the own or one of 8 faces
-_MAX_PIVOTED_FACES = 16  # faces beyond which pivoting costs more than the other methods
-_MAX_OTHER_STARTS = 30  # other starts: most that help are among the first ten
 _FINE_NEWTON = SemismoothNewton(tol=FINE_SOLVE_TOLERANCE)
+
+
+@dataclass(frozen=True)
+class StageOptions:
+    """Which starts and pyramids the later stages of `Auto` try."""
+
+    start_faces: tuple[int, ...] = (16, 4)  # of pyramids whose answers are worth a start, besides the own or of 8 faces
+    default_faces: int = 8  # of the pyramid that is pivoted where the problem has none, or too many faces
+    max_pivoted_faces: int = 16  # faces beyond which pivoting costs more than the other methods
+    max_other_starts: int = 30  # other starts: most that help are among the first ten
+
+
+_OPTIONS = StageOptions()
 
 
 @check_init_call()
@@ -224,15 +234,15 @@ class Auto:
 
         # A plane's interval, and contacts without friction, are the same with any faces
         flat = m == 2 or len(problem.blocks) == 0
-        own = m if 3 <= m <= _MAX_PIVOTED_FACES else 8
+        own = m if 3 <= m <= _OPTIONS.max_pivoted_faces else _OPTIONS.default_faces
         if problem.flat is not None:
             if flat or own == m:
                 yield "Lemke", partial(propose_pivoted, own)
             yield f"Newton from Lemke, {own} faces", partial(newton, own)
-        others = OtherStarts(_MAX_OTHER_STARTS, seed=seed)
+        others = OtherStarts(_OPTIONS.max_other_starts, seed=seed)
         yield "Newton from other starts", lambda: propose_in_limit_units(others, problem, None)
         if problem.flat is not None and not flat:
-            for faces in _START_FACES:
+            for faces in _OPTIONS.start_faces:
                 if faces != own:
                     yield f"Newton from Lemke, {faces} faces", partial(newton, faces)
 

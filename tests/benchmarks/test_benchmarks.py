@@ -1,7 +1,5 @@
 """The benchmarks run, with small sizes, and their ratios are what the documentation claims, within wide limits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """`handlcp accuracy` from the outside."""
 
-from __future__ import annotations
-
 import csv
 import json
 import pathlib
@@ -63,22 +61,3 @@ def test_a_scene_that_does_not_hold_exits_1_and_says_why(tmp_path):
     said = " ".join(done.stderr.split())
     assert answer["diagnosis"] in said
     says(said.replace(answer["diagnosis"], "…"), "Nothing")
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ("nothing_here.toml",),
-        (CUBE, "--seconds", "0"),
-        (CUBE, "--seconds", "-1"),
-        (CUBE, "--plot", "cost.doc"),
-        (CUBE, "--plot", "nowhere/cost.png"),
-        (CUBE, "--csv", "nowhere/rows.csv"),
-        (),
-    ],
-)
-def test_bad_input_exits_2_and_prints_nothing_on_stdout(arguments):
-    done = run(*arguments)
-    assert done.exit_code == 2
-    assert done.stdout == ""
-    assert "rror" in done.stderr

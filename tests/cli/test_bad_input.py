@@ -1,7 +1,5 @@
 """Whatever is malformed, on the command line or in a file: exit status 2, one sentence on stderr, nothing on stdout."""
 
-from __future__ import annotations
-
 import os
 import pathlib
 
@@ -9,9 +7,11 @@ import pytest
 from typer.testing import CliRunner
 
 from handlcp.cli import app
+from handlcp.studies.envelope.question import EnvelopeQuestion
 
 ROOT = pathlib.Path(__file__).parents[2]
 CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
+PAPER, PLANAR = ROOT / "examples" / "paper", ROOT / "examples" / "planar_ring.toml"
 TEXT = pathlib.Path(CUBE).read_text(encoding="utf-8")
 LONG, DIGITS = "a" * 5000, "9" * 5000
 MESH = ('shape = "box"\nsize_m = 0.05', 'shape = "mesh"\nfile = ')
@@ -79,6 +79,67 @@ def refused(arguments):
     assert len(done.stderr.splitlines()) == 1
     assert len(done.stderr) < 1000
     return done.stderr
+
+
+# (command and arguments, a word that stderr says); each argument of a command that is checked, by one wrong value
+REFUSED = [
+    (("solve", "nothing_here.toml"), "nothing_here.toml"),
+    (("solve", CUBE, "--faces", "2"), "faces"),
+    (("solve", CUBE, "--seed", "-1"), "seed"),
+    (("solve", CUBE, "--plot", "picture.doc"), "plot"),
+    (("solve", CUBE, "--accuracy", "0"), "accuracy"),
+    (("solve", CUBE, "--accuracy", "1e-3", "--faces", "8"), "accuracy"),
+    (("solve",), "scene"),
+    (("audit", "nothing_here.urdf"), "nothing_here.urdf"),
+    (("audit", CUBE), "path"),
+    (("accuracy", CUBE, "--seconds", "0"), "seconds"),
+    (("accuracy", CUBE, "--plot", "nowhere/cost.png"), "plot"),
+    (("accuracy", CUBE, "--csv", "nowhere/rows.csv"), "csv"),
+    (("follow", CUBE, "--steps", "0"), "steps"),
+    (("follow", CUBE, "--order", "load,then"), "order"),
+    (("follow", CUBE, "--plot", "way.doc"), "plot"),
+    (("follow", CUBE, "--picture", "nowhere/end.png"), "a folder that exists"),
+    (("follow", f"{PAPER}/partially_known_forces.toml"), "PrescribedForce"),
+    (("limits", CUBE, "--direction", "up"), "direction"),
+    (("limits", CUBE, "--direction", "0,0,0"), "direction"),
+    (("limits", CUBE, "--direction", "nan,0,1"), "direction"),
+    (("limits", CUBE, "--wrench", *"000000"), "wrench"),
+    (("limits", CUBE, "--wrench", *"100000", "--direction", "+x"), "direction"),
+    (("limits", CUBE, "--motion", "-1"), "motion"),
+    (("motors", CUBE, "--load", "push"), "--load"),
+    (("motors", CUBE, "--load", "push=1,2"), "--load"),
+    (("motors", CUBE, "--load", "a=0,0,1", "--load", "a=0,0,2"), "--load"),
+    (("motors", CUBE, "--load", "=0,0,1"), "--load"),
+    (("motors", CUBE, "--load", "a=0,0,nan"), "--load"),
+    (("motors", CUBE, "--safety", "0"), "safety"),
+    (("motors", CUBE, "--motor", "0.03,0.01"), "otor"),
+    (("motors", CUBE, "--motor", "1,2,3,4"), "otor"),
+    (("motors", f"{PAPER}/hard_finger.toml"), "[hand]"),
+    (("payload", CUBE, "--fixed", "--acceleration", "-1"), "acceleration: expected"),
+    (("payload", CUBE, "--fixed", "--accuracy", "0"), "accuracy"),
+    (("reliability", CUBE), "friction"),
+    (("reliability", CUBE, "--friction", "-1"), "friction"),
+    (("reliability", CUBE, "--friction", "0.1", "--samples", "3"), "samples"),
+    (("reliability", CUBE, "--friction", "0.1", "--plot", "sure.doc"), "plot"),
+    (("reliability", CUBE, "--friction", "0.1", "--resume", "nowhere/run.npz"), "resume"),
+    (("reliability", f"{PAPER}/total_bound.toml", "--mass", "0.1"), "mass"),
+    (("envelope", CUBE, "--directions", "yx"), "directions"),
+    (("envelope", CUBE, "--directions", "xy,2"), "directions"),
+    (("envelope", CUBE, "--of", "weight"), "of: expected"),
+    (("envelope", CUBE, "--plot", "picture.txt"), "plot"),
+    (("envelope", CUBE, "--page", "page.txt"), "page"),
+    (("envelope", CUBE, "--page", "page.html", "--directions", "xy"), "--page: expected directions all around"),
+    (("envelope", f"{PLANAR}", "--page", "page.html"), "planar scene"),
+    (("envelope", CUBE, "--turn", "5"), "5 (degrees? They are 0.0873 rad)"),
+]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"), REFUSED, ids=lambda x: " ".join(x[:1] + x[2:]) if isinstance(x, tuple) else ""
+)
+def test_an_argument_is_refused_by_its_name_before_any_work(arguments, word, monkeypatch):
+    monkeypatch.setattr(EnvelopeQuestion, "find_factors", lambda *_, **__: pytest.fail("work has begun"))
+    assert word in refused(arguments)
 
 
 @pytest.mark.parametrize("name", TEXTS)

@@ -63,11 +63,3 @@ def test_a_cube_that_drops_is_exit_status_1(tmp_path: pathlib.Path):
     assert ran.exit_code == 1
     assert "handlcp: NOT HELD" in ran.stdout
     assert "MuJoCo: NOT HELD" in ran.stdout
-
-
-def test_what_mujoco_cannot_have_is_exit_status_2(tmp_path: pathlib.Path):
-    file = tmp_path / "contacts.toml"
-    file.write_text("[[contact]]\nposition_m = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\n", encoding="utf-8")
-    ran = CliRunner().invoke(app, ["compare", str(file)])
-    assert ran.exit_code == 2
-    assert "contacts without a hand" in ran.stderr

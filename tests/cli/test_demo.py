@@ -1,11 +1,8 @@
 """`handlcp demo` from the outside: what a stranger sees first."""
 
-from __future__ import annotations
-
 import pathlib
 import sys
 
-import pytest
 from typer.testing import CliRunner
 
 from handlcp.cli import app
@@ -49,13 +46,3 @@ def test_without_what_draws_it_says_what_to_install_for_more(tmp_path, monkeypat
     assert [file.name for file in tmp_path.iterdir()] == ["cube.toml"]
     assert "a picture, too: pip install 'matplotlib>=3.8'" in done.stdout
     assert "a page to turn, too: pip install 'trimesh>=4.8.3'" in done.stdout
-
-
-@pytest.mark.parametrize("folder", ["", "a_file/below"])
-def test_a_folder_that_cannot_be_made_is_refused_in_one_sentence(tmp_path, folder, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "a_file").write_text("no folder", encoding="utf-8")
-    done = run(folder)
-    assert done.exit_code == 2
-    assert done.stdout == ""
-    assert done.stderr.count("Error: ") == 1

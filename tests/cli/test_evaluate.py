@@ -1,7 +1,5 @@
 """`handlcp evaluate` from the outside: hands by name, by file and from a scene, requirements, exit status."""
 
-from __future__ import annotations
-
 import json
 import pathlib
 
@@ -15,7 +13,7 @@ from tests.support.design import evaluated_by
 ROOT = pathlib.Path(__file__).parents[2]
 URDF = ROOT / "urdf" / "three_finger.urdf"
 GIVEN = ("--joint-stiffness", 1.0, "--pad-flexibility", 1e-4, "--tip-radius", 0.008)
-BRIEF = 'tries = 8\n[objects.ball]\nshape = "sphere"\nradius_m = 0.03\nmass_kg = 0.1\n'
+BRIEF = 'tries = 4\n[objects.ball]\nshape = "sphere"\nradius_m = 0.03\nmass_kg = 0.1\n'
 SCENE = '[hand]\nname = "three_finger"\njoint_stiffness_Nm_per_rad = 1.0\n[object]\nshape = "sphere"\nradius_m = 0.03\n'
 
 

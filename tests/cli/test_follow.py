@@ -1,7 +1,5 @@
 """`handlcp follow` from the outside."""
 
-from __future__ import annotations
-
 import json
 import pathlib
 
@@ -96,24 +94,6 @@ def test_json_is_one_object_with_the_numbers_of_all_steps_and_no_nan():
     assert len(found["steps"]["share"]) == len(found["contacts"]["state"]) == len(h.steps)
 
 
-def test_json_of_a_scene_that_is_lost_says_where_and_lists_events(heavy):
-    done = run(heavy, *FEW, "--json")
-    assert done.exit_code == 1
-    found = strict(done.stdout)
-    assert found["reached"] is False
-    assert found["lost_stage"] == "load"
-    assert 0.0 < found["lost_at"] < 1.0
-    assert found["events"][-1]["kind"] == "lost"
-    assert "lost" not in [s["kind"] for s in found["summary"]]
-
-
-def test_json_of_a_grasp_without_a_hand_has_no_joints():
-    found = strict(run(ROOT / "examples" / "paper" / "hard_finger.toml", *FEW, "--json").stdout)
-    assert found["joints"] is None
-    assert found["geometry"] == "fixed"
-    assert found["stages"] == ["load"]
-
-
 def test_options_reach_the_loading():
     together = strict(run(CUBE, "--order", "together", *FEW, "--json").stdout)
     assert together["stages"] == ["together"]
@@ -126,41 +106,3 @@ def test_options_reach_the_loading():
     np.testing.assert_allclose(
         six["contacts"]["forces_N"][-1], grasp.follow(faces=6, steps=8).steps.forces[-1], rtol=1e-6, atol=1e-9
     )
-
-
-def test_figure_and_picture_are_written(tmp_path):
-    done = run(CUBE, *FEW, "--plot", tmp_path / "way.svg", "--picture", tmp_path / "end.png")
-    assert done.exit_code == 0, done.output
-    assert (tmp_path / "way.svg").stat().st_size > 10_000
-    assert (tmp_path / "end.png").stat().st_size > 50_000
-    assert done.stdout.count("Picture: ") == 2
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ("nothing_here.toml",),
-        (CUBE, "--faces", "2"),
-        (CUBE, "--faces", "many"),
-        (CUBE, "--steps", "0"),
-        (CUBE, "--steps", "x"),
-        (CUBE, "--order", "load,then"),
-        (CUBE, "--order", ""),
-        (CUBE, "--plot", "way.doc"),
-        (CUBE, "--picture", "nowhere/end.png"),
-        (CUBE, "--unknown"),
-        (),
-    ],
-)
-def test_bad_input_exits_2_and_prints_nothing_on_stdout(arguments):
-    done = run(*arguments)
-    assert done.exit_code == 2
-    assert done.stdout == ""
-    assert "rror" in done.stderr
-
-
-def test_known_forces_are_refused_with_exit_2():
-    done = run(ROOT / "examples" / "paper" / "partially_known_forces.toml")
-    assert done.exit_code == 2
-    assert "PrescribedForce" in done.stderr
-    assert "Traceback" not in done.stderr

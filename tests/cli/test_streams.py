@@ -1,7 +1,5 @@
 """Output that closes, fills up or knows no UTF-8; libraries that print; Ctrl-C. Each is a process of its own."""
 
-from __future__ import annotations
-
 import json
 import os
 import pathlib
@@ -10,7 +8,9 @@ import subprocess
 import sys
 
 import pytest
+from typer.testing import CliRunner
 
+from handlcp.cli import app
 from tests.support.processes import hears_ctrl_c
 
 ROOT = pathlib.Path(__file__).parents[2]
@@ -44,7 +44,7 @@ def test_json_is_the_same_without_utf8():
     plain = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
     status, out, err = run("effects", "--json", env=plain)
     assert (status, err) == (0, b"")
-    assert json.loads(out.decode("ascii")) == json.loads(run("effects", "--json")[1])
+    assert json.loads(out.decode("ascii")) == json.loads(CliRunner().invoke(app, ["effects", "--json"]).stdout)
 
 
 @posix
@@ -186,7 +186,7 @@ runpy.run_module("handlcp", run_name="__main__")
 
 
 @posix
-@pytest.mark.parametrize("module", ["typer", "numpy", "pinocchio", "pydantic"])
+@pytest.mark.parametrize("module", ["typer", "pinocchio"])
 def test_ctrl_c_during_imports_ends_quietly_with_130(module):
     assert run("-c", IMPORT.format(module=module, scene=CUBE)) == (130, b"", b"")
 
@@ -226,7 +226,7 @@ def test_ctrl_c_in_a_terminal_ends_a_pool_of_processes_and_nobody_says_a_word():
 
 COMPILES = """
 import time
-from tests.support.messages import hint
+from handlcp.lcp.compiler.compile_policy import warn_not_kept as hint
 from tests.support.processes import worker_pool
 def slowly(k):
     hint(f"process {k}")
@@ -253,7 +253,7 @@ def test_ctrl_c_during_a_solve_ends_quietly_with_130(kernels, tmp_path):
     to = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **hears_ctrl_c()}
     with subprocess.Popen(command, cwd=ROOT, env=env, **to) as program:
         with pytest.raises(subprocess.TimeoutExpired):
-            program.communicate(timeout=3.0)
+            program.communicate(timeout=2.0)
         program.send_signal(signal.SIGINT)
         out, err = program.communicate(timeout=60)
     assert (program.returncode, out) == (130, b"")

@@ -1,7 +1,5 @@
 """Small optimisations for tests, of which the best is known: forces of another scale hold as many times as much."""
 
-from __future__ import annotations
-
 import handlcp as hl
 
 SPACE = {"force": (0.5, 2.0)}

@@ -1,7 +1,5 @@
 """Small sweeps for tests: one of real hands, and one whose designs all fail at once, which is bookkeeping alone."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

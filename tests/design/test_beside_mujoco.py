@@ -1,7 +1,5 @@
 """The motors that a brief takes, in MuJoCo: with the answer the object stays, with less grip it slips, and falls."""
 
-from __future__ import annotations
-
 import pytest
 
 pytest.importorskip("mujoco")

@@ -1,7 +1,5 @@
 """Briefs as TOML: what is written reads back to the same brief, and what is wrong is named with file and key."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np
@@ -148,11 +146,6 @@ def test_what_is_wrong_is_named_with_its_file_and_key(text, key, fact, tmp_path)
     assert error.argument == key
     assert fact in error.expected
     assert str(error).startswith(f"brief.toml: {key}: expected ")
-
-
-def test_what_is_no_file_to_write_is_told():
-    with pytest.raises(hl.InputError, match="path: expected the name of a file, got 5"):
-        hl.Brief(hl.Sphere(0.03)).to_toml(5)
 
 
 def test_a_file_that_is_missing_or_no_toml_is_named(tmp_path):

@@ -1,7 +1,5 @@
 """A hand judged by a brief: the numbers are those of single calls, and neighbours' grasps are brought along."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np
@@ -19,7 +17,7 @@ def hand(stiffness=1.0):
 
 
 def brief(**changed):
-    words = {"objects": {"box": BOX}, "loads": {"pull": PULL, "twist": TWIST}, "safety": 1.5, "tries": 64}
+    words = {"objects": {"box": BOX}, "loads": {"pull": PULL, "twist": TWIST}, "safety": 1.5, "tries": 12}
     return hl.Brief(**{**words, **changed})
 
 
@@ -71,11 +69,6 @@ def test_hands_are_compared_by_the_worst_object_and_others_are_followed_no_furth
     assert any(not case.gives_out for case in worst.cases.values())
     assert "≥" in str(worst)
     assert "≥" not in str(whole)
-
-
-def test_a_grasp_of_another_kind_is_not_brought_along(found):
-    power = hl.evaluate(hand(), brief(kind="power", loads=None, tries=1), near=found)
-    assert not power.cases["box"].continued
 
 
 def test_forces_torques_and_motion_are_those_of_paths_up_to_the_load(found):
@@ -133,11 +126,6 @@ def test_a_grasp_that_is_brought_along_is_one_candidate_more_and_never_the_only_
     assert beside.to_dict() == evaluate_worst(short, asked, near).to_dict() == fresh.to_dict()
 
 
-def test_another_hand_does_not_take_grasps_of_other_joints(found):
-    other = hl.evaluate(hl.example_hand("two_finger"), brief(loads=None, tries=1), near=found)
-    assert not other.cases["box"].continued
-
-
 def test_what_is_not_found_is_a_word_and_a_row():
     lost = hl.evaluate(hand(), brief(objects={"pea": hl.Sphere(0.0005, mass=0.001)}, tries=1))
     case = lost.cases["pea"]
@@ -180,12 +168,3 @@ def test_a_keyword_that_a_brief_does_not_know_gets_the_nearest_or_where_it_belon
         brief(frction=0.5)
     with pytest.raises(TypeError, match="'mass': it is the object's"):
         brief(mass=0.2)
-
-
-def test_arguments_of_evaluate_are_checked(found):
-    with pytest.raises(hl.InputError, match="hand"):
-        hl.evaluate("three_finger", brief())
-    with pytest.raises(hl.InputError, match="brief"):
-        hl.evaluate(hand(), {"objects": BOX})
-    with pytest.raises(hl.InputError, match="near"):
-        hl.evaluate(hand(), brief(), near=hand())

@@ -1,7 +1,5 @@
 """Hands from numbers: beside the shipped hands and closed forms, each number by finger, files, and what is refused."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

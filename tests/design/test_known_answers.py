@@ -1,7 +1,5 @@
 """Answers that are known before they are computed: laws of similarity, linear elasticity, and levers."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

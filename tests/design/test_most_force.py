@@ -1,7 +1,5 @@
 """Grips and motors for objects that bear no more than a certain force at a contact: an egg in two fingers."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -72,8 +70,3 @@ def test_forces_may_be_given_by_contact():
 def test_what_no_object_bears_is_refused(value, fact):
     with pytest.raises(hl.InputError, match=f"most_force.*{fact}"):
         cube_grasp().required_grip(most_force=value)
-
-
-def test_a_finger_that_there_is_not_is_told():
-    with pytest.raises(hl.UnknownName, match="most_force"):
-        cube_grasp().required_torque(most_force={"finger_9_tip": 3.0})

@@ -1,7 +1,5 @@
 """A space of parameters: what its entries mean, and where its samples lie."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
@@ -48,22 +46,6 @@ def test_a_latin_hypercube_has_one_point_in_each_part(n):
     assert (np.sort(parts, axis=0) == np.arange(n)[:, None]).all()
 
 
-def test_sobol_points_are_spread_evenly_go_on_and_hang_on_their_seed():
-    points = MIXED.sobol(64, seed=1)
-    assert (np.sort(np.floor(points * 64).astype(int), axis=0) == np.arange(64)[:, None]).all()
-    assert (MIXED.sobol(40, seed=1) == points[:40]).all()
-    assert (MIXED.sobol(64, seed=2) != points).any()
-
-
-def test_bounds_are_those_of_the_ranges():
-    low, high = MIXED.bounds
-    assert (list(MIXED.ranges), low.tolist(), high.tolist()) == (["length", "stiffness"], [0.03, 0.1], [0.06, 10.0])
-
-
-def test_a_space_is_made_again_from_its_own_entries():
-    assert Space(MIXED.to_dict()).to_dict() == MIXED.to_dict()
-
-
 @pytest.mark.parametrize(
     ("entry", "said"),
     [
@@ -77,12 +59,6 @@ def test_an_entry_that_cannot_be_is_named(entry, said):
     with pytest.raises(hl.InputError, match=r"space\['length'\]") as raised:
         Space({"length": entry})
     assert said in str(raised.value)
-
-
-@pytest.mark.parametrize("space", [{}, 3, {"a": 1}, {3: (0, 1)}])
-def test_a_space_has_named_parameters_and_one_that_is_free(space):
-    with pytest.raises(hl.InputError, match="space"):
-        Space(space)
 
 
 def test_levels_and_values_that_cannot_be_are_named():

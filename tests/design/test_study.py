@@ -1,7 +1,5 @@
 """What one asks of a study: the best, those that none beats, main effects; its picture and its page."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
@@ -10,7 +8,6 @@ from hypothesis.extra.numpy import arrays
 import handlcp as hl
 from handlcp.design.space import Space
 from handlcp.design.study import is_pareto_optimal, main_effect
-from handlcp.viz.study.figure import parameter_label
 
 
 def told(rows, space=None):
@@ -47,13 +44,6 @@ def test_the_front_takes_names_of_columns_and_of_evaluations():
 def test_a_design_is_on_the_front_exactly_if_none_beats_it(rows):
     beaten = [any((b >= a).all() and (b > a).any() for b in rows) for a in rows]
     assert is_pareto_optimal(rows).tolist() == [not b for b in beaten]
-
-
-def test_a_study_prints_counts_and_its_first_rows():
-    assert str(FOUR).startswith("4 designs, 2 hold what the brief asks.")
-    assert str(FOUR.best(3)).startswith("the best 3 of 4 designs by payload_kg, 2 hold what the brief asks.")
-    assert len(list(FOUR)) == 4
-    assert FOUR.to_frame()["payload_kg"].tolist()[:2] == [1.0, 3.0]
 
 
 # ---------------------------------------------------------------- Main effects.
@@ -107,13 +97,6 @@ def test_the_figure_has_the_front_the_lines_and_a_panel_for_each_parameter(tmp_p
     assert not lost.axes[0].texts
     with pytest.raises(hl.InputError, match="two columns"):
         told(rows, space.to_dict()).plot(by=("payload",))
-
-
-def test_parameters_have_units_where_their_names_say_them():
-    names = {"finger_1_distal.length": "m", "joint_stiffness": "N·m/rad", "palm_radius": "m", "brief.most_force": "N",
-             "brief.friction": "", "length": "", "*.pad": "m/N"}  # fmt: skip
-    assert {name: parameter_label(name) for name in names} == {name: (name, unit) for name, unit in names.items()}
-    assert parameter_label("link_length_m") == ("link_length", "m")
 
 
 def test_a_study_that_was_loaded_needs_to_know_how_hands_are_made_for_its_page(tmp_path):

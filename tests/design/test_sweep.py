@@ -1,7 +1,5 @@
 """A sweep: the same rows wherever they are computed, and a reason where a design fails."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys
@@ -14,7 +12,7 @@ import handlcp as hl
 from handlcp.design.space import Space
 from handlcp.design.sweep.cells import MOST, cells_of
 from handlcp.design.sweep.table import write_table
-from tests.design.sweeps import NO_HANDS, bits, brief, make, no_hand, run, run_without_hands, stopped_after
+from tests.design.sweeps import NO_HANDS, bits, brief, no_hand, run, run_without_hands, stopped_after
 from tests.support.browser import opened
 
 
@@ -33,12 +31,6 @@ def test_processes_change_no_bit_and_only_the_table_is_left(study, tmp_path):
 
 
 @pytest.mark.parametrize("end", ["parquet", "csv"])
-def test_a_table_is_read_as_the_same_bits(study, tmp_path, end):
-    write_table(tmp_path / f"study.{end}", study.sweep, list(study))
-    assert bits(hl.Study.load(tmp_path / f"study.{end}")) == bits(study)
-
-
-@pytest.mark.parametrize("end", ["parquet", "csv"])
 def test_words_stay_words_and_numbers_numbers(tmp_path, end):
     space = {"word": ["3", ""], "whole": [1, 2], "number": (1.0, 2.0), "switch": [True, False], "fixed": "5"}
 
@@ -52,12 +44,6 @@ def test_words_stay_words_and_numbers_numbers(tmp_path, end):
     assert [type(after.columns[name][0]) for name in space] == [str, int, float, bool, str]
     with pytest.raises(hl.InputError, match="differs in how hands are made"):
         hl.Study.load(tmp_path / f"a.{end}", no_hand, asked)
-
-
-def test_grasps_of_a_cells_first_designs_are_candidates_of_the_others(study):
-    continued = [row["objects.ball.continued"] for row in study if row["error"] is None]
-    assert False in continued
-    assert True in continued
 
 
 def test_no_row_is_worse_than_an_evaluation_of_its_own():
@@ -88,18 +74,6 @@ def test_a_study_whose_rows_began_from_other_grasps_alone_says_that_it_is_old(tm
         run_without_hands(out, samples=4)
     with pytest.raises(hl.InputError, match="its rows are old"):
         hl.Study.load(out, no_hand, hl.Brief(hl.Sphere(0.03)))
-
-
-def test_a_journal_of_the_old_kind_is_not_gone_on_with(tmp_path):
-    """Rows that another engine found are no rows of this one."""
-    out = tmp_path / "study.csv"
-    stopped_after(out, 20)
-    journal = tmp_path / "study.csv.rows"
-    first, rest = journal.read_text().split("\n", 1)
-    journal.write_text(first.replace('"rows": "every design is searched", ', "") + "\n" + rest)
-    assert journal.read_text().startswith(first) is False
-    with pytest.raises(hl.InputError, match="its rows are old"):
-        run_without_hands(out)
 
 
 def test_the_page_shows_the_hand_of_a_design_on_the_front_with_the_numbers_of_its_row(study, tmp_path):
@@ -302,12 +276,6 @@ def test_every_design_is_in_one_cell_with_those_near_it_that_are_hands_of_the_sa
             axis=1
         )
         assert (away[1:] >= away[:-1]).all()
-
-
-def test_make_is_called_with_the_values_of_its_row():
-    assert make(0.05, 3.0).joint_names
-    rows = list(run_without_hands(None, samples=4))
-    assert [row["error"] for row in rows] == [f"RuntimeError: {row['kind']} {row['x']!r}" for row in rows]
 
 
 @pytest.mark.long

@@ -1,7 +1,5 @@
 """A sweep that is stopped, by whatever: what was done is kept, damaged rows are done again, one run writes at once."""
 
-from __future__ import annotations
-
 import json
 import os
 import random
@@ -157,6 +155,7 @@ print("all done")
 """
 
 
+@pytest.mark.long  # it sleeps until its size is measured
 def test_a_process_that_is_replaced_for_its_size_holds_nothing_up_where_warnings_are_errors():
     pytest.importorskip("psutil", reason="without it loky measures no size")
     own = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}

@@ -1,7 +1,5 @@
 """`hand.vary`: hands with other numbers beside hands that are made or written with them, placements by hand, errors."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np
@@ -145,14 +143,6 @@ def test_a_point_on_a_link_moves_with_its_length():
     assert_same(varied.vary({"finger_1_distal.length": size, "finger_2_proximal.length": 0.05}), hand, atol=1e-12)
 
 
-def test_joints_that_follow_others_have_lengths_too():
-    given = {"coupling": 0.8, "joint_stiffness": 2.0}
-    made = hl.finger_hand(2, (0.05, 0.02, 0.03), **given)
-    varied = hl.finger_hand(2, (0.05, 0.04, 0.03), **given).vary({f"{f}_middle.length": 0.02 for f in FINGERS[:2]})
-    assert made.nv == 2
-    assert_same(made, varied, atol=1e-12)
-
-
 def test_tendons_run_along_routes_on_the_longer_links():
     def hand(lengths, up):
         route = hl.Route([
@@ -266,14 +256,6 @@ def test_a_hand_from_an_mjcf_file_keeps_its_servos_and_couplings():
     assert_same(varied, made, atol=1e-12)
     assert shapes(varied, "a1") == shapes(made, "a1")
     assert [e.tag for e in elements(varied, "a1").iterfind("collision/geometry/*")] == ["cylinder", "sphere", "sphere"]
-
-
-def test_the_hand_of_a_grasp_on_links_is_refused():
-    hand = hl.finger_hand(joint_stiffness=6.0)
-    state = hand.at(hand.close_on(CUBE))
-    on_links = state.grasp(CUBE, friction=0.8, squeeze=0.005, links="all").state.hand
-    with pytest.raises(Unsupported, match="vary the hand that made it"):
-        on_links.vary({"finger_1_distal.length": 0.03})
 
 
 # ---------------------------------------------------------------- errors

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import pathlib
+import pkgutil
 import re
 
 import pytest
@@ -78,3 +79,26 @@ def test_every_name_that_a_page_names_is_one_of_the_package(page):
     assert len(names) > 2
     parts = {part for name in names for part in name.lstrip("@").partition("(")[0].split(".")}
     assert sorted(parts - known) == []
+
+
+def test_every_file_of_the_package_that_the_documentation_names_exists():
+    pages = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    named = {path for page in pages for path in re.findall(r"\bhandlcp/[\w/.]*\w", page.read_text(encoding="utf-8"))}
+    assert len(named) > 3
+    assert sorted(path for path in named if not (ROOT / path).exists()) == []
+
+
+def test_every_dotted_name_of_the_package_that_the_documentation_names_exists():
+    pages = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    named = {n for page in pages for n in re.findall(r"\bhandlcp(?:\.\w+)+", page.read_text(encoding="utf-8"))}
+    assert len(named) > 10
+    assert sorted(name for name in named if not resolves(name)) == []
+
+
+def resolves(name: str) -> bool:
+    """Whether a dotted name leads to a module, a class or a function."""
+    try:
+        pkgutil.resolve_name(name)
+    except (ImportError, AttributeError):
+        return False
+    return True

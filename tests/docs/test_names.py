@@ -1,7 +1,5 @@
 """The documentation has every public name and every effect, and its links lead somewhere."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import pathlib

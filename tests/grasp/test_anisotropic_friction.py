@@ -1,13 +1,10 @@
 """Friction that differs with the direction: an ellipse, met in coordinates in which it is a disc."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
 import handlcp as hl
 from tests.support.grasp import arrays
-from tests.support.steps import newton_steps
 
 RIBBED = hl.AnisotropicCoulomb(0.6, 0.2)
 
@@ -43,21 +40,6 @@ def test_a_pinch_holds_up_to_the_ellipse_and_no_further(angle):
     beyond = pinch(wrench=load * limit * (1 + 1e-6)).solve("cone", hl.Auto(search_seconds=0), throw=False)
     assert not beyond.held
     assert pinch(wrench=load * limit * 1.05).solve("cone", throw=False).status is hl.Status.NO_EQUILIBRIUM
-
-
-@pytest.mark.parametrize("faces", [8, "cone"])
-def test_equal_coefficients_are_coulombs_law_bit_by_bit(faces):
-    plain, equal = ring(1, hl.Coulomb(0.4)), ring(1, hl.AnisotropicCoulomb(0.4, 0.4))
-    np.testing.assert_array_equal(plain.problem(faces).M, equal.problem(faces).M)
-    np.testing.assert_array_equal(plain.solve(faces).forces, equal.solve(faces).forces)
-
-
-@pytest.mark.parametrize("faces", [8, "cone"])
-def test_it_brings_no_unknowns(faces):
-    assert ring(1, RIBBED).problem(faces).n == ring(1, hl.Coulomb(0.6)).problem(faces).n
-    (line,) = [x for x in ring(1, RIBBED).explain(faces).effects if x.title == "anisotropic friction"]
-    assert line.on
-    assert line.cost == 0
 
 
 def test_sliding_is_on_the_ellipse_and_against_its_normal():
@@ -126,19 +108,7 @@ def test_required_friction_keeps_the_ratio():
     assert least == pytest.approx(3 * 0.1, rel=2e-3)  # across, a third of it: 2 N on two fingers of 10 N
 
 
-def test_a_start_from_another_law_is_read_in_contact_axes():
-    s = ring(3, RIBBED, 0.6e-3).solve("cone")
-    again = ring(3, RIBBED, 0.6e-3).solve("cone", start=s)
-    np.testing.assert_allclose(again.forces, s.forces, atol=1e-9)
-    assert newton_steps(again.trace[-1]) <= 1
-
-
 @pytest.mark.parametrize("bad", [(0.0, 0.5), (0.5, -1.0), (0.5, np.inf)])
 def test_bad_numbers_are_refused_by_name(bad):
     with pytest.raises(hl.InputError, match=r"AnisotropicCoulomb\.mu_[xy]"):
         hl.AnisotropicCoulomb(*bad)
-
-
-def test_streams_refuse_it_and_say_what_follows_it():
-    with pytest.raises(hl.InputError, match="start="):
-        hl.GraspStream(pinch())

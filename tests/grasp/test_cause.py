@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp import Bind
 from handlcp.grasp.failure.failure_mode import (
     FailureMode,
     StateLimits,
@@ -17,14 +16,10 @@ from handlcp.grasp.failure.failure_mode import (
     state_limits,
 )
 from handlcp.grasp.failure.failure_text import (
-    describe_event,
-    describe_failures,
     describe_load,
-    describe_load_share,
     explain_limit,
-    explain_loss,
 )
-from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING, PathStatus
+from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
 NAMES = ("thumb", "index")
@@ -129,55 +124,7 @@ def test_contacts_give_way_by_opening_or_else_by_slipping_or_else_balance_does()
     assert find_slide_through((slide, stick)) == find_slide_through((open_, open_)) == ()
 
 
-# ---------------------------------------------------------------- data
-def test_causes_are_equal_by_kind_and_name_whatever_their_margins():
-    one, other = Bind("torque", "a"), Bind("torque", "a", -0.25)
-    assert one == other
-    assert len({one, other, Bind("range", "a")}) == 2
-    assert (repr(one), repr(other)) == ("FailureMode('torque', 'a')", "FailureMode('torque', 'a', margin=-0.25)")
-
-
 # ---------------------------------------------------------------- words
-ONE = {
-    "slips": "thumb slips", "opens": "thumb lets go", "torque": "thumb reaches its torque limit",
-    "range": "thumb reaches the end of its range",
-}  # fmt: skip
-SEVERAL = {
-    "slips": "thumb and index slip", "opens": "thumb and index let go",
-    "torque": "thumb and index reach their torque limits", "range": "thumb and index reach the ends of their ranges",
-}  # fmt: skip
-OBJECT = {
-    "equilibrium": "no forces balance more load", "motion": "the object moves farther than allowed",
-    "slides through": "the object slides through: no contact that presses sticks any more", "undecided": "undecided",
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("kind", ONE)
-def test_each_kind_has_words_for_one_and_for_several(kind):
-    one, both = FailureMode(kind, "thumb"), (FailureMode(kind, "thumb"), FailureMode(kind, "index"))
-    assert describe_failures([one]) == ONE[kind]
-    assert describe_failures(both) == SEVERAL[kind]
-    assert describe_failures([*both, FailureMode(kind, "ring")], brief=True) == SEVERAL[kind].replace("index", "2 more")
-
-
-@pytest.mark.parametrize("kind", OBJECT)
-def test_what_happens_to_the_object_has_one_sentence(kind):
-    assert describe_failures([FailureMode(kind, "the object")]) == OBJECT[kind]
-
-
-def test_causes_of_several_kinds_and_none_at_all_have_words():
-    assert describe_failures([FailureMode("torque", "a"), FailureMode("range", "b")]) == (
-        "a reaches its torque limit; b reaches the end of its range"
-    )
-    assert describe_failures(()) == "nothing gives out"
-
-
-def test_all_fingers_or_joints_of_a_grasp_are_called_so():
-    spec = hl.Grasp([hl.Contact((0, 0, z), (1, 0, 0), 0.5, name=f"f{z}") for z in (0, 1, 2)], flexibility=1e-3).spec
-    assert describe_failures([FailureMode("slips", n) for n in spec.names], spec) == "all 3 fingers slip"
-    assert describe_failures([FailureMode("slips", n) for n in spec.names[:2]], spec) == "f0 and f1 slip"
-    assert describe_event("opens by turns", spec.names, spec) == "all 3 fingers let go and touch by turns"
-    assert describe_event("sticks", ["f1"], spec) == "f1 sticks again"
 
 
 def test_a_sentence_says_at_which_load_what_gives_out():
@@ -192,17 +139,3 @@ def test_a_sentence_says_at_which_load_what_gives_out():
     assert explain_limit([torque], 0.0, push) == "before there is any load, thumb reaches its torque limit"
     assert explain_limit((), INF, push) == "nothing gives out, however large the load"
     assert describe_load(np.array([0, 0, 0, 0, -0.5, 0])) == "0.5 N·m about -y"
-
-
-def test_a_lost_object_is_told_with_what_its_contacts_did():
-    spec = hl.Grasp([hl.Contact((0, 0, z), (1, 0, 0), 0.5, name=n) for z, n in enumerate(NAMES)], flexibility=1e-3).spec
-    told = explain_loss(PathStatus.RUNS_AWAY, spec, (SLIDING, SEPARATED), np.array([0, 0, -1.0, 0, 0, 0]))
-    assert told == (
-        "the object runs away along -z: the fingers give way faster than their forces grow "
-        "(thumb slides and index has let go)"
-    )
-    assert (
-        explain_loss(PathStatus.LOOSE, spec, (SEPARATED,) * 2)
-        == "no finger holds the object any more (both fingers have let go)"
-    )
-    assert describe_load_share(np.array([0, 0, 3.0, 0, 0, 0]), np.array([0, 0, 6.0, 0, 0, 0])) == ", under 3 N of 6 N"

@@ -1,7 +1,5 @@
 """`grasp.check()` of grasps without a hand: the order of loading, and equilibria besides the one that is reached."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Each effect against an answer that can be written down by hand."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

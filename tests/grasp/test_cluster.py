@@ -1,7 +1,5 @@
 """A batch on a real Dask cluster, one of whose workers dies midway."""
 
-from __future__ import annotations
-
 import os
 import signal
 

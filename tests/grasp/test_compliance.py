@@ -1,19 +1,13 @@
 """Compliances asked for by name: closed forms, one E for everything downstream, and nothing where they are absent."""
 
-from __future__ import annotations
-
-import pickle
-
 import numpy as np
 import pytest
 
 import handlcp as hl
 from tests.grasp.scenes import pinch, ring
 from tests.support import patches
-from tests.support.effects import compliances, has_an_equation_of_its_own, softened, stamps
+from tests.support.effects import softened
 from tests.support.grasp import arrays, changed
-from tests.support.study import left_out
-from tests.support.texts import says
 
 RNG = np.random.default_rng(11)
 ROOT = RNG.normal(size=(6, 6)) * np.array([1e-2] * 3 + [1e-1] * 3)[:, None]
@@ -54,12 +48,6 @@ def test_two_fingers_in_series_with_a_contact_compliance_share_the_squeeze():
     np.testing.assert_allclose(s.forces[:, 2], squeeze / (a + b[2]), rtol=1e-9)
     np.testing.assert_allclose(s.forces[:, 0], w / 2, rtol=1e-9)
     np.testing.assert_allclose(s.object_displacement[2], -w / 2 * (a + b[0]), rtol=1e-9)
-
-
-def test_a_surface_alone_is_enough_for_rigid_fingers():
-    c, squeeze = 2e-4, 1e-3
-    s = pinch(flexibility=0.0, squeeze=squeeze, effects=[hl.ContactCompliance(c)]).solve()
-    np.testing.assert_allclose(s.forces[:, 2], squeeze / c, rtol=1e-9)
 
 
 def test_a_soft_wrist_sinks_under_the_whole_load_and_the_squeeze_does_not_see_it():
@@ -118,61 +106,6 @@ def test_the_balance_of_energy_counts_the_compliance():
     work = np.r_[data["wrench"]] @ (s.object_displacement - free.object_displacement)
     assert work > 0
     np.testing.assert_allclose(r @ arrays(g).flexibility @ r, work, rtol=1e-9)
-
-
-@pytest.mark.parametrize(
-    "zero", [(hl.ContactCompliance(0.0),), (hl.SoftWrist(np.zeros((6, 6))),), (hl.ContactCompliance((0, 0, 0)),)]
-)
-def test_zero_compliance_is_none_and_absence_leaves_every_bit(zero):
-    contacts, data = ring(np.random.default_rng(3))
-    without, neutral = hl.Grasp(contacts, **data), hl.Grasp(contacts, **data, effects=zero)
-    assert arrays(without).flexibility is without.flexibility
-    for faces in (6, "cone"):
-        a, b = without.problem(faces), neutral.problem(faces)
-        np.testing.assert_array_equal(a.M, b.M)
-        np.testing.assert_array_equal(a.q, b.q)
-    np.testing.assert_array_equal(without.solve().forces, neutral.solve().forces)
-
-
-def test_compliances_bring_no_unknowns_and_explain_lists_them_with_why():
-    g, contacts = soft_ring(), soft_ring(effects=())
-    assert g.explain(8).unknowns == contacts.explain(8).unknowns
-    lines = {e.title: e for e in g.explain(8).effects}
-    for title in ("contact compliance", "soft wrist"):
-        assert lines[title].on
-        assert lines[title].cost == 0
-        says(lines[title].why, "asked")
-    off = {e.title: e.why for e in contacts.explain("cone").effects if not e.on}
-    assert off["contact compliance"] == off["soft wrist"]
-    says(off["soft wrist"], "asked")
-    assert stamps(*g.effects) == ()
-    assert len(g.effects) == 2
-
-
-def test_replacing_anything_neither_loses_nor_doubles_them():
-    g = soft_ring()
-    added = arrays(g).flexibility - g.flexibility
-    size = abs(added).max()
-    for other in (g.replace(wrench=(0, 0, -1, 0, 0, 0)), g.replace(preload=0.03), g.replace().replace()):
-        np.testing.assert_array_equal(arrays(other).flexibility, arrays(g).flexibility)
-        assert other.effects == g.effects
-    harder = g.replace(flexibility=1e-5).replace(wrench=(0, 0, -1, 0, 0, 0))
-    np.testing.assert_array_equal(harder.flexibility, 1e-5 * np.eye(12))
-    np.testing.assert_allclose(arrays(harder).flexibility - harder.flexibility, added, atol=1e-15 * size)
-    again = pickle.loads(pickle.dumps(g))
-    np.testing.assert_array_equal(arrays(again).flexibility, arrays(g).flexibility)
-
-
-def test_they_stand_beside_effects_with_rows():
-    """A bound and a given force on top: the same problem as with E built by hand."""
-    more = [hl.TotalForceBound(60.0), hl.PrescribedForce(0, (0.1, 0.0, 4.0))]
-    g = soft_ring(effects=[*more, WRIST])
-    assert stamps(*g.effects) == tuple(e for e in more if not isinstance(e, hl.PrescribedForce))  # which is data
-    plain = changed(g, effects=tuple(more), flexibility=arrays(g).flexibility)
-    np.testing.assert_array_equal(g.problem().scaled.M, plain.problem().scaled.M)
-    a, b = g.solve(throw=False), plain.solve(throw=False)
-    assert a.held
-    np.testing.assert_array_equal(a.forces, b.forces)
 
 
 def test_a_planar_scene_feels_only_what_lies_in_its_plane():
@@ -237,15 +170,6 @@ def test_a_hand_on_a_soft_wrist_in_a_grasp_and_along_a_stream():
         np.testing.assert_allclose(a.flexibility, b.flexibility, atol=1e-12 * abs(b.flexibility).max())
 
 
-def test_the_study_leaves_each_of_them_out_once():
-    names = left_out(soft_ring())
-    assert {"contact compliance", "soft wrist"} <= set(names)
-    assert [type(e) for e in names["soft wrist"].effects] == [hl.ContactCompliance]
-    rigid = names["finger flexibility"]
-    np.testing.assert_array_equal(rigid.flexibility, 0)
-    assert arrays(rigid).flexibility.any()
-
-
 @pytest.mark.parametrize(
     ("make", "argument"),
     [
@@ -268,26 +192,3 @@ def test_bad_compliances_name_the_argument(make, argument):
     with pytest.raises(hl.InputError) as caught:
         make()
     assert caught.value.argument == argument
-
-
-@pytest.mark.parametrize("effect", compliances())
-def test_every_compliance_has_an_equation_of_its_own_and_stamps_nothing(effect):
-    assert has_an_equation_of_its_own(effect)
-    assert stamps(effect(np.ones(3) if effect is hl.ContactCompliance else np.ones(6))) == ()
-
-
-def test_rigid_fingers_are_told_apart_from_the_compliance_asked_for():
-    contacts = [hl.Contact((s * 0.01, 0, 0), (-s, 0, 0)) for s in (-1.0, 1.0)]
-    g = hl.Grasp(contacts, (0, 0, -1, 0, 0, 0), preload=1e-3, effects=[hl.ContactCompliance(1e-4)])
-    lines = {line.title: line for line in g.explain().effects}
-    assert not lines["finger flexibility"].on
-    says(lines["finger flexibility"].why, "rigid")
-    assert lines["contact compliance"].on
-
-
-def test_a_prescribed_force_out_of_the_plane_is_refused():
-    contacts = [hl.Contact((-0.01, 0), (1, 0)), hl.Contact((0.01, 0), (-1, 0)), hl.Contact((0, -0.01), (0, 1))]
-    effects = [hl.PrescribedForce(2, (0.1, 0.1, 1))]
-    with pytest.raises(hl.InputError) as caught:
-        hl.Grasp(contacts, (0.1, -1, 0.002), flexibility=1e-4, preload=5e-4, effects=effects)
-    says(str(caught.value), caught.value.argument)

@@ -1,11 +1,10 @@
 """The exact cone, and pyramids solved on the cone's few unknowns instead of one multiplier a face."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
 import handlcp as hl
+from tests.grasp.admm import equilibrium
 from tests.grasp.scenes import cube_example, pinch, ring
 from tests.support.lcp import contact_rows, projection
 from tests.support.texts import says
@@ -48,15 +47,6 @@ def test_pyramids_converge_to_the_cone_as_one_over_faces_squared():
     assert errors[2] < errors[0] / 50  # 256 at best: where the force lies between two vertices matters, too
 
 
-def test_the_cone_of_a_frictionless_or_planar_scene_is_the_scene():
-    contacts, data = ring(np.random.default_rng(0), n=7, mu=0)
-    g = hl.Grasp(contacts, **(data | {"wrench": None}))
-    np.testing.assert_allclose(g.solve("cone").forces, g.solve(8).forces, atol=1e-9)
-    flat = [hl.Contact((np.cos(t), np.sin(t)), (-np.cos(t), -np.sin(t)), hl.Coulomb(0.4)) for t in (0.1, 2, 4)]
-    g = hl.Grasp(flat, (1.0, -2.0, 0.1), flexibility=1e-3, preload=0.01)
-    np.testing.assert_array_equal(g.solve("cone").forces, g.solve(8).forces)
-
-
 @pytest.mark.parametrize("faces", [3, 4, 5, 8, 32])
 def test_pyramids_through_the_cone_solve_the_same_lcp(faces):
     """The chain's answer, lifted to one multiplier a face, is a certified solution of the plain LCP."""
@@ -73,26 +63,6 @@ def test_pyramids_through_the_cone_solve_the_same_lcp(faces):
                 np.testing.assert_allclose(candidate.forces, reference.forces, atol=1e-7 * abs(reference.forces).max())
                 compared += 1
     assert compared
-
-
-def test_the_size_of_the_cone_problem_does_not_depend_on_faces():
-    g = cube_example()
-    assert g.problem("cone").n == 15
-    assert g.problem(64).contact.n == 15
-    assert g.problem(64).n == 3 + 3 * 64
-    assert g.explain("cone").size == 15
-
-
-def test_solve_lcp_takes_the_cone_problem_and_returns_newtons():
-    g = cube_example()
-    s = hl.solve_lcp(g.problem("cone"))
-    assert s.status is hl.Status.SOLVED
-    np.testing.assert_allclose(s.z[:3], g.solve("cone").normal_force, rtol=1e-9)
-
-
-def test_kaczmarz_alone_converges_on_the_cone():
-    s = cube_example().solve("cone", hl.NSNGRK(polish=False, tol=1e-10, max_iterations=200_000))
-    np.testing.assert_allclose(s.forces, cube_example().solve("cone").forces, atol=1e-7)
 
 
 @pytest.mark.parametrize("faces", [0, 2, 3, 4, 7, 16])
@@ -122,3 +92,38 @@ def test_subgradients_of_contact_rows_are_their_difference_quotients():
         ends = [(contact_rows(p, x + h * e)[0], contact_rows(p, x - h * e)[0]) for e in np.eye(n)]
         quotient = np.column_stack([(ahead - behind) / (2 * h) for ahead, behind in ends])
         np.testing.assert_allclose(J, quotient, atol=1e-5)
+
+
+# ---------------------------------------------------------------- The exact cone against Pinocchio's ADMM in a proxim
+
+
+def natural(contacts, wrench, E, d):
+    """(G, E, w, d) of order one about the contacts' centre, from SI; and the unit of force."""
+    p = np.array([c.position for c in contacts])
+    R = [c.rotation for c in contacts]
+    centre = p.mean(0)
+    length = np.sqrt(((p - centre) ** 2).sum(1).mean())
+    G = np.hstack([np.vstack([F, np.cross(a, F.T).T]) for F, a in zip(R, (p - centre) / length, strict=True)])
+    w = np.r_[wrench[:3], (wrench[3:] - np.cross(centre, wrench[:3])) / length]
+    force, soft = np.linalg.norm(w), np.trace(E) / len(E)
+    return G, E / soft, w / force, d / (soft * force), force
+
+
+@pytest.mark.parametrize(
+    ("seed", "n", "mu", "frictionless"), [(0, 4, 0.6, ()), (1, 5, 0.4, ()), (8, 4, 0.6, ()), (0, 5, 0.6, (2,))]
+)
+def test_forces_agree_with_admm(seed, n, mu, frictionless):
+    contacts, rest = ring(np.random.default_rng(seed), n, mu)
+    contacts = [
+        hl.Contact(c.position, c.normal, hl.Frictionless()) if i in frictionless else c for i, c in enumerate(contacts)
+    ]
+    solution = hl.Grasp(contacts, **rest).solve("cone")
+    assert "sliding" in solution.contact_state  # where all fingers stick, friction plays no part
+    assert solution.uniqueness.forces_determined
+    d = np.zeros((n, 3))
+    d[:, 2] = -rest["preload"]
+    G, E, w, d, force = natural(contacts, rest["wrench"], rest["flexibility"], d.ravel())
+    found = equilibrium(G, E, w, d, np.array([c.mu for c in contacts]))
+    assert found.converged
+    expected = found.forces.reshape(n, 3) * force
+    assert abs(solution.forces - expected).max() <= 1e-8 * abs(expected).max()

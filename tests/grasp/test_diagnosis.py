@@ -1,12 +1,9 @@
 """One sentence with names, and never more than is known."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.grasp.scenes import pinch
 from tests.support.grasp import describe_motion, diagnose, diagnosed
 from tests.support.texts import same, says
 
@@ -50,36 +47,6 @@ def test_not_holdable_says_where_the_object_goes():
     same(f"{KEY}: not holdable", diagnosed(g, g.solve(throw=False)), way((0, 0, -1, 0, 0, 0)))
 
 
-def test_a_held_pinch_still_spins_about_its_line():
-    g = pinch()
-    says(diagnosed(g, g.solve()), "left and right")
-
-
-def test_states_are_told_by_name():
-    g = pinch(load=(25.0, 0, 0))
-    says(diagnosed(g, g.solve()), "left")
-    text = diagnose(
-        hl.Status.SOLVED,
-        ("finger 1", "finger 2", "finger 3"),
-        np.vstack([PAIR, [0, 0.01, 0]]),
-        reference=ZERO,
-        forces=np.ones((3, 3)),
-        states=("sticking", "sticking", "sliding"),
-        loose=np.zeros((0, 6)),
-    )
-    same(f"{KEY}: a finger that slides", text, "finger 3")
-
-
-def test_several_loose_directions_are_counted():
-    loose = np.array([[1.0, 0, 0, 0, 0, 0], [0, 1.0, 0, 0, 0, 0]])
-    text = diagnose(
-        hl.Status.SOLVED, NAMES, PAIR, reference=ZERO, states=("sliding",) * 2, loose=loose, forces_determined=False
-    )
-    says(text, " 2 ")
-    untouched = pinch(squeeze=-1e-3, load=(0, 0, 0))
-    same(f"{KEY}: an object nobody touches", diagnosed(untouched, untouched.solve()))
-
-
 def no_equilibrium(squeeze, **more):
     offset = np.zeros((2, 3))
     offset[:, 2] = -np.array(squeeze)
@@ -113,48 +80,9 @@ def test_what_is_not_known_is_not_said():
     assert not any(c.isdigit() for c in text), "no finger and no squeeze"
 
 
-def test_many_names_are_cut_short():
-    names = [f"finger {k}" for k in range(1, 8)]
-    text = diagnose(
-        hl.Status.SOLVED,
-        [*names, "thumb"],
-        np.random.default_rng(0).normal(size=(8, 3)),
-        reference=ZERO,
-        states=[*["sliding"] * 7, "sticking"],
-    )
-    says(text, "fingers 1, 2, 3, 4")
-
-
-def test_fingers_without_friction_are_not_said_to_slide():
-    contacts = [hl.Contact(p, (-np.sign(p[0]), 0, 0), hl.Frictionless()) for p in PAIR]
-    text = hl.Grasp(contacts, flexibility=1e-4, preload=1e-3).solve().diagnosis
-    says(text, " 5 ")
-    one = diagnose(
-        hl.Status.SOLVED,
-        ("finger 1", "finger 2", "finger 3"),
-        np.vstack([PAIR, [0, 0.01, 0]]),
-        reference=ZERO,
-        forces=np.array([[0, 0, 2.0], [1.0, 0, 2.0], [0, 0, 0]]),
-        states=("sliding", "sliding", "separated"),
-    )
-    says(one, "finger 1", "finger 2", "finger 3")
-
-
 def test_no_contact_force_is_measured_against_the_scene():
     """A contact is separated when its force is nothing beside the scene's; rounding does not make it one."""
     noise = {"forces": np.full((2, 3), 1e-16), "states": ("separated",) * 2}
     says(diagnose(hl.Status.SOLVED, NAMES, PAIR, reference=ZERO, **noise), "no finger pushes")
     held = {"forces": np.full((2, 3), 1e-16), "states": ("sticking",) * 2}
     same(f"{KEY}: all stick", diagnose(hl.Status.SOLVED, NAMES, PAIR, reference=ZERO, **held))
-
-
-def test_fingers_of_one_name_are_told_apart():
-    contacts = [hl.Contact(p, (-np.sign(p[0]), 0, 0), hl.Coulomb(0.5), name="a") for p in PAIR]
-    text = hl.Grasp(contacts, flexibility=1e-4, preload=1e-3).solve().diagnosis
-    says(text, "finger 1 (a)", "finger 2 (a)")
-
-
-def test_where_no_cause_is_known_the_preload_is_ruled_out():
-    why = {"bounds": (1.0, 2.0), "cause": "so it is"}
-    says(no_equilibrium((1e-6, 1e-6), **why), "so it is")
-    says(no_equilibrium((1e-6, 0), **why), "finger 2", "so it is")

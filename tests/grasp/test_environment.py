@@ -1,17 +1,11 @@
 """Environment contacts against closed forms: tables and walls beside fingers, who carries what, what cannot hold."""
 
-from __future__ import annotations
-
-import pickle
-
 import numpy as np
 import pytest
 
 import handlcp as hl
 from handlcp.errors import InputError
-from tests.grasp.scenes import pinch, ring
-from tests.support import patches
-from tests.support.effects import ENVIRONMENT
+from tests.grasp.scenes import ring
 from tests.support.grasp import arrays
 from tests.support.texts import says, without_numbers
 
@@ -144,13 +138,6 @@ def test_four_corners_of_a_rigid_table_leave_forces_open_and_a_soft_table_determ
     assert soft.held
 
 
-def test_no_force_of_the_environment_moves_a_finger():
-    g = hl.Grasp(sides(), DOWN, flexibility=SOFT, environment=floor())
-    np.testing.assert_array_equal(g.flexibility[:6, 6:], 0.0)
-    np.testing.assert_array_equal(g.flexibility[:6, :6], np.eye(6) * SOFT)
-    np.testing.assert_array_equal(g.flexibility[6:, 6:], np.eye(12) * STIFF)
-
-
 # ---------------------------------------------------------------- effects
 def test_the_total_bound_is_on_the_hands_squeeze_alone():
     """The table carries more than the bound allows the hand, and the fingers keep to it."""
@@ -218,17 +205,6 @@ def test_a_fixture_may_push_with_a_known_force():
 
 
 # ---------------------------------------------------------------- the same grasp, changed and explained
-def test_replacing_numbers_keeps_the_environments_own():
-    g = hl.Grasp(sides(), DOWN, flexibility=SOFT, preload=2e-3, environment=floor(gap=1e-6))
-    h = g.replace(flexibility=2 * SOFT, preload=[1e-3, 2e-3], wrench=(0, 0, -1, 0, 0, 0))
-    np.testing.assert_array_equal(h.flexibility[6:, 6:], g.flexibility[6:, 6:])
-    np.testing.assert_array_equal(h.flexibility[:6, :6], np.eye(6) * 2 * SOFT)
-    np.testing.assert_array_equal(arrays(h).offset[:, 2], [-1e-3, -2e-3, *[1e-6] * 4])
-    every = np.zeros((6, 3))
-    every[2:, 2] = 5e-6
-    np.testing.assert_array_equal(arrays(g.replace(offset=every, preload=0.0)).offset, every)
-    np.testing.assert_array_equal(arrays(g.replace(offset=every[:2])).offset[2:, 2], 1e-6)
-    assert arrays(h).environment == 4
 
 
 def test_required_preload_squeezes_the_fingers_alone():
@@ -248,19 +224,6 @@ def test_what_is_not_held_is_said_of_contacts_and_preload_of_fingers():
     says(without_numbers(s.diagnosis), "no finger squeezes")
 
 
-def test_explain_counts_the_environment_where_there_is_one(monkeypatch):
-    patches.shares_of_a_quarter(monkeypatch)
-    on = hl.Grasp(sides(), DOWN, flexibility=SOFT, preload=2e-3, environment=floor()).explain(measure=True)
-    line = next(e for e in on.effects if e.title == ENVIRONMENT)
-    assert line.on
-    says(line.why, "4", "6", "environment 1, ")
-    assert line.cost == 0
-    assert line.share == 0.25
-    assert dict((n, c) for e in on.effects for n, c, _ in e.unknowns)["r_N"] == 6
-    off = next(e for e in pinch().explain().effects if e.title == ENVIRONMENT)
-    assert not off.on
-
-
 def test_a_grasp_with_an_environment_is_the_grasp_with_as_many_contacts_more():
     """Same unknowns, same numbers, same answer, bit for bit: only who is a finger is known besides."""
     contacts, data = ring(np.random.default_rng(3), n=5)
@@ -274,16 +237,6 @@ def test_a_grasp_with_an_environment_is_the_grasp_with_as_many_contacts_more():
         a, b = whole.solve(faces, throw=False), parted.solve(faces, throw=False)
         np.testing.assert_array_equal(a.forces, b.forces)
         assert a.status is b.status
-
-
-def test_pickled_it_is_the_same():
-    g = pickle.loads(pickle.dumps(hl.Grasp(sides(), DOWN, flexibility=SOFT, preload=2e-3, environment=floor())))
-    assert arrays(g).environment == 4
-    e = pickle.loads(pickle.dumps(floor(gap=1e-3)))
-    np.testing.assert_array_equal(e.gap, 1e-3)
-    many = hl.solve_many([g, g])
-    assert many.held.all()
-    np.testing.assert_array_equal(many[0].forces, g.solve().forces)
 
 
 # ---------------------------------------------------------------- what is refused
@@ -315,13 +268,6 @@ def test_contacts_without_a_name_are_numbered_over_all_environments():
     assert arrays(g).environment == 9
 
 
-def test_two_contacts_of_one_name_are_refused():
-    with pytest.raises(InputError) as info:
-        hl.Grasp(sides(), environment=[hl.Environment(top()), hl.Environment(top())])
-    assert info.value.argument == "environment"
-    says(str(info.value), "top")
-
-
 def test_bad_numbers_of_an_environment_are_refused():
     for more in ({"flexibility": -1.0}, {"flexibility": np.ones(4)}, {"gap": [0.0, 0.0]}, {"gap": np.nan}):
         with pytest.raises(InputError) as info:
@@ -331,14 +277,6 @@ def test_bad_numbers_of_an_environment_are_refused():
         hl.Environment([])
     with pytest.raises(AttributeError):
         floor().gap = 1.0
-
-
-def test_sensors_in_the_fingertips_alone_do_not_know_the_load():
-    g = hl.Grasp(sides(), DOWN, flexibility=SOFT, preload=2e-3, environment=floor())
-    s = g.solve()
-    with pytest.raises(InputError):
-        hl.wrench_from_fingertip_forces(g, s.forces[:2])
-    np.testing.assert_allclose(hl.wrench_from_fingertip_forces(g, s.forces), DOWN, atol=1e-12)
 
 
 def test_offsets_of_an_ellipse_in_the_environment_stay_when_others_are_replaced():

@@ -1,7 +1,5 @@
 """A batch on any executor has the answers of one process, and says what failed."""
 
-from __future__ import annotations
-
 import os
 import signal
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
@@ -13,7 +11,6 @@ import pytest
 
 import handlcp as hl
 from tests.grasp.batches import QUICK, assert_same_bits, four, hand_grasp, mixture, sweep
-from tests.grasp.scenes import pinch
 from tests.support import patches
 
 
@@ -48,27 +45,12 @@ def test_the_answers_are_those_of_one_process_whatever_the_shards(size, faces, m
                 assert s.scene is g.scene
 
 
-def test_solvers_without_a_first_stage_go_there_too():
-    grasps = sweep(four(), 5, 0.1)
-    there = Later()
-    assert_same_bits(hl.solve_many(grasps, 8, hl.Lemke(), executor=there), [g.solve(8, hl.Lemke()) for g in grasps])
-    assert there.sent
-
-
 def test_loads_of_one_grasp_travel_as_their_own_numbers_alone():
     there = Later()
     grasps = sweep(hand_grasp(), 300, 0.1)
     assert hl.solve_many(grasps, executor=there).held.all()
     assert len(there.sent) == 2  # of 256 and 44
     assert sum(there.sent) < 300 * 60 + 2 * 8000
-
-
-def test_progress_counts_up_to_all_on_an_executor(monkeypatch):
-    patches.shards_of(monkeypatch, 2)
-    seen = []
-    hl.solve_many(mixture(), 8, QUICK, executor=Later(), progress=lambda done, total: seen.append((done, total)))
-    assert seen[-1] == (30, 30)
-    assert [d for d, _ in seen] == sorted(d for d, _ in seen)
 
 
 def test_a_pool_that_loses_a_process_says_so(monkeypatch):
@@ -88,10 +70,3 @@ def test_what_a_progress_raises_stops_the_batch(monkeypatch):
 
     with ThreadPoolExecutor(1) as pool, pytest.raises(KeyboardInterrupt):
         hl.solve_many(sweep(four(), 20, 0.1), executor=pool, progress=stop)
-
-
-def test_bad_executors_are_named():
-    with pytest.raises(hl.InputError, match=r"executor: expected a concurrent\.futures\.Executor"):
-        hl.solve_many([pinch()], executor=map)
-    with pytest.raises(hl.InputError, match="workers: expected None beside an executor"):
-        hl.solve_many([pinch()], executor=Later(), workers=2)

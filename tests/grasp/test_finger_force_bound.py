@@ -1,9 +1,5 @@
 """Per-finger force bounds against closed forms; nothing to pay without one; certificates; what cannot be held."""
 
-from __future__ import annotations
-
-import pickle
-
 import numpy as np
 import pytest
 
@@ -102,41 +98,6 @@ def test_in_a_ring_every_bound_is_kept_and_the_answer_solves_the_free_grasp_with
 
 
 # ---------------------------------------------------------------- what it costs, and what it doesn't
-def test_a_bound_costs_one_unknown_a_bounded_contact():
-    def sizes(bounds, **more):
-        g = pinch(effects=[hl.FingerForceBound(bounds), *more.get("beside", [])])
-        return {u.name: (u.count, u.free) for u in g.problem().groups}
-
-    assert sizes(6.0)["z̄_i"] == (2, False)
-    assert sizes([6.0, np.inf])["z̄_i"] == (1, False)
-    assert "z̄_i" not in sizes(np.inf)
-    assert sizes(6.0, beside=[hl.PrescribedForce(0, (0, 0, 1.0))])["z̄_i"] == (1, False)
-    both = sizes(6.0, beside=[hl.TotalForceBound(9.0)])
-    assert (both["z̄_i"], both["z̄"]) == ((2, False), (1, False))
-
-
-@pytest.mark.parametrize("faces", SECTIONS)
-def test_no_bound_is_no_effect_bit_for_bit(faces):
-    contacts, data = ring(np.random.default_rng(1))
-    absent, neutral = hl.Grasp(contacts, **data), hl.Grasp(contacts, **data, effects=[hl.FingerForceBound(np.inf)])
-    a, b = (g.problem(faces) for g in (absent, neutral))
-    a, b = (p if faces == "cone" else p.scaled for p in (a, b))
-    np.testing.assert_array_equal(a.M, b.M)
-    np.testing.assert_array_equal(a.q, b.q)
-    s, t = absent.solve(faces), neutral.solve(faces)
-    np.testing.assert_allclose(t.forces, s.forces, atol=1e-12 * abs(s.forces).max())
-    assert t.extra == {}
-    (line,) = (e for e in neutral.explain(faces).effects if e.title == hl.FingerForceBound.title)
-    says(line.why, "finite")
-
-
-@pytest.mark.parametrize("effects", [[], [hl.TotalForceBound(8.0)]])
-def test_an_absent_bound_changes_no_bit(effects):
-    plain, bounded = pinch(effects=effects), pinch(effects=[*effects, hl.FingerForceBound(6.0)])
-    a, b = plain.problem().scaled, bounded.problem().scaled
-    keep = [k for k, name in enumerate(bounded.problem().labels) if not name.startswith("z̄_i")]
-    np.testing.assert_array_equal(a.M, b.M[np.ix_(keep, keep)])
-    np.testing.assert_array_equal(a.q, b.q[keep])
 
 
 def test_beside_the_total_bound_the_tighter_of_the_two_holds():
@@ -202,12 +163,6 @@ def test_no_squeeze_beats_a_bound_and_more_friction_does(monkeypatch):
     assert (len(found), found.complete) == (0, True)
 
 
-def test_what_cannot_be_held_at_all_still_has_its_twist():
-    s = pinch(load=(0, 50.0, 0), mu=0.0, effects=[hl.FingerForceBound(0.9)]).solve(throw=False)
-    assert s.status is hl.Status.NOT_HOLDABLE
-    assert s.certificate is not None
-
-
 # ---------------------------------------------------------------- input and company
 @pytest.mark.parametrize("bad", [0.0, -1.0, np.nan, "a", None, [1.0, 0.0], [1.0, "a"], [[1.0]]])
 def test_bad_bounds_are_named(bad):
@@ -225,14 +180,3 @@ def test_as_many_bounds_as_contacts():
         pinch(effects=[hl.FingerForceBound(1.0), hl.FingerForceBound(2.0)])
     assert e.value.argument == "effects[1]"
     says(str(e.value), "FingerForceBound")
-
-
-def test_replaced_pickled_and_solved_in_numbers_it_stays():
-    g = pinch(effects=[hl.FingerForceBound(6.0)])
-    again = pickle.loads(pickle.dumps(g)).replace(wrench=(0, 0, -2.0, 0, 0, 0))
-    s = again.solve()
-    np.testing.assert_allclose(s.normal_force, 6.0, rtol=1e-9)
-    many = hl.solve_many([g, again, pinch()], workers=1)
-    np.testing.assert_allclose([m.normal_force for m in many], [[6, 6], [6, 6], [10, 10]], rtol=1e-9)
-    close = g.solve(accuracy=1e-9)
-    assert close.accuracy.met

@@ -1,7 +1,5 @@
 """Readings in the fingertips give the load that they balance."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,13 +1,10 @@
 """The first stage in one compiled call equals its steps one by one, to the bit; warm starts end where cold ones do."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
 import handlcp as hl
 from tests.grasp.scenes import cube_example, pinch, ring
-from tests.support.grasp import arrays
 from tests.support.steps import ByHand, first_found, newton_steps
 
 SECTIONS = (4, 8, hl.Pyramid(6, inscribed=False), "cone")
@@ -62,15 +59,6 @@ def test_one_compiled_call_gives_the_bits_of_its_steps(faces):
     assert several >= 3
 
 
-def test_a_grasp_that_nothing_else_is_asked_of_is_solved_in_that_call():
-    g = GRASPS[3]
-    s = g.solve()
-    assert s.status is hl.Status.SOLVED
-    assert len(s.trace) == 1
-    assert not s.forces.flags.writeable
-    assert s.residuals.worst < 1e-12
-
-
 def test_from_the_last_answer_a_little_further_on_it_takes_no_more_steps():
     """Loads that turn slowly: warm starts reach the answer of cold ones, in fewer Newton steps."""
     rng = np.random.default_rng(2)
@@ -111,36 +99,9 @@ def test_a_start_works_with_effects_asked_for_by_name():
     np.testing.assert_allclose(bounded.solve(start=cold).forces, cold.forces, rtol=1e-8)
 
 
-def test_a_start_without_an_answer_is_none():
-    g = pinch(load=(0, 0, -100.0))
-    nothing = g.solve(throw=False)
-    assert not nothing.held
-    held = pinch()
-    np.testing.assert_array_equal(held.solve(start=nothing).forces, held.solve().forces)
-
-
-@pytest.mark.parametrize("start", [1.0, "last", np.zeros(3)], ids=repr)
-def test_a_start_is_a_solution(start):
-    with pytest.raises(hl.InputError, match="start"):
-        pinch().solve(start=start)
-
-
 def test_a_start_has_as_many_contacts():
     with pytest.raises(hl.InputError) as caught:
         pinch().solve(start=cube_example().solve())
     assert caught.value.argument == "start"
     assert "2" in caught.value.expected
     assert "3" in caught.value.got
-
-
-def test_replace_is_the_constructor_with_other_numbers():
-    contacts, more = ring(np.random.default_rng(4), 3)
-    g = hl.Grasp(contacts, **more, reference=(0.01, 0.0, 0.02))
-    w, E, d = np.arange(6.0), np.diag(np.arange(1, 10) * 1e-4), np.full((3, 3), -1e-3)
-    for changes in ({"wrench": w}, {"flexibility": E}, {"offset": d, "preload": 0.0}, {"wrench": w, "preload": 0.02}):
-        made = hl.Grasp(contacts, **more | changes, reference=g.reference)
-        other = g.replace(**changes)
-        for name in ("force", "moment", "flexibility", "offset"):
-            np.testing.assert_allclose(getattr(arrays(other), name), getattr(arrays(made), name), atol=1e-15)
-    with pytest.raises(hl.InputError, match="wrench"):
-        g.replace(wrench=(1, 2))

@@ -1,7 +1,5 @@
 """Least and largest forces: closed forms, the solution itself where it is the only one, an oracle and other solvers."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +10,6 @@ from handlcp.errors import InputError, Unsupported
 from tests.grasp.force_bounds_oracle import NEAR, examine, grasps, outside
 from tests.grasp.scenes import pinch
 from tests.grasp.test_equilibria import Pushed
-from tests.support.grasp import arrays, changed
 from tests.support.texts import says
 
 KEY = "grasp/test_force_bounds"
@@ -175,17 +172,6 @@ def test_grasps_with_pads_and_friction_in_the_ranges_lie_inside(faces, mu):
 def test_an_oracle_and_other_solvers_find_nothing_outside(seed, faces):
     count = examine(grasps(seed), faces, seed, readings=3)
     assert count["not held"] or count["open"] + count["determined"] == 1
-
-
-def test_a_solution_of_slightly_other_pads_lies_inside():
-    g = grasps(0)
-    s = g.solve()
-    b, E = s.force_bounds(), arrays(g).flexibility
-    for seed in range(4):
-        pads = np.diag(1e-12 * np.random.default_rng(seed).uniform(0.1, 10.0, len(E)))
-        other = changed(g, flexibility=E + pads).solve(throw=False)
-        if other.held and other.contact_state == s.contact_state:
-            assert outside(b, other.forces, arrays(g).units.force) < NEAR
 
 
 # ---------------------------------------------------------------- refusals

@@ -1,13 +1,10 @@
 """Known components of a contact's force: what a fingertip reads, and how far its finger moves to read it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
 import handlcp as hl
 from handlcp.scene import read
-from tests.support.texts import says
 
 
 def pinch(*known, mu=0.5, load=1.0):
@@ -61,11 +58,6 @@ def test_readings_that_no_balance_allows_are_proven_so(faces):
     assert weak.status is hl.Status.NO_EQUILIBRIUM
 
 
-def test_it_brings_two_unknowns_a_known_component_and_nothing_when_absent():
-    plain, known = ring().problem("cone").n, ring(hl.KnownForce(1, (0.0, None, 2.0))).problem("cone").n
-    assert known == plain + 4
-
-
 def test_anisotropic_friction_reads_in_newtons():
     law = hl.AnisotropicCoulomb(0.2, 0.6)
     contacts = [hl.Contact((s * 0.01, 0, 0), (-s, 0, 0), law, (0, 0, 1)) for s in (-1.0, 1.0)]
@@ -108,15 +100,3 @@ normal_N = 4.0
 def test_bad_readings_are_refused_by_name(known, named):
     with pytest.raises(hl.InputError, match=named):
         pinch(hl.KnownForce(*known))
-
-
-def test_a_prescribed_force_is_not_known_once_more():
-    with pytest.raises(hl.InputError) as caught:
-        pinch(hl.PrescribedForce(0, (0, 0, 1)), hl.KnownForce(0, (None, None, 1.0)))
-    says(str(caught.value), caught.value.argument)
-
-
-def test_no_tangential_reading_where_there_is_no_friction():
-    with pytest.raises(hl.InputError) as caught:
-        pinch(hl.KnownForce(0, (0.1, None, None)), mu=0.0).solve()
-    says(str(caught.value), caught.value.argument)

@@ -1,7 +1,5 @@
 """Many grasps at once are what each of them is alone, whatever the workers."""
 
-from __future__ import annotations
-
 import tracemalloc
 
 import numpy as np
@@ -9,7 +7,7 @@ import pytest
 
 import handlcp as hl
 from tests.grasp.batches import QUICK, assert_same_bits, four, hand_grasp, mixture, soft_and_anisotropic, sweep
-from tests.grasp.scenes import cube_example, pinch
+from tests.grasp.scenes import pinch
 from tests.support import patches
 from tests.support.grasp import arrays, packed
 
@@ -54,38 +52,12 @@ def test_what_takes_long_goes_through_processes_and_comes_back_the_same(monkeypa
         assert arrays(s) is arrays(g)
 
 
-def test_any_solver_will_do():
-    grasps = [pinch(), cube_example()]
-    for g, s in zip(grasps, hl.solve_many(grasps, 8, hl.Lemke()), strict=True):
-        np.testing.assert_array_equal(s.forces, g.solve(8, hl.Lemke()).forces)
-
-
-def test_solutions_are_a_sequence_made_once():
-    many = hl.solve_many(iter([pinch(), cube_example(), pinch()]), workers=1)
-    assert many[0] is many[0]
-    assert many[-1] is many[2]
-    assert [s.held for s in many[:2]] == [True, True]
-    assert repr(many) == "Solutions(3 grasps, 3 held)"
-    with pytest.raises(IndexError):
-        many[3]
-    assert len(hl.solve_many([])) == 0
-
-
 def test_progress_counts_up_to_all(monkeypatch):
     patches.chunks_of(monkeypatch, 2)
     seen = []
     hl.solve_many([pinch()] * 7, workers=2, progress=lambda done, total: seen.append((done, total)))
     assert seen[-1] == (7, 7)
     assert [d for d, _ in seen] == sorted(d for d, _ in seen)
-
-
-def test_a_bar_counts_on_stderr_alone(capsys):
-    hl.solve_many([pinch()] * 3, workers=1, progress=True)
-    out, err = capsys.readouterr()
-    assert "3/3" in err
-    assert not out
-    hl.solve_many([pinch()] * 3, workers=1, progress=False)
-    assert capsys.readouterr() == ("", "")
 
 
 @pytest.mark.parametrize("workers", [1, 2])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -110,16 +109,6 @@ def test_effects_beside_a_factor(effect):
     a = hl.Grasp(g.contacts, g.wrench, flexibility=g.flexibility, offset=g.offset, effects=[effect])
     b = hl.Grasp(g.contacts, g.wrench, flexibility=flexibility(g), offset=g.offset, effects=[effect])
     agree(a.solve(), b.solve())
-
-
-def test_other_questions_read_a_matrix():
-    g = power_grasp(12, 2, STRONG, loaded=False)
-    grasp = g.factored()
-    assert abs(grasp.flexibility - g.flexibility).max() < 1e-15
-    again = grasp.replace(wrench=g.wrench)
-    assert np.array_equal(again.solve().forces, grasp.solve().forces)
-    assert np.array_equal(pickle.loads(pickle.dumps(grasp)).solve().forces, grasp.solve().forces)
-    assert grasp.replace(environment=hl.Environment([hl.Contact((0, 0, -0.1), (0, 0, 1))], 1e-4, 1.0)).solve().held
 
 
 @pytest.mark.parametrize(

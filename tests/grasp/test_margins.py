@@ -1,7 +1,5 @@
 """How much of friction and of torque an answer uses, and what is left: against closed forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """`grasp.replace(x=…)` is the grasp made afresh with that argument, to the last bit."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -59,10 +57,6 @@ def test_it_is_the_grasp_made_with_that_argument(name):
         assert_same(specified.replace(**change), expected)
 
 
-def test_of_nothing_it_is_the_same_grasp():
-    assert_same(afresh().replace(), afresh())
-
-
 def test_things_are_taken_away():
     assert_same(afresh().replace(effects=(), environment=()), afresh(effects=(), environment=None))
 
@@ -89,29 +83,3 @@ def test_a_law_that_says_where_its_axes_lie_turns_the_contacts():
     np.testing.assert_allclose(
         turned.frames[:3, 2, 1], 0.0, atol=1e-15, err_msg="x takes all of the z axis that it can"
     )
-
-
-def test_planar_grasps_too():
-    flat = [hl.Contact((x, 0.0), (-np.sign(x), 0.0), 0.5) for x in (-0.02, 0.02)]
-    made = hl.Grasp(flat, (0, -1.0, 0), flexibility=1e-4, preload=1e-3)
-    again = made.replace(friction=0.7, wrench=(0, -2.0, 0.01))
-    assert_same(
-        again,
-        hl.Grasp([c.with_friction(hl.Coulomb(0.7)) for c in flat], (0, -2.0, 0.01), flexibility=1e-4, preload=1e-3),
-    )
-
-
-def test_contacts_of_an_iterator_stay():
-    contacts, data = asked()
-    grasp = hl.Grasp((c for c in contacts), **data)
-    assert_same(grasp.replace(preload=1e-3), hl.Grasp(contacts, **(data | {"preload": 1e-3})))
-
-
-def test_a_number_is_coulombs_friction():
-    assert hl.Contact((0, 0, 0), (0, 0, 1), 0.4).friction == hl.Coulomb(0.4)
-    assert hl.Contact((0, 0, 0), (0, 0, 1), np.float32(0.5)).friction == hl.Coulomb(0.5)
-    assert hl.Table((0, 0, 0), friction=0.4).friction == hl.Coulomb(0.4)
-    for bad in (True, "0.4", float("nan"), float("inf"), [0.4], -1e-9):
-        with pytest.raises(hl.InputError) as refused:
-            hl.Contact((0, 0, 0), (0, 0, 1), bad)
-        assert refused.value.argument == "friction"

@@ -1,14 +1,9 @@
 """What each effect costs: every effect that can be left out is compared, and with a scene that has the same answer."""
 
-from __future__ import annotations
-
-import gc
-
 import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.grasp.analysis.explanation import best_times
 from tests.grasp.scenes import cube_example, pinch, ring
 from tests.support import patches
 from tests.support.clocks import a_quarter_less
@@ -131,20 +126,3 @@ def test_explain_measures_when_asked_and_says_so(monkeypatch):
     says(line_of(e, "soft wrist"), "25 %")
     assert g.explain().rcond is None, "nothing is eliminated on the cone"
     assert f"{1.0 / g.explain(8).rcond:.1e}" in str(g.explain(8))
-
-
-def test_best_times_runs_everything_in_turns_and_leaves_the_collector_as_it_was(monkeypatch):
-    patches.ticks_between_shares(monkeypatch, 1e-3)
-    ran = []
-    times = best_times({0: lambda: ran.append(0) or True, 1: lambda: ran.append(1) or True})
-    assert times == {0: pytest.approx(1e-3), 1: pytest.approx(1e-3)}
-    assert ran[:7] == [0, 0, 0, 1, 1, 1, 0]
-    assert ran.count(0) == ran.count(1) > 3
-    assert gc.isenabled()
-
-
-def test_best_times_stops_where_its_time_is_over_but_not_before_two_turns(monkeypatch):
-    patches.ticks_between_shares(monkeypatch, 1.0)
-    ran = []
-    assert best_times({0: lambda: ran.append(0) or True}) == {0: 1.0}
-    assert len(ran) == 6

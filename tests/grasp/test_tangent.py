@@ -1,7 +1,5 @@
 """The equations of an active set: against their definition, contact by contact, and against whole solves."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

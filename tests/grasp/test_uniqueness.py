@@ -1,9 +1,5 @@
 """All equilibria of a grasp: closed forms with one and with three, the independent checker's word, none missed."""
 
-from __future__ import annotations
-
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -101,12 +97,6 @@ def test_with_friction_a_solve_claims_nothing():
     says(s.diagnosis, "through left and right")
 
 
-def test_what_cannot_be_held_has_none():
-    found = pinch(load=(0, 0, -100.0)).equilibria(8)
-    assert (len(found), found.complete) == (0, True)
-    says(str(found), "equilibrium")
-
-
 def test_a_family_of_forces_counts_once():
     """Rigid tangents: the pinch's vertical forces are equal by symmetry only in the least-norm member."""
     found = pinch(load=(0, 0, -1.0), flexibility=(0.0, 0.0, 1e-4)).equilibria()
@@ -200,26 +190,6 @@ def test_a_bound_on_total_force_leaves_the_list_complete():
     assert bounded.complete
     for a, b in zip(found, bounded, strict=True):
         np.testing.assert_allclose(a.forces, b.forces, atol=1e-9)
-
-
-def test_prescribed_forces():
-    contacts = [hl.Contact((-1, 0), (1, 0), hl.Coulomb(0.5)), hl.Contact((1, 0), (-1, 0), hl.Coulomb(0.5))]
-    for side in (4.5, -4.5):
-        grasp = hl.Grasp(contacts, (0, -9.0, 0), flexibility=1e-4, effects=[hl.PrescribedForce(0, (side, 0, 10.0))])
-        found = grasp.equilibria()
-        assert found.complete
-        assert len(found) == int(grasp.solve(throw=False).held)
-
-
-@pytest.mark.parametrize("bad", [0.0, -1.0, np.nan, "long"])
-def test_seconds_are_checked(bad):
-    with pytest.raises(hl.HandLCPError, match="seconds"):
-        pinch().equilibria(seconds=bad)
-
-
-def test_the_statement_prints_whatever_is_known():
-    u = pinch().solve().uniqueness
-    assert len({str(replace(u, others=o)) for o in (None, True, False)}) == 3
 
 
 @pytest.mark.parametrize("faces", [4, 8, "cone"])

@@ -2,8 +2,6 @@
 LCP, equilibria that were put together by hand, and statuses on pyramids, in a plane and on the exact cone.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,4 +1,4 @@
-"""The audit: every doubt about a URDF's numbers, and what to pass instead."""
+"""The audit: every doubt about a file's numbers, and what to pass instead."""
 
 from __future__ import annotations
 
@@ -7,12 +7,14 @@ import re
 import numpy as np
 import pytest
 
+import handlcp as hl
 from handlcp import Contact, Coulomb
 from handlcp.errors import UnknownName
 from handlcp.geometry import Sphere
 from handlcp.hand import Hand, example_hand
 from handlcp.hand.library import SHIPPED_HANDS, allegro, psyonic, urdf
 from handlcp.robot import audit_urdf
+from handlcp.robot.audit import doubt_reasons
 from tests.support.texts import says
 
 
@@ -77,46 +79,26 @@ def test_mimic_tags_are_reported_with_how_they_are_read():
         audit_urdf(file, base="Hand")
 
 
+BROKEN = {
+    "zero": {"limit": '<limit lower="-1" upper="1" effort="0" velocity="1"/>'},
+    "endless": {"limit": '<limit lower="-1" upper="1" effort="inf" velocity="1"/>'},
+    "silent": {"limit": '<limit lower="-1" upper="1" velocity="1"/>'},
+    "crossed": {"limit": '<limit lower="1" upper="-1" effort="2" velocity="1"/>'},
+    "stuck": {"limit": '<limit lower="0" upper="0" effort="2" velocity="1"/>'},
+    "wide": {"limit": '<limit lower="-4" upper="4" effort="2" velocity="1"/>'},
+    "away": {"limit": '<limit lower="0.5" upper="1" effort="2" velocity="1"/>'},
+    "flat": {"axis": "0 0 0"}, "odd": {"axis": "0 0 north"}, "long": {"axis": "0 0 3"}, "bare": {"body": ""},
+    "light": {"body": '<inertial><mass value="0"/></inertial>'}, "round": {"limit": "", "kind": "continuous"},
+}  # fmt: skip
+
+
 def test_each_kind_of_doubt(write):
     """One broken number a joint: each is found, and only where it is."""
-    found = audit(
-        write,
-        joint("fine"),
-        joint("zero", '<limit lower="-1" upper="1" effort="0" velocity="1"/>'),
-        joint("endless", '<limit lower="-1" upper="1" effort="inf" velocity="1"/>'),
-        joint("silent", '<limit lower="-1" upper="1" velocity="1"/>'),
-        joint("crossed", '<limit lower="1" upper="-1" effort="2" velocity="1"/>'),
-        joint("stuck", '<limit lower="0" upper="0" effort="2" velocity="1"/>'),
-        joint("wide", '<limit lower="-4" upper="4" effort="2" velocity="1"/>'),
-        joint("away", '<limit lower="0.5" upper="1" effort="2" velocity="1"/>'),
-        joint("flat", axis="0 0 0"),
-        joint("odd", axis="0 0 north"),
-        joint("long", axis="0 0 3"),
-        joint("bare", body=""),
-        joint("light", body='<inertial><mass value="0"/></inertial>'),
-        joint("round", "", kind="continuous"),
-    )
-    facts = {"long": "3", "bare": "<inertial>"}
-    names = [
-        "zero",
-        "endless",
-        "silent",
-        "crossed",
-        "stuck",
-        "wide",
-        "away",
-        "flat",
-        "odd",
-        "long",
-        "bare",
-        "light",
-        "round",
-    ]
+    found = audit(write, joint("fine"), *(joint(name, **wrong) for name, wrong in BROKEN.items()))
     assert not found.about("fine")
-    for name in names:
+    for name in BROKEN:
         assert found.about(name), name
-        says(about(found, name), facts.get(name, ""))
-    assert len(found) == len(list(found)) == len(found[:])
+    assert all(d.advice for d in found)
 
 
 def test_placeholders_are_equal_and_round(write):
@@ -238,3 +220,108 @@ def test_serious_doubts_stand_beside_the_verdict(write):
     (blind,) = v.about("link_inside")
     assert {doubtful.severity, blind.severity} == {"warning"}
     says(blind.sentence, "collision")
+
+
+# ---------------------------------------------------------------- doubts about tendons: arms and places that are
+JOINT, LINKS = "finger_1_distal", ("finger_1_proximal_link", "finger_1_distal_link")
+
+
+def route(*points):
+    return hl.Route([hl.Site(link, (x, 0.0, 0.01)) for link, x in points])
+
+
+def doubts(row):
+    tendons = hl.Tendons({"pull": row, "good": {JOINT: 0.01}}, 2e4, 4.0)
+    return [d for d in hl.example_hand("three_finger", joint_stiffness=tendons).audit() if d.about == "tendon arms"]
+
+
+@pytest.mark.parametrize(
+    ("row", "severity", "words"),
+    [
+        ({JOINT: -12.0}, "serious", "a moment arm of 12 m"),
+        (route((LINKS[0], 20.0), (LINKS[1], 20.0)), "serious", "a place 20 m from the frame of its link"),
+        (route((LINKS[0], 0.01), (LINKS[0], 0.02)), "minor", "moves no joint"),
+    ],
+)
+def test_tendons_that_cannot_be_meant_are_doubted(row, severity, words):
+    found = doubts(row)
+    assert {(d.joint, d.severity) for d in found} == {("pull", severity)}
+    assert any(words in d.what for d in found)
+
+
+@pytest.mark.parametrize("row", [{JOINT: -0.15}, route((LINKS[0], 0.01), (LINKS[1], 0.01))])
+def test_tendons_of_hands_are_not(row):
+    assert not doubts(row)
+
+
+def test_such_arms_are_a_warning_beside_a_verdict():
+    hand = hl.example_hand("three_finger", joint_stiffness=hl.Tendons({"pull": {JOINT: 10.0}}, 2e4, 4.0))
+    (reason,) = doubt_reasons(hand.doubts)
+    assert (reason.code, reason.severity) == ("hand_doubtful", "warning")
+    assert "pull: a moment arm of 10 m, as if millimetres were taken for metres" in reason.sentence
+
+
+# ---------------------------------------------------------------- hands whose joints slide: newtons and N/m in audits
+SLIDE = """<joint name="{n}_slide" type="prismatic"><parent link="palm"/><child link="{n}"/>
+<origin xyz="{x} 0 0.05"/><axis xyz="{way} 0 0"/><limit lower="0" upper="0.04" effort="{effort}" velocity="1"/></joint>
+<link name="{n}"><inertial><mass value="0.05"/><inertia ixx="1e-5" iyy="1e-5" izz="1e-5" ixy="0" ixz="0" iyz="0"/>
+</inertial><collision><geometry><sphere radius="0.01"/></geometry></collision></link>"""
+HINGE = """<joint name="h_hinge" type="revolute"><parent link="palm"/><child link="h"/><origin xyz="0 0.04 0"/>
+<axis xyz="1 0 0"/><limit lower="-0.5" upper="1.2" effort="0.8" velocity="1"/></joint><link name="h"><inertial>
+<mass value="0.05"/><inertia ixx="1e-5" iyy="1e-5" izz="1e-5" ixy="0" ixz="0" iyz="0"/></inertial><collision>
+<origin xyz="0 0 0.05"/><geometry><sphere radius="0.01"/></geometry></collision></link>"""
+BOX = hl.Box(0.04, (0, 0, 0.05), mass=0.1)
+
+
+def text(effort=60.0, hinge=False):
+    slides = "".join(SLIDE.format(n=n, x=-0.04 * way, way=way, effort=effort) for n, way in (("l", 1), ("r", -1)))
+    palm = '<link name="palm"><collision><geometry><box size="0.1 0.02 0.01"/></geometry></collision></link>'
+    return f'<robot name="slides">{palm}{slides}{HINGE if hinge else ""}</robot>'
+
+
+def gripper(stiffness=1e4, **more):
+    return hl.Hand.from_urdf(text(**more), ["l", "r"], joint_stiffness=stiffness)
+
+
+def test_newton_metres_for_the_spring_of_a_slide_are_a_serious_doubt():
+    (doubt,) = (d for d in gripper(6.0).audit().serious if d.about == "slide")
+    assert doubt.joint == "l_slide, r_slide"
+    assert "6 N/m lets a slide give way by 167 mm under 1 N" in doubt.what
+    assert not [d for d in gripper().audit().serious if d.about == "slide"]
+    mixed = hl.Hand.from_urdf(text(hinge=True), ["l", "r", "h"], joint_stiffness=6.0).audit()
+    assert [d.joint for d in mixed.serious if d.about == "slide"] == ["l_slide, r_slide"]
+
+
+@pytest.mark.parametrize("effort", [60.0, 0.0])
+def test_the_audit_speaks_of_newtons(effort):
+    """No "N·m" in a doubt about a hand whose joints all slide."""
+    for audit in (hl.audit_urdf(text(effort)), gripper(effort=effort).audit()):
+        said = [f"{d.what} {d.advice}" for d in audit if d.about in ("torque limit", "limit unknown", "stiffness")]
+        assert said
+        assert not [one for one in said if "N·m" in one]
+    both = hl.audit_urdf(text(effort=0.0, hinge=True))
+    assert [d.advice for d in both if d.about == "limit unknown"] == ["torque_limits with the actuator's force [N]"]
+
+
+def test_required_torque_has_newtons_of_slides():
+    """In the heads where all joints slide; beside each number where others turn."""
+    hand = gripper()
+    found = hand.at(hand.close_on(BOX)).grasp(BOX, friction=0.8, grip_force=5.0).required_torque()
+    assert found.confirmed
+    assert "N·m" not in str(found)
+    assert "limit\nN" in found.table.heads[3]
+    mixed = hl.Hand.from_urdf(text(hinge=True), ["l", "r"], joint_stiffness=1e4)
+    table = mixed.at(mixed.close_on(BOX)).grasp(BOX, friction=0.8, grip_force=5.0).required_torque()
+    rows = {row[0]: row for row in table.rows}
+    assert rows["l_slide"][3] == "60 N"
+    assert rows["h_hinge"][3] == "0.8"
+    assert table.table.heads[3] == "limit\nN·m"
+
+
+def test_a_verdict_speaks_of_newtons():
+    hand = gripper(effort=3.0)
+    grasp = hand.at(hand.close_on(BOX)).grasp(BOX, friction=0.8, grip_force=5.0)
+    verdict = grasp.check()
+    assert verdict.word == "OVER LIMIT"
+    assert "N of 3 N" in str(verdict)
+    assert "N·m" not in str(verdict)

@@ -51,7 +51,7 @@ def test_a_path_goes_as_the_string_says_where_the_spring_is_stiff_enough(write):
     np.testing.assert_allclose(steps.work[-1], steps.stored[-1], rtol=1e-3)
 
 
-@pytest.mark.parametrize("own", [1.105, 1.11])
+@pytest.mark.parametrize("own", [1.105])
 def test_the_lever_gives_way_at_the_load_where_the_string_wins(write, own):
     """Stable in the posture zero, and unstable where the string is straight: the largest force on the way."""
     q = np.linspace(0.0, LEAN, 100_001)

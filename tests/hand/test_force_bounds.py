@@ -47,18 +47,6 @@ def test_joints_within_their_limits_whatever_the_forces_are(write):
     np.testing.assert_allclose(reason(s).values["joints"][0]["torque_Nm"], [L / (2 * MU), 3.0 * L], rtol=1e-9)
 
 
-def test_a_wedge_without_bounds_may_take_any_torque(write):
-    s = wedged(write, 0.2)
-    np.testing.assert_array_equal(s.force_bounds().torques[:, 1], np.inf)
-    says(reason(s).sentence, "left_joint", "40 %")
-
-
-def test_a_joint_that_is_over_its_limit_with_all_forces_is_no_doubt(write):
-    s = wedged(write, 0.05, 3.0)
-    assert s.verdict.word == "OVER LIMIT"
-    assert not s.verdict.about("torques_open")
-
-
 @pytest.mark.parametrize("faces", ["cone", 8])
 def test_where_forces_are_determined_a_verdict_says_what_it_said(faces):
     hand = hl.example_hand("three_finger", joint_stiffness=6.0)

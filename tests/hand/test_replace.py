@@ -162,15 +162,6 @@ def test_a_load_is_besides_the_weight_as_the_wrench_of_a_fresh_grasp(state, gras
     assert_same(off.replace(load=load), state.grasp(BOX, reference=(0.01, 0, 0.05), squeeze=4e-3, wrench=load))
 
 
-def test_a_load_is_six_numbers_and_not_beside_a_wrench(grasp):
-    with pytest.raises(hl.InputError, match="6") as refused:
-        grasp.replace(load=(0, 5, 0))
-    assert refused.value.argument == "load"
-    with pytest.raises(hl.InputError) as refused:
-        grasp.replace(load=np.zeros(6), wrench=np.zeros(6))
-    says(str(refused.value), "weight included")
-
-
 def test_another_object_is_looked_for_and_so_is_the_table_under_it(state, grasp):
     wider = hl.Box(0.0502, (0, 0, 0.0801), 0.4)
     assert_same(grasp.replace(object=wider, max_gap=2e-3), afresh(state, wider, max_gap=2e-3), solve=True)

@@ -1,4 +1,4 @@
-"""How hard a hand closes: the joint offsets of a squeeze and of a grip force, and what of them no joint can make."""
+"""How hard a hand closes: commands of joints, of depths and of forces, and what of them no joint can make."""
 
 from __future__ import annotations
 
@@ -7,14 +7,16 @@ import pickle
 import numpy as np
 import pytest
 
-from handlcp import Contact, ContactCompliance, Coulomb, Environment, GraspStream, Synergies, Tendons
+from handlcp import Contact, Coulomb, Environment, GraspStream, Synergies, Tendons
 from handlcp.errors import InputError, UnknownName
 from handlcp.geometry import Box, Sphere
 from handlcp.hand import example_hand
+from handlcp.scene import read
 from tests.support.hand import gaps
+from tests.support.scene_texts import BOX_IN_TWO_FINGERS
 
 from .chains import A, B, chain_hand
-from .levers import PAD, C, K, L, lever_hand
+from .levers import PAD, C, K, L, lever_hand, lever_pinch
 
 BALL = Sphere(0.03, (0.001, -0.002, 0.09), mass=0.03)
 CUBE = Box(0.05, (0, 0, 0.08), mass=0.2)
@@ -117,20 +119,6 @@ def test_to_first_order_a_squeeze_takes_the_tips_so_much_deeper(name):
     assert missed[1] < 0.3 * missed[0] + 1e-6
 
 
-@pytest.mark.parametrize("obj", [CUBE, Sphere(0.03, (0.001, -0.002, 0.09), mass=0.2)], ids=["cube", "ball"])
-def test_closing_deeper_and_squeezing_are_the_same_to_first_order(three, obj):
-    """The cube's flanks lean 30° out of their fingers' planes."""
-    friction, away = Coulomb(0.8), {"wrench": (0, 0, 0, 0, 0, 0), "gravity": (0, 0, 0)}
-    touching, off = three.at(three.close_on(obj)), []
-    for depth in (2e-3, 1e-3):
-        given = {"finger_1_tip": depth, "finger_2_tip": depth, "finger_3_tip": depth}
-        closed = three.at(three.close_on(obj, squeeze=given)).grasp(obj, friction, **away).solve("cone")
-        told = touching.grasp(obj, friction, squeeze=[depth] * 3, **away).solve("cone")
-        off.append(abs(closed.normal_force - told.normal_force).max() / depth)
-    assert off[1] < 0.6 * off[0]
-    assert off[1] * 1e-3 < 0.02 * told.normal_force.max()
-
-
 def test_gaps_and_overlaps_count(three):
     """A squeeze says how deep the tips are told to go in all, wherever the posture has them."""
     q = three.close_on(CUBE)
@@ -174,20 +162,6 @@ def test_on_an_object_that_stays_where_it_is_the_tips_press_as_hard_as_told(name
     assert effect.reach.complete
     lean = np.tan(np.radians(30)) if name == "three_finger" else 0.0  # of the flanks' normals, out of the planes
     np.testing.assert_allclose(sideways[1:], lean * force[1:], atol=2e-3)
-
-
-def test_what_effects_add_to_the_flexibility_is_counted(three):
-    grasp = of(three, CUBE, grip_force=2.0, environment=vice(CUBE), effects=[ContactCompliance(5e-4)])
-    # It softens the vice as well
-    np.testing.assert_allclose(grasp.solve("cone").normal_force[:3], 2.0, rtol=0.1)
-    np.testing.assert_allclose(_alone(grasp)[:, 2], 2.0, rtol=1e-6)
-
-
-def _alone(grasp):
-    """(k, 3) forces of fingers that stick to an object that stays: E r = -d."""
-    k = 3 * len(grasp.fingertips)
-    E, d = grasp.scene.flexibility[:k, :k], grasp.offset[: k // 3].reshape(-1)
-    return np.linalg.solve(E, -d).reshape(-1, 3)
 
 
 # ---------------------------------------------------------------- what actuators can command
@@ -299,3 +273,88 @@ def test_what_makes_no_sense_is_named(three, bad, kind, argument):
         with pytest.raises(kind) as e:
             call()
         assert e.value.argument == argument
+
+
+# ---------------------------------------------------------------- squeeze given in joint space: its sign, its size
+EXACT = {"rtol": 1e-9, "atol": 1e-15}
+
+
+@pytest.mark.parametrize("faces", [8, "cone"])
+def test_flexing_a_pinch_inwards_preloads_it(write, faces):
+    """Either tip would go L δq inwards; the springs K behind lever L and the pads take that up: N = L δq / C."""
+    s = lever_pinch(lever_hand(write), joint_offset=[0.1, 0.1]).solve(faces)
+    np.testing.assert_allclose(s.normal_force, L * 0.1 / C, **EXACT)
+    np.testing.assert_allclose(s.torques, L * L * 0.1 / C, **EXACT)
+    np.testing.assert_allclose(s.joint_deflection, L * L * 0.1 / C / K, **EXACT)
+    np.testing.assert_allclose(s.object_displacement, [0, 0, -0.5 * PAD, 0, 0, 0], atol=1e-15)
+
+
+def test_one_joint_squeezes_both_and_moves_the_object(write):
+    """N = L δq / (2 C) on both sides, and the object gives way to the finger that pushes, by C N."""
+    s = lever_pinch(lever_hand(write), joint_offset={"left_joint": 0.1}).solve()
+    np.testing.assert_allclose(s.normal_force, 0.5 * L * 0.1 / C, **EXACT)
+    np.testing.assert_allclose(s.object_displacement[0], 0.5 * L * 0.1, **EXACT)
+
+
+@pytest.mark.parametrize("nothing", [{}, [0.0, 0.0]])
+def test_none_changes_no_bit(write, nothing):
+    hand = lever_hand(write)
+    a, b = lever_pinch(hand, preload=1e-3).problem(), lever_pinch(hand, preload=1e-3, joint_offset=nothing).problem()
+    np.testing.assert_array_equal(a.scaled.M, b.scaled.M)
+    np.testing.assert_array_equal(a.scaled.q, b.scaled.q)
+
+
+def test_replacing_keeps_it_or_changes_it(write):
+    hand = lever_hand(write)
+    g = lever_pinch(hand, joint_offset=[0.1, 0.1])
+    lifted = pickle.loads(pickle.dumps(g)).replace(wrench=(0, 0, -2, 0, 0, 0))
+    np.testing.assert_allclose(lifted.solve().normal_force, L * 0.1 / C, **EXACT)
+    more = g.replace(preload=1e-3)  # comes beside it, as in state.grasp
+    np.testing.assert_allclose(more.offset, lever_pinch(hand, joint_offset=[0.1, 0.1], preload=1e-3).offset)
+    half = more.replace(joint_offset={"left_joint": 0.05, "right_joint": 0.05})
+    np.testing.assert_allclose(half.offset[:, 2], -1e-3 - 0.05 * L, **EXACT)
+    np.testing.assert_allclose(half.tip_offset[:, 2], -1e-3, **EXACT)
+    none = half.replace(joint_offset=[0, 0])
+    np.testing.assert_allclose(none.offset[:, 2], -1e-3, **EXACT)
+    extra = lever_pinch(hand, joint_offset=[0.01, 0.01], force=(0, 0, -8.0)).required_preload()
+    # Followed, the levers turn a little; by hand they do not
+    np.testing.assert_allclose(extra.value, 8 / (2 * 0.5) * C - 0.01 * L, rtol=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("bad", "kind", "argument"),
+    [
+        ([0.1, np.nan], InputError, "joint_offset"),
+        ({"left_joint": "a"}, InputError, "joint_offset['left_joint']"),
+        ({"thumb": 0.1}, UnknownName, "joint_offset"),
+    ],
+)
+def test_bad_commands_are_named(write, bad, kind, argument):
+    hand = lever_hand(write)
+    with pytest.raises(kind) as e:
+        lever_pinch(hand, joint_offset=bad)
+    assert e.value.argument == argument
+    g = lever_pinch(hand, preload=1e-3)
+    for change in (g.replace, lambda **more: GraspStream(g).update(**more)):
+        with pytest.raises(kind):
+            change(joint_offset=bad)
+
+
+SCENE = f"""
+{BOX_IN_TWO_FINGERS}
+[grasp]
+joint_offset_rad = {{finger_1_distal = 0.1, finger_2_distal = 0.1}}
+"""
+
+
+def test_a_scene_file_says_it_by_joint():
+    grasp = read(SCENE).build()
+    hand = grasp.state.hand
+    assert dict(zip(hand.joint_names, grasp.joint_offset.tolist(), strict=True))["finger_2_distal"] == 0.1
+    assert read(SCENE).solve().held
+    with pytest.raises(UnknownName) as e:
+        read(SCENE.replace("finger_2_distal", "thumb")).build()
+    assert e.value.argument == "grasp.joint_offset_rad"
+    contact = "[[contact]]\nposition_m = [0, 0, 0]\nnormal = [0, 0, 1]\n[grasp]\njoint_offset_rad = [0.1]"
+    with pytest.raises(InputError, match=r"grasp\.joint_offset_rad: .*\[hand\]"):
+        read(contact)

@@ -74,25 +74,34 @@ def test_a_stream_follows_posture_and_load(five, faces):
     assert fallen < 14
 
 
-@pytest.mark.parametrize("pads", [1e-4, (3e-4, 2e-4, 1e-4)], ids=["isotropic pads", "anisotropic pads"])
-def test_flexibility_and_jacobian_are_the_hands_with_tendons_pads_and_weight(pads):
-    rng = np.random.default_rng(0)
-    A = rng.normal(size=(10, 10))
-    stiff = 4 * np.eye(10) + 0.1 * (A @ A.T)
-    hand = example_hand("five_finger", joint_stiffness=stiff, pad_flexibility=pads)
-    q, load, grasp = followed(hand, finger_weight=True)
+A = np.random.default_rng(0).normal(size=(10, 10))
+CURL = np.kron(np.eye(5), [[1.0], [0.6]])
+FOOT = hl.Environment([hl.Contact((0, 0, 0.055), (0, 0, 1), hl.Coulomb(0.3))], 1e-3, -1e-4)
+KINDS = {
+    "weight, full springs": (4 * np.eye(10) + 0.1 * (A @ A.T), 1e-4, {"finger_weight": True}),
+    "weight, anisotropic pads": (5.0, (3e-4, 2e-4, 1e-4), {"finger_weight": True}),
+    "a command, tendons": (hl.Tendons(0.01 * A[:4], 3e4, 4.0), 1e-4, {"joint_offset": np.full(10, 0.005)}),
+    "a support, synergies": (hl.Synergies(CURL, 5.0, 20.0), 1e-4, {"environment": FOOT}),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_arrays_and_answers_of_a_stream_are_those_of_a_grasp_made_anew(kind):
+    springs, pads, more = KINDS[kind]
+    hand = example_hand("five_finger", joint_stiffness=springs, pad_flexibility=pads)
+    q, load, grasp = followed(hand, **more)
     stream = hl.GraspStream(grasp(q, load))
-    for posture, wrench in walk(q, load, 5):
-        stream.update(posture, wrench=wrench)
+    for posture, wrench in walk(q, load, 4):
+        update = stream.update(posture, wrench=wrench)
         now, made = stream.grasp, grasp(posture, wrench)
         for name in ("flexibility", "force", "moment", "offset", "positions"):
             wanted = getattr(arrays(made), name)
             np.testing.assert_allclose(getattr(arrays(now), name), wanted, atol=1e-12 * abs(wanted).max())
         np.testing.assert_allclose(now.jacobian, made.jacobian, atol=1e-15)
         np.testing.assert_allclose(now.gravity_torque, made.gravity_torque, atol=1e-15)
-        assert abs(made.gravity_torque).max() > 1e-3
-        same(stream.update(), made.solve(throw=False))
-        np.testing.assert_allclose(now.solve().torques, made.solve().torques, atol=1e-9)
+        if update.held:
+            same(update, made.solve(throw=False, start=now.solve(start=update)))
+    assert update.held
 
 
 def test_contacts_that_roll(five):
@@ -202,7 +211,7 @@ def test_updates_keep_no_memory(five):
     tracemalloc.start()
     run(20)
     before, _ = tracemalloc.get_traced_memory()
-    run(200)
+    run(80)
     after, _ = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    assert after - before < 4000 * 8, "numpy keeps some small blocks for reuse; one number kept an update would be more"
+    assert after - before < 1600 * 8, "numpy keeps some small blocks for reuse; one number kept an update would be more"

@@ -1,7 +1,5 @@
 """Small complementarity problems with known answers, each named by its source or by what it exercises."""
 
-from __future__ import annotations
-
 import numpy as np
 
 # (M, q); solvable, by Lemke's method with covering vector e where the source says so

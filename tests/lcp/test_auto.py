@@ -1,7 +1,5 @@
 """The default chain: it does what it says it would, in that order, with equal seeds the same bits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -9,7 +7,7 @@ import handlcp as hl
 from handlcp.lcp import ContactProblem, proposals
 from handlcp.lcp.solver import OtherStarts, scale_by_limits as in_units_of_limits
 from tests.grasp.scenes import pinch, ring as make_ring
-from tests.lcp.problems import random_p, random_psd
+from tests.lcp.problems import random_p
 from tests.support.grasp import contact_problem
 from tests.support.lcp import certified, solves_contact
 from tests.support.texts import says
@@ -107,26 +105,7 @@ def test_the_same_seed_gives_the_same_bits(faces):
         np.testing.assert_array_equal(a.z, b.z, err_msg=name)
 
 
-def test_no_settings_no_later_stages():
-    p = hl.LCP(np.eye(2), [-1, 1])
-    assert hl.Auto(restarts=0, search_seconds=0).plan(p)[-1] == "Farkas vector"
-    assert "NSNGRK, seed 8" in hl.Auto(seed=7).plan(p)
-
-
 # ---------------------------------------------------------------- the stages that are solvers of their own
-@pytest.mark.parametrize("faces", [4, 16, "cone"])
-def test_newton_alone_solves_contact_problems(faces):
-    p = ring(4).problem(faces)
-    p = p if isinstance(p, ContactProblem) else p.contact
-    s = hl.SemismoothNewton().propose_contact(p)
-    assert solves_contact(p, s.z)
-    again = hl.SemismoothNewton().propose_contact(p, s.z)
-    assert solves_contact(p, again.z)
-
-
-def test_settings_are_checked():
-    with pytest.raises(hl.InputError):
-        OtherStarts(0)
 
 
 def test_units_of_limits_are_a_change_of_variables():
@@ -150,27 +129,6 @@ def test_other_starts_find_what_one_start_does_not():
         if hl.SemismoothNewton().propose(p).outcome != "converged":
             found += OtherStarts().propose(p).outcome.startswith("converged")
     assert found >= 5
-
-
-def test_a_start_is_tried_first():
-    M, q = random_psd(np.random.default_rng(2), 8)
-    p = hl.LCP(M, q).scaled
-    z = hl.NSNGRK().propose(p).z
-    says(OtherStarts().propose(p, z).outcome, "converged", "1")
-
-
-class _ContactsAlone:
-    """Knows friction as a set, and no plain problem."""
-
-    def propose_contact(self, problem, start=None):
-        return hl.NSNGRK().propose_contact(problem, start)
-
-
-def test_a_method_that_knows_contacts_only_says_so_on_a_plain_lcp():
-    """It is refused by name, not by an attribute that is missing."""
-    with pytest.raises(hl.Unsupported) as caught:
-        hl.solve_lcp(hl.LCP([[1.0]], [-1.0]), _ContactsAlone())
-    says(str(caught.value), "_ContactsAlone")
 
 
 def test_stalled_kaczmarz_steps_end_within_their_budget():

@@ -1,7 +1,5 @@
 """Compiling beside the work: calls go on as Python, compiled code takes over, and the process that compiles goes."""
 
-from __future__ import annotations
-
 import os
 import pathlib
 import signal

@@ -1,7 +1,5 @@
 """Bad input gives one typed error that names the argument."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """When kernels are compiled, what is kept of that, and that nothing about it is ever an error."""
 
-from __future__ import annotations
-
 import os
 import pathlib
 import pickle

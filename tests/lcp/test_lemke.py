@@ -1,7 +1,5 @@
 """Lemke's method: ties do not cycle, tolerances are relative, a ray proves nothing."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The search over contact modes: its patches enclose every slide, and it can be paused anywhere."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

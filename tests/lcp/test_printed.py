@@ -1,16 +1,12 @@
 """AsPrinted is Algorithm 2 of the paper to the letter: forward differences with h = 1e-6, then (20) to (22)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
 import handlcp as hl
-from handlcp.lcp import Solver
 from handlcp.studies.accuracy import AsPrinted
 from handlcp.studies.paper import example
 from tests.lcp.problems import random_p
-from tests.oracle import every_solution
 from tests.support.texts import says
 
 H = 1e-6
@@ -49,29 +45,6 @@ def test_it_follows_the_analytic_method_until_the_differences_show():
         assert 0 < abs(a - b).max() < close
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_it_finds_the_one_solution_of_a_p_matrix(seed):
-    rng = np.random.default_rng(seed)
-    M, q = random_p(rng, 8)
-    free = rng.permutation(8) < 2
-    (z,) = every_solution(M, q, free)
-    s = hl.solve_lcp(hl.LCP(M, q, free), AsPrinted(tol=1e-9, max_iterations=200_000))
-    np.testing.assert_allclose(s.z, z, atol=1e-6)
-    assert s.outcome == "converged"
-
-
-def test_history_and_seeds_work_as_in_nsngrk():
-    p = hl.LCP(*random_p(np.random.default_rng(0), 12)).scaled
-    runs = [AsPrinted(tol=1e-8, max_iterations=50_000, stride=10, seed=s).propose(p) for s in (1, 1, 2)]
-    np.testing.assert_array_equal(runs[0].history, runs[1].history)
-    assert (runs[0].z != runs[2].z).any()
-    steps, norms = runs[0].history.T
-    np.testing.assert_array_equal(steps, 10 * np.arange(len(steps)))
-    assert norms[0] == pytest.approx(np.linalg.norm(phi(p, np.zeros(12))))
-    assert np.linalg.norm(phi(p, runs[0].z)) <= 1e-8 < norms[-1]
-    assert AsPrinted(max_iterations=5).propose(p).history is None
-
-
 def test_where_both_of_a_pair_vanish_differences_stop_short_of_what_subgradients_reach():
     p = example(3).grasp.problem(8).scaled
     printed, ours = (s.propose(p) for s in (AsPrinted(1e-8, 60_000), hl.NSNGRK(1e-8, 60_000, polish=False)))
@@ -81,16 +54,3 @@ def test_where_both_of_a_pair_vanish_differences_stop_short_of_what_subgradients
     assert printed.iterations == 60_000
     says(printed.outcome, "60000")
     assert 1e-8 < np.linalg.norm(phi(p, printed.z)) < 10 * H
-
-
-def test_it_stops_where_no_step_is_left():
-    p = hl.LCP([[0.0]], [-1.0], [True]).scaled  # 0 = -1: a row of zeros
-    assert AsPrinted(max_iterations=10).propose(p).iterations == 0
-
-
-def test_it_is_a_solver_with_checked_settings():
-    assert isinstance(AsPrinted(), Solver)
-    for settings, name in (({"tol": 0}, "tol"), ({"seed": -1}, "seed"), ({"stride": 1.5}, "stride"),
-                           ({"max_iterations": -1}, "max_iterations")):  # fmt: skip
-        with pytest.raises(hl.InputError, match=name):
-            AsPrinted(**settings)

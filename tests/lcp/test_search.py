@@ -1,7 +1,5 @@
 """The search over all active sets: finds what exists, and says "none" only where an exhaustive oracle finds none."""
 
-from __future__ import annotations
-
 import time
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Load limits beside closed forms, written from the laws alone: Coulomb's cone, springs in series, levers."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -130,12 +130,6 @@ def test_joints_that_yield_are_no_limit_and_hold_their_torque():
     assert any(e.kind == "holds" for e in yielding.events)
 
 
-def test_a_load_in_other_units_has_the_same_limit():
-    g = ball()
-    one, thousand = g.load_limit(Z), g.load_limit(1e3 * Z)
-    assert 1e3 * thousand.factor == pytest.approx(one.factor, rel=1e-9)
-
-
 def test_many_directions_have_each_the_limit_that_it_has_alone():
     g, loads = ball(), np.array([X, Z, [0.0, 0.5, 0.0, 0.01, 0.0, 0.0]])
     found = many_limits(g, loads)
@@ -156,16 +150,6 @@ def test_a_grasp_that_slides_through_under_the_weight_alone_holds_no_load_and_ch
     verdict = grasp.check()
     assert verdict.word == "NOT HELD"
     assert verdict.about("slides_through")
-
-
-def test_what_follows_a_snap_is_computed_when_it_is_asked_for():
-    """The factor of a load that ends in a snap is known before the snap is followed, and the same after it."""
-    limit = cube().load_limit((0.3, 0.9, 0.3, 0, 0, 0))
-    factor, binds = limit.factor, limit.binds
-    assert limit.lost is not None
-    assert limit.events[-1].factor >= factor
-    assert (limit.factor, limit.binds) == (factor, binds)
-    assert limit.why.startswith(f"at {factor:.4g} times the load")
 
 
 def test_more_friction_holds_more():

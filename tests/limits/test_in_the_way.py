@@ -1,7 +1,5 @@
 """Links that are no contacts and come into the object while the load grows: beyond that a load limit says nothing."""
 
-from __future__ import annotations
-
 import pytest
 
 import handlcp as hl

@@ -1,9 +1,5 @@
 """Contacts without a hand keep their own wrench while another load grows: closed forms of Coulomb's law."""
 
-from __future__ import annotations
-
-import pickle
-
 import numpy as np
 import pytest
 
@@ -57,12 +53,6 @@ def test_the_wrench_itself_grows_from_nothing():
     grasp = pinch(10.0 * DOWN)
     assert grasp.load_limit().factor == pytest.approx(MOST / 10.0, rel=1e-9)
     assert grasp.margins().safety == pytest.approx(MOST / 10.0, rel=1e-9)
-
-
-def test_a_limit_is_the_same_once_it_was_pickled():
-    for wrench in (ACROSS, None):
-        found = pinch(10.0 * DOWN).load_limit(wrench)
-        assert pickle.loads(pickle.dumps(found)).factor == found.factor
 
 
 def test_a_wrench_that_is_not_held_alone_leaves_nothing_and_says_so():

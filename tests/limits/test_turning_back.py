@@ -51,3 +51,31 @@ def test_a_hand_that_is_loaded_slowly_sees_the_limit_and_not_what_is_beyond(seed
     limit = grasp.load_limit(load)
     assert grasp.follow(0.99 * limit.load).reached
     assert not grasp.follow(1.01 * limit.load).reached
+
+
+# ---------------------------------------------------------------- A finger that touches and slides at once, on the co
+
+PLACES = [
+    [-0.018848652947, -0.022651095188, -0.005626381507], [0.026958306719, 0.010928360513, 0.007336254859],
+    [-0.014305640772, 0.026367588011, -0.000314554612], [0.027570469221, -0.009894944317, -0.006477600167],
+    [0.027421181838, -0.011339016826, 0.004416501336],
+]  # fmt: skip
+NORMALS = [
+    [0.54731471619, 0.578267367088, 0.605023514918], [-0.985944838156, -0.165716180369, -0.021234963547],
+    [0.205840700406, -0.943635503828, -0.259194216703], [-0.917008205972, 0.318180506778, 0.24053506041],
+    [-0.935316774112, 0.350707083654, 0.046766158056],
+]  # fmt: skip
+FLEXIBILITY = 1e-4 * np.array([
+    1.035564733067, 0.9119802342192, 1.595258035026, 1.338282062753, 0.5370458252978, 1.023093472085, 0.512954313748,
+    0.9635766247804, 1.201534366564, 1.042927489212, 1.286215165736, 0.5442131580337, 1.923372698025, 0.8166651780807,
+    0.6261851964529,
+])  # fmt: skip
+PRELOAD = [0.000684846519, 0.000736837659, 0.000456702601, 0.000932364368, 0.000323622398]
+LOAD = np.array([-0.728185442248, -1.895207482881, 0.199115608717, 0.008460161166, -0.002233497107, -0.014224723047])
+
+
+def test_a_finger_that_touches_again_and_slides_at_once_ends_no_path():
+    contacts = [hl.Contact(p, m, hl.Coulomb(0.7)) for p, m in zip(PLACES, NORMALS, strict=True)]
+    grasp = hl.Grasp(contacts, flexibility=np.diag(FLEXIBILITY), preload=PRELOAD)
+    assert grasp.load_limit(LOAD).factor == np.inf
+    assert grasp.follow(20.0 * LOAD, geometry="fixed", steps=60).reached

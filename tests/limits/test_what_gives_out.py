@@ -64,12 +64,6 @@ def test_joints_that_yield_are_events_by_their_names():
     assert abs(limit.path.torques).max() <= 0.13 * (1.0 + 1e-9)
 
 
-def test_a_finger_with_a_bounded_force_is_an_event_by_its_name():
-    limit = pinch(effects=[hl.FingerForceBound(12.0)]).load_limit((1, 0, 0, 0, 0, 0))
-    assert next((e.kind, e.who) for e in limit.events) == ("yields", "finger 2")
-    assert limit.events[0].factor == pytest.approx(2 * (12.0 - 10.0), rel=1e-9)
-
-
 # ---------------------------------------------------------------- a pinch pushed along its own line
 @pytest.mark.parametrize("seed", range(8))
 @pytest.mark.parametrize("way", [1.0, -1.0])

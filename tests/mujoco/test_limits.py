@@ -1,18 +1,21 @@
-"""What is kept of a load that grows in MuJoCo: jumps, motion over the load, and the table of stored answers."""
+"""Loads that grow in MuJoCo and short loadings beside it: the same forces, torques, jumps and losses."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-pytest.importorskip("mujoco")
-
 import handlcp as hl
 from handlcp.simulator import simulate, simulate_limit
 from handlcp.simulator.load_limit import LimitTracker
-from tests.mujoco.cases import three
-from tests.mujoco.limit_cases import CASES
+from tests.mujoco import limits
+from tests.mujoco.case import misses
+from tests.mujoco.cases import CASES, three
+from tests.mujoco.limit_cases import CASES as CASES_OF_LIMITS
 from tests.mujoco.limit_truth import Truth, stored
+
+pytest.importorskip("mujoco")
+
 
 REST, FORCES = np.zeros(6), np.zeros((2, 3))
 
@@ -70,8 +73,45 @@ def test_an_object_that_is_lost_before_the_load_grows_has_no_track():
 
 def test_every_case_is_stored_and_a_row_reads_as_it_was_written():
     rows = stored()
-    assert sorted(rows) == sorted(case.title for case in CASES)
-    assert len(CASES) == 80
-    assert len({case.hand for case in CASES}) == 6
+    assert sorted(rows) == sorted(case.title for case in CASES_OF_LIMITS)
+    assert len(CASES_OF_LIMITS) == 80
+    assert len({case.hand for case in CASES_OF_LIMITS}) == 6
     for truth in rows.values():
         assert Truth.read(truth.row()).row() == truth.row()
+
+
+# ---------------------------------------------------------------- the short cases of the suite: grasps, loaded here
+pytest.importorskip("mujoco")
+
+
+SHORT = [case for case in CASES if case.short]
+
+
+@pytest.mark.parametrize("case", SHORT, ids=lambda case: case.name)
+def test_both_end_with_the_same_forces_and_torques(case):
+    found = case.run(seconds=1.0)
+    assert not misses(case, found)
+    if case.kind == "sticks":
+        assert found.force_error < 3e-3
+        assert found.torque_error < 3e-3
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(c, marks=pytest.mark.long) if c.title.startswith("allegro") else c
+        for c in CASES_OF_LIMITS
+        if c.short
+    ],
+    ids=lambda case: case.title,
+)
+def test_a_load_that_grows_is_lost_at_the_same_factor_as_the_stored_table_says(case):
+    ours, expected = limits.ours(case), stored()[case.title]
+    most = 1.2 * ours.end
+    theirs = simulate_limit(case.make(), case.wrench, most, seconds=3.0)
+    assert theirs.factor == pytest.approx(ours.end, rel=limits.NEAR)
+    assert theirs.factor == pytest.approx(expected.factor, rel=0.02)
+    assert theirs.jump == pytest.approx(expected.jump, rel=0.02)
+    half = 0.5 * expected.factor
+    near = abs(theirs.track.motion_at(half) - expected.at(half))
+    assert near[:3].max() < 1e-5 + 0.03 * np.linalg.norm(expected.at(half)[:3])

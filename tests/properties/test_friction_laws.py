@@ -1,7 +1,5 @@
 """What must not matter where contacts are soft or anisotropic: units, the world's attitude, the fingers' order."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

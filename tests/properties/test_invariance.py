@@ -6,8 +6,6 @@ then either may come out; so other forces are accepted where the independent che
 one carried back, as equilibria of the first scene, and they are clearly apart.
 """
 
-from __future__ import annotations
-
 import os
 from types import SimpleNamespace
 

@@ -3,8 +3,6 @@
 `python -m tests.public write` writes the file anew, once the change is meant; it then belongs in the changelog.
 """
 
-from __future__ import annotations
-
 import copy
 
 import pytest

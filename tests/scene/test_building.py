@@ -1,7 +1,5 @@
 """From a scene file to the very grasp that the same calls in Python give."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 
@@ -24,7 +22,7 @@ from handlcp import (
 )
 from handlcp.errors import InputError
 from handlcp.geometry import Box, Cylinder, Ellipsoid, Mesh, Sphere
-from handlcp.hand import Hand, HandGrasp, example_hand
+from handlcp.hand import HandGrasp, example_hand
 from handlcp.hand.library import urdf
 from handlcp.scene import load, read
 from tests.support import texts
@@ -211,41 +209,6 @@ def test_a_scene_without_a_hand_is_the_grasp_that_the_calls_give():
     assert grasp.effects[1].contact == 0
 
 
-def test_an_object_without_a_hand_weighs_at_its_centre():
-    grasp = read("""
-        [[contact]]
-        position_m = [0.0, 0.0, 0.0]
-        normal = [0.0, 0.0, 1.0]
-        [object]
-        shape = "box"
-        size_m = 0.02
-        position_m = [0.0, 0.01, 0.02]
-        mass_kg = 2.0
-    """).build()
-    np.testing.assert_allclose(arrays(grasp).force, (0, 0, -19.62))
-    np.testing.assert_allclose(arrays(grasp).moment, np.cross((0, 0.01, 0.02), (0, 0, -19.62)))
-    np.testing.assert_array_equal(grasp.reference, (0, 0.01, 0.02))
-
-
-def test_a_planar_scene_takes_two_numbers():
-    scene = read("""
-        [[contact]]
-        position_m = [0.03, 0.0]
-        normal = [-1, 0]
-        [[contact]]
-        position_m = [-0.03, 0.0]
-        normal = [1, 0]
-        [grasp]
-        flexibility_m_per_N = 1e-3
-        preload_m = 0.002
-        [load]
-        force_N = [0.0, -1.0, 0.0]
-    """)
-    grasp = scene.build()
-    assert arrays(grasp).plane is not None
-    assert scene.solve().held
-
-
 @pytest.mark.parametrize(
     ("table", "expected"),
     [
@@ -276,31 +239,11 @@ def test_a_mesh_is_found_beside_the_scene_file(tmp_path):
     np.testing.assert_allclose(mesh.center_of_mass, [0.0025] * 3)
 
 
-def test_the_file_decides_how_to_solve():
-    scene = read(CUBE + "[solve]\nfaces = 12\nseed = 7")
-    solution = scene.solve()
-    again = scene.build().solve(12)
-    np.testing.assert_allclose(solution.forces, again.forces, rtol=1e-9, atol=1e-9)
-
-
-def test_importing_handlcp_does_not_import_pydantic_typer_or_matplotlib():
-    code = (
-        "import handlcp, sys; print(sorted({'pydantic', 'typer', 'rich', 'matplotlib', 'trimesh'} & set(sys.modules)))"
-    )
-    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert out.stdout.strip() == "[]"
-
-
 def test_hands_and_grasps_are_there_without_the_slow_parts_of_scipy():
     slow = "{'scipy.optimize', 'scipy.stats', 'scipy.spatial'}"
     code = f"import handlcp as hl, sys; hl.Hand, hl.Grasp, hl.solve_many; print(sorted({slow} & set(sys.modules)))"
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert out.stdout.strip() == "[]"
-
-
-def test_a_hand_from_a_urdf_needs_no_library(tmp_path):
-    text = CUBE.replace('name = "three_finger"', f'urdf = "{urdf("three_finger")}"')
-    assert isinstance(read(text, tmp_path).build().state.hand, Hand)
 
 
 SOFT = f"""

@@ -1,7 +1,5 @@
 """Frictions of a scene file that are more than a coefficient."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -55,11 +53,6 @@ def test_a_table_by_finger_may_hold_them():
     assert g.contacts[0].friction == hl.Coulomb(0.4)
 
 
-def test_a_contact_may_have_its_own():
-    g = scene("0.4", "friction = {mu = 0.5, mu_torsion_m = 0.005}")
-    assert g.contacts[0].friction == hl.SoftFinger(0.5, 0.005)
-
-
 @pytest.mark.parametrize(
     "text",
     [
@@ -72,11 +65,6 @@ def test_a_contact_may_have_its_own():
 def test_other_tables_are_refused_with_the_key(text):
     with pytest.raises(hl.InputError, match=r"friction(\.mu_torsion_m)?: expected"):
         scene(text)
-
-
-def test_a_nearly_right_table_is_no_table_by_finger():
-    with pytest.raises(hl.InputError, match="mu_torsion_m"):
-        scene("{mu = 0.5, mu_torsion = 0.005}")
 
 
 def test_an_effect_refused_when_the_grasp_is_made_has_the_files_key():

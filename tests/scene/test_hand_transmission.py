@@ -7,7 +7,7 @@ import pytest
 
 from handlcp import Synergies, Tendons
 from handlcp.errors import HandLCPError
-from handlcp.hand import HandGrasp, HandGraspSolution, example_hand
+from handlcp.hand import HandGrasp, example_hand
 from handlcp.scene import read
 from tests.support.hand import is_one_spring_a_joint
 from tests.support.scene_texts import BOX_IN_TWO_FINGERS
@@ -50,13 +50,6 @@ def test_a_scene_file_makes_the_hand_that_the_calls_make(text: str, made: object
     expected = example_hand("two_finger", joint_stiffness=made)
     np.testing.assert_array_equal(grasp.state.hand.joint_compliance, expected.joint_compliance)
     assert not is_one_spring_a_joint(grasp.state.hand)
-
-
-def test_what_the_tendons_do_comes_back() -> None:
-    s = read(HEAD + TENDONS).solve()
-    assert isinstance(s, HandGraspSolution)
-    assert s.effort is not None
-    assert s.effort.names == ("left", "right")
 
 
 @pytest.mark.parametrize(

@@ -1,14 +1,12 @@
 """Contacts on links, as a scene file asks for them: each key is the argument of its name, or refused by its name."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
 from handlcp.errors import InputError, NotReached, SceneFileError, UnknownName
 from handlcp.geometry import Sphere
 from handlcp.hand import example_hand
-from handlcp.scene import keys, read
+from handlcp.scene import read
 from tests.support.scene_texts import BOX_IN_TWO_FINGERS, TWO_CONTACTS
 
 BALL = """
@@ -99,20 +97,6 @@ def test_without_a_command_the_whole_hand_closes_on_the_object_unless_told_not_t
 def test_an_effect_names_contacts_on_links():
     line = f'links = "all"\nclosing_torque_Nm = 0.2\n[effects]\nfinger_force_bound_N = {{ {DISTAL} = 5.0 }}'
     assert [type(e).__name__ for e in ball(line).spec.effects].count("FingerForceBound") == 1
-
-
-def test_hold_object_reaches_the_loading():
-    grasp = ball('links = "all"\nclosing_torque_Nm = 0.2\nhold_object = true')
-    assert "the object is kept in place until the hand has closed" in str(grasp.solve().verdict).replace("\n", " ")
-
-
-def test_the_keys_are_listed_with_what_they_hold():
-    found = {k.path: k for k in keys()}
-    assert '"all"' in found["grasp.links"].expected
-    assert found["grasp.links"].default == '"tips"'
-    assert "joint" in found["grasp.closing_torque_Nm"].expected
-    assert found["grasp.hold_object"].default == "false"
-    assert "link" in found["hand.pad_flexibility_m_per_N"].expected
 
 
 @pytest.mark.parametrize(

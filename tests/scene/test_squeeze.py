@@ -1,15 +1,13 @@
 """How hard the hand of a scene file closes: one of three keys of [grasp], or [posture]; by number or by finger."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
 from handlcp.errors import InputError, SceneFileError, UnknownName
 from handlcp.geometry import Box
 from handlcp.hand import example_hand
-from handlcp.scene import keys, read
-from tests.support.scene_texts import BOX_IN_TWO_FINGERS, TWO_CONTACTS
+from handlcp.scene import read
+from tests.support.scene_texts import BOX_IN_TWO_FINGERS
 
 BOX = Box((0.03, 0.04, 0.06), (0, 0, 0.08))
 
@@ -47,14 +45,6 @@ def test_closing_deeper_by_finger_and_squeezing_by_finger_have_the_same_forces_t
         np.testing.assert_allclose(closed.normal_force, told.normal_force, rtol=within)
 
 
-def test_the_keys_are_listed_with_what_they_hold():
-    found = {k.path: k for k in keys()}
-    for path in ("posture.squeeze_m", "grasp.squeeze_m", "grasp.grip_force_N"):
-        assert "fingertip" in found[path].expected
-        assert found[path].meaning
-    assert found["grasp.squeeze_m"].default == ""
-
-
 @pytest.mark.parametrize(
     ("text", "key"),
     [
@@ -88,10 +78,3 @@ def test_refusals_of_the_package_name_the_key(text, key, kind):
         read(BOX_IN_TWO_FINGERS + text).build()
     assert e.value.argument == key
     assert str(e.value).startswith(f"{key}: ")
-
-
-@pytest.mark.parametrize("key", ["squeeze_m", "grip_force_N"])
-def test_only_a_hand_closes(key):
-    with pytest.raises(SceneFileError) as e:
-        read(f"{TWO_CONTACTS}[grasp]\n{key} = 1.0")
-    assert e.value.argument == f"grasp.{key}"

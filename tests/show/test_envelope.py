@@ -1,7 +1,5 @@
 """Pictures and pages of envelopes show the factors, in the colours of their causes, within the figure."""
 
-from __future__ import annotations
-
 import json
 import re
 from functools import cache
@@ -11,10 +9,11 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import handlcp as hl
-from handlcp.errors import InputError
-from handlcp.viz.envelope.surface import bound_lines, cut_by_plane, divide_mixed_cells, make_surface
+from handlcp.viz.envelope.page import choose_view_axes as facing_weakest
+from handlcp.viz.envelope.surface import cut_by_plane, divide_mixed_cells, make_surface
 from tests.support import squeezed
 from tests.support.browser import opened
+from tests.support.show import ENVELOPE_COLOURS, ENVELOPE_GREYS
 
 NASTY = "</script><script>document.documentElement.dataset.pwned=1</script>"
 MU, GRIP = 0.5, 2.0
@@ -59,12 +58,6 @@ def test_cells_are_divided_where_causes_differ_into_parts_of_one_cause():
     np.testing.assert_allclose(shares, [1 / 6, 1 / 6 + 3 / 8, 1 / 6 + 1 / 8])
 
 
-def test_a_segment_is_divided_in_its_middle():
-    parts, kinds, more = divide_mixed_cells(np.array([(0, 1), (1, 2)]), np.array([0, 1, 1]))
-    assert sorted(zip(parts.tolist(), kinds.tolist(), strict=True)) == [([0, 3], 0), ([1, 2], 1), ([3, 1], 1)]
-    np.testing.assert_array_equal(more, [(0, 1, 0, 1, 0, 1)])
-
-
 def test_a_section_lies_in_its_plane_and_on_the_surface_all_around():
     env = cube()
     s = make_surface(env)
@@ -75,20 +68,6 @@ def test_a_section_lies_in_its_plane_and_on_the_surface_all_around():
         turned = np.cross(lines[:, 0], lines[:, 1]) @ normal
         angle = np.arcsin(turned / np.prod(np.linalg.norm(lines, axis=2), axis=1))
         assert abs(angle).sum() == pytest.approx(2 * np.pi, rel=1e-6)
-
-
-def test_the_bounds_lines_are_outside_the_surface_and_within_the_reach():
-    s = make_surface(cube())
-    lines = bound_lines(s)
-    assert len(lines)
-    assert np.linalg.norm(lines, axis=2).max() <= 1.001 * s.reach
-
-
-def test_directions_that_nothing_joins_have_no_picture():
-    env = pinch(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
-    for draw in (env.plot, env.polar):
-        with pytest.raises(InputError, match="all around or in a plane"):
-            draw()
 
 
 # ---------------------------------------------------------------- pictures
@@ -132,20 +111,6 @@ def test_polar_diagrams_draw_the_factors_in_three_planes_or_in_the_one_asked_for
     assert any(t.get_text().endswith(" N") for t in ax.texts)
 
 
-def test_directions_in_a_plane_are_drawn_as_a_polar_diagram(tmp_path):
-    file = pinch(("xy", 24)).plot(tmp_path / "plane.png")
-    assert file.stat().st_size > 10_000
-    with pytest.raises(InputError, match="plot"):
-        pinch(("xy", 24)).plot(tmp_path / "plane.txt")
-
-
-def test_a_grasp_that_holds_nothing_still_has_a_picture():
-    loose = hl.Grasp([hl.Contact((0, 0, 0), (0, 0, 1), 0.5)], flexibility=1e-3, preload=1e-3)
-    env = hl.envelope(loose, 12)
-    assert (env.factors == 0).all()
-    assert "does not hold without a load" in " ".join(str(t.get_text()) for t in texts(env.plot()))
-
-
 # ---------------------------------------------------------------- pages
 def test_a_browser_draws_the_surface_around_the_object_with_its_causes(tmp_path):
     env = cube()
@@ -174,6 +139,60 @@ def test_a_page_holds_the_surface_and_asks_no_network(tmp_path):
     assert surface["held"][int(np.argmax(env.factors))] == "any"
 
 
-def test_directions_in_a_plane_have_no_page(tmp_path):
-    with pytest.raises(InputError, match="all around"):
-        pinch(("xy", 24)).page(tmp_path / "plane.html")
+# ---------------------------------------------------------------- Colours of an envelope tell causes apart, also for
+
+_TO_XYZ = np.array([[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750],
+                    [0.0193339, 0.1191920, 0.9503041]])  # fmt: skip
+SEEN = {  # Machado, Oliveira and Fernandes (2009), severity 1
+    "everyone": np.eye(3),
+    "no green cones": np.array([[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413],
+                                [-0.011820, 0.042940, 0.968881]]),
+    "no red cones": np.array([[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216],
+                              [-0.003882, -0.048116, 1.051998]]),
+}  # fmt: skip
+LEAST = {"everyone": 13.0, "no green cones": 8.0, "no red cones": 8.0}  # a just noticeable difference is 2.3
+
+
+def lab(colours, seen):
+    """(k, 3) CIE 1976 L*, a*, b* of hexadecimal colours."""
+    rgb = np.array([[int(c[k : k + 2], 16) / 255 for k in (1, 3, 5)] for c in colours])
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    x, y, z = (np.clip(linear @ SEEN[seen].T, 0, 1) @ _TO_XYZ.T / (0.95047, 1.0, 1.08883)).T
+    f, g, h = (np.where(t > 216 / 24389, np.cbrt(t), (24389 / 27 * t + 16) / 116) for t in (x, y, z))
+    return np.stack([116 * g - 16, 500 * (f - g), 200 * (g - h)], axis=1)
+
+
+@pytest.mark.parametrize("seen", SEEN)
+def test_no_two_colours_look_alike(seen):
+    every = [c for shades in ENVELOPE_COLOURS.values() for c in shades] + list(ENVELOPE_GREYS)
+    points = lab(every, seen)
+    apart = np.linalg.norm(points[:, None] - points[None], axis=2) + 1e3 * np.eye(len(every))
+    i, j = np.unravel_index(apart.argmin(), apart.shape)
+    assert apart.min() > LEAST[seen], f"{every[i]} and {every[j]}"
+
+
+def test_kinds_differ_in_hue_and_shades_stay_near_the_hue_of_their_kind():
+    mean = {}
+    for kind, shades in ENVELOPE_COLOURS.items():
+        _, a, b = lab(shades, "everyone").T
+        ways = (a + 1j * b) / np.hypot(a, b)
+        if np.hypot(a, b).max() > 20.0:  # neither grey nor white
+            mean[kind] = np.angle(ways.mean(), deg=True)
+            assert abs(np.angle(ways / ways.mean(), deg=True)).max() < 50.0, kind
+    kinds = list(mean)
+    assert len(kinds) > 3
+    for k, one in enumerate(kinds):
+        for other in kinds[k + 1 :]:
+            assert abs((mean[one] - mean[other] + 180.0) % 360.0 - 180.0) > 25.0, (one, other)
+
+
+@pytest.mark.parametrize("way", [(1, 0, 0), (0, 0, 1), (0, 0, -1), (-0.6, 0.3, -0.7)])
+def test_the_camera_looks_at_the_weakest_direction_upright_and_past_what_is_before_it(way):
+    way = np.array(way) / np.linalg.norm(way)
+    usual, up = np.array([[0, 1, 0], [-0.5, 0, np.sqrt(0.75)], [np.sqrt(0.75), 0, 0.5]]), np.array([0, 0, 1.0])
+    wall = way + 0.4 * np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1.0]])  # a triangle across the direction
+    for solids in (np.zeros((0, 3, 3)), 3.0 * wall[None]):
+        axes = facing_weakest(0.5 * way, usual, up, np.zeros(3), solids)
+        np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
+        assert axes[0] @ up == pytest.approx(0.0, abs=1e-12)
+        assert axes[2] @ way > 0.5

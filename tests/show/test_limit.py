@@ -1,7 +1,5 @@
 """The figure of a load limit shows its path and says what gives out; a table has a row for each load."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np
@@ -66,24 +64,6 @@ def test_where_a_finger_slips_its_friction_is_100_percent():
     drawn = curves(axis(limit.plot(), "Friction"), len(limit.path.factors))
     assert "slips" in [e.kind for e in limit.events]
     assert max(line.get_ydata()[-1] for line in drawn) == pytest.approx(100.0, rel=1e-6)
-
-
-def test_the_limit_its_cause_and_the_load_are_named():
-    limit = found("hand")
-    figure = limit.plot(title="A cube")
-    said = words_of(figure)
-    assert limit.why.split(",")[0] in said
-    assert "finger_1_proximal reaches its torque limit" in said
-    assert "force +x" in said
-    assert "begin to slip" in said
-    assert "limit" in [text.get_text() for ax in figure.axes for text in ax.texts]
-
-
-def test_torque_at_its_limit_is_drawn_at_100_percent():
-    limit = found("hand")
-    ax = axis(limit.plot(), "Joint torque")
-    ends = [line.get_ydata()[-1] for line in curves(ax, len(limit.path.factors))]
-    assert max(ends) == pytest.approx(100.0, rel=1e-6)
 
 
 @pytest.mark.parametrize("name", ["hand", "moment", "soft", "without limit"])

@@ -2,8 +2,6 @@
 contact; lines from labels do not cross.
 """
 
-from __future__ import annotations
-
 from itertools import combinations
 
 import numpy as np
@@ -13,9 +11,19 @@ from matplotlib.patches import Polygon
 from matplotlib.text import Text
 
 from handlcp.viz.picture.figure import draw_solution
-from handlcp.viz.style import shorten_names
-from tests.show.picture_cases import CASES, LONG, case
+from tests.show.picture_cases import CASES, case
 from tests.support import patches
+
+EASY = {f"paper/{name}" for name in ("hard_finger", "partially_known_forces", "total_bound", "soft_finger")} | {
+    "ball_five_fingers",
+    "cube_three_fingers",
+    "frictionless",
+    "pure_torque",
+    "bare_hand",
+    "eight_on_table",
+}
+
+HARD = [name for name in CASES if name not in EASY]
 
 
 @pytest.fixture(autouse=True)
@@ -55,18 +63,11 @@ def cross(a, b, c, d):
     return side(a, b, c) * side(a, b, d) < -1e-6 and side(c, d, a) * side(c, d, b) < -1e-6
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", HARD)
 def test_every_word_can_be_read_and_no_lines_cross(name):
     figure, renderer = drawn(name)
     words_stand_alone(figure, renderer)
     lines_stand_alone(figure.axes[0], renderer)
-
-
-def test_no_words_are_too_small():
-    for name in ("long_names", "psyonic_grasp", "allegro_pinch"):
-        figure, _ = drawn(name)
-        sizes = [t.get_fontsize() for ax in figure.axes for t in ax.texts] + [t.get_fontsize() for t in figure.texts]
-        assert min(sizes) >= 7.5
 
 
 def words_stand_alone(figure, renderer):
@@ -128,12 +129,3 @@ def test_a_label_has_the_normal_force_and_the_friction_of_its_contact():
         assert normal == pytest.approx(f[2], rel=5e-3)
         assert friction == pytest.approx(np.hypot(f[0], f[1]), rel=5e-3)
         assert verb == {"sticking": "sticks", "sliding": "slides"}[state]
-
-
-def test_long_names_keep_what_tells_them_apart():
-    assert shorten_names(LONG, 24) == ["…index…", "…middle…", "…thumb…"]
-    assert shorten_names(["short", "as long as it may be"], 20) == ["short", "as long as it may be"]
-    alike = shorten_names(["a" * 40, "a" * 60, "b" * 50], 20)
-    assert len(set(alike)) == 3
-    assert all(len(name) <= 20 for name in alike)
-    assert shorten_names([], 10) == []

@@ -1,17 +1,19 @@
 """Whatever an answer prints fits 80 columns, in units that people read, without rounding noise."""
 
-from __future__ import annotations
-
+import io
 import pathlib
 import re
 from functools import cache
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 import handlcp as hl
+from handlcp import Contact, Frictionless, Grasp, words as units
 from handlcp.scene import load
 from handlcp.studies.accuracy import accuracy_cost
+from handlcp.viz import terminal_table as tables
 from tests.support.show import html
 
 ROOT = pathlib.Path(__file__).parents[2] / "examples"
@@ -87,22 +89,6 @@ def test_names_longer_than_a_line_are_broken_over_lines():
     fits(pinch(names=(LONG, LONG[::-1]), pull=0.999).follow(steps=4))
 
 
-def test_many_contacts_are_a_row_each():
-    angles = np.linspace(0, 2 * np.pi, 24, endpoint=False)
-    contacts = [hl.Contact((0.03 * np.cos(a), 0.03 * np.sin(a), 0), (-np.cos(a), -np.sin(a), 0)) for a in angles]
-    s = hl.Grasp(contacts, (0, 0, -2, 0, 0, 0), flexibility=1e-4, preload=1e-3).solve("cone")
-    rows = [line for line in fits(s).splitlines() if line.startswith("finger ") and "sticking" in line]
-    assert len(rows) == 24
-    assert len({row.index("sticking") for row in rows}) == 1, "states stand in a column"
-
-
-def test_soft_fingers_and_surroundings_have_their_columns():
-    soft = pinch(hl.SoftFinger(0.5, 0.01)).solve("cone")
-    fits(soft, "moment", "N·m")
-    table = load(ROOT / "box_on_table.toml").build().solve("cone")
-    assert fits(table, "table 4").count("contact") >= 1
-
-
 def test_a_solution_without_an_answer_says_why_and_prints_no_numbers():
     lost = pinch(pull=100.0).solve(throw=False)
     fits(lost, "NOT HELD")
@@ -118,14 +104,6 @@ def test_nothing_that_is_rounding_is_printed_as_a_number():
     text = fits(s)
     assert "moves (0, 0, 0)" in text
     assert re.search(r"sticking\s+10\.00\s+0\.00", text), "the friction of a pinch without a load"
-
-
-def test_what_stands_in_one_sentence_has_one_unit():
-    """The can's three fingers that slide do so by 0.03 to 0.2 mm."""
-    _, s = solved(ROOT / "psyonic_grasp.toml")
-    (said,) = s.verdict.about("contacts")
-    assert len(said.values["sliding_m"]) == 3
-    assert set(re.findall(r"[µm]?m\b", said.sentence)) == {"mm"}
 
 
 @pytest.mark.parametrize(("size", "unit"), [(1e-4, "mN"), (1e-6, "µN"), (1.0, "N"), (1e5, "kN")])
@@ -147,3 +125,58 @@ def test_friction_that_is_all_but_used_up_is_a_warning_beside_held():
     calm = pinch(pull=0.5 * 2 * 0.5 * 10.0).solve("cone").verdict
     assert "50 %" in calm.text
     assert [r.severity for r in calm.about("friction")] == ["note"]
+
+
+# ---------------------------------------------------------------- Tables and numbers for people
+
+
+def printed(table, width=80):
+    out = io.StringIO()
+    Console(file=out, width=width).print(table)
+    return out.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("metres", "text"),
+    [
+        (4.2e-4, "0.42 mm"),
+        (1.23e-5, "12 µm"),
+        (2.5e-7, "0.25 µm"),
+        (1e-13, "0 mm"),
+        (0.0, "0 mm"),
+        (0.1, "100 mm"),
+        (np.nan, "–"),
+    ],
+)
+def test_lengths_in_millimetres_or_micrometres(metres, text):
+    assert units.format_length(metres) == text
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (units.format_force(1.5283), "1.53 N"),
+        (units.format_force(12345.6), "12346 N"),
+        (units.format_torque(0.30066), "0.301 N·m"),
+        (units.format_torque(0.0042), "4.2 mN·m"),
+        (units.format_torque(0.0), "0 N·m"),
+        (units.format_percent(0.376), "38 %"),
+        (units.format_percent(0.0612), "6.1 %"),
+        (units.format_percent(0.0), "0 %"),
+        (units.format_percent(np.nan), "–"),
+        (units.format_angle(np.radians(0.58)), "0.58°"),
+    ],
+)
+def test_numbers_fit_their_size(call, text):
+    assert call == text
+
+
+def test_names_with_brackets_are_printed_as_they_are():
+    contacts = [
+        Contact((0.03, 0, 0), (-1, 0, 0), name="[red]thumb[/red]"),
+        Contact((-0.03, 0, 0), (1, 0, 0), Frictionless()),
+    ]
+    grasp = Grasp(contacts, None, flexibility=1e-3, preload=1e-3)
+    text = printed(tables.contact_table(grasp.solve()))
+    assert "[red]thumb[/red]" in text
+    assert "–" in text, "no friction limit for a frictionless contact"

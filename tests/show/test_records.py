@@ -1,8 +1,8 @@
 """Records, every class of them: plain data that JSON brings back, with shapes and units as they are described."""
 
-from __future__ import annotations
-
+import builtins
 import json
+import sys
 import tomllib
 from dataclasses import replace
 from functools import cache
@@ -83,7 +83,7 @@ EXAMPLES = {
     "Explanation": lambda: held().explain(),
     "Suggestions": lambda: held().suggest(),
     "Required": lambda: pinch(squeeze=0.0).required_preload(tolerance=0.5),
-    "LoadLimit LimitEvent Reached Cause": lambda: held().load_limit(PUSH, geometry="fixed"),
+    "LoadLimit LimitEvent Reached FailureMode": lambda: held().load_limit(PUSH, geometry="fixed"),
     "LoadLimit, of points": lambda: pinch().load_limit(PUSH),
     "Margins Least Closure WrenchSpace": lambda: held(wrench=PUSH).margins(),
     "RequiredStiffness": lambda: held().required_stiffness(2e-3, tolerance=0.5),
@@ -104,7 +104,7 @@ EXAMPLES = {
     "SplitCylinder Grip": lambda: hl.split_cylinder(hand(), 0.05, grasps=["pinch"]),
     "FingerStrength FingerForce": lambda: hl.finger_strength(hand()),
     "SlipResistance": lambda: hl.slip_resistance(pinch(), (0, 0, 1)),
-    "LiftAndShake Shaken": lifted,
+    "LiftAndShake ShakenObject": lifted,
     "Evaluation ObjectCase": lambda: hl.evaluate(hand(), hl.Brief({"ball": hl.Sphere(0.03, mass=0.1)}, tries=2)),
     "Best Kink": lambda: replace(optima.run(budget=2), kinks=(hl.Kink("force", "payload by force …", 1.0, 2.0),)),
     "Envelope, of wrenches": lambda: hl.envelope(pinch(), np.eye(6)),
@@ -168,3 +168,38 @@ def test_what_is_in_a_record_has_the_shape_and_the_unit_that_it_is_described_wit
                 assert one.unit == record.unit, where
             elif one.unit and "." not in one.path:
                 assert all(unit in doc_of(record, one.path) for unit in one.unit.split(", ")), where
+
+
+# ---------------------------------------------------------------- tables
+def test_a_solution_is_a_table_of_its_contacts_and_one_of_its_joints():
+    pytest.importorskip("pandas")
+    s = held().solve()
+    contacts, joints = s.to_frame(), s.to_frame("joints")
+    assert contacts.index.tolist() == list(s.names)
+    np.testing.assert_array_equal(contacts[["x_N", "y_N", "z_N"]], s.forces)
+    np.testing.assert_array_equal(contacts["friction_used"], s.friction_used)
+    assert contacts["state"].tolist() == list(s.contact_state)
+    assert joints.index.tolist() == list(hand().joint_names)
+    np.testing.assert_array_equal(joints["torque_Nm"], s.torques)
+    np.testing.assert_array_equal(joints["margin_Nm"], s.torque_margin)
+    loading = held().follow(steps=4)
+    steps = loading.to_frame()
+    np.testing.assert_array_equal(steps["finger_1_tip.force_z"], loading.steps.forces[:, 0, 2])
+    np.testing.assert_array_equal(steps["finger_1_distal.torque"], loading.steps.torques[:, 1])
+    many = hl.solve_many([pinch(), pinch(squeeze=0.0)])
+    np.testing.assert_array_equal(many.to_frame()["finger 1.force_z"], many.forces[:, 0, 2])
+
+
+def test_without_pandas_the_extra_is_named(monkeypatch):
+    pytest.importorskip("pandas")
+    s, real = pinch().solve(), builtins.__import__
+
+    def hidden(name, *rest, **more):
+        if name.partition(".")[0] == "pandas":
+            raise ImportError(name)
+        return real(name, *rest, **more)
+
+    monkeypatch.delitem(sys.modules, "pandas")
+    monkeypatch.setattr(builtins, "__import__", hidden)
+    with pytest.raises(hl.Unsupported, match=r"pip install .pandas"):
+        s.to_frame()

@@ -1,7 +1,5 @@
 """The picture of a reliability shows every sample once, and what matters in its order."""
 
-from __future__ import annotations
-
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 

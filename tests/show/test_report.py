@@ -1,7 +1,5 @@
 """The page of hands beside each other: what stands on it, and that nothing is loaded from anywhere."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np
@@ -11,10 +9,10 @@ import handlcp as hl
 from handlcp.design.evaluation import ObjectCase
 from handlcp.hand.vary.vary import hand_number, hand_numbers, number_unit
 from handlcp.viz.picture.figure import draw_comparable_pictures
-from handlcp.viz.report.report import compare_hands, describe_better_hands, describe_brief, mark_best
+from handlcp.viz.report.report import compare_hands, describe_better_hands, mark_best
 from tests.support.design import reported_by
 
-BRIEF = hl.Brief({"a <b> ball": hl.Sphere(0.03, mass=0.1)}, loads={"pull": (1.0, 0, 0, 0, 0, 0)}, tries=8)
+BRIEF = hl.Brief({"a <b> ball": hl.Sphere(0.03, mass=0.1)}, loads={"pull": (1.0, 0, 0, 0, 0, 0)}, tries=3)
 LONG = {f"finger_{k}_distal.length": 0.042 for k in (1, 2, 3)}
 
 
@@ -63,18 +61,6 @@ def test_what_differs_has_names_of_vary_with_the_values_of_each_hand(hands):
     assert compare_hands({"one": hands["short"], "other": hands["short"]}) == []
 
 
-def test_where_joints_stand_how_they_turn_and_how_far_is_told_too():
-    one, other = hl.finger_hand(2), hl.finger_hand(2, angles=(0.0, 3.0), tilt={"finger_1": 0.1}, ranges=(-0.4, 1.5))
-    rows = {row[0]: row[1:] for row in compare_hands({"one": one, "other": other})}
-    assert rows["position of finger_2_proximal"] == ("(-40, 0, 0) mm", "(-39.6, 5.645, 0) mm")
-    assert rows["roll, pitch, yaw of finger_1_proximal"] == ("(0, 0, 0)°", "(0, 5.73, 0)°")
-    assert rows["range of finger_1_proximal, finger_2_proximal"] == ("-0.5 to 1.6", "-0.4 to 1.5")
-    longer = compare_hands({"one": one, "other": one.vary({"finger_1_proximal.length": 0.06})})
-    assert [row[0] for row in longer if "size" not in row[0]] == ["length of finger_1_proximal"], (
-        "and nothing that follows"
-    )
-
-
 def test_what_was_not_followed_to_its_end_is_told_as_at_least(page):
     held = ObjectCase("HELD", {"weight": "HELD", "pull": "HELD"}, {"weight": 2.0, "pull": 2.5}, 0.4, "it slips")
     assert (held.times("weight"), held.times("pull"), held.mass) == ("2", "≥ 2.5", "0.4 kg")
@@ -89,12 +75,6 @@ def test_the_numbers_of_a_hand_are_those_that_vary_gives_it(hands):
     assert hand_number(hands["long & stiff"], "joint_stiffness") == 2.0
     with pytest.raises(hl.InputError, match="finger_1_proximal"):
         hand_number(hands["short"], "finger_9.length")
-
-
-def test_the_brief_is_told_in_words():
-    said = "\n".join(describe_brief(BRIEF))
-    for fact in ("a <b> ball, a ball 60 mm across of 0.1 kg", "“pull”: (1, 0, 0) N", "coefficient 0.6", "1 times"):
-        assert fact in said
 
 
 def test_only_numbers_that_differ_have_a_best():
@@ -126,15 +106,3 @@ def test_a_grasp_that_there_is_none_of_has_no_picture_and_equal_ones_the_same(fo
 def test_what_is_no_hand_among_hands_is_named(hands, tmp_path):
     with pytest.raises(hl.InputError, match=r"hands\[1\]: expected a Hand, got 'x'"):
         hl.report([hands["short"], "x"], BRIEF, tmp_path / "report.html")
-
-
-@pytest.mark.parametrize("given", [[], hl.Sphere(0.03), "hands"])
-def test_what_are_no_hands_is_told(given, tmp_path):
-    with pytest.raises(hl.InputError, match="at least two hands"):
-        hl.report(given, BRIEF, tmp_path / "report.html")
-
-
-def test_a_page_that_is_none_is_told_before_anything_is_evaluated(hands, tmp_path):
-    for path in ("report.pdf", tmp_path / "nowhere" / "report.html", None):
-        with pytest.raises(hl.InputError, match="path"):
-            hl.report(hands, BRIEF, path)

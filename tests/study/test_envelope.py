@@ -1,8 +1,5 @@
 """Envelopes: closed forms of a pinch, mirror images, single limits, linear programs, the force polytope of a finger."""
 
-from __future__ import annotations
-
-import pickle
 from functools import cache
 
 import numpy as np
@@ -71,10 +68,6 @@ def test_no_direction_holds_any_load_where_torque_limits_alone_end_it(monkeypatc
     assert env.plot(tmp_path / "undecided.png").stat().st_size > 10_000
     free = hl.envelope(pinch(), [(1, 0, 0)])
     assert np.isinf(free.factors).all()  # pressed on a finger, nothing ever ends it
-
-
-def test_what_prints_says_what_stays_where_it_is():
-    assert 'geometry="followed"' in str(hl.envelope(pinch(), ("yz", 6)))
 
 
 def test_a_force_beside_the_centre_is_a_wrench():
@@ -188,12 +181,6 @@ def test_the_border_between_two_causes_becomes_sharp():
     np.testing.assert_allclose(apart, 15.0 / 2**4, rtol=1e-6)
 
 
-def test_directions_that_are_given_stay_as_they_are():
-    assert (
-        len(hl.envelope(cube(), geometry="fixed", directions=[(1, 0, 0), (0, 1, 0), (0, 0, -3)], faces=8).factors) == 3
-    )
-
-
 def test_shares_are_those_of_the_solid_angle():
     env = of_cube(42, 1)
     assert env.shares.sum() == pytest.approx(1.0)
@@ -287,48 +274,6 @@ def test_the_bound_of_torques_alone_is_the_force_polytope_of_the_finger():
     np.testing.assert_allclose(env.bound, radius, rtol=1e-6)
 
 
-# ---------------------------------------------------------------- as data
-def test_the_record_says_what_the_envelope_does():
-    env = of_cube(42, 1)
-    told = env.to_dict()
-    np.testing.assert_array_equal(told["directions"], env.directions)
-    np.testing.assert_array_equal(told["force_N"], env.factors)
-    np.testing.assert_array_equal(told["bound_force_N"], env.bound)
-    np.testing.assert_array_equal(told["triangles"], env.triangles)
-    who = [tuple((b["kind"], b["who"]) for b in told["causes"][k]["binds"]) for k in told["cause"]]
-    assert [set(w) for w in who] == [{(b.kind, b.who) for b in binds} for binds in env.binds]
-    assert told["weakest"]["force_N"] == env.factors.min()
-
-
-def test_what_prints_fits_the_line_and_names_the_weakest_direction():
-    text = str(of_cube(42, 1))
-    assert max(map(len, text.splitlines())) <= 80
-    assert f"{of_cube(42, 1).weakest.factor:.3g} N" in text
-
-
-def test_an_envelope_can_be_pickled():
-    env = of_cube(12)
-    again = pickle.loads(pickle.dumps(env))
-    np.testing.assert_array_equal(again.factors, env.factors)
-    np.testing.assert_array_equal(again.bound, env.bound)
-    assert again.binds == env.binds
-    assert str(again) == str(env)
-
-
-def test_a_grasp_that_does_not_hold_without_a_load_says_so():
-    loose = hl.Grasp([hl.Contact((0, 0, 0), (0, 0, 1), 0.5)], flexibility=1e-3, preload=1e-3)
-    env = hl.envelope(loose, geometry="fixed", directions=12)
-    assert (env.factors == 0.0).all()
-    assert "does not hold without a load" in str(env)
-
-
-def test_progress_counts_the_directions():
-    seen = []
-    env = hl.envelope(pinch(), ("yz", 9), progress=lambda done, total: seen.append((done, total)))
-    assert seen[-1] == (9, 9)
-    assert len(env.factors) == 9
-
-
 # ---------------------------------------------------------------- planar scenes, bad input
 def flat():
     sides = [hl.Contact((-R, 0), (1, 0), MU), hl.Contact((R, 0), (-1, 0), MU)]
@@ -370,15 +315,3 @@ def test_in_a_plane_directions_go_around_it():
 def test_bad_input_is_named(asked, argument):
     with pytest.raises(hl.InputError, match=f"^{argument}"):
         hl.envelope(pinch(), **({"directions": 12} | asked))
-
-
-def test_a_planar_scene_refuses_directions_out_of_its_plane():
-    with pytest.raises(hl.InputError, match="in its plane"):
-        hl.envelope(flat(), "xz")
-    with pytest.raises(hl.InputError, match="normal of a planar scene"):
-        hl.envelope(flat(), "xy", of="torque")
-
-
-def test_only_grasps_have_envelopes():
-    with pytest.raises(hl.InputError, match="grasp"):
-        hl.envelope("cube")

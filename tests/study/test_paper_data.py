@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from handlcp.studies.paper import NUMBERS, Mark, Number, example, mark_of, raw, table
+from handlcp.studies.paper import NUMBERS, Mark, Number, example, mark_of, table
 from tests.support.grasp import arrays
 
 # Numbers printed in Tables 1 to 10, counted in the paper
@@ -54,10 +54,6 @@ def test_golden_tables_are_the_ones_agreed_on() -> None:
     }
 
 
-def test_the_paper_is_cited() -> None:
-    assert "Sensors 2025, 25(7), 2309" in raw()["source"]
-
-
 @pytest.mark.parametrize("number", [3, 4, 5])
 def test_the_cube_weighs_five_newtons_at_its_centre(number: int) -> None:
     scene = arrays(example(number).grasp)
@@ -67,11 +63,6 @@ def test_the_cube_weighs_five_newtons_at_its_centre(number: int) -> None:
     assert faces.all(), "every contact lies on the cube's surface"
     inward = np.einsum("ij,ij->i", scene.frames[:, :, 2], 0.5 - scene.positions)
     assert (inward > 0).all()
-
-
-def test_the_known_finger_of_example_2_pushes_with_the_printed_components() -> None:
-    solution = example(2).grasp.solve(4)
-    np.testing.assert_allclose(solution.forces_world[0], [7.07, 7.07, 0], atol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """The command: every printed number within 80 columns, strict JSON, and 0 only when the golden numbers match."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Tables 1 to 10: the golden ones to every printed digit, the others with what their forces miss."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

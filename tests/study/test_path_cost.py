@@ -42,14 +42,6 @@ def test_the_error_that_follow_was_asked_for_is_kept_where_steps_are_short_for_o
     assert asked.accuracy <= 5e-3
 
 
-def test_it_prints_and_draws(tmp_path):
-    said = str(cost())
-    assert "the estimate is below the true error in 0 of 2 rows" in " ".join(said.split())
-    assert max(map(len, said.splitlines())) <= 80
-    assert cost().plot(tmp_path / "cost.png", title="A cube").stat().st_size > 20_000
-    assert [r.question for r in cost().rows] == ["follow"] * 2 + ["load_limit"] * 2
-
-
 def test_in_one_posture_steps_come_near_the_limit_that_is_found_from_event_to_event():
     fixed = hl.path_cost(cube(), ASIDE, geometry="fixed", times=(1, 4), repeats=1)
     exact = cube().load_limit(ASIDE, geometry="fixed").factor

@@ -1,7 +1,5 @@
 """Tests that others publish: closed forms of a parallel gripper, levers and pinches; finite differences of tips."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -11,7 +9,6 @@ from tests.design.hands import pinch as levers
 from tests.hand.levers import L
 from tests.support.published import gripper
 from tests.support.squeezed import MU, G, K, N, R, pinch as two_points
-from tests.support.texts import says
 
 DOWN = np.array([0.0, 0.0, 1.0])
 FORCE, WIDE, PAD = 10.0, 0.05, 1e-5  # of the jaws [N]; of the ball [m]; of the jaws' pads [m/N]
@@ -79,20 +76,6 @@ def test_a_tendon_with_a_pretension_gives_out_at_what_is_left_of_its_limit():
     shares = 1.0 / (1.0 + 6.0 / (1e6 * arm**2))  # of a torque that tendons bear beside springs of 6 N·m/rad
     assert {row.binds for row in pulled.rows} == {f"tendon finger_{k}_proximal" for k in (1, 2, 3)}
     assert pulled.weakest.force == pytest.approx(turned.weakest.force / shares, rel=1e-6)
-
-
-def test_a_finger_that_has_crossed_the_middle_presses_on():
-    """The way that closes the hand stays the same, wherever the tip has come to."""
-    hand = three()
-    rows = hl.finger_strength(hand, ["finger_1_tip"], postures={"open": hand.neutral, "across": np.full(hand.nv, 0.5)})
-    assert all((row.torques[:2] > 0.0).all() for row in rows.rows)
-
-
-def test_without_a_known_limit_any_force_is_an_answer():
-    found = hl.finger_strength(three(torque_limits=np.inf), ["finger_1_tip"])
-    assert np.isinf(found.weakest.force)
-    assert found.to_dict()["weakest"]["force_N"] is None
-    assert "any" in str(found)
 
 
 # ---------------------------------------------------------------- slip resistance
@@ -208,14 +191,3 @@ def test_bad_questions_are_refused(tmp_path):
             call()
     with pytest.raises(hl.UnknownName, match="fingertip"):
         hl.finger_strength(hand, ["thumb"])
-
-
-def test_what_prints_has_the_forces_the_masses_and_what_gives_out(tmp_path):
-    found = hl.finger_strength(three(), ["finger_1_tip"])
-    says(str(found), "finger_1_proximal", f"{found.weakest.force:.3g}")
-    pulled = hl.slip_resistance(two_points(), DOWN)
-    says(str(pulled), f"{2 * MU * N:.3g} N")
-    row = shake_grasp(ball(tmp_path, 0.4), "sphere", WIDE, DOWN)
-    says(str(row), "0.4 kg", "held", "0.771 kg")
-    for text in (str(found), str(pulled)):
-        assert max(map(len, text.splitlines())) <= 80

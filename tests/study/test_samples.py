@@ -1,7 +1,5 @@
 """The grasps of samples are those that the public names make, one change at a time."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -40,11 +38,6 @@ def test_friction_mass_and_load_are_those_of_replace(nominal):
     made = grasp_with(nominal, friction=0.7, mass=0.25, load=2.0)
     same(made, nominal.replace(friction=0.7, mass=0.25).replace(load=2 * np.array(PULL)))
     assert made.target.mass == 0.25
-
-
-def test_friction_of_one_contact_is_that_of_replace(nominal):
-    made = grasp_with(nominal, friction={"finger_2_tip": 0.75})
-    same(made, nominal.replace(friction={"finger_2_tip": 0.75}))
 
 
 def test_a_squeeze_is_a_share_of_the_command(nominal):
@@ -115,14 +108,6 @@ def test_contacts_slide_on_a_ball_and_their_normals_turn():
     np.testing.assert_allclose(R[:, 2], -away / np.linalg.norm(away), atol=1e-12)
     np.testing.assert_allclose(R.T @ R, np.eye(3), atol=1e-12)
     assert np.linalg.norm(p - held.spec.positions[2]) == pytest.approx(np.hypot(3e-3, 2e-3), rel=1e-2)
-
-
-def test_the_medians_of_all_that_varies_make_the_nominal_grasp(nominal):
-    values = dict(friction=0.8, stiffness=1.0, pads=1.0, mass=0.2, load=1.0, squeeze=1.0)
-    still = dict(
-        positions=dict.fromkeys(HAND.fingertips, (0.0, 0.0)), posture=dict.fromkeys(HAND.joint_names, 0.0)
-    )  # fmt: skip
-    same(grasp_with(nominal, **values, **still), nominal)
 
 
 def test_fingers_whose_weight_counts_are_weighed_in_the_posture_of_the_sample():

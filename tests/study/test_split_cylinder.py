@@ -1,7 +1,5 @@
 """A split cylinder: closed forms of the force across it, a scan of all splits, levers at their torque limit."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np
@@ -12,7 +10,6 @@ import handlcp as hl
 from handlcp.studies.grip_strength.measure import close_with_full_torque
 from handlcp.studies.grip_strength.split_force import ContactsAroundAxis
 from tests.hand.levers import L, lever_hand, lever_pinch
-from tests.support.texts import says
 
 R, N, MU, K = 0.025, 3.0, 0.5, 1e-3  # radius [m], grip [N], friction, flexibility [m/N]
 Z, ORIGIN = (0, 0, 1), (0, 0, 0)
@@ -126,9 +123,8 @@ def test_levers_press_with_their_torque_over_their_length(tmp_path, most):
     assert around.split_force((1, 0, 0)) == pytest.approx(most / L, rel=1e-4)
 
 
-@pytest.mark.parametrize(("name", "diameter"), [("two_finger", 0.03), ("three_finger", 0.05)])
-def test_a_little_more_grip_is_over_a_limit_and_a_little_less_is_held(name, diameter):
-    pinch = of_hand(name, diameter, 10.0 if name == "two_finger" else 6.0).pinch
+def test_a_little_more_grip_is_over_a_limit_and_a_little_less_is_held():
+    pinch = of_hand("three_finger").pinch
     assert pinch.word == "HELD"
     assert {b.kind for b in pinch.binds} == {"torque"}
     check = pinch.solution.torque_check
@@ -143,7 +139,7 @@ def test_a_motor_with_half_the_torque_presses_half_as_hard():
     """In the same grasp; a search by a weaker hand may find another one."""
     hand = hl.example_hand("three_finger", joint_stiffness=200.0)  # stiff: the motions are small
     cylinder = hl.Cylinder(0.025, 0.15, mass=0.0)
-    found = hl.find_grasp(hand, cylinder, gravity=(0, 0, 0), tries=6)[0]
+    found = hl.find_grasp(hand, cylinder, gravity=(0, 0, 0), tries=3)[0]
     grip, pressed = np.array(found.grasp.spec.asked.grip_force), []
     for limits in (hand.torque_limits, 0.5 * hand.torque_limits):
         grasp = hand.replace(torque_limits=limits).at(found.q).grasp(found.object, gravity=(0, 0, 0), grip_force=grip)
@@ -184,12 +180,6 @@ def test_a_power_grasp_presses_all_around_with_all_its_torque():
 
 
 # ---------------------------------------------------------------- as text and as a picture
-def test_what_prints_has_the_force_its_range_and_the_cause():
-    found = of_hand("three_finger")
-    text = str(found)
-    assert max(map(len, text.splitlines())) <= 80
-    facts = [f"{x:.3g} N" for x in (found.pinch.force, found.pinch.least, found.pinch.largest)]
-    says(text, *facts, found.pinch.binds[0].who)
 
 
 @pytest.mark.long

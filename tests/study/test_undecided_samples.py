@@ -1,7 +1,5 @@
 """Samples that move farther than one solve can tell anything of: neither held nor not, and the answer says so."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -74,14 +72,6 @@ def test_samples_as_rows_are_undecided_where_their_own_solutions_are(make):
     assert counts["UNDECIDED"] > 2
 
 
-def test_samples_that_move_no_farther_than_small_leave_nothing_undecided():
-    sure = hl.reliability(ball(0.3), SPREAD, 64, workers=1)
-    assert not sure.outcomes.far.any()
-    assert sure.chance_held.undecided == 0.0
-    assert "undecided" not in str(sure)
-    assert np.isfinite(sure.margin).all()
-
-
 def test_samples_of_which_some_are_undecided_hold_at_least_so_often_and_the_interval_counts_the_others_as_unknown():
     sure = hl.reliability(cube(1.0), {"mass": 0.4, "friction": 0.1}, 64, workers=1)
     chance, counts = sure.chance_held, sure.counts
@@ -89,12 +79,3 @@ def test_samples_of_which_some_are_undecided_hold_at_least_so_often_and_the_inte
     assert chance.value == pytest.approx((counts["HELD"] + counts["OVER LIMIT"]) / 64)
     assert chance.high >= chance.value + counts["UNDECIDED"] / 64 - 1e-12
     assert f"at least {100 * chance.value:.1f} %, undecided {100 * counts['UNDECIDED'] / 64:.1f} %" in str(chance)
-
-
-def test_a_picture_has_undecided_samples_apart_from_those_that_are_not_held():
-    pytest.importorskip("matplotlib")
-    left = hl.reliability(ball(1.1), SPREAD, 64, workers=1).plot().axes[0]
-    said = " ".join(t.get_text() for t in left.texts)
-    assert "undecided" in said
-    assert "not held" not in said
-    assert sum(bar.get_height() for bar in left.patches) == pytest.approx(100.0)

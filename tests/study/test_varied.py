@@ -1,7 +1,5 @@
 """Numbers of a hand by the names of `vary`: the same grasp with others, derivatives by them, and chances."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

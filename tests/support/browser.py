@@ -6,7 +6,6 @@ import re
 import shutil
 import subprocess
 from html.parser import HTMLParser
-from pathlib import Path
 
 import pytest
 
@@ -17,36 +16,36 @@ _OPTIONS = ["--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swif
 class Opened(HTMLParser):
     """A page after its scripts ran. told : what they noted on the root. words : text by the id of what it stands in."""
 
-    def __init__(self, source: str) -> None:
+    def __init__(self, source):
         super().__init__()
         self.source, self.told, self.words = source, dict[str, str](), dict[str, str]()
         self._open: list[tuple[str, str]] = []
         self.feed(source)
 
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+    def handle_starttag(self, tag, attrs):
         known = {name: value or "" for name, value in attrs}
         if tag == "html":
             self.told = {name.removeprefix("data-"): value for name, value in known.items()}
         if tag not in ("meta", "input", "img", "br", "wbr", "link"):
             self._open.append((tag, known.get("id", "")))
 
-    def handle_endtag(self, tag: str) -> None:
+    def handle_endtag(self, tag):
         while self._open and self._open.pop()[0] != tag:
             pass
 
-    def handle_data(self, data: str) -> None:
+    def handle_data(self, data):
         for _, name in self._open:
             if name:
                 self.words[name] = self.words.get(name, "") + data
 
-    def hidden(self, name: str) -> bool:
+    def hidden(self, name):
         """Whether the element with this id is not shown."""
         found = re.search(rf'<[^>]*\bid="{name}"[^>]*>', self.source)
         assert found, name
         return bool(re.search(r"\bhidden\b", found.group()))
 
 
-def opened(page: Path, folder: Path, at: str = "") -> Opened:
+def opened(page, folder, at=""):
     """The page as a browser shows it; the test is skipped where there is no browser. at : behind the #."""
     browser = next((found for name in _BROWSERS if (found := shutil.which(name))), None)
     if browser is None:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 
 class Ticking:
     """In place of the module `time`: every look at it takes so many seconds, and nothing else takes any."""
 
-    def __init__(self, tick: float) -> None:
+    def __init__(self, tick):
         self.now, self.tick = 0.0, tick
 
-    def perf_counter(self) -> float:
+    def perf_counter(self):
         """A look [s]."""
         self.now += self.tick
         return self.now
@@ -19,7 +17,7 @@ class Ticking:
     monotonic = perf_counter
 
 
-def a_quarter_less(runs: dict[int, Callable[[], bool]]) -> dict[int, float]:
+def a_quarter_less(runs):
     """Times of runs, each run once: two seconds for everything (-1), half a second less without an effect (≥ 0); none
     for a run that ends in no answer.
     """

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import inspect
 import sys
-from typing import Any
-
-import numpy as np
 
 import handlcp as hl
 from handlcp.grasp import effect_kinds
@@ -26,54 +23,54 @@ KINDS: dict[str, type] = {
 }
 
 
-def kinds_in_the_catalogue() -> tuple[type, ...]:
+def kinds_in_the_catalogue():
     """Those that follow from the data, then those asked for by name."""
     return effect_kinds()
 
 
-def page_of(kind: type) -> str:
+def page_of(kind):
     """The text of the file in which an effect is."""
     return inspect.getsource(sys.modules[kind.__module__])
 
 
-def entry_for(kind: type) -> EffectDescription:
+def entry_for(kind):
     """What the catalogue prints of an effect."""
     return describe_effect(kind)
 
 
-def made_up_entry(in_python: str) -> EffectDescription:
+def made_up_entry(in_python):
     """An entry of nothing but what to type."""
     return EffectDescription("x", "", "", in_python, "", "", "", "handlcp.x")
 
 
 # ---------------------------------------------------------------- compliances
-def compliances() -> list[type]:
+def compliances():
     """The effects that become part of the flexibility."""
     return [hl.ContactCompliance, hl.SoftWrist]
 
 
-def has_an_equation_of_its_own(kind: type) -> bool:
+def has_an_equation_of_its_own(kind):
     """Whether a compliance says more than all compliances do."""
     return bool(vars(kind).get("equation"))
 
 
-def stamps(*asked: Any) -> tuple[Any, ...]:
+def stamps(*asked):
     """Those of these effects that have rows of their own."""
     return stamped_effects(asked)
 
 
-def softened(grasp: hl.Grasp, flexibility: np.ndarray, positions: Any = None) -> np.ndarray:
+def softened(grasp, flexibility, positions=None):
     """A flexibility with that of the grasp's effects added, at other positions where given."""
     at = grasp.spec if positions is None else grasp.spec.replace(positions=positions)
     return add_flexibility(grasp.effects, at, (), flexibility)
 
 
 # ---------------------------------------------------------------- limits
-def limits_of(effect: Any, grasp: hl.Grasp) -> tuple[Any, ...]:
+def limits_of(effect, grasp):
     """The limits that an effect makes of a grasp; made once."""
     return effect.present(grasp.scene)
 
 
-def limits_kept(grasp: hl.Grasp) -> list[tuple[Any, Any]]:
+def limits_kept(grasp):
     """(effect, its limits) as far as the grasp keeps them."""
     return arrays(grasp).effect_cache

@@ -8,7 +8,7 @@ from tests.support.friction_sets import corners, reach
 from tests.support.laws import spread
 
 
-def escapes(case, twist) -> bool:
+def escapes(case, twist):
     """Of `case` (as in `laws.of_case`) with a twist (6,) about its reference: no contact's force resists it beyond
     rounding. Exact cone: the least work of a force in it is v_N - μ|v_T|.
     """

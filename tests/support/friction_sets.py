@@ -21,10 +21,10 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 class Set(Protocol):
     """Any of them."""
 
-    def nearest(self, y: np.ndarray, push: float) -> np.ndarray:
+    def nearest(self, y, push):
         """See above."""
 
-    def most(self, d: np.ndarray, push: float) -> float:
+    def most(self, d, push):
         """See above."""
 
 
@@ -113,7 +113,7 @@ class Polyhedron:
         return max(push, 0.0) * float((self.corners @ d).max())
 
 
-def corners(sides: int) -> np.ndarray:
+def corners(sides):
     """(m, 2) corners of the polygon whose sides are at distance one, the first side's normal along x."""
     a = 2 * pi * (np.arange(sides) + 0.5) / sides
     return np.column_stack([np.cos(a), np.sin(a)]) / cos(pi / sides)
@@ -124,7 +124,7 @@ def reach(mu, faces):
     return mu * cos(pi / faces) if isinstance(faces, int) and faces > 2 else mu
 
 
-def polyhedron(mu: float, faces: int) -> Polyhedron:
+def polyhedron(mu, faces):
     """Inscribed in the ball of radius mu: two poles, and as many faces on each parallel as a quarter turn asks for."""
     a, k = 2 * pi * np.arange(faces) / faces, max(1, round(faces / 4))
     normals = [[0, 0, 1.0], [0, 0, -1.0]]
@@ -137,7 +137,7 @@ def polyhedron(mu: float, faces: int) -> Polyhedron:
     return Polyhedron(normals, share, V * share)
 
 
-def limit(mu: float, faces: int | str, moment: bool = False) -> Set:
+def limit(mu, faces, moment=False):
     """Of a coefficient with so many faces, "cone" for all of them, 2 in a plane; with a moment for soft fingers."""
     if mu == 0.0:
         return Smooth()

@@ -18,7 +18,6 @@ from handlcp.grasp.batch.first_stage import scene_rows
 from handlcp.grasp.derivatives.parameter.friction import with_friction as _with_friction
 from handlcp.grasp.model import validate as _validate
 from handlcp.grasp.solution.diagnosis import DiagnosisText
-from handlcp.grasp.solution.verdict import contacts_reason
 from handlcp.grasp.solve import compiled_answer as _first
 from handlcp.grasp.solve.compiled_solve import write_row
 from handlcp.grasp.solve.solve_spec import fixed_point_residual, is_force_dependent
@@ -30,35 +29,35 @@ from handlcp.lcp.kernels.projection import project_on_set as _nearest
 class _Arrays:
     """A scene with its offset contact by contact, and that of the turns about the normals apart."""
 
-    def __init__(self, scene: Any) -> None:
+    def __init__(self, scene):
         self._scene = scene
 
-    def __getattr__(self, name: str) -> Any:
+    def __getattr__(self, name):
         return getattr(self._scene, name)
 
     @property
-    def offset(self) -> np.ndarray:
+    def offset(self):
         return self._scene.offset[: 3 * self._scene.n].reshape(-1, 3)
 
     @property
-    def spin(self) -> np.ndarray:
+    def spin(self):
         return self._scene.offset[3 * self._scene.n :]
 
     @property
-    def wrench(self) -> np.ndarray:
+    def wrench(self):
         return self._scene.geometry.wrench
 
     @property
-    def grasp_matrix(self) -> np.ndarray:
+    def grasp_matrix(self):
         return self._scene.geometry.grasp_matrix
 
-    def __eq__(self, other: object) -> bool:
+    def __eq__(self, other):
         return self._scene is getattr(other, "_scene", other)
 
     __hash__ = None
 
 
-def arrays(of: hl.Grasp | hl.GraspSolution) -> Any:
+def arrays(of):
     """A grasp, or the grasp that a solution answers, as plain SI arrays in the coordinates of its friction laws.
 
     Read here: positions, frames, mu, flexibility, offset, spin, force, moment, wrench, plane, freedom, governed, rough,
@@ -72,57 +71,57 @@ def arrays(of: hl.Grasp | hl.GraspSolution) -> Any:
 _VIEWS: dict[int, _Arrays] = {}
 
 
-def at_centre(grasp: hl.Grasp, motion: Any) -> np.ndarray:
+def at_centre(grasp, motion):
     """(6,) the object's motion about the contacts' centre: that of a solution, or one (6,) about the reference."""
     u = np.asarray(getattr(motion, "object_displacement", motion), float)
     return np.append(u[:3] + np.cross(u[3:], arrays(grasp).units.centre - grasp.reference), u[3:])
 
 
-def changed(grasp: hl.Grasp, **fields: Any) -> Any:
+def changed(grasp, **fields):
     """The grasp with other numbers in its specification, not checked."""
     return type(grasp)(grasp.spec.replace(**fields))
 
 
-def anew(grasp: hl.Grasp) -> Any:
+def anew(grasp):
     """The same grasp made anew from its numbers, so that nothing is kept from an earlier solve."""
     return changed(grasp)
 
 
-def load_about(wrench: Any, normal: Any, lift: float) -> np.ndarray:
+def load_about(wrench, normal, lift):
     """(6,) a load given in a plane with this normal that lies `lift` above the reference, about the reference."""
     return _validate.wrench(wrench, normal, lift)
 
 
 # ---------------------------------------------------------------- sections and assembled problems
-def section(faces: Any, planar: bool = False) -> Any:
+def section(faces, planar=False):
     """What the package makes of `faces`."""
     return as_section(faces, planar=planar)
 
 
-def section_of(grasp: hl.Grasp, faces: Any) -> Any:
+def section_of(grasp, faces):
     """The same for this grasp: a planar one has its own."""
     return as_section(faces, planar=arrays(grasp).plane is not None)
 
 
-def contact_problem(grasp: hl.Grasp, faces: Any = "cone", asked: Any = None) -> Any:
+def contact_problem(grasp, faces="cone", asked=None):
     """The problem with friction as a set, with the effects asked for in place of the grasp's own where given."""
     return GraspContactProblem(
         grasp.scene, section_of(grasp, faces), stamped_effects(tuple(grasp.effects if asked is None else asked))
     )
 
 
-def plain_problem(grasp: hl.Grasp, faces: Any) -> Any:
+def plain_problem(grasp, faces):
     """The problem as `grasp.problem` gives it, before anything is computed that can wait."""
     return assemble(grasp.scene, section_of(grasp, faces), stamped_effects(grasp.effects))
 
 
-def limit_surface(pyramid: hl.Pyramid) -> Any:
+def limit_surface(pyramid):
     """The polyhedron of soft fingers: normals (3, f), outward (f, 3) the same in rows, vertices (3, p), share."""
     own = limit_set(pyramid, 3)
     return SimpleNamespace(normals=own.normals, outward=own.normals.T.copy(), vertices=own.vertices, share=own.share)
 
 
-def nearest_in_polygon(x: float, y: float, distance: float, faces: int) -> tuple[float, float]:
+def nearest_in_polygon(x, y, distance, faces):
     """The point of a polygon with faces at this distance that is nearest to (x, y)."""
     P = np.zeros(3)
     tangents = 1 if faces == 2 else 2
@@ -130,7 +129,7 @@ def nearest_in_polygon(x: float, y: float, distance: float, faces: int) -> tuple
     return P[0], P[1]
 
 
-def packed(grasps: Any, faces: Any) -> tuple[np.ndarray, np.ndarray]:
+def packed(grasps, faces):
     """Grasps of one kind as rows for compiled code: each written by itself, and all at once."""
     scenes, cut = [g.scene for g in grasps], section_of(grasps[0], faces)
     kind = _first.get_compiled_kind(scenes[0], cut)
@@ -141,7 +140,7 @@ def packed(grasps: Any, faces: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 # ---------------------------------------------------------------- the certifier
-def candidate(forces: Any, twist: Any, extra: Any = None, torsion: Any = None) -> Any:
+def candidate(forces, twist, extra=None, torsion=None):
     """Forces (n, 3) [N] and the motion (6,) about the contacts' centre as the certifier takes them.
 
     extra : unknowns of further effects by name. torsion : moments of soft contacts over their levers [N].
@@ -151,12 +150,12 @@ def candidate(forces: Any, twist: Any, extra: Any = None, torsion: Any = None) -
     return SolverCandidate(components, np.asarray(twist, float), dict(extra or {}), len(moments))
 
 
-def judge_of(grasp: hl.Grasp, effects: Any, section: Any, answer: Any) -> Any:
+def judge_of(grasp, effects, section, answer):
     """The certifier's verdict: `residuals`, and how the contacts move in `motion`."""
     return certify_candidate(grasp.scene, effects, section, answer)
 
 
-def residuals(grasp: hl.Grasp, faces: Any, answer: Any, *more: Any) -> hl.Residuals:
+def residuals(grasp, faces, answer, *more):
     """By how much a candidate misses each law of this grasp, and of more effects."""
     effects = (*grasp.problem(faces).effects, *more)
     found = judge_of(grasp, effects, section_of(grasp, faces), answer).residuals
@@ -166,29 +165,27 @@ def residuals(grasp: hl.Grasp, faces: Any, answer: Any, *more: Any) -> hl.Residu
     return found
 
 
-def judged(
-    grasp: hl.Grasp, faces: Any, forces: Any, twist: Any, extra: Any = None, torsion: Any = None
-) -> hl.Residuals:
+def judged(grasp, faces, forces, twist, extra=None, torsion=None):
     """The same of forces (n, 3) and a motion (6,) about the contacts' centre."""
     return residuals(grasp, faces, candidate(forces, twist, extra, torsion))
 
 
-def claimed_force_error(grasp: hl.Grasp, solution: hl.GraspSolution) -> float:
+def claimed_force_error(grasp, solution):
     """The error of a solution's forces beside those on the exact cone, as `solve(accuracy=...)` estimates it."""
     return force_error(contact_problem(grasp, "cone"), solution)
 
 
 # ---------------------------------------------------------------- words, and the search for what is required
-def describe_motion(twist: Any, positions: Any, reference: Any, names: Any, slide: str, turn: str) -> str:
+def describe_motion(twist, positions, reference, names, slide, turn):
     """A twist (6,) about the reference in words, of a grasp with contacts of these names at these places."""
     return DiagnosisText(names, positions, reference).motion(twist, slide, turn)
 
 
 def diagnose(
-    status: hl.Status, names: Any, positions: Any, *, reference: Any, forces: Any = None, states: Any = (),
-    offset: Any = None, loose: Any = (), forces_determined: bool = True, required_preload: float | None = None,
-    **more: Any,
-) -> str:  # fmt: skip
+    status, names, positions, *, reference, forces = None, states = (),
+    offset = None, loose = (), forces_determined = True, required_preload = None,
+    **more,
+):  # fmt: skip
     """The sentence about a solution with these parts, of a grasp that is not built."""
     n = len(names)
     given = {f.name: None for f in fields(hl.GraspSolution)} | {
@@ -203,22 +200,22 @@ def diagnose(
     return hl.GraspSolution(**(given | more)).diagnosis
 
 
-def diagnosed(grasp: hl.Grasp, solution: hl.GraspSolution, **more: Any) -> str:
+def diagnosed(grasp, solution, **more):
     """The sentence about a solution, from what the solution says itself."""
     return replace(solution, **more).diagnosis
 
 
-def holds_with(grasp: hl.Grasp, faces: Any, squeeze: float) -> bool:
+def holds_with(grasp, faces, squeeze):
     """Whether the grasp holds with every finger squeezed by so much more [m]."""
     return _required.is_held(grasp.spec.with_squeeze(squeeze), section_of(grasp, faces))
 
 
-def with_preload(grasp: hl.Grasp, extra: float) -> Any:
+def with_preload(grasp, extra):
     """The grasp with every finger squeezed by so much more [m]."""
     return type(grasp)(grasp.spec.with_squeeze(extra))
 
 
-def with_friction(grasp: hl.Grasp, mu: float) -> Any:
+def with_friction(grasp, mu):
     """The grasp with this coefficient at all contacts that have friction."""
     return type(grasp)(_with_friction(grasp.spec, mu))
 
@@ -226,25 +223,16 @@ def with_friction(grasp: hl.Grasp, mu: float) -> Any:
 Check = Callable[[Any], bool]
 
 
-def required_preload(
-    grasp: hl.Grasp, faces: Any = 8, tolerance: float = 1e-3, limit: float | None = None, check: Check | None = None
-) -> hl.Required:
+def required_preload(grasp, faces=8, tolerance=1e-3, limit=None, check=None):
     """As `grasp.required_preload`. limit : largest squeeze tried. check : in place of a solve, of a grasp."""
     return _required_value(_required.required_preload, grasp, faces, tolerance, limit, check)
 
 
-def required_friction(
-    grasp: hl.Grasp, faces: Any = 8, tolerance: float = 1e-3, limit: float | None = None, check: Check | None = None
-) -> hl.Required:
+def required_friction(grasp, faces=8, tolerance=1e-3, limit=None, check=None):
     """As `grasp.required_friction`; likewise."""
     return _required_value(_required.required_friction, grasp, faces, tolerance, limit, check)
 
 
-def _required_value(find: Any, grasp: hl.Grasp, faces: Any, tolerance: float, limit: Any, check: Any) -> hl.Required:
+def _required_value(find, grasp, faces, tolerance, limit, check):
     tests = () if check is None else [lambda spec, section: check(type(grasp)(spec))] * 2
     return find(grasp.spec, section_of(grasp, faces), tolerance, limit, *tests)
-
-
-def said_of_contacts(spec: Any, sliding: Any, turns: Any, apart: Any) -> str:
-    """What a verdict says of contacts of a grasp that slide [m], twist [rad] or let go."""
-    return contacts_reason(spec, sliding, turns, apart).sentence

@@ -54,7 +54,7 @@ class Asked:
     offset: np.ndarray | None = None  # (n, 3) gaps, preloads and offsets asked for
 
 
-def laws(asked: Asked, s: Any, faces: int | str) -> dict[str, float]:
+def laws(asked, s, faces):
     """By how much each law is missed, relative, by name."""
     hand = _Hand(asked, s, faces)
     out = {"balance": balance(hand.arms, hand.world, asked.wrench, hand.size, hand.F, hand.couples)}
@@ -65,7 +65,7 @@ def laws(asked: Asked, s: Any, faces: int | str) -> dict[str, float]:
 class _Hand:
     """Everything that a law is made of, recomputed once; n contacts, the first k of them the fingers'."""
 
-    def __init__(self, asked: Asked, s: Any, faces: int | str) -> None:
+    def __init__(self, asked, s, faces):
         g = asked.grasp
         self.asked, self.s, self.faces, self.touches = asked, s, 2 if asked.planar else faces, g.contacts
         self.n, self.k = len(g.contacts), len(g.fingertips)
@@ -85,7 +85,7 @@ class _Hand:
         self.flex = np.array([getattr(c.friction, "torsional_flexibility", 0.0) for c in g.contacts])
         self._bend(kinematics(g))
 
-    def _bend(self, kin: Any) -> None:
+    def _bend(self, kin):
         """What the joints feel and by how much they give way."""
         asked, n, k, nv = self.asked, self.n, self.k, len(kin.q)
         self.J, self.T = np.zeros((n, 3, nv)), np.zeros((n, nv))
@@ -105,12 +105,12 @@ class _Hand:
         self.held = self.gives @ (pulled - self.push) - asked.command  # of the fingers' weight, and what was commanded
         self.V = max(abs(self.at_tips(self.given_way)).max(), abs(asked.offset).max(), abs(asked.pad * self.f).max())
 
-    def at_tips(self, joints: np.ndarray) -> np.ndarray:
+    def at_tips(self, joints):
         """(n, 3) how the contacts move with the joints."""
         return np.einsum("naj,j->na", self.J, joints)
 
     # ---------------------------------------------------------------- joints and limits
-    def joints(self) -> dict[str, float]:
+    def joints(self):
         """Torques by virtual work, and by how much they bend the joints."""
         lever = max(np.sqrt((self.J**2).sum((0, 1))).max(), 1e-9)
         return {
@@ -118,7 +118,7 @@ class _Hand:
             "deflection": abs(self.s.joint_deflection - self.given_way).max() * lever / self.V,
         }
 
-    def limits(self) -> dict[str, float]:
+    def limits(self):
         """Joints that yield, forces that are bounded: z of a bound opens the gaps of those that it bounds."""
         asked, s, f, F, V = self.asked, self.s, self.f, self.F, self.V
         bounded, yielded = self.free & self.fingers, s.joint_yield
@@ -143,7 +143,7 @@ class _Hand:
         return out
 
     # ---------------------------------------------------------------- motions, term by term
-    def motions(self) -> dict[str, float]:
+    def motions(self):
         """What object, springs, offsets and limits move, beside what the solution says; after `limits`."""
         asked, f, n = self.asked, self.f, self.n
         u = self.s.object_displacement
@@ -165,7 +165,7 @@ class _Hand:
         out["prescribed"] = max((abs(f[i] - r).max() / self.F for i, r in asked.prescribed.items()), default=0.0)
         return out | self._turning(u[3:])
 
-    def _of_the_palm(self) -> np.ndarray:
+    def _of_the_palm(self):
         """(n, 3) how the tips move with a palm on a soft wrist, in a plane within it alone."""
         arms, palm_moves = self.p - self.asked.at, np.zeros((self.n, 3))
         turned = np.cross(arms, self.world) + self.couples
@@ -176,7 +176,7 @@ class _Hand:
         palm_moves[np.ix_(self.fingers, axes)] = moves[np.ix_(self.fingers, axes)]
         return palm_moves
 
-    def _turning(self, turn: np.ndarray) -> dict[str, float]:
+    def _turning(self, turn):
         """The same of the object's turn on soft fingertips; hard ones bear no moment."""
         on_palm = np.where(self.fingers, self.normal @ self.palm[3:], 0.0)
         elastic = self.T @ (self.gives @ self.push) + self.flex * self.moment + on_palm
@@ -186,7 +186,7 @@ class _Hand:
         return {"spin": spin, "hard": float(self.moment[~self.soft].any())}
 
     # ---------------------------------------------------------------- contact and friction
-    def contacts(self) -> dict[str, float]:
+    def contacts(self):
         """Of those whose force is not prescribed, in the coordinates of their friction laws."""
         limits, forces, slides = [], [], []
         for i in np.flatnonzero(self.free):
@@ -205,7 +205,7 @@ class _Hand:
         return dict(zip(("normal", "cone", "slip", "work"), missed, strict=True))
 
     # ---------------------------------------------------------------- energies
-    def energies(self) -> dict[str, float]:
+    def energies(self):
         """See the top; after `motions`."""
         f, soft, free = self.f, self.soft, self.free
         load = self.asked.wrench @ self.s.object_displacement

@@ -6,10 +6,7 @@ import ast
 import importlib
 import pathlib
 import sys
-from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from types import ModuleType
-from typing import Any
 from unittest.mock import patch
 
 import handlcp
@@ -28,7 +25,7 @@ roots, put, waiting, decorated = (
 _allowed = background_compile._is_allowed.__wrapped__
 
 
-def kernels() -> Iterator[tuple[ModuleType, str, Kernel]]:
+def kernels():
     """(module, name there, kernel) of every one; a kernel that several modules import comes several times."""
     for module in [m for name, m in sys.modules.items() if name.startswith("handlcp.")]:
         for name, value in list(vars(module).items()):
@@ -36,17 +33,17 @@ def kernels() -> Iterator[tuple[ModuleType, str, Kernel]]:
                 yield module, name, value
 
 
-def _distinct() -> list[Kernel]:
+def _distinct():
     return list({id(kernel): kernel for _, _, kernel in kernels()}.values())
 
 
-def compiled() -> int:
+def compiled():
     """Signatures for which something has been compiled, or loaded from the cache."""
     return sum(len(kernel.jit.signatures) for kernel in _distinct() if kernel.jit is not None)
 
 
 @contextmanager
-def interpreted() -> Iterator[None]:
+def interpreted():
     """All kernels that are imported by now run as Python."""
     with ExitStack() as stack:
         for one in _distinct():
@@ -54,40 +51,40 @@ def interpreted() -> Iterator[None]:
         yield
 
 
-def small() -> Any:
+def small():
     """A kernel that takes little to compile: (M, z, q, w) writes M z + q into w."""
     return multiply_add
 
 
-def large() -> Any:
+def large():
     """A kernel that calls large ones, which it does not take in: (A, b, x, columns, tolerance) solves A x = b."""
     return solve_ranked
 
 
-def anew(one: Any) -> Any:
+def anew(one):
     """The same kernel as in a new process."""
     return Kernel(one.function)
 
 
-def is_compiled(one: Any) -> bool:
+def is_compiled(one):
     """Whether compiled code of it has been made or loaded."""
     return one.jit is not None and bool(one.jit.signatures)
 
 
-def loaded(one: Any) -> int:
+def loaded(one):
     """How many of its signatures came from the cache."""
     return sum(one.jit.stats.cache_hits.values())
 
 
 @contextmanager
-def automatic() -> Iterator[None]:
+def automatic():
     """Kernels that are made anew decide for themselves when they compile, whatever the suite asks for."""
     with patch.object(compile_policy, "kernel_mode", lambda: "auto"):
         yield
 
 
 @contextmanager
-def impatient(least: float = 0.0, instruction: float = 0.0) -> Iterator[None]:
+def impatient(least=0.0, instruction=0.0):
     """Compiling pays after so many seconds."""
     with (
         patch.object(compile_policy, "WAIT_AFTER_SECONDS", least),
@@ -97,7 +94,7 @@ def impatient(least: float = 0.0, instruction: float = 0.0) -> Iterator[None]:
 
 
 @contextmanager
-def compiler_beside(cores: int = 2) -> Iterator[Any]:
+def compiler_beside(cores=2):
     """A compiler beside this process, as in a new one on so many cores; it has ended after the block. Kernels look for
     what it compiles at every call.
     """
@@ -115,19 +112,19 @@ def compiler_beside(cores: int = 2) -> Iterator[Any]:
 
 
 @contextmanager
-def alone() -> Iterator[None]:
+def alone():
     """No other process compiles."""
     with patch.object(background_compile, "_is_allowed", lambda: False):
         yield
 
 
-def is_locked() -> bool:
+def is_locked():
     """Whether some process compiles into the cache now."""
     return background_compile._is_locked()
 
 
 @contextmanager
-def cached_in(folder: Any) -> Iterator[None]:
+def cached_in(folder):
     """Compiled code is kept there alone."""
     with (
         patch.dict("os.environ", {"HANDLCP_CACHE_DIR": str(folder)}),
@@ -137,30 +134,30 @@ def cached_in(folder: Any) -> Iterator[None]:
         yield
 
 
-def folder_of_cache() -> pathlib.Path:
+def folder_of_cache():
     """Where compiled code goes now."""
     return folders.cache_folders()[0]
 
 
-def said_afresh(monkeypatch: Any, patience: float) -> None:
+def said_afresh(monkeypatch, patience):
     """Nothing has been said yet; a line about waiting comes after so many seconds."""
     monkeypatch.setattr(compile_policy, "_announced", {})
     monkeypatch.setattr(compile_policy, "_SILENT_SECONDS", patience)
 
 
-def mode(monkeypatch: Any, word: str) -> str:
+def mode(monkeypatch, word):
     """What HANDLCP_KERNELS with this word means."""
     monkeypatch.setenv("HANDLCP_KERNELS", word)
     return compile_policy.kernel_mode.__wrapped__()
 
 
-def known_files() -> set[pathlib.Path]:
+def known_files():
     """The files whose contents the fingerprint stands for."""
     every = PACKAGE.rglob("*.py")
     return {f for f in every if b"\n@kernel" in f.read_bytes() or f.name in folders._CONSTANT_FILES}
 
 
-def constants() -> Iterator[tuple[pathlib.Path, str, pathlib.Path]]:
+def constants():
     """(file with kernels, name in capitals that it imports, file that it comes from) within the package."""
     for file in known_files():
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):

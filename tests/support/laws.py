@@ -14,12 +14,11 @@ With F the size of the forces and V that of the motions at a contact, each law i
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
 
-from tests.support.friction_sets import Set, limit
+from tests.support.friction_sets import limit
 
 GROWTH = 1e3  # forces larger than this many times the load excuse no more
 
@@ -36,23 +35,21 @@ class Laws:
     reported: float
 
     @property
-    def worst(self) -> float:
+    def worst(self):
         """The largest; infinite where anything is not a number."""
         values = [getattr(self, f.name) for f in fields(self)]
         return max(values) if np.isfinite(values).all() else np.inf
 
 
 # ---------------------------------------------------------------- the laws, whoever asks
-def balance(arms, world, load, size, F, couples=None) -> float:
+def balance(arms, world, load, size, F, couples=None):
     """Forces (n, 3) in world axes at arms (n, 3) from the point that the load (6,) refers to; couples (n, 3)."""
     lost = world.sum(0) + load[:3]
     turned = np.cross(arms, world).sum(0) + load[3:] + (0.0 if couples is None else couples.sum(0))
     return float(np.hypot(np.linalg.norm(lost), np.linalg.norm(turned) / size)) / F
 
 
-def contact(
-    limits: Sequence[Set], push, gap, tangential: Sequence, slides: Sequence, F, V, along
-) -> tuple[float, float, float, float]:
+def contact(limits, push, gap, tangential, slides, F, V, along):
     """(normal, cone, slip, work), each the worst of all contacts.
 
     push, gap (n,). tangential, slides : forces [N] and motions [m] of each contact in the law's coordinates. V (n,) :
@@ -70,12 +67,12 @@ def contact(
     return float(normal), cone, slip, work
 
 
-def reported(said, moved, V) -> float:
+def reported(said, moved, V):
     """Motions (n, 3) as the solution has them and as they are."""
     return float((abs(said - moved) / np.asarray(V)[:, None]).max(initial=0.0))
 
 
-def spread(p) -> float:
+def spread(p):
     """Rms distance of contacts from their centre; where they coincide but for rounding, of the centre from the origin,
     or one.
     """
@@ -84,12 +81,12 @@ def spread(p) -> float:
     return s if s > 1e-12 * far else far or 1.0
 
 
-def _apart(a, b) -> float:
+def _apart(a, b):
     return float(np.linalg.norm(a - b))
 
 
 # ---------------------------------------------------------------- a scene as plain arrays
-def of_case(case, solution) -> Laws:
+def of_case(case, solution):
     """The laws of `case` at a solution: p (n, 3), R (n, 3, 3), mu (n,), E (3n, 3n), d (n, 3), w (6,) about the origin,
     faces, plane (3,) or None, and the reference (3,) of the solution's motion.
 
@@ -119,7 +116,7 @@ def of_case(case, solution) -> Laws:
     return Laws(balance(case.p - centre, world, load, L, F), *missed, reported(said, v, V))
 
 
-def _least_motions(give, d, size) -> np.ndarray:
+def _least_motions(give, d, size):
     """(n,) what a contact's motion is measured by at least: how far F bends it, and where it is rigid, the stiffest of
     the others, whose force changes with it. Where all are rigid no force does: a share of the offsets, or of the size.
     """
@@ -128,7 +125,7 @@ def _least_motions(give, d, size) -> np.ndarray:
     return np.where(bends, give, stiffest)
 
 
-def _size_of_forces(case, f, load, soft) -> float:
+def _size_of_forces(case, f, load, soft):
     """F: of forces and load."""
     F = max(float(abs(f).max()), load)
     if load > 0:

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import inspect
 import pathlib
-from typing import Any
 
 import numpy as np
 
 from handlcp.grasp.verify.certifier import certify_candidate
 from handlcp.lcp import (
-    LCP,
     ContactProblem,
     FrictionSets,
     Pattern,
@@ -32,23 +30,23 @@ CERTIFIERS = tuple(pathlib.Path(inspect.getfile(certifier)) for certifier in (ce
 
 
 # ---------------------------------------------------------------- the certifier's word on natural units
-def certified(problem: LCP, z: np.ndarray) -> bool:
+def certified(problem, z):
     """Whether z in natural units is a solution."""
     return _public_certify(problem, z * problem.scaled.units.z)[0] is Status.SOLVED
 
 
-def status_of_contact(problem: Any, x: np.ndarray) -> Status:
+def status_of_contact(problem, x):
     """What the certifier calls x, natural units, of a problem with friction as a set."""
     return certify_contact(problem, x)[0]
 
 
-def solves_contact(problem: Any, x: np.ndarray) -> bool:
+def solves_contact(problem, x):
     """Whether it is an answer."""
     return status_of_contact(problem, x) is Status.SOLVED
 
 
 # ---------------------------------------------------------------- kernels
-def eliminated(M: np.ndarray, q: np.ndarray, complementary: int) -> tuple[np.ndarray, np.ndarray]:
+def eliminated(M, q, complementary):
     """(M, q) without the free unknowns, which come after so many complementary ones: the package's own arithmetic."""
     pattern = Pattern.from_blocks(np.arange(len(q)) >= complementary, np.zeros((0, 4), np.int64))
     contact = ContactProblem(M.copy(), q.copy(), pattern, FrictionSets(np.zeros(0), 0), Units.ones(len(q)))
@@ -56,7 +54,7 @@ def eliminated(M: np.ndarray, q: np.ndarray, complementary: int) -> tuple[np.nda
     return problem.scaled.M, problem.scaled.q
 
 
-def pivoted(M: Any, q: Any, covering: Any, most: int, tolerance: float = 1e-11) -> tuple[str, int, np.ndarray]:
+def pivoted(M, q, covering, most, tolerance=1e-11):
     """Lemke's method from one covering vector: ("solved" | "ray" | "other", pivots, z)."""
     status, pivots, z = _lemke.pivot_lemke(M, q, covering, most, tolerance)
     return {_lemke.SOLVED: "solved", _lemke.RAY: "ray"}.get(status, "other"), pivots, z
@@ -65,23 +63,23 @@ def pivoted(M: Any, q: Any, covering: Any, most: int, tolerance: float = 1e-11) 
 class Kaczmarz:
     """The steps of NSNGRK on one problem in natural units."""
 
-    def __init__(self, M: np.ndarray, q: np.ndarray, free: np.ndarray) -> None:
+    def __init__(self, M, q, free):
         self.rows = _kaczmarz.PlainRows(M, np.ascontiguousarray(M.T), M @ M.T, q, free)
 
-    def run(self, z: np.ndarray, w: np.ndarray, seed: int, steps: int) -> tuple[int, float, np.ndarray, np.ndarray]:
+    def run(self, z, w, seed, steps):
         """(steps taken, norm, z, w) after so many steps at most; z and w = M z + q are overwritten."""
         state, history = np.full(1, seed, np.uint64), np.empty((0, 2))
         done, norm, _ = _kaczmarz.run_kaczmarz(self.rows, z, w, state, steps, 0.0, 0, history)
         return done, norm, z, w
 
 
-def uniform_numbers(seed: int, count: int) -> np.ndarray:
+def uniform_numbers(seed, count):
     """(count,) of the generator that the kernels draw rows with."""
     state = np.full(1, seed, np.uint64)
     return np.array([_kaczmarz.draw_uniform(state) for _ in range(count)])
 
 
-def projection(x: float, y: float, limit: float, mu: float, faces: int) -> tuple[np.ndarray, np.ndarray]:
+def projection(x, y, limit, mu, faces):
     """(P, D): (x, y) projected on the section of the friction cone of this size, and its derivative by x, y and the
     normal force (2, 3). faces : 0 for the disc, 2 for the interval.
     """
@@ -91,14 +89,14 @@ def projection(x: float, y: float, limit: float, mu: float, faces: int) -> tuple
     return P[:2], D[:2, [0, 1, 3]]
 
 
-def nearest_point(s: np.ndarray, tangents: int, limit: float, faces: int) -> np.ndarray:
+def nearest_point(s, tangents, limit, faces):
     """(3,) s projected on the friction set of so many tangents."""
     P = np.zeros(3)
     _nearest(s, tangents, limit, 0.0, faces, np.zeros((0, 3)), P, np.zeros((3, 4)))
     return P
 
 
-def contact_rows(problem: Any, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def contact_rows(problem, x):
     """(F, J): the laws of a problem with friction as a set as equations at x (n,), and a subgradient (n, n) of them;
     both, and x, in the order in which the solvers have the unknowns.
     """
@@ -110,7 +108,7 @@ def contact_rows(problem: Any, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return F, J
 
 
-def nearest_in_polyhedron(point: np.ndarray, distance: float, normals: np.ndarray) -> np.ndarray:
+def nearest_in_polyhedron(point, distance, normals):
     """(3,) nearest to the point among x with normals @ x ≤ distance."""
     p = np.empty(3)
     _nearest(point, 3, distance, 0.0, 8, normals, p, np.empty((3, 4)))
@@ -118,7 +116,7 @@ def nearest_in_polyhedron(point: np.ndarray, distance: float, normals: np.ndarra
 
 
 # ---------------------------------------------------------------- contact modes
-def patches(tangents: int, faces: int, splits: int) -> list[np.ndarray]:
+def patches(tangents, faces, splits):
     """All patches (3, 3) that sliding is divided into after so many splits of each."""
     now = []
     for k in range(_modes.count_patches(tangents)):
@@ -136,7 +134,7 @@ def patches(tangents: int, faces: int, splits: int) -> list[np.ndarray]:
     return now
 
 
-def misses_patch(limit: float, faces: int, corners: np.ndarray, force: np.ndarray, motion: np.ndarray) -> float:
+def misses_patch(limit, faces, corners, force, motion):
     """How much of a force and a motion (1 + tangents,), normal first, lies outside the cones of a patch."""
     d = len(force) - 1
     columns = np.zeros((2 * (1 + d), 1, 2, 4))

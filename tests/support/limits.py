@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-import handlcp as hl
-from handlcp.grasp.limits.directions import Limits, limits_of
+from handlcp.grasp.limits.directions import limits_of
 from handlcp.grasp.limits.followed import followed_limit
 from tests.support.grasp import section_of
 
 
-def limits_of_grasp(grasp: hl.Grasp, wrenches: Any, faces: Any = "cone", geometry: str = "fixed") -> Limits:
+def limits_of_grasp(grasp, wrenches, faces="cone", geometry="fixed"):
     """Limits of loads (m, 6) in one call."""
     return limits_of(grasp.spec, section_of(grasp, faces), wrenches, geometry)
 
 
-def limit_in_steps(grasp: hl.Grasp, wrench: Any, faces: Any = "cone") -> float:
+def limit_in_steps(grasp, wrench, faces="cone"):
     """The factor that steps of loading find in one posture, in place of a path from event to event."""
     load, far = np.array(wrench, dtype=float), (np.inf, np.inf)
     return followed_limit(grasp.spec, section_of(grasp, faces), load, far, "fixed").factor
 
 
-def balanced(end: hl.Loading, load: Any) -> bool:
+def balanced(end, load):
     """Whether the contacts balance the load (6,) where the loading ends, and no damper does."""
     spec, forces, lost = end.steps.grasp.spec, end.steps.forces[-1], np.array(load, dtype=float)
     size = float(np.linalg.norm(spec.positions - spec.reference, axis=1).max())

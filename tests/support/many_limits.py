@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from handlcp.contact.friction import as_section
-from handlcp.grasp.limits.directions import Limits, limits_of
+from handlcp.grasp.limits.directions import limits_of
 from handlcp.grasp.limits.followed import followed_limit
-from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.path.state import State
 from handlcp.grasp.path.step import Stepper
 
 
-def many_limits(grasp: Any, wrenches: Any, geometry: str = "followed") -> Limits:
+def many_limits(grasp, wrenches, geometry="followed"):
     """Of loads (m, 6), on the exact cone."""
     return limits_of(grasp.spec, as_section("cone", planar=False), wrenches, geometry)
 
@@ -22,23 +19,23 @@ def many_limits(grasp: Any, wrenches: Any, geometry: str = "followed") -> Limits
 class Counted:
     """What limits of a grasp take, squeeze and weight included: steps, failed ones too, and looks of the others."""
 
-    def __init__(self, grasp: Any) -> None:
+    def __init__(self, grasp):
         self.spec, self.section = grasp.spec, as_section("cone", planar=False)
         self.steps = self.iterates = 0
 
-    def limit(self, load: Any) -> LoadLimit:
+    def limit(self, load):
         """With the geometry followed."""
         self.steps = self.iterates = 0
         step = Stepper.step
 
-        def counted(stepper: Stepper, *given: Any, **more: Any) -> Any:
+        def counted(stepper, *given, **more):
             found = step(stepper, *given, **more)
             self.steps += 1
             self.iterates += found.iterates if isinstance(found, State) else 0
             return found
 
-        Stepper.step = counted  # type: ignore[method-assign]
+        Stepper.step = counted
         try:
             return followed_limit(self.spec, self.section, np.asarray(load), (np.inf, np.inf))
         finally:
-            Stepper.step = step  # type: ignore[method-assign]
+            Stepper.step = step

@@ -3,6 +3,6 @@
 from __future__ import annotations
 
 
-def without_compiling(said: str) -> str:
+def without_compiling(said):
     """What a program said on stderr, without lines about compiling: whoever comes first to a kernel waits for it."""
     return "".join(line for line in said.splitlines(keepends=True) if not line.startswith("handlcp: compiling"))

@@ -5,7 +5,6 @@ Each takes pytest's `monkeypatch`, so that what it puts there is gone after the 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -21,39 +20,39 @@ Patch = pytest.MonkeyPatch
 
 
 # ---------------------------------------------------------------- pictures
-def coarse_pictures(patch: Patch) -> None:
+def coarse_pictures(patch):
     """Pictures of grasps have so few dots that they are drawn at once; texts and lines stay where they are."""
     patch.setattr("handlcp.viz.picture.figure.PICTURE_DPI", 30)
 
 
 # ---------------------------------------------------------------- many grasps
-def chunks_of(patch: Patch, count: int) -> None:
+def chunks_of(patch, count):
     """`solve_many` hands out so many grasps at a time."""
     patch.setattr("handlcp.grasp.batch.first_stage._GRASPS_PER_TASK", count)
 
 
-def shards_of(patch: Patch, count: int) -> None:
+def shards_of(patch, count):
     """`solve_many` sends an executor so many grasps at a time."""
     patch.setattr("handlcp.grasp.batch.solve_many._FIRST_SHARD_GRASPS", (count, count))
     patch.setattr("handlcp.grasp.batch.solve_many._MAX_LATER_GRASPS", count)
 
 
-def everything_to_processes(patch: Patch) -> None:
+def everything_to_processes(patch):
     """`solve_many` gives whatever the first stage doesn't solve to processes, however little there is of it."""
-    for name in ("_LOOK", "_WORTH"):
+    for name in ("_TRIAL_SECONDS", "_MIN_PROCESS_SECONDS"):
         patch.setattr(f"handlcp.grasp.batch.solve_many.{name}", 0.0)
 
 
 # ---------------------------------------------------------------- objects
-def meshes_of_at_most(patch: Patch, count: int) -> None:
+def meshes_of_at_most(patch, count):
     """Larger meshes than of so many triangles are refused."""
     patch.setattr("handlcp.geometry.mesh.MAX_TRIANGLES", count)
 
 
-def contacts_take_long(patch: Patch) -> None:
+def contacts_take_long(patch):
     """To a payload no contacts count as known in closed form."""
 
-    def slow(spec: Any, geometry: Any) -> Any:
+    def slow(spec, geometry):
         found = geometry_of(spec, geometry)
         found.quick = False
         return found
@@ -62,26 +61,26 @@ def contacts_take_long(patch: Patch) -> None:
 
 
 # ---------------------------------------------------------------- stages of a solve
-def nothing_is_eliminated(patch: Patch) -> None:
+def nothing_is_eliminated(patch):
     """No free block counts as well enough conditioned to be eliminated."""
     patch.setattr("handlcp.lcp.contact_problem.MIN_ELIMINATION_RCOND", 2.0)
 
 
-def no_newton_on_cones(patch: Patch, solver: Any) -> None:
+def no_newton_on_cones(patch, solver):
     """`solve(accuracy=...)` looks for the equilibrium on the cone with this solver."""
     patch.setattr("handlcp.grasp.analysis.solve_to_accuracy._NEWTON", solver)
 
 
-def no_solve_takes_more_than(patch: Patch, solves: int) -> None:
+def no_solve_takes_more_than(patch, solves):
     """A grasp whose flexibility depends on its forces is solved so many times at most."""
     patch.setattr("handlcp.grasp.solve.solve_spec._MAX_SOLVES", solves)
 
 
-def watched_first_stage(patch: Patch) -> list[Any]:
+def watched_first_stage(patch):
     """What the first stage finds while shares are measured: steps in `iterations`, forces (n, 3) in `forces`."""
     seen: list[Any] = []
 
-    def watched(*arguments: Any) -> Any:
+    def watched(*arguments):
         found = _first.solve_scene(*arguments)
         seen.append(told(found))
         return found
@@ -90,11 +89,11 @@ def watched_first_stage(patch: Patch) -> list[Any]:
     return seen
 
 
-def advice_is_watched(patch: Patch) -> list[Any]:
+def advice_is_watched(patch):
     """Each time that somebody asks for the squeeze that would hold."""
     asked: list[Any] = []
 
-    def watched(*arguments: Any, **named: Any) -> Any:
+    def watched(*arguments, **named):
         asked.append(arguments)
         return required_preload(*arguments, **named)
 
@@ -103,24 +102,24 @@ def advice_is_watched(patch: Patch) -> list[Any]:
 
 
 # ---------------------------------------------------------------- clocks
-def shares_of_a_quarter(patch: Patch) -> None:
+def shares_of_a_quarter(patch):
     """`explain(measure=True)` finds that every effect takes a quarter of a solve of two seconds."""
     patch.setattr("handlcp.grasp.analysis.explanation.best_times", a_quarter_less)
 
 
-def ticks_between_shares(patch: Patch, tick: float) -> None:
+def ticks_between_shares(patch, tick):
     """A clock for the times of single runs, each look at which takes so long [s]."""
     patch.setattr("handlcp.grasp.analysis.explanation.time", Ticking(tick))
 
 
-def ticks_of_studies(patch: Patch, tick: float) -> None:
+def ticks_of_studies(patch, tick):
     """The study of accuracy has a clock each look at which takes so long [s]: the same always fits its budget."""
     clock = Ticking(tick)
     patch.setattr("handlcp.studies.accuracy.cost.time", clock)
     patch.setattr("handlcp.studies.accuracy.measure.time", clock)
 
 
-def ticks_of_equilibria(patch: Patch, tick: float = 2e-3) -> None:
+def ticks_of_equilibria(patch, tick=2e-3):
     """`grasp.equilibria` looks at its clock after every candidate, and that takes so long [s]: its two seconds are
     enough for a thousand, however busy the machine is.
     """
@@ -129,30 +128,30 @@ def ticks_of_equilibria(patch: Patch, tick: float = 2e-3) -> None:
 
 
 # ---------------------------------------------------------------- studies
-def another_effect(patch: Patch, kind: type) -> None:
+def another_effect(patch, kind):
     """The catalogue has one effect more."""
     key = kind.__module__, kind.__qualname__
     _effect._KINDS.pop(key)  # it joined when it was made; put there by the patch, it leaves with the test
     patch.setitem(_effect._KINDS, key, kind)
 
 
-def costs_of_effects(patch: Patch, costs: Callable[[], dict[str, Any]]) -> None:
+def costs_of_effects(patch, costs):
     """The command line has its costs of effects from here."""
     patch.setattr("handlcp.studies.effect_catalogue.costs", costs)
 
 
-def paper_report(patch: Patch, made: Callable[[], Any]) -> None:
+def paper_report(patch, made):
     """The paper's command prints this report."""
     patch.setattr("handlcp.studies.paper.run", made)
 
 
-def without_module(patch: Patch, name: str) -> None:
+def without_module(patch, name):
     """As if a package that is optional were not installed."""
     import builtins
 
     real = builtins.__import__
 
-    def missing(module: str, *arguments: Any, **words: Any) -> Any:
+    def missing(module, *arguments, **words):
         if module.startswith(name):
             raise ImportError(module)
         return real(module, *arguments, **words)

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-import pytest
-
 from handlcp.grasp.model.status import PathStatus
 from handlcp.grasp.path import advance, step
 from handlcp.grasp.path.advance import Leg
@@ -14,21 +10,18 @@ from handlcp.grasp.path.stability import STUCK
 from handlcp.grasp.path.state import Failure
 
 
-def in_one_matrix(patch: pytest.MonkeyPatch) -> None:
+def in_one_matrix(patch):
     """Paths of many contacts are computed as those of few are: contacts are not eliminated one by one."""
     patch.setattr(step, "iteration_by_contact", one_iteration)
 
 
-def give_up_beyond(share: float, patch: pytest.MonkeyPatch) -> None:
+def give_up_beyond(share, patch):
     """From this share of an open stage on no step finds a state, and the object neither moves on nor rests."""
     found = Leg._found
 
-    def stopped(leg: Leg, state: Any, at: float, size: float) -> Any:
-        return (
-            Failure(PathStatus.NO_FORCES)
-            if leg.beyond is not None and at + size > share
-            else found(leg, state, at, size)
-        )
+    def stopped(leg, state, at, size):
+        stops = leg.beyond is not None and at + size > share
+        return Failure(PathStatus.NO_FORCES) if stops else found(leg, state, at, size)
 
     patch.setattr(Leg, "_found", stopped)
     patch.setattr(advance, "flow", lambda stepper, state, *rest: (state, STUCK))

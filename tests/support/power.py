@@ -7,7 +7,6 @@ palm, which no joint moves.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -33,33 +32,33 @@ class PowerGrasp:
     wrench: Array
 
     @property
-    def offset(self) -> Array:
+    def offset(self):
         """(n, 3) of the object relative to the hand: the closing command."""
         return -(self.jacobian @ self.command).reshape(-1, 3)
 
     @property
-    def flexibility(self) -> Array:
+    def flexibility(self):
         """(3n, 3n) E as one matrix."""
         return (self.jacobian / self.stiffness) @ self.jacobian.T + np.diag(np.repeat(self.pads, 3))
 
-    def dense(self) -> hl.Grasp:
+    def dense(self):
         """The grasp, with E as one matrix."""
         return hl.Grasp(self.contacts, self.wrench, flexibility=self.flexibility, offset=self.offset)
 
-    def as_matrix(self) -> hl.Grasp:
+    def as_matrix(self):
         """The same, solved with the matrix even where a factor could be found in it."""
         grasp = self.dense()
         grasp.scene.__dict__["factor"] = None
         return grasp
 
-    def factored(self) -> hl.Grasp:
+    def factored(self):
         """The same grasp, with E as a factor."""
         pads = self.pads[:, None, None] * np.eye(3)
         E = hl.Flexibility(self.jacobian, np.diag(1.0 / np.sqrt(self.stiffness)), pads)
         return hl.Grasp(self.contacts, self.wrench, flexibility=E, offset=self.offset)
 
 
-def factor_of(E: Array) -> Any:
+def factor_of(E):
     """(J, A, P) that a grasp with this E (3n, 3n) finds in it; None: none."""
     n = len(E) // 3
     ring = [(np.cos(t), np.sin(t), 0.0) for t in np.linspace(0.0, 6.0, n)]
@@ -67,7 +66,7 @@ def factor_of(E: Array) -> Any:
     return None if grasp.scene.factor is None else grasp.scene.factor.factor
 
 
-def power_grasp(n: int, seed: int, friction: float | None = None, loaded: bool = True) -> PowerGrasp:
+def power_grasp(n, seed, friction=None, loaded=True):
     """A random one with n contacts; friction None: 0.15 or 0.6. loaded : by more than its weight."""
     rng = np.random.default_rng((n, seed))
     shape, size = rng.integers(3), rng.uniform(0.028, 0.045)
@@ -105,7 +104,7 @@ def power_grasp(n: int, seed: int, friction: float | None = None, loaded: bool =
     )  # fmt: skip
 
 
-def _surface(shape: int, size: float, angle: float, along: float) -> tuple[Array, Array]:
+def _surface(shape, size, angle, along):
     """(point, normal into the object) at an angle about its axis y: of a cylinder, a ball or a box."""
     x, z = np.cos(angle), np.sin(angle)
     if shape == 0:
@@ -119,7 +118,7 @@ def _surface(shape: int, size: float, angle: float, along: float) -> tuple[Array
     return np.array((far * x, along, far * z)), np.array(normal)
 
 
-def _velocity(finger: int, phalanx: int, point: Array, size: float, side: float, places: Array) -> Array:
+def _velocity(finger, phalanx, point, size, side, places):
     """(3, 16) of a point on a phalanx, world axes: joint 0 swings the finger sideways, 1 to 3 bend it."""
     J = np.zeros((3, FINGERS * JOINTS))
     for k in range(1 + phalanx + 1 if finger >= 0 else 0):

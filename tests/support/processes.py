@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 _ROOT = Path(__file__).parents[2]
 _LIMIT = """
@@ -17,7 +16,7 @@ def room(most):
 """
 
 
-def hears_ctrl_c() -> dict[str, Any]:
+def hears_ctrl_c():
     """Arguments of `subprocess.Popen` for a program that Ctrl-C ends, as one that a shell starts in the foreground.
 
     Who runs the tests in the background of a script, or under nohup, ignores it, and so would all that they start.
@@ -25,12 +24,12 @@ def hears_ctrl_c() -> dict[str, Any]:
     return {"preexec_fn": _hear} if os.name == "posix" else {}
 
 
-def _hear() -> None:
+def _hear():
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
 
 
-def on_a_full_disk(program: str) -> str:
+def on_a_full_disk(program):
     """What a program of Python prints, in a process of its own, in which `room(most)` says how large a file may become
     [B]: a write that needs more takes a part, and then fails, as on a disk that fills up. Needs no rights.
     """

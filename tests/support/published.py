@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any
-
 import handlcp as hl
 
 _JAW = """
@@ -14,7 +11,7 @@ _JAW = """
 """
 
 
-def gripper(folder: Path, effort: float, **more: Any) -> hl.Hand:
+def gripper(folder, effort, **more):
     """Two jaws that slide towards each other along x, each a ball that presses with at most `effort` [N]."""
     jaws = [_JAW.format(name=name, way=way, x=-0.05 * way, effort=effort) for name, way in (("left", 1), ("right", -1))]
     path = folder / "gripper.urdf"

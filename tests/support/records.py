@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import inspect
 import pkgutil
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import is_dataclass
 from functools import cached_property
 from importlib import import_module
-from typing import Any
 
 import handlcp
 from handlcp.lazy_property import lazy_property
-from handlcp.record import Record, RecordEntry, parse_entry
+from handlcp.record import Record, parse_entry
 
 
-def kinds() -> set[str]:
+def kinds():
     """The names of all classes of records, but for those that others are made of."""
     names = set[str]()
     for module in pkgutil.walk_packages(handlcp.__path__, "handlcp."):
@@ -26,20 +25,20 @@ def kinds() -> set[str]:
     return names - {"Record"}
 
 
-def described(record: Any) -> list[tuple[RecordEntry, Any]]:
+def described(record):
     """Each of its entries, and what that is; () where it makes its dictionary itself."""
     told = record.entries is not None or is_dataclass(record)
     return [(one, one.value_in(record)) for one in map(parse_entry, record._entry_lines() if told else ())]
 
 
-def doc_of(record: Any, name: str) -> str:
+def doc_of(record, name):
     """What the property says, or of a field what its class says."""
     found = inspect.getattr_static(type(record), name, None)
     own = found if isinstance(found, (property, lazy_property, cached_property)) else type(record)
     return str(own.__doc__)
 
 
-def within(value: Any) -> Iterator[Any]:
+def within(value):
     """The record, and all that it tells of."""
     if isinstance(value, Record):
         yield value

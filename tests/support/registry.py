@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from contextlib import contextmanager
 
 from handlcp.contact.friction import law as _law
@@ -11,7 +10,7 @@ from handlcp.grasp.model import effect as _effect
 
 
 @contextmanager
-def definitions_of_a_test() -> Iterator[None]:
+def definitions_of_a_test():
     """What is defined inside is forgotten behind."""
     kept = [(known, dict(known)) for known in (_effect._KINDS, _law._LAWS, _parameter._KINDS)]
     try:

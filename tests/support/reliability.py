@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from handlcp.studies.reliability.chance import Chance, estimate_chance
-from handlcp.studies.reliability.run import SobolBlocks
+from handlcp.studies.reliability.chance import estimate_chance
 from handlcp.studies.reliability.sample_placer import SamplePlacer
 from handlcp.studies.reliability.spread import read_spread
 
 
-def chance(good: Any, blocks: SobolBlocks, level: float = 0.95) -> Chance:
+def chance(good, blocks, level=0.95):
     """From samples (N,) of which each is known to be good or not."""
     none = np.zeros(len(good), bool)
     return estimate_chance(good, none, none, (none, none), blocks.size, level)
 
 
-def chance_in_two_looks(good: Any, open_: Any, every: int, blocks: SobolBlocks, level: float = 0.95) -> Chance:
+def chance_in_two_looks(good, open_, every, blocks, level=0.95):
     """The same where a first look leaves some open (N,), and every so many of them are looked at again."""
     looked = np.zeros(len(good), bool)
     looked[np.flatnonzero(open_)[::every]] = True
@@ -28,12 +25,12 @@ def chance_in_two_looks(good: Any, open_: Any, every: int, blocks: SobolBlocks, 
     )
 
 
-def grasp_with(grasp: Any, **values: Any) -> Any:
+def grasp_with(grasp, **values):
     """The grasp of a sample: each parameter at a value, or a mapping of values by name (positions: (x, y))."""
     spread = {p: dict.fromkeys(v, 0.1) if isinstance(v, dict) else 0.1 for p, v in values.items()}
     dimensions = read_spread(grasp, spread)
 
-    def value(d: Any) -> float:
+    def value(d):
         own = values[d.parameter]
         if not isinstance(own, dict):
             return float(own)
@@ -43,7 +40,7 @@ def grasp_with(grasp: Any, **values: Any) -> Any:
     return SamplePlacer(grasp, dimensions).place_samples(np.array([[value(d) for d in dimensions]]))[0].grasp
 
 
-def steps_of(monkeypatch: Any, size: int, seconds: float) -> None:
+def steps_of(monkeypatch, size, seconds):
     """Samples between two looks at the clock, and seconds between two writings of what is done."""
     import handlcp.studies.reliability.run as run
 

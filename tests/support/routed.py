@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 import handlcp as hl
-from handlcp.hand import HandGrasp, example_hand
+from handlcp.hand import example_hand
 
 KT, LOAD = 3e4, [2.0, 1.0, 0.0, 0.0, 0.02, 0.0]  # N/m; N, N·m
 
 
-def threes(extensors: bool, pretension: float, routed: bool = True, friction: float = 0.0) -> HandGrasp:
+def threes(extensors, pretension, routed=True, friction=0.0):
     """A box in three fingers with a flexor each, and an extensor. routed : or with the arms that routes have in the
     posture in which the hand has closed. friction : μ.
     """

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
@@ -30,7 +28,7 @@ from tests.support.grasp import contact_problem, plain_problem, residuals, secti
 
 
 # ---------------------------------------------------------------- is there an equilibrium?
-def searched(grasp: hl.Grasp, faces: Any, *more: Any, work: float = 1e10) -> Any:
+def searched(grasp, faces, *more, work=1e10):
     """What the search over contact modes finds; an equilibrium only if the certifier passes it.
 
     more : effects beside the grasp's own. work : multiply-adds at most.
@@ -47,12 +45,12 @@ def searched(grasp: hl.Grasp, faces: Any, *more: Any, work: float = 1e10) -> Any
     return SimpleNamespace(outcome=outcome, candidate=found.candidate, force_bound=within[0], motion_bound=within[1])
 
 
-def applicable(effects: Any) -> bool:
+def applicable(effects):
     """Whether contact modes describe a scene with these effects."""
     return has_only_limits(SimpleNamespace(effects=tuple(effects)))
 
 
-def active_sets(grasp: hl.Grasp, faces: Any, work: float) -> str:
+def active_sets(grasp, faces, work):
     """What the search over active sets of the plain LCP comes to: "solution", "none" or "unknown"."""
     problem = plain_problem(grasp, faces)
     return search_active_sets(
@@ -60,17 +58,17 @@ def active_sets(grasp: hl.Grasp, faces: Any, work: float) -> str:
     ).outcome
 
 
-def choices_of_modes(grasp: hl.Grasp, faces: Any, *asked: Any) -> float:
+def choices_of_modes(grasp, faces, *asked):
     """How many choices of contact modes there are, with these effects alone beside those that the data call for."""
     return ContactModeSearch(contact_problem(grasp, faces, asked)).search.choice_count
 
 
-def members_of_modes(grasp: hl.Grasp, faces: Any, *asked: Any) -> list[Any]:
+def members_of_modes(grasp, faces, *asked):
     """A candidate for each choice of modes that has one."""
     return list(ContactModeSearch(contact_problem(grasp, faces, asked)).each_choice(1e10))
 
 
-def from_seeds(grasp: hl.Grasp, faces: Any, count: int, seed: int = 1) -> Iterator[Any]:
+def from_seeds(grasp, faces, count, seed=1):
     """The candidates that so many seeds lead to and that the certifier passes, as they are or after Newton's method."""
     problem = contact_problem(grasp, faces)
     for candidate in seeded_candidates(problem, count, seed):
@@ -79,27 +77,27 @@ def from_seeds(grasp: hl.Grasp, faces: Any, count: int, seed: int = 1) -> Iterat
 
 
 # ---------------------------------------------------------------- what no forces can balance
-def overload(grasp: hl.Grasp, faces: Any) -> np.ndarray | None:
+def overload(grasp, faces):
     """The proof that the limits of the grasp's effects leave no forces that balance the load, if there is one."""
     return _overload(grasp.scene, section_of(grasp, faces), grasp.effects)
 
 
-def is_overload(grasp: hl.Grasp, faces: Any, proof: np.ndarray) -> bool:
+def is_overload(grasp, faces, proof):
     """Whether that is one, by its signs."""
     return _is_escape(grasp.scene, section_of(grasp, faces), proof, grasp.effects)
 
 
-def is_escape(grasp: hl.Grasp, faces: Any, twist: np.ndarray) -> bool:
+def is_escape(grasp, faces, twist):
     """Whether a motion in natural units proves by its signs that nothing balances the grasp's load."""
     return _is_escape(grasp.scene, section_of(grasp, faces), twist)
 
 
-def least_total(grasp: hl.Grasp, faces: Any) -> float | None:
+def least_total(grasp, faces):
     """Least sum of the fingers' normal forces [N] with which friction balances the load; None: none does."""
     return _least_total(grasp.scene, section_of(grasp, faces))
 
 
-def jammed(grasp: hl.Grasp) -> bool:
+def jammed(grasp):
     """Whether rigid fingers overlap the object and cannot give way."""
     return _jammed(grasp.scene)
 
@@ -108,7 +106,7 @@ def jammed(grasp: hl.Grasp) -> bool:
 class _Joints(Mechanism):
     """Joints that carry contacts without turning them."""
 
-    def jacobian_rows(self, soft: Any) -> np.ndarray:
+    def jacobian_rows(self, soft):
         return np.concatenate([self.jacobian, np.zeros((len(soft), len(self.names)))])
 
 
@@ -117,14 +115,14 @@ class _Saturation(hl.TorqueSaturation):
 
     title = ""  # no effect of the catalogue
 
-    def __init__(self, joints: Mechanism) -> None:
+    def __init__(self, joints):
         self.joints = joints
 
-    def limits(self, scene: Any) -> Any:
+    def limits(self, scene):
         return super().limits(replace(scene, mechanism=self.joints))
 
 
-def saturation(contacts: int, jacobian: np.ndarray, limits: np.ndarray) -> hl.TorqueSaturation:
+def saturation(contacts, jacobian, limits):
     """The effect for contacts of fingers whose joints have this Jacobian (3n, nv) and these torque limits (nv,)."""
     nv = len(limits)
     return _Saturation(_Joints(("",) * nv, jacobian, np.eye(nv), limits))

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-import handlcp as hl
 from handlcp.grasp.path.events import summary
 from handlcp.viz.envelope.surface import (
     CAUSE_SHADES,
@@ -20,22 +17,22 @@ from handlcp.viz.picture.figure import draw_solution
 ENVELOPE_COLOURS, ENVELOPE_GREYS = CAUSE_SHADES, (NO_CAUSE_COLOUR, OTHER_CAUSES_COLOUR)
 
 
-def events_in_short(events: Any, grasp: hl.Grasp) -> list[str]:
+def events_in_short(events, grasp):
     """What happens, in the order and words of `Loading`: events of several fingers at one place in one line."""
     return [str(s) for s in summary(events, grasp.spec)]
 
 
-def html(solution: Any) -> str:
+def html(solution):
     """What a notebook shows of it."""
     return solution._repr_html_()
 
 
-def save(grasp: hl.Grasp, solution: hl.GraspSolution, path: Any, title: str = "") -> Any:
+def save(grasp, solution, path, title=""):
     """The picture of a grasp as a file, which also an answer of unknown origin may have."""
     return draw_or_save(path, draw_solution, grasp, solution, None, title)
 
 
-def camera_of(grasp: hl.Grasp) -> Any:
+def camera_of(grasp):
     """From where the picture of a grasp without bodies is taken."""
     none = np.zeros((0, 3))
     return choose_camera(grasp, [], None, ScreenMarks(np.array([c.position for c in grasp.contacts]), none, none))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
 
 import handlcp as hl
 
@@ -12,7 +11,7 @@ G = 9.81
 
 
 @cache
-def pinch() -> hl.Grasp:
+def pinch():
     """Two points that press on an object along x with N each; nothing else is there."""
     left = hl.Contact((-R, 0, 0), (1, 0, 0), MU, name="left")
     right = hl.Contact((R, 0, 0), (-1, 0, 0), MU, name="right")
@@ -20,7 +19,7 @@ def pinch() -> hl.Grasp:
 
 
 @cache
-def cube(**more: Any) -> hl.HandGrasp:
+def cube(**more):
     """A cube of 0.2 kg in three fingertips, squeezed by 5 mm."""
     hand = hl.example_hand("three_finger", joint_stiffness=6.0)
     box = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)

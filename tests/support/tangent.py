@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-import handlcp as hl
 from handlcp.grasp.derivatives.active_set import (
     solve_without_slip as _without_slip,
 )
 
 
-def without_slip(grasp: hl.Grasp) -> Any:
+def without_slip(grasp):
     """(n, 3) forces of a grasp under its load in which nothing slips and nothing opens."""
     scene = grasp.scene
     found, _ = _without_slip(scene, scene.flexibility, scene.offset[:, None], scene.geometry.wrench[:, None])

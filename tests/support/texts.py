@@ -27,7 +27,7 @@ _written: dict[str, str] = {}  # in this process
 _NUMBER = re.compile(r"(?<![\w.])[+-]?\d+(?:[.,]\d+)*(?:e[+-]?\d+)?")
 
 
-def same(key: str, text: str, *facts: str) -> None:
+def same(key, text, *facts):
     """The text holds these facts, and is the one in the file, or becomes it when the file is being written."""
     says(text, *facts)
     where, what = key.split(": ", 1)
@@ -40,23 +40,23 @@ def same(key: str, text: str, *facts: str) -> None:
     assert text == known[what], f"{key!r}: reworded? With {WRITE}=1 the file is written anew"
 
 
-def says(text: str, *facts: str) -> None:
+def says(text, *facts):
     """The text holds these facts, whatever its wording: names, numbers, codes."""
     for fact in facts:
         assert fact in text, f"no {fact!r} in {text!r}"
 
 
-def without_numbers(text: str) -> str:
+def without_numbers(text):
     """With # for every number, and single blanks."""
     return _NUMBER.sub("#", " ".join(text.split()))
 
 
-def stored() -> dict[str, dict[str, str]]:
+def stored():
     """All texts: file of the test → what it is → the text."""
     return tomllib.loads(FILE.read_text(encoding="utf-8")) if FILE.exists() else {}
 
 
-def _write(where: str, what: str, text: str) -> None:
+def _write(where, what, text):
     """One at a time: the workers of a parallel run write the same file."""
     import fcntl
 
@@ -74,7 +74,7 @@ def _write(where: str, what: str, text: str) -> None:
         new.replace(FILE)  # at once: another worker may be reading
 
 
-def _quoted(text: str) -> str:
+def _quoted(text):
     """As a TOML basic string, which JSON's strings are, too; texts of several lines as they are read."""
     if "\n" not in text:
         return json.dumps(text, ensure_ascii=False)

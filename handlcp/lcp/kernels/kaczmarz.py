@@ -27,7 +27,7 @@ _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _MIX1 = np.uint64(0xBF58476D1CE4E5B9)
 _MIX2 = np.uint64(0x94D049BB133111EB)
 _S30, _S27, _S31, _S11 = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(11)
-_ORIGIN_WEIGHT = 1.0 / np.sqrt(2.0) - 1.0
+_ORIGIN_WEIGHT = 1.0 / np.sqrt(2.0) - 1.0  # both derivatives of Φ at (0, 0), those along z = w
 
 
 @kernel

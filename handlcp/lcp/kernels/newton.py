@@ -8,8 +8,8 @@ from handlcp.check import Array, Bools
 from handlcp.lcp.kernels.dense import kernel, multiply_add, solve_ranked
 from handlcp.tolerances import RANK_TOLERANCE
 
-_ACTIVE_SET_TIE = 1e-11
-_ORIGIN_WEIGHT = 1.0 / np.sqrt(2.0) - 1.0
+_ACTIVE_SET_TIE = 1e-11  # of the unknowns' size: as far as rounding moves z - w, an unknown keeps its side
+_ORIGIN_WEIGHT = 1.0 / np.sqrt(2.0) - 1.0  # both derivatives of Φ at (0, 0), those along z = w
 
 
 @kernel

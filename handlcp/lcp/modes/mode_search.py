@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -262,10 +263,17 @@ def _push_node(t: ModeTree, a: ActiveColumns, node: ModeNode, i: int) -> int:
 # none.
 
 
-_WORK_BETWEEN_CLOCKS = 200_000  # multiply-adds, half a millisecond: between two looks at the clock
-_WORK_PER_CALL = 1e5  # multiply-adds that take as long as a call of other kernels where they run as plain Python
-_MAX_REFUSED = 100  # candidates at the end of their branch; then the search gives up
-_MAX_EARLY_CANDIDATES = 12  # candidates further up that are handed out: where they help, the first ones do
+@dataclass(frozen=True)
+class ModeSearchOptions:
+    """What a search over contact modes spends before it gives up or looks up."""
+
+    work_between_clocks: int = 200_000  # multiply-adds, half a millisecond: between two looks at the clock
+    work_per_call: float = 1e5  # multiply-adds as long as a call of other kernels where they run as plain Python
+    max_refused: int = 100  # candidates at the end of their branch; then the search gives up
+    max_early_candidates: int = 12  # candidates further up that are handed out: where they help, the first ones do
+
+
+_OPTIONS = ModeSearchOptions()
 
 
 class ModeSearch:
@@ -313,7 +321,7 @@ class ModeSearch:
     @property
     def is_ended(self) -> bool:
         """Whether nothing more will come, whatever the budget."""
-        return self.exhausted or self.refused_count > _MAX_REFUSED
+        return self.exhausted or self.refused_count > _OPTIONS.max_refused
 
     @property
     def is_none_proven(self) -> bool:
@@ -335,7 +343,7 @@ class ModeSearch:
         """
         visits = self._visits(work, end)
         while not self.is_ended and (last := next(visits, None)) is not None:
-            if last or self._early < _MAX_EARLY_CANDIDATES:
+            if last or self._early < _OPTIONS.max_early_candidates:
                 self._early += not last
                 yield self._unknowns()
 
@@ -354,8 +362,8 @@ class ModeSearch:
             if (left := work - counts[4]) <= 0 or time.monotonic() > end:
                 return
             report_progress(f"{self.node_count} choices of contact modes")
-            ended, budget = int(counts[2]), int(min(left, _WORK_BETWEEN_CLOCKS))
-            with compile_in_background(work / _WORK_PER_CALL):
+            ended, budget = int(counts[2]), int(min(left, _OPTIONS.work_between_clocks))
+            with compile_in_background(work / _OPTIONS.work_per_call):
                 what = visit_nodes(self._tree, self._whole, self.problem.sets.normals, self._claim, budget, self._node)
             self.exhausted = what == EXHAUSTED
             if what == CANDIDATE:

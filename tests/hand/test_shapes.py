@@ -1,4 +1,4 @@
-"""Gaps and depths of fingertips of any shape, judged by closed forms and by whether coal says that they touch."""
+"""Shapes against closed forms and coal's yes or no: gaps, depths, reach, swept balls, convex parts."""
 
 from __future__ import annotations
 
@@ -8,13 +8,19 @@ import coal
 import numpy as np
 import pinocchio as pin
 import pytest
+from hypothesis import example, given, settings, strategies as st
+from scipy.spatial import ConvexHull
 
+import handlcp as hl
 from handlcp.errors import InputError, Unsupported, URDFError
 from handlcp.geometry import YCB, Box, Cylinder, Ellipsoid, Mesh
-from handlcp.geometry.distance import signed_distance
+from handlcp.geometry.contact_detection import choose_corners as flat_corners
+from handlcp.geometry.distance import shape_distance_outside, signed_distance, support_points
 from handlcp.hand import Hand
 from handlcp.hand.library import urdf
-from tests.support.hand import ball_near, shape_near
+from handlcp.robot.link_surface import hull_planes
+from tests.support.hand import ball_near, shape_near, swept_contacts, swept_station
+from tests.support.kernels import interpreted
 
 CLEAR = 1e-5  # [m] of a move that parts shapes, or leaves them in touch
 
@@ -223,3 +229,168 @@ def test_a_mesh_that_is_flat_is_no_object(tmp_path):
     (tmp_path / "flat.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 3 2\n")
     with pytest.raises(InputError, match=r"flat\.obj"):
         Mesh(tmp_path / "flat.obj")
+
+
+# ---------------------------------------------------------------- convex shapes as numbers: how far they reach in a
+RNG = np.random.default_rng(4)
+N = RNG.standard_normal((200, 3))
+N /= np.linalg.norm(N, axis=1)[:, None]
+CLOUD = RNG.standard_normal((40, 3)) * (0.02, 0.03, 0.05)
+
+
+def _hull():
+    hull = ConvexHull(CLOUD)
+    points, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
+    for point in CLOUD:
+        points.append(point)
+    for (a, b, c), plane in zip(hull.simplices, hull.equations, strict=True):
+        out = np.cross(CLOUD[b] - CLOUD[a], CLOUD[c] - CLOUD[a]) @ plane[:3] > 0.0
+        triangles.append(coal.Triangle(*map(int, (a, b, c) if out else (a, c, b))))
+    return coal.Convex(points, triangles)
+
+
+ACROSS = np.hypot(N[:, 0], N[:, 1])
+REACHES = {
+    "box": (coal.Box(0.02, 0.06, 0.1), abs(N) @ (0.01, 0.03, 0.05)),
+    "sphere": (coal.Sphere(0.03), np.full(len(N), 0.03)),
+    "capsule": (coal.Capsule(0.01, 0.08), 0.01 + 0.04 * abs(N[:, 2])),
+    "cylinder": (coal.Cylinder(0.02, 0.06), 0.02 * ACROSS + 0.03 * abs(N[:, 2])),
+    "ellipsoid": (coal.Ellipsoid(0.01, 0.02, 0.03), np.linalg.norm(N * (0.01, 0.02, 0.03), axis=1)),
+    "hull": (_hull(), (N @ CLOUD.T).max(axis=1)),
+}
+
+
+@pytest.mark.parametrize("name", REACHES)
+@pytest.mark.parametrize("compiled", [True, False])
+def test_a_shape_reaches_as_far_as_its_closed_form_says(name, compiled):
+    shape, reach = REACHES[name]
+    if compiled:
+        points = support_points(shape, N)
+    else:
+        with interpreted():
+            points = support_points(shape, N)
+    np.testing.assert_allclose((points * N).sum(axis=1), reach, atol=1e-14)
+
+
+@pytest.mark.parametrize("name", REACHES)
+def test_furthest_points_lie_on_the_surface_and_what_is_further_is_beyond(name):
+    shape, _ = REACHES[name]
+    for point in support_points(shape, N[:50]):
+        assert abs(shape_distance_outside(shape, point)) < 1e-12
+        assert shape_distance_outside(shape, 0.9 * point) < 0.0 < shape_distance_outside(shape, 1.1 * point)
+
+
+def test_how_far_a_point_is_beyond_a_hull_is_read_off_its_planes():
+    shape, _ = REACHES["hull"]
+    _, normals, offsets = hull_planes(shape)
+    for point in 0.05 * N[:20]:
+        assert shape_distance_outside(shape, point) == pytest.approx(
+            float((normals @ point - offsets).max()), abs=1e-15
+        )
+
+
+# ---------------------------------------------------------------- swept balls: the nearest station beside a search
+OBJECTS = [
+    hl.Sphere(0.03), hl.Box((0.05, 0.04, 0.06)), hl.Cylinder(0.03, 0.08), hl.Ellipsoid((0.02, 0.03, 0.05)),
+]  # fmt: skip
+
+
+def drawn(rng, lines):
+    """Centre, spans and radius of a swept ball beside an object."""
+    axes = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    spans = np.zeros((2, 3))
+    spans[:lines] = (axes[:, :lines] * rng.uniform(0.005, 0.03, lines)).T
+    way = rng.normal(size=3)
+    return 0.09 * way / np.linalg.norm(way), spans, rng.uniform(0.0, 0.01)
+
+
+@pytest.mark.parametrize("obj", OBJECTS, ids=lambda o: type(o).__name__)
+@pytest.mark.parametrize("lines", [1, 2])
+def test_no_station_is_nearer_than_the_one_found(obj, lines):
+    rng = np.random.default_rng(3)
+    for _ in range(8):
+        centre, spans, _ = drawn(rng, lines)
+        found = obj.closest(swept_station(obj, centre, spans))[0]
+        grid = np.linspace(-1.0, 1.0, 21)
+        every = [
+            obj.closest(centre + s * spans[0] + t * spans[1])[0] for s in grid for t in (grid if lines > 1 else (0.0,))
+        ]
+        assert found <= min(every) + 1e-9
+
+
+@pytest.mark.parametrize("obj", [OBJECTS[0], OBJECTS[2], OBJECTS[3]], ids=lambda o: type(o).__name__)
+@pytest.mark.parametrize("lines", [0, 1, 2])
+def test_contacts_turn_and_shift_as_differences_of_them_do(obj, lines):
+    rng = np.random.default_rng(5)
+    for _ in range(6):
+        centre, spans, radius = drawn(rng, lines)
+        place, turn = rng.normal(size=3) * 0.01, pin.exp3(rng.normal(size=3))
+        swept = turn.T @ (centre - place), spans @ turn, radius
+        _, _, _, dn, dx = swept_contacts(obj, swept, place, turn)
+        h = 1e-6
+        for a in range(6):
+            by = np.zeros(3)
+            by[a % 3] = h
+            ends = []
+            for sign in (1.0, -1.0):
+                moved = (place + sign * by, turn) if a < 3 else (place, pin.exp3(sign * by) @ turn)
+                ends.append(swept_contacts(obj, swept, *moved))
+            x, n = ((ends[0][k] - ends[1][k]) / (2 * h) for k in (0, 1))
+            np.testing.assert_allclose(dn[:, a], n, atol=2e-3 * (1 + abs(n).max()))
+            np.testing.assert_allclose(dx[:, a], x, atol=2e-3 * (1 + abs(x).max()))
+
+
+# ---------------------------------------------------------------- tiny facets: whether they touch at a point or
+# Of a facet that one measure called wide while no corner was so far from the first one chosen
+FLAT = np.array([[9.77e-5, -8.5e-6], [-9.78e-5, -2.6e-6], [-7.12e-5, -6.85e-5], [7.11e-5, 6.15e-5]])  # m
+APART = 1.93439e-4
+
+
+def test_a_facet_that_is_wide_has_two_corners_also_where_they_are_nearer_than_that():
+    assert np.ptp(FLAT[:, 0]) > APART
+    assert len(flat_corners(FLAT, APART)) == 2
+
+
+@given(seed=st.integers(0, 2**32 - 1), over=st.floats(0.0, 1.0), thin=st.floats(0.0, 1.0))
+@example(seed=15, over=0.0, thin=0.5)
+@settings(max_examples=100, deadline=None)
+def test_points_that_are_wide_span_at_least_two_corners(seed, over, thin):
+    """However little wider than the threshold they are; no other two of the corners are nearer than that."""
+    points = np.random.default_rng(seed).normal(size=(8, 2)) * (1.0, thin)
+    points -= points.mean(axis=0)
+    apart = float(np.ptp(points[:, 0])) / (1.0 + 1e-12 + over)
+    chosen = flat_corners(points, apart)
+    assert 2 <= len(chosen) == len(set(chosen)) <= 4
+    between = np.linalg.norm(points[chosen, None] - points[chosen], axis=2)
+    assert (between[np.triu_indices(len(chosen), 1)][1:] > apart).all()
+
+
+# ---------------------------------------------------------------- convex parts of meshes that are not convex: of
+
+
+@pytest.fixture(scope="module")
+def ring():
+    trimesh = pytest.importorskip("trimesh")
+    pytest.importorskip("coacd")
+    return hl.Mesh(trimesh.creation.annulus(0.02, 0.03, 0.04, sections=24), mass=0.1)
+
+
+def test_the_parts_of_a_ring_fill_it_and_leave_its_middle_empty(ring):
+    assert not ring.convex
+    volume = sum(float(part.computeVolume()) for part in ring.parts)
+    assert volume == pytest.approx(ring.volume, rel=0.15)
+    assert len(ring.parts) > 3
+
+
+def test_links_touch_a_ring_in_its_parts(ring):
+    """A box flat on the ring's upper side: as far away as it was put."""
+    near = shape_near(coal.Box(0.1, 0.1, 0.02), np.eye(3), np.array([0.0, 0.0, 0.02 + 0.01 + 0.003]), ring)
+    assert near.gap == pytest.approx(0.003, abs=1e-4)
+
+
+def test_a_link_that_is_not_there_has_no_parts():
+    pytest.importorskip("coacd")
+    with pytest.raises(hl.UnknownName, match="palm"):
+        hl.example_hand("two_finger").in_parts("thumb")
+    parted = hl.example_hand("two_finger").in_parts("palm")
+    assert parted.in_parts_of == {"palm"}
