@@ -90,24 +90,94 @@ def check_number(
     argument: str, value: Any, *, minimum: float = -np.inf, above: float = -np.inf, finite: bool = True
 ) -> float:
     """A real number ≥ `minimum` and > `above`, of a size that floats can square, unless infinity is welcome."""
-    bound = f" ≥ {minimum:g}" if minimum > -np.inf else f" > {above:g}" if above > -np.inf else ""
-    expected = f"a {'finite ' if finite else ''}number{bound}"
-    if isinstance(value, _NON_NUMBER_TYPES) or (
-        isinstance(value, np.ndarray) and (value.ndim > 0 or value.dtype.kind not in "iuf")
-    ):
-        raise InputError(argument, expected, shorten_repr(value))
-    try:
-        x = float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(argument, expected, shorten_repr(value)) from None
+    x = _as_float(value)
+    if x is None:
+        raise InputError(argument, describe_number(minimum, above, finite), shorten_repr(value))
     if abs(x) < 1.0 / MAX_NUMBER**2:
         x = 0.0  # its reciprocal would overflow
     if MAX_NUMBER < abs(x) < np.inf:
-        raise InputError(argument, f"{expected}, at most {MAX_NUMBER:g} in size", f"{x:g}")
+        expected = f"{describe_number(minimum, above, finite)}, at most {MAX_NUMBER:g} in size"
+        raise InputError(argument, expected, f"{x:g}")
     low = x < minimum or (x <= above and above > -np.inf)
     if low or x != x or (finite and abs(x) == np.inf):
-        raise InputError(argument, expected, x)
+        raise InputError(argument, describe_number(minimum, above, finite), x)
     return x
+
+
+def describe_number(minimum: float = -np.inf, above: float = -np.inf, finite: bool = True) -> str:
+    """The numbers with these bounds in words, such as "a finite number ≥ 0"."""
+    bound = f" ≥ {minimum:g}" if minimum > -np.inf else f" > {above:g}" if above > -np.inf else ""
+    return f"a {'finite ' if finite else ''}number{bound}"
+
+
+def _as_float(value: Any) -> float | None:
+    """The value as a float; None for what is no real number."""
+    if isinstance(value, _NON_NUMBER_TYPES):
+        return None
+    if isinstance(value, np.ndarray) and (value.ndim > 0 or value.dtype.kind not in "iuf"):
+        return None
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        return None
+
+
+class NumbersByName(NamedTuple):
+    """What an argument takes that has a number for each of some names: one for all, as many as there are names, or a
+    mapping by name.
+
+    kind : of the names, such as "joint".
+    minimum, above, finite : bounds of each number, as in `check_number`.
+    rest : number of the names that a mapping leaves out.
+    only_common_bounded : whether the bounds are those of one number for all, and other numbers need only be finite.
+    has_common : whether one number for all may come.
+    """
+
+    kind: str
+    minimum: float = -np.inf
+    above: float = -np.inf
+    finite: bool = True
+    rest: float = 0.0
+    only_common_bounded: bool = False
+    has_common: bool = True
+
+    @property
+    def expected(self) -> str:
+        """What the argument takes, in words."""
+        number = describe_number(self.minimum, self.above, self.finite)
+        if not self.has_common:
+            return f"{number} for each {self.kind}, or a table of them by {self.kind} name"
+        other = "one finite number" if self.only_common_bounded else "one"
+        return f"{number}, {other} for each {self.kind}, or a table of them by {self.kind} name"
+
+    def read(self, argument: str, value: Any, names: Sequence[str] | None = None) -> Array:
+        """(k,) the numbers, in the order of the k names. Raises InputError, UnknownName.
+
+        names : None: not known yet, as where a file is read; the numbers alone are checked then.
+        """
+        if isinstance(value, Mapping):
+            given = value if names is None else check_keys(argument, value, names, f"a {self.kind}")
+            found = {name: self._check_one(f"{argument}[{name!r}]", x) for name, x in given.items()}
+            return read_only(np.array([found.get(name, self.rest) for name in (found if names is None else names)]))
+        depth = count_dimensions(value)
+        if depth == 0 and self.has_common and _as_float(value) is not None:
+            number = check_number(argument, value, minimum=self.minimum, above=self.above, finite=self.finite)
+            return read_only(np.full(1 if names is None else len(names), number))
+        if depth != 1:
+            raise InputError(argument, self.expected, shorten_repr(value))
+        if names is not None and len(value) != len(names):
+            expected = f"{len(names)} values, one for each of {', '.join(names)}"
+            raise InputError(argument, expected, f"{len(value)} of them")
+        try:
+            return read_only(np.array([self._check_one(argument, x) for x in value]))
+        except InputError as error:
+            raise InputError(argument, error.expected, shorten_repr(value)) from None
+
+    def _check_one(self, argument: str, value: Any) -> float:
+        """One of several numbers."""
+        if self.only_common_bounded:
+            return check_number(argument, value)
+        return check_number(argument, value, minimum=self.minimum, above=self.above, finite=self.finite)
 
 
 def check_integer(argument: str, value: Any, least: int, most: int = 2**63 - 1) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -29,13 +29,13 @@ from handlcp.actuation.route import Route
 from handlcp.actuation.tendon_stiffness import TENDON_EQUATION, RoutedStiffness, TendonModel, TendonStiffness
 from handlcp.check import (
     Array,
+    NumbersByName,
     check_array,
     check_init_call,
     check_keys,
     check_method_calls,
     check_number,
     check_psd,
-    count_dimensions,
     read_only,
 )
 from handlcp.errors import InputError, Unsupported
@@ -70,8 +70,8 @@ TENDONS = EffectDescription(
 
 _read_tendon_spring = partial(check_number, above=0.0)
 _read_passive_spring = partial(check_number, minimum=0.0, finite=False)
-_read_pretension = partial(check_number, minimum=0.0, finite=False)
-_read_tension_limit = partial(check_number, above=0.0, finite=False)
+PRETENSIONS = NumbersByName("tendon", minimum=0.0, finite=False)
+TENSION_LIMITS = NumbersByName("tendon", above=0.0, finite=False, rest=np.inf)
 _read_friction = partial(check_number, minimum=0.0)
 _ARMS_ARGUMENT = "Tendons.moment_arms"
 
@@ -140,8 +140,8 @@ class Tendons(Transmission):
 
     def _read_forces(self, names: Sequence[str]) -> tuple[Array, Array]:
         """Read pretension and limit (t,) of each tendon [N]. Raises InputError, UnknownName."""
-        begun = _read_by_tendon("Tendons.pretension", self.pretension, names, _read_pretension, 0.0)
-        most = _read_by_tendon("Tendons.limits", self.limits, names, _read_tension_limit, np.inf)
+        begun = PRETENSIONS.read("Tendons.pretension", self.pretension, names)
+        most = TENSION_LIMITS.read("Tendons.limits", self.limits, names)
         for name, least, limit in zip(names, begun.tolist(), most.tolist(), strict=True):
             if limit < least < np.inf:
                 raise InputError(f"Tendons.limits[{name!r}]", f"at least the pretension, {least:g} N", f"{limit:g} N")
@@ -177,20 +177,6 @@ def _check_arms(value: Any) -> Any:
     plain = {str(name): row for name, row in value.items() if not isinstance(row, Route)}
     checked: Any = check_rows(_ARMS_ARGUMENT, plain) if plain or not value else {}
     return {str(name): row if isinstance(row, Route) else checked[str(name)] for name, row in value.items()}
-
-
-def _read_by_tendon(
-    argument: str, value: Any, names: Sequence[str], read: Callable[[str, Any], float], out: float
-) -> Array:
-    """(t,) numbers from one for all, (t,), or a mapping, `out` for tendons that it leaves out."""
-    if isinstance(value, Mapping):
-        values = check_keys(argument, value, names, "a tendon")
-        return read_only(np.array([read(f"{argument}[{n!r}]", values[n]) if n in values else out for n in names]))
-    if count_dimensions(value) == 0:
-        return read_only(np.full(len(names), read(argument, value)))
-    if len(value) != len(names):
-        raise InputError(argument, f"{len(names)} numbers, one for each tendon", f"{len(value)} of them")
-    return read_only(np.array([read(f"{argument}[{i}]", x) for i, x in enumerate(value)]))
 
 
 def _read_passive(argument: str, value: Any, joints: Sequence[str]) -> Array:

@@ -131,12 +131,10 @@ Brief.__init__ = check_call(mass="it is the object's: Box(..., mass=...)")(Brief
 def _check_closing_values(closing: Mapping[str, Any]) -> None:
     """Check that values are forces, depths or torques; the names of the hand are not known yet. Raises InputError."""
     for argument, value in closing.items():
-        count = len(value) if count_dimensions(value) == 1 else 1
-        names = list(value) if isinstance(value, Mapping) else [str(k) for k in range(count)]
         if argument == "closing_torque":
-            read_torque_by_joint(value, names)
+            read_torque_by_joint(value)
         else:
-            read_by_tip(argument, value, names)
+            read_by_tip(argument, value)
 
 
 def _read_objects(given: Any) -> dict[str, Object]:

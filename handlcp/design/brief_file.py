@@ -6,20 +6,20 @@ import json
 import os
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast, get_args
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from handlcp.contact.friction import as_law
 from handlcp.errors import InputError, translate_arguments
-from handlcp.geometry import YCB, Box, Cylinder, Ellipsoid, Mesh, Object, Sphere
+from handlcp.geometry import Mesh, Object
 from handlcp.scene import key_types as k
-from handlcp.scene.build import make_object
-from handlcp.scene.key_types import FileTable
+from handlcp.scene.build import OBJECT_KINDS, make_object
+from handlcp.scene.key_types import FileTable, argument_of
 from handlcp.scene.keys import read_tables, read_text_file
 from handlcp.scene.scene_tables import make_law
-from handlcp.scene.schema import LoadTable, ObjectTable
+from handlcp.scene.schema import AnyObjectTable, LoadTable, ObjectTable
 
 BriefT = TypeVar("BriefT")
 
@@ -73,23 +73,6 @@ class BriefTables(FileTable):
         return self
 
 
-# Arguments of a brief, and the keys that they come from
-_BRIEF_KEYS = {
-    "friction": "friction",
-    "orientations": "orientations",
-    "acceleration": "acceleration_m_per_s2",
-    "motion": "motion_m",
-    "most_force": "most_force_N",
-    "safety": "safety",
-    "kind": "kind",
-    "squeeze": "squeeze_m",
-    "grip_force": "grip_force_N",
-    "closing_torque": "closing_torque_Nm",
-    "tries": "tries",
-    "seed": "seed",
-}
-
-
 def load_brief(path: Any, make: Callable[..., BriefT]) -> BriefT:
     """Read the brief of a TOML file; see `Brief.from_toml`.
 
@@ -104,9 +87,9 @@ def load_brief(path: Any, make: Callable[..., BriefT]) -> BriefT:
             objects = make_object(table.object, file.parent)
         if table.load is not None:
             loads = [*table.load.force_N, *table.load.torque_Nm]
-        given = {argument: getattr(table, key) for argument, key in _BRIEF_KEYS.items()}
-        with translate_arguments(_BRIEF_KEYS):
-            return make(objects, loads, **{**given, "friction": make_law(table.friction, "friction")})
+        given = table.arguments("object", "objects", "load", "loads", "friction")
+        with translate_arguments(BriefTables.keys_by_argument("")):
+            return make(objects, loads, make_law(table.friction, "friction"), **given)
     except InputError as error:
         error.args = (f"{file.name}: {error}",)
         raise
@@ -118,13 +101,11 @@ def load_brief(path: Any, make: Callable[..., BriefT]) -> BriefT:
 
 def brief_to_toml(brief: Any, folder: Path) -> str:
     """A brief as TOML, with files of meshes relative to the folder. Raises InputError for what has no key."""
-    plain = BriefTables.model_fields
-    said: dict[str, Any] = {
-        key: value
-        for argument, key in _BRIEF_KEYS.items()
-        if (value := _to_python(getattr(brief, argument))) is not None and value != plain[key].default
-    }
-    said["friction"] = _friction_to_toml(brief.friction)
+    said = {"friction": _friction_to_toml(brief.friction)}
+    for key, field in BriefTables.model_fields.items():
+        value = _to_python(getattr(brief, argument_of(key), None))
+        if key not in ("friction", "objects", "loads") and value is not None and value != field.default:
+            said[key] = value
     tables = {("objects", name): _object_table(name, obj, folder) for name, obj in brief.objects.items()}
     for name, load in brief.loads.items():
         tables["loads", name] = {"force_N": load[:3].tolist(), "torque_Nm": load[3:].tolist()}
@@ -143,21 +124,17 @@ def _friction_to_toml(given: Any) -> Any:
 
 def _object_table(name: str, obj: Object, folder: Path) -> dict[str, Any]:
     """The table of an object."""
-    match obj:
-        case Box():
-            table: dict[str, Any] = {"shape": "box", "size_m": obj.size.tolist()}
-        case Sphere():
-            table = {"shape": "sphere", "radius_m": obj.radius}
-        case Cylinder():
-            table = {"shape": "cylinder", "radius_m": obj.radius, "length_m": obj.length}
-        case Ellipsoid():
-            table = {"shape": "ellipsoid", "radii_m": obj.radii.tolist()}
-        case YCB():
-            table = {"shape": "ycb", "name": obj.name}
-        case Mesh(path=Path() as file):
-            table = {"shape": "mesh", "file": _relative_path(file, folder), "scale": obj.scale.tolist()}
-        case _:
-            raise InputError(f"objects[{name!r}]", "a shape that files have, a mesh from a file", repr(obj)[:80])
+    kind = next((kind for kind in OBJECT_KINDS if isinstance(obj, kind)), None)
+    file = getattr(obj, "path", None)
+    if kind is None or (kind is Mesh and not isinstance(file, Path)):
+        raise InputError(f"objects[{name!r}]", "a shape that files have, a mesh from a file", repr(obj)[:80])
+    fields = OBJECT_KINDS[kind].model_fields
+    table: dict[str, Any] = {"shape": get_args(fields["shape"].annotation)[0]}
+    for key in fields:
+        if key == "file":
+            table[key] = _relative_path(cast(Path, file), folder)
+        elif key not in AnyObjectTable.model_fields:
+            table[key] = _to_python(getattr(obj, argument_of(key)))
     return table | {"mass_kg": obj.mass}
 
 

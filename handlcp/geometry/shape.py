@@ -25,7 +25,7 @@ class Box(Object):
     __slots__ = ("size",)
 
     def __init__(self, size: Any, placement: Any = None, mass: Any = None, *, density: Any = None) -> None:
-        self.size = _read_lengths("size", size)
+        self.size = read_lengths("size", size)
         solid = ObjectSolid(coal.Box(*self.size), float(np.prod(self.size)))
         super().__init__(solid, placement, mass, density, (self.size,), (BOX, 0.5 * self.size))
 
@@ -71,7 +71,7 @@ class Ellipsoid(Object):
     __slots__ = ("radii",)
 
     def __init__(self, radii: Any, placement: Any = None, mass: Any = None, *, density: Any = None) -> None:
-        self.radii = _read_lengths("radii", radii)
+        self.radii = read_lengths("radii", radii)
         solid = ObjectSolid(coal.Ellipsoid(*self.radii), 4 / 3 * np.pi * float(np.prod(self.radii)))
         super().__init__(solid, placement, mass, density, (self.radii,), (ELLIPSOID, np.array(self.radii)))
 
@@ -164,7 +164,8 @@ def check_contact_metres(argument: str, positions: Array, tips: Array) -> None:
         raise InputError(argument, "positions in metres", came)
 
 
-def _read_lengths(argument: str, value: Any) -> Array:
+def read_lengths(argument: str, value: Any) -> Array:
+    """(3,) lengths along x, y and z [m], from three or one for all. Raises InputError for one that is not above 0."""
     a = check_array(argument, value, (3,), ())
     if not (a > 0).all():
         raise InputError(argument, "lengths above 0", repr(a.tolist()))

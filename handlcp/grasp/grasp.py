@@ -414,7 +414,8 @@ class Grasp(GraspQuestions):
         environment away. Raises InputError.
         """
         given = dict(wrench=wrench, flexibility=flexibility, offset=offset, preload=preload, friction=friction)
-        return type(self)(rebuild(self.spec, given | dict(effects=effects, environment=environment)))
+        given |= dict(effects=effects, environment=environment)
+        return type(self)(rebuild(self.spec, given, ContactGraspRequest))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as what was asked."""

@@ -17,7 +17,7 @@ from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
 from handlcp.grasp.effects.joint_offset import CommandReach, JointOffset
 from handlcp.grasp.effects.joint_torque import FingerWeight
 from handlcp.grasp.grasp import Grasp
-from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.model.request import GraspSpec, rebuild
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solve.solve_spec import is_force_dependent
 from handlcp.hand.mechanism import HandMechanism
@@ -231,15 +231,13 @@ class HandGrasp(HandRequirements):
         () takes them away, {} a joint_offset, 0 a preload or a mass, False finger_weight.
         Raises NotReached, UnknownName, InputError.
         """
-        from handlcp.hand.request import rebuild_hand_grasp
-
         given = dict(
             wrench=wrench, flexibility=flexibility, offset=offset, preload=preload, friction=friction, effects=effects,
             environment=environment, gravity=gravity, mass=mass, object=object, squeeze=squeeze, grip_force=grip_force,
             joint_offset=joint_offset, finger_weight=finger_weight, fingers=fingers, max_gap=max_gap, load=load,
             links=links, closing_torque=closing_torque, hold_object=hold_object,
         )  # fmt: skip
-        made = type(self)(rebuild_hand_grasp(self.spec, given))
+        made = type(self)(rebuild(self.spec, given, GraspRequest))
         if isinstance(asked := made.spec.asked, GraspRequest) and asked.flexibility is not None:
             bent = is_force_dependent(made.spec)
             if bent or (made.scene.soft and made.spec.flexibility[: 3 * made.spec.of_hand].any()):

@@ -23,10 +23,10 @@ from handlcp.geometry.object import object_weight_wrench
 from handlcp.grasp.derivatives.parameter.stiffness import with_torque_limits
 from handlcp.grasp.failure.failure_mode import is_exceeded
 from handlcp.grasp.failure.failure_text import describe_torque_excess
-from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.model.request import GraspSpec, rebuild
 from handlcp.grasp.solution.verdict import HELD
 from handlcp.hand.mechanism import hand_mechanism
-from handlcp.hand.request import rebuild_hand_grasp
+from handlcp.hand.request import GraspRequest
 from handlcp.record import Record, columns_from_arrays, pick_entries, rows_from_columns, to_plain
 from handlcp.words import TextTable, wrap_text
 
@@ -190,7 +190,7 @@ def _apply_load(spec: GraspSpec, said: dict[str, Any], factor: float) -> GraspSp
         given["mass"] = factor * check_number("mass", mass, minimum=0.0)
     if "gravity" in said:
         given["gravity"] = said["gravity"]
-    return rebuild_hand_grasp(spec, given)
+    return rebuild(spec, given, GraspRequest)
 
 
 # ----------------------------------------------------------------

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, cast
+from typing import Any, Self
 
 import numpy as np
 
@@ -26,14 +26,13 @@ from handlcp.grasp.model.contact import Contact
 from handlcp.grasp.model.flexibility import flexibility_matrix
 from handlcp.grasp.model.request import (
     GraspSpec,
-    drop_unset,
+    Request,
     environment_of,
-    freeze,
     hand_offset,
+    join_contacts,
     join_flexibilities,
     join_offsets,
     replace_friction,
-    replace_load,
     to_spec,
     with_changes,
 )
@@ -125,7 +124,7 @@ _COMMAND_UNITS = {
 
 
 @dataclass(frozen=True, eq=False)
-class GraspRequest:
+class GraspRequest(Request):
     """The arguments of `state.grasp`, and what `replace` alone can say.
 
     flexibility : of the fingers, in place of the hand's own; None: that. load : the whole load, in place of wrench and
@@ -162,11 +161,8 @@ class GraspRequest:
     bare: HandPosture | None = None
     closed: ClosedPosture | None = None
 
-    def __post_init__(self) -> None:
-        freeze(self)
-
     def spec(self) -> GraspSpec:
-        """See `state.grasp`. Raises NotReached, UnknownName, InputError."""
+        """The specification that these arguments make. Raises NotReached, UnknownName, InputError."""
         made = self.spec_at_touch()
         closed = made.asked.closed
         if closed is None or closed.is_command_final:
@@ -191,43 +187,90 @@ class GraspRequest:
         weighed = _check_finger_weight(self.finger_weight)
         tips, contacts, gaps = self._finger_contacts(obj)
         k, around = len(contacts), None if self.environment is None else read_environment(self.environment, obj)
-        if around is not None:
-            contacts = validate.contacts((*contacts, *around.contacts))
+        contacts = join_contacts(contacts, around)
         positions, frames, normal = validate.positions_and_frames(self.plane, contacts)
         positions, frames, planar = read_only(positions), read_only(frames), normal is not None
         g = read_gravity(self.gravity)
         mechanism = make_hand_mechanism(
             self.state, tips, positions[:k], frames[:k], obj, g, read_only(np.zeros((k, 3)))
         )
-        given = self.flexibility
-        E = (
-            stored_flexibility(mechanism)
-            if given is None
-            else validate.flexibility(flexibility_matrix(given), k, planar)
-        )
+        E: Any = stored_flexibility(mechanism)
+        if self.flexibility is not None:
+            E = validate.flexibility(flexibility_matrix(self.flexibility), k, planar)
         if self.found is not None:
             mechanism = replace(mechanism, stand_off=self.found[1])
         elif obj is not None:
             mechanism = _with_gaps(mechanism, gaps, planar, self.inside)
-        d = join_offsets(self.offset, self.preload, k, np.zeros((0, 3)) if around is None else around.offset).copy()
+        d = join_offsets(self.offset, self.preload, k, around).copy()
         d[:k] += mechanism.stand_off
         if around is not None:
-            mechanism, E = (
-                mechanism.with_environment(len(around.contacts)),
-                join_flexibilities(flexibility_matrix(E), around.flexibility),
-            )
+            mechanism = mechanism.with_environment(len(around.contacts))
+            E = join_flexibilities(flexibility_matrix(E), around.flexibility)
         point = choose_reference(self.reference, obj, positions, normal)
         if self.load is None:
             load = total_load(self.wrench, point, obj, g, positions, normal)
         else:
             load = validate.wrench(self.load, normal, validate.height_above(positions, point, normal))
         spec = GraspSpec(
-            contacts, positions, frames, normal, None if around is None else k, mechanism, load, point, cast(Array, E),
+            contacts, positions, frames, normal, None if around is None else k, mechanism, load, point, E,
             read_only(d), _make_finger_weight(self.state, weighed, g),
         )  # fmt: skip
         spec = apply_command(to_spec(spec, self.effects), self.squeeze, self.grip_force, offset)
         keeps = check_flag("hold_object", self.hold_object)
         return start_open(spec, closed, keeps).replace(asked=replace(self, closed=closed))
+
+    @classmethod
+    def from_spec(cls, spec: GraspSpec) -> Self:
+        """Arguments that make a grasp of which its specification alone is known: its contacts stay where they are."""
+        mechanism = spec.mechanism
+        assert isinstance(mechanism, HandMechanism)
+        k, tips = spec.of_hand, mechanism.fingertips
+        weight = next((e for e in spec.effects if isinstance(e, FingerWeight)), None)
+        command = find_command(spec.effects)
+        offset, E = hand_offset(spec.offset, k).copy(), spec.flexibility[: 3 * k, : 3 * k]
+        offset[:k] -= mechanism.stand_off
+        own = replace(mechanism, jacobian=mechanism.jacobian[: 3 * k])
+        contacts, target = spec.contacts[:k], mechanism.target
+        laws = None if target is None else {tip: c.friction for tip, c in zip(tips, contacts, strict=True)}
+        return cls(
+            mechanism.posture, target or dict(zip(tips, contacts, strict=True)), laws, gravity=mechanism.gravity,
+            offset=offset, reference=spec.reference, fingers=tips, effects=[e for e in spec.effects if e.by_name],
+            finger_weight=False if weight is None else True if weight.sags else "torques",
+            plane=None if contacts[0].planar else spec.plane, environment=environment_of(spec),
+            joint_offset=None if command is None else command.command,
+            hold_object=command is not None and command.keeps,
+            closed=None if command is None else ClosedPosture.from_command(mechanism.posture.q, command),
+            flexibility=None if np.allclose(E, finger_flexibility(own), rtol=1e-12, atol=0.0) else E, load=spec.wrench,
+            found=(contacts, mechanism.stand_off),
+        )  # fmt: skip
+
+    def with_values(self, spec: GraspSpec, given: dict[str, Any]) -> Self:
+        mechanism = spec.mechanism
+        assert isinstance(mechanism, HandMechanism)
+        changes = _change_load(self, spec, mechanism, given)
+        if set(given) == {"load"}:
+            return with_changes(self, changes)
+        moved = any(name in given for name in _CONTACT_ARGUMENTS)
+        commanded = any(name in given for name in COMMAND_ARGUMENTS)
+        if commanded:  # one takes the place of another
+            changes = dict.fromkeys(COMMAND_ARGUMENTS) | {"closed": None} | changes
+        if moved:
+            changes["found"] = None
+        if self.bare is not None and (moved or commanded):  # the hand closes anew
+            changes |= {"state": self.bare, "bare": None, "closed": None, "found": None}
+        closed = changes.get("closed", self.closed)
+        if closed is not None and closed.torque is not None and not set(given) <= _LOAD_ARGUMENTS:
+            changes["closed"] = command_closing_torque(mechanism.posture.hand, closed.q, closed.opened, closed.torque)
+        changes["target"] = _change_target(self, spec, mechanism, given)
+        changes |= _change_friction(self, spec, mechanism, changes)
+        return with_changes(self, {name: x for name, x in changes.items() if name not in ("object", "mass")})
+
+    def whole_load(self, spec: GraspSpec) -> Any:
+        if self.load is not None:
+            return self.load
+        mechanism = spec.mechanism
+        assert isinstance(mechanism, HandMechanism)
+        return total_load(self.wrench, spec.reference, mechanism.target, mechanism.gravity, spec.positions, spec.plane)
 
     def scale_command(self, factor: float) -> tuple[str, str, GraspSpec] | None:
         """What says how hard the hand closes, so many times as much of it in words, and the grasp with that; None: a
@@ -258,7 +301,7 @@ class GraspRequest:
     def _rebuild_with(self, changes: dict[str, Any]) -> GraspSpec:
         """With other arguments, for which the hand closes anew."""
         anew = {} if self.bare is None else {"state": self.bare, "bare": None, "found": None}
-        return cast(GraspRequest, with_changes(self, {"closed": None, **changes, **anew})).spec()
+        return with_changes(self, {"closed": None, **changes, **anew}).spec()
 
     def _find_closing(self, obj: Object | None) -> ClosedPosture | None:
         """How the hand has closed, where that was asked for."""
@@ -351,44 +394,12 @@ def _with_gaps(mechanism: HandMechanism, gaps: Array, planar: bool, inside: Arra
 
 
 # ----------------------------------------------------------------
-# A hand's grasp made again with some of its arguments changed.
+# What a change of some arguments makes of the others.
 
 
 _WEIGHT_ARGUMENTS = ("object", "mass", "gravity")
 _LOAD_ARGUMENTS = frozenset({"wrench", "load", "mass", "gravity"})  # come once the hand has closed
 _CONTACT_ARGUMENTS = ("object", "fingers", "max_gap", "links")  # what makes the fingertips look for the object anew
-
-
-def rebuild_hand_grasp(spec: GraspSpec, given: dict[str, Any]) -> GraspSpec:
-    """See `HandGrasp.replace`. Raises InputError, NotReached, UnknownName."""
-    given = drop_unset(given)
-    if not given:
-        return spec
-    mechanism = spec.mechanism
-    assert isinstance(mechanism, HandMechanism)
-    asked = spec.asked if isinstance(spec.asked, GraspRequest) else _infer_request(spec, mechanism)
-    changes = _change_load(asked, spec, mechanism, given)
-    if set(given) == {"load"}:  # all else stays as it is, and is shared
-        under_it: GraspRequest = with_changes(asked, changes)
-        whole = total_load(
-            under_it.wrench, spec.reference, mechanism.target, mechanism.gravity, spec.positions, spec.plane
-        )  # fmt: skip
-        return replace_load(spec, whole, under_it)
-    if any(name in given for name in COMMAND_ARGUMENTS):  # one takes the place of another
-        changes = dict.fromkeys(COMMAND_ARGUMENTS) | {"closed": None} | changes
-    if any(name in given for name in _CONTACT_ARGUMENTS):
-        changes["found"] = None
-    if asked.bare is not None and any(
-        name in given for name in (*_CONTACT_ARGUMENTS, *COMMAND_ARGUMENTS)
-    ):  # the hand closes anew
-        changes |= {"state": asked.bare, "bare": None, "closed": None, "found": None}
-    closed = changes.get("closed", asked.closed)
-    if closed is not None and closed.torque is not None and not set(given) <= _LOAD_ARGUMENTS:
-        changes["closed"] = command_closing_torque(mechanism.posture.hand, closed.q, closed.opened, closed.torque)
-    changes["target"] = _change_target(asked, spec, mechanism, given)
-    changes |= _change_friction(asked, spec, mechanism, changes)
-    made: GraspRequest = with_changes(asked, {name: x for name, x in changes.items() if name not in ("object", "mass")})
-    return replace_load(spec, made.load, made) if set(given) == {"wrench"} else made.spec()
 
 
 def _change_load(
@@ -459,26 +470,3 @@ def _change_friction(
         stand_off = read_only(np.array([R @ d for R, d in zip(turned, found[1], strict=True)]))
         return {"friction": None, "found": (contacts, stand_off)}
     return {"friction": None, "target": dict(target) | dict(zip(names, contacts, strict=True))}
-
-
-def _infer_request(spec: GraspSpec, mechanism: HandMechanism) -> GraspRequest:
-    """Arguments that make a grasp of which a specification alone is known: its contacts stay where they are."""
-    k, tips = spec.of_hand, mechanism.fingertips
-    weight = next((e for e in spec.effects if isinstance(e, FingerWeight)), None)
-    command = find_command(spec.effects)
-    offset, E = hand_offset(spec.offset, k).copy(), spec.flexibility[: 3 * k, : 3 * k]
-    offset[:k] -= mechanism.stand_off
-    own = replace(mechanism, jacobian=mechanism.jacobian[: 3 * k])
-    contacts, target = spec.contacts[:k], mechanism.target
-    laws = None if target is None else {tip: c.friction for tip, c in zip(tips, contacts, strict=True)}
-    return GraspRequest(
-        mechanism.posture, target or dict(zip(tips, contacts, strict=True)), laws, gravity=mechanism.gravity,
-        offset=offset, reference=spec.reference, fingers=tips, effects=[e for e in spec.effects if e.by_name],
-        finger_weight=False if weight is None else True if weight.sags else "torques",
-        plane=None if contacts[0].planar else spec.plane, environment=environment_of(spec),
-        joint_offset=None if command is None else command.command,
-        hold_object=command is not None and command.keeps,
-        closed=None if command is None else ClosedPosture.from_command(mechanism.posture.q, command),
-        flexibility=None if np.allclose(E, finger_flexibility(own), rtol=1e-12, atol=0.0) else E, load=spec.wrench,
-        found=(contacts, mechanism.stand_off),
-    )  # fmt: skip

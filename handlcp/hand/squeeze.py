@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, check_array, check_keys, check_number, count_dimensions, read_only
+from handlcp.check import Array, NumbersByName, read_only
 from handlcp.errors import InputError, URDFError
 from handlcp.geometry.link_contacts import expand_link_values
 from handlcp.geometry.link_penetration import find_penetrating_links
@@ -179,20 +179,16 @@ _MAX_MISSED_SHARE = 0.5  # of an overlap: where joints miss more of it than that
 _MAX_CLOSING_OVERLAP = 2e-4  # [m] links that close until they touch overlap by less
 
 
-def read_by_tip(argument: str, value: Any, names: Sequence[str]) -> Array:
+BY_TIP = NumbersByName("fingertip", minimum=0.0)  # a squeeze, or grip forces
+JOINT_OFFSETS = NumbersByName("joint", has_common=False)
+
+
+def read_by_tip(argument: str, value: Any, names: Sequence[str] | None = None) -> Array:
     """(k,) ≥ 0 from a number, (k,), or a mapping by fingertip (others: 0). Raises InputError, UnknownName."""
-    if isinstance(value, Mapping):
-        given = check_keys(argument, value, names, "a fingertip")
-        values = np.array([check_number(f"{argument}[{name!r}]", given.get(name, 0.0), minimum=0.0) for name in names])
-    elif count_dimensions(value) == 0:
-        values = np.full(len(names), check_number(argument, value, minimum=0.0))
-    else:
-        values = check_array(argument, value, (len(names),))
-        if (values < 0.0).any():
-            raise InputError(argument, "numbers ≥ 0", values.tolist())
+    values = BY_TIP.read(argument, value, names)
     if argument == "squeeze" and (deepest := float(values.max(initial=0.0))) > _MAX_SQUEEZE:
         raise InputError(argument, f"depths in metres, up to {_MAX_SQUEEZE:g}", f"{deepest:g}: are these millimetres?")
-    return read_only(values)
+    return values
 
 
 def overlap_depths(gaps: Array) -> Array:
@@ -321,11 +317,7 @@ def read_joint_offset(value: Any, joints: Sequence[str]) -> Array:
     """(nv,) δq [rad, m] from numbers or a mapping by joint name (others 0); None: 0. Raises InputError, UnknownName."""
     if value is None:
         return read_only(np.zeros(len(joints)))
-    if isinstance(value, Mapping):
-        named = check_keys("joint_offset", value, joints, "a joint")
-        given = {joint: check_number(f"joint_offset[{joint!r}]", v) for joint, v in named.items()}
-        return read_only(np.array([given.get(joint, 0.0) for joint in joints]))
-    return check_array("joint_offset", value, (len(joints),))
+    return JOINT_OFFSETS.read("joint_offset", value, joints)
 
 
 COMMAND_ARGUMENTS = ("squeeze", "grip_force", "joint_offset", "closing_torque")

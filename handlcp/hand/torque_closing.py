@@ -16,7 +16,12 @@ import numpy as np
 from handlcp import words
 from handlcp.actuation.motor import Motor
 from handlcp.actuation.tendon_stiffness import TendonStiffness
-from handlcp.check import Array, Bools, check_array, check_keys, check_number, count_dimensions, read_only
+from handlcp.check import (
+    Array,
+    Bools,
+    NumbersByName,
+    read_only,
+)
 from handlcp.contact.friction import Section, as_section
 from handlcp.errors import InputError, NotReached, Unsupported
 from handlcp.geometry.link_contacts import ALL_LINKS, body_gaps, contact_bodies, nearest_links
@@ -146,15 +151,12 @@ def _signed_torques(hand: HandModel, way: Array, value: Any) -> Array:
     return np.where(way != 0.0, signed, torque) if isinstance(value, Mapping) else signed
 
 
-def read_torque_by_joint(value: Any, joints: Sequence[str]) -> Array:
+CLOSING_TORQUES = NumbersByName("joint", minimum=0.0, only_common_bounded=True)
+
+
+def read_torque_by_joint(value: Any, joints: Sequence[str] | None = None) -> Array:
     """(nv,) [N·m] from a number ≥ 0, (nv,), or a mapping by joint name (others: 0). Raises InputError, UnknownName."""
-    if isinstance(value, Mapping):
-        named = check_keys("closing_torque", value, joints, "a joint")
-        given = {joint: check_number(f"closing_torque[{joint!r}]", v) for joint, v in named.items()}
-        return np.array([given.get(joint, 0.0) for joint in joints])
-    if count_dimensions(value) == 0:
-        return np.full(len(joints), check_number("closing_torque", value, minimum=0.0))
-    return check_array("closing_torque", value, (len(joints),))
+    return CLOSING_TORQUES.read("closing_torque", value, joints)
 
 
 def find_carrying_joints(state: HandPosture, q: Array, obj: Object) -> Bools:

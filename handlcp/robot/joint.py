@@ -23,7 +23,7 @@ import numpy as np
 
 from handlcp import words
 from handlcp.actuation.motor import Drives
-from handlcp.check import Array, check_array, check_keys, check_number, count_dimensions, read_only
+from handlcp.check import Array, NumbersByName, read_only
 from handlcp.errors import InputError, URDFError
 from handlcp.robot.urdf import LARGEST_NUMBER, joint_link
 
@@ -397,6 +397,10 @@ class TorqueLimits:
         return TorqueLimits(drives.holding_limits(bare.limits), known, given, drives, bare)
 
 
+TORQUE_LIMITS = NumbersByName("joint", above=0.0, finite=False, rest=np.inf)
+JOINT_FRICTION = NumbersByName("joint", minimum=0.0)
+
+
 def read_torque_limits(
     value: Any, joints: Sequence[str], facts: Mapping[str, JointFacts], drives: Drives | None = None
 ) -> TorqueLimits:
@@ -418,16 +422,9 @@ def read_torque_limits(
 
 
 def _passed_limits(value: Any, joints: Sequence[str], facts: Mapping[str, JointFacts]) -> TorqueLimits:
-    argument, named = "torque_limits", dict[str, Any]()
-    if isinstance(value, Mapping):
-        named = check_keys(argument, value, joints, "a joint")
-    elif count_dimensions(value) == 1 and len(value) == len(joints):
-        named = dict(zip(joints, value, strict=True))
-    elif count_dimensions(value):
-        raise InputError(argument, f"{len(joints)} values, one for each of {', '.join(joints)}", repr(value))
-    elif value is not None:
-        named = dict.fromkeys(joints, check_number(argument, value, above=0.0, finite=False))
-    given = {joint: check_number(f"{argument}[{joint!r}]", v, above=0.0, finite=False) for joint, v in named.items()}
+    passed = [] if value is None else TORQUE_LIMITS.read("torque_limits", value, joints).tolist()
+    every = dict(zip(joints, passed, strict=False))
+    given = {joint: every[joint] for joint in value} if isinstance(value, Mapping) else every
     known = {joint: facts[joint].effort for joint in joints if 0 < facts[joint].effort < np.inf} | given
     limits = np.array([known.get(joint, np.inf) for joint in joints])
     return TorqueLimits(read_only(limits), tuple(joint in known for joint in joints), tuple(given))
@@ -444,10 +441,4 @@ def read_joint_friction(value: Any, joints: Sequence[str], facts: Mapping[str, J
         if value != "file":
             raise InputError(argument, 'a number, a mapping by joint name, or "file"', repr(value))
         value = {joint: facts[joint].properties.friction for joint in joints}
-    if isinstance(value, Mapping):
-        named = check_keys(argument, value, joints, "a joint")
-        return read_only(np.array([check_number(f"{argument}[{j!r}]", named.get(j, 0.0), minimum=0.0) for j in joints]))
-    if count_dimensions(value) == 0:
-        return read_only(np.full(len(joints), check_number(argument, value, minimum=0.0)))
-    given = check_array(argument, value, (len(joints),))
-    return read_only(np.array([check_number(f"{argument}[{k}]", x, minimum=0.0) for k, x in enumerate(given.tolist())]))
+    return JOINT_FRICTION.read(argument, value, joints)

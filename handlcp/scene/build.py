@@ -1,9 +1,9 @@
-"""What [hand] says of springs, tendons, synergies and motors."""
+"""From the tables of a scene file to its hand, its object and its grasp."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pinocchio as pin
@@ -17,63 +17,43 @@ from handlcp.grasp import Contact, Environment, Grasp, GraspSolution
 from handlcp.grasp.model.effect import values_by_finger
 from handlcp.hand import Hand, example_hand
 from handlcp.lcp import Auto
+from handlcp.scene.key_types import FileTable
 from handlcp.scene.keys import read_tables, read_text_file
 from handlcp.scene.scene_tables import SceneTables, check_names, is_by_finger, make_effects, make_law
 from handlcp.scene.schema import (
     BoxTable,
     CylinderTable,
     EllipsoidTable,
+    GraspTable,
     HandTable,
     MeshTable,
     MotorTable,
     ObjectTable,
     SphereTable,
+    SynergiesTable,
     TendonMotorTable,
     TendonsTable,
     YCBTable,
 )
 
-# Arguments of `Hand.from_urdf`, and the keys that they come from
+# Where the package's own functions name an argument, errors name the key that it came from
 HAND_KEYS = {
+    **HandTable.keys_by_argument("hand"),
+    **TendonsTable.keys_by_argument("hand.tendons", "Tendons."),
+    **SynergiesTable.keys_by_argument("hand.synergies", "Synergies."),
     "source": "hand.urdf",
     "path": "hand.urdf",
-    "name": "hand.name",
-    "base": "hand.base",
-    "fingertips": "hand.fingertips",
-    "joint_stiffness": "hand.joint_stiffness_Nm_per_rad",
-    "pad_flexibility": "hand.pad_flexibility_m_per_N",
-    "Tendons.moment_arms": "hand.tendons.moment_arms_m",
-    "Tendons.stiffness": "hand.tendons.stiffness_N_per_m",
-    "Tendons.passive": "hand.tendons.passive_Nm_per_rad",
-    "Tendons.pretension": "hand.tendons.pretension_N",
-    "Tendons.limits": "hand.tendons.limits_N",
-    "Tendons.friction": "hand.tendons.friction",
-    "Tendons.motors": "hand.tendons.motors",
     "Synergies.S": "hand.synergies.columns",
-    "Synergies.stiffness": "hand.synergies.stiffness_Nm_per_rad",
-    "Synergies.joint_stiffness": "hand.synergies.joint_stiffness_Nm_per_rad",
-    "torque_limits": "hand.torque_limits_Nm",
-    "tip_radius": "hand.tip_radius_m",
-    "package_dirs": "hand.package_dirs",
-    "motors": "hand.motors",
-    "joint_friction": "hand.joint_friction_Nm",
 }
-_COMMON_MOTOR_KEYS = {
-    "continuous": "continuous_Nm",
-    "peak": "peak_Nm",
-    "efficiency": "efficiency",
-    "thermal_time": "thermal_time_s",
-}
-_JOINT_MOTOR_KEYS = _COMMON_MOTOR_KEYS | {
-    "holding": "holding_Nm",
-    "friction": "friction_Nm",
-    "reduction": "reduction",
-    "stiffness": "stiffness_Nm_per_rad",
-}
-_TENDON_MOTOR_KEYS = _COMMON_MOTOR_KEYS | {
-    "holding": "holding_N",
-    "friction": "friction_N",
-    "reduction": "reduction_N_per_Nm",
+GRASP_KEYS = {
+    **HAND_KEYS,
+    **GraspTable.keys_by_argument("grasp"),
+    "q": "posture.q_rad",
+    "q0": "posture.q_rad",
+    "obj": "object",
+    "target": "object",
+    "wrench": "load",
+    "contacts": "contact",
 }
 
 
@@ -87,17 +67,15 @@ def make_motors(table: HandTable | TendonsTable, path: str = "hand") -> Any:
 
 
 def _make_motor(table: MotorTable | TendonMotorTable, path: str) -> Motor:
-    own = _JOINT_MOTOR_KEYS if isinstance(table, MotorTable) else _TENDON_MOTOR_KEYS
-    with translate_arguments({f"Motor.{argument}": f"{path}.{key}" for argument, key in own.items()}):
-        return Motor(**{argument: getattr(table, key) for argument, key in own.items()})
+    with translate_arguments(table.keys_by_argument(path, "Motor.")):
+        return Motor(**table.arguments())
 
 
 def make_stiffness(table: HandTable) -> Any:
     """What [hand] says of stiffness."""
     with translate_arguments(HAND_KEYS):
         if (t := table.tendons) is not None:
-            forces = t.pretension_N, t.limits_N, t.friction, make_motors(t, "hand.tendons")
-            return Tendons(t.moment_arms_m, t.stiffness_N_per_m, t.passive_Nm_per_rad, *forces)
+            return Tendons(**t.arguments("motor") | {"motors": make_motors(t, "hand.tendons")})
         if (s := table.synergies) is not None:
             columns: Any = s.columns
             if not isinstance(columns, dict):  # written one by one
@@ -144,52 +122,6 @@ def read(text: str, folder: Any = ".", label: str = "scene") -> SceneFile:
 
 # ----------------------------------------------------------------
 
-# Arguments of the package's functions, and the keys that they come from
-OBJECT_KEYS = {
-    "size": "size_m",
-    "radius": "radius_m",
-    "length": "length_m",
-    "radii": "radii_m",
-    "path": "file",
-    "scale": "scale",
-    "mass": "mass_kg",
-    "density": "density_kg_per_m3",
-    "placement": "position_m",
-    "name": "name",
-}
-GRASP_KEYS = HAND_KEYS | {
-    "q": "posture.q_rad",
-    "q0": "posture.q_rad",
-    "obj": "object",
-    "friction": "grasp.friction",
-    "gravity": "grasp.gravity_m_per_s2",
-    "preload": "grasp.preload_m",
-    "fingers": "grasp.fingers",
-    "squeeze": "grasp.squeeze_m",
-    "grip_force": "grasp.grip_force_N",
-    "joint_offset": "grasp.joint_offset_rad",
-    "closing_torque": "grasp.closing_torque_Nm",
-    "hold_object": "grasp.hold_object",
-    "links": "grasp.links",
-    "target": "object",
-    "max_gap": "grasp.max_gap_m",
-    "reference": "grasp.reference_m",
-    "plane": "grasp.plane",
-    "flexibility": "grasp.flexibility_m_per_N",
-    "wrench": "load",
-    "contacts": "contact",
-}
-ENVIRONMENT_KEYS = {
-    "point": "point_m",
-    "position": "position_m",
-    "normal": "normal",
-    "flexibility": "flexibility_m_per_N",
-    "max_gap": "max_gap_m",
-    "gap": "gap_m",
-    "tangent": "tangent",
-    "name": "name",
-}
-
 
 def build_grasp(scene: SceneTables) -> Grasp:
     """The grasp that a scene file describes."""
@@ -200,18 +132,12 @@ def make_hand(scene: SceneTables) -> Hand:
     """The hand of a scene that has one."""
     h = scene.hand
     assert h is not None
-    words: dict[str, Any] = {
-        "base": h.base,
-        "fingertips": h.fingertips,
-        "joint_stiffness": make_stiffness(h),
-        "pad_flexibility": h.pad_flexibility_m_per_N,
-        "torque_limits": h.torque_limits_Nm,
-        "tip_radius": h.tip_radius_m,
-        "package_dirs": None if h.package_dirs is None else [str(scene.folder / d) for d in h.package_dirs],
-        "motors": make_motors(h),
-        "joint_friction": h.joint_friction_Nm,
-    }
-    given = {name: value for name, value in words.items() if value is not None}
+    given = h.arguments("name", "urdf", "tendons", "synergies", "motor", "motors", "joint_stiffness")
+    if h.package_dirs is not None:
+        given["package_dirs"] = [str(scene.folder / folder) for folder in h.package_dirs]
+    for name, value in (("joint_stiffness", make_stiffness(h)), ("motors", make_motors(h))):
+        if value is not None:
+            given[name] = value
     with translate_arguments(HAND_KEYS):
         return example_hand(h.name, **given) if h.name else Hand.from_urdf(scene.folder / (h.urdf or ""), **given)
 
@@ -221,24 +147,26 @@ def make_scene_object(scene: SceneTables) -> Object | None:
     return None if scene.object is None else make_object(scene.object, scene.folder)
 
 
+OBJECT_KINDS: dict[type[Object], type[FileTable]] = {  # a scan is a mesh, too, and stands before it
+    Box: BoxTable,
+    Sphere: SphereTable,
+    Cylinder: CylinderTable,
+    Ellipsoid: EllipsoidTable,
+    YCB: YCBTable,
+    Mesh: MeshTable,
+}
+
+
 def make_object(table: ObjectTable, folder: Path, key: str = "object") -> Object:
     """The object of a table at `key`; files are relative to `folder`. Raises InputError, naming the key."""
+    kind: Any = next(kind for kind, its in OBJECT_KINDS.items() if isinstance(table, its))
+    given = table.arguments("shape", "position", "rpy")
+    if "file" in given:
+        given["path"] = folder / given.pop("file")
     placement = pin.SE3(pin.rpy.rpyToMatrix(*table.rpy_rad), np.array(table.position_m))
-    weight: dict[str, Any] = {"mass": table.mass_kg, "density": table.density_kg_per_m3}
-    with translate_arguments({argument: f"{key}.{name}" for argument, name in OBJECT_KEYS.items()}):
-        match table:
-            case BoxTable():
-                return Box(table.size_m, placement, **weight)
-            case SphereTable():
-                return Sphere(table.radius_m, placement, **weight)
-            case CylinderTable():
-                return Cylinder(table.radius_m, table.length_m, placement, **weight)
-            case EllipsoidTable():
-                return Ellipsoid(table.radii_m, placement, **weight)
-            case MeshTable():
-                return Mesh(folder / table.file, table.scale, placement, **weight)
-            case YCBTable():
-                return YCB(table.name, placement, **weight)
+    own = {"path": f"{key}.file", "placement": f"{key}.position_m"}
+    with translate_arguments(table.keys_by_argument(key) | own):
+        return cast(Object, kind(placement=placement, **given))
 
 
 def _build_hand_grasp(scene: SceneTables) -> Grasp:
@@ -256,30 +184,18 @@ def _build_hand_grasp(scene: SceneTables) -> Grasp:
         fingers = the_hand.fingertips if g.fingers is None else tuple(g.fingers)
         given: Any = g.friction
         laws = {f: make_law(v) for f, v in given.items()} if is_by_finger(given) else make_law(given)
-        words: dict[str, Any] = {
-            "reference": g.reference_m,
-            "fingers": g.fingers,
-            "max_gap": g.max_gap_m,
-            "finger_weight": g.finger_weight,
-            "plane": g.plane,
-            "squeeze": g.squeeze_m,
-            "grip_force": g.grip_force_N,
-            "joint_offset": g.joint_offset_rad,
-            "closing_torque": g.closing_torque_Nm,
-            "hold_object": g.hold_object,
-            "links": g.links,
-            "environment": around,
-        }
+        words = g.arguments("gravity", "preload", "flexibility") | {"friction": laws, "environment": around}
+        words |= {"wrench": _load_wrench(scene), "gravity": g.gravity_m_per_s2}
         found, preload = None, g.preload_m
         if on_links:  # what is said by contact has to wait until contacts have been found
-            found = the_hand.at(q).grasp(obj, laws, _load_wrench(scene), g.gravity_m_per_s2, **words)
+            found = the_hand.at(q).grasp(obj, **words)
             fingers, preload = found.fingertips, expand_link_values("grasp.preload_m", preload, found.state.hand)
     asked, keys = make_effects(scene.effects, fingers)
     more = {"preload": values_by_finger("grasp.preload_m", preload, fingers, 0.0), "effects": asked}
     with translate_arguments(GRASP_KEYS | keys):
         if found is not None:
             return found.replace(**more) if any(more.values()) else found
-        return the_hand.at(q).grasp(obj, laws, _load_wrench(scene), g.gravity_m_per_s2, **more, **words)
+        return the_hand.at(q).grasp(obj, **more, **words)
 
 
 def _build_contact_grasp(scene: SceneTables) -> Grasp:
@@ -318,7 +234,7 @@ def _make_environment(scene: SceneTables, obj: Object | None) -> list[Environmen
     parts = []
     for i, e in enumerate(scene.environment):
         where, law = f"environment[{i}]", make_law(e.friction, f"environment[{i}].friction")
-        with translate_arguments({a: f"{where}.{key}" for a, key in ENVIRONMENT_KEYS.items()} | {"environment": where}):
+        with translate_arguments(e.keys_by_argument(where) | {"environment": where}):
             if e.point_m is None:
                 contact = Contact(e.position_m, e.normal, law, e.tangent, e.name)
                 parts.append(Environment([contact], e.flexibility_m_per_N, e.gap_m))

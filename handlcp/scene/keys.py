@@ -18,9 +18,9 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from handlcp.errors import InputError, SceneFileError, as_path
+from handlcp.errors import InputError, SceneFileError, as_path, shorten_repr
 from handlcp.read_file import MAX_TOML_BYTES, parse_toml, read_text
-from handlcp.scene.key_types import SHAPES, DeferredTable, ExpectedWords, FileTable
+from handlcp.scene.key_types import SHAPES, Checked, DeferredTable, ExpectedWords, FileTable, argument_of
 from handlcp.scene.scene_tables import SceneTables
 
 _MAX_ERRORS = 100  # of one file that are listed
@@ -72,7 +72,7 @@ def _walk_keys(table: str, model: type[BaseModel], shape: str = "", many: bool =
         inner = later or ([] if named else _inner_tables(field.annotation))
         if not inner:
             default = "" if field.is_required() else _format_toml(field.get_default(call_default_factory=True))
-            words = next((m.words for m in field.metadata if isinstance(m, ExpectedWords)), None)
+            words = next((m.words for m in field.metadata if isinstance(m, (Checked, ExpectedWords))), None)
             words = words or (_NAMED_TABLES_EXPECTED if named else _expected_words(field.annotation))
             meaning = (field.description or _field_docstrings(model).get(field_name, "")).strip()
             yield Key(table, name, words, meaning, field.is_required(), default, shape, many)
@@ -119,7 +119,7 @@ def _expected_words(annotation: Any) -> str:
     """What the type expects, in words; the only one without words of its own is an object's shape."""
     for a in typing.get_args(annotation):
         for m in getattr(a, "__metadata__", ()):
-            if isinstance(m, ExpectedWords):
+            if isinstance(m, (Checked, ExpectedWords)):
                 return m.words
     return "one of " + ", ".join(SHAPES)
 
@@ -189,18 +189,21 @@ def _validation_error(e: dict[str, Any], every: tuple[Key, ...]) -> SceneFileErr
         return SceneFileError(path, _expected_at(loc, shape, every), "nothing: the key is missing")
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         given = came.get("shape") if isinstance(came, dict) else None
-        return SceneFileError(f"{path}.shape", "one of " + ", ".join(SHAPES), _shorten(given))
+        return SceneFileError(f"{path}.shape", "one of " + ", ".join(SHAPES), shorten_repr(given))
     if kind == "value_error" and isinstance(inner := e["ctx"]["error"], InputError):
-        return SceneFileError(".".join(p for p in (path, inner.argument) if p), inner.expected, inner.got)
+        head, bracket, rest = inner.argument.partition("[")
+        if loc and head == argument_of(str(loc[-1])):  # of the value itself, or of one of its entries
+            return SceneFileError(f"{path}{bracket}{rest}", inner.expected, inner.got)
+        return SceneFileError(".".join(part for part in (path, inner.argument) if part), inner.expected, inner.got)
     if kind == "expected":
-        return SceneFileError(path, e["ctx"]["words"], _shorten(came))
+        return SceneFileError(path, e["ctx"]["words"], shorten_repr(came))
     if kind in ("model_type", "model_attributes_type", "dict_type"):
-        return SceneFileError(path, f"a table [{_table_path(loc)}]", _shorten(came))
+        return SceneFileError(path, f"a table [{_table_path(loc)}]", shorten_repr(came))
     if kind == "list_type":
-        return SceneFileError(path, f"tables [[{_table_path(loc)}]]", _shorten(came))
+        return SceneFileError(path, f"tables [[{_table_path(loc)}]]", shorten_repr(came))
     if kind == "literal_error":
-        return SceneFileError(path, str(e["ctx"]["expected"]), _shorten(came))
-    return SceneFileError(path, str(e["msg"]), _shorten(came))
+        return SceneFileError(path, str(e["ctx"]["expected"]), shorten_repr(came))
+    return SceneFileError(path, str(e["msg"]), shorten_repr(came))
 
 
 def _unknown_key_error(loc: tuple[Any, ...], shape: str, every: tuple[Key, ...]) -> SceneFileError:
@@ -252,11 +255,6 @@ def _key_path(loc: tuple[Any, ...]) -> str:
     for part in loc:
         out += f"[{part}]" if isinstance(part, int) else f".{part}" if out else str(part)
     return out
-
-
-def _shorten(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 80 else f"{text[:77]}..."
 
 
 # ----------------------------------------------------------------

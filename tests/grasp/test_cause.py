@@ -57,6 +57,11 @@ def test_a_joint_beyond_its_limit_is_named_with_what_is_missing():
     assert [one.margin for one in found] == pytest.approx([-0.5, -0.25])
 
 
+def test_a_joint_below_its_range_is_over_it_though_nothing_else_is():
+    alone = StateLimits(NAMES, ("a",), np.array([2.0]), np.array([-1.0]), np.array([1.0]))
+    assert find_exceeded(alone, np.zeros(1), np.array([-1.5])) == (FailureMode("range", "a"),)
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(("beyond", "is_over"), [(0.9, False), (1.1, True)])
 def test_the_one_tolerance_holds_for_torque_range_and_motion_on_both_sides(sign, beyond, is_over):

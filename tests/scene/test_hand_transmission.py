@@ -55,7 +55,7 @@ def test_a_scene_file_makes_the_hand_that_the_calls_make(text: str, made: object
 @pytest.mark.parametrize(
     ("text", "key"),
     [
-        (TENDONS.replace("2e4", "-1"), "hand.tendons.stiffness_N_per_m"),
+        (TENDONS.replace("2e4", "-1"), "hand.tendons.stiffness_N_per_m['left']"),
         (TENDONS.replace("{left = 2e4, right = 3e4}", "{left = 2e4}"), "hand.tendons.stiffness_N_per_m"),
         (TENDONS.replace("left = {finger_1", "left = {thumb_1"), "hand.tendons.moment_arms_m['left']"),
         (TENDONS.replace("0.5", "0"), "hand.tendons.passive_Nm_per_rad"),

@@ -13,7 +13,7 @@ from handlcp.studies.paper import example
 from handlcp.viz.accuracy import figure as work_precision_figure
 
 ENOUGH = 3600.0  # s, a budget that no busy machine spends
-draw, save, STYLE = work_precision_figure.draw, work_precision_figure.save, work_precision_figure.STYLE
+draw, save = work_precision_figure.draw, work_precision_figure.save
 
 
 @pytest.fixture(scope="module")

@@ -20,8 +20,8 @@ def give_up_beyond(share, patch):
     found = Leg._found
 
     def stopped(leg, state, at, size):
-        stops = leg.beyond is not None and at + size > share
-        return Failure(PathStatus.NO_FORCES) if stops else found(leg, state, at, size)
+        is_beyond = leg.beyond is not None and at + size > share
+        return Failure(PathStatus.NO_FORCES) if is_beyond else found(leg, state, at, size)
 
     patch.setattr(Leg, "_found", stopped)
     patch.setattr(advance, "flow", lambda stepper, state, *rest: (state, STUCK))

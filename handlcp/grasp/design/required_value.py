@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, check_array, check_number
+from handlcp.check import Array, NumbersByName, check_number
 from handlcp.contact.friction import Section
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.analysis.required_value import (
@@ -26,7 +26,6 @@ from handlcp.grasp.derivatives.parameter.friction import with_friction
 from handlcp.grasp.failure.failure_mode import MOTION, OBJECT, FailureMode, find_exceeded, is_exceeded, state_limits
 from handlcp.grasp.failure.failure_text import describe_failures, describe_torque_excess
 from handlcp.grasp.model.contact import cross_rows
-from handlcp.grasp.model.effect import values_by_finger
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.follow import Loading, follow
 from handlcp.grasp.solution.verdict import HELD, NOT_HELD, UNDECIDED, Verdict
@@ -38,28 +37,16 @@ from handlcp.record import Record
 from handlcp.words import wrap_text
 
 MOST_FORCE_ARGUMENT = "most_force"
+_MOST_FORCES = NumbersByName("contact", above=0.0, rest=np.inf)
 
 
 def check_most_force(value: Any, spec: GraspSpec) -> Array:
     """(n,) the largest normal force that the object bears at each contact [N]. value : a number, one for each contact,
     or a mapping by name, others any; None: any everywhere. Raises InputError, UnknownName.
     """
-    n = len(spec.names)
     if value is None:
-        return np.full(n, np.inf)
-    listed = values_by_finger(
-        MOST_FORCE_ARGUMENT, dict(value) if isinstance(value, Mapping) else value, spec.names, None
-    )
-    if isinstance(value, Mapping):
-        said = [
-            check_number(f"{MOST_FORCE_ARGUMENT}[{name!r}]", one, above=0.0) if one is not None else np.inf
-            for name, one in zip(spec.names, listed, strict=True)
-        ]
-        return np.array(said)
-    given = check_array(MOST_FORCE_ARGUMENT, listed, (), (n,))
-    if not (given > 0.0).all():
-        raise InputError(MOST_FORCE_ARGUMENT, "forces > 0 [N] that the object bears at a contact", repr(value)[:80])
-    return np.full(n, 1.0) * given
+        return np.full(len(spec.names), np.inf)
+    return _MOST_FORCES.read(MOST_FORCE_ARGUMENT, value, spec.names)
 
 
 def describe_overpressed(path: Loading, most: Array) -> str:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, KeysView, Mapping, ValuesView
 from dataclasses import dataclass
 from functools import reduce
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 import numpy as np
 
@@ -191,11 +192,12 @@ def join_flexibilities(first: Array, last: Array) -> Array:
     return read_only(both)
 
 
-def join_offsets(value: Any, preload: Any, fingers: int, last: Array) -> Array:
-    """(n, 3) offsets of all contacts, from those of the fingers, `last` being the environment's, or from all of them.
+def join_offsets(value: Any, preload: Any, fingers: int, around: Environment | None) -> Array:
+    """(n, 3) offsets of all contacts, from those of the fingers, the environment's being its gaps, or from all of them.
 
     value, preload : as in `Grasp`; a preload is the fingers' alone.
     """
+    last = np.zeros((0, 3)) if around is None else around.offset
     n = fingers + len(last)
     if value is not None and count_dimensions(value) == 2 and len(value) == n:
         every = check_array("offset", value, (n, 3))
@@ -203,16 +205,67 @@ def join_offsets(value: Any, preload: Any, fingers: int, last: Array) -> Array:
     return read_only(np.concatenate([validate.offset(value, preload, fingers), last]))
 
 
+def join_contacts(contacts: tuple[Contact, ...], around: Environment | None) -> tuple[Contact, ...]:
+    """The fingers' contacts and then the environment's. Raises InputError where some are planar and others not."""
+    return contacts if around is None else validate.contacts((*contacts, *around.contacts))
+
+
 # ----------------------------------------------------------------
 # What users ask of a grasp: the arguments as they were given, and the specification made of them.
 
 
-_MAX_NESTING = 4  # lists in lists; nothing that is asked has more
+_MAX_NESTING = 4  # lists in lists; no argument has more
 
 
 @dataclass(frozen=True, eq=False)
-class ContactGraspRequest:
-    """The arguments of `Grasp`. A grasp keeps them, and `replace` makes it again with some of them changed."""
+class Request(ABC):
+    """The arguments that a grasp was made of, as they were given. A grasp keeps them, and `rebuild` changes some."""
+
+    def __post_init__(self) -> None:
+        values = vars(self)
+        for name, value in values.items():
+            if type(value) not in _IMMUTABLE_TYPES:
+                values[name] = _freeze_value(value)
+
+    @classmethod
+    @abstractmethod
+    def from_spec(cls, spec: GraspSpec) -> Self:
+        """Arguments that make a grasp of which its specification alone is known."""
+
+    @abstractmethod
+    def spec(self) -> GraspSpec:
+        """The specification that these arguments make. Raises InputError."""
+
+    @abstractmethod
+    def with_values(self, spec: GraspSpec, given: dict[str, Any]) -> Self:
+        """The request with other values of some arguments of `replace`. spec : made of this one. Raises InputError."""
+
+    @abstractmethod
+    def whole_load(self, spec: GraspSpec) -> Any:
+        """The wrench on the object, its weight included, about the reference of `spec`, which all but the load made."""
+
+
+def rebuild(spec: GraspSpec, given: dict[str, Any], kind: type[Request]) -> GraspSpec:
+    """The specification made again with other values of some arguments; see `Grasp.replace`. Raises InputError.
+
+    given : by argument; None: as it was.
+    kind : of request, for a specification whose arguments are not known.
+    """
+    given = {name: value for name, value in given.items() if value is not None}
+    if isinstance(around := given.get("environment"), (tuple, list)) and not around:
+        given["environment"] = None
+    if not given:
+        return spec
+    asked = spec.asked if isinstance(spec.asked, kind) else kind.from_spec(spec)
+    made = asked.with_values(spec, given)
+    if set(given) in ({"wrench"}, {"load"}):  # all else stays as it is, and is shared
+        return replace_load(spec, made.whole_load(spec), made)
+    return made.spec()
+
+
+@dataclass(frozen=True, eq=False)
+class ContactGraspRequest(Request):
+    """The arguments of `Grasp`."""
 
     contacts: Any
     wrench: Any = None
@@ -224,45 +277,46 @@ class ContactGraspRequest:
     plane: Any = None
     environment: Any = None
 
-    def __post_init__(self) -> None:
-        freeze(self)
+    @classmethod
+    def from_spec(cls, spec: GraspSpec) -> Self:
+        k = spec.of_hand
+        plane = None if spec.contacts[0].planar else spec.plane
+        effects = tuple([e for e in spec.effects if e.by_name])
+        E = stored_flexibility(spec) if k == spec.n else spec.flexibility[: 3 * k, : 3 * k]
+        offset = hand_offset(spec.offset, k)
+        around = environment_of(spec)
+        return cls(spec.contacts[:k], spec.wrench, E, 0.0, offset, spec.reference, effects, plane, around)
 
     def spec(self) -> GraspSpec:
-        """See `Grasp`. Raises InputError."""
         cs = validate.contacts(self.contacts)
         k, around = len(cs), None if self.environment is None else join_environments(self.environment)
-        if around is not None:
-            cs = validate.contacts((*cs, *around.contacts))
+        cs = join_contacts(cs, around)
         positions, frames, normal = validate.positions_and_frames(self.plane, cs)
         point = validate.reference(self.reference, normal, positions)
         load = validate.wrench(self.wrench, normal, validate.height_above(positions, point, normal))
         own = self.flexibility
-        E = (
-            own
-            if _can_stay_factor(own, k, around)
-            else validate.flexibility(flexibility_matrix(own), k, normal is not None)
-        )
-        d = join_offsets(self.offset, self.preload, k, np.zeros((0, 3)) if around is None else around.offset)
+        if around is None and isinstance(own, Flexibility) and own.shape[0] == 3 * k:
+            E: Any = own  # stays the factor that it was given as
+        else:
+            E = validate.flexibility(flexibility_matrix(own), k, normal is not None)
         if around is not None:
-            E = join_flexibilities(flexibility_matrix(E), around.flexibility)
+            E = join_flexibilities(E, around.flexibility)
+        d = join_offsets(self.offset, self.preload, k, around)
         fingers, R = None if around is None else k, read_only(frames)
         spec = GraspSpec(cs, read_only(positions), R, normal, fingers, None, load, point, E, d)
         return to_spec(spec, self.effects).replace(asked=self)
 
-    def with_values(self, given: dict[str, Any]) -> Self:
-        """With other values of some, as `said` has them; friction is that of the contacts."""
-        if "friction" in given:
+    def with_values(self, spec: GraspSpec, given: dict[str, Any]) -> Self:
+        changes = dict(given)
+        if "friction" in changes:  # which the contacts have
             cs = validate.contacts(self.contacts)
             names = [c.name or f"finger {i + 1}" for i, c in enumerate(cs)]
-            laws = laws_by_name(given.pop("friction"), names, [c.friction for c in cs])
-            given["contacts"] = tuple([replace_friction(c, law) for c, law in zip(cs, laws, strict=True)])
-        made: Self = with_changes(self, given)
-        return made
+            laws = laws_by_name(changes.pop("friction"), names, [c.friction for c in cs])
+            changes["contacts"] = tuple([replace_friction(c, law) for c, law in zip(cs, laws, strict=True)])
+        return with_changes(self, changes)
 
-
-def _can_stay_factor(E: Any, contacts: int, around: Environment | None) -> bool:
-    """Whether a flexibility can stay the factor that it was given as; else it is read as a matrix."""
-    return isinstance(E, Flexibility) and around is None and E.shape[0] == 3 * contacts
+    def whole_load(self, spec: GraspSpec) -> Any:
+        return self.wrench
 
 
 def require_spec_alone(spec: GraspSpec, others: tuple[Any, ...]) -> GraspSpec:
@@ -273,29 +327,10 @@ def require_spec_alone(spec: GraspSpec, others: tuple[Any, ...]) -> GraspSpec:
     return spec
 
 
-def rebuild(spec: GraspSpec, given: dict[str, Any]) -> GraspSpec:
-    """A grasp without a hand, made again with other arguments; see `Grasp.replace`."""
-    given = drop_unset(given)
-    if not given:
-        return spec
-    asked = (spec.asked if isinstance(spec.asked, ContactGraspRequest) else _request_of(spec)).with_values(given)
-    return replace_load(spec, asked.wrench, asked) if set(given) == {"wrench"} else asked.spec()
-
-
 def replace_load(spec: GraspSpec, wrench: Any, asked: Any) -> GraspSpec:
     """The same grasp under another whole load, as `asked` has it: it shares all its other arrays."""
     height = validate.height_above(spec.positions, spec.reference, spec.plane)
     return spec.replace(wrench=validate.wrench(wrench, spec.plane, height), asked=asked)
-
-
-def _request_of(spec: GraspSpec) -> ContactGraspRequest:
-    """Arguments that make a grasp of which a specification alone is known."""
-    k, around = spec.of_hand, environment_of(spec)
-    plane = None if spec.contacts[0].planar else spec.plane
-    effects = tuple([e for e in spec.effects if e.by_name])
-    E = stored_flexibility(spec) if k == spec.n else spec.flexibility[: 3 * k, : 3 * k]
-    d = hand_offset(spec.offset, k)
-    return ContactGraspRequest(spec.contacts[:k], spec.wrench, E, 0.0, d, spec.reference, effects, plane, around)
 
 
 def hand_offset(offset: Array, fingers: int) -> Array:
@@ -317,14 +352,6 @@ def to_spec(spec: GraspSpec, effects: Any) -> GraspSpec:
     return spec.replace(effects=(*asked, *spec.effects)) if asked else spec
 
 
-def drop_unset(given: dict[str, Any]) -> dict[str, Any]:
-    """What is to be replaced: all that is not None; an environment of nothing is none."""
-    found = {name: value for name, value in given.items() if value is not None}
-    if isinstance(around := found.get("environment"), (tuple, list)) and not around:
-        found["environment"] = None
-    return found
-
-
 def replace_friction(contact: Contact, law: FrictionLaw) -> Contact:
     """The contact under another law, its axes kept unless the law says where x lies."""
     if law.x_axis is None:
@@ -336,21 +363,14 @@ def replace_friction(contact: Contact, law: FrictionLaw) -> Contact:
     )
 
 
-def freeze(asked: Any) -> None:
-    """Later changes of what was passed do not reach the fields of a dataclass."""
-    values = vars(asked)
-    for name, value in values.items():
-        if type(value) not in _IMMUTABLE_TYPES:
-            values[name] = _freeze_value(value)
-
-
-def with_changes(asked: Any, changes: dict[str, Any]) -> Any:
-    """The dataclass with other values of some fields; the rest is fastened already."""
+def with_changes(asked: RequestT, changes: Mapping[str, Any]) -> RequestT:
+    """The request with other values of some fields; the others are copies already."""
     made = object.__new__(type(asked))
     vars(made).update(vars(asked) | {name: _freeze_value(value) for name, value in changes.items()})
     return made
 
 
+RequestT = TypeVar("RequestT", bound=Request)
 _IMMUTABLE_TYPES = frozenset({type(None), bool, int, float, str, Contact, Environment})
 
 
