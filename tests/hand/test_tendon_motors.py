@@ -210,7 +210,7 @@ def test_what_is_wrong_in_a_scene_file_is_named_by_its_key(table: str, key: str)
     ("more", "words"),
     [
         (f"{MOTOR}friction_Nm = 3\n", r"the keys \[continuous_Nm, .*, friction_N\].*did you mean 'friction_N'"),
-        ("reduction_N_per_Nm = 4\n", "continuous_Nm: expected a number > 0"),
+        ("reduction_N_per_Nm = 4\n", "continuous_Nm: expected a finite number > 0"),
     ],
 )
 def test_a_table_of_one_tendon_s_motor_has_the_keys_of_that_of_all(more: str, words: str) -> None:
