@@ -87,7 +87,8 @@ class Brief:
             put(name, None if value is None else above(name, value))
         put("safety", above("safety", self.safety))
         check_closing(self.kind, self.squeeze, self.grip_force, self.closing_torque)
-        _check_closing_values(self.closing)
+        for name, value in self.closing.items():  # for a hand whose joints and fingertips are not known yet
+            _ = read_torque_by_joint(value) if name == "closing_torque" else read_by_tip(name, value)
         put("tries", check_integer("tries", self.tries, 1))
         put("seed", check_integer("seed", self.seed, 0))
 
@@ -126,15 +127,6 @@ class Brief:
 
 
 Brief.__init__ = check_call(mass="it is the object's: Box(..., mass=...)")(Brief.__init__)  # type: ignore[method-assign]
-
-
-def _check_closing_values(closing: Mapping[str, Any]) -> None:
-    """Check that values are forces, depths or torques; the names of the hand are not known yet. Raises InputError."""
-    for argument, value in closing.items():
-        if argument == "closing_torque":
-            read_torque_by_joint(value)
-        else:
-            read_by_tip(argument, value)
 
 
 def _read_objects(given: Any) -> dict[str, Object]:

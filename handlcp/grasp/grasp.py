@@ -326,7 +326,7 @@ class Grasp(GraspQuestions):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """(n,) finger names: the contacts' own, or "finger 1", "finger 2", …; then the environment's."""
+        """(n,) names of the contacts, the fingers' first: their own, or "finger 1", "finger 2", … for those without."""
         return self.spec.names
 
     @overload

@@ -121,7 +121,7 @@ class HandGrasp(HandRequirements):
 
     @property
     def state(self) -> HandPosture:
-        """The posture."""
+        """The hand in the posture that it grasps from."""
         return self.mechanism.posture
 
     @property
@@ -181,7 +181,7 @@ class HandGrasp(HandRequirements):
 
     @property
     def given_gravity(self) -> Array:
-        """(3,) [m/s²] as given."""
+        """(3,) gravity [m/s²] that was passed, whether or not it weighs the fingers, too."""
         return self.mechanism.gravity
 
     @property
@@ -231,12 +231,7 @@ class HandGrasp(HandRequirements):
         () takes them away, {} a joint_offset, 0 a preload or a mass, False finger_weight.
         Raises NotReached, UnknownName, InputError.
         """
-        given = dict(
-            wrench=wrench, flexibility=flexibility, offset=offset, preload=preload, friction=friction, effects=effects,
-            environment=environment, gravity=gravity, mass=mass, object=object, squeeze=squeeze, grip_force=grip_force,
-            joint_offset=joint_offset, finger_weight=finger_weight, fingers=fingers, max_gap=max_gap, load=load,
-            links=links, closing_torque=closing_torque, hold_object=hold_object,
-        )  # fmt: skip
+        given = {name: value for name, value in locals().items() if name != "self"}
         made = type(self)(rebuild(self.spec, given, GraspRequest))
         if isinstance(asked := made.spec.asked, GraspRequest) and asked.flexibility is not None:
             bent = is_force_dependent(made.spec)

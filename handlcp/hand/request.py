@@ -118,9 +118,10 @@ def read_given_contacts(
 # ----------------------------------------------------------------
 
 _COMMAND_UNITS = {
-    "grip_force": ("grip force", "N"), "closing_torque": ("closing torque", "N·m"),
+    "grip_force": ("grip force", "N"),
+    "closing_torque": ("closing torque", "N·m"),
     "joint_offset": ("joint offset", ""),
-}  # fmt: skip
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,10 +177,7 @@ class GraspRequest(Request):
     def spec_at_touch(self) -> GraspSpec:
         """The same, with motors that have only begun to turn on where links touch."""
         obj = self.target if isinstance(self.target, Object) else None
-        check_single_command(
-            squeeze=self.squeeze, grip_force=self.grip_force, joint_offset=self.joint_offset,
-            closing_torque=self.closing_torque,
-        )  # fmt: skip
+        check_single_command(**{name: getattr(self, name) for name in COMMAND_ARGUMENTS})
         if self.bare is None and not (isinstance(self.links, str) and self.links == TIPS_ONLY):
             return self._with_link_contacts(obj).spec_at_touch()
         closed = self._find_closing(obj)

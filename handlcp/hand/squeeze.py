@@ -225,7 +225,7 @@ class TipMotions:
         return np.asarray(self.commands @ _least_norm_solution(moves[2::3], depth, _min_tip_speed(moves)))
 
     def tip_displacements(self, command: Array) -> Array:
-        """(k, 3) J δq."""
+        """(k, 3) how far each fingertip moves [m] under a command δq (nv,): J δq."""
         return np.asarray(self.jacobian @ command).reshape(-1, 3)
 
     def command_for_motion(self, motions: Array) -> Array:

@@ -102,7 +102,7 @@ class GraspSpec(Placement):
 
     @lazy_property
     def names(self) -> tuple[str, ...]:
-        """(n,) finger names: the contacts' own, or "finger 1", "finger 2", …; then the environment's."""
+        """(n,) names of the contacts, the fingers' first: their own, or "finger 1", "finger 2", … for those without."""
         return tuple([c.name or f"finger {i + 1}" for i, c in enumerate(self.contacts)])
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -186,7 +186,7 @@ def join_environments(value: Any) -> Environment:
 
 
 def join_flexibilities(first: Array, last: Array) -> Array:
-    """blkdiag(first, last), read-only: neither moves under the other's forces."""
+    """The block-diagonal flexibility of two groups of contacts of which neither moves under the other's forces."""
     both = np.pad(first, (0, len(last)))
     both[len(first) :, len(first) :] = last
     return read_only(both)
