@@ -146,7 +146,9 @@ def test_one_process_compiles_for_a_folder_at_a_time(tmp_path):
 PARENT = """
 import os, time
 import numpy as np
-from tests.support.kernels import background_compile, compile_in_background, large
+from handlcp.lcp.compiler import background_compile
+from handlcp.lcp.compiler.compile_policy import compile_in_background
+from tests.support.kernels import large
 with compile_in_background():
     large()(np.array([[0.0, 2.0], [4.0, 0.0]]), np.array([2.0, 4.0]), np.zeros(2), np.zeros(2, dtype=np.int64), 1e-12)
 print(background_compile._PROCESS.process.pid, flush=True)
