@@ -29,7 +29,7 @@ EVERY = """
 from pathlib import Path
 import handlcp as hl
 from handlcp.studies.accuracy import accuracy_cost
-from tests.support.sweeps import write_table
+from handlcp.design.sweep.table import write_table
 
 folder = Path({folder!r})
 hand = hl.example_hand("three_finger", joint_stiffness=6.0)

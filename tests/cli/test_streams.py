@@ -205,7 +205,7 @@ def test_ctrl_c_ends_the_processes_that_compute():
 POOL = """
 import os, runpy, signal, sys, time
 from handlcp import scene
-from tests.support.processes import worker_pool
+from handlcp.grasp.batch.worker_pool import worker_pool
 def load(file):
     pool = worker_pool(2)
     assert pool.submit(os.getpid).result() != os.getpid()
@@ -227,7 +227,7 @@ def test_ctrl_c_in_a_terminal_ends_a_pool_of_processes_and_nobody_says_a_word():
 COMPILES = """
 import time
 from handlcp.lcp.compiler.compile_policy import warn_not_kept as hint
-from tests.support.processes import worker_pool
+from handlcp.grasp.batch.worker_pool import worker_pool
 def slowly(k):
     hint(f"process {k}")
     time.sleep(0.3)

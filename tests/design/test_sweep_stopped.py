@@ -141,7 +141,7 @@ def test_what_is_there_when_it_is_interrupted_is_kept(tmp_path):
 
 _GROWS = """
 import time, warnings
-from tests.support.processes import worker_pool
+from handlcp.grasp.batch.worker_pool import worker_pool
 
 GROW = "globals().setdefault('held', bytearray(b'x' * 500_000_000)) and __import__('time').sleep(2)"
 warnings.simplefilter("error")

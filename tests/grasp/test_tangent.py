@@ -4,6 +4,15 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from handlcp.grasp.derivatives.active_set import (
+    LinearLaws,
+    active_rows,
+    least_norm_solutions,
+    matrix_rank,
+    saddle_matrix,
+    solve_inverse,
+)
+from handlcp.grasp.verify.contact_state import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, ContactStates
 from tests.grasp.effect_rows import ROWS
 from tests.grasp.scenes import pinch, ring
 from tests.support import tangent as t
@@ -13,13 +22,13 @@ MU = 0.7
 DIAGONAL = np.array([1.0, 1.0]) / np.sqrt(2.0)
 # kind, faces that it slides against, slip over friction
 WHAT = {
-    "separated": (t.SEPARATED, [], 0.0),
-    "resting": (t.RESTING, [], 0.0),
-    "sticking": (t.STICKING, [], 0.0),
-    "gliding": (t.GLIDING, [], 0.0),
-    "sliding against a face": (t.SLIDING, [DIAGONAL], 0.0),
-    "sliding at a corner": (t.SLIDING, [np.array([1.0, 0.0]), DIAGONAL], 0.0),
-    "sliding on a round set": (t.SLIDING, [-DIAGONAL], 0.3),
+    "separated": (SEPARATED, [], 0.0),
+    "resting": (RESTING, [], 0.0),
+    "sticking": (STICKING, [], 0.0),
+    "gliding": (GLIDING, [], 0.0),
+    "sliding against a face": (SLIDING, [DIAGONAL], 0.0),
+    "sliding at a corner": (SLIDING, [np.array([1.0, 0.0]), DIAGONAL], 0.0),
+    "sliding on a round set": (SLIDING, [-DIAGONAL], 0.3),
 }
 
 
@@ -38,8 +47,8 @@ def system(names, rng, gives=(False, True)):
     contacts = np.array([[3 * i + 2, 3 * i, 3 * i + 1, -1] for i in range(n)])
     kept = np.array([False] * c + [True] * 6 + list(gives))
     softness = 2.0
-    laws = t.LinearLaws(t.saddle_matrix(E, softness, G, A), kept, contacts, np.full(n, MU), softness)
-    return laws, t.ContactStates(kind, against, faces, turn), (E * softness, G, A)
+    laws = LinearLaws(saddle_matrix(E, softness, G, A), kept, contacts, np.full(n, MU), softness)
+    return laws, ContactStates(kind, against, faces, turn), (E * softness, G, A)
 
 
 def reference(names, parts, b, more, softness):
@@ -56,13 +65,13 @@ def reference(names, parts, b, more, softness):
     for i, name in enumerate(names):
         kind, faces, turn = WHAT[name]
         T, N = [3 * i, 3 * i + 1], 3 * i + 2
-        if kind in (t.SEPARATED, t.RESTING):
+        if kind in (SEPARATED, RESTING):
             rows, right = [*rows, force[[*T, N]]], [*right, np.zeros(3)]
             continue
         rows, right = [*rows, V[[N]]], [*right, -b[[N]]]
-        if kind == t.STICKING:
+        if kind == STICKING:
             rows, right = [*rows, V[T]], [*right, -b[T]]
-        elif kind == t.GLIDING:
+        elif kind == GLIDING:
             rows, right = [*rows, force[T]], [*right, np.zeros(2)]
         else:
             for normal in faces:
@@ -80,27 +89,27 @@ def test_each_contact_state_has_its_equations(name, seed):
     rng = np.random.default_rng(seed)
     names = ["sticking", name, "sliding against a face", "sticking"]
     laws, states, parts = system(names, rng)
-    A, B = t.active_rows(laws, states)
-    inverse, regular = t.solve_inverse(A, B, 1e-10)
+    A, B = active_rows(laws, states)
+    inverse, regular = solve_inverse(A, B, 1e-10)
     b, more = rng.normal(size=len(A)), rng.normal(size=4)
     expected = reference(names, parts, b, more, laws.softness)
     assert regular
     np.testing.assert_allclose(inverse @ np.append(b, more), expected, atol=1e-9 * abs(expected).max())
-    again, free = t.least_norm_solutions(A, (B @ np.append(b, more))[:, None], 1e-10)
+    again, free = least_norm_solutions(A, (B @ np.append(b, more))[:, None], 1e-10)
     np.testing.assert_allclose(again[:, 0], expected, atol=1e-9 * abs(expected).max())
     assert free.shape == (len(A), 0)
-    assert t.matrix_rank(A) == len(A)
+    assert matrix_rank(A) == len(A)
 
 
 def test_what_no_law_resists_is_found():
     """All contacts open: the object may go anywhere, and nothing answers a load."""
     laws, states, _ = system(["separated", "resting"], np.random.default_rng(0), (False, False))
-    A, B = t.active_rows(laws, states)
-    found, free = t.least_norm_solutions(A, B[:, [6]], 1e-10)
+    A, B = active_rows(laws, states)
+    found, free = least_norm_solutions(A, B[:, [6]], 1e-10)
     assert free.shape[1] == 6
     assert np.isnan(found).all()
-    assert not t.solve_inverse(A, B, 1e-10)[1]
-    assert t.matrix_rank(A) == len(A) - 6
+    assert not solve_inverse(A, B, 1e-10)[1]
+    assert matrix_rank(A) == len(A) - 6
 
 
 # ---------------------------------------------------------------- against whole solves

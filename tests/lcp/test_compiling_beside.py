@@ -10,6 +10,7 @@ import time
 import numpy as np
 import pytest
 
+from handlcp.lcp.compiler.compile_policy import compile_in_background, compile_now
 from tests.support import kernels as k
 from tests.support.processes import hears_ctrl_c
 
@@ -46,7 +47,7 @@ linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="asks /p
 
 
 def test_calls_go_on_as_python_until_another_process_has_compiled(tmp_path):
-    with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, k.compile_in_background():
+    with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, compile_in_background():
         kernel = k.anew(k.small())
         interpreted = run_small(kernel)
         assert not k.is_compiled(kernel)
@@ -75,8 +76,8 @@ def test_whoever_cannot_go_on_as_python_waits(tmp_path):
         k.cached_in(tmp_path),
         k.automatic(),
         k.compiler_beside() as beside,
-        k.compile_in_background(),
-        k.compile_now(),
+        compile_in_background(),
+        compile_now(),
     ):
         kernel = k.anew(k.small())
         run_small(kernel)
@@ -93,7 +94,7 @@ def test_where_no_process_may_be_started_the_call_waits(tmp_path, monkeypatch, v
         k.said_afresh(monkeypatch, 60.0)
         (tmp_path / "file").write_text(file, encoding="utf-8")
         folder = tmp_path / "file" / "below"
-    with k.cached_in(folder), k.automatic(), k.compiler_beside(cores) as beside, k.compile_in_background():
+    with k.cached_in(folder), k.automatic(), k.compiler_beside(cores) as beside, compile_in_background():
         kernel = k.anew(k.small())
         run_small(kernel)
         assert k.is_compiled(kernel)
@@ -105,7 +106,7 @@ def test_a_kernel_that_nobody_else_can_import_is_compiled_here(tmp_path):
     def double(x):
         return 2.0 * x
 
-    with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, k.compile_in_background():
+    with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, compile_in_background():
         assert double(4.0) == 8.0
         assert k.is_compiled(double)
         assert beside.process is None
@@ -113,7 +114,7 @@ def test_a_kernel_that_nobody_else_can_import_is_compiled_here(tmp_path):
 
 def test_where_the_other_process_fails_the_call_waits(tmp_path, monkeypatch):
     monkeypatch.setattr(k.background_compile, "_SERVER_PROGRAM", "raise SystemExit(1)")
-    with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, k.compile_in_background():
+    with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, compile_in_background():
         kernel = k.anew(k.small())
         run_small(kernel)
         assert not k.is_compiled(kernel)
@@ -124,7 +125,7 @@ def test_where_the_other_process_fails_the_call_waits(tmp_path, monkeypatch):
 
 # ---------------------------------------------------------------- one at a time
 def test_one_process_compiles_for_a_folder_at_a_time(tmp_path):
-    with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, k.compile_in_background():
+    with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, compile_in_background():
         run_small(k.anew(k.small()))
         assert until(k.is_locked)
         with k.compiler_beside() as second:
@@ -145,7 +146,9 @@ def test_one_process_compiles_for_a_folder_at_a_time(tmp_path):
 PARENT = """
 import os, time
 import numpy as np
-from tests.support.kernels import background_compile, compile_in_background, large
+from handlcp.lcp.compiler import background_compile
+from handlcp.lcp.compiler.compile_policy import compile_in_background
+from tests.support.kernels import large
 with compile_in_background():
     large()(np.array([[0.0, 2.0], [4.0, 0.0]]), np.array([2.0, 4.0]), np.zeros(2), np.zeros(2, dtype=np.int64), 1e-12)
 print(background_compile._PROCESS.process.pid, flush=True)

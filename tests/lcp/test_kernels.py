@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from handlcp.cli.warm_jobs import JOBS
+from handlcp.lcp.compiler.compile_policy import MANY_CALLS, compile_now
 from tests.support import kernels as k
 
 ROOT = pathlib.Path(__file__).parents[2]
@@ -75,7 +77,7 @@ def test_a_kernel_runs_as_python_until_compiling_pays(tmp_path):
 def test_arguments_of_other_types_run_as_python_again(tmp_path):
     kernel = k.anew(k.small())
     with k.cached_in(tmp_path), k.automatic():
-        with k.compile_now():
+        with compile_now():
             run_small(kernel)
         assert len(kernel.jit.signatures) == 1
         out = np.zeros(3, np.float32)
@@ -87,7 +89,7 @@ def test_arguments_of_other_types_run_as_python_again(tmp_path):
 def test_read_only_arrays_and_constants_need_no_code_of_their_own(tmp_path):
     constant = np.eye(3)
     constant.flags.writeable = False
-    with k.cached_in(tmp_path), k.automatic(), k.compile_now():
+    with k.cached_in(tmp_path), k.automatic(), compile_now():
         for M in (constant, np.eye(3)):
             kernel, out = k.anew(k.small()), np.zeros(3)
             for _ in range(2):
@@ -117,17 +119,17 @@ def test_a_slice_of_another_shape_is_an_error(tmp_path):
     def put(out, x):
         out[:2] = x
 
-    with k.cached_in(tmp_path), k.automatic(), k.compile_now(), pytest.raises(ValueError, match="another shape"):
+    with k.cached_in(tmp_path), k.automatic(), compile_now(), pytest.raises(ValueError, match="another shape"):
         put(np.zeros(3), np.ones(3))
 
 
 def test_at_once_compiles_at_the_first_call_where_there_are_many(tmp_path):
     few, many = k.anew(k.small()), k.anew(k.small())
     with k.cached_in(tmp_path), k.automatic():
-        with k.compile_now(k.MANY_CALLS - 1):
+        with compile_now(MANY_CALLS - 1):
             run_small(few)
         assert not k.is_compiled(few)
-        with k.compile_now(k.MANY_CALLS), ThreadPoolExecutor(2) as pool:  # other threads, too
+        with compile_now(MANY_CALLS), ThreadPoolExecutor(2) as pool:  # other threads, too
             list(pool.map(lambda _: run_small(many), range(4)))
         assert len(many.jit.signatures) == 1
 
@@ -147,7 +149,7 @@ def test_a_kernel_of_another_package_is_compiled_and_not_kept(tmp_path):
     def double(x):
         return 2.0 * x
 
-    with k.cached_in(tmp_path), k.automatic(), k.compile_now():
+    with k.cached_in(tmp_path), k.automatic(), compile_now():
         assert double(4.0) == 8.0
         assert k.is_compiled(double)
     assert not list(tmp_path.iterdir())
@@ -162,7 +164,7 @@ def test_a_second_process_loads_what_the_first_compiled(tmp_path):
     for hits in (0, 1):
         kernel = k.anew(k.small())
         with k.cached_in(tmp_path), k.automatic():
-            with k.compile_now():
+            with compile_now():
                 run_small(kernel)
             assert k.loaded(kernel) == hits
     kernel = k.anew(k.small())
@@ -178,7 +180,7 @@ def test_a_second_process_loads_what_the_first_compiled(tmp_path):
 def test_a_spoilt_file_is_compiled_anew_without_a_word(tmp_path, capfd, spoil):
     for hits in (0, 0, 1):
         kernel = k.anew(k.small())
-        with k.cached_in(tmp_path), k.automatic(), k.compile_now():
+        with k.cached_in(tmp_path), k.automatic(), compile_now():
             np.testing.assert_array_equal(run_small(kernel), [1.0, 2.0, 3.0])
             file = next(k.folder_of_cache().glob("*.nbc"))
         assert k.loaded(kernel) == hits
@@ -189,7 +191,7 @@ def test_a_spoilt_file_is_compiled_anew_without_a_word(tmp_path, capfd, spoil):
 
 
 def test_a_file_that_holds_something_else_is_compiled_anew(tmp_path):
-    with k.cached_in(tmp_path), k.automatic(), k.compile_now():
+    with k.cached_in(tmp_path), k.automatic(), compile_now():
         run_small(k.anew(k.small()))
         name = next(k.folder_of_cache().glob("*.nbc")).name
         k.put(name, pickle.dumps(("of another time",)))
@@ -200,7 +202,7 @@ def test_where_nothing_can_be_written_one_hint_says_what_to_do(tmp_path, capfd, 
     k.said_afresh(monkeypatch, 60.0)
     (tmp_path / "file").write_text("no folder")
     for _ in range(2):
-        with k.cached_in(tmp_path / "file" / "below"), k.automatic(), k.compile_now():
+        with k.cached_in(tmp_path / "file" / "below"), k.automatic(), compile_now():
             np.testing.assert_array_equal(run_small(k.anew(k.small())), [1.0, 2.0, 3.0])
     said = capfd.readouterr().err
     assert said.count("\n") == 1
@@ -210,7 +212,7 @@ def test_where_nothing_can_be_written_one_hint_says_what_to_do(tmp_path, capfd, 
 @pytest.mark.skipif(os.name != "posix", reason="modes of files are POSIX")
 def test_others_may_read_what_is_kept_and_a_folder_that_they_can_write_is_refused(tmp_path, capfd, monkeypatch):
     k.said_afresh(monkeypatch, 60.0)
-    with k.cached_in(tmp_path), k.automatic(), k.compile_now():
+    with k.cached_in(tmp_path), k.automatic(), compile_now():
         run_small(k.anew(k.small()))
         folder = k.folder_of_cache()
         file = next(folder.glob("*.nbc"))
@@ -231,7 +233,7 @@ def test_a_folder_below_one_that_anyone_can_write_is_refused(tmp_path, capfd, mo
     above = tmp_path / "above"
     (above / "kept").mkdir(parents=True)
     (tmp_path / "link").symlink_to(above / "kept")
-    with k.cached_in(tmp_path / "link" if linked else above / "kept"), k.automatic(), k.compile_now():
+    with k.cached_in(tmp_path / "link" if linked else above / "kept"), k.automatic(), compile_now():
         run_small(k.anew(k.small()))
         above.chmod(mode)
         kernel = k.anew(k.small())
@@ -253,7 +255,7 @@ def given_away(path, monkeypatch):
 @pytest.mark.parametrize("whose", ["others can write it", "another's file", "another's folder"])
 def test_what_others_may_have_written_is_never_run(tmp_path, monkeypatch, whose):
     k.said_afresh(monkeypatch, 60.0)
-    with k.cached_in(tmp_path), k.automatic(), k.compile_now():
+    with k.cached_in(tmp_path), k.automatic(), compile_now():
         run_small(k.anew(k.small()))
         file = next(k.folder_of_cache().glob("*.nbc"))
         if whose == "others can write it":
@@ -267,7 +269,7 @@ def test_what_others_may_have_written_is_never_run(tmp_path, monkeypatch, whose)
 
 @pytest.mark.skipif(os.name != "posix", reason="modes of files are POSIX")
 def test_a_file_that_others_could_write_is_replaced_by_one_that_they_cannot(tmp_path):
-    with k.cached_in(tmp_path), k.automatic(), k.compile_now():
+    with k.cached_in(tmp_path), k.automatic(), compile_now():
         run_small(k.anew(k.small()))
         file = next(k.folder_of_cache().glob("*.nbc"))
         file.chmod(0o666)
@@ -283,7 +285,7 @@ def test_a_full_disk_is_no_error(tmp_path, capfd, monkeypatch):
 
     k.said_afresh(monkeypatch, 60.0)
     monkeypatch.setattr("os.replace", full)
-    with k.cached_in(tmp_path), k.automatic(), k.compile_now():
+    with k.cached_in(tmp_path), k.automatic(), compile_now():
         np.testing.assert_array_equal(run_small(k.anew(k.small())), [1.0, 2.0, 3.0])
         assert not list(k.folder_of_cache().iterdir())
     assert "No space left on device" in capfd.readouterr().err
@@ -386,6 +388,6 @@ def test_compiling_that_takes_long_says_so_once_and_again_where_it_takes_much_lo
         assert line.startswith(f"handlcp: compiling, about {seconds} s, once; kept in ")
 
 
-@pytest.mark.parametrize(("name", "job"), k.JOBS, ids=[name for name, _ in k.JOBS])
+@pytest.mark.parametrize(("name", "job"), JOBS, ids=[name for name, _ in JOBS])
 def test_what_is_compiled_beforehand_runs(name, job):
     job()

@@ -116,7 +116,8 @@ def test_a_cones_rim_is_the_friction_limit():
 def test_contacts_in_one_plane_share_a_slab_below_it():
     top = [Contact((0, 0, 0.04), (0, 0, -1), Coulomb(0.5))]
     feet = [Contact((x, y, 0), (0, 0, 1), Coulomb(0.5)) for x in (-0.02, 0.02) for y in (-0.02, 0.02)]
-    around = Environment([*feet, Contact((0.02, 0, 0.02), (-1, 0, 0), Coulomb(0.5))], 1e-5, [0, 0, 0, 0, 1e-3])
+    wall = Contact((0.02, 0, 0.02), (-1, 0, 0), Coulomb(0.5), name="wall")
+    around = Environment([*feet, wall], 1e-5, [0, 0, 0, 0, 1e-3])
     grasp = Grasp(top, (0, 0, -1.0, 0, 0, 0), flexibility=1e-4, preload=1e-3, environment=around)
     table, wall = environment_bodies(grasp)
     size = arrays(grasp).units.length
