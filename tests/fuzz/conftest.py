@@ -1,7 +1,5 @@
 """Before the first clock runs, where one does: with HANDLCP_HARD=1, or with -m bench."""
 
-from __future__ import annotations
-
 import pytest
 
 import handlcp as hl

@@ -3,8 +3,6 @@
 Runs apart, with a limit on its memory, so that a crash or a hang is seen, and which file it was.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import resource

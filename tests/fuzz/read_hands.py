@@ -3,8 +3,6 @@
 Runs apart so that a crash of the interpreter inside a parser written in C++ is seen, and which file it was.
 """
 
-from __future__ import annotations
-
 import contextlib
 import sys
 import time

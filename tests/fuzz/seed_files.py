@@ -1,7 +1,5 @@
 """One valid file of each kind that the package reads, and some that are made to exhaust a reader."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import struct

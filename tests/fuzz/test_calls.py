@@ -3,8 +3,6 @@
 `python -m tests.fuzz.calls 2500` makes ten times as many calls, and prints what they come to.
 """
 
-from __future__ import annotations
-
 import inspect
 
 import pytest

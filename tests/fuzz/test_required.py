@@ -2,8 +2,6 @@
 and neither does half of that where the claim is proven.
 """
 
-from __future__ import annotations
-
 import os
 
 import numpy as np

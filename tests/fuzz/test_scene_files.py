@@ -1,7 +1,5 @@
 """Scene files that went through the wars: refused with a typed error, or built and solved with a certified answer."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import random

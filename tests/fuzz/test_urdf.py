@@ -3,8 +3,6 @@
 Read in a process of their own, so that a crash of a C++ parser fails the test instead of ending it.
 """
 
-from __future__ import annotations
-
 import copy
 import os
 import random

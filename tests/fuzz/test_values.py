@@ -3,8 +3,6 @@
 Warnings are errors in this suite, so a stray one fails; so does any other exception, and NaN in an answer.
 """
 
-from __future__ import annotations
-
 import os
 
 import numpy as np

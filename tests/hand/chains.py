@@ -1,7 +1,5 @@
 """Fingers of two joints whose answers can be written down: links A and B, straight up along z in the posture zero."""
 
-from __future__ import annotations
-
 from handlcp.hand import Hand
 
 A, B = 0.05, 0.03  # m, of the links

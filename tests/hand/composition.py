@@ -1,7 +1,5 @@
 """Hands with any mixture of effects, and beside each grasp the plain numbers it was made of, for `hand_laws.laws`."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Hands that the tests share."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A hand whose answers can be written down: fingers of one joint and length L that push towards each other."""
 
-from __future__ import annotations
-
 from handlcp import Contact, Coulomb
 from handlcp.hand import Hand
 

@@ -1,7 +1,5 @@
 """The audit: every doubt about a file's numbers, and what to pass instead."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A string from the palm to a lever, whose tension turns the lever aside: it is stable up to a load that is known."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Tendons that rub on their posts: closed forms of levers and of a chain, energy, and what is refused."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """`grasp.check()`: squeezed, then loaded, held or lost, and why; what it advises holds when it is done."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -167,8 +165,6 @@ def test_a_soft_hand_is_told_how_much_stiffer_it_has_to_be():
 
 
 # ---------------------------------------------------------------- what is tried
-
-
 @pytest.mark.parametrize(
     "more",
     [

@@ -1,7 +1,5 @@
 """A hand that closes: until it touches, and with what its tendons and motors pull."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Effects meet: every pair on four hands and all at once, against the physics in `hand_laws`; every call."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 from itertools import combinations

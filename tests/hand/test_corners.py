@@ -1,7 +1,5 @@
 """Corners of an object that stand on a link's face: they move with the object, and slide on the face."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -117,8 +115,6 @@ def test_contacts_at_corners_turn_and_shift_as_differences_of_them_do(beyond):
 
 
 # ---------------------------------------------------------------- Blocks that lean, and what stands on little.
-
-
 def laid(R, size=(2 * HALF, 2 * HALF, HEIGHT), **arguments):
     """A block turned by R (3, 3) that just touches the palm."""
     signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T

@@ -1,7 +1,5 @@
 """What a hand says of itself, of its file, and of what a loading counts."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -178,8 +176,6 @@ def test_every_number_says_where_it_came_from():
 
 
 # ---------------------------------------------------------------- MJCF
-
-
 def test_springs_friction_and_armature_of_an_mjcf_file_are_facts():
     pytest.importorskip("mujoco")
     from tests.hand.test_servos import finger
@@ -197,8 +193,6 @@ def test_springs_friction_and_armature_of_an_mjcf_file_are_facts():
 
 
 # ---------------------------------------------------------------- like joints
-
-
 def unlike(text):
     hand = hl.Hand.from_urdf(text, joint_stiffness=6.0, tip_radius=0.008)
     return [d.joint for d in hand.audit() if d.about == "unlike"]

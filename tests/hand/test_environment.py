@@ -1,7 +1,5 @@
 """Tables and walls: contacts found by geometry, and hands that hold what also rests on something."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

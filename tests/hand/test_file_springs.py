@@ -1,7 +1,5 @@
 """Springs of joints that an MJCF file states: a part of the stiffness that no servo commands, beside MuJoCo."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -2,8 +2,6 @@
 hand, and what cannot be had is said.
 """
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

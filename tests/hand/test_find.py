@@ -1,7 +1,5 @@
 """Grasps that are found: they touch, they balance, they are held, they come again; bad input is never "no grasp"."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from types import SimpleNamespace

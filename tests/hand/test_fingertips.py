@@ -1,7 +1,5 @@
 """Fingertips: named, named with points on links, found at the ends of fingers or by their names, or proposed."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

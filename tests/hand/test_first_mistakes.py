@@ -1,7 +1,5 @@
 """Mistakes of the first hour: what is said of them, and that what is nearly right is taken."""
 
-from __future__ import annotations
-
 from math import pi
 
 import numpy as np

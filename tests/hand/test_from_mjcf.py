@@ -1,7 +1,5 @@
 """Hands from MJCF files: what MuJoCo says of the same file, mesh by mesh; what of a scene is the hand."""
 
-from __future__ import annotations
-
 import sys
 from importlib import metadata
 from pathlib import Path
@@ -248,7 +246,6 @@ def test_constraints_that_are_left_out_are_serious_doubts():
 
 
 # ---------------------------------------------------------------- meshes of MJCF files are those that MuJoCo compiles
-
 WEDGE = """o wedge
 v 0 0 0
 v 0.04 0 0

@@ -1,7 +1,5 @@
 """Fingers under load, against springs that really turn, columns that buckle, and central differences."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np
@@ -236,8 +234,6 @@ def test_one_correction_says_by_how_much_each_force_would_change(write):
 
 
 # ---------------------------------------------------------------- neutral, absent, and in company
-
-
 def test_it_brings_no_unknowns_and_explains_itself(monkeypatch):
     patches.shares_of_a_quarter(monkeypatch)
     g = ball_grasp()

@@ -1,7 +1,5 @@
 """Postures that something else has found: read, put into the hand, and refused where a key is missing."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest

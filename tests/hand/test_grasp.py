@@ -1,7 +1,5 @@
 """A hand's grasp: contact axes, weight, torques by virtual work, and the torque check."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Bad input to `Hand.from_urdf`, `hand.at` and xacro files: one typed error each that names the argument."""
 
-from __future__ import annotations
-
 import os
 import sys
 import xml.etree.ElementTree as ET

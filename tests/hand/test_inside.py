@@ -1,7 +1,5 @@
 """Links inside an object are found, with the depth that a closed form gives, and a verdict names them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest

@@ -1,7 +1,5 @@
 """Dry friction at the joints of a loading that is followed: closed forms, energy, and MuJoCo."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

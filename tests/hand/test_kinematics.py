@@ -1,7 +1,5 @@
 """Jacobians, flexibility and coupling of a hand against finite differences and against their definitions."""
 
-from __future__ import annotations
-
 import pickle
 from concurrent.futures import ThreadPoolExecutor
 

@@ -1,7 +1,5 @@
 """The hands that ship, those of other packages, and where hands come from."""
 
-from __future__ import annotations
-
 import importlib.util
 import math
 import re

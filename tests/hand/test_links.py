@@ -1,7 +1,5 @@
 """Contacts on any link: where they are, what is said of them by link, and what is refused."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -51,8 +49,6 @@ def ball_in_five_fingers(hand=None, rotation=None, **arguments):
 
 
 # ---------------------------------------------------------------- Where links touch.
-
-
 def test_a_box_flat_on_a_flat_palm_is_held_at_its_four_corners():
     grasp = on_palm(CUBE)
     assert names(grasp) == ["palm 1", "palm 2", "palm 3", "palm 4"]
@@ -81,8 +77,6 @@ def test_only_links_that_are_named_touch():
 
 
 # ---------------------------------------------------------------- What is said by link.
-
-
 def test_pads_by_link_arrive_at_its_contacts():
     hand = flat(pad_flexibility={"palm": 2e-5, "bar": (1e-4, 2e-4, 3e-4)})
     grasp = on_palm(Box(0.04, (0.03, 0, 0.02)), hand)
@@ -105,8 +99,6 @@ def test_friction_by_link_and_by_contact():
 
 
 # ---------------------------------------------------------------- The same grasp said in another way.
-
-
 def test_links_that_are_all_fingertips_make_the_grasp_of_the_fingertips():
     hand, cube = example_hand("three_finger", joint_stiffness=6.0), Box(0.05, (0, 0, 0.08), mass=0.2)
     state = hand.at(hand.close_on(cube))

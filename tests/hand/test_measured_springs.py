@@ -1,7 +1,5 @@
 """Springs from readings: the line, its spread, where it is none, and readings that tell nothing."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Motors behind joints, against answers written down: what closes, what holds for good, and for how long the rest."""
 
-from __future__ import annotations
-
 import pickle
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Objects as people have them, and contacts with them against closed forms: gap, point and normal on every kind."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

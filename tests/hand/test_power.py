@@ -1,7 +1,5 @@
 """Power grasps that are found: the whole hand round an object against the palm, clear, held, and held in every way."""
 
-from __future__ import annotations
-
 import sys
 from dataclasses import replace
 from importlib.util import find_spec

@@ -1,7 +1,5 @@
 """`grasp.replace(x=…)` of a hand is the grasp made afresh with that argument, to the last bit."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 

@@ -1,7 +1,5 @@
 """Tendons in space: closed forms, MuJoCo's lengths and arms, central differences, and what is no route."""
 
-from __future__ import annotations
-
 from functools import cache
 from itertools import pairwise
 
@@ -38,8 +36,6 @@ def differences(bound, q, step=STEP):
 
 
 # ---------------------------------------------------------------- closed forms
-
-
 @pytest.fixture
 def chains(write):
     """Two fingers of two joints about y; link left_1 begins at (-0.01, 0, 0), and left_2 at its top."""
@@ -148,8 +144,6 @@ def test_a_placement_is_one_however_it_is_said(chains):
 
 
 # ---------------------------------------------------------------- against MuJoCo
-
-
 def finger(name, at, links=3, spread=False, ball=False):
     """A finger along z of links 40 mm long: its <body>, and <spatial> tendons on both sides of its joints.
 
@@ -281,8 +275,6 @@ def test_a_side_chooses_the_way_that_mujoco_chooses(chains):
 
 
 # ---------------------------------------------------------------- differences
-
-
 @pytest.mark.parametrize(("write_hand", "tip", "n"), HANDS)
 def test_arms_are_the_derivatives_of_the_length(write_hand, tip, n):
     """Central differences; postures in which a wrap comes or goes within a step are rare and left out."""
@@ -327,7 +319,6 @@ def test_pieces_and_arcs_make_up_the_path(chains):
 
 
 # ---------------------------------------------------------------- what is no route
-
 SITE = Site("palm", (0, 0, 0))
 BALL = Around("palm", (0, 0, 0.1), 0.01, "sphere")
 
@@ -388,8 +379,6 @@ def test_a_tendon_of_an_mjcf_file_that_cannot_be_read_is_told_why():
 
 
 # ---------------------------------------------------------------- all tendons of a hand in one call: each as if alone
-
-
 @cache
 def cabled(friction=0.0):
     """Two flexors round cylinders, an extensor round a ball on the other side, and a differential."""

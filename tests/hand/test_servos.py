@@ -1,7 +1,5 @@
 """Position actuators of MJCF files: their kp as joint stiffness, beside MuJoCo's own forces."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -126,7 +124,6 @@ def test_a_spatial_tendon_s_servo_is_a_doubt():
 
 
 # ---------------------------------------------------------------- chains of couplings
-
 EQUALITY = (
     '<equality><joint joint1="{0}" joint2="{1}" polycoef="{2} {3} 0 0 0"/>'
     '<joint joint1="{4}" joint2="{5}" polycoef="{6} {7} 0 0 0"/></equality>'
@@ -158,8 +155,6 @@ def test_a_coupling_that_is_written_twice_is_left_out_and_doubted():
 
 
 # ---------------------------------------------------------------- doubts
-
-
 def test_a_finger_that_sags_under_its_own_weight_is_doubted_by_as_much_as_it_sags():
     weak = EACH.replace('kp="3"', 'kp="0.05"')
     (doubt,) = (d for d in finger(weak).audit() if "own weight" in d.what)

@@ -1,7 +1,5 @@
 """Shapes against closed forms and coal's yes or no: gaps, depths, reach, swept balls, convex parts."""
 
-from __future__ import annotations
-
 import re
 
 import coal
@@ -366,8 +364,6 @@ def test_points_that_are_wide_span_at_least_two_corners(seed, over, thin):
 
 
 # ---------------------------------------------------------------- convex parts of meshes that are not convex: of
-
-
 @pytest.fixture(scope="module")
 def ring():
     trimesh = pytest.importorskip("trimesh")

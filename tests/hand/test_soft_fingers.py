@@ -1,7 +1,5 @@
 """Soft fingers on a hand: the moment about a normal loads the joints, and they turn the fingertip under it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

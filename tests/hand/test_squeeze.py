@@ -1,7 +1,5 @@
 """How hard a hand closes: commands of joints, of depths and of forces, and what of them no joint can make."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A stream's answers are those of a grasp made anew, and it keeps no more memory than one of them."""
 
-from __future__ import annotations
-
 import copy
 import gc
 import pickle

@@ -1,7 +1,5 @@
 """Suggestions: effects left out, each evaluated once, against solving with them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

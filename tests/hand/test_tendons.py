@@ -1,7 +1,5 @@
 """Tendons pull and never push, and have motors: closed forms of levers, limits of tensions, MuJoCo, refusals."""
 
-from __future__ import annotations
-
 import pickle
 from pathlib import Path
 
@@ -297,8 +295,6 @@ def test_a_tendon_that_breaks_lasts_no_longer_for_its_motor(write):
 
 
 # ---------------------------------------------------------------- what is said of it
-
-
 @pytest.mark.long
 def test_a_brief_says_which_spool_a_motor_needs(write):
     flexors = {name: arms for name, arms in ARMS.items() if "flexor" in name}

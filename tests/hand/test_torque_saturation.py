@@ -1,7 +1,5 @@
 """Joints that yield at their torque limit, against answers written down; certificates; no limit, no cost."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

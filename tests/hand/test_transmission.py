@@ -1,7 +1,5 @@
 """Tendons and synergies, against fingertip stiffnesses written down, mimic joints, and hands with plain springs."""
 
-from __future__ import annotations
-
 import dataclasses
 import pickle
 import re
@@ -122,8 +120,6 @@ def test_a_rigid_joint_draws_on_no_tendon(write):
 
 
 # ---------------------------------------------------------------- everything downstream
-
-
 def test_a_commanded_tendon_also_pulls_against_the_springs_at_the_joints():
     """A return spring keeps its rest angle: τ = Rᵀ t - K_p δq, whether one solve or the followed path asks."""
     R = np.array([[0.012, 0.008, 0, 0], [0, 0, 0.012, 0.008]])

@@ -1,7 +1,5 @@
 """Shapes in other units: millimetres without a scale are refused at once, and doubted; those of Collada are read."""
 
-from __future__ import annotations
-
 import time
 
 import numpy as np

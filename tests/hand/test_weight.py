@@ -1,7 +1,5 @@
 """The fingers' own weight: torques that hold it, and joints that sag under it, against the one-link finger."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

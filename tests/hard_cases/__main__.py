@@ -1,7 +1,5 @@
 """Counts of every family at every number of faces: solved or refused with proof / undecided / wrong."""
 
-from __future__ import annotations
-
 import sys
 
 from tests.hard_cases.scenes import FACES, examine

@@ -5,8 +5,6 @@ holds is refused with a motion whose signs prove it. `FAMILIES` has, by name, ho
 a generator of so many scenes with so many faces.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

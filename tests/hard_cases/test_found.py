@@ -1,7 +1,5 @@
 """What these suites found, each as small as it gets."""
 
-from __future__ import annotations
-
 import contextlib
 
 import numpy as np

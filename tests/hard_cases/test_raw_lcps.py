@@ -5,8 +5,6 @@ his P-matrices that cost Lemke's method 2ⁿ pivots; Y. Fathi's symmetric varian
 Kostreva's two cycling examples (Math. Program. 16, 1979).
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Flat jaws on flat sides: the pressed place moves between the corners; what rests on a palm stays."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A loading says first whether it holds, in the words of a verdict, here and in another process."""
 
-from __future__ import annotations
-
 import copy
 import json
 import pickle

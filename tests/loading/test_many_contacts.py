@@ -1,7 +1,5 @@
 """Paths of many contacts, which are eliminated one by one, beside the same paths with all of them in one matrix."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The bound without compliance against closed forms and linear programs, and the margins of one grasp together."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.optimize import linprog

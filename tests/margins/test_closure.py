@@ -1,7 +1,5 @@
 """Force closure, form closure and the wrench space: textbook cases, Nguyen's rule, polytopes with known numbers."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

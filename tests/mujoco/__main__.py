@@ -7,8 +7,6 @@ the order in which links touch: see `tests.mujoco.closing`.
 HANDLCP_KERNELS=compiled is set, as in the tests: the times are those of compiled kernels.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from statistics import median

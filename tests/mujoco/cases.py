@@ -1,7 +1,5 @@
 """The cases: six hands; sticking, sliding, soft fingers, tables, large motions, objects lost, load limits."""
 
-from __future__ import annotations
-
 import pathlib
 
 import numpy as np

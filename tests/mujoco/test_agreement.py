@@ -1,7 +1,5 @@
 """Two ends agree where they are near: a tolerance of forces, torques and motion, which is printed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

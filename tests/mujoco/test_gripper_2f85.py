@@ -1,7 +1,5 @@
 """A 2F-85 in MuJoCo holds a cube that is shaken, up to what friction bears, and not beyond."""
 
-from __future__ import annotations
-
 from importlib import metadata
 
 import pytest

@@ -1,7 +1,5 @@
 """Loads that grow in MuJoCo and short loadings beside it: the same forces, torques, jumps and losses."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Hands that touch with whole links, in MuJoCo: the same surfaces, the same forces, the same order of touching."""
 
-from __future__ import annotations
-
 import json
 from importlib import metadata
 

@@ -1,7 +1,5 @@
 """Tests that others publish, again in MuJoCo: levers of a finger, a ball that is pulled out, one that is shaken."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """When a simulated object is at rest: also where MuJoCo's friction is hard to solve, or a contact jumps to and fro."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import pathlib

@@ -1,7 +1,5 @@
 """What `to_mujoco` writes: the same kinematics, weights, springs and loads, and by name what it cannot write."""
 
-from __future__ import annotations
-
 import re
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Derivatives of hands' grasps against central differences of whole solves, with every effect and every parameter."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Where a contact's next state depends on the direction of a change: both sides, against closed forms and solves."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Derivatives of grasps without a hand: every friction law, on the cone and on pyramids; rows of the table."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

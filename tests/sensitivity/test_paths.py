@@ -1,7 +1,5 @@
 """Derivatives of load limits: closed forms of a pinch, jumps of symmetric grasps, and what is printed of both."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Clocks that stand in for the machine's, so that no test depends on how busy it is."""
 
-from __future__ import annotations
-
 
 class Ticking:
     """In place of the module `time`: every look at it takes so many seconds, and nothing else takes any."""

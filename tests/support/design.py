@@ -1,7 +1,5 @@
 """Doors into briefs, evaluations, reports, and numbers of a hand by name."""
 
-from __future__ import annotations
-
 from handlcp.design import evaluate as _evaluating
 from handlcp.studies import perturbation as _varied
 from handlcp.viz.report import report as _reporting

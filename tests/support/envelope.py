@@ -1,7 +1,5 @@
 """Envelopes whose paths find no limit: what then is told."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

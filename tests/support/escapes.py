@@ -1,7 +1,5 @@
 """Whether a motion proves by its signs that nothing holds an object: no contact resists it, and the load drives it."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tests.support.friction_sets import corners, reach

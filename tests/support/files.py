@@ -1,7 +1,5 @@
 """How the package writes files, and smaller limits on what it reads of one, so that tests need no large files."""
 
-from __future__ import annotations
-
 from contextlib import contextmanager
 from unittest.mock import patch
 

@@ -1,7 +1,5 @@
 """Doors into a hand: the URDFs that ship, how tips touch objects, how joints carry torques, how a finger curves."""
 
-from __future__ import annotations
-
 import numpy as np
 
 import handlcp as hl

@@ -1,7 +1,5 @@
 """The package's kernels as a whole, kernels anew, and the places and the times that decide about compiling."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import pathlib

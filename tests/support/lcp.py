@@ -1,7 +1,5 @@
 """Doors into the mathematics: kernels one call at a time, single stages of the chain, the search over active sets."""
 
-from __future__ import annotations
-
 import inspect
 import pathlib
 

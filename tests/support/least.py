@@ -1,7 +1,5 @@
 """Doors into the search for a least value: loadings that end differently with few steps, or with a larger value."""
 
-from __future__ import annotations
-
 from handlcp.grasp.design.required_value import ChangedGrasp
 
 

@@ -1,7 +1,5 @@
 """A door into load limits: many directions at once, and whether a loading ends in balance."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from handlcp.grasp.limits.directions import limits_of

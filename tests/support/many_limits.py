@@ -1,7 +1,5 @@
 """Load limits in many directions, and what they cost: no public name asks for it yet."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from handlcp.contact.friction import as_section

@@ -1,7 +1,5 @@
 """Doors into the bound without compliance."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from handlcp.contact.friction import as_section

@@ -1,7 +1,5 @@
 """What the package says about compiling."""
 
-from __future__ import annotations
-
 
 def without_compiling(said):
     """What a program said on stderr, without lines about compiling: whoever comes first to a kernel waits for it."""

@@ -1,7 +1,5 @@
 """What the tests need of the inside of paths."""
 
-from __future__ import annotations
-
 from handlcp.grasp.model.status import PathStatus
 from handlcp.grasp.path import advance, step
 from handlcp.grasp.path.advance import Leg

@@ -1,7 +1,5 @@
 """Programs that tests start, and processes that compute: what they hear, and how much room they have on the disk."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

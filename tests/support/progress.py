@@ -1,7 +1,5 @@
 """A terminal that keeps what is drawn on it, and a clock that goes on when it is told to."""
 
-from __future__ import annotations
-
 import io
 import re
 

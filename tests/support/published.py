@@ -1,7 +1,5 @@
 """A parallel gripper whose answers can be written down, for tests that others publish; and what they reach inside."""
 
-from __future__ import annotations
-
 import handlcp as hl
 
 _JAW = """

@@ -1,7 +1,5 @@
 """Doors into records: what they say of themselves, and every class of them."""
 
-from __future__ import annotations
-
 import inspect
 import pkgutil
 from collections.abc import Iterable, Sequence

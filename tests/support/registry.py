@@ -1,7 +1,5 @@
 """Effects, friction laws and parameters that a test defines, and that nobody else should meet."""
 
-from __future__ import annotations
-
 from contextlib import contextmanager
 
 from handlcp.contact.friction import law as _law

@@ -1,7 +1,5 @@
 """Doors into the study of reliability: its points, its interval, the grasps of its samples."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from handlcp.studies.reliability.chance import estimate_chance

@@ -1,7 +1,5 @@
 """A hand of three fingers whose tendons run along routes, and the same hand with the arms of one posture."""
 
-from __future__ import annotations
-
 import numpy as np
 
 import handlcp as hl

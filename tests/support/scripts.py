@@ -1,7 +1,5 @@
 """The scripts of the folder `examples`, imported as a user's own would be."""
 
-from __future__ import annotations
-
 import importlib.util
 import pathlib
 import sys

@@ -1,7 +1,5 @@
 """Doors into proofs and searches: which contact modes have a point, which loads nothing within limits can balance."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """Grasps that differ in one parameter, and differences of whole solves between them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Doors into what people look at: tables, units, records, pictures and their geometry, figures of studies."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from handlcp.grasp.path.events import summary

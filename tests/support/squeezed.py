@@ -1,7 +1,5 @@
 """A pinch and a cube that are squeezed: what envelopes, payloads and load limits are asked of."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import handlcp as hl

@@ -1,7 +1,5 @@
 """A solve step by step, for those who time its parts: the one call of the first stage, and the same from Python."""
 
-from __future__ import annotations
-
 import re
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """Doors into the studies: what is left out and planned, the paper's settings, limits in many directions."""
 
-from __future__ import annotations
-
 from handlcp.studies.accuracy.cost import variants
 from handlcp.studies.accuracy.methods import settings
 

@@ -1,7 +1,5 @@
 """Doors into sweeps: spaces of parameters, which designs start together, tables and journals, main effects."""
 
-from __future__ import annotations
-
 from handlcp.cli.design import load_hand
 from handlcp.design.space import Space
 from handlcp.design.sweep.cells import points

@@ -1,7 +1,5 @@
 """Doors into the equations of an active set, and into forces without slip."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from handlcp.grasp.derivatives.active_set import (
