@@ -75,7 +75,7 @@ def test_a_rotation_that_was_printed_is_made_exact(digits):
 def test_a_hand_without_stiffness_is_asked_for_it():
     for read in (hl.Hand.from_urdf, hl.Hand.from_mjcf, hl.Hand.from_model):
         said = refused(lambda r=read: r("hand.urdf"))
-    same("hand/test_words_of_help: no stiffness", said, "N·m/rad", "1 to 10")
+    same("hand/test_first_mistakes: no stiffness", said, "N·m/rad", "1 to 10")
 
 
 def test_a_grasp_that_nothing_loads_says_so(state):
@@ -84,7 +84,7 @@ def test_a_grasp_that_nothing_loads_says_so(state):
         (reason,) = verdict.about("no_load")
         assert verdict.ok
         assert reason.severity == "note"
-    same("hand/test_words_of_help: no load", reason.sentence)
+    same("hand/test_first_mistakes: no load", reason.sentence)
     for loaded in (light.replace(mass=0.2), light.replace(load=(0, 0, -1, 0, 0, 0))):
         assert not loaded.solve().verdict.about("no_load")
 
