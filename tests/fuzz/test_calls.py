@@ -20,6 +20,12 @@ SLOW = {
 }  # fmt: skip
 
 
+@pytest.fixture(autouse=True)
+def own_folder(tmp_path, monkeypatch):
+    """Values of calls are files, too: they are written where the test runs."""
+    monkeypatch.chdir(tmp_path)
+
+
 def hand(**more):
     return hl.Hand.from_urdf(URDF, {"tip": ("bar", (0, 0, 0.05))}, **({"joint_stiffness": 1.0} | more))
 

@@ -1,5 +1,6 @@
 """Hands from MJCF files: what MuJoCo says of the same file, mesh by mesh; what of a scene is the hand."""
 
+import re
 import sys
 from importlib import metadata
 from pathlib import Path
@@ -415,6 +416,18 @@ def test_a_hand_in_a_scene_is_the_hand_without_it(free):
     assert [link.name for link in among.links] == [link.name for link in alone.links] == ["world", "palm", "l", "r"]
     assert [j.name for j in among.joints] == ["lj", "rj"]
     assert among.size == pytest.approx(alone.size)
+
+
+@pytest.mark.parametrize("wrapped", ["fixed", "spatial"])
+def test_a_hand_that_one_tendon_drives_is_the_hand_of_its_scene(wrapped):
+    way = '<joint joint="lj" coef="1"/><joint joint="rj" coef="1"/>'
+    sites = '<site name="{0}" pos="{1} 0 0.01"/>'
+    if wrapped == "spatial":
+        way = '<site site="far"/><site site="near"/>'
+    text = scene(sites.format("far", 1), TABLE, DOOR, more=f'<tendon><{wrapped} name="t">{way}</{wrapped}></tendon>')
+    text = text.replace('<body name="l"', sites.format("near", 0) + '<body name="l"')
+    text = re.sub("<actuator>.*</actuator>", '<actuator><motor tendon="t"/></actuator>', text)
+    assert "door (that no actuator drives)" in said(text)
 
 
 def test_what_is_left_out_of_a_scene_is_said():
