@@ -368,8 +368,8 @@ class _AcceptedValues(NamedTuple):
 
     name : of the parameter.
     types : of the values.
-    function : whether functions may come.
-    said : what is expected, in words, for refusals.
+    takes_functions : whether functions may come.
+    expected : what is expected, in words, for refusals.
     """
 
     name: str

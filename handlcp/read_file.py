@@ -225,7 +225,7 @@ def parse_yaml(argument: str, text: str, shown: str, error: InputErrorClass = In
 class _YamlBuilder:
     """Builds data from the events of a YAML parser.
 
-    found : the documents so far.
+    documents : those that are complete so far.
     """
 
     def __init__(self, argument: str, shown: str, error: InputErrorClass) -> None:

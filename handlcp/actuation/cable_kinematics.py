@@ -225,7 +225,7 @@ _DIFFERENCE_STEP = 1e-6  # [rad, m] of the central differences
 class PackedRoutes(NamedTuple):
     """t tendons on the links of a hand, over p places and l legs from one site to the next, those of a tendon in order.
 
-    at (p,) : number of a place's link among the placements. points (p, 3), sides (p, 3) [m], axes (p, 3) : as in
+    links (p,) : number of a place's link among the placements. points (p, 3), sides (p, 3) [m], axes (p, 3) : as in
     `RoundBody`, in the link's frame; of a site the point. radii (p,) : 0 of sites. support (p, joints) : 1 where a
     joint moves a place. legs (l, 4) : numbers of the tendon, of the first and last place, and of the body between,
     -1: straight. divisors (l,).
@@ -253,11 +253,11 @@ class CablePosture(NamedTuple):
 
 
 class CablePaths(NamedTuple):
-    """Tendons in a posture. lengths (t,) : L [m]. arms (t, joints) : -∂L/∂q. Of each leg: turned (l,) : by how much the
-    cable turns on its body [rad], 0: it does not touch. pieces (l, 2, joints) : arms of the straight pieces before and
-    after the body, divisors included; the second 0 where there is one piece. beyond (l, joints) : arms of all pieces of
-    the tendon after the body. ends (l, 4, 3) : from where to where the pieces run [m], world axes; of one the last two
-    are where it ends. sides (l, 3) : the side of its body on which the cable passes, a unit vector in the axes of the
+    """Tendons in a posture. lengths (t,) : L [m]. arms (t, joints) : -∂L/∂q. Of each leg: wrap_angles (l,) : by how much the
+    cable turns on its body [rad], 0: it does not touch. piece_arms (l, 2, joints) : arms of the straight pieces before and
+    after the body, divisors included; the second 0 where there is one piece. arms_beyond (l, joints) : arms of all pieces of
+    the tendon after the body. piece_ends (l, 4, 3) : from where to where the pieces run [m], world axes; of one the last two
+    are where it ends. wrap_sides (l, 3) : the side of its body on which the cable passes, a unit vector in the axes of the
     body's link; zeros: without a body.
     """
 

@@ -137,7 +137,7 @@ class TendonModel:
 
 class TendonStiffness(JointStiffness):
     """K = K_p + Rᵀ k R, and the tendons behind it; arms (t, nv) : R as it was given. drives : motors of tendons, None
-    without; bears (t,) : what tendons bear, whatever their motors hold [N]. `cables.limits` are the smaller of both.
+    without. strength (t,) : what tendons bear, whatever their motors hold [N]. `cables.limits` are the smaller of both.
     """
 
     drives: Drives | None = None

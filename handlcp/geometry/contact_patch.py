@@ -209,7 +209,7 @@ def find_contact_patch(shape: TipShape, p: Array, R: Array, obj: Object) -> tupl
     """Shapes, one to four, in the frame of `shape`, and the gap of each [m]. The frame is at p (3,) with rotation R
     (3, 3).
 
-    Raises Unsupported and InputError as `nearest`.
+    Raises Unsupported and InputError as `nearest_proximity`.
     """
     near = nearest_proximity((shape,), p, R, obj)
     if shape.radius is not None:

@@ -150,8 +150,8 @@ class GripTrial:
 
 @dataclass(eq=False)
 class GripTrials:
-    """All that were tried. share (nv,) : torques that count as much as each other, rubs (nv,) : dry friction of drives
-    [N·m]. most (n,) : how hard contacts may press [N]. told : how many so far.
+    """All that were tried. share (nv,) : torques that count as much as each other, drive_friction (nv,) : dry friction of drives
+    [N·m]. max_forces (n,) : how hard contacts may press [N]. count : how many so far.
     """
 
     cases: tuple[LoadCase, ...]

@@ -169,7 +169,7 @@ class Mimic:
 class JointFacts:
     """One movable joint as written. Positions in rad or m, efforts in N·m or N; NaN for numbers that are absent or
     cannot be read. mass : of the child link [kg]; NaN without <inertial>. axis : None where it is unknown.
-    effort_said : where the effort is from; "" : nowhere. stated : friction, spring, gear, soft limits, as written.
+    effort_source : where the effort is from; "" : nowhere. properties : friction, spring, gear, soft limits, as written.
     """
 
     name: str

@@ -59,7 +59,7 @@ def convert_to_urdf(
 ) -> tuple[ET.Element, tuple[Doubt, ...], dict[str, CompiledMesh]]:
     """The <robot> that an MJCF text or file describes, what of it a URDF cannot say, and its meshes.
 
-    base : the link that is asked for. Other arguments and errors as of `compiled`; URDFError for ball joints, too.
+    base : the link that is asked for. Other arguments and errors as of `compile_mjcf`; URDFError for ball joints, too.
     """
     model = compile_mjcf(source, path)
     if (parts := int(model.nbody + model.njnt)) > _MAX_PARTS:

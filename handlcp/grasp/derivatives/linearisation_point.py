@@ -265,7 +265,7 @@ class LawChange:
         return _from_parts([part[:, which] for part in self._parts])
 
     def with_touching(self, touches: Bools) -> LawChange:
-        """Where only these (t,) of the fingertips in `deeper` just touch: the others are inside already, and what takes
+        """Where only these (t,) of the fingertips in `depth_change` just touch: the others are inside already, and what takes
         them deeper counts on both sides.
         """
         if self.depth_change is None:

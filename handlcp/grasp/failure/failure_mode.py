@@ -18,7 +18,7 @@ from handlcp.record import Record
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
 # ----------------------------------------------------------------
-# What gives out, as data. The judge makes it (`judge.py`), the table of words says it (`failure_text.py`).
+# What gives out, as data. `FailureJudge` makes it, the table of words says it (`failure_text.py`).
 
 SLIPS, OPENS, TORQUE, TENSION, RANGE = "slips", "opens", "torque", "tension", "range"
 EQUILIBRIUM, MOTION, SLIDES, UNDECIDED = "equilibrium", "motion", "slides through", "undecided"

@@ -193,7 +193,7 @@ class Effect:
     by_name : whether it is asked for in `effects=`, not by an argument of its own.
     needs_joints : whether only the grasp of a hand can have it.
     depends_on_forces : whether what it adds to the grasp depends on the forces of the answer.
-    answers : which answers count it, `FOLLOWED` or `ONE_SOLVE`; "": every answer.
+    answers : which answers count it, `FOLLOWED_LOADINGS` or `ONE_SOLVE`; "": every answer.
     """
 
     title: ClassVar[str] = ""

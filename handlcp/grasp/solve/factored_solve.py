@@ -50,7 +50,7 @@ class _FactoredScene(NamedTuple):
 
 
 class LinearRows(NamedTuple):
-    """The rows of `contact_blocks` that are linear: P (n, 3, 3), W, R (3n, m), d (3n,), S (m, m), w (m,); SI, contact
+    """The rows of `LinkedContacts` that are linear: P (n, 3, 3), W, R (3n, m), d (3n,), S (m, m), w (m,); SI, contact
     axes.
     """
 

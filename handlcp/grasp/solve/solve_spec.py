@@ -241,7 +241,7 @@ def solve_in_stages(
     proof: bool = True,
     first: CompiledAnswer | None = None,
 ) -> GraspSolution:
-    """Forces, slips and motion of `build(spec)`; start as in `compiled_answer.start_from`, proof as in `Grasp.solve`.
+    """Forces, slips and motion of `build_scene(spec)`; start as in `start_values`, proof as in `Grasp.solve`.
 
     first : what the compiled first stage came to, where that is known.
 
@@ -518,7 +518,7 @@ def solve_spec(
 ) -> GraspSolution:
     """The certified solution; its status says what it is worth, and nothing is raised for want of one.
 
-    start : as in `compiled_answer.start_from`. scene : `build(spec)`, where that is known. proof : as in `Grasp.solve`.
+    start : as in `start_values`. scene : `build_scene(spec)`, where that is known. proof : as in `Grasp.solve`.
     """
     run = solve_to_fixed_point if spec.effects and is_force_dependent(spec) else solve_in_stages
     return run(spec, build_scene(spec) if scene is None else scene, section, solver, start, proof)
