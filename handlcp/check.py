@@ -1,4 +1,6 @@
-"""Checks of what users pass, made where it enters. Each returns a clean read-only array or raises one `InputError`."""
+"""`check_array` and its like: checks of what users pass, made where it enters. Each returns a clean read-only array or
+raises one `InputError`.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The path of a taut cable from one point to another around a cylinder or a ball, compiled.
+"""`evaluate_cable_paths`: where taut cables run in a posture, around cylinders and balls, and their arms; compiled.
 
 Seen along the axis of a cylinder, or in the plane through both points and the centre of a ball, the body is a circle of
 radius r. From a point at the distance d two lines touch the circle, β = arccos(r/d) to either side of the point. So a
@@ -58,7 +58,7 @@ def distance_from_body(body: RoundBody, point: Array) -> float:
 
 @kernel
 def straight_path(a: Array, b: Array, out: Array) -> float:
-    """Length [m] of a cable from a (3,) to b (3,) that touches nothing. out (5, 3) : as in `bend`, with b for both
+    """Length [m] of a cable from a (3,) to b (3,) that touches nothing. out (5, 3) : as in `wrap_path`, with b for both
     points, and the direction from a for the first; the last row stays.
     """
     length = math.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 + (b[2] - a[2]) ** 2)
@@ -383,7 +383,7 @@ def _find_site_inside(s: PackedRoutes, at: _WorldPlaces) -> tuple[int, float]:
 
 @kernel
 def _leg_path(s: PackedRoutes, n: int, at: _WorldPlaces, run: Array) -> tuple[float, float]:
-    """Length of a leg [m] and the angle on its body [rad]; run (5, 3) : as `bend` writes it."""
+    """Length of a leg [m] and the angle on its body [rad]; run (5, 3) : as `wrap_path` writes it."""
     a, b, body = at.points[s.legs[n, 1]], at.points[s.legs[n, 2]], s.legs[n, 3]
     if body < 0:
         return straight_path(a, b, run), 0.0

@@ -1,4 +1,4 @@
-"""How tendons lie in a posture: their arms, and the posts that they rub on.
+"""`CableRouting`: how tendons lie in a posture: their arms, and the posts that they rub on.
 
 Arms of a tendon are given, or those of its route there. Of a route each round body that the cable lies on is a post,
 whose wrap changes with the posture.

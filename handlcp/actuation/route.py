@@ -1,4 +1,4 @@
-"""The places that a cable passes: sites of links, round bodies on them, and pulleys."""
+"""`Route`: the places that a cable passes, which are sites of links, round bodies on them, and pulleys."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""The stiffness of joints that tendons move, and what the tendons do: where arms are given, and along routes."""
+"""`TendonStiffness`: the stiffness of joints that tendons move, and what the tendons do: where arms are given, and
+along routes.
+"""
 
 from __future__ import annotations
 

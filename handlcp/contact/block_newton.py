@@ -1,4 +1,5 @@
-"""Newton's method on many contacts whose flexibility is a block for each and a few motions that all of them share.
+"""`newton_blocks`: Newton's method on many contacts whose flexibility is a block for each and a few motions that all of
+them share.
 
     y = P r + W z + d,    0 = Rᵀ r - S z + w
 

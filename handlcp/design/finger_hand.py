@@ -1,4 +1,4 @@
-"""A hand from numbers: fingers of straight links on a round palm, as a URDF.
+"""`finger_hand`: a hand from numbers, with fingers of straight links on a round palm, as a URDF.
 
 Fingers stand on a circle about the palm's z axis and point along +z, or lean out. Their joints turn about the palm's
 tangents, positive angles inward. Links are capsules, fingertips balls about the last links' ends. World frame: the

@@ -1,4 +1,4 @@
-"""Convex shapes of coal as numbers: the furthest point in a direction, what lies inside, boxes and balls around them.
+"""`signed_distance`: how far convex shapes of coal are apart or inside each other, confirmed by bounds on both sides.
 
     h(n) = max over x in the shape of n · x
 

@@ -1,4 +1,4 @@
-"""What can be asked of a grasp beyond one solve: one method a question, each a call to the room that answers it."""
+"""`Grasp`: what is held, by which contacts, under which load; and everything that can be asked of it."""
 
 from __future__ import annotations
 

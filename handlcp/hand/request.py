@@ -1,4 +1,4 @@
-"""The arguments of `state.grasp`, and the specification made of them."""
+"""`GraspRequest`: the arguments of `state.grasp`, and the specification made of them."""
 
 from __future__ import annotations
 

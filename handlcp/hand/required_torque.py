@@ -1,4 +1,6 @@
-"""Grips tried: does every load of a brief hold, followed from the first touch, and what do the motors need?"""
+"""`find_required_torque`: grips tried: does every load of a brief hold, followed from the first touch, and what do the
+motors need?
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A contact problem as two rows of numbers, and solving it in one call.
+"""`ContactProblem`: frictional contact in natural units, packed as two rows of numbers, and solved in one call.
 
 Every array of a tuple that Python hands to compiled code is looked at by itself: for `ContactArrays` that takes longer than
 one of Newton's steps, for two rows hardly anything.
@@ -130,8 +130,8 @@ class Pattern:
 class ContactProblem:
     """Find x with y = M x + q, in natural units, where each unknown plays one of three roles:
 
-    free : y_i = 0. pair : 0 ≤ x_i ⟂ y_i ≥ 0.
-    friction block (N, T, …) : N is a pair; x_T in the set of the block, x_N times as large, and y_T in minus the set's
+    a free one, y_i = 0; one of a pair, 0 ≤ x_i ⟂ y_i ≥ 0; or part of a
+    friction block (N, T, …): N is a pair; x_T in the set of the block, x_N times as large, and y_T in minus the set's
         normal cone at x_T: zero inside, against x_T on the limit. For balls this is second-order-cone complementarity.
 
     M (n, n), q (n,). pattern : roles of the unknowns. sets : of the blocks. units : natural sizes of every x and y, or

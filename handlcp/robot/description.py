@@ -1,4 +1,6 @@
-"""A robot as it was read, before anything is said about fingertips, stiffness or torques; and reading it."""
+"""`RobotDescription`: a robot as it was read, before anything is said about fingertips, stiffness or torques; and
+reading it.
+"""
 
 from __future__ import annotations
 

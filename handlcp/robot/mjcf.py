@@ -1,4 +1,4 @@
-"""An MJCF file, MuJoCo's format for robots, as the URDF that says the same.
+"""`convert_to_urdf`: an MJCF file, MuJoCo's format for robots, as the URDF that says the same.
 
 MuJoCo compiles the file, so that its defaults, angles, includes and meshes mean here what they mean there; the compiled
 model is written link by link. A free joint at the root is left out: the hand stands where the file puts it. What of the

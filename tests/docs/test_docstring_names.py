@@ -18,7 +18,8 @@ LISTED = re.compile(r"(?:^ *|[.;] )(\*{0,2}\w+(?:, \*{0,2}\w+)*)(?: \([^()]*\))?
 SHAPE = r"\([^()]*,[^()]*\)"
 SHAPED = re.compile(rf"(?:\A|[.;:] |[.;:]\n)\s*((?:\w+ {SHAPE},\s+)*\w+ {SHAPE}) ?: ")
 SYMBOL = re.compile(r"[A-Z\u0391-\u03c9]\w?")  # one capital or Greek letter, with an index
-NO_CODE = re.compile(r'"""(?:\\.|[^\\])*?"""|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|#[^\n]*', re.S)  # strings, comments
+# Strings and comments
+NO_CODE = re.compile(r'"""(?:\\.|[^\\])*?"""|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|#[^\n]*', re.S)
 IN_SELF = re.compile(r"\b(?:self\.|__setattr__\(self, .)(\w+)")
 DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 
@@ -135,7 +136,8 @@ def members_of(name):
 
 @functools.cache
 def files():
-    return [path.relative_to(PACKAGE.parent).as_posix() for path in PACKAGE.parent.rglob("*.*") if ".git/" not in str(path)]
+    root = PACKAGE.parent
+    return [path.relative_to(root).as_posix() for path in root.rglob("*.*") if ".git" not in path.parts]
 
 
 @functools.cache
@@ -215,7 +217,8 @@ def missing_listed(source):
         listed += [name for names in SHAPED.findall(documented.text) for name in re.findall(r"(\w+) \(", names)]
         for name in listed:
             if name not in allowed(documented.node, source) and not SYMBOL.fullmatch(name):
-                yield f"{source.path.relative_to(PACKAGE.parent)}:{documented.line}: {documented.node.name} lists {name}"
+                where = f"{source.path.relative_to(PACKAGE.parent)}:{documented.line}"
+                yield f"{where}: {documented.node.name} lists {name}"
 
 
 def test_every_name_in_backticks_is_there():

@@ -1,4 +1,6 @@
-"""Which effects a grasp has, why, and what each costs in unknowns; and the words of what is no effect of its own."""
+"""`Explanation`: which effects a grasp has, why, and what each costs in unknowns; and the words of what is no effect of
+its own.
+"""
 
 from __future__ import annotations
 

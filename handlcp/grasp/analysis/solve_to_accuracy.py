@@ -1,4 +1,6 @@
-"""A solve with advice: for a proven "no", the squeeze that would help, worked out when somebody asks."""
+"""`solve_to_accuracy`: a solve with advice: for a proven "no", the squeeze that would help, worked out when somebody
+asks.
+"""
 
 from __future__ import annotations
 

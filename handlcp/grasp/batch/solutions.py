@@ -1,4 +1,4 @@
-"""The numbers of a batch as arrays, read off the rows of its answers without making a solution of each."""
+"""`Solutions`: the numbers of a batch as arrays, read off the rows of its answers without making a solution of each."""
 
 from __future__ import annotations
 

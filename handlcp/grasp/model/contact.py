@@ -1,4 +1,4 @@
-"""One contact: where, which way the finger pushes, what friction, and the frame its forces are measured in."""
+"""`Contact`, one contact of a grasp; `Placement`, where all of them are; `SceneKind`, which of their forces are unknown."""
 
 from __future__ import annotations
 

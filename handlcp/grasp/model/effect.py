@@ -1,4 +1,4 @@
-"""Limits on the contact forces, and what gives way at them: the common form of bounds and of joints that yield.
+"""`Effect`: one physical effect of a grasp, and what it adds to the problem; `Limit`: a bound on the forces, as one.
 
     0 ≤ s ⟂ b - A r ≥ 0,    ε += Aᵀ s
 

@@ -1,4 +1,4 @@
-"""Tendons that move joints, as far as the mechanics need to know them: they pull, and never push."""
+"""`Mechanism`: the joints behind the contacts, with Jacobian, compliance, limits, joint torques; tendons (`Cables`)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Compiled geometry of a grasp: natural units, the grasp matrix, and the blocks that effects stamp, in those units.
+"""`Scene`: a grasp compiled to arrays in natural units, its grasp matrix, and the blocks that effects stamp.
 
 The c = 3n + k force components are the contacts' x, y and z and then the moments of the k soft contacts about their
 normals (over a lever, so that they are forces).

@@ -1,4 +1,4 @@
-"""Scenes as rows of numbers for `compiled_solve`, and what their answers say."""
+"""`CompiledAnswer`: scenes as rows of numbers for `compiled_solve`, and what their answers say."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""A scene as a row of numbers: the arrays of `GraspArrays`, one after the other, then the limits (n,) of its contacts.
+"""`solve_scenes`: a scene as a row of numbers: the arrays of `GraspArrays`, one after the other, then the limits (n,)
+of its contacts.
 
 The layout is known here alone; rows are written and read by the names of these arrays.
 """

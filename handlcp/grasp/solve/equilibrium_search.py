@@ -1,4 +1,5 @@
-"""Everything that the contacts of a grasp can do at once: one equilibrium, the proof that there is none, or all.
+"""`EquilibriumSearch`: everything that the contacts of a grasp can do at once: one equilibrium, the proof that there is
+none, or all.
 
 One tree serves all three (`lcp.modes`), and cuts off what nothing fits. A walk through every choice, one small
 elimination each, is faster where there are few: 4 ms instead of 24 ms for 10,000 choices (four contacts on pyramids of
@@ -131,7 +132,7 @@ def _limit_slack(problem: GraspContactProblem, b: float) -> Array:
 # limits on the forces   a linear program (`prove_overload`): no forces within friction and limits balance the load
 # contact modes          all of them at once (`search_modes`): pyramids and planes exactly, the cone by arcs that are
 #                        refined where they do not decide
-# moments, with faces    the active sets of the LCP with a multiplier a face (`lcp.search`)
+# moments, with faces    the active sets of the LCP with a multiplier a face (`search_active_sets`)
 #
 # Budgets count multiply-adds, so that what is proven depends on no clock.
 

@@ -1,4 +1,4 @@
-"""From a judged candidate to what a designer gets: status, states, uniqueness, the smallest motion, all in SI."""
+"""`solve_spec`: the driver of every solve, from the compiled first stage to the certified solution in SI."""
 
 from __future__ import annotations
 
@@ -441,7 +441,7 @@ def solve_to_fixed_point(
     start: Array = NO_START,
     proof: bool = True,
 ) -> GraspSolution:
-    """As `stages.solve_in_stages`; scene : of the unloaded fingers. The trace ends with how the iteration went. What is
+    """As `solve_in_stages`; scene : of the unloaded fingers. The trace ends with how the iteration went. What is
     said of uniqueness holds for the last E.
     """
     forces, solution, where = np.zeros((scene.n, 3)), None, start

@@ -1,4 +1,4 @@
-"""What each contact does at an answer: separated, sticking or sliding, and against which faces."""
+"""`ContactStates`: what each contact does at an answer: separated, sticking or sliding, and against which faces."""
 
 from __future__ import annotations
 

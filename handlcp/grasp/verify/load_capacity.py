@@ -1,4 +1,4 @@
-"""Holdability: is there any contact force within friction that balances the load? Compliance plays no part.
+"""`Capacity`: holdability: is there any contact force within friction that balances the load? Compliance plays no part.
 
 If not, a twist t proves it (Farkas): every force the contacts can exert does work ≥ 0 on t, and so does the load, > 0.
 The object escapes along t, and no contact resists.

@@ -1,4 +1,4 @@
-"""When a kernel is compiled: the one place that decides.
+"""`kernel_mode` and the one place that decides when a kernel is compiled.
 
 A kernel runs as plain Python until that has taken a second. Then another process compiles it (`background_compile.py`) while calls go
 on as Python, and compiled code takes over once it is there. Where no other process may be started, calls go on until

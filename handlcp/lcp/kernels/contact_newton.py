@@ -1,4 +1,4 @@
-"""Frictional contact as equations, and their subgradients.
+"""`solve_contacts`: frictional contact as equations with subgradients, and NSNGRK on them.
 
 Unknowns x with y = M x + q. Three kinds of rows, ρ_i > 0 a scale:
 

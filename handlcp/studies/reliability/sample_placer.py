@@ -1,4 +1,6 @@
-"""The grasps of samples: as rows of numbers, which are solved many at once, and as grasps where one is looked at."""
+"""`SamplePlacer`: the grasps of samples: as rows of numbers, which are solved many at once, and as grasps where one is
+looked at.
+"""
 
 from __future__ import annotations
 
