@@ -1,4 +1,6 @@
-"""Checks of what users pass, made where it enters. Each returns a clean read-only array or raises one `InputError`."""
+"""`check_array` and its like: checks of what users pass, made where it enters. Each returns a clean read-only array or
+raises one `InputError`.
+"""
 
 from __future__ import annotations
 
@@ -368,8 +370,8 @@ class _AcceptedValues(NamedTuple):
 
     name : of the parameter.
     types : of the values.
-    function : whether functions may come.
-    said : what is expected, in words, for refusals.
+    takes_functions : whether functions may come.
+    expected : what is expected, in words, for refusals.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""How far a long call has come: one line on the terminal, the same for Python and for commands.
+"""`track_progress`: how far a long call has come: one line on the terminal, the same for Python and for commands.
 
 It appears where stderr is a terminal and a call takes longer than two seconds, and it is gone when the call ends. Calls
 inside calls share the line of the outermost one. `HANDLCP_PROGRESS=off` silences all of them; so does `progress=False`

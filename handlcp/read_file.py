@@ -1,4 +1,5 @@
-"""Files that somebody else made: their bytes, and what XML, JSON, YAML, TOML and arrays of numbers they hold.
+"""`read_bytes`: files that somebody else made: their bytes, and what XML, JSON, YAML, TOML and arrays of numbers they
+hold.
 
 Every reader of the package takes files through here. A limit is checked before what it limits is built: a few hundred
 bytes can describe more than fits into the memory. Nothing that is read is run: no pickle, no constructor, no entity.
@@ -225,7 +226,7 @@ def parse_yaml(argument: str, text: str, shown: str, error: InputErrorClass = In
 class _YamlBuilder:
     """Builds data from the events of a YAML parser.
 
-    found : the documents so far.
+    documents : those that are complete so far.
     """
 
     def __init__(self, argument: str, shown: str, error: InputErrorClass) -> None:

@@ -1,4 +1,4 @@
-"""Records: answers that say once what they hold, and so go into dictionaries, JSON and tables.
+"""`Record`: an answer that says once what it holds, and so goes into dictionaries, JSON and tables.
 
 A record lists its `entries`, one line each, in words such as
 

@@ -1,4 +1,6 @@
-"""Numbers, lists and tables for people: a unit that fits, two or three digits, "–" for what is not a finite number."""
+"""`TextTable`: numbers, lists and tables for people: a unit that fits, two or three digits, "–" for what is not a
+finite number.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files as answers leave them: whole, or not at all.
+"""`write_file`: files as answers leave them: whole, or not at all.
 
 `write_file` writes a new file beside the place that is asked for, hands it to the disk, and then moves it there. A disk
 that fills up, a program that is killed: whoever looks finds the earlier file or the new one, and never a part of one.

@@ -1,4 +1,4 @@
-"""The path of a taut cable from one point to another around a cylinder or a ball, compiled.
+"""`evaluate_cable_paths`: where taut cables run in a posture, around cylinders and balls, and their arms; compiled.
 
 Seen along the axis of a cylinder, or in the plane through both points and the centre of a ball, the body is a circle of
 radius r. From a point at the distance d two lines touch the circle, β = arccos(r/d) to either side of the point. So a
@@ -58,7 +58,7 @@ def distance_from_body(body: RoundBody, point: Array) -> float:
 
 @kernel
 def straight_path(a: Array, b: Array, out: Array) -> float:
-    """Length [m] of a cable from a (3,) to b (3,) that touches nothing. out (5, 3) : as in `bend`, with b for both
+    """Length [m] of a cable from a (3,) to b (3,) that touches nothing. out (5, 3) : as in `wrap_path`, with b for both
     points, and the direction from a for the first; the last row stays.
     """
     length = math.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 + (b[2] - a[2]) ** 2)
@@ -225,7 +225,7 @@ _DIFFERENCE_STEP = 1e-6  # [rad, m] of the central differences
 class PackedRoutes(NamedTuple):
     """t tendons on the links of a hand, over p places and l legs from one site to the next, those of a tendon in order.
 
-    at (p,) : number of a place's link among the placements. points (p, 3), sides (p, 3) [m], axes (p, 3) : as in
+    links (p,) : number of a place's link among the placements. points (p, 3), sides (p, 3) [m], axes (p, 3) : as in
     `RoundBody`, in the link's frame; of a site the point. radii (p,) : 0 of sites. support (p, joints) : 1 where a
     joint moves a place. legs (l, 4) : numbers of the tendon, of the first and last place, and of the body between,
     -1: straight. divisors (l,).
@@ -253,11 +253,11 @@ class CablePosture(NamedTuple):
 
 
 class CablePaths(NamedTuple):
-    """Tendons in a posture. lengths (t,) : L [m]. arms (t, joints) : -∂L/∂q. Of each leg: turned (l,) : by how much the
-    cable turns on its body [rad], 0: it does not touch. pieces (l, 2, joints) : arms of the straight pieces before and
-    after the body, divisors included; the second 0 where there is one piece. beyond (l, joints) : arms of all pieces of
-    the tendon after the body. ends (l, 4, 3) : from where to where the pieces run [m], world axes; of one the last two
-    are where it ends. sides (l, 3) : the side of its body on which the cable passes, a unit vector in the axes of the
+    """Tendons in a posture. lengths (t,) : L [m]. arms (t, joints) : -∂L/∂q. Of each leg: wrap_angles (l,) : by how much the
+    cable turns on its body [rad], 0: it does not touch. piece_arms (l, 2, joints) : arms of the straight pieces before and
+    after the body, divisors included; the second 0 where there is one piece. arms_beyond (l, joints) : arms of all pieces of
+    the tendon after the body. piece_ends (l, 4, 3) : from where to where the pieces run [m], world axes; of one the last two
+    are where it ends. wrap_sides (l, 3) : the side of its body on which the cable passes, a unit vector in the axes of the
     body's link; zeros: without a body.
     """
 
@@ -383,7 +383,7 @@ def _find_site_inside(s: PackedRoutes, at: _WorldPlaces) -> tuple[int, float]:
 
 @kernel
 def _leg_path(s: PackedRoutes, n: int, at: _WorldPlaces, run: Array) -> tuple[float, float]:
-    """Length of a leg [m] and the angle on its body [rad]; run (5, 3) : as `bend` writes it."""
+    """Length of a leg [m] and the angle on its body [rad]; run (5, 3) : as `wrap_path` writes it."""
     a, b, body = at.points[s.legs[n, 1]], at.points[s.legs[n, 2]], s.legs[n, 3]
     if body < 0:
         return straight_path(a, b, run), 0.0

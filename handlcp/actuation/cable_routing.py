@@ -1,4 +1,4 @@
-"""How tendons lie in a posture: their arms, and the posts that they rub on.
+"""`CableRouting`: how tendons lie in a posture: their arms, and the posts that they rub on.
 
 Arms of a tendon are given, or those of its route there. Of a route each round body that the cable lies on is a post,
 whose wrap changes with the posture.
@@ -41,7 +41,7 @@ class CableLayout(NamedTuple):
 
 
 class _Posts(NamedTuple):
-    """m posts, those of a tendon in their order. of (m,), grips (m,), rows (m, nv) : as `Cables` has them, of routes μ
+    """m posts, those of a tendon in their order. post_tendon (m,), wrap_friction (m,), arms (m, nv) : as `posts`, as `Cables` has them, of routes μ
     and 0. legs (m,) : number of the leg that goes round it, among those of all routes; -1: of a tendon without.
     """
 
@@ -54,7 +54,7 @@ class _Posts(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class CableRouting:
     """Of t tendons over nv joints. arms (t, nv) : as they were given, 0 of those with routes. order : of each tendon,
-    the joints in the order in which it passes them. grips : μθ of each of these by joint (nv,); μ of a route. routes :
+    the joints in the order in which it passes them. wrap_friction : μθ of each of these by joint (nv,); μ of a route. routes :
     by number of the tendon.
     """
 
@@ -95,7 +95,7 @@ class CableRouting:
         return BoundRoutes(tuple(self.routes.values()), kinematics, named) if named else None
 
     def lay_out(self, bound: BoundRoutes | None, q: Array) -> CableLayout:
-        """With joints at q (nv,). Raises InputError as `BoundRoutes.at`."""
+        """With joints at q (nv,). Raises InputError as `BoundRoutes.evaluate`."""
         posts = self.posts
         if bound is None:
             return CableLayout(

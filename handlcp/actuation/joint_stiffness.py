@@ -1,4 +1,4 @@
-"""How the joints of a hand give way under load, and what stands between its actuators and its joints.
+"""`Elasticity`: how the joints of a hand give way under load, and what stands between its actuators and its joints.
 
     δq = C τ,    C = K⁻¹ = A Aᵀ,    E = J C Jᵀ = (J A)(J A)ᵀ
 

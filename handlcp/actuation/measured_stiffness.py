@@ -1,4 +1,4 @@
-"""Springs that were measured: stiffness, spread and rest from readings, and whether they lie on a line.
+"""`MeasuredStiffness`: a spring from readings, with its stiffness, spread and rest, and whether they lie on a line.
 
     τ = τ₀ + K θ + f s,    s = ±1 on the way up and down,    θ₀ = -τ₀ / K
 

@@ -1,4 +1,4 @@
-"""Motors behind joints and tendons: what they give for a moment, what for good, and what a gear carries without them.
+"""`Motor`: what a motor gives for a moment, what for good, and what its gear carries without it; `Drives`: all of them.
 
 At the joint, through reduction N and efficiency η, with dry friction τ_f of the drive and what the motor gives, τ_m:
 

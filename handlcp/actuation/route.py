@@ -1,4 +1,4 @@
-"""The places that a cable passes: sites of links, round bodies on them, and pulleys."""
+"""`Route`: the places that a cable passes, which are sites of links, round bodies on them, and pulleys."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ def _read_placement(value: Any, shape: str) -> tuple[Array, Array]:
 # ----------------------------------------------------------------
 # Cables in space: through sites of the links and around cylinders and balls on them.
 #
-# The moment arms of such a tendon change with the posture; `Tendons` takes those of one. `strung` has the formulas.
+# The moment arms of such a tendon change with the posture; `Tendons` takes those of one. `cable_kinematics.py` has the formulas.
 
 
 _PLACES_EXPECTED = "a sequence of Site, Around and Pulley, at least two of them"

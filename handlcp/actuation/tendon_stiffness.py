@@ -1,4 +1,6 @@
-"""The stiffness of joints that tendons move, and what the tendons do: where arms are given, and along routes."""
+"""`TendonStiffness`: the stiffness of joints that tendons move, and what the tendons do: where arms are given, and
+along routes.
+"""
 
 from __future__ import annotations
 
@@ -137,7 +139,7 @@ class TendonModel:
 
 class TendonStiffness(JointStiffness):
     """K = K_p + Rᵀ k R, and the tendons behind it; arms (t, nv) : R as it was given. drives : motors of tendons, None
-    without; bears (t,) : what tendons bear, whatever their motors hold [N]. `cables.limits` are the smaller of both.
+    without. strength (t,) : what tendons bear, whatever their motors hold [N]. `cables.limits` are the smaller of both.
     """
 
     drives: Drives | None = None

@@ -1,4 +1,4 @@
-"""The app that commands join, and what they share.
+"""The app that commands join, and what they share, such as `print_tables`.
 
 Exit status: 0 for the verdict HELD; 1 for any other; 2 bad input, or output that cannot be written, with one message on
 stderr; 130 after Ctrl-C; 141 where the reader of the output closed it, as `head` does.

@@ -1,4 +1,4 @@
-"""Commands that list or prepare: doubts about a URDF, hands, effects, keys, the paper's tables; compiling."""
+"""Commands that list or prepare: `audit`, `hands`, `effects`, `keys`, the paper's tables, and `warm`, which compiles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`handlcp motors` and `handlcp reliability`: which motors hold every load of a brief, and how sure a scene holds."""
+"""The commands `motors` and `reliability`: which motors hold every load of a brief, and how sure a scene holds."""
 
 from __future__ import annotations
 

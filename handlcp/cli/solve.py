@@ -114,8 +114,8 @@ def _suggest(grasp: Grasp, solution: GraspSolution, sides: Any, judged: Verdict)
 class _TabledSolution(NamedTuple):
     """The solution that the tables show.
 
-    when : what their titles add.
-    whole : whether slips are those of the whole loading.
+    title_end : what their titles add.
+    has_whole_slip : whether slips are those of the whole loading.
     """
 
     solution: GraspSolution

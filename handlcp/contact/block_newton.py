@@ -1,10 +1,11 @@
-"""Newton's method on many contacts whose flexibility is a block for each and a few motions that all of them share.
+"""`newton_blocks`: Newton's method on many contacts whose flexibility is a block for each and a few motions that all of
+them share.
 
     y = P r + W z + d,    0 = Rᵀ r - S z + w
 
 r (3n,) are the contacts' forces, normal first, P (n, 3, 3) blocks, z (m,) what the contacts share: torques of the
 joints (S = 1, their columns of W are J A with K⁻¹ = A Aᵀ) and, last, the object's motion (S = 0, columns Gᵀ). R is W
-where forces do not turn. The rows of the friction laws (`contact_rows`) have A δr + C δy = F with blocks of three, so
+where forces do not turn. The rows of the friction laws (`evaluate_rows`) have A δr + C δy = F with blocks of three, so
 that
 
     δr = H⁻¹ (F - C W δz),   H = A + C P,     (Σ Rᵀ H⁻¹ C W + S) δz = Σ Rᵀ H⁻¹ F - (Rᵀ r - S z + w)
@@ -177,7 +178,7 @@ def _solve_columns(H: Array, least: float) -> bool:
 
 @kernel
 def write_law_rows(p: LinkedContacts, g: Subgradient, out: LawRows) -> None:
-    """Write A and C of the subgradients of `contact_rows`."""
+    """Write A and C of the subgradients of `evaluate_rows`."""
     rho, D, A, C = p.own.rho, g.D, out.A, out.C
     for i in range(len(A)):
         for a in range(3):

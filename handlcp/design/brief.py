@@ -1,4 +1,4 @@
-"""What a hand must do: objects to hold, loads on them, and how far is far enough."""
+"""`Brief`: what a hand must do: objects to hold, loads on them, and how far is far enough."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""A brief as TOML: its keys, read with the tables of objects, loads and friction that scene files have, and written."""
+"""`load_brief`: a brief as TOML: its keys, read with the tables of objects, loads and friction that scene files have,
+and written.
+"""
 
 from __future__ import annotations
 

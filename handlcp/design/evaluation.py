@@ -1,4 +1,4 @@
-"""How well a hand does what a brief asks: plain numbers, for each object and in all."""
+"""`Evaluation`: how well a hand does what a brief asks: plain numbers, for each object and in all."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A hand from numbers: fingers of straight links on a round palm, as a URDF.
+"""`finger_hand`: a hand from numbers, with fingers of straight links on a round palm, as a URDF.
 
 Fingers stand on a circle about the palm's z axis and point along +z, or lean out. Their joints turn about the palm's
 tangents, positive angles inward. Links are capsules, fingertips balls about the last links' ends. World frame: the
@@ -33,12 +33,12 @@ class _FingerShape:
     """The numbers of one finger with k links.
 
     lengths : (k,) of its links [m].
-    radius, tip : of its links and of its fingertip [m].
-    out : distance of its base from the palm's axis [m].
+    radius, tip_radius : of its links and of its fingertip [m].
+    axis_distance : distance of its base from the palm's axis [m].
     angle : about that axis, from +x [rad].
     tilt : by which it leans outward [rad].
     ranges : (lower, upper) of each of its k joints [rad].
-    follow : (k - 1,) turns of each joint beyond the first for each turn of the one before; None: they are free.
+    coupling : (k - 1,) turns of each joint beyond the first for each turn of the one before; None: they are free.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""The parameters of a design and where each of them may be, as the unit cube sees them.
+"""`Space`: the parameters of a design and where each of them may be, as the unit cube sees them.
 
     (low, high)           a range          value = low (1 - u) + high u
     (low, high, "log")    a range          value = low (high / low)^u

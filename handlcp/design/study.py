@@ -1,4 +1,6 @@
-"""The table of a sweep, and what one asks of it: the best designs, those that none beats in everything, pictures."""
+"""`Study`: the table of a sweep, and what one asks of it: the best designs, those that none beats in everything,
+pictures.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What URDFs of hands are made of: links, fingertips, palms and joints, as yourdfpy's objects, and their text.
+"""`make_link` and its like: links, fingertips, palms and joints of hands as yourdfpy's objects, and their text.
 
 A finger link lies along its z or x axis, from its joint on. yourdfpy takes long to import: this file is imported by
 functions, when they need it.

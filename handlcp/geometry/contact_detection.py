@@ -1,4 +1,5 @@
-"""Where a ball that is swept along a line or over a rectangle is nearest to an object, or to its corner, compiled.
+"""`detect_tip_contacts`: where a ball that is swept along a line or over a rectangle is nearest to an object, or to its
+corner, compiled.
 
 A capsule is a ball swept along a line, the face of a box a ball without radius swept over a rectangle. Of all its
 stations c + s a + t b, -1 ≤ s, t ≤ 1, the nearest one counts. The signed distance φ of a convex object is a convex
@@ -242,7 +243,7 @@ def nearest_proximity(shapes: tuple[TipShape, ...], position: Array, rotation: A
 
 
 def shape_proximity(s: TipShape, position: Array, rotation: Array, obj: Object) -> Proximity:
-    """As `nearest`, of one shape."""
+    """As `nearest_proximity`, of one shape."""
     if s.is_central:
         return _measure_proximity(s, position, _IDENTITY, obj)
     if s.face is not None and s.corner is not None:
@@ -253,7 +254,7 @@ def shape_proximity(s: TipShape, position: Array, rotation: Array, obj: Object) 
 
 
 def quick_proximity(shape: TipShape, p: Array, R: Array, obj: Object, gap: float, about: float) -> Proximity:
-    """As `nearest`, of one shape whose gap is known to be `gap`, give or take `about` [m]: where coal says so, too, and
+    """As `nearest_proximity`, of one shape whose gap is known to be `gap`, give or take `about` [m]: where coal says so, too, and
     the object is convex, that is not confirmed any further.
     """
     by_face = shape.face is not None and (shape.corner is not None or obj.known is not None)

@@ -1,4 +1,6 @@
-"""The arithmetic of contacts that move, compiled: frames, Jacobian and flexibility anew, and what slipped."""
+"""`evaluate_ball_contacts`: the arithmetic of contacts that move, compiled: frames, Jacobian and flexibility anew, and
+what slipped.
+"""
 
 from __future__ import annotations
 

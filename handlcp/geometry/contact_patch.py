@@ -1,4 +1,5 @@
-"""Corners where a link and an object meet with faces, edges and corners: which there are, and what stands there.
+"""`find_contact_patch`: corners where a link and an object meet with faces, edges and corners: which there are, and
+what stands there.
 
 A corner is the same point however far the shape is tilted, unlike the nearest point of a curved surface. So the shape
 is tilted twice, by a little less and a little more. A corner of the object that stands on a face which goes on around
@@ -209,7 +210,7 @@ def find_contact_patch(shape: TipShape, p: Array, R: Array, obj: Object) -> tupl
     """Shapes, one to four, in the frame of `shape`, and the gap of each [m]. The frame is at p (3,) with rotation R
     (3, 3).
 
-    Raises Unsupported and InputError as `nearest`.
+    Raises Unsupported and InputError as `nearest_proximity`.
     """
     near = nearest_proximity((shape,), p, R, obj)
     if shape.radius is not None:

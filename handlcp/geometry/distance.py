@@ -1,4 +1,4 @@
-"""Convex shapes of coal as numbers: the furthest point in a direction, what lies inside, boxes and balls around them.
+"""`signed_distance`: how far convex shapes of coal are apart or inside each other, confirmed by bounds on both sides.
 
     h(n) = max over x in the shape of n · x
 
@@ -245,7 +245,7 @@ def find_overlap(furthest: SupportPairs, near: Array, close: float, enough: floa
 
 def find_separation(furthest: SupportPairs, near: Array, close: float) -> Overlap | None:
     """The distance as an overlap below zero, bounds no further apart than `close` [m]; None where they do not meet, as
-    of shapes that touch. furthest, near : as in `overlap`.
+    of shapes that touch. furthest, near : as in `find_overlap`.
     """
     from scipy.optimize import nnls
 
@@ -313,7 +313,7 @@ def _nearby_directions(n: Array) -> Array:
 #
 # gap ≥ s(n) = -h_B(-n) - h_A(n)    for any n: the slab between two supporting planes
 # gap ≤ |x_A - x_B|                 for any points of the shapes, where they are apart
-# gap ≤ -least                      where they overlap; `overlap` bounds the depth from below
+# gap ≤ -least                      where they overlap; `find_overlap` bounds the depth from below
 #
 # A distance is confirmed where both bounds agree with it.
 
@@ -472,7 +472,7 @@ def _is_distance_confirmed(
     points: float,
     allowed: float,
 ) -> bool:
-    """Whether the distance that was found is right, as `_ShapePair.agrees` asks.
+    """Whether the distance that was found is right, as `_ShapePair.is_confirmed` asks.
 
     at, there : as in `write_support_points`.
     claimed (3, 3) : the points of both and the normal.

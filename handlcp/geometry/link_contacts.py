@@ -1,4 +1,4 @@
-"""What of a hand may touch: its fingertips, and the collision geometry of its links, the palm's included."""
+"""`find_link_contacts`: what of a hand may touch, its fingertips and the collision geometry of its links and palm."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Links that are inside the object, and what else is doubtful about a posture, as reasons of a verdict."""
+"""`find_penetrating_links`: links that are inside the object, and what else is doubtful about a posture, as reasons of
+a verdict.
+"""
 
 from __future__ import annotations
 

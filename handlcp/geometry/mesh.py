@@ -1,4 +1,4 @@
-"""The nearest point of a triangulated surface to a point, in closed form, compiled.
+"""`MeshSurface`: a triangulated surface, and its nearest point to a point, in closed form and compiled.
 
 coal 3.0.3 measures a wrong distance between a triangle mesh and a ball that overlaps it: -3.9 mm instead of -5 mm.
 """

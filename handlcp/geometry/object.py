@@ -1,4 +1,4 @@
-"""An object to grasp: a solid, where it is, and what it weighs."""
+"""`Object`: an object to grasp, as a solid, where it is, and what it weighs."""
 
 from __future__ import annotations
 

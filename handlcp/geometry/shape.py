@@ -1,4 +1,4 @@
-"""The shapes of objects: box, ball, cylinder, ellipsoid, mesh."""
+"""`Box`, `Cylinder`, `Ellipsoid`, `Mesh` and the other shapes of objects."""
 
 from __future__ import annotations
 

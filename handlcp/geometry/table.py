@@ -1,4 +1,4 @@
-"""A plane that the object rests on or leans against. Its contacts are found by geometry."""
+"""`Table`: a plane that the object rests on or leans against. Its contacts are found by geometry."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can be asked of a grasp beyond one solve: one method a question, each a call to the room that answers it."""
+"""`Grasp`: what is held, by which contacts, under which load; and everything that can be asked of it."""
 
 from __future__ import annotations
 
@@ -350,7 +350,7 @@ class Grasp(GraspQuestions):
         """Which effects are on and off, why, and what each costs in unknowns.
 
         measure : also in time: each one's share of a solve, from half a second of solves with it and without it (see
-        `grasp.analysis.compare_without`); none where the grasp has no answer, or no scene is without the effect.
+        `measure_shares`); none where the grasp has no answer, or no scene is without the effect.
         """
         from handlcp.grasp.analysis.explanation import explain_effects, measure_shares
         from handlcp.lcp import Auto

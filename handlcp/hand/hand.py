@@ -1,4 +1,4 @@
-"""A posture of a hand from which it grasps."""
+"""`Hand`: a robot hand with its fingertips, stiffness, limits and motors; `HandState`: a posture from which it grasps."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ WeightGiven: TypeAlias = bool | Literal["torques"]
 class HandState(HandPosture):
     """A hand in one posture, made by `hand.at(q)`; `grasp` makes its grasps. Immutable.
 
-    Data as in `Posture`: hand, q, tip_positions, tip_rotations, jacobian, flexibility.
+    Data as in `HandPosture`: hand, q, tip_positions, tip_rotations, jacobian, flexibility.
     """
 
     def grasp(

@@ -1,4 +1,6 @@
-"""The parts that a hand is made of, from what users pass; and those that change where they pass something else."""
+"""`read_hand_parts`: the parts that a hand is made of, from what users pass; and those that change where they pass
+something else.
+"""
 
 from __future__ import annotations
 

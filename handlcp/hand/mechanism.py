@@ -1,4 +1,5 @@
-"""What a hand tells a grasp: how its joints move the contacts, how they give way, and what they do at an answer.
+"""`HandMechanism`: what a hand tells a grasp: how its joints move the contacts, how they give way, and what they do at
+an answer.
 
     E = J K⁻¹ Jᵀ + pads,    τ = Jᵀ f + Tᵀ m + g + p
 

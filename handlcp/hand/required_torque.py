@@ -1,4 +1,6 @@
-"""Grips tried: does every load of a brief hold, followed from the first touch, and what do the motors need?"""
+"""`find_required_torque`: grips tried: does every load of a brief hold, followed from the first touch, and what do the
+motors need?
+"""
 
 from __future__ import annotations
 
@@ -150,8 +152,8 @@ class GripTrial:
 
 @dataclass(eq=False)
 class GripTrials:
-    """All that were tried. share (nv,) : torques that count as much as each other, rubs (nv,) : dry friction of drives
-    [N·m]. most (n,) : how hard contacts may press [N]. told : how many so far.
+    """All that were tried. share (nv,) : torques that count as much as each other, drive_friction (nv,) : dry friction of drives
+    [N·m]. max_forces (n,) : how hard contacts may press [N]. count : how many so far.
     """
 
     cases: tuple[LoadCase, ...]

@@ -1,4 +1,4 @@
-"""How far a hand is squeezed: from overlaps to joint offsets, and what of it the joints cannot make."""
+"""`TipMotions`: how far a hand is squeezed: from overlaps to joint offsets, and what of it the joints cannot make."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One answer of a stream."""
+"""`GraspStream`: a grasp followed in real time, each answer (`GraspUpdate`) from the last one on."""
 
 from __future__ import annotations
 

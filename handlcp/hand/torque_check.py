@@ -1,4 +1,4 @@
-"""Joint by joint: the torque that holds a grasp, the limit, which joint gives out first, and what that says."""
+"""`TorqueCheck`: joint by joint the torque that holds a grasp, the limit, and which joint gives out first."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""A grasp with links that begins where the hand is still open: where it comes to touch, and what commands it there.
+"""`close_by_torque`: a grasp with links that begins where the hand is still open: where it comes to touch, and what
+commands it there.
 
 The hand closes from the palm outwards until its links touch (`hand/closing.py`). The grasp is that of the posture
 where they do, and its command goes on from there. A loading that is followed begins in the open posture instead, and
@@ -49,7 +50,7 @@ _MIN_CLOSING_MOTION = 1e-9  # [rad, m] a hand that closes by less is closed alre
 @dataclass(frozen=True, eq=False)
 class ClosedPosture:
     """q (nv,) where links touch. opened (nv,) : where the hand began; None: there. command, against (nv,) : on from q,
-    as of a `JointOffset`. torque (nv,) : with which motors pull [N·m]; None: joints were commanded. wound : whether the
+    as of a `JointOffset`. torque (nv,) : with which motors pull [N·m]; None: joints were commanded. is_command_final : whether the
     command is as far as motors turn on; or else it is K⁻¹ τ, as if nothing gave way. stuck : whether steps of turning
     on ended without an answer, so that more may be possible.
     """

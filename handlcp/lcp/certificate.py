@@ -1,4 +1,4 @@
-"""The certifier: every claim of a solver recomputed from M, q and z; and the vector that proves that there is no z."""
+"""`certify`: every claim of a solver recomputed from M, q and z; and the vector that proves that there is no z."""
 
 from __future__ import annotations
 

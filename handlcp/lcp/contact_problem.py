@@ -1,6 +1,6 @@
-"""A contact problem as two rows of numbers, and solving it in one call.
+"""`ContactProblem`: frictional contact in natural units, packed as two rows of numbers, and solved in one call.
 
-Every array of a tuple that Python hands to compiled code is looked at by itself: for `Contacts` that takes longer than
+Every array of a tuple that Python hands to compiled code is looked at by itself: for `ContactArrays` that takes longer than
 one of Newton's steps, for two rows hardly anything.
 """
 
@@ -67,7 +67,7 @@ def solve_packed(
 
 @kernel
 def solve_sticking_packed(numbers: Array, whole: Ints, apart: Bools, slippery: Bools, x: Array) -> None:
-    """`hold`, with apart and x (n,) in the problem's own order."""
+    """`solve_sticking`, with apart and x (n,) in the problem's own order."""
     n = len(x)
     order, y, open_ = whole[3 : 3 + n], np.empty(n), np.empty(n, np.bool_)
     for i in range(n):
@@ -130,8 +130,8 @@ class Pattern:
 class ContactProblem:
     """Find x with y = M x + q, in natural units, where each unknown plays one of three roles:
 
-    free : y_i = 0. pair : 0 ≤ x_i ⟂ y_i ≥ 0.
-    friction block (N, T, …) : N is a pair; x_T in the set of the block, x_N times as large, and y_T in minus the set's
+    a free one, y_i = 0; one of a pair, 0 ≤ x_i ⟂ y_i ≥ 0; or part of a
+    friction block (N, T, …): N is a pair; x_T in the set of the block, x_N times as large, and y_T in minus the set's
         normal cone at x_T: zero inside, against x_T on the limit. For balls this is second-order-cone complementarity.
 
     M (n, n), q (n,). pattern : roles of the unknowns. sets : of the blocks. units : natural sizes of every x and y, or
@@ -159,7 +159,7 @@ class ContactProblem:
 
     @lazy_property
     def packed_arrays(self) -> tuple[Array, Ints]:
-        """What kernels work on: the problem as two rows of numbers, as in `contact_packed`."""
+        """What kernels work on: the problem as two rows of numbers, as in `pack_problem`."""
         s, p = self.sets, self.pattern
         return pack_problem(self.M, self.q, p.role, p.blocks, p.order, s.limits, s.faces, s.normals)
 

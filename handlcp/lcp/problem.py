@@ -1,4 +1,4 @@
-"""Natural units of a linear complementarity problem: one size for each z and one for each w.
+"""`LCP`: a linear complementarity problem and its natural units; `Status`: what is known of one, and of a grasp.
 
 With z = U_z ẑ and w = U_w ŵ (diagonal, positive), w = M z + q becomes ŵ = M̂ ẑ + q̂ with M̂ = U_w⁻¹ M U_z and
 q̂ = U_w⁻¹ q. Complementarity is untouched. Solvers see the hatted problem only; a caller that knows the physics
@@ -99,7 +99,7 @@ class Status(Enum):
 
 
 class ScaledLCP:
-    """The problem in its natural units: M̂ (n, n), q̂ (n,), free (n,) and the `units` that lead back. See `scaling`."""
+    """The problem in its natural units: M̂ (n, n), q̂ (n,), free (n,) and the `units` that lead back. See `equilibrate`."""
 
     __slots__ = ("M", "free", "q", "units")
 

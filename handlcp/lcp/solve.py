@@ -1,4 +1,4 @@
-"""The default: a chain of methods, in the order of what they solve in the time they take.
+"""`Auto`: the default solver, a chain of methods in the order of what they solve in the time they take.
 
 Of 2,370 contact problems that are solved (480 scenes of the peers' corpus and the hard cases, 4, 8 and 16 faces and the
 cone) the first stage solves five in six: four by Newton's steps alone, one after Kaczmarz steps. Of the others a brief

@@ -1,4 +1,6 @@
-"""What solvers share: their protocol, and of contact problems one run of the compiled method and where it starts."""
+"""`Solver`: what solvers share: their protocol, and of contact problems one run of the compiled method and where it
+starts.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What may be wrong with a hand's description: doubts about its geometry, joints, ranges and limits."""
+"""`Audit`: what may be wrong with a hand's description: doubts about its geometry, joints, ranges and limits."""
 
 from __future__ import annotations
 

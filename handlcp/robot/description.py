@@ -1,4 +1,6 @@
-"""A robot as it was read, before anything is said about fingertips, stiffness or torques; and reading it."""
+"""`RobotDescription`: a robot as it was read, before anything is said about fingertips, stiffness or torques; and
+reading it.
+"""
 
 from __future__ import annotations
 
@@ -63,7 +65,7 @@ class RobotDescription:
 
     source : name of the file, or of the model. model : Pinocchio's, without mimic joints; None: not made.
     facts : of movable joints. root : the <robot>, None for a model. folders : where meshes are looked up.
-    given : parts by kind, of a model that came with geometry. doubts : found while reading. meshes : those that
+    given_shapes : parts by kind, of a model that came with geometry. doubts : found while reading. meshes : those that
     MuJoCo compiled of an MJCF file, by name.
     """
 
@@ -252,7 +254,7 @@ def _expected_kinds(kinds: tuple[str, ...], came: str) -> str:
 
 
 # ----------------------------------------------------------------
-# From a path, an XML string, or a Pinocchio model to a `Description`.
+# From a path, an XML string, or a Pinocchio model to a `RobotDescription`.
 
 
 def describe_xml(

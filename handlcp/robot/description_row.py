@@ -1,4 +1,4 @@
-"""Where the numbers of a hand came from, and what else its file states: rows for a description."""
+"""`JointRow`: where the numbers of a hand came from, and what else its file states: rows for a description."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Fingertips: which links may be one, where a link ends, and the frames that are chosen."""
+"""`TipGeometry`: which links may be fingertips, where a link ends, and the frames and shapes that are chosen."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ _MIN_FINGERS, _MAX_FINGERS = 2, 5  # fingers of a hand whose fingertips may be t
 @dataclass(frozen=True, slots=True)
 class FingertipCandidate:
     """One fingertip that could be meant. name : as `fingertips` takes it. link : that carries it. point : (3,) on the
-    link, in its frame [m]; None: the origin of the frame. reason : why it could be one. sure : whether nothing else of
+    link, in its frame [m]; None: the origin of the frame. reason : why it could be one. is_sure : whether nothing else of
     its finger could be.
     """
 
@@ -203,7 +203,7 @@ class TipFrames:
     """The fingertips in Pinocchio's model.
 
     names, frames : n names and frame numbers. places : where they are on their links.
-    support : (n, 1, joints), 1 where a joint moves a tip. every : 0 to n-1.
+    support : (n, 1, joints), 1 where a joint moves a tip. numbers : 0 to n-1.
     """
 
     __slots__ = ("frames", "names", "numbers", "places", "support")
@@ -324,7 +324,7 @@ class SweptBall(NamedTuple):
 class TipShape:
     """One convex shape of a fingertip: coal's geometry and its placement in the tip frame.
 
-    radius : [m] of a sphere, None for other shapes. central : whether it is a sphere about the origin of the tip frame.
+    radius : [m] of a sphere, None for other shapes. is_central : whether it is a sphere about the origin of the tip frame.
     name : for messages. face : the ball, line or face of it, in the tip frame, that alone is where it touches; None:
     not known, or a sphere's. corner (3,) : of the object, in the axes of its shape, which stands on the face; None:
     what is nearest touches.

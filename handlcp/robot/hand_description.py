@@ -1,4 +1,4 @@
-"""A hand described: joints with ranges, limits, stiffness; fingertips, couplings, mass and size."""
+"""`HandDescription`: joints with ranges, limits, stiffness; fingertips, couplings, mass and size."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is known of a hand before it takes a posture."""
+"""`HandModel`: what is known of a hand before it takes a posture."""
 
 from __future__ import annotations
 
@@ -247,7 +247,7 @@ def read_gravity(value: Any) -> Array:
     return check_array("gravity", value, (3,), what=_GRAVITY_EXPECTED)
 
 
-# A joint moves a point p = (x, y, z) of its finger by v + ω × p = v + x a + y b + z c. `_SPREAD` maps (v; ω) to
+# A joint moves a point p = (x, y, z) of its finger by v + ω × p = v + x a + y b + z c. `_TWIST_BASIS` maps (v; ω) to
 # (v; a; b; c).
 _TWIST_BASIS = np.zeros((12, 6))
 _TWIST_BASIS[:3, :3] = np.eye(3)

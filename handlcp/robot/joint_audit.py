@@ -1,4 +1,6 @@
-"""Doubts about joints: masses, limits that are placeholders, ranges that fingers cannot use; and about tendons."""
+"""`property_doubts`: doubts about joints: masses, limits that are placeholders, ranges that fingers cannot use; and
+about tendons.
+"""
 
 from __future__ import annotations
 

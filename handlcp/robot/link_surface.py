@@ -1,4 +1,5 @@
-"""The collision geometry of a hand's links as points: where a link's surface is, close enough to see it in an object.
+"""`LinkSurface`: the collision geometry of a hand's links as points: where a link's surface is, close enough to see it
+in an object.
 
 coal measures wrong depths between some shapes that overlap, and a link's mesh need not be convex. So a ball is its
 centre with a radius, and every other shape a net of points on its surface, at most `POINT_SPACING` apart.

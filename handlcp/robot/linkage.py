@@ -1,4 +1,4 @@
-"""Bars of linkages: links at the end of a chain of joints whose own end is pinned to another link.
+"""`find_linkage_bars`: bars of linkages: links at the end of a chain of joints whose own end is pinned to another link.
 
 A URDF has no loops. A four-bar gripper is written as two chains whose joints follow one motor: the finger, and a bar
 that would be pinned to it. An MJCF file says the pin itself, by a constraint. Of the two links at a pin the bar is the

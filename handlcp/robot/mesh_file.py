@@ -1,4 +1,6 @@
-"""Mesh files, looked at before assimp reads them: of which kind, how large, and how much they unfold to."""
+"""`check_mesh_file`: mesh files, looked at before assimp reads them: of which kind, how large, and how much they unfold
+to.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An MJCF file, MuJoCo's format for robots, as the URDF that says the same.
+"""`convert_to_urdf`: an MJCF file, MuJoCo's format for robots, as the URDF that says the same.
 
 MuJoCo compiles the file, so that its defaults, angles, includes and meshes mean here what they mean there; the compiled
 model is written link by link. A free joint at the root is left out: the hand stands where the file puts it. What of the
@@ -59,7 +59,7 @@ def convert_to_urdf(
 ) -> tuple[ET.Element, tuple[Doubt, ...], dict[str, CompiledMesh]]:
     """The <robot> that an MJCF text or file describes, what of it a URDF cannot say, and its meshes.
 
-    base : the link that is asked for. Other arguments and errors as of `compiled`; URDFError for ball joints, too.
+    base : the link that is asked for. Other arguments and errors as of `compile_mjcf`; URDFError for ball joints, too.
     """
     model = compile_mjcf(source, path)
     if (parts := int(model.nbody + model.njnt)) > _MAX_PARTS:

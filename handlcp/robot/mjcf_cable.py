@@ -1,4 +1,4 @@
-"""Springs at joints that an MJCF file states: what they add to the stiffness of a hand, and what they pull with.
+"""`write_cables`: tendons of an MJCF file as cables along routes; and the springs at joints that it states.
 
     K_p = Cᵀ diag(k) C,    τ = Cᵀ k (C q + c - θ)
 

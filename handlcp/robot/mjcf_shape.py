@@ -1,4 +1,6 @@
-"""Meshes of an MJCF model as MuJoCo compiled them, with scale, refpos and refquat; also those written inside it."""
+"""`compiled_meshes`: meshes of an MJCF model as MuJoCo compiled them, with scale, refpos and refquat; also those
+written inside it.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""How much an MJCF file asks MuJoCo to build, and its includes with it, counted before MuJoCo compiles it."""
+"""`check_mjcf_size`: how much an MJCF file asks MuJoCo to build, and its includes with it, counted before MuJoCo
+compiles it.
+"""
 
 from __future__ import annotations
 

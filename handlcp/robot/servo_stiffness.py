@@ -1,4 +1,4 @@
-"""Joint stiffness from the position servos and the springs at joints that an MJCF file states.
+"""`ServoStiffness`: joint stiffness from the position servos and the springs at joints that an MJCF file states.
 
     K = K_s + K_p,    K_s = Cᵀ (Σ kp a aᵀ) C,    K_p = Cᵀ diag(k) C
 
@@ -130,7 +130,7 @@ def read_elasticity(
     value: Any, kinematics: Kinematics, described: RobotDescription, drives: Drives | None = None
 ) -> Elasticity:
     """From "file", the stiffness that the file states, or from what `read_stiffness` takes; motors that say how stiff
-    their joints are come first. Ellipsis : these alone.
+    their joints are come first. An ellipsis means these alone.
     """
     joints = kinematics.joint_names
     own = {} if drives is None else drives.stiffness(joints)

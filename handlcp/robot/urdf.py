@@ -1,4 +1,5 @@
-"""A URDF: cut out the hand, check its numbers, find its meshes, and make Pinocchio's model of it.
+"""`check_robot` and what else a URDF goes through: cut out the hand, check its numbers, find its meshes, and make
+Pinocchio's model of it.
 
 Pinocchio reports a broken URDF only on the stderr of the process, so file descriptor 2 is captured while it parses.
 """

@@ -1,4 +1,4 @@
-"""From the tables of a scene file to its hand, its object and its grasp."""
+"""`SceneFile`: from the tables of a scene file to its hand, its object and its grasp."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every key of a file, read off its schema, so that it cannot go stale; and refusals that name these keys."""
+"""`keys`: every key of a file, read off its schema, so that it cannot go stale; and refusals that name these keys."""
 
 from __future__ import annotations
 

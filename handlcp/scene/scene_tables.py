@@ -1,4 +1,6 @@
-"""The tables of a scene file that make a scene: names, effects, friction, and what may stand beside what."""
+"""`SceneTables`: the tables of a scene file that make a scene: names, effects, friction, and what may stand beside
+what.
+"""
 
 from __future__ import annotations
 

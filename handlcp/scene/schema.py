@@ -1,4 +1,4 @@
-"""The tables of a scene file, key by key. Every quantity has its unit (SI) at the end of its key."""
+"""`GraspTable`: the tables of a scene file, key by key. Every quantity has its unit (SI) at the end of its key."""
 
 from __future__ import annotations
 

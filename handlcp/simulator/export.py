@@ -1,4 +1,4 @@
-"""A hand's grasp as MJCF: the same joints, springs, pads, friction, supports and load."""
+"""`to_mujoco`: a hand's grasp as MJCF: the same joints, springs, pads, friction, supports and load."""
 
 from __future__ import annotations
 

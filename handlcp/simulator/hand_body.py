@@ -1,4 +1,4 @@
-"""Tendons along routes as MuJoCo's spatial tendons: sites and round bodies on the links."""
+"""`add_hand`: the hand as bodies of MuJoCo, with its joints and springs, and tendons along routes as spatial tendons."""
 
 from __future__ import annotations
 

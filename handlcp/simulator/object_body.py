@@ -1,4 +1,4 @@
-"""What touches the object: fingertips, or the places on links that touch, each on a pad of its own.
+"""`add_object`: what touches the object: fingertips, or the places on links that touch, each on a pad of its own.
 
 A pad is a body on up to three sprung slides, along the axes in which it gives way. Its flexibility is a matrix in the
 axes of the tip frame; its eigenvectors are the slides, and a direction in which it is rigid has none. It carries the

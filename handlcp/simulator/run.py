@@ -1,4 +1,6 @@
-"""A grasp in MuJoCo, quasi-statically: the hand squeezes, then weight and load come, all slowly; and beside ours."""
+"""`simulate`: a grasp in MuJoCo, quasi-statically: the hand squeezes, then weight and load come, all slowly; and beside
+ours.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""What makes MuJoCo quasi-static: how stiff contacts are, how much motion is damped, how heavy an object feels.
+"""`SimulatorSettings`: what makes MuJoCo quasi-static: how stiff contacts are, how much motion is damped, how heavy an
+object feels.
 
 MuJoCo simulates motion over time with contacts that give way a little. Statics is what is left of it when everything
 moves slowly, motion is damped, and contacts are much stiffer than fingers and pads.

@@ -1,4 +1,4 @@
-"""What a running simulation says about forces, torques and motion."""
+"""`SimulationRun`: a simulation under way, and what it says about forces, torques and motion."""
 
 from __future__ import annotations
 

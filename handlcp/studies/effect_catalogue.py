@@ -1,4 +1,6 @@
-"""The catalogue of effects: what `handlcp effects` lists, and what each effect costs on a reference scene, measured."""
+"""`entries`: the catalogue of effects: what `handlcp effects` lists, and what each effect costs on a reference scene,
+measured.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""The paper, reproduced: Examples 1 to 5 and Tables 1 to 10 of Ai & Li, Sensors 2025, 25(7), 2309, beside ours.
+"""`PaperReport`: the paper, reproduced: Examples 1 to 5 and Tables 1 to 10 of Ai & Li, Sensors 2025, 25(7), 2309,
+beside ours.
 
 `handlcp paper` prints every number with ours beside it, and which of the paper's equations the printed forces miss:
 

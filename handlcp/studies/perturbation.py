@@ -1,4 +1,4 @@
-"""The same grasp by a hand with other numbers, and what an answer does when one of them changes a little.
+"""`vary_grasp`: the same grasp by a hand with other numbers, and what an answer does when one of them changes a little.
 
     d x / d v ≈ (x(v + h) - x(v - h)) / 2h
 

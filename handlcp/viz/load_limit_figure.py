@@ -1,4 +1,4 @@
-"""Load limits: a table of several, and the figure of one: forces, friction, motion, joint torques."""
+"""`draw_limit`: load limits: a table of several, and the figure of one: forces, friction, motion, joint torques."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A solved grasp for machines: everything that `handlcp solve` prints, as plain data."""
+"""`solution_record`: a solved grasp for machines: everything that `handlcp solve` prints, as plain data."""
 
 from __future__ import annotations
 

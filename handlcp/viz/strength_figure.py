@@ -1,4 +1,4 @@
-"""The figure of a payload: a bar for each direction of gravity, coloured by what gives out first."""
+"""`draw_payload`: the figure of a payload: a bar for each direction of gravity, coloured by what gives out first."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Colours of pictures, words that they share, and room for their text."""
+"""`style_panel`: colours of pictures, words that they share, and room for their text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Tables for the terminal: effects, contacts, joint torques, hands, scene keys. Readable from 80 columns on."""
+"""`make_table`: tables for the terminal: effects, contacts, joint torques, hands, scene keys. Readable from 80 columns
+on.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a friction law is: what a contact can transmit along its tangents and about its normal.
+"""`FrictionLaw`: what a contact can transmit along its tangents and about its normal; `Coulomb` and the other laws.
 
 Each law is a ball in coordinates of its own. With r = S r̂ for a diagonal S, the `scale`, force and slip obey
 

@@ -1,4 +1,4 @@
-"""What a contact may transmit in its tangent plane, per newton of normal force: a disc, a polygon, or an interval."""
+"""`Cone`, `Pyramid`, `LimitSet`: what a contact may transmit along its tangents for a newton of normal force."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All the equilibria of a grasp, as far as they can be found: with Coulomb friction there may be several.
+"""`equilibria`: all the equilibria of a grasp, as far as they can be found: with Coulomb friction there may be several.
 
 Without friction there are no others (`Uniqueness`). On a pyramid, and in a plane, every choice of contact modes, and of
 limits that give way, is solved or proven to have no answer, where that is affordable. The exact cone has a continuum of

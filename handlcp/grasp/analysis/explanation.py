@@ -1,4 +1,6 @@
-"""Which effects a grasp has, why, and what each costs in unknowns; and the words of what is no effect of its own."""
+"""`Explanation`: which effects a grasp has, why, and what each costs in unknowns; and the words of what is no effect of
+its own.
+"""
 
 from __future__ import annotations
 
@@ -101,7 +103,7 @@ class EffectLine:
     """One effect of a grasp, whether it is on and why, and the unknowns that it brings: ((name, count, free), …).
 
     answers : which answers count it, "followed loadings alone" or "one solve alone"; "": every answer.
-    share : of a solve's time, as measured (`compare_without`); below 0 where it saves time. None: not measured, or
+    share : of a solve's time, as measured (`measure_shares`); below 0 where it saves time. None: not measured, or
         nothing to measure: an effect that is off, or that no scene is without.
     """
 

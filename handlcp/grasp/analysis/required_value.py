@@ -1,4 +1,4 @@
-"""The least number with which something holds, closed in on from both sides.
+"""`find_least`: the least number with which something holds, closed in on from both sides.
 
 Whether a grasp holds need not be monotone in a number: a stronger grip can push the object away, more friction can let
 an equilibrium vanish. So the search goes from where it starts, down while it holds or up while it does not, in steps

@@ -1,4 +1,6 @@
-"""A solve with advice: for a proven "no", the squeeze that would help, worked out when somebody asks."""
+"""`solve_to_accuracy`: a solve with advice: for a proven "no", the squeeze that would help, worked out when somebody
+asks.
+"""
 
 from __future__ import annotations
 
@@ -99,8 +101,8 @@ def _error_message(solution: GraspSolution) -> str:
 # How far the forces of an answer are from those that solve its laws exactly: an estimate from the answer itself.
 #
 # The laws are rows F(x) = 0, y = M x + q. In a piece, which says what every contact and every pair does, they are those
-# of an active set (`grasp/tangent/active_set`), F = A x - B (q, 0). With ρ > 0 a scale of each contact, as in
-# `contact_rows` (Alart & Curnier 1991), a contact that slides is at the face e = (x_T - ρ y_T) / |x_T - ρ y_T|, and
+# of an active set (`derivatives/active_set.py`), F = A x - B (q, 0). With ρ > 0 a scale of each contact, as in
+# `evaluate_rows` (Alart & Curnier 1991), a contact that slides is at the face e = (x_T - ρ y_T) / |x_T - ρ y_T|, and
 # friction turns with the slip by α = (|x_T - ρ y_T| - μ x_N) / (ρ μ x_N). Then
 #
 # |Δx| ≤ |A⁻¹ F| + |A⁻¹| δ

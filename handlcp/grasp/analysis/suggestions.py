@@ -1,4 +1,4 @@
-"""Effects left out that would change the answer: each evaluated once, from the answer on.
+"""`suggest`: effects left out that would change the answer, each evaluated once, from the answer on.
 
     change = max |r_with - r| / max |r|,    r_with from one solve that starts at r
 

@@ -1,4 +1,4 @@
-"""A solver's answer as mechanics."""
+"""`GraspContactProblem`: a grasp as a contact problem that solvers take; and a solver's answer as mechanics."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""A batch as it was asked, and its first stage: grasps of one kind are rows of a matrix, and so are their answers."""
+"""`GraspBatch`: a batch as it was asked, and its first stage: grasps of one kind are rows of a matrix, and so are their
+answers.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The numbers of a batch as arrays, read off the rows of its answers without making a solution of each."""
+"""`Solutions`: the numbers of a batch as arrays, read off the rows of its answers without making a solution of each."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def _make_empty_groups(grasps: Sequence[Grasp]) -> tuple[Ints, Ints, list[GraspG
 
 
 def shift_twists(twist: Array, arm: Array) -> Array:
-    """(k, 6) `vectors.shift_twist` row by row."""
+    """(k, 6) `shift_twist` row by row."""
     u, v, w, p, q, r = twist.T
     x, y, z = arm.T
     return np.stack([u + q * z - r * y, v + r * x - p * z, w + p * y - q * x, p, q, r], axis=1)

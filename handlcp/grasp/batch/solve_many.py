@@ -1,4 +1,4 @@
-"""Shards of a batch on cores, or on somebody's executor: the first stage, and what it leaves open."""
+"""`solve_many`: shards of a batch on cores, or on somebody's executor: the first stage, and what it leaves open."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The linear equations that changes of an answer obey while every contact stays in its state, compiled.
+"""`active_rows`: the linear equations that changes of an answer obey while every contact stays in its state, compiled.
 
 One matrix holds the laws of a grasp, whatever its contacts do. With forces r, motion u of the object and motions s of
 limits that give way, all in natural units,

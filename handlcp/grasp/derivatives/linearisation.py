@@ -1,4 +1,4 @@
-"""Where an answer stands: its contacts' motions and states, and the laws that its changes obey."""
+"""`Linearisation`: where an answer stands: its contacts' motions and states, and the laws that its changes obey."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""An answer as the derivatives need it: its arrays about the grasp's reference, its contact states, its joints."""
+"""`LinearisationPoint`: an answer as the derivatives need it: its arrays about the grasp's reference, its contact
+states, its joints.
+"""
 
 from __future__ import annotations
 
@@ -231,7 +233,7 @@ class LawChange:
     motion (c, p) : δv, of the object relative to the tips [m]. balance (6, p) : δb, of the wrench that is left over,
     about the reference. friction (n, p) : δμ of the coefficients of the sections (`Scene.limits`) [-].
     torque (nv, p) : of what the joints hold [N·m].
-    torque_limits (nv, p) : of the joints' limits [N·m]. deeper : what comes on top where fingertips go deeper into an
+    torque_limits (nv, p) : of the joints' limits [N·m]. depth_change : what comes on top where fingertips go deeper into an
     object that they just touch; None: nothing does.
     """
 
@@ -265,8 +267,8 @@ class LawChange:
         return _from_parts([part[:, which] for part in self._parts])
 
     def with_touching(self, touches: Bools) -> LawChange:
-        """Where only these (t,) of the fingertips in `deeper` just touch: the others are inside already, and what takes
-        them deeper counts on both sides.
+        """Where only these (t,) of the fingertips in `depth_change` just touch: the others are inside already, and what
+        takes them deeper counts on both sides.
         """
         if self.depth_change is None:
             return self

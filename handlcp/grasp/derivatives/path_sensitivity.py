@@ -1,4 +1,4 @@
-"""Derivatives of what a whole path leads to, such as a load limit, by differences of whole paths.
+"""`PathSensitivity`: derivatives of what a whole path leads to, such as a load limit, by differences of whole paths.
 
     ahead = [y(p + h) - y(p)] / h,    behind = [y(p) - y(p - h)] / h,    y'(p) = (ahead + behind) / 2
 
@@ -83,9 +83,9 @@ class TwoSidedDifferences(NamedTuple):
 @check_method_calls
 class PathSensitivity:
     """Derivatives `<quantity>_by_<parameter>` of the end of a path: arrays in the shape of the quantity followed by
-    that of the parameter, SI, as in `Sensitivity`, whose parameters these are. `all_friction`, `all_pads`,
-    `all_squeeze`, `all_stiffness` and `all_torque_limits` are the same change of all fingers or joints at once, without
-    a shape of their own. Each is made of differences of whole paths when it is first asked for: two paths for each
+    that of the parameter, SI, as in `Sensitivity`, whose parameters these are. With `all_` before its
+    name (friction, pads, squeeze, stiffness, torque_limits) a parameter is the same change of all fingers or joints at
+    once, without a shape of its own. Each is made of differences of whole paths when it is first asked for: two paths for each
     entry of the parameter. NaN where a path has no such end, and where it jumps or has a corner: `jumps` names those
     that were asked for, `sides` has what was found on either side.
     """

@@ -1,4 +1,4 @@
-"""One-sided derivatives where a contact's next state depends on the direction of the change.
+"""`LinearResponse`: one-sided derivatives where a contact's next state depends on the direction of the change.
 
 A contact that touches without force begins to push or opens; one that sticks at its limit begins to slide or goes on
 sticking; a limit that is just reached gives way or not. The rates obey the laws of the next state:
@@ -171,9 +171,9 @@ def _grazes_edge(at: LinearisedPoint, i: int) -> bool:
 def one_sided_changes(at: LinearisedPoint, kinks: tuple[DerivativeKink, ...], b: Array) -> tuple[Array, Array]:
     """Find how an answer changes on one side of its corners, and what stays free: (x (k,), N (k, j)).
 
-    x : the changes in natural units for right-hand sides b (k + n,) as `LinearisedPoint` has them; NaN where no next
-        state is consistent: nothing near is an answer on that side.
-    N : what spans the changes that no law of the next states resists.
+    x are the changes in natural units for right-hand sides b (k + n,) as `LinearisedPoint` has them; NaN where no next
+    state is consistent: nothing near is an answer on that side. N spans the changes that no law of the next states
+    resists.
     """
     reached, contacts = at.answer.reached_limits, [k.contact for k in kinks if k.contact is not None]
     every = [next_states(at, i) for i in contacts]

@@ -1,4 +1,6 @@
-"""What matters most, in a table: what changes that a designer could make do to an answer, to first order."""
+"""`Sensitivity`: what matters most, in a table: what changes that a designer could make do to an answer, to first
+order.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which single change buys most: grip, friction, stiffness or torque limits, each by the same share.
+"""`best_change`: which single change buys most: grip, friction, stiffness or torque limits, each by the same share.
 
 Each is made and the load limit found anew, so that what then binds counts too. The best is judged by `check` under a
 load between the old limit and the new one: with the change that is held, without it is not.

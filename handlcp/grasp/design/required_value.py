@@ -1,4 +1,4 @@
-"""How hard contacts may press on the object, and which of them press harder on the way."""
+"""`required_stiffness` and `find_least_value`: the least number of a hand with which its grasp holds, judged by `check`."""
 
 from __future__ import annotations
 

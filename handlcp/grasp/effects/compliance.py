@@ -1,4 +1,6 @@
-"""Contact compliance: the object's surface, or a patch between it and a fingertip, gives way under the contact's force.
+"""`ContactCompliance` and `SoftWrist`: what gives way beside the joints, the object's surface and the palm.
+
+Contact compliance: the object's surface, or a patch between it and a fingertip, gives way under the contact's force.
 
     E_ii += C_i,    ε_i += C_i r_i
 

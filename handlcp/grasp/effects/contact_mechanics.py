@@ -1,4 +1,6 @@
-"""Object balance: the contact forces and the world's wrench cancel.
+"""`ObjectBalance`, `UnilateralContact`, the friction laws' effects and `FingerFlexibility`: what every grasp has.
+
+Object balance: the contact forces and the world's wrench cancel.
 
     G_N r_N + G_T r_T + w = 0          u ∈ R⁶ (R³ in a plane) free
 
@@ -144,7 +146,7 @@ class CoulombFriction(Effect):
 #     (r_x/μ_x)² + (r_y/μ_y)² ≤ r_N²,    v_T = -α (r_x/μ_x², r_y/μ_y²), α ≥ 0 on the limit
 #
 # No unknowns and no rows of its own: the scene is built in coordinates in which the ellipse is a disc
-# (`assembly.build`), and the friction of the section, disc or polygon, does the rest.
+# (`build_scene`), and the friction of the section, disc or polygon, does the rest.
 
 
 class AnisotropicFriction(Effect):

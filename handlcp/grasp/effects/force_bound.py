@@ -1,4 +1,6 @@
-"""The paper's bound on the sum of normal forces: at the bound, the hand opens instead of squeezing harder.
+"""`TotalForceBound` and `FingerForceBound`: bounds on the sum of normal forces, and on the force of a finger.
+
+The paper's bound on the sum of normal forces: at the bound, the hand opens instead of squeezing harder.
 
     0 ≤ z̄ ⟂ r̄ - Σ r_N ≥ 0,    ε_N += z̄ for every finger
 

@@ -1,4 +1,4 @@
-"""Geometric stiffness: a finger that gives way turns the lever of the force it carries.
+"""`GeometricStiffness`: a finger that gives way turns the lever of the force it carries.
 
     E = J (K + K_g)⁻¹ Jᵀ + pads,    K_g(f) = ∂(J(q)ᵀ f)/∂q,    f the finger's force on the object, fixed in the world
     d += J [(K + K_g)⁻¹ g - K⁻¹ g + (K + K_g)⁻¹ K_g δq],       g the fingers' weight, δq a commanded offset, if any
@@ -40,8 +40,8 @@ _BUCKLING_SHARE = 0.1  # of the largest motion: joints that move less are not wh
 
 
 class LoadedJoints(NamedTuple):
-    """Joints under the forces of an answer. softer : (nv, nv) [rad/(N·m)], by how much they give way more. off : (nv,)
-    [rad], how far their command and weight move them for it. stiffness : (nv, nv) K_g [N·m/rad]. held : (nv,) [rad],
+    """Joints under the forces of an answer. added_compliance : (nv, nv) [rad/(N·m)], by how much they give way more.
+    command_shift : (nv,) [rad], how far their command and weight move them for it. stiffness : (nv, nv) K_g [N·m/rad]. held : (nv,) [rad],
     how far they stand beyond the given posture, δq - K⁻¹ g, before forces and K_g move them.
     """
 

@@ -1,4 +1,6 @@
-"""The fingers' own weight: torques that hold it, and joints that sag under it before anything is loaded.
+"""`FingerWeight` and `TorqueSaturation`: torques of the joints beside those that the contacts ask for, and their limits.
+
+The fingers' own weight: torques that hold it, and joints that sag under it before anything is loaded.
 
     τ = Jᵀ f + g(q),    d += J K⁻¹ g(q)
 

@@ -1,4 +1,4 @@
-"""A contact whose force is known (measured, or commanded by force control): its wrench joins the load.
+"""`KnownForce`: a contact whose force is known (measured, or commanded by force control): its wrench joins the load.
 
     w += G_i r_i,    ε += E_(·i) r_i
 

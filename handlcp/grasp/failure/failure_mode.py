@@ -1,4 +1,4 @@
-"""What gives out: causes, and the one judge of torques, ranges and contacts."""
+"""`FailureMode`: what gives out, as data, and the one judge of torques, ranges and contacts."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from handlcp.record import Record
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
 # ----------------------------------------------------------------
-# What gives out, as data. The judge makes it (`judge.py`), the table of words says it (`failure_text.py`).
+# What gives out, as data. The functions below make it, the table of words says it (`failure_text.py`).
 
 SLIPS, OPENS, TORQUE, TENSION, RANGE = "slips", "opens", "torque", "tension", "range"
 EQUILIBRIUM, MOTION, SLIDES, UNDECIDED = "equilibrium", "motion", "slides through", "undecided"

@@ -1,4 +1,4 @@
-"""The words for what gives out, and for how an object is lost."""
+"""`describe_failures`: the words for what gives out, and for how an object is lost."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The classic tests of closure, by linear programs, each with what proves its answer.
+"""`WrenchSpace`: the classic tests of closure, by linear programs, each with what proves its answer.
 
 Force closure: friction can balance any load, if the fingers only press hard enough. So it is where the wrenches W of
 the contacts span all loads and internal forces lie strictly within friction: W has full rank, W a = 0 for some a > 0.

@@ -1,4 +1,4 @@
-"""One contact: where, which way the finger pushes, what friction, and the frame its forces are measured in."""
+"""`Contact`, one contact of a grasp; `Placement`, where all of them are; `SceneKind`, which of their forces are unknown."""
 
 from __future__ import annotations
 
@@ -221,7 +221,7 @@ class Placement:
 class SceneKind:
     """What decides which unknowns a scene has, whatever its numbers.
 
-    governed (n,): contacts whose force is not prescribed. tangents (n,): how many tangential forces a contact has, 0
+    force_unknown (n,): contacts whose force is not prescribed. tangents (n,): how many tangential forces a contact has, 0
     without friction, 1 in a plane, 2, or 3 with the moment of a soft finger; 0 where its force is prescribed.
     planar, flexible : whether the scene lies in a plane, and whether any finger gives way. The index arrays below count
     the c = 3n + k force components: the contacts' x, y, z, then the moments of the k soft contacts.

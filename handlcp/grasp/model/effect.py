@@ -1,4 +1,4 @@
-"""Limits on the contact forces, and what gives way at them: the common form of bounds and of joints that yield.
+"""`Effect`: one physical effect of a grasp, and what it adds to the problem; `Limit`: a bound on the forces, as one.
 
     0 ≤ s ⟂ b - A r ≥ 0,    ε += Aᵀ s
 
@@ -193,7 +193,7 @@ class Effect:
     by_name : whether it is asked for in `effects=`, not by an argument of its own.
     needs_joints : whether only the grasp of a hand can have it.
     depends_on_forces : whether what it adds to the grasp depends on the forces of the answer.
-    answers : which answers count it, `FOLLOWED` or `ONE_SOLVE`; "": every answer.
+    answers : which answers count it, `FOLLOWED_LOADINGS` or `ONE_SOLVE`; "": every answer.
     """
 
     title: ClassVar[str] = ""

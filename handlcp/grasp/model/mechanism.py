@@ -1,4 +1,4 @@
-"""Tendons that move joints, as far as the mechanics need to know them: they pull, and never push."""
+"""`Mechanism`: the joints behind the contacts, with Jacobian, compliance, limits, joint torques; tendons (`Cables`)."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ class Cables(NamedTuple):
     """Tendons that move joints. names (t,). arms (t, nv) : R, 0 of a joint that gives way to nothing [m/rad, m/m].
     springs (t, t) : k [N/m]. passive (nv, nv) : K_p of the joints' own springs [N·m/rad]; rest (nv,) : where these are
     at rest, from the grasp's posture [rad, m]. pretension (t,) : T₀ in the grasp's posture before the hand closes [N];
-    inf : taut whatever comes, as a rod is. limits (t,) : what they bear [N], inf where nothing is known.
-    Posts that tendons wrap around, m of them, those of a tendon in the order from its drive on: of (m,) : number of the
-    tendon. grips (m,) : μθ, friction times the angle of the wrap [rad]. posts (m, nv) : arms of the tendon at this post
+    inf where it is taut whatever comes, as a rod is. limits (t,) : what they bear [N], inf where nothing is known.
+    Posts that tendons wrap around, m of them, those of a tendon in the order from its drive on: post_tendon (m,) : number
+    of the tendon. wrap_friction (m,) : μθ, friction times the angle of the wrap [rad]. posts (m, nv) : arms of the tendon at this post
     and beyond.
     Of tendons whose arms change with the posture these are those of one: shift (t,) : l - R q there, with l what joints
-    have drawn in [m]; 0 of others. way : from joints at q (nv,) to the tendons there and the
-    root of the joints' compliance with them, as in `Elasticity`; None: arms stay. turning : from
+    have drawn in [m]; 0 of others. elasticity_at : from joints at q (nv,) to the tendons there and the
+    root of the joints' compliance with them, as in `Elasticity`; None: arms stay. moment_arm_stiffness : from
     tensions T (t,) to Σ T ∂R/∂q (nv, nv) there [N·m/rad], by which the tendons pull harder as joints move; None: 0.
-    around (b,) : round bodies that they pass, in words; sides (b, 3) : on which side of each, a unit vector in the axes
+    wrapped_bodies (b,) : round bodies that they pass, in words; wrap_sides (b, 3) : on which side of each, a unit vector in the axes
     of its link.
     """
 

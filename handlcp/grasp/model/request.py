@@ -1,4 +1,4 @@
-"""What was asked of a grasp, as data."""
+"""`GraspSpec`: a grasp as data, its contacts, load, effects and mechanism; and the requests it is made from."""
 
 from __future__ import annotations
 

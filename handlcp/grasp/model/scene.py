@@ -1,4 +1,4 @@
-"""Compiled geometry of a grasp: natural units, the grasp matrix, and the blocks that effects stamp, in those units.
+"""`Scene`: a grasp compiled to arrays in natural units, its grasp matrix, and the blocks that effects stamp.
 
 The c = 3n + k force components are the contacts' x, y and z and then the moments of the k soft contacts about their
 normals (over a lever, so that they are forces).
@@ -48,7 +48,7 @@ class GraspArrays(NamedTuple):
 
 class NaturalBlocks(NamedTuple):
     """In natural units, over the unknown force components, normal ones first: G (dof, m), E (m, m), d (m,); the load
-    w (dof,); and `every` (dof, c), G over all components. Prescribed forces are part of w and d.
+    w (dof,); and `full_G` (dof, c), G over all components. Prescribed forces are part of w and d.
     """
 
     G: Array
@@ -62,7 +62,7 @@ class GraspGeometry(NamedTuple):
     """Natural units of force [N], length (of levers) and motion [m]; centre (3,) of the contacts [m]; wrench (6,) of
     the load about it [N, N·m]; grasp_matrix (6, c).
 
-    Every unit is a norm or a mean (`_sizes`), so another unit, a turned world or another order of fingers changes none
+    Every unit is a norm or a mean (`_natural_units`), so another unit, a turned world or another order of fingers changes none
     of them beyond rounding.
     """
 
@@ -377,7 +377,7 @@ class Scene:
 
     @lazy_property
     def force_unknown_mask(self) -> Bools:
-        """(n,) bool, `governed` as an array."""
+        """(n,) bool, `force_unknown` as an array."""
         return np.array(self.force_unknown)
 
     @lazy_property

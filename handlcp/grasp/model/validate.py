@@ -1,4 +1,6 @@
-"""What users pass to `Grasp`, turned into clean arrays; every refusal names the argument."""
+"""`contacts`, `wrench` and `effects`: what users pass to `Grasp`, turned into clean arrays; every refusal names the
+argument.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a solution means, in one sentence with the fingers' names.
+"""`DiagnosisText`: what a solution means, in one sentence with the fingers' names.
 
 Nothing here decides anything: status, proof and free directions come from the certifier, and a sentence never says more
 than they do. UNDECIDED speaks of the solver only.

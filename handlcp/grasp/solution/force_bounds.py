@@ -1,8 +1,9 @@
-"""The least and the largest of linear readings of the forces over the equilibria that keep an answer's contact states.
+"""`ForceBounds`: the least and the largest of linear readings of the forces over the equilibria that keep an answer's
+contact states.
 
 Each is the end of a program over a `StateFamily`: a linear one on pyramids and in a plane, by HiGHS; one with
 second-order cones on the exact cone, by Clarabel. Either is believed only as far as its multipliers prove it
-(`verify/conic`). What the equations determine needs no program.
+(`verify/load_capacity.py`). What the equations determine needs no program.
 """
 
 from __future__ import annotations

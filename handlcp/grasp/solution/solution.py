@@ -1,4 +1,4 @@
-"""The certified answer to a grasp: forces, motion and contact states, and how they are printed, drawn and written."""
+"""`GraspSolution`: one solve's certified answer, with `held` (its status) and `verdict` (a word and its reasons)."""
 
 from __future__ import annotations
 

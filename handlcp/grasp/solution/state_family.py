@@ -1,7 +1,7 @@
-"""The equilibria near an answer in which every contact goes on doing what it does, as convex sets.
+"""`StateFamily`: the equilibria near an answer in which every contact goes on doing what it does, as convex sets.
 
 With the contact states kept, changes x of forces r, motion u of the object and motions s of limits that give way obey
-linear equations (`grasp/tangent/active_set`), and what else the states ask for is
+linear equations (`derivatives/active_set.py`), and what else the states ask for is
 
     sticks       |r_T| ≤ μ r_N                    separated    v_N ≥ 0
     slides       r_N ≥ 0, v_T against r_T         limits       A r ≤ room, or s ≥ 0 where they give way

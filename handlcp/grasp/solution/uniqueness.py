@@ -1,6 +1,6 @@
-"""The changes of forces and object motion that keep every active condition of a solution.
+"""`Uniqueness`: the changes of forces and object motion that keep every active condition of a solution.
 
-Around a solution with given contact states the model is linear in the changes Δr, Δu (`grasp/tangent/active_set`). The
+Around a solution with given contact states the model is linear in the changes Δr, Δu (`derivatives/active_set.py`). The
 system is square; what its null space spans stays free. A contact that rests, touching without force, may either begin
 to push or open: each choice is a branch of its own, with one-sided changes. So is each choice for an effect's limit
 that is just reached; one that gives way adds Δv = AᵀΔs and the row A Δr = 0.
@@ -26,7 +26,7 @@ from handlcp.tolerances import RANK_TOLERANCE
 
 MAX_RESTING = 4  # contacts at rest whose 2^k branches are all looked at; beyond that only all-open and all-closed
 _PROGRAM_BOUND = (
-    1e6  # bound of the linear program's unknowns; a condition that stays below 1 / _FAR within it is always active
+    1e6  # bound of the linear program's unknowns; a condition that stays below 1 / _PROGRAM_BOUND within it is always active
 )
 
 

@@ -1,4 +1,4 @@
-"""The verdict: does it hold? One word, and the reasons for it.
+"""`Verdict`: does it hold? One word, and the reasons for it.
 
 | code | what it is about |
 | --- | --- |

@@ -1,4 +1,4 @@
-"""Scenes as rows of numbers for `compiled_solve`, and what their answers say."""
+"""`CompiledAnswer`: scenes as rows of numbers for `compiled_solve`, and what their answers say."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def get_compiled_kind(scene: Scene, section: Section) -> CompiledKind:
 
 
 def solve_scene(scene: Scene, section: Section, seed: int, start: Array = NO_START) -> CompiledAnswer:
-    """The first stage's answer, certified or not; start as in `start_from`."""
+    """The first stage's answer, certified or not; start as in `start_values`."""
     kind = get_compiled_kind(scene, section)
     if scene.kind.has_many_contacts and (E := scene.factor) is not None:
         row, given = np.empty(kind.answer_width), stored_flexibility(scene)

@@ -1,4 +1,5 @@
-"""A scene as a row of numbers: the arrays of `Given`, one after the other, then the limits (n,) of its contacts.
+"""`solve_scenes`: a scene as a row of numbers: the arrays of `GraspArrays`, one after the other, then the limits (n,)
+of its contacts.
 
 The layout is known here alone; rows are written and read by the names of these arrays.
 """
@@ -100,7 +101,7 @@ def write_rows(count: int, width: int, **fields: Sequence[Array] | Array) -> Arr
 class ScenePattern(NamedTuple):
     """What scenes of one kind share: n contacts, the layout of their N unknowns, the section of their cones.
 
-    contacts (n, 4), unknown (m,) : force components, as in `Kind`. role, order (N,), blocks (k, 4) : as in
+    contacts (n, 4), unknown (m,) : force components, `SceneKind.contact_components` and `SceneKind.index`. role, order (N,), blocks (k, 4) : as in
     `lcp.Pattern`. faces, normals : of the sets. flexible : whether any finger gives way. dof : 6, or 3 in a plane.
     at : where r_N begins, how many there are, where r_T and u begin, N. torsional : how many soft contacts there are.
     """
@@ -119,8 +120,7 @@ class ScenePattern(NamedTuple):
 
 
 # An answer's row begins with: Kaczmarz steps, Newton steps, solver's residual; the eight numbers of `LawResiduals`; and
-# what
-# else is known: UNIQUE, locally; NO_ANSWER; NONE_HOLDS, where there is none, and in place of its twist there is the
+# what else is known: UNIQUE, locally; NO_ANSWER; NONE_HOLDS, where there is none, and in place of its twist there is the
 # proof in natural units. Then forces (c), twist (6) and centre (3), where the next one may start; motions (c), contact
 # states (n), unknowns (N).
 HEADER_SIZE = 12
@@ -129,7 +129,7 @@ UNIQUE, UNKNOWN, NONE_HOLDS, NO_ANSWER = 1.0, 0.0, -1.0, -2.0
 
 @kernel
 def solve_scenes(scenes: Array, p: ScenePattern, start: Array, seed: int, rows: Array) -> None:
-    """Write the answer to each row of scenes, the numbers of `Given` and the limits, into the same row of rows.
+    """Write the answer to each row of scenes, the numbers of `GraspArrays` and the limits, into the same row of rows.
 
     start (c + 9) : forces, twist and centre of an answer nearby. Where that is empty or leads nowhere, a solve begins
     where every contact sticks.

@@ -1,4 +1,5 @@
-"""Everything that the contacts of a grasp can do at once: one equilibrium, the proof that there is none, or all.
+"""`EquilibriumSearch`: everything that the contacts of a grasp can do at once: one equilibrium, the proof that there is
+none, or all.
 
 One tree serves all three (`lcp.modes`), and cuts off what nothing fits. A walk through every choice, one small
 elimination each, is faster where there are few: 4 ms instead of 24 ms for 10,000 choices (four contacts on pyramids of
@@ -73,7 +74,7 @@ _BOX_SIZE = 1e3  # of the box in which nothing is proven to exist, times 1 + max
 
 
 class ContactModeSearch:
-    """The search over contact modes of one grasp. It can be paused: `first` and `every` go on where they stopped."""
+    """The search over contact modes of one grasp. It can be paused: `find_first` and `each_choice` go on where they stopped."""
 
     def __init__(self, problem: GraspContactProblem) -> None:
         self.problem, self.bounds = problem, proof_bounds(problem.scene)
@@ -95,7 +96,7 @@ class ContactModeSearch:
 
 
 def coarse_candidates(problem: GraspContactProblem, faces: int, seconds: float) -> Iterator[SolverCandidate]:
-    """As `ContactModeSearch.every` of the scene on a pyramid of so many faces, as many as the time allows."""
+    """As `ContactModeSearch.each_choice` of the scene on a pyramid of so many faces, as many as the time allows."""
     return ContactModeSearch(GraspContactProblem(problem.scene, Pyramid(faces), problem.requested_effects)).each_choice(
         WORK_PER_SECOND * seconds
     )
@@ -128,10 +129,10 @@ def _limit_slack(problem: GraspContactProblem, b: float) -> Array:
 # ----------------------------------------------------------------
 # Where the solvers fail on a grasp that could be held: an exact search, for an answer or the proof of none.
 #
-# limits on the forces   a linear program (`verify.limit_load`): no forces within friction and limits balance the load
+# limits on the forces   a linear program (`prove_overload`): no forces within friction and limits balance the load
 # contact modes          all of them at once (`search_modes`): pyramids and planes exactly, the cone by arcs that are
 #                        refined where they do not decide
-# moments, with faces    the active sets of the LCP with a multiplier a face (`lcp.search`)
+# moments, with faces    the active sets of the LCP with a multiplier a face (`search_active_sets`)
 #
 # Budgets count multiply-adds, so that what is proven depends on no clock.
 

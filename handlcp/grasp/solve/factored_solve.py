@@ -1,4 +1,5 @@
-"""The first stage of a solve for many contacts whose flexibility is a factor: contact by contact, in one compiled call.
+"""`solve_factored`: the first stage of a solve for many contacts whose flexibility is a factor: contact by contact, in
+one compiled call.
 
 The same laws and steps as in `compiled_solve`, over blocks of three (`contact/block_newton.py`), and the same row
 of numbers as its answer. Where it leads to no answer, scenes go the other way, with E as a matrix.
@@ -50,7 +51,7 @@ class _FactoredScene(NamedTuple):
 
 
 class LinearRows(NamedTuple):
-    """The rows of `contact_blocks` that are linear: P (n, 3, 3), W, R (3n, m), d (3n,), S (m, m), w (m,); SI, contact
+    """The rows of `LinkedContacts` that are linear: P (n, 3, 3), W, R (3n, m), d (3n,), S (m, m), w (m,); SI, contact
     axes.
     """
 

@@ -1,4 +1,4 @@
-"""From a judged candidate to what a designer gets: status, states, uniqueness, the smallest motion, all in SI."""
+"""`solve_spec`: the driver of every solve, from the compiled first stage to the certified solution in SI."""
 
 from __future__ import annotations
 
@@ -241,7 +241,7 @@ def solve_in_stages(
     proof: bool = True,
     first: CompiledAnswer | None = None,
 ) -> GraspSolution:
-    """Forces, slips and motion of `build(spec)`; start as in `compiled_answer.start_from`, proof as in `Grasp.solve`.
+    """Forces, slips and motion of `build_scene(spec)`; start as in `start_values`, proof as in `Grasp.solve`.
 
     first : what the compiled first stage came to, where that is known.
 
@@ -441,7 +441,7 @@ def solve_to_fixed_point(
     start: Array = NO_START,
     proof: bool = True,
 ) -> GraspSolution:
-    """As `stages.solve_in_stages`; scene : of the unloaded fingers. The trace ends with how the iteration went. What is
+    """As `solve_in_stages`; scene : of the unloaded fingers. The trace ends with how the iteration went. What is
     said of uniqueness holds for the last E.
     """
     forces, solution, where = np.zeros((scene.n, 3)), None, start
@@ -518,7 +518,7 @@ def solve_spec(
 ) -> GraspSolution:
     """The certified solution; its status says what it is worth, and nothing is raised for want of one.
 
-    start : as in `compiled_answer.start_from`. scene : `build(spec)`, where that is known. proof : as in `Grasp.solve`.
+    start : as in `start_values`. scene : `build_scene(spec)`, where that is known. proof : as in `Grasp.solve`.
     """
     run = solve_to_fixed_point if spec.effects and is_force_dependent(spec) else solve_in_stages
     return run(spec, build_scene(spec) if scene is None else scene, section, solver, start, proof)

@@ -1,4 +1,4 @@
-"""Other equilibria of a grasp with few contacts, as far as a handful of solves finds them.
+"""`check`: the verdict on a grasp, from one solve, the loading followed in steps, and what would help.
 
 Newton's method goes to the equilibrium near where it starts. It starts from the end of the loading, and from answers of
 the same grasp under other loads and squeezes, where one equilibrium may be the only one.

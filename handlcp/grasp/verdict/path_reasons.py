@@ -1,4 +1,4 @@
-"""What a followed loading says about holding the object, as the reasons of a verdict."""
+"""`reached_reasons`: what a followed loading says about holding the object, as the reasons of a verdict."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What each contact does at an answer: separated, sticking or sliding, and against which faces."""
+"""`ContactStates`: what each contact does at an answer: separated, sticking or sliding, and against which faces."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def find_states(
 ) -> ContactStates:
     """Classify contacts by forces (c,) [N] and motions v (c,) [m], of which those up to `weak` and `slow` are none.
 
-    contacts (n, 4) : as in `contact_laws`. A contact under force control follows the object: it sticks.
+    contacts (n, 4) : as in `SceneKind.contact_components`. A contact under force control follows the object: it sticks.
     """
     n = len(contacts)
     kind, count = np.zeros(n, np.int64), np.zeros(n, np.int64)
@@ -133,7 +133,7 @@ _CONE_FACES = 64  # faces of the pyramid around the cone; what nothing in it hol
 def find_escape(every: Array, load: Array, contacts: Ints, limits: Array, faces: int, t: Array) -> int:
     """BALANCED, or ESCAPES with a proof in t (dof,), or UNCLEAR, all in natural units.
 
-    every (dof, c) : wrenches of the force components. load (dof,). contacts (n, 4) : as in `Kind`. limits (n,), faces :
+    every (dof, c) : wrenches of the force components. load (dof,). contacts (n, 4) : as in `SceneKind.contact_components`. limits (n,), faces :
     of the friction sets; polyhedra are not known here.
     """
     n, dof = len(contacts), len(load)

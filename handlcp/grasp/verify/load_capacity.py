@@ -1,4 +1,4 @@
-"""Holdability: is there any contact force within friction that balances the load? Compliance plays no part.
+"""`Capacity`: holdability: is there any contact force within friction that balances the load? Compliance plays no part.
 
 If not, a twist t proves it (Farkas): every force the contacts can exert does work ≥ 0 on t, and so does the load, > 0.
 The object escapes along t, and no contact resists.
@@ -54,7 +54,7 @@ def _escape_vertex(scene: Scene, section: Section) -> Array | None:
 
 def is_escape(scene: Scene, section: Section, proof: Array, effects: tuple[Effect, ...] = ()) -> bool:
     """Whether a twist t (dof,), natural units, proves that nothing balances the load; or t and, behind it, motions y of
-    the effects' limits, that nothing within those does (`limit_load`). Signs recomputed, no solver involved.
+    the effects' limits, that nothing within those does (`prove_overload`). Signs recomputed, no solver involved.
 
     The gain must exceed what the resisting work could hide: forces of a thousand times the load.
     """

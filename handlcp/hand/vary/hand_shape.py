@@ -1,4 +1,6 @@
-"""The names by which a hand's numbers are changed: arguments of `Hand.replace`, and "<joint>.length" and the like."""
+"""`HandChanges`: the names by which a hand's numbers are changed: arguments of `Hand.replace`, and "<joint>.length" and
+the like.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The numbers of a hand by the names with which `Hand.vary` changes them."""
+"""`vary_parts`: the numbers of a hand by the names with which `Hand.vary` changes them."""
 
 from __future__ import annotations
 

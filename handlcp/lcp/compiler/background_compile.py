@@ -1,4 +1,5 @@
-"""Compiling beside the work: another process compiles into the cache, while calls go on as Python until code is there.
+"""`request_compile`: compiling beside the work: another process compiles into the cache, while calls go on as Python
+until code is there.
 
 One such process works for a cache folder at a time: it holds a lock of the operating system on a file there, which goes
 with it however it ends. It ends with the process that started it, whose end closes its standard input, and when it has
@@ -52,7 +53,7 @@ _SERVER_PROGRAM = (
 
 
 class _CompilerProcess:
-    """The process beside this one, if any. sent : what it was asked for. through : how often a kernel was asked for by
+    """The process beside this one, if any. sent : what it was asked for. finished_requests : how often a kernel was asked for by
     now of processes that ended with nothing left to do. failed : nothing more is asked.
     """
 

@@ -1,4 +1,6 @@
-"""Folders of compiled code: where they may lie, and a name that changes with the source they were compiled from."""
+"""`cache_folders`: folders of compiled code: where they may lie, and a name that changes with the source they were
+compiled from.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A function that runs as plain Python until it is worth compiling."""
+"""`Kernel`: a function that runs as plain Python until it is worth compiling."""
 
 from __future__ import annotations
 

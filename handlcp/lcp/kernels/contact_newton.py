@@ -1,4 +1,4 @@
-"""Frictional contact as equations, and their subgradients.
+"""`solve_contacts`: frictional contact as equations with subgradients, and NSNGRK on them.
 
 Unknowns x with y = M x + q. Three kinds of rows, ρ_i > 0 a scale:
 
@@ -45,7 +45,7 @@ class ContactArrays(NamedTuple):
 
 class Subgradient(NamedTuple):
     """Of free rows and pairs: scale[i] M_i where scale (n,) is positive, else e_i. D (k, 3, 4): the derivative of each
-    block's projection, as in `nearest`. s, P (3,) : room for a point and its projection.
+    block's projection, as in `project_on_set`. s, P (3,) : room for a point and its projection.
     """
 
     scale: Array

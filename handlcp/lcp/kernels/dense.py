@@ -1,4 +1,4 @@
-"""Dense linear algebra for small systems: products, and elimination that knows its rank."""
+"""`solve_ranked`: dense linear algebra for small systems, products and elimination that knows its rank."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Columns with positive weight, one after the other: the working set of a nonnegative least-squares fit.
+"""`fit_mode`: columns with positive weight, one after the other: the working set of a nonnegative least-squares fit.
 
 An orthonormal basis Q of the columns C, with C = Q T and T upper triangular, grows by one column and shrinks by any.
 The weights that fit a target b best are T⁻¹ Qᵀ b. Columns have length one. Loops run along rows of contiguous arrays,

@@ -1,6 +1,7 @@
-"""All choices of contact modes at once: a tree, whose branches are cut off where no force and motion fits them.
+"""`ModeSearch`: all choices of contact modes at once: a tree, whose branches are cut off where no force and motion fits
+them.
 
-At each node some contacts have a mode, the others any. `fit` asks whether anything fits; if not, a proof of that
+At each node some contacts have a mode, the others any. `fit_mode` asks whether anything fits; if not, a proof of that
 is checked, and nothing below is visited. If so, the contact that misses its law by most is given each of its modes in
 turn, or its patch is split. Where all laws hold, there is an answer.
 """

@@ -1,4 +1,6 @@
-"""What accuracy costs in one scene: methods × faces × tolerances × effects left out, against the exact cone."""
+"""`accuracy_cost`: what accuracy costs in one scene: methods × faces × tolerances × effects left out, against the exact
+cone.
+"""
 
 from __future__ import annotations
 

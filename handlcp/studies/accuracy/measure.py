@@ -1,4 +1,4 @@
-"""One setting of one method: timed, judged by the certifier, compared with the exact answer."""
+"""`Bench`: one setting of one method: timed, judged by the certifier, compared with the exact answer."""
 
 from __future__ import annotations
 

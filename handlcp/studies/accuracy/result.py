@@ -1,4 +1,4 @@
-"""The result of a study of accuracy and cost: plain numbers, written as JSON or CSV and read back."""
+"""`AccuracyCost`: the result of a study of accuracy and cost: plain numbers, written as JSON or CSV and read back."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Directions as points of a sphere or a circle, joined by triangles or segments that can be halved where it pays."""
+"""`DirectionGrid`: directions as points of a sphere or a circle, joined by triangles or segments that can be halved
+where it pays.
+"""
 
 from __future__ import annotations
 

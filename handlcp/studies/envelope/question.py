@@ -1,4 +1,6 @@
-"""The limits of one grasp along many directions, asked for in pieces so that one sees how far they have come."""
+"""`EnvelopeQuestion`: the limits of one grasp along many directions, asked for in pieces so that one sees how far they
+have come.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""An envelope as text: the weakest and the strongest direction, what gives out where, what compliance gives away."""
+"""`Envelope`: an envelope as text: the weakest and the strongest direction, what gives out where, what compliance gives
+away.
+"""
 
 from __future__ import annotations
 

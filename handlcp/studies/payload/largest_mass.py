@@ -1,4 +1,4 @@
-"""The largest mass in each direction of gravity: what pulls a kilogram of the object, and how many are held.
+"""`payload`: the largest mass in each direction of gravity: what pulls a kilogram of the object, and how many are held.
 
 A hand that accelerates by s feels gravity and inertia together,
 

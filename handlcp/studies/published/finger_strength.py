@@ -1,4 +1,4 @@
-"""Finger strength: the force with which a fingertip presses on a fixed load cell."""
+"""`finger_strength`: finger strength: the force with which a fingertip presses on a fixed load cell."""
 
 from __future__ import annotations
 

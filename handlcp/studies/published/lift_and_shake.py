@@ -1,4 +1,4 @@
-"""Lift and shake: a ball and a cube that a hand lifts and shakes, as shares of a rated payload."""
+"""`lift_and_shake`: lift and shake: a ball and a cube that a hand lifts and shakes, as shares of a rated payload."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The chance that a grasp holds, with its interval, and what matters most for it."""
+"""`Chance`: the chance that a grasp holds, with its interval, and what matters most for it."""
 
 from __future__ import annotations
 

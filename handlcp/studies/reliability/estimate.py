@@ -1,4 +1,4 @@
-"""How sure a grasp is: chances with intervals, counts, the worst sample, and what matters most."""
+"""`Reliability`: how sure a grasp is: chances with intervals, counts, the worst sample, and what matters most."""
 
 from __future__ import annotations
 

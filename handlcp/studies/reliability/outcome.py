@@ -1,4 +1,4 @@
-"""What becomes of samples: held or not, within the torque limits or not, and by how much."""
+"""`SampleOutcomes`: what becomes of samples: held or not, within the torque limits or not, and by how much."""
 
 from __future__ import annotations
 

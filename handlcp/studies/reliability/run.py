@@ -1,4 +1,4 @@
-"""All samples of a run, slice by slice: placed, solved, counted and kept."""
+"""`run_samples`: all samples of a run, slice by slice: placed, solved, counted and kept."""
 
 from __future__ import annotations
 

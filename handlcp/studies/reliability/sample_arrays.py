@@ -1,4 +1,4 @@
-"""Samples of a grasp as arrays: what all of them need, computed for all at once.
+"""`SampleArrays`: samples of a grasp as arrays: what all of them need, computed for all at once.
 
 What was commanded stays, in metres and radians of the joints: softer springs press less. Contacts stay where they are
 on the object unless their positions vary. A joint that stands off by δq carries its fingertip along, by J δq, and its

@@ -1,4 +1,6 @@
-"""The grasps of samples: as rows of numbers, which are solved many at once, and as grasps where one is looked at."""
+"""`SamplePlacer`: the grasps of samples: as rows of numbers, which are solved many at once, and as grasps where one is
+looked at.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,7 @@ from handlcp.studies.perturbation import vary_grasp
 from handlcp.studies.reliability.sample_arrays import SampleArrays, SampleJoints, make_arrays, make_nominal
 from handlcp.studies.reliability.spread import HAND_NUMBER, Dimension, varying_parameters
 
-_ROW_EFFECTS = (JointOffset, FingerWeight)  # effects that `Placer.rows` adds to offsets itself
+_ROW_EFFECTS = (JointOffset, FingerWeight)  # effects that `SamplePlacer.make_rows` adds to offsets itself
 
 
 class PlacedSample(NamedTuple):

@@ -1,4 +1,4 @@
-"""What accuracy costs, as a picture: error against time, error against faces, and what an effect left out does.
+"""`draw`: what accuracy costs, as a picture: error against time, error against faces, and what an effect left out does.
 
 Each scene is a row of panels.
 """

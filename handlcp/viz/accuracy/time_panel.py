@@ -1,4 +1,6 @@
-"""Error against time: every setting a faint point, the best settings of each method a line with its name beside it."""
+"""`time_panel`: error against time: every setting a faint point, the best settings of each method a line with its name
+beside it.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Polar diagrams of an envelope, coloured by what gives out first; and the words that all pictures of one have."""
+"""`draw_envelope`: polar diagrams of an envelope, coloured by what gives out first; and the words that all pictures of
+one have.
+"""
 
 from __future__ import annotations
 

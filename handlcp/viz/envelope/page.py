@@ -1,4 +1,6 @@
-"""The page of an envelope: the hand, and around the object the surface of what it holds, to turn and to point at."""
+"""`write_envelope_page`: the page of an envelope: the hand, and around the object the surface of what it holds, to turn
+and to point at.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""The surface of an envelope: a point along each direction, as far out as the factor, up to where it is cut."""
+"""`EnvelopeSurface`: the surface of an envelope: a point along each direction, as far out as the factor, up to where it
+is cut.
+"""
 
 from __future__ import annotations
 

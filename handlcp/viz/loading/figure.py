@@ -1,4 +1,4 @@
-"""A loading for the terminal, and the picture of the hand where it ends."""
+"""`compose_panels`: a loading for the terminal, and the picture of the hand where it ends."""
 
 from __future__ import annotations
 

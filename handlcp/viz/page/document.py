@@ -1,4 +1,4 @@
-"""Everything that a page shows besides its words: solids, frames, legend, view."""
+"""`page_data`: everything that a page shows besides its words: solids, frames, legend, view."""
 
 from __future__ import annotations
 

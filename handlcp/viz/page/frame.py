@@ -1,4 +1,6 @@
-"""A grasp at one moment, or at many, as the viewer of a page reads it: numbers to draw, words to print beside them."""
+"""`PageFrames`: a grasp at one moment, or at many, as the viewer of a page reads it: numbers to draw, words to print
+beside them.
+"""
 
 from __future__ import annotations
 

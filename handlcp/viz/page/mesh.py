@@ -1,4 +1,4 @@
-"""Bodies of a page: parts, their meshes, simplified where they are heavy."""
+"""`MeshPack`: bodies of a page: parts, their meshes, simplified where they are heavy."""
 
 from __future__ import annotations
 

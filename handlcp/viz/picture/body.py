@@ -1,4 +1,4 @@
-"""Triangles of the shapes that hands and objects are made of; every array is (m, 3, 3), corners in metres."""
+"""`Body`: triangles of the shapes that hands and objects are made of; every array is (m, 3, 3), corners in metres."""
 
 from __future__ import annotations
 

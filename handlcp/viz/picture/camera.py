@@ -1,4 +1,4 @@
-"""An orthographic camera: the direction from which a grasp is seen, and the limits of the picture."""
+"""`Camera`: an orthographic camera: the direction from which a grasp is seen, and the limits of the picture."""
 
 from __future__ import annotations
 

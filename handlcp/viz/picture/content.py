@@ -1,4 +1,4 @@
-"""What the picture of a solved grasp shows: solids, arrows and their scale, arcs, colours."""
+"""`PictureContent`: what the picture of a solved grasp shows: solids, arrows and their scale, arcs, colours."""
 
 from __future__ import annotations
 

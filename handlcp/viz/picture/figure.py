@@ -1,4 +1,4 @@
-"""One picture of a solved grasp: hand, object, friction cones, forces, slips, load, verdict.
+"""`draw_solution`: one picture of a solved grasp: hand, object, friction cones, forces, slips, load, verdict.
 
 The view is orthographic. Friction cones have the scale of the forces: a finger slides when its arrow reaches the rim.
 Projection and hidden surfaces are computed here, because matplotlib's 3D axes clip what leaves their box, sort whole

@@ -1,4 +1,4 @@
-"""What is drawn over the solids: friction cones, arrows, moments, contact points, axes and scales."""
+"""`Overlay`: what is drawn over the solids: friction cones, arrows, moments, contact points, axes and scales."""
 
 from __future__ import annotations
 

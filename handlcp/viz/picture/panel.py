@@ -1,4 +1,6 @@
-"""What is written of a picture: title and verdict, legend, labels of contacts, how near joints are to their limits."""
+"""`draw_legend`: what is written of a picture: title and verdict, legend, labels of contacts, how near joints are to
+their limits.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""The numbers of a hand that a report compares: those that `vary` knows by name, and how its joints stand and turn."""
+"""`report`: the numbers of a hand that a report compares: those that `vary` knows by name, and how its joints stand and
+turn.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""What the axes of a study's pictures say: parameters at their unit coordinates, outcomes with their units."""
+"""`draw_study`: what the axes of a study's pictures say: parameters at their unit coordinates, outcomes with their
+units.
+"""
 
 from __future__ import annotations
 

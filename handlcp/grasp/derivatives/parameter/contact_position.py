@@ -1,4 +1,5 @@
-"""Where the contacts are and how their axes lie, and what moving and turning them changes in the laws, in closed form.
+"""`ContactPositions`: where the contacts are and how their axes lie, and what moving and turning them changes in the
+laws, in closed form.
 
 A contact point moves by δp, its axes turn by δθ with it; the object stays, and so do the joints, their commands, and
 offsets and pads in the axes of fingertip and contact. With the twist (u, ω) of a body about a point a, the force f on

@@ -1,4 +1,6 @@
-"""Many grasps that differ from one in numbers, as arrays: what parameters write to, without making a grasp of each."""
+"""`Parameter`: many grasps that differ from one in numbers, as arrays: what parameters write to, without making a grasp
+of each.
+"""
 
 from __future__ import annotations
 
@@ -27,9 +29,9 @@ class Samples:
 
     written : arrays (m, …) by name.
         friction (m, n) coefficients [-]; slides (m, k, 2) of the fingers' contacts along their tangents [m];
-        springs (m, nv), (m, 1) without a hand : factors on the stiffness of the joints; pads (m, k) : on the
-        flexibility of the fingertips' pads; joints (m, nv) : how far they stand off [rad, m];
-        mass, load, squeeze (m, 1) : factors on the object's weight, on what else loads it, on preloads and commands.
+        springs (m, nv), (m, 1) without a hand, factors on the stiffness of the joints; pads (m, k) on the
+        flexibility of the fingertips' pads; joints (m, nv), how far they stand off [rad, m];
+        mass, load, squeeze (m, 1), factors on the object's weight, on what else loads it, on preloads and commands.
     remade : for parameters without such an array, what makes the grasp with a value, and the values (m,).
     """
 

@@ -86,7 +86,7 @@ class LinkLengths(_RebuiltParameter):
 # ---------------------------------------------------------------- made again, with fingertips that just touch
 def depth_change_at(answer: LinearisationPoint) -> DepthChange | None:
     """Of fingertips that count as inside the object, or just touch it and may be inside soon [1/m]; only those that
-    are squeezed sideways by that. rates : (t, 0). None: there are none.
+    are squeezed sideways by that. Its rates are (t, 0). None: there are none.
     """
     spec, mechanism = answer.spec, answer.spec.mechanism
     found = None if mechanism is None else mechanism.variation.inside_depths(spec)

@@ -1,5 +1,5 @@
-"""How hard the fingers close: how far each is commanded into the object, δv_N = -δs. In samples and as a share, a
-factor on preloads and commands of the joints together.
+"""`Squeeze`: how hard the fingers close: how far each is commanded into the object, δv_N = -δs. In samples and as a
+share, a factor on preloads and commands of the joints together.
 """
 
 from __future__ import annotations

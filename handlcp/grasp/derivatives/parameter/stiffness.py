@@ -1,4 +1,4 @@
-"""The springs of the joints. A spring more at a joint pulls it to where it is commanded:
+"""`Stiffness`: the springs of the joints. A spring more at a joint pulls it to where it is commanded:
 
     δv = -J C δK C τ = -J C e_j δ_j,    C = (K + K_g)⁻¹, δ_j how far joint j gives way
 
