@@ -363,7 +363,7 @@ def _pad_motion(spec: GraspSpec) -> float:
         k = 3 * spec.of_hand
         E[:k] = E[:, :k] = 0.0
     else:
-        joints = mechanism.compliance(mechanism.jacobian_rows(scene.soft))
+        joints = mechanism.contact_compliance(mechanism.jacobian_rows(scene.soft))
         E -= joints if scene.scale is None else joints * np.outer(scene.scale, scene.scale)
     still, load = np.zeros((scene.components, 1)), scene.geometry.wrench[:, None]
     twist = solve_without_slip(scene, E, still, load)[1][:, 0]

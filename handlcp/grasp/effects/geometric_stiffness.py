@@ -116,7 +116,7 @@ class GeometricStiffness(Effect):
         """With what the fingers give way more under these forces; or which joints buckle."""
         joints = at.mechanism
         assert joints is not None  # `needs_joints` saw to it
-        A, K_g = joints.root, np.tensordot(forces.reshape(-1), joints.hessian(), 1)
+        A, K_g = joints.compliance_factor, np.tensordot(forces.reshape(-1), joints.hessian(), 1)
         change = A.T @ K_g @ A
         change = (change + change.T) / 2
         bracket = np.eye(len(change)) + change

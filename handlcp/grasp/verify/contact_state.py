@@ -41,7 +41,7 @@ def classify_contacts(
 ) -> ContactStates:
     """States of all contacts, of a candidate that was judged."""
     size = verdict.residuals
-    weak, slow = ACTIVE_TOLERANCE * size.force_scale, ACTIVE_TOLERANCE * max(size.motion_scale, scene.units.motion)
+    weak, slow = ACTIVE_TOLERANCE * size.force_scale, ACTIVE_TOLERANCE * max(size.motion_scale, scene.units.motion_unit)
     contacts, friction = scene.kind.contact_components, friction_limits(scene, section)
     return find_states(contacts, friction, candidate.components, verdict.motion, weak, slow)
 

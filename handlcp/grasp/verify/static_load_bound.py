@@ -227,7 +227,7 @@ def _natural_wrenches(spec: GraspSpec, scene: Scene, wrenches: Array) -> Array:
     """(k, dof) of wrenches (k, 6) about the grasp's reference."""
     u, force = scene.units, wrenches[:, :3]
     moment = wrenches[:, 3:] + cross_rows(np.broadcast_to(spec.reference - u.centre, force.shape), force)
-    return np.asarray(np.concatenate([force, moment / u.length], axis=1) @ scene.freedom.T / u.force)
+    return np.asarray(np.concatenate([force, moment / u.length_unit], axis=1) @ scene.freedom.T / u.force_unit)
 
 
 def _bounds_in_si(
@@ -239,9 +239,9 @@ def _bounds_in_si(
     c = np.zeros((k, scene.components))
     c[:, scene.kind.index] = found.forces
     if scene.prescribed is not None:
-        c += scene.prescribed / scene.units.force
+        c += scene.prescribed / scene.units.force_unit
     normal = c[:, 2 : 3 * n : 3]
-    forces = scene.to_contact_axes(c)[:, : 3 * n].reshape(k, n, 3) * scene.units.force
+    forces = scene.forces_to_contact_axes(c)[:, : 3 * n].reshape(k, n, 3) * scene.units.force_unit
     heavy = abs(found.multipliers).max(axis=1, initial=0.0, keepdims=True)
     binding = (abs(found.multipliers) > _BINDING_SHARE * heavy) & np.isfinite(found.factors)[:, None]
     contact = _any_by_owner(binding, capacity.contact, n)
