@@ -175,6 +175,8 @@ class EffectTrial:
     instead: bool = False
 
 
+_LAW_METHODS = ("unknowns", "stamp", "opening", "residual")  # what an effect with a law of its own overrides
+
 FOLLOWED_LOADINGS = "followed loadings alone"  # which answers count an effect that not all of them do
 ONE_SOLVE = "one solve alone"
 
@@ -289,8 +291,8 @@ class Effect:
     @property
     def stamps(self) -> bool:
         """Whether it has rows or a law of its own, so that a solve takes the general path."""
-        kind, own = type(self), ("limits", "stamp", "opening", "residual")
-        return any(getattr(kind, name) is not getattr(Effect, name) for name in own)
+        kind = type(self)
+        return any(getattr(kind, name) is not getattr(Effect, name) for name in ("limits", *_LAW_METHODS))
 
     @property
     def only_limits(self) -> bool:
@@ -298,8 +300,8 @@ class Effect:
         leaves free, know no others beside forces and motion of the object: beside `unknowns`, a `stamp`, an `opening`
         or a `residual` of its own, neither is asked.
         """
-        kind, own = type(self), ("unknowns", "stamp", "opening", "residual")
-        return all(getattr(kind, name) is getattr(Effect, name) for name in own)
+        kind = type(self)
+        return all(getattr(kind, name) is getattr(Effect, name) for name in _LAW_METHODS)
 
     def limits(self, scene: Scene) -> tuple[Limit, ...]:
         """Limits on the forces that give way: where an effect is made of them alone, nothing below needs saying.
