@@ -2,6 +2,15 @@
 
 Solvers work in nondimensional units, so one number serves metres and millimetres, newtons and kilonewtons.
 A threshold that serves one computation alone stands beside it.
+
+Which decides what:
+
+| decision | tolerance |
+| --- | --- |
+| `status` is SOLVED, and `held`: every residual passes | `CERTIFY_TOLERANCE`, 1e-8 |
+| "separated", "sticking", "sliding" of each contact | `ACTIVE_TOLERANCE`, 1e-7 |
+| OVER LIMIT: a torque, a tension or a range is exceeded | `OVER_LIMIT_TOLERANCE`, 1e-6 |
+| UNDECIDED: motions are too large for one solve | `MAX_FORCE_SHARE`, 1; adrift: `NOTICED_SHARE`, 0.05 |
 """
 
 from __future__ import annotations
@@ -27,6 +36,16 @@ ACTIVE_TOLERANCE = 1e-7
 # more than 1 + this of what there is. A limit that an answer or a path was led to is met to about 1e-8; motors and
 # gears are known to no more than 1e-3.
 OVER_LIMIT_TOLERANCE = 1e-6
+
+# By how much the forces of one solve may be off, as a share of their size, because its equations are of small motions:
+# from this share on the verdict is UNDECIDED. A contact that moves by the radius of the surface, or an object that
+# turns by a radian, makes forces as wrong as they are large, and the equations say nothing any more.
+MAX_FORCE_SHARE = 1.0
+
+# ... and from this share on the verdict says so: 5 % is what friction coefficients and stiffnesses are known to, at
+# best. Where nothing keeps the object in place (adrift), the verdict is UNDECIDED from here on, since the motion may be
+# any.
+NOTICED_SHARE = 0.05
 
 # Free unknowns are eliminated when the estimated reciprocal condition of their block exceeds this: eliminating
 # costs about eps / rcond in accuracy, which must stay well under what a certifier accepts.

@@ -80,21 +80,29 @@ class Effort(Record):
         return str(self.table)
 
 
+# Springs at a joint, all of them diagonal or (nv, nv) over the joints:
+#
+#     K = `stiffness_matrix`       everything that gives way: actuators, tendons and springs at joints
+#     `joint_springs`              of these the springs at joints, beside actuators or tendons
+#     `springs_with_rest`          of these the springs that have a rest angle of their own (MuJoCo's springref)
+#     `Cables.passive`, `ServoStiffness.passive`    K_p, `joint_springs` as a matrix, of tendons and of servos
+
+
 class Elasticity:
     """Compliance C = A Aᵀ of the nv independent joints, symmetric positive semidefinite.
 
-    root : (nv, m) A, read-only and C-contiguous; the row of a rigid joint is zero.
+    compliance_factor : (nv, m) A, read-only and C-contiguous; the row of a rigid joint is zero.
     uniform : whether the user gave one number for all joints.
     """
 
-    root: Array
+    compliance_factor: Array
     uniform: bool = False
 
     def __init__(self, root: Array) -> None:
-        self.root = read_only(np.ascontiguousarray(root))
+        self.compliance_factor = read_only(np.ascontiguousarray(root))
 
     @property
-    def matrix(self) -> Array:
+    def stiffness_matrix(self) -> Array:
         """(nv, nv) K [N·m/rad]; inf on the diagonal of a rigid joint. Raises Unsupported where C has no inverse."""
         raise NotImplementedError
 
@@ -103,18 +111,18 @@ class Elasticity:
         """Whether it is what the hand's file says."""
         return False
 
-    def compliance(self, J: Array) -> Array:
-        """(m, m) J C Jᵀ, symmetric to the last bit; J (m, nv)."""
-        return joint_flexibility(J, self.root)
+    def contact_compliance(self, J: Array) -> Array:
+        """(m, m) E = J C Jᵀ, symmetric to the last bit: compliance at contacts whose Jacobian is J (m, nv)."""
+        return joint_flexibility(J, self.compliance_factor)
 
     def deflection(self, torque: Array) -> Array:
         """(nv,) C τ [rad] for torques (nv,) [N·m]."""
-        return np.asarray(self.root @ (torque @ self.root))
+        return np.asarray(self.compliance_factor @ (torque @ self.compliance_factor))
 
     @property
     def command_directions(self) -> Array:
         """(nv, m) joint motions that the actuators can command, in orthonormal columns; a rigid joint can be, too."""
-        return np.eye(len(self.root))
+        return np.eye(len(self.compliance_factor))
 
     def effort(self, torque: Array, command: Array) -> Effort | None:
         """What the actuators do for joint torques (nv,) [N·m] once they have commanded the joints by so much, (nv,)
@@ -129,14 +137,14 @@ class Elasticity:
         return torque
 
     @property
-    def own_springs(self) -> Array:
+    def joint_springs(self) -> Array:
         """(nv,) of the springs at joints that K counts beside actuators or tendons [N·m/rad]; 0: none."""
-        return np.zeros(len(self.root))
+        return np.zeros(len(self.compliance_factor))
 
     @property
-    def parallel_springs(self) -> Array:
+    def springs_with_rest(self) -> Array:
         """(nv,) k of springs at joints beside their drives, that have a rest angle of their own [N·m/rad]; 0: none."""
-        return np.zeros(len(self.root))
+        return np.zeros(len(self.compliance_factor))
 
     def parallel_spring_torque(self, q: Array) -> Array | None:
         """(nv,) with which drives pull against springs beside them with joints at q (nv,) [N·m]; None: there are none
@@ -150,8 +158,8 @@ class Elasticity:
 
     def command_torque(self, command: Array) -> Array:
         """(nv,) K δq of a command (nv,) [rad], of joints that springs hold [N·m]."""
-        free = np.asarray(self.root.any(axis=1))
-        return np.where(free, np.where(np.isinf(self.matrix), 0.0, self.matrix) @ command, 0.0)
+        free = np.asarray(self.compliance_factor.any(axis=1))
+        return np.where(free, np.where(np.isinf(self.stiffness_matrix), 0.0, self.stiffness_matrix) @ command, 0.0)
 
     def in_posture(self, kinematics: Any, q: Array) -> Elasticity:
         """In a posture q (nv,) of a hand with these kinematics: the same, unless tendons run along routes."""
@@ -160,7 +168,7 @@ class Elasticity:
     def scale_stiffness(self, factor: float) -> Self:
         """The same with every spring so many times as stiff."""
         made = copy(self)
-        made.root = read_only(self.root / np.sqrt(factor))
+        made.compliance_factor = read_only(self.compliance_factor / np.sqrt(factor))
         return made
 
     @property
@@ -204,10 +212,6 @@ class Transmission:
     def for_joints(self, joints: Sequence[str], kinematics: Any = None) -> Elasticity:
         """The elasticity of these joints, of a hand with kinematics. Raises InputError, UnknownName."""
         raise NotImplementedError
-
-
-# ----------------------------------------------------------------
-# Stiffness of joints and pads as users pass it: numbers, by name, as matrices.
 
 
 # ----------------------------------------------------------------
@@ -293,7 +297,7 @@ class JointStiffness(Elasticity):
         self._matrix, self.uniform = read_only(matrix), uniform
 
     @property
-    def matrix(self) -> Array:
+    def stiffness_matrix(self) -> Array:
         """(nv, nv) K [N·m/rad]; inf on the diagonal of a rigid joint."""
         return self._matrix
 
@@ -304,7 +308,10 @@ class JointStiffness(Elasticity):
     def scale_by_joint(self, factors: Array) -> Self:
         """The same with the spring of each joint so many times as stiff, f (nv,) > 0; K_ij grows by √(f_i f_j)."""
         made, by = copy(self), np.sqrt(factors)
-        made._matrix, made.root = read_only(self._matrix * by * by[:, None]), read_only(self.root / by[:, None])
+        made._matrix, made.compliance_factor = (
+            read_only(self._matrix * by * by[:, None]),
+            read_only(self.compliance_factor / by[:, None]),
+        )
         return made
 
 
@@ -341,7 +348,7 @@ def with_motor_stiffness(elasticity: Elasticity, own: Mapping[str, float], joint
         return elasticity
     at = [joints.index(joint) for joint in own]
     if isinstance(elasticity, JointStiffness):
-        K = elasticity.matrix.copy()
+        K = elasticity.stiffness_matrix.copy()
         coupled = np.count_nonzero(K, axis=1) > 1
         if not coupled[at].any() and not elasticity.law[1]:
             K[at, at] = list(own.values())

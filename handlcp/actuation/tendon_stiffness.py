@@ -182,20 +182,20 @@ class TendonStiffness(JointStiffness):
         return {}
 
     @property
-    def own_springs(self) -> Array:
+    def joint_springs(self) -> Array:
         """The springs of the joints themselves (nv,), without the tendons [N·m/rad, N/m]."""
         return np.asarray(self.cables.passive.diagonal())
 
     @property
     def command_directions(self) -> Array:
         """An orthonormal basis of K⁻¹ Rᵀ, where the springs let the joints go when a tendon is drawn in."""
-        return orthonormal_basis(self.root @ (self.arms @ self.root).T)
+        return orthonormal_basis(self.compliance_factor @ (self.arms @ self.compliance_factor).T)
 
     def scale_stiffness(self, factor: float) -> TendonStiffness:
         """The same with every spring so many times as stiff."""
         c = self.cables
         springs, passive = read_only(factor * c.springs), read_only(factor * c.passive)
-        made = TendonStiffness(self.matrix * factor, self.arms, c._replace(springs=springs, passive=passive))
+        made = TendonStiffness(self.stiffness_matrix * factor, self.arms, c._replace(springs=springs, passive=passive))
         return made.with_motors(self.drives, self.strength)
 
     def effort(self, torque: Array, command: Array) -> Effort:
@@ -309,7 +309,7 @@ class TendonPostureCache:
     def cables_at(self, q: Array) -> tuple[Cables, Array]:
         """As `Cables` asks for it."""
         there = self.stiffness_at(q)
-        return there.cables, there.root
+        return there.cables, there.compliance_factor
 
     def __getstate__(self) -> dict[str, Any]:
         """Without what it has worked out lately."""

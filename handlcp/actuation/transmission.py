@@ -260,10 +260,10 @@ class Synergies(Transmission):
         """C over these joints."""
         names, rows = read_rows("Synergies.S", self.S, "synergy", joints)
         springs = read_springs("Synergies.stiffness", self.stiffness, "synergy", names, _read_actuator_spring)
-        root = rows.T @ JointStiffness(springs).root
+        root = rows.T @ JointStiffness(springs).compliance_factor
         if self.joint_stiffness is not None:
             own = read_stiffness(self.joint_stiffness, joints, "Synergies.joint_stiffness")
-            root = np.hstack([own.root, root])
+            root = np.hstack([own.compliance_factor, root])
         return SynergyCompliance(names, rows, root)
 
 
@@ -275,12 +275,12 @@ class SynergyCompliance(Elasticity):
         self.names, self.columns = names, columns
 
     @property
-    def matrix(self) -> Array:
+    def stiffness_matrix(self) -> Array:
         """The stiffness matrix K = C⁻¹ (nv, nv) of the joints. Raises Unsupported where C is singular: some joints
         only move together.
         """
-        U, s, _ = np.linalg.svd(self.root, full_matrices=False)
-        nv = len(self.root)
+        U, s, _ = np.linalg.svd(self.compliance_factor, full_matrices=False)
+        nv = len(self.compliance_factor)
         if len(s) < nv or s[-1] ** 2 <= SEMIDEFINITE_TOLERANCE * s[0] ** 2:
             raise Unsupported(
                 f"{len(self.names)} synergies move {nv} joints that are rigid but for them: these have a compliance "

@@ -181,7 +181,7 @@ def check_motion_limits(grasp: Grasp, motion: float | None, turn: float | None =
 
     Raises InputError, which asks whether millimetres or degrees were meant.
     """
-    size = grasp.scene.units.length
+    size = grasp.scene.units.length_unit
     if motion is not None and motion > size:
         meant = f"{motion:g} (millimetres? They are {1e-3 * motion:g} m)"
         raise InputError("--motion", f"m, less than the size of the grasp, {size:.3g} m", meant)

@@ -1,4 +1,6 @@
-"""Commands that list or prepare: `audit`, `hands`, `effects`, `keys`, the paper's tables, and `warm`, which compiles."""
+"""Commands that list or prepare: `audit`, `hands`, `effects`, `keys`, the paper's tables, and `warm`, which
+compiles.
+"""
 
 from __future__ import annotations
 

@@ -322,7 +322,7 @@ class Grasp(GraspQuestions):
     @property
     def offset(self) -> Array:
         """(n, 3) offsets in contact axes [m], with what effects add."""
-        return read_only(self.scene.to_law_axes(self.scene.offset)[: 3 * self.scene.n].reshape(-1, 3))
+        return read_only(self.scene.motions_to_contact_axes(self.scene.offset)[: 3 * self.scene.n].reshape(-1, 3))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -381,13 +381,13 @@ class Grasp(GraspQuestions):
         of the largest; on the exact cone alone. The solution's `accuracy` says what error it estimates.
         start : the solution of a nearby grasp of as many contacts; from there it takes one or two Newton steps. Where
         friction allows several equilibria, it also says which one to look for.
-        proof : where none is found, whether to prove that there is none; False: stop there, in bounded time, and say
-        UNDECIDED.
+        proof : where none is found, whether to prove that there is none; False: no search for NO_EQUILIBRIUM; in
+        bounded time the status is SOLVED, NOT_HOLDABLE or UNDECIDED.
         Raises NoSolutionFound (with problem and solution) unless SOLVED, or returns what came when `throw` is False;
         InputError for bad arguments, faces and accuracy both among them.
         """
-        solve_with_advice, start_from, no_solution = _solve_functions()
-        where, proof = start_from(start, self.scene), check_flag("proof", proof)
+        solve_with_advice, warm_start_values, no_solution = _solve_functions()
+        where, proof = warm_start_values(start, self.scene), check_flag("proof", proof)
         if accuracy is None:
             section = self._section(faces)
             solution: GraspSolution = solve_with_advice(self.spec, section, solver, where, self.scene, proof)

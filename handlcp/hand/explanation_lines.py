@@ -30,7 +30,7 @@ def explanation_lines(hand: HandModel, against: Array | None) -> tuple[Explanati
 
 def _spring_lines(hand: HandModel, against: Array | None) -> Iterator[ExplanationLine]:
     """Those that joints have beside actuators and tendons."""
-    own, beside = hand.stiffness.own_springs, hand.stiffness.parallel_springs
+    own, beside = hand.stiffness.joint_springs, hand.stiffness.springs_with_rest
     if (alone := own * (beside == 0.0)).any():
         largest = words.first_largest_index(alone)
         most = f"{float(alone[largest]):.3g} {words.stiffness_unit(hand.joint_names[largest] in hand.sliding)}"

@@ -51,10 +51,12 @@ def lengthen_link(hand: HandModel, k: int, step: float) -> HandModel:
 
 def _add_spring(hand: HandModel, k: int, step: float) -> HandModel:
     """With a spring more at joint k: C' = C - C e eᵀ C / (1/step + C_kk), written as the square of its root."""
-    made, springs, C = copy(hand), copy(hand.stiffness), hand.stiffness.compliance(np.eye(hand.nv))
+    made, springs, C = copy(hand), copy(hand.stiffness), hand.stiffness.contact_compliance(np.eye(hand.nv))
     if C[k, k] > 0.0:
         less = (1.0 - 1.0 / np.sqrt(1.0 + step * C[k, k])) / C[k, k]
-        springs.root = read_only(springs.root - less * np.outer(C[:, k], springs.root[k]))
+        springs.compliance_factor = read_only(
+            springs.compliance_factor - less * np.outer(C[:, k], springs.compliance_factor[k])
+        )
     made.__dict__["stiffness"] = springs
     return made
 
@@ -221,7 +223,7 @@ class GraspVariation:
         hand = self.mechanism.posture.hand.scale_stiffness(factor)
         return replace(
             self.mechanism,
-            root=hand.stiffness.root,
+            compliance_factor=hand.stiffness.compliance_factor,
             posture=type(self.mechanism.posture)(hand, self.mechanism.posture.q),
         )
 

@@ -1,4 +1,6 @@
-"""`Hand`: a robot hand with its fingertips, stiffness, limits and motors; `HandState`: a posture from which it grasps."""
+"""`Hand`: a robot hand with its fingertips, stiffness, limits and motors; `HandState`: a posture from which it
+grasps.
+"""
 
 from __future__ import annotations
 
@@ -364,12 +366,12 @@ class Hand(HandModel):
     @property
     def joint_stiffness(self) -> Array:
         """(nv, nv) K of the joints [N·m/rad]; inf: rigid. Raises Unsupported where `Synergies` leave C singular."""
-        return self.stiffness.matrix
+        return self.stiffness.stiffness_matrix
 
     @property
     def joint_compliance(self) -> Array:
         """(nv, nv) compliance C = K⁻¹ of the independent joints [rad/(N·m)], positive semidefinite."""
-        return read_only(self.stiffness.compliance(np.eye(self.nv)))
+        return read_only(self.stiffness.contact_compliance(np.eye(self.nv)))
 
     @property
     def pad_flexibility(self) -> Array:

@@ -1,4 +1,6 @@
-"""`HandGrasp`: what a designer asks of a hand's grasp: one method a question, each a call to the file that answers it."""
+"""`HandGrasp`: what a designer asks of a hand's grasp: one method a question, each a call to the file that answers
+it.
+"""
 
 from __future__ import annotations
 
@@ -155,7 +157,7 @@ class HandGrasp(HandRequirements):
     @property
     def gravity_torque(self) -> Array:
         """(nv,) g(q) that adds to the torques [N·m]; zero unless the fingers' weight was asked for."""
-        return read_only(self.scene.held_torque)
+        return read_only(self.scene.bias_torque_or_zero)
 
     @property
     def sag(self) -> Array:
@@ -302,7 +304,7 @@ def make_grasp(spec: GraspSpec) -> Grasp:
 def _check_joint_flexibility(spec: GraspSpec, beside: str) -> None:
     """Raises InputError unless E has the joints' share, which turns soft fingertips and bends under forces."""
     assert spec.mechanism is not None  # a hand's
-    pads = np.linalg.eigvalsh(spec.flexibility - spec.mechanism.compliance(spec.mechanism.jacobian))
+    pads = np.linalg.eigvalsh(spec.flexibility - spec.mechanism.contact_compliance(spec.mechanism.jacobian))
     if pads[0] < -SEMIDEFINITE_TOLERANCE * float(abs(spec.flexibility).max(initial=0.0)):
         expected = f"that of the hand's joints, and what else gives way, beside {beside}"
         raise InputError("flexibility", expected, f"less than its joints have by up to {-pads[0]:.3g} m/N")

@@ -48,7 +48,7 @@ class HandMechanism(Mechanism):
     the grasp's; 0 for contacts that were given.
     """
 
-    solution: ClassVar[Any] = HandGraspSolution
+    solution_class: ClassVar[Any] = HandGraspSolution
 
     posture: HandPosture
     tips: tuple[int, ...]
@@ -204,7 +204,7 @@ def make_hand_mechanism(
     return HandMechanism(
         hand.joint_names,
         read_only(jacobian),
-        hand.stiffness.root,
+        hand.stiffness.compliance_factor,
         hand.torques.limits,
         posture,
         tips,
@@ -226,7 +226,7 @@ def flexibility_factor(mechanism: HandMechanism) -> FlexibilityFactor:
     """Flexibility E = J K⁻¹ Jᵀ + pads of the fingers, as the factors J, K⁻¹ = A Aᵀ and pads."""
     posture, tips, axes = mechanism.posture, mechanism.tips, mechanism.frames.transpose(0, 2, 1)
     pads = posture.hand.pads.rotate_blocks(lambda: axes @ posture.tip_rotations[list(tips)], tips)
-    return FlexibilityFactor(mechanism.jacobian, mechanism.root, pads)
+    return FlexibilityFactor(mechanism.jacobian, mechanism.compliance_factor, pads)
 
 
 def stored_flexibility(mechanism: HandMechanism) -> Array | Flexibility:

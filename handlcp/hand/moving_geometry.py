@@ -63,7 +63,10 @@ class MovingHandGeometry(Geometry):
         self._reference = spec.reference
         self._centre = spec.positions[:k].mean(axis=0) if self.object is None else self.object.center_of_mass
         self._arm = self._centre - spec.reference if self.object is not None else np.zeros(3)
-        self._first_frames, self._root = spec.frames.copy(), np.array(mechanism.root, dtype=float, order="C")
+        self._first_frames, self._root = (
+            spec.frames.copy(),
+            np.array(mechanism.compliance_factor, dtype=float, order="C"),
+        )
         axes = spec.frames[:, :, 2]
         self._round = [
             i >= k and self.object is not None and rolling_point(self.object, axes[i], spec.positions[i]) is not None
@@ -100,7 +103,7 @@ class MovingHandGeometry(Geometry):
     def iterate(self, at: Where, before: Iterate | None) -> Iterate:
         R, t = at.pose
         posed = self.hand.posed(at.q)
-        root = self._root if posed is self.hand else np.array(posed.stiffness.root, order="C")
+        root = self._root if posed is self.hand else np.array(posed.stiffness.compliance_factor, order="C")
         n, nv, kinematics, balls = self.n, self.hand.nv, self.hand.kinematics, self._find
         placements, columns = kinematics.frames_at(at.q, self._frames)
         moving = Moving(np.ascontiguousarray(columns.T), self._support, self._coupling)

@@ -152,8 +152,8 @@ class GripTrial:
 
 @dataclass(eq=False)
 class GripTrials:
-    """All that were tried. share (nv,) : torques that count as much as each other, drive_friction (nv,) : dry friction of drives
-    [N·m]. max_forces (n,) : how hard contacts may press [N]. count : how many so far.
+    """All that were tried. share (nv,) : torques that count as much as each other, drive_friction (nv,) : dry friction
+    of drives [N·m]. max_forces (n,) : how hard contacts may press [N]. count : how many so far.
     """
 
     cases: tuple[LoadCase, ...]
@@ -277,7 +277,7 @@ class StickingResponse:
     rest: Array
     unloaded: Array
     levers: Array
-    held_torque: Array
+    bias_torque: Array
 
 
 def sticking_response(spec: GraspSpec, gripped: Callable[[GraspSpec, Array], GraspSpec]) -> StickingResponse:
@@ -291,7 +291,7 @@ def sticking_response(spec: GraspSpec, gripped: Callable[[GraspSpec, Array], Gra
     mechanism, scale = bare.mechanism, 1.0 if bare.scale is None else bare.scale
     assert mechanism is not None
     return StickingResponse(
-        bare, r[:, 2:], r[:, 0], r[:, 1], mechanism.jacobian_rows(bare.soft).T * scale, bare.held_torque
+        bare, r[:, 2:], r[:, 0], r[:, 1], mechanism.jacobian_rows(bare.soft).T * scale, bare.bias_torque_or_zero
     )
 
 
@@ -327,7 +327,7 @@ def minimise_grip(
     for by_grip, rest, state in _loading_ends(states):
         at = by_grip @ pattern
         cone = _cone_rows(state.scene, section)
-        torque, held = state.levers @ at, state.levers @ rest + state.held_torque
+        torque, held = state.levers @ at, state.levers @ rest + state.bias_torque
         above += [np.column_stack([-cone @ at * unit, np.zeros((len(cone), 2))])]
         none = np.zeros(len(share))
         above += [np.column_stack([way * torque * unit, none, -share]) for way in (1.0, -1.0)]
@@ -355,7 +355,7 @@ def _loading_ends(states: Sequence[StickingResponse]) -> list[tuple[Array, Array
 def _cone_rows(scene: Scene, section: Section) -> Array:
     """Rows A with A r ≥ 0 for forces (c,) within friction, on faces inside the cones."""
     rows = list[Array]()
-    for own, radius in zip(scene.kind.contact_components, scene.limits(section), strict=True):
+    for own, radius in zip(scene.kind.contact_components, scene.friction_coefficients(section), strict=True):
         if own[0] < 0:
             continue
         ways, inside = _face_normals(int((own >= 0).sum()) - 1)

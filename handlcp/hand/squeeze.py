@@ -353,7 +353,9 @@ def apply_command(spec: GraspSpec, squeeze: Any, grip_force: Any, joint_offset: 
             "grip_force", expand_link_values("grip_force", grip_force, mechanism.posture.hand), mechanism.fingertips
         )
         E, stand_off = _finger_compliance(spec, mechanism)
-        command, reach = grip_command(tip_motions(mechanism, spec.planar), force, E, mechanism.root, stand_off)
+        command, reach = grip_command(
+            tip_motions(mechanism, spec.planar), force, E, mechanism.compliance_factor, stand_off
+        )
         effect = JointOffset(read_only(command), reach if force.any() else None)
     if old is not None:  # another command in the same closing
         effect = replace(effect, opened=old.opened, keeps=old.keeps)

@@ -169,7 +169,7 @@ class MovingHand:
             for weight in self._weights:
                 weight.torque[:] = self.hand.kinematics.gravity_torque(q, self.mechanism.gravity)
         pads = self.hand.pads.rotate_blocks(lambda: frames.transpose(0, 2, 1) @ self._tip_rotations(), self._tips)
-        return tip_flexibility(J, self.mechanism.root, pads)
+        return tip_flexibility(J, self.mechanism.compliance_factor, pads)
 
     def copy_effects(self, effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
         """The effects as they are now, with arrays of their own."""

@@ -132,7 +132,9 @@ class TorqueCheck(Record):
 
     @property
     def ok(self) -> bool:
-        """All limits known (pass `torque_limits`, numpy.inf for none), and none exceeded."""
+        """All limits known (pass `torque_limits`, numpy.inf for none), and none exceeded. False also where a limit is
+        not known: a verdict then warns and may be HELD, since `over` decides there.
+        """
         return all(self.known) and not np.isnan(self.utilisation).any() and not self.over
 
     def __iter__(self) -> Iterator[TorqueRow]:
@@ -470,7 +472,10 @@ class MotorPull:
         joint moves which place.
         """
         pulls = np.flatnonzero(asked)
-        move, compliance = moves[:, pulls].astype(int), elasticity.compliance(np.eye(len(asked)))[np.ix_(pulls, pulls)]
+        move, compliance = (
+            moves[:, pulls].astype(int),
+            elasticity.contact_compliance(np.eye(len(asked)))[np.ix_(pulls, pulls)],
+        )
         fingers = np.full(len(asked), -1)
         if len(pulls):
             fingers[pulls] = connected_components((move.T @ move > 0) | (compliance != 0.0), directed=False)[1]

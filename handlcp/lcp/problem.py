@@ -99,7 +99,9 @@ class Status(Enum):
 
 
 class ScaledLCP:
-    """The problem in its natural units: M̂ (n, n), q̂ (n,), free (n,) and the `units` that lead back. See `equilibrate`."""
+    """The problem in its natural units: M̂ (n, n), q̂ (n,), free (n,) and the `units` that lead back. See
+    `equilibrate`.
+    """
 
     __slots__ = ("M", "free", "q", "units")
 

@@ -144,7 +144,7 @@ def _file_stiffness_doubts(described: RobotDescription, kinematics: Kinematics |
     yield from slide_doubts(described.facts, _stiffness_by_joint(stiffness, kinematics.joint_names))
     found = choose_obvious_tips(find_tip_candidates(described))
     tips = [(c.name, kinematics.model.getFrameId(c.link), c.point) for c in found]
-    yield from sag_doubts(kinematics, tips, stiffness.compliance(np.eye(kinematics.nv)))
+    yield from sag_doubts(kinematics, tips, stiffness.contact_compliance(np.eye(kinematics.nv)))
     efforts = {f.name: f.effort for f in described.facts}
     yield from spring_doubts(kinematics, stiffness, np.array([efforts[name] for name in kinematics.joint_names]))
 
@@ -154,7 +154,7 @@ def stiffness_doubts(hand: Any) -> Iterator[Doubt]:
     if hand.stiffness.uniform:
         where = "is not that of the file" if has_servos(hand.description) else "is in no file"
         unit = words.unit_of_joints(words.stiffness_unit, [name in hand.sliding for name in hand.joint_names])
-        what = f"joint stiffness {where}: {hand.stiffness.matrix[0, 0]:g} {unit} was passed for every joint"
+        what = f"joint stiffness {where}: {hand.stiffness.stiffness_matrix[0, 0]:g} {unit} was passed for every joint"
         advice = "joint_stiffness as measured, by joint name or as a matrix"
         yield Doubt("hand", what, advice, "minor", "stiffness")
     if hand.sliding:
@@ -169,7 +169,7 @@ def stiffness_doubts(hand: Any) -> Iterator[Doubt]:
 def _stiffness_by_joint(stiffness: Elasticity, joints: Sequence[str]) -> dict[str, float]:
     """Joint → its stiffness; nothing of a transmission that leaves some loose."""
     try:
-        own = np.diagonal(stiffness.matrix)
+        own = np.diagonal(stiffness.stiffness_matrix)
     except Unsupported:
         return {}
     return dict(zip(joints, own.tolist(), strict=True))

@@ -262,7 +262,7 @@ def _joint_springs(stiffness: Elasticity, joints: Sequence[str]) -> dict[str, fl
     """The joints' own springs [N·m/rad]; none behind a transmission."""
     if stiffness.law[1]:
         return {}
-    return dict(zip(joints, np.diagonal(stiffness.matrix).tolist(), strict=True))
+    return dict(zip(joints, np.diagonal(stiffness.stiffness_matrix).tolist(), strict=True))
 
 
 def _drive_origins(stiffness: Elasticity, joints: Sequence[str]) -> Iterator[OriginRow]:

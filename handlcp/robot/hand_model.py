@@ -43,6 +43,7 @@ class HandModel:
     fingertips : n names of frames.
     lower, upper : (nv,) ends of the joint ranges [rad, m], narrowed by the limits of mimic joints; ±inf: none.
     neutral : (nv,) the posture nearest to zero inside the joint ranges [rad, m].
+    torques : motors and limits, with which limits are known (`TorqueLimits`).
     torque_limits : (nv,) [N·m] (N for prismatic joints); inf where there is none or none is known.
     joint_friction : (nv,) dry friction at the joints, beside their springs [N·m] (N for prismatic joints).
     in_parts_of : links whose meshes touch in convex parts, not as their hulls.
@@ -289,7 +290,7 @@ class HandPosture:
     def flexibility(self) -> Array:
         """(3n, 3n) symmetric positive semidefinite flexibility at the tips [m/N], world axes, the pads included."""
         pads = self.hand.pads.rotate_blocks(lambda: self.tip_rotations, self.hand.tips.numbers)
-        return read_only(tip_flexibility(self.jacobian, self.hand.stiffness.root, pads))
+        return read_only(tip_flexibility(self.jacobian, self.hand.stiffness.compliance_factor, pads))
 
     def jacobian_at(self, points: Array, tips: tuple[int, ...]) -> Array:
         """(…, m, 3, nv) Jacobian v + ω × p of points (…, m, 3) that move with the tips numbered `tips`, world axes."""

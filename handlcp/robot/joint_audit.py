@@ -443,7 +443,7 @@ def spring_doubts(kinematics: Kinematics, stiffness: Elasticity, limits: Array) 
         most = abs(stiffness.arms) * np.minimum(stiffness.cables.limits, _UNLIMITED_FORCE)[:, None]
         limits = np.minimum(limits, most.sum(axis=0))
     shares = abs(spring_preload(kinematics)) / np.where(limits > 0.0, limits, np.inf)
-    shares[stiffness.parallel_springs > 0.0] = 0.0
+    shares[stiffness.springs_with_rest > 0.0] = 0.0
     if much := [name for name, share in zip(joints, shares, strict=True) if share > _MIN_SPRING_SHARE]:
         what = (
             f"springs of the file pull with up to {words.format_percent(float(shares.max()))} of what drives give "

@@ -64,14 +64,14 @@ class ServoStiffness(JointStiffness):
         self._beside = _find_parallel_springs(self.rows, self.passive.diagonal(), bool(widened))
 
     @property
-    def own_springs(self) -> Array:
+    def joint_springs(self) -> Array:
         """The springs (nv,) that the file gives the joints beside the servos [N·m/rad, N/m]."""
         return np.asarray(self.passive.diagonal())
 
     @property
-    def parallel_springs(self) -> Array:
+    def springs_with_rest(self) -> Array:
         """Of springs whose joints servos turn on their own."""
-        return np.zeros(len(self.root)) if self._beside is None else self._beside
+        return np.zeros(len(self.compliance_factor)) if self._beside is None else self._beside
 
     def parallel_spring_torque(self, q: Array) -> Array | None:
         """The torque k (q - θ) (nv,) of the springs beside the servos [N·m]; None: there are none."""
@@ -85,9 +85,9 @@ class ServoStiffness(JointStiffness):
     @property
     def command_directions(self) -> Array:
         """Where servos can turn the joints: not those that springs alone hold."""
-        if self.widened or np.linalg.matrix_rank(self.rows) == len(self.root):
+        if self.widened or np.linalg.matrix_rank(self.rows) == len(self.compliance_factor):
             return super().command_directions
-        return orthonormal_basis(self.root @ (self.rows @ self.root).T)
+        return orthonormal_basis(self.compliance_factor @ (self.rows @ self.compliance_factor).T)
 
     def actuator_torque(self, torque: Array, command: Array) -> Array:
         """τ - K_p (C τ - δq), beside what holds the springs in the grasp's posture: they turn with the joints."""
@@ -95,7 +95,7 @@ class ServoStiffness(JointStiffness):
 
     def unmade_torque(self, command: Array) -> Array:
         """What of K δq no servos make."""
-        asked = self.matrix @ command
+        asked = self.stiffness_matrix @ command
         if self.widened or not asked.any():
             return np.zeros(len(command))
         left = asked - self.rows.T @ np.linalg.lstsq(self.rows.T, asked)[0]
@@ -103,7 +103,7 @@ class ServoStiffness(JointStiffness):
 
     def scale_stiffness(self, factor: float) -> ServoStiffness:
         """The same with every spring so many times as stiff."""
-        return ServoStiffness(self.matrix * factor, self.rows, self.passive * factor, self.rest, self.widened)
+        return ServoStiffness(self.stiffness_matrix * factor, self.rows, self.passive * factor, self.rest, self.widened)
 
     def scale_by_joint(self, factors: Array) -> Self:
         """Servos and springs of a joint alike."""

@@ -1,4 +1,6 @@
-"""`add_hand`: the hand as bodies of MuJoCo, with its joints and springs, and tendons along routes as spatial tendons."""
+"""`add_hand`: the hand as bodies of MuJoCo, with its joints and springs, and tendons along routes as spatial
+tendons.
+"""
 
 from __future__ import annotations
 
@@ -159,7 +161,7 @@ def _parallel_springs(hand: HandModel) -> dict[str, dict[str, Any]]:
     at_zero = hand.stiffness.parallel_spring_torque(np.zeros(hand.nv))
     if at_zero is None:
         return {}
-    each = zip(hand.joint_names, hand.stiffness.parallel_springs.tolist(), at_zero.tolist(), strict=True)
+    each = zip(hand.joint_names, hand.stiffness.springs_with_rest.tolist(), at_zero.tolist(), strict=True)
     return {joint: {"stiffness": k, "springref": -torque / k} for joint, k, torque in each if k}
 
 
@@ -168,7 +170,7 @@ def spring_command_offset(hand: HandModel, q: Array) -> Array:
     held = hand.stiffness.parallel_spring_torque(q)
     if held is None:
         return np.zeros(hand.nv)
-    K = hand.stiffness.matrix - np.diag(hand.stiffness.parallel_springs)
+    K = hand.stiffness.stiffness_matrix - np.diag(hand.stiffness.springs_with_rest)
     return np.asarray(np.linalg.lstsq(K, held)[0])
 
 
@@ -275,7 +277,7 @@ def add_springs(
 
 
 def _make_springs(hand: HandModel) -> SimulatedSprings:
-    K, names = hand.stiffness.matrix - np.diag(hand.stiffness.parallel_springs), hand.joint_names
+    K, names = hand.stiffness.stiffness_matrix - np.diag(hand.stiffness.springs_with_rest), hand.joint_names
     rigid = np.isinf(np.diagonal(K))
     free = np.flatnonzero(~rigid)
     K = np.where(np.outer(rigid, rigid) | np.isinf(K), 0.0, K)

@@ -284,7 +284,7 @@ def signed_forces(grasp: Grasp, table: PaperTable, read: bool = True) -> tuple[A
     signed = [i for i in range(len(printed)) if i % 3 != 2 and printed[i] != 0.0]
     choices = np.tile(printed, (2 ** len(signed), 1))
     choices[:, signed] *= np.array(list(product((1.0, -1.0), repeat=len(signed)))).reshape(-1, len(signed))
-    G, scale = scene.geometry.grasp_matrix, np.repeat([1.0, 1.0 / scene.units.length], 3)
+    G, scale = scene.geometry.grasp_matrix, np.repeat([1.0, 1.0 / scene.units.length_unit], 3)
     if missing:
         left = (choices @ G.T + scene.geometry.wrench) * scale
         choices[:, missing] = -left @ np.linalg.pinv(scale[:, None] * G[:, missing]).T

@@ -81,6 +81,14 @@ def test_every_name_that_a_page_names_is_one_of_the_package(page):
     assert sorted(parts - known) == []
 
 
+def test_every_function_that_the_drawing_of_one_solve_names_is_one_of_the_package():
+    text = (ROOT / PAGES[0]).read_text(encoding="utf-8").partition("\n## One solve")[2].partition("\n## ")[0]
+    drawn = text.partition("```\n")[2].partition("```")[0]
+    names = set(re.findall(r"\b\w+_\w+\b", drawn)) - {"NOT_HOLDABLE", "NO_EQUILIBRIUM"}
+    assert len(names) > 20
+    assert sorted(names - package_names()) == []
+
+
 def test_every_file_of_the_package_that_the_documentation_names_exists():
     pages = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
     named = {path for page in pages for path in re.findall(r"\bhandlcp/[\w/.]*\w", page.read_text(encoding="utf-8"))}

@@ -82,7 +82,7 @@ def _choices(s: hl.GraspSolution) -> Iterator[tuple[str, ...]]:
     """Contact states, with what touches without force sticking ("pushing" where it slips) or separated; "any" where
     there are many of them.
     """
-    slow = _REST * max(s.residuals.motion_scale, arrays(s).units.motion)
+    slow = _REST * max(s.residuals.motion_scale, arrays(s).units.motion_unit)
     rest = [i for i, state in enumerate(s.contact_state) if state == "separated" and s.gap[i] <= slow]
     ways = itertools.product(("separated", "sticking"), repeat=len(rest)) if len(rest) <= 4 else [("any",) * len(rest)]
     for way in ways:
@@ -98,7 +98,7 @@ class Oracle:
 
     def __init__(self, s: hl.GraspSolution, states: tuple[str, ...], faces: int, wider: tuple[str, ...]) -> None:
         g, n = arrays(s), len(s.names)
-        self.F, L, D = g.units.force, g.units.length, g.units.motion
+        self.F, L, D = g.units.force_unit, g.units.length_unit, g.units.motion_unit
         T = np.diag([1.0] * 3 + [1.0 / L] * 3)
         G, E = T @ g.grasp_matrix[:, : 3 * n], np.asarray(g.flexibility)[: 3 * n, : 3 * n] * self.F / D
         d, w = np.asarray(g.offset).reshape(-1)[: 3 * n] / D, T @ np.asarray(g.wrench) / self.F
@@ -203,7 +203,7 @@ def examine(grasp: Any, faces: Any, seed: int, readings: int = 4) -> Counter[str
     if not s.held:
         return Counter({"not held": 1})
     bounds = s.force_bounds()
-    n, size = len(s.names), arrays(s).units.force
+    n, size = len(s.names), arrays(s).units.force_unit
     assert outside(bounds, s.forces, size) <= 0.0
     if not bounds.open:
         np.testing.assert_allclose(bounds.normal, s.normal_force[:, None] * [1.0, 1.0], rtol=0.0, atol=1e-12 * size)

@@ -89,28 +89,28 @@ class _Laws:
     def __init__(self, grasp: hl.Grasp, rho: float) -> None:
         s = self.scene = arrays(grasp)
         u = s.units
-        self.force, self.motion, self.length, n = u.force, u.motion, u.length, s.n
+        self.force, self.motion, self.length, n = u.force_unit, u.motion_unit, u.length_unit, s.n
         self.reference, self.centre = grasp.reference, u.centre
         self.k = 3 * n
         R = s.frames.astype(L)
-        a = (s.positions.astype(L) - u.centre.astype(L)) / L(u.length)
+        a = (s.positions.astype(L) - u.centre.astype(L)) / L(u.length_unit)
         G = np.zeros((6, 3 * n), L)
         for i in range(n):
             G[:3, 3 * i : 3 * i + 3] = R[i]
             G[3:, 3 * i : 3 * i + 3] = np.cross(a[i], R[i].T).T
         F, m, c = s.force.astype(L), s.moment.astype(L), u.centre.astype(L)
-        self.load = np.r_[F, (m - np.cross(c, F)) / L(u.length)] / L(u.force)
+        self.load = np.r_[F, (m - np.cross(c, F)) / L(u.length_unit)] / L(u.force_unit)
         if s.plane is not None:  # forces in the plane, the moment about its normal
             W = s.freedom.astype(L)
             G, self.load = W @ G, W @ self.load
         self.G, self.dof = G, len(G)
-        self.E = s.flexibility.astype(L) * L(u.force) / L(u.motion)
-        self.d = s.offset.astype(L).ravel() / L(u.motion)
+        self.E = s.flexibility.astype(L) * L(u.force_unit) / L(u.motion_unit)
+        self.d = s.offset.astype(L).ravel() / L(u.motion_unit)
         own = np.array([max(float(np.trace(self.E[i : i + 3, i : i + 3])) / 3, 0) for i in range(0, 3 * n, 3)])
         self.rho = rho / np.where(own > 0, np.maximum(own, 1e-6 * own.max()), 1.0)
         bounds = [e for e in grasp.effects if isinstance(e, hl.TotalForceBound)]
-        self.limit = L(bounds[0].limit) / L(u.force) if bounds else None
-        self.given = {e.contact: e.force.astype(L) / L(u.force) for e in grasp.effects if hasattr(e, "contact")}
+        self.limit = L(bounds[0].limit) / L(u.force_unit) if bounds else None
+        self.given = {e.contact: e.force.astype(L) / L(u.force_unit) for e in grasp.effects if hasattr(e, "contact")}
 
     def start(self, solution: hl.GraspSolution) -> np.ndarray:
         """(N,) the unknowns of a solution."""

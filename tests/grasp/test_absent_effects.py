@@ -27,14 +27,14 @@ def by_hand(g, faces):
     T = np.array([3 * i + k for i in rough for k in kept], dtype=int)
     columns = frames.transpose(0, 2, 1).reshape(-1, 3)
     arms = np.repeat(p - c, 3, axis=0)
-    G = np.vstack([columns.T, np.cross(arms, columns).T * (1.0 / unit.length)])
+    G = np.vstack([columns.T, np.cross(arms, columns).T * (1.0 / unit.length_unit)])
     f, about = w.force, w.moment
     moment = [about[0] - c[1] * f[2] + c[2] * f[1], about[1] - c[2] * f[0] + c[0] * f[2],
               about[2] - c[0] * f[1] + c[1] * f[0]]  # fmt: skip
-    load = np.append(f, np.array(moment) * (1.0 / unit.length)) / unit.force
+    load = np.append(f, np.array(moment) * (1.0 / unit.length_unit)) / unit.force_unit
     if flat:
         G, load = G[[0, 1, 5]], load[[0, 1, 5]]
-    E, d = g.flexibility * (unit.force / unit.motion), g.offset.ravel() / unit.motion
+    E, d = g.flexibility * (unit.force_unit / unit.motion_unit), g.offset.ravel() / unit.motion_unit
     m = 2 if flat else 0 if faces == "cone" else faces
     a = 2 * np.pi * np.arange(m) / max(m, 1)
     facets = np.array([[1.0, -1.0]]) if flat else np.vstack([np.cos(a), np.sin(a)])

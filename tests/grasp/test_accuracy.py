@@ -71,8 +71,8 @@ def near(grasp, solution):
 def disturbed(rng, grasp, solution, by):
     """The solution with its forces and its motion moved by a share of the natural units."""
     units = arrays(grasp).units
-    forces = solution.forces + by * units.force * rng.normal(size=solution.forces.shape) * (solution.forces != 0)
-    motion = units.motion * np.r_[rng.normal(size=3), rng.normal(size=3) / units.length]
+    forces = solution.forces + by * units.force_unit * rng.normal(size=solution.forces.shape) * (solution.forces != 0)
+    motion = units.motion_unit * np.r_[rng.normal(size=3), rng.normal(size=3) / units.length_unit]
     return replace(solution, forces=forces, object_displacement=solution.object_displacement + by * motion)
 
 

@@ -42,7 +42,7 @@ def test_every_corrupted_motion_is_refused(answer):
     for i in range(6):
         for change in (1e-4, -1e-4, np.nan):
             bad = u.copy()
-            bad[i] += change * arrays(g).units.motion / (1 if i < 3 else arrays(g).units.length)
+            bad[i] += change * arrays(g).units.motion_unit / (1 if i < 3 else arrays(g).units.length_unit)
             assert not judged(g, f, bad).passes
 
 
@@ -118,7 +118,7 @@ def test_the_smallest_motion_is_given():
         shifted = at_centre(g, s.object_displacement + t * d / np.linalg.norm(d))
         assert judged(g, s.forces, shifted).passes
         now = at_centre(g, s)
-        size = np.r_[np.ones(3), np.full(3, arrays(g).units.length)]
+        size = np.r_[np.ones(3), np.full(3, arrays(g).units.length_unit)]
         assert np.linalg.norm(shifted * size) >= np.linalg.norm(now * size) * (1 - 1e-9)
 
 
@@ -212,4 +212,4 @@ def test_contacts_at_one_point_have_no_size_made_of_rounding(seed):
     f = np.array([0.1, 0.2, -1.3])
     g = hl.Grasp([hl.Contact(at, a) for a in z], np.r_[f, np.cross(at, f)], flexibility=1e-4)
     assert g.solve(throw=False).held
-    assert arrays(g).units.length > 1e-3
+    assert arrays(g).units.length_unit > 1e-3

@@ -8,6 +8,7 @@ from scipy.optimize import linprog
 
 import handlcp as hl
 from handlcp.grasp import Effect
+from handlcp.grasp.model.equation_system import Unknown
 from handlcp.studies.paper import PRELOAD, example
 from tests.grasp.scenes import pinch, ring
 from tests.support.grasp import arrays
@@ -23,8 +24,8 @@ def exists(g, m):
     scale = np.trace(s.flexibility) / len(s.flexibility)
     f0 = max(np.abs(s.force).max(), 1e-9)
     G, E, d = s.grasp_matrix, s.flexibility / scale, s.offset.ravel() / (scale * f0)
-    G = np.vstack([G[:3], G[3:] / s.units.length])
-    w = np.r_[s.wrench[:3], s.wrench[3:] / s.units.length] / f0
+    G = np.vstack([G[:3], G[3:] / s.units.length_unit])
+    w = np.r_[s.wrench[:3], s.wrench[3:] / s.units.length_unit] / f0
     corner = lambda j: np.array([np.cos(a[j] + np.pi / m), np.sin(a[j] + np.pi / m)])  # noqa: E731
     face = lambda j: np.array([np.cos(a[j % m]), np.sin(a[j % m])])  # noqa: E731
     modes = [([], [(0, 0, 1)] + [(*t, 0) for t in ((1, 0), (-1, 0), (0, 1), (0, -1))])]
@@ -106,3 +107,46 @@ def test_an_effect_that_moves_contacts_by_more_than_its_limits_is_not_for_this_s
 def test_no_work_is_no_claim():
     contacts, data = ring(np.random.default_rng(0), n=5)
     assert searched(hl.Grasp(contacts, **data), 16, work=1.0).outcome == "unknown"
+
+
+class OwnUnknown(Effect):
+    """Brings an unknown that is no limit, and moves no contact."""
+
+    def unknowns(self, scene):
+        return (Unknown("own", 1, False, "motion"),)
+
+
+class OwnRows(Effect):
+    """Stamps a block of its own."""
+
+    def stamp(self, scene, system):
+        system.add_between_forces(np.eye(scene.kind.index.size))
+
+
+class OwnLaw(Effect):
+    """Has a law of its own."""
+
+    def residual(self, scene, forces, extra, force_size, motion_size):
+        return 0.0
+
+
+@pytest.mark.parametrize("kind", [Pushed, OwnUnknown, OwnRows, OwnLaw])
+def test_an_effect_with_anything_of_its_own_is_no_limit_alone(kind):
+    assert kind().stamps
+    assert not kind().only_limits
+    assert not applicable((hl.TotalForceBound(5.0), kind()))
+
+
+def test_laws_of_balance_contact_and_friction_are_known_to_every_search():
+    problem = pinch().problem("cone")
+    assert len(problem.effects) > 2
+    assert all(effect.only_limits for effect in problem.effects)
+
+
+@pytest.mark.parametrize("measure", ["force", "twist"])
+def test_levers_belong_to_motions_alone(measure):
+    with pytest.raises(hl.InputError, match="levers"):
+        Unknown("own", 1, False, measure, (0.1,))
+    with pytest.raises(hl.InputError, match="levers"):
+        Unknown("own", 2, False, "motion", (0.1,))
+    assert Unknown("own", 1, False, "motion", (0.1,)).levers == (0.1,)

@@ -43,7 +43,7 @@ def test_a_hand_of_a_file_with_twenty_tendons_is_the_one_made_by_hand():
     for q in (hand.neutral, np.tile([0.4, 0.6, 0.2], 5)):
         ours, theirs = (tendons_of(h.at(q).hand) for h in (hand, by_hand))
         assert ours.names == theirs.names
-        np.testing.assert_allclose(ours.matrix, theirs.matrix, rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(ours.stiffness_matrix, theirs.stiffness_matrix, rtol=1e-12, atol=1e-12)
         np.testing.assert_allclose(ours.cables.springs, theirs.cables.springs, rtol=1e-12)
         np.testing.assert_array_equal(ours.cables.limits, theirs.cables.limits)
         np.testing.assert_array_equal(ours.cables.pretension, theirs.cables.pretension)

@@ -120,7 +120,7 @@ def test_contacts_in_one_plane_share_a_slab_below_it():
     around = Environment([*feet, wall], 1e-5, [0, 0, 0, 0, 1e-3])
     grasp = Grasp(top, (0, 0, -1.0, 0, 0, 0), flexibility=1e-4, preload=1e-3, environment=around)
     table, wall = environment_bodies(grasp)
-    size = arrays(grasp).units.length
+    size = arrays(grasp).units.length_unit
     corners = table.triangles.reshape(-1, 3)
     assert corners[:, 2].max() == pytest.approx(0.0, abs=1e-15)
     np.testing.assert_allclose(np.ptp(corners[:, :2], axis=0), 0.04 + size)

@@ -124,7 +124,9 @@ def test_a_hand_with_tendons_takes_one_factor_for_all_its_springs_and_no_mapping
     coupled = HAND.replace(joint_stiffness=hl.Tendons(arms, 1e4, passive=5.0))
     one = grasp(coupled)
     stiffer = grasp_with(one, stiffness=1.5)
-    np.testing.assert_allclose(stiffer.mechanism.root, one.mechanism.root / np.sqrt(1.5), rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(
+        stiffer.mechanism.compliance_factor, one.mechanism.compliance_factor / np.sqrt(1.5), rtol=1e-9, atol=1e-12
+    )
     with pytest.raises(hl.InputError, match="tendons or synergies"):
         hl.reliability(one, {"stiffness": {HAND.joint_names[0]: 0.1}}, 64)
 

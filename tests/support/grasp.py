@@ -61,7 +61,7 @@ def arrays(of):
     """A grasp, or the grasp that a solution answers, as plain SI arrays in the coordinates of its friction laws.
 
     Read here: positions, frames, mu, flexibility, offset, spin, force, moment, wrench, plane, freedom, governed, rough,
-    grasp_matrix, n, environment, natural.w, units.force, units.length, units.motion, units.centre.
+    grasp_matrix, n, environment, natural.w, units.force_unit, units.length_unit, units.motion_unit, units.centre.
     """
     if len(_VIEWS) > 1000:
         _VIEWS.clear()

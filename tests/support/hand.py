@@ -120,7 +120,11 @@ class _UnderLoad:
     def compliance(self, r):
         """(nv, nv) (K + K_g)⁻¹."""
         bent = self._bent(r)
-        return None if bent is None else self.joints.root @ self.joints.root.T + bent.bent.added_compliance
+        return (
+            None
+            if bent is None
+            else self.joints.compliance_factor @ self.joints.compliance_factor.T + bent.bent.added_compliance
+        )
 
     def change(self, r):
         """(3n, 3n)."""

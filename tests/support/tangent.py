@@ -11,4 +11,4 @@ def without_slip(grasp):
     """(n, 3) forces of a grasp under its load in which nothing slips and nothing opens."""
     scene = grasp.scene
     found, _ = _without_slip(scene, scene.flexibility, scene.offset[:, None], scene.geometry.wrench[:, None])
-    return np.asarray(scene.to_contact_axes(found[:, 0])[: 3 * scene.n]).reshape(-1, 3)
+    return np.asarray(scene.forces_to_contact_axes(found[:, 0])[: 3 * scene.n]).reshape(-1, 3)

@@ -26,7 +26,8 @@ _LAWS: dict[tuple[str, str], type[FrictionLaw]] = {}
 class FrictionLaw:
     """Friction of a point contact that is alike in all directions, unless a subclass says otherwise.
 
-    Subclasses have `mu`, the coefficient [-], and
+    The set grows in proportion to r_N: a friction cone. A bound that does not is an effect, made of `Limit`s.
+    Subclasses have `mu`, the coefficient [-] along an axis whose scale is 1, and
 
     call : how a user writes the law, for refusals. file_keys : of a scene file's friction table, which of them are
     needed and which may stand beside them, each with the argument that it becomes; no keys: no table is this law.

@@ -202,7 +202,7 @@ class _EquilibriumListing:
         self.spec, self.start, self.scene = spec, start, build_scene(spec)
         self.problem = GraspContactProblem(self.scene, section, stamped_effects(spec.effects))
         self.found: list[GraspSolution] = []
-        self.noise = _EQUAL_FORCE_SHARE * self.scene.units.force
+        self.noise = _EQUAL_FORCE_SHARE * self.scene.units.force_unit
 
     def from_other_seeds(self, end: float) -> None:
         """What the chain of stages ends at with other seeds."""
@@ -255,7 +255,7 @@ class _EquilibriumListing:
 
     def _forces(self, c: SolverCandidate) -> Array:
         """The forces (n, 3) of a candidate in contact axes [N]."""
-        return self.scene.to_contact_axes(c.components)[: 3 * self.scene.n].reshape(-1, 3)
+        return self.scene.forces_to_contact_axes(c.components)[: 3 * self.scene.n].reshape(-1, 3)
 
     def _close(self, a: Array, b: Array) -> bool:
         """Within the noise, too: where no force is needed, what rounding leaves of it differs by all of its size."""

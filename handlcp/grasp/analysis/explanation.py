@@ -296,7 +296,7 @@ def _scene_with_same_answer(less: GraspSpec, solution: GraspSolution) -> Scene:
         assert solution.spin is not None  # soft in `less`, soft in the grasp
         v = np.append(v, solution.spin[list(scene.soft)])
     G = scene.geometry.grasp_matrix
-    d = scene.to_contact_axes(v) - G.T @ u - scene.flexibility @ r  # motions scale as forces do, the other way round
+    d = scene.motions_to_law_axes(v) - G.T @ u - scene.flexibility @ r
     load, centre = -G @ r, scene.units.centre
     moment = load[3:] + cross_rows(centre, load[:3])
     return replace(scene, force=read_only(load[:3]), moment=read_only(moment), offset=read_only(d))

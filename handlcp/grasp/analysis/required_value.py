@@ -239,7 +239,7 @@ def required_preload(
 
     Squeeze changes no friction cone: where no force in them balances the load, none is enough, and that is proven.
     """
-    tolerance, size = check_tolerance(tolerance), build_scene(spec).units.motion
+    tolerance, size = check_tolerance(tolerance), build_scene(spec).units.motion_unit
     most = 1e4 * size if limit is None else check_number("limit", limit, above=0.0)
     if _is_proven_to_escape(spec, section):
         return Required(None, None, True, "m", most, tolerance, ())

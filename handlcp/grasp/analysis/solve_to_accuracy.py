@@ -60,7 +60,7 @@ def _find_helpful_squeeze(spec: GraspSpec, section: Section) -> float | None:
     least = required_preload(
         spec,
         section,
-        limit=MAX_SQUEEZE_SHARE * build_scene(spec).units.length,
+        limit=MAX_SQUEEZE_SHARE * build_scene(spec).units.length_unit,
         test=_holds_within_limits,
         sure=_holds_within_limits,
     ).value
@@ -137,7 +137,7 @@ def force_error(problem: GraspContactProblem, solution: GraspSolution) -> float:
     for name, index in (("r_N", scene.kind.normal_index), ("r_T", scene.kind.tangent_index)):
         if name in at:
             off[index] = bound[at[name]]
-    size = float(np.sqrt((solution.forces**2).sum(axis=1)).max()) / scene.units.force
+    size = float(np.sqrt((solution.forces**2).sum(axis=1)).max()) / scene.units.force_unit
     most = float(np.sqrt((off.reshape(-1, 3) ** 2).sum(axis=1)).max()) + _EPS * size  # the way to newtons rounds, too
     if size <= ACTIVE_TOLERANCE:
         return most
@@ -205,7 +205,7 @@ def _rounding_noise(problem: GraspContactProblem, x: Array) -> Array:
     about the origin: what they are differences of counts.
     """
     scene, u = problem.scene, problem.system.at["u"].start
-    far = float(abs(scene.positions).max()) / scene.units.length
+    far = float(abs(scene.positions).max()) / scene.units.length_unit
     turns = np.zeros(len(x), dtype=bool)
     turns[u + (3 if scene.dof == 6 else 2) : u + scene.dof] = True
     terms = abs(problem.q) + abs(problem.M) @ abs(x) + (turns[:, None] != turns) @ (far * abs(x))

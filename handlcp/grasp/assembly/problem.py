@@ -44,12 +44,12 @@ def unknowns_in_si(
     """
     f, u = prescribed.copy(), np.empty(dof)
     for k in range(len(unknown)):
-        f[unknown[k]] = x[at[0] + k if k < normals else at[1] + k - normals] * p.force
+        f[unknown[k]] = x[at[0] + k if k < normals else at[1] + k - normals] * p.force_unit
     lengths = 3 if dof == 6 else 2
     for k in range(dof):
-        u[k] = x[at[2] + k] * p.motion
+        u[k] = x[at[2] + k] * p.motion_unit
         if k >= lengths:
-            u[k] /= p.length
+            u[k] /= p.length_unit
     return f, u
 
 
@@ -60,7 +60,7 @@ def solution_candidate(scene: Scene, solution: Any) -> SolverCandidate:
         torsion = np.zeros(scene.n) if solution.torsion is None else solution.torsion
         forces = np.append(forces, torsion[list(scene.soft)])
     twist = shift_twist(solution.object_displacement, scene.units.centre - solution.reference)
-    return SolverCandidate(scene.to_law_axes(forces), twist, solution.extra, len(scene.soft))
+    return SolverCandidate(scene.forces_to_law_axes(forces), twist, solution.extra, len(scene.soft))
 
 
 # ----------------------------------------------------------------
@@ -135,7 +135,7 @@ class GraspContactProblem(ContactProblem):
         """(n,) x with these forces, motion and, as far as given, unknowns of further effects: the way back."""
         scene, x, at = self.scene, np.zeros(self.n), self.system.at
         normal, count, tangential = self.system.layout.forces
-        forces = candidate.components[scene.kind.index] / scene.units.force
+        forces = candidate.components[scene.kind.index] / scene.units.force_unit
         x[normal : normal + count] = forces[:count]
         x[tangential : tangential + len(forces) - count] = forces[count:]
         x[at["u"]] = scene.natural_twist(candidate.twist)
@@ -191,7 +191,7 @@ def _make_design(scene: Scene, section: Section, groups: tuple[Unknown, ...]) ->
 
 def friction_sets(scene: Scene, section: Section) -> FrictionSets:
     """Of the contacts with friction, in the order of the blocks."""
-    limits = scene.limits(section)[[*scene.rough, *scene.soft]]
+    limits = scene.friction_coefficients(section)[[*scene.rough, *scene.soft]]
     return FrictionSets(read_only(limits), section.faces, polyhedron_normals(scene, section))
 
 

@@ -134,7 +134,7 @@ def _add_torsion(spec: GraspSpec, soft: tuple[int, ...]) -> tuple[FlexibilityInp
     n = len(d)
     E = np.zeros((n + len(soft), n + len(soft)))
     if spec.mechanism is not None and spec.flexibility.any():
-        E += spec.mechanism.compliance(spec.mechanism.jacobian_rows(soft))
+        E += spec.mechanism.contact_compliance(spec.mechanism.jacobian_rows(soft))
     E[:n, :n] = spec.flexibility
     for at, i in enumerate(soft, n):
         E[at, at] += spec.contacts[i].friction.pad_torsion

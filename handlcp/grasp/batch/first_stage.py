@@ -19,11 +19,19 @@ from handlcp.grasp.grasp import Grasp
 from handlcp.grasp.model.contact import SceneKind
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solve.compiled_answer import NO_START, CompiledKind, get_compiled_kind
-from handlcp.grasp.solve.compiled_solve import HEADER_SIZE, NONE_HOLDS, UNIQUE, ScenePattern, solve_scenes, write_rows
+from handlcp.grasp.solve.compiled_solve import (
+    HEADER_SIZE,
+    NONE_HOLDS,
+    OUTCOME,
+    UNIQUE,
+    UNKNOWN,
+    ScenePattern,
+    solve_scenes,
+    write_rows,
+)
 from handlcp.lcp import Status, as_chain
 from handlcp.lcp.compiler.compile_policy import compile_in_background
 from handlcp.lcp.solve import AnySolver
-from handlcp.tolerances import CERTIFY_TOLERANCE
 
 # ----------------------------------------------------------------
 # What a batch asks: its grasps, and how each of them is solved.
@@ -86,7 +94,7 @@ def scene_rows(scenes: Sequence[Scene], kind: CompiledKind, section: Section) ->
         force=force,
         moment=moment,
         freedom=[s.freedom for s in scenes] if kind.kind.planar else [_SPATIAL_FREEDOM] * m,
-        limits=[s.limits(section) for s in scenes] if soft else np.array(mu) * section.share,
+        limits=[s.friction_coefficients(section) for s in scenes] if soft else np.array(mu) * section.share,
     )
 
 
@@ -170,18 +178,18 @@ class FirstStageAnswers(NamedTuple):
 
     @property
     def is_certified(self) -> Bools:
-        """(k,) whether the certifier calls it an answer; NaN never is."""
-        return np.asarray((self.rows[:, 5:9] <= CERTIFY_TOLERANCE).all(axis=1))
+        """(k,) whether the certifier calls it an answer, as `CompiledAnswer.passes`."""
+        return np.asarray(self.rows[:, OUTCOME] >= UNKNOWN)
 
     @property
     def is_unique(self) -> Bools:
         """(k,) whether it is an answer that leaves nothing free."""
-        return np.asarray(self.rows[:, 11] == UNIQUE)
+        return np.asarray(self.rows[:, OUTCOME] == UNIQUE)
 
     @property
     def status(self) -> Ints:
         """(k,) the number of each status among all, where the first stage settles it, or nothing more is asked."""
-        none = self.rows[:, 11] == NONE_HOLDS
+        none = self.rows[:, OUTCOME] == NONE_HOLDS
         other = np.where(none, STATUSES.index(Status.NOT_HOLDABLE), STATUSES.index(Status.UNDECIDED))
         return np.where(self.is_certified, STATUSES.index(Status.SOLVED), other)
 

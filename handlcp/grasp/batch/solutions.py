@@ -48,7 +48,7 @@ class GraspGroup:
         self.forces[row] = solution.forces
         self.displacement[row] = solution.object_displacement
         if (mechanism := grasp.spec.mechanism) is not None:
-            torques: Array = getattr(solution, "torques")  # noqa: B009  that of `mechanism.solution`, a subclass
+            torques: Array = getattr(solution, "torques")  # noqa: B009  that of `mechanism.solution_class`, a subclass
             self._put_torques(row, torques, mechanism.limits)
 
     def set_answer(self, row: int, grasp: Grasp, answer: CompiledAnswer) -> None:
@@ -56,7 +56,7 @@ class GraspGroup:
         them; everything else is there already.
         """
         spec, scene = grasp.spec, grasp.scene
-        components, n = scene.to_contact_axes(answer.components), scene.n
+        components, n = scene.forces_to_contact_axes(answer.components), scene.n
         self.forces[row] = components[: 3 * n].reshape(-1, 3)
         if (mechanism := spec.mechanism) is not None:
             torsion = scene.scatter_torsion(components[3 * n :]) if scene.soft else None

@@ -194,7 +194,7 @@ def linear_laws(scene: Scene, limits: Array, rows: Array, gives: Bools) -> Linea
     """Of a grasp, its motions about the contacts' centre. limits (n,) : of the friction sets. rows (m, c) : of limits,
     natural units; gives (m,) : those that give way.
     """
-    softness = scene.units.force / scene.units.motion
+    softness = scene.units.force_unit / scene.units.motion_unit
     K = saddle_matrix(scene.flexibility, softness, scene.natural.full_G, rows)
     kept = np.concatenate([np.zeros(scene.components, bool), np.ones(scene.dof, bool), gives])
     return LinearLaws(K, kept, scene.kind.contact_components, limits, softness)
@@ -225,7 +225,7 @@ def solve_without_slip(scene: Scene, flexibility: Array, offsets: Array, loads: 
     """
     index, posed = scene.kind.index, scene.geometry
     e0 = float(np.diagonal(scene.flexibility).mean()) or 1.0
-    rows = scene.freedom / np.repeat([1.0, posed.length], 3)
+    rows = scene.freedom / np.repeat([1.0, posed.length_unit], 3)
     E, G = flexibility[np.ix_(index, index)], rows @ posed.grasp_matrix[:, index]
     K = saddle_matrix(E, 1.0 / e0, G, np.zeros((0, len(index))))
     answer = np.linalg.lstsq(K, -np.vstack([offsets[index] / e0, rows @ loads]), rcond=_OPEN_SINGULAR_SHARE)[0]

@@ -71,7 +71,7 @@ class LinearisationPoint:
     @lazy_property
     def law_forces(self) -> Array:
         """(c,) the same in the coordinates of the friction laws [N]."""
-        return self.scene.to_law_axes(self.components)
+        return self.scene.forces_to_law_axes(self.components)
 
     @lazy_property
     def scale(self) -> Array:
@@ -82,13 +82,13 @@ class LinearisationPoint:
     def sizes(self) -> Array:
         """(5,) natural units of force, motion and length; weak and slow."""
         u = self.scene.units
-        return np.array([u.force, u.motion, u.length, self.force_tolerance, self.motion_tolerance])
+        return np.array([u.force_unit, u.motion_unit, u.length_unit, self.force_tolerance, self.motion_tolerance])
 
     @lazy_property
     def balance_sizes(self) -> Array:
         """(dof,) SI of one natural unit of each row of balance [N, N·m]."""
         u, k = self.scene.units, 3 if self.scene.plane is None else 2
-        return np.array((u.force,) * k + (u.force * u.length,) * (self.scene.dof - k))
+        return np.array((u.force_unit,) * k + (u.force_unit * u.length_unit,) * (self.scene.dof - k))
 
     # ---- joints
     @lazy_property
@@ -122,7 +122,7 @@ class LinearisationPoint:
         mechanism = self.spec.mechanism
         if mechanism is None:
             return np.zeros((0, 0))
-        C = mechanism.root @ mechanism.root.T
+        C = mechanism.compliance_factor @ mechanism.compliance_factor.T
         bent = next((e.bent for e in self.spec.effects if isinstance(e, GeometricStiffness)), None)
         return C if bent is None else C + bent.added_compliance
 
@@ -188,7 +188,7 @@ class LinearisationPoint:
                     resting[[j, k]], active[k] = False, not active[j]
         at = np.concatenate([np.flatnonzero(active), np.flatnonzero(resting)])
         room = [np.ones(len(limit.room)) if limit.levers is None else limit.levers for limit in found.every]
-        sizes = scene.units.force * np.concatenate([np.zeros(0), *room])[at]
+        sizes = scene.units.force_unit * np.concatenate([np.zeros(0), *room])[at]
         joints = read_only(_joint_of_limits(self.spec.effects, scene, len(found.rows), self.jacobian_rows.shape[1])[at])
         return ReachedLimits(found.every, at, int(active.sum()), read_only(found.rows[at]), sizes, joints)
 
@@ -231,10 +231,9 @@ class LawChange:
     """By p parameters, SI, each (…, p). Contacts' motions in the coordinates of the friction laws.
 
     motion (c, p) : δv, of the object relative to the tips [m]. balance (6, p) : δb, of the wrench that is left over,
-    about the reference. friction (n, p) : δμ of the coefficients of the sections (`Scene.limits`) [-].
-    torque (nv, p) : of what the joints hold [N·m].
-    torque_limits (nv, p) : of the joints' limits [N·m]. depth_change : what comes on top where fingertips go deeper into an
-    object that they just touch; None: nothing does.
+    about the reference. friction (n, p) : δμ of the coefficients of the sections (`Scene.limits`) [-]. torque (nv, p) :
+    of what the joints hold [N·m]. torque_limits (nv, p) : of the joints' limits [N·m]. depth_change : what comes on top
+    where fingertips go deeper into an object that they just touch; None: nothing does.
     """
 
     motion: Array

@@ -368,7 +368,7 @@ def make_sensitivity(solution: Any) -> Sensitivity:
         raise InputError("solution", "a solution that is held: others have no forces", s.status.name)
     weak, slow = (
         ACTIVE_TOLERANCE * s.residuals.force_scale,
-        ACTIVE_TOLERANCE * max(s.residuals.motion_scale, s.scene.units.motion),
+        ACTIVE_TOLERANCE * max(s.residuals.motion_scale, s.scene.units.motion_unit),
     )
     twist = s.object_displacement
     return Sensitivity(LinearisationPoint(s.spec, s.scene, s.section, s.forces, s.torsion, twist, s.extra, weak, slow))

@@ -1,4 +1,6 @@
-"""`required_stiffness` and `find_least_value`: the least number of a hand with which its grasp holds, judged by `check`."""
+"""`required_stiffness` and `find_least_value`: the least number of a hand with which its grasp holds, judged by
+`check`.
+"""
 
 from __future__ import annotations
 
@@ -363,7 +365,7 @@ def _pad_motion(spec: GraspSpec) -> float:
         k = 3 * spec.of_hand
         E[:k] = E[:, :k] = 0.0
     else:
-        joints = mechanism.compliance(mechanism.jacobian_rows(scene.soft))
+        joints = mechanism.contact_compliance(mechanism.jacobian_rows(scene.soft))
         E -= joints if scene.scale is None else joints * np.outer(scene.scale, scene.scale)
     still, load = np.zeros((scene.components, 1)), scene.geometry.wrench[:, None]
     twist = solve_without_slip(scene, E, still, load)[1][:, 0]

@@ -23,7 +23,16 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.tolerances import ACTIVE_TOLERANCE
 
 
-class ObjectBalance(Effect):
+class BasicLaw(Effect):
+    """A law of balance, contact, friction or flexibility: its unknowns are forces and the object's motion."""
+
+    @property
+    def only_limits(self) -> bool:
+        """Every search knows these unknowns."""
+        return True
+
+
+class ObjectBalance(BasicLaw):
     """Force and moment balance of a rigid object, with its small motion as multipliers."""
 
     title = "object balance"
@@ -61,7 +70,7 @@ class ObjectBalance(Effect):
 # d_N > 0 is an initial gap, d_N < 0 a preload.
 
 
-class UnilateralContact(Effect):
+class UnilateralContact(BasicLaw):
     """Normal force and gap, complementary, with gap and preload as data."""
 
     title = "unilateral contact"
@@ -77,7 +86,7 @@ class UnilateralContact(Effect):
 
     def why(self, scene: Scene) -> str:
         normal = scene.offset[2 : 3 * scene.n : 3]
-        nothing = ACTIVE_TOLERANCE * scene.units.motion
+        nothing = ACTIVE_TOLERANCE * scene.units.motion_unit
         gaps, loads = int((normal > nothing).sum()), int((normal < -nothing).sum())
         return f"{len(scene.kind.normal_index)} contacts, {gaps} with a gap, {loads} with a preload"
 
@@ -103,7 +112,7 @@ class UnilateralContact(Effect):
 
 
 @dataclass(frozen=True, slots=True)
-class CoulombFriction(Effect):
+class CoulombFriction(BasicLaw):
     """Tangential forces of every contact with friction but no moment; `section` is the set that limits them."""
 
     section: Section
@@ -149,7 +158,7 @@ class CoulombFriction(Effect):
 # (`build_scene`), and the friction of the section, disc or polygon, does the rest.
 
 
-class AnisotropicFriction(Effect):
+class AnisotropicFriction(BasicLaw):
     """Contacts whose law has two scales, such as `AnisotropicCoulomb`."""
 
     title = "anisotropic friction"
@@ -188,7 +197,7 @@ class AnisotropicFriction(Effect):
 
 
 @dataclass(frozen=True, slots=True)
-class SoftFingerFriction(Effect):
+class SoftFingerFriction(BasicLaw):
     """Contacts whose law has a lever, such as `SoftFinger`; `section` is the set that limits them."""
 
     section: Section
@@ -241,7 +250,7 @@ class SoftFingerFriction(Effect):
 # (two-joint fingers without pads always are). Nothing here inverts it.
 
 
-class FingerFlexibility(Effect):
+class FingerFlexibility(BasicLaw):
     """Full coupled flexibility in contact axes. It brings no unknowns: the forces are there already."""
 
     title = "finger flexibility"

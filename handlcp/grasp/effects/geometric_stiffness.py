@@ -41,8 +41,8 @@ _BUCKLING_SHARE = 0.1  # of the largest motion: joints that move less are not wh
 
 class LoadedJoints(NamedTuple):
     """Joints under the forces of an answer. added_compliance : (nv, nv) [rad/(N·m)], by how much they give way more.
-    command_shift : (nv,) [rad], how far their command and weight move them for it. stiffness : (nv, nv) K_g [N·m/rad]. held : (nv,) [rad],
-    how far they stand beyond the given posture, δq - K⁻¹ g, before forces and K_g move them.
+    command_shift : (nv,) [rad], how far their command and weight move them for it. stiffness : (nv, nv) K_g [N·m/rad].
+    held : (nv,) [rad], how far they stand beyond the given posture, δq - K⁻¹ g, before forces and K_g move them.
     """
 
     added_compliance: Array
@@ -116,7 +116,7 @@ class GeometricStiffness(Effect):
         """With what the fingers give way more under these forces; or which joints buckle."""
         joints = at.mechanism
         assert joints is not None  # `needs_joints` saw to it
-        A, K_g = joints.root, np.tensordot(forces.reshape(-1), joints.hessian(), 1)
+        A, K_g = joints.compliance_factor, np.tensordot(forces.reshape(-1), joints.hessian(), 1)
         change = A.T @ K_g @ A
         change = (change + change.T) / 2
         bracket = np.eye(len(change)) + change

@@ -1,4 +1,5 @@
-"""`FingerWeight` and `TorqueSaturation`: torques of the joints beside those that the contacts ask for, and their limits.
+"""`FingerWeight` and `TorqueSaturation`: torques of the joints beside those that the contacts ask for, and their
+limits.
 
 The fingers' own weight: torques that hold it, and joints that sag under it before anything is loaded.
 
@@ -148,10 +149,10 @@ class TorqueSaturation(Effect):
         known = np.repeat(~scene.force_unknown_mask, 3)
         rows = joints.jacobian_rows(scene.soft).T[k].copy()
         rows[:, : 3 * scene.n][:, known] = 0.0
-        rows = scene.to_contact_axes(rows)
-        given = scene.held_torque[k]
+        rows = scene.rows_to_law_axes(rows)
+        given = scene.bias_torque_or_zero[k]
         if scene.prescribed is not None:
-            given = given + (scene.to_contact_axes(scene.prescribed)[: 3 * scene.n] @ joints.jacobian)[k]
+            given = given + (scene.forces_to_contact_axes(scene.prescribed)[: 3 * scene.n] @ joints.jacobian)[k]
         return (
             Limit("s⁺", rows, joints.limits[k] - given, levers[k]),
             Limit("s⁻", -rows, joints.limits[k] + given, levers[k]),
@@ -164,7 +165,7 @@ class TorqueSaturation(Effect):
             return joints
         total, yielded, limits = joints.torque.copy(), np.zeros(len(joints.torque)), hand.limits[k]
         s = extra["s⁺"] - extra["s⁻"] if extra else np.full(len(k), np.nan)
-        moved = abs(s) * levers[k] > ACTIVE_TOLERANCE * scene.units.motion
+        moved = abs(s) * levers[k] > ACTIVE_TOLERANCE * scene.units.motion_unit
         total[k] = np.where(moved, np.copysign(limits, s), np.clip(total[k], -limits, limits))
         yielded[k] = np.where(moved | np.isnan(s), s, 0.0)
         return replace(joints, torque=total, yielded=yielded)

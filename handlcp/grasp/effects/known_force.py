@@ -187,7 +187,7 @@ class KnownForce(Effect):
             raise InputError("KnownForce.force", expected, self.force)
         rows, room = np.zeros((len(bears), scene.components)), np.array([f for _, f in bears])
         rows[range(len(bears)), [at for at, _ in bears]] = 1.0
-        rows, name = scene.to_contact_axes(rows), f"κ{self.contact}"
+        rows, name = scene.rows_to_law_axes(rows), f"κ{self.contact}"
         return (Limit(f"{name}⁺", rows, room), Limit(f"{name}⁻", -rows, -room))
 
     def words(self, scene: Scene, names: tuple[str, ...], extra: dict[str, Array]) -> Iterable[str]:

@@ -108,7 +108,7 @@ def _squeezed(system: System) -> Start:
         found = solve_spec(alone, system.section, proof=False)
         # the force of a contact that slides depends on its path
         stays = found.held and SLIDING not in contact_statuses(found.contact_state)
-        if stays and abs(found.forces).max() > _ON * scene.units.force:
+        if stays and abs(found.forces).max() > _ON * scene.units.force_unit:
             return Start(_from_solution(system, found), "")
     return _followed(system, ("squeeze",))
 
@@ -121,7 +121,7 @@ def _followed(system: System, order: tuple[str | Stage, ...]) -> Start:
         return Start(None, f"{alone(str(loading.lost_stage))} is not held: {loading.why.partition(': ')[2]}")
     last = loading.last
     forces = np.concatenate([last.read.forces.reshape(-1), last.read.torsion[list(scene.soft)]])
-    return Start(_place(system, scene.to_law_axes(forces), last.where.pose, {}), "")
+    return Start(_place(system, scene.forces_to_law_axes(forces), last.where.pose, {}), "")
 
 
 def _pushes(spec: GraspSpec) -> bool:
@@ -134,14 +134,14 @@ def _pushes(spec: GraspSpec) -> bool:
 def _from_solution(system: System, found: GraspSolution) -> Place:
     scene = system.scene
     torsion = np.zeros(0) if found.torsion is None else found.torsion[list(scene.soft)]
-    forces = scene.to_law_axes(np.concatenate([found.forces.reshape(-1), torsion]))
+    forces = scene.forces_to_law_axes(np.concatenate([found.forces.reshape(-1), torsion]))
     return _place(system, forces, found.object_displacement, found.extra)
 
 
 def _place(system: System, components: Array, displacement: Array, extra: dict[str, Array]) -> Place:
     """From forces (c,) in the laws' coordinates and the object's motion about the reference, SI."""
     scene, units = system.scene, system.scene.units
-    r = components[scene.kind.index] / units.force
+    r = components[scene.kind.index] / units.force_unit
     u = scene.natural_twist(shift_twist(displacement, units.centre - system.spec.reference))
     give = np.zeros(len(system.parts.rows))
     if extra and system.limits:

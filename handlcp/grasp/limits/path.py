@@ -131,12 +131,14 @@ class TracedPath:
         forces, torques, moved = np.empty((count, scene.n, 3)), [], np.empty((count, 6))
         for k, point in enumerate(self.points):
             components = self._components(point[1 : 1 + m])
-            physical = scene.to_contact_axes(components)
+            physical = scene.forces_to_contact_axes(components)
             forces[k] = physical[: 3 * scene.n].reshape(-1, 3)
             moved[k] = self._motion(point[1 + m : 1 + m + dof])
             joints = system.spec.mechanism
             torques.append(
-                np.zeros(0) if joints is None else physical @ joints.jacobian_rows(scene.soft) + scene.held_torque
+                np.zeros(0)
+                if joints is None
+                else physical @ joints.jacobian_rows(scene.soft) + scene.bias_torque_or_zero
             )  # fmt: skip
         return LimitPath(*(read_only(a) for a in (self.points[:, 0].copy(), forces, np.array(torques), moved)))
 
@@ -163,10 +165,10 @@ class TracedPath:
             elif place.closed[i] != CLOSED:
                 slip[row[0]], slip[own] = place.gap[i], change[own]
         d = np.zeros(scene.components)
-        d[scene.kind.index] = (slip - v - scene.natural.d) * scene.units.motion
+        d[scene.kind.index] = (slip - v - scene.natural.d) * scene.units.motion_unit
         spec = system.spec.replace(
             wrench=read_only(system.weight + factor * self.wrench),
-            effects=(*system.spec.effects, _Moved(scene.to_law_axes(d))),
+            effects=(*system.spec.effects, _Moved(scene.motions_to_contact_axes(d))),
         )
         point = self.points[-1]
         candidate = SolverCandidate(
@@ -188,10 +190,10 @@ class TracedPath:
             if row[0] >= 0 and place.closed[i] != CLOSED:
                 slip[row[0]] = place.gap[i]
         d = np.zeros(scene.components)
-        d[scene.kind.index] = (slip - self._motions(self.points[-1]) - scene.natural.d) * scene.units.motion
+        d[scene.kind.index] = (slip - self._motions(self.points[-1]) - scene.natural.d) * scene.units.motion_unit
         spec = system.spec.replace(
             wrench=read_only(system.weight + (1.0 + _MORE) * float(self.points[-1, 0]) * self.wrench),
-            effects=(*system.spec.effects, _Moved(scene.to_law_axes(d))),
+            effects=(*system.spec.effects, _Moved(scene.motions_to_contact_axes(d))),
         )
         return not solve_spec(spec, system.section, _ALL).held
 
@@ -199,7 +201,7 @@ class TracedPath:
         """By name, SI, how far limits give way."""
         found, at = dict[str, Array](), 0
         for limit in self.system.limits:
-            s = give[at : at + len(limit.room)] * self.system.scene.units.motion
+            s = give[at : at + len(limit.room)] * self.system.scene.units.motion_unit
             found[limit.name] = s if limit.levers is None else s / limit.levers
             at += len(limit.room)
         return found
@@ -213,7 +215,7 @@ class TracedPath:
 
     def _components(self, r: Array) -> Array:
         out = np.zeros(self.system.scene.components)
-        out[self.system.scene.kind.index] = r * self.system.scene.units.force
+        out[self.system.scene.kind.index] = r * self.system.scene.units.force_unit
         return out
 
     def _motion(self, u: Array) -> Array:

@@ -50,9 +50,9 @@ class System:
     def loads(self, wrenches: Array) -> Array:
         """(m, dof) the same of wrenches (m, 6)."""
         scene, units = self.scene, self.scene.units
-        about = wrenches / units.force
+        about = wrenches / units.force_unit
         arm = np.broadcast_to(self.spec.reference - units.centre, (len(wrenches), 3))
-        about[:, 3:] = (about[:, 3:] + cross_rows(arm, about[:, :3])) / units.length
+        about[:, 3:] = (about[:, 3:] + cross_rows(arm, about[:, :3])) / units.length_unit
         return np.ascontiguousarray(about @ scene.freedom.T)
 
 
@@ -107,7 +107,7 @@ def _parts(scene: Scene, section: Section, limits: tuple[Limit, ...]) -> Parts:
     rows = np.concatenate([limit.natural_rows for limit in limits]) if limits else np.zeros((0, kind.components))
     every = np.concatenate(normals) if normals else np.zeros((0, 3))
     return Parts(
-        _own(blocks.E), _own(blocks.G), _own(rows[:, kind.index]), contacts, _own(scene.limits(section)),
+        _own(blocks.E), _own(blocks.G), _own(rows[:, kind.index]), contacts, _own(scene.friction_coefficients(section)),
         np.array(owner, dtype=np.int64), _own(every), np.array(moving, dtype=np.int64),
     )  # fmt: skip
 
@@ -136,9 +136,9 @@ def _watch(
     joints = spec.mechanism
     if joints is not None and len(joints.names):
         T = joints.jacobian_rows(scene.soft)
-        T = (T if scene.scale is None else T * scene.scale[:, None])[index].T * units.force
+        T = (T if scene.scale is None else T * scene.scale[:, None])[index].T * units.force_unit
         if not any(isinstance(e, TorqueSaturation) for e in effects):
-            held, most = scene.held_torque, joints.limits
+            held, most = scene.bias_torque_or_zero, joints.limits
             some = np.flatnonzero(np.isfinite(most) & (abs(T).max(axis=1, initial=0.0) > 0.0))
             own = np.hstack([T[some], np.zeros((len(some), k))])
             rows = np.concatenate([rows, own, -own])
@@ -149,7 +149,7 @@ def _watch(
             sag = sum([e.torque for e in effects if isinstance(e, FingerWeight) and e.sags], np.zeros(len(T)))
             command = commanded_offset(effects, len(T))
             q = nominal + command - joints.deflection(sag)
-            Q = joints.root @ (joints.root.T @ T)
+            Q = joints.compliance_factor @ (joints.compliance_factor.T @ T)
             give = _yield_rows(scene, effects, limits, len(T))
             for end, sign in (
                 (joints.joint_model.ranges[0], 1.0),
@@ -173,6 +173,6 @@ def _yield_rows(scene: Scene, effects: tuple[Effect, ...], limits: tuple[Limit, 
             if isinstance(e, TorqueSaturation) and joints is not None and limit.levers is not None:
                 sign = 1.0 if limit.name == "s⁺" else -1.0
                 for c, j in enumerate(e.limited(scene)[2]):
-                    out[j, at + c] = sign * scene.units.motion / limit.levers[c]
+                    out[j, at + c] = sign * scene.units.motion_unit / limit.levers[c]
             at += len(limit.room)
     return out

@@ -131,7 +131,7 @@ def _plain_motion(free: Array) -> Array:
 def _make_closure(spec: GraspSpec, scene: Scene, kind: str, forces: Array | None, motion: Array | None) -> Closure:
     """In SI, and in words."""
     if forces is not None:
-        own = scene.to_contact_axes(forces)[: 3 * scene.n].reshape(-1, 3)
+        own = scene.forces_to_contact_axes(forces)[: 3 * scene.n].reshape(-1, 3)
         text = (
             "friction balances any load, if the fingers press hard enough (by geometry alone, whatever squeeze and "
             "motors)"
@@ -214,9 +214,9 @@ def wrench_space(scene: Scene, section: Section, reference: Array, length: float
     """Of the contacts whose force is not prescribed, those of the environment included; length : that moments are
     divided by [m]; None: the root mean square of the contacts' distances from their centre.
     """
-    L = scene.units.length if length is None else length
+    L = scene.units.length_unit if length is None else length
     scale = np.ones(scene.dof)
-    scale[2 if scene.plane is not None else 3 :] = scene.units.length / L
+    scale[2 if scene.plane is not None else 3 :] = scene.units.length_unit / L
     within, around, faces = _bounding_sections(scene, section)
     W = scale[:, None] * edge_forces(scene, within)[1]
     u, s, _ = np.linalg.svd(W, full_matrices=False)

@@ -93,9 +93,10 @@ def contact_number(key: str, value: Any, fingers: Sequence[str]) -> int:
 class Limit:
     """k limits of one kind, SI.
 
-    name : of the group of unknowns s. rows : (k, c) A over the scene's force components; zero for contacts whose force
-    is prescribed. room : (k,) b, finite. levers : (k,) [m] where A r is no force but a torque and s an angle: the
-    lengths that turn them into a force and a motion, for natural units; None for forces.
+    name : of the group of unknowns s. rows : (k, c) A over the scene's force components in law axes
+    (`scene.rows_to_law_axes` makes them of rows in contact axes); zero for contacts whose force is prescribed.
+    room : (k,) b, finite. levers : (k,) [m] where A r is no force but a torque and s an angle: the lengths that turn
+    them into a force and a motion, for natural units; None for forces.
     """
 
     name: str
@@ -122,11 +123,11 @@ class Limit:
 
     def natural_room(self, scene: Scene) -> Array:
         """(k,) b in natural units."""
-        return self.room / (scene.units.force if self.levers is None else scene.units.force * self.levers)
+        return self.room / (scene.units.force_unit if self.levers is None else scene.units.force_unit * self.levers)
 
     def natural_motion(self, scene: Scene, extra: dict[str, Array]) -> Array:
         """(k,) s in natural units; `extra` as in `Effect.opening`."""
-        s = extra[self.name] / scene.units.motion
+        s = extra[self.name] / scene.units.motion_unit
         return s if self.levers is None else s * self.levers
 
     def stamp(self, scene: Scene, system: EquationSystem) -> None:
@@ -146,9 +147,9 @@ class Limit:
     ) -> float:
         """Worst |min(s, b - A r)|, relative."""
         units = scene.units
-        slack = self.natural_room(scene) - self.natural_rows @ (forces / units.force)
-        s = self.natural_motion(scene, extra) * (units.motion / motion_size)
-        return float(abs(np.minimum(s, slack * (units.force / force_size))).max(initial=0.0))
+        slack = self.natural_room(scene) - self.natural_rows @ (forces / units.force_unit)
+        s = self.natural_motion(scene, extra) * (units.motion_unit / motion_size)
+        return float(abs(np.minimum(s, slack * (units.force_unit / force_size))).max(initial=0.0))
 
 
 # ----------------------------------------------------------------
@@ -173,6 +174,8 @@ class EffectTrial:
     words: str = ""
     instead: bool = False
 
+
+_LAW_METHODS = ("unknowns", "stamp", "opening", "residual")  # what an effect with a law of its own overrides
 
 FOLLOWED_LOADINGS = "followed loadings alone"  # which answers count an effect that not all of them do
 ONE_SOLVE = "one solve alone"
@@ -288,15 +291,17 @@ class Effect:
     @property
     def stamps(self) -> bool:
         """Whether it has rows or a law of its own, so that a solve takes the general path."""
-        kind, own = type(self), ("limits", "stamp", "opening", "residual")
-        return any(getattr(kind, name) is not getattr(Effect, name) for name in own)
+        kind = type(self)
+        return any(getattr(kind, name) is not getattr(Effect, name) for name in ("limits", *_LAW_METHODS))
 
     @property
     def only_limits(self) -> bool:
-        """Whether it moves the contacts by limits that give way alone. Searches, and the question what a solution
-        leaves free, know no other unknowns: beside an `opening` of its own, neither is asked.
+        """Whether its unknowns and laws are limits that give way, or none. Searches, and the question what a solution
+        leaves free, know no others beside forces and motion of the object: beside `unknowns`, a `stamp`, an `opening`
+        or a `residual` of its own, neither is asked.
         """
-        return type(self).opening is Effect.opening
+        kind = type(self)
+        return all(getattr(kind, name) is getattr(Effect, name) for name in _LAW_METHODS)
 
     def limits(self, scene: Scene) -> tuple[Limit, ...]:
         """Limits on the forces that give way: where an effect is made of them alone, nothing below needs saying.

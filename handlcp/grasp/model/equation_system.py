@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from handlcp.check import Array
+from handlcp.errors import InputError
 from handlcp.grasp.model.scene import Scene
 from handlcp.lcp.kernels.dense import kernel
 
@@ -22,7 +23,8 @@ class Unknown:
     free : rows are equations and the unknowns have no sign; otherwise 0 ≤ x ⟂ w ≥ 0.
     measure : what x is, and therefore its natural unit; its row w is what does work on it: a "force" [N] on a "motion"
         [m], and the other way round; a wrench on a "twist".
-    levers : (count,) [m] where x is an angle and w a torque: what makes a motion of one, and a force of the other.
+    levers : (count,) [m], of a "motion" alone, where x is an angle and w a torque:
+        what makes a motion of one, and a force of the other.
     """
 
     name: str
@@ -31,15 +33,22 @@ class Unknown:
     measure: Literal["force", "motion", "twist"]
     levers: tuple[float, ...] = ()
 
+    def __post_init__(self) -> None:
+        """Raises InputError for levers of what is no motion, or not one for each."""
+        if self.levers and self.measure != "motion":
+            raise InputError(f"Unknown({self.name!r}).levers", 'none, or measure "motion"', f"measure {self.measure!r}")
+        if self.levers and len(self.levers) != self.count:
+            raise InputError(f"Unknown({self.name!r}).levers", f"{self.count} of them, or none", len(self.levers))
+
     def sizes(self, scene: Scene) -> tuple[float | Array, float | Array]:
         """SI sizes of one natural unit of x and of w, one or one each."""
         if self.levers:
             levers = np.array(self.levers)
-            return scene.units.motion / levers, scene.units.force * levers
+            return scene.units.motion_unit / levers, scene.units.force_unit * levers
         u = scene.units
         if self.measure == "twist":
-            return scene.twist_units, u.force * u.motion / scene.twist_units
-        return (u.force, u.motion) if self.measure == "force" else (u.motion, u.force)
+            return scene.twist_units, u.force_unit * u.motion_unit / scene.twist_units
+        return (u.force_unit, u.motion_unit) if self.measure == "force" else (u.motion_unit, u.force_unit)
 
 
 _MECHANICAL_GROUPS = ("r_N", "r_T", "r_S", "u")

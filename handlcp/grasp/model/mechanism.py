@@ -22,16 +22,17 @@ class Cables(NamedTuple):
     """Tendons that move joints. names (t,). arms (t, nv) : R, 0 of a joint that gives way to nothing [m/rad, m/m].
     springs (t, t) : k [N/m]. passive (nv, nv) : K_p of the joints' own springs [N·m/rad]; rest (nv,) : where these are
     at rest, from the grasp's posture [rad, m]. pretension (t,) : T₀ in the grasp's posture before the hand closes [N];
-    inf where it is taut whatever comes, as a rod is. limits (t,) : what they bear [N], inf where nothing is known.
-    Posts that tendons wrap around, m of them, those of a tendon in the order from its drive on: post_tendon (m,) : number
-    of the tendon. wrap_friction (m,) : μθ, friction times the angle of the wrap [rad]. posts (m, nv) : arms of the tendon at this post
-    and beyond.
+    inf : taut whatever comes, as a rod is. limits (t,) : what they bear [N], inf where nothing is known.
+    Posts that tendons wrap around, m of them, those of a tendon in the order from its drive on: post_tendon (m,) :
+    number of the tendon. wrap_friction (m,) : μθ, friction times the angle of the wrap [rad]. posts (m, nv) : arms of
+    the tendon at this post and beyond.
     Of tendons whose arms change with the posture these are those of one: shift (t,) : l - R q there, with l what joints
     have drawn in [m]; 0 of others. elasticity_at : from joints at q (nv,) to the tendons there and the
     root of the joints' compliance with them, as in `Elasticity`; None: arms stay. moment_arm_stiffness : from
     tensions T (t,) to Σ T ∂R/∂q (nv, nv) there [N·m/rad], by which the tendons pull harder as joints move; None: 0.
-    wrapped_bodies (b,) : round bodies that they pass, in words; wrap_sides (b, 3) : on which side of each, a unit vector in the axes
-    of its link.
+    wrapped_bodies (b,) : round bodies that they pass, in words; wrap_sides (b, 3) : on which side of each, a unit
+    vector in
+    the axes of its link.
     """
 
     names: tuple[str, ...]
@@ -164,20 +165,20 @@ class Mechanism:
     """nv independent joints that carry the fingers of n contacts; contacts of the environment are carried by none.
 
     names : (nv,). jacobian : (3n, nv) velocity of the contact points in contact axes [m/rad, m/m].
-    root : (nv, m) A of the joints' compliance K⁻¹ = A Aᵀ [rad/(N·m)].
+    compliance_factor : (nv, m) A of the joints' compliance K⁻¹ = A Aᵀ [rad/(N·m)].
     limits : (nv,) torque limits, inf where there is none or none is known [N·m, N].
-    solution : the class of solutions, a subclass of `GraspSolution` with `torques` (nv,).
+    solution_class : the class of solutions, a subclass of `GraspSolution` with `torques` (nv,).
     variation : makes the grasp again with something changed (`handlcp.hand.grasp_variation`).
     report : what is said of the hand in verdicts and explanations (`handlcp.hand.report`).
     """
 
-    solution: ClassVar[Any]
+    solution_class: ClassVar[Any]
     variation: ClassVar[Any]
     report: ClassVar[Any]
 
     names: tuple[str, ...]
     jacobian: Array
-    root: Array
+    compliance_factor: Array
     limits: Array
 
     @property
@@ -195,13 +196,13 @@ class Mechanism:
         """(3n, nv, nv) ∂J/∂q [m/rad²] of contact points that move with their fingers, in contact axes that don't."""
         raise NotImplementedError
 
-    def compliance(self, rows: Array) -> Array:
-        """Rows K⁻¹ rowsᵀ, symmetric to the last bit."""
-        return joint_flexibility(rows, self.root)
+    def contact_compliance(self, rows: Array) -> Array:
+        """E = rows K⁻¹ rowsᵀ, symmetric to the last bit; rows (m, nv) of a Jacobian."""
+        return joint_flexibility(rows, self.compliance_factor)
 
     def deflection(self, torque: Array) -> Array:
         """How far joints give way to torques τ (nv,) [N·m]: (nv,) K⁻¹ τ [rad]."""
-        return np.asarray(self.root @ (torque @ self.root))
+        return np.asarray(self.compliance_factor @ (torque @ self.compliance_factor))
 
     def gravity_torque(self) -> Array | None:
         """(nv,) torque that would hold the fingers' own weight [N·m]; None where no gravity was given."""
@@ -226,7 +227,7 @@ class Mechanism:
     def solution_fields(
         self, scene: Any, effects: Any, forces: Array, torsion: Array | None, extra: dict[str, Array]
     ) -> dict[str, Any]:
-        """What the joints do at an answer, by the fields that `solution` has beside those of every solution.
+        """What the joints do at an answer, by the fields that `solution_class` has beside those of every solution.
 
         scene, effects : that were solved. forces (n, 3), torsion (n,) of soft contacts, extra : as in `GraspSolution`.
         """
@@ -240,7 +241,7 @@ def read_joints(
     torque = forces.reshape(-1) @ mechanism.jacobian
     if torsion is not None:
         torque = torque + torsion[list(scene.soft)] @ mechanism.jacobian_rows(scene.soft)[len(mechanism.jacobian) :]
-    total = torque if scene.held is None else torque + scene.held
+    total = torque if scene.bias_torque is None else torque + scene.bias_torque
     joints = JointReading(total, mechanism.deflection(torque), np.zeros(len(mechanism.names)))
     for e in effects:
         joints = e.read(scene, forces, extra, joints)
@@ -250,4 +251,4 @@ def read_joints(
 def hard_contact_torques(mechanism: Mechanism, scene: Any, forces: Array) -> Array:
     """(nv,) what the actuators hold under forces (n, 3) of hard contacts [N·m], where no effect changes it."""
     torque = forces.reshape(-1) @ mechanism.jacobian
-    return read_only(torque if scene.held is None else torque + scene.held)
+    return read_only(torque if scene.bias_torque is None else torque + scene.bias_torque)

@@ -48,7 +48,7 @@ class GraspArrays(NamedTuple):
 
 class NaturalBlocks(NamedTuple):
     """In natural units, over the unknown force components, normal ones first: G (dof, m), E (m, m), d (m,); the load
-    w (dof,); and `full_G` (dof, c), G over all components. Prescribed forces are part of w and d.
+    w (dof,); and full_G (dof, c), G over all components. Prescribed forces are part of w and d.
     """
 
     G: Array
@@ -59,23 +59,23 @@ class NaturalBlocks(NamedTuple):
 
 
 class GraspGeometry(NamedTuple):
-    """Natural units of force [N], length (of levers) and motion [m]; centre (3,) of the contacts [m]; wrench (6,) of
-    the load about it [N, N·m]; grasp_matrix (6, c).
+    """Natural units: force_unit [N], length_unit of levers [m], motion_unit [m]; centre (3,) of the contacts [m];
+    wrench (6,) of the load about it [N, N·m]; grasp_matrix (6, c).
 
-    Every unit is a norm or a mean (`_natural_units`), so another unit, a turned world or another order of fingers changes none
-    of them beyond rounding.
+    Every unit is a norm or a mean (`_natural_units`), so another unit, a turned world or another order of fingers
+    changes none of them beyond rounding.
     """
 
-    force: float
-    length: float
-    motion: float
+    force_unit: float
+    length_unit: float
+    motion_unit: float
     centre: Array
     wrench: Array
     grasp_matrix: Array
 
 
 @kernel
-def pose_grasp(g: GraspArrays, index: Ints) -> tuple[GraspGeometry, NaturalBlocks]:
+def nondimensionalise(g: GraspArrays, index: Ints) -> tuple[GraspGeometry, NaturalBlocks]:
     """Units, geometry and blocks of a grasp; index (m,): which force components are unknown, normal ones first."""
     posed = compute_geometry(g, matrix_diagonal(g.flexibility))
     return posed, _natural_blocks(g, posed, index)
@@ -170,20 +170,20 @@ def _natural_blocks(g: GraspArrays, p: GraspGeometry, index: Ints) -> NaturalBlo
             f = freedom[i, j]
             if f != 0.0:
                 if j >= 3:
-                    f /= p.length
-                w[i] += f * wrench[j] / p.force
+                    f /= p.length_unit
+                w[i] += f * wrench[j] / p.force_unit
                 for c in range(columns):
                     every[i, c] += f * about[j, c]
     G, E, d = np.empty((dof, m)), np.empty((m, m)), np.empty(m)
-    softness = p.force / p.motion
+    softness = p.force_unit / p.motion_unit
     for a in range(m):
-        d[a] = offset[index[a]] / p.motion
+        d[a] = offset[index[a]] / p.motion_unit
         for i in range(dof):
             G[i, a] = every[i, index[a]]
         for b in range(m):
             E[a, b] = flexibility[index[a], index[b]] * softness
     for c in range(columns):
-        r = given[c] / p.force
+        r = given[c] / p.force_unit
         if r != 0.0:
             for i in range(dof):
                 w[i] += every[i, c] * r
@@ -210,7 +210,8 @@ class Scene:
     environment's; None: all. prescribed (c,) N forces that are no unknowns; None: there are none.
     scale (c,): size of one unit of each force component in contact axes [N, N·m]; each column of `frames` has that
     length. None: all are 1, and contact axes are the law's. mechanism : what moves the fingers, if anything is known;
-    held : (nv,) torque that its joints hold besides that of the contact forces [N·m]; None: none.
+    bias_torque : (nv,) torque that its joints hold besides that of the contact forces [N·m] (MuJoCo's qfrc_bias); None:
+    none.
     """
 
     positions: Array
@@ -226,7 +227,7 @@ class Scene:
     prescribed: Array | None = None
     scale: Array | None = None
     mechanism: Mechanism | None = None
-    held: Array | None = None
+    bias_torque: Array | None = None
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """After pickling, read-only again."""
@@ -279,28 +280,43 @@ class Scene:
         x, y = slice(0, 3 * self.n, 3), slice(1, 3 * self.n, 3)
         return 0 if self.scale is None else int((self.scale[x] != self.scale[y]).sum())
 
-    def limits(self, section: Section) -> Array:
-        """(n,) radius of each contact's friction set, or distance of its faces, per newton of normal force [-]."""
+    def friction_coefficients(self, section: Section) -> Array:
+        """(n,) radius of each contact's friction set per newton of normal force, or distance of its faces [-]."""
         if not self.soft:
             return self.mu * section.share
         shares = [limit_set(section, t).share if t == 3 else section.share for t in self.kind.tangents]
         return np.asarray(self.mu * np.array(shares))
 
     @property
-    def held_torque(self) -> Array:
-        """(nv,) `held`, or zeros."""
-        if self.held is None:
+    def bias_torque_or_zero(self) -> Array:
+        """(nv,) `bias_torque` [N·m], or zeros."""
+        if self.bias_torque is None:
             return np.zeros(0 if self.mechanism is None else len(self.mechanism.names))
-        return self.held
+        return self.bias_torque
 
-    # ---- between the coordinates of the laws and contact axes
-    def to_contact_axes(self, components: Array) -> Array:
-        """(c,) in contact axes, N and N·m, from forces in the laws' coordinates."""
-        return components if self.scale is None else components * self.scale
+    # ---- between law axes, in which friction laws are balls, and contact axes: r = S r̂ for S = diag(scale)
+    #
+    # Motions are dual to forces, since the power is the same in both, r·v = r̂·v̂: v̂ = S v. A condition on the forces,
+    # A r = b, has rows  = A S.
+    def forces_to_contact_axes(self, forces: Array) -> Array:
+        """(..., c) forces and moments in contact axes [N, N·m], r = S r̂, from those in law axes [N]."""
+        return forces if self.scale is None else forces * self.scale
 
-    def to_law_axes(self, components: Array) -> Array:
-        """(c,) forces in the laws' coordinates from those in contact axes; motions in contact axes from the laws'."""
-        return components if self.scale is None else components / self.scale
+    def forces_to_law_axes(self, forces: Array) -> Array:
+        """(..., c) forces in law axes [N], r̂ = S⁻¹ r, from forces and moments in contact axes [N, N·m]."""
+        return forces if self.scale is None else forces / self.scale
+
+    def motions_to_contact_axes(self, motions: Array) -> Array:
+        """(c,) motions in contact axes [m, rad], v = S⁻¹ v̂, from those in law axes [m]."""
+        return self.forces_to_law_axes(motions)
+
+    def motions_to_law_axes(self, motions: Array) -> Array:
+        """(c,) motions in law axes [m], v̂ = S v, from those in contact axes [m, rad]."""
+        return self.forces_to_contact_axes(motions)
+
+    def rows_to_law_axes(self, rows: Array) -> Array:
+        """(k, c) rows  = A S over forces in law axes, from rows A over those in contact axes: Â r̂ = A r."""
+        return self.forces_to_contact_axes(rows)
 
     def scatter_torsion(self, torsional: Array) -> Array:
         """(n,) from (k,) of the soft contacts, zero for others."""
@@ -344,7 +360,7 @@ class Scene:
 
     @lazy_property
     def _geometry_and_blocks(self) -> tuple[GraspGeometry, NaturalBlocks]:
-        return pose_grasp(self.arrays, self.kind.index)
+        return nondimensionalise(self.arrays, self.kind.index)
 
     @property
     def geometry(self) -> GraspGeometry:
@@ -365,7 +381,7 @@ class Scene:
     def twist_units(self) -> Array:
         """(dof,) SI size of one natural unit of each component of the object's motion [m or rad]."""
         u, k = self.units, 3 if self.plane is None else 2
-        return np.array((u.motion,) * k + (u.motion / u.length,) * (self.dof - k))
+        return np.array((u.motion_unit,) * k + (u.motion_unit / u.length_unit,) * (self.dof - k))
 
     def twist(self, natural: Array) -> Array:
         """(6,) SI twist about the contacts' centre from (dof,) natural components."""

@@ -164,7 +164,7 @@ class FixedGeometry(Geometry):
         self.spec = spec
         J, root = np.zeros((3 * n, 0)), np.zeros((0, 0))
         if mechanism is not None:
-            J, root = mechanism.jacobian, mechanism.root
+            J, root = mechanism.jacobian, mechanism.compliance_factor
         elif isinstance(E, Flexibility) and n >= MANY_CONTACTS:  # of joints that have no names
             J, root = E.factor.rows, E.factor.root
         nv = len(root)

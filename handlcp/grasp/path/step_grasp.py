@@ -60,7 +60,7 @@ class StepLaws:
             np.array([contacts[i].friction.pad_torsion for i in soft], dtype=float), scene.freedom.copy(),
             spec.mechanism is not None and bool(spec.flexibility.any()), 1.0 if grasp.sags else 0.0,
         )  # fmt: skip
-        self.limits = scene.limits(section).copy()
+        self.limits = scene.friction_coefficients(section).copy()
         known = problem_design(scene, section, asked)
         where, roles = known.layout, known.pattern
         self._extra = where.extra

@@ -318,8 +318,8 @@ def find_force_bounds(solution: Any, pads: Any, friction: Any) -> ForceBounds:
         found = find_extremes(
             keep_states(s), np.concatenate([np.diag(scale)[: 3 * n], _torque_rows(s) * scale]), ranges
         )
-        moved = found.change[3 * n :] * scene.units.force
-    forces = s.forces.reshape(-1, 1) + found.change[: 3 * n] * scene.units.force
+        moved = found.change[3 * n :] * scene.units.force_unit
+    forces = s.forces.reshape(-1, 1) + found.change[: 3 * n] * scene.units.force_unit
     return ForceBounds(
         s.names,
         read_only(forces.reshape(n, 3, 2)),
@@ -337,7 +337,7 @@ def find_torque_bounds(s: Any) -> Array:
     """(nv, 2) `ForceBounds.torques` alone, of a solution that leaves forces open."""
     scale = np.ones(s.scene.components) if s.scene.scale is None else s.scene.scale
     found = find_extremes(keep_states(s), _torque_rows(s) * scale, None)
-    return np.asarray(solution_torques(s)[:, None] + found.change * s.scene.units.force)
+    return np.asarray(solution_torques(s)[:, None] + found.change * s.scene.units.force_unit)
 
 
 def solution_torques(s: Any) -> Array:
@@ -349,7 +349,7 @@ def _is_determined(s: Any) -> bool:
     """Whether the solution itself says that forces are determined. It does not look at all that contacts and limits may
     do where they are at rest, nor at forces that may leave one of two faces.
     """
-    near = 2.0 * ACTIVE_TOLERANCE * max(s.residuals.motion_scale, s.scene.units.motion)
+    near = 2.0 * ACTIVE_TOLERANCE * max(s.residuals.motion_scale, s.scene.units.motion_unit)
     states = contact_statuses(s.contact_state)
     rests = [state == SEPARATED and gap <= near for state, gap in zip(states, s.gap.tolist(), strict=True)]
     known = s.uniqueness is not None and s.uniqueness.forces_determined

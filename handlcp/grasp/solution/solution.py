@@ -107,10 +107,6 @@ def _format_degrees(turn: Array) -> list[str]:
 
 
 # ----------------------------------------------------------------
-# What a designer gets back: forces, slips, gaps, the object's motion, and how far each can be trusted.
-
-
-# ----------------------------------------------------------------
 # What `solve(accuracy=...)` was asked for, and what it reached.
 
 
@@ -188,7 +184,8 @@ class DeferredFields:
 class GraspSolution(Record, DeferredFields):
     """The certified answer to a grasp. Arrays are read-only; n contacts; NaN where there is no answer.
 
-    status : the certifier's verdict.
+    status : SOLVED where every residual is at most 1e-8 (`CERTIFY_TOLERANCE`); else what is proven, or UNDECIDED.
+        Torque limits play no part: see `verdict`.
     names : (n,) finger names, then those of the environment's contacts, which come last in every array.
     forces : (n, 3) N, force of each finger on the object in its contact axes (x, y tangents, z normal).
     forces_world : (n, 3) N, the same in world axes.
@@ -200,8 +197,9 @@ class GraspSolution(Record, DeferredFields):
     residuals : how far each law is missed, relative and SI.
     uniqueness : which object motions and forces the solution leaves free, and whether other equilibria exist, as far
         as that is known; None where there is no solution, or nobody knows: beside effects with unknowns of their own.
-    certificate : for NOT_HOLDABLE the (6,) motion about the reference in which the object escapes; for NO_EQUILIBRIUM
-        where limits on the forces are what forbids it, the motion in which the object escapes while these give way.
+    certificate : the proof that nothing holds; None for SOLVED, whose proof is `residuals`. For NOT_HOLDABLE the (6,)
+        motion about the reference in which the object escapes; for NO_EQUILIBRIUM where limits on the forces are what
+        forbids it, the motion in which the object escapes while these give way.
     iterations : steps of the method that gave the answer. trace : one line per stage that ran.
     extra : unknowns of further effects by name, SI.
     torsion : (n,) N·m, moment of each finger on the object about its normal. spin : (n,) rad, how the object turns on
@@ -248,8 +246,10 @@ class GraspSolution(Record, DeferredFields):
 
     @property
     def held(self) -> bool:
-        """Whether a certified equilibrium of small motions exists, with squeeze and load applied together. A designer's
-        question, whether the hand closes, is loaded and keeps the object, is answered by `grasp.check()`.
+        """Whether a certified equilibrium of small motions exists, with squeeze and load applied together. Torque
+        limits, links inside the object and large motions do not count: `verdict.ok`. Whether the hand closes, is loaded
+        and
+        keeps the object, is answered by `grasp.check()`.
         """
         return self.status is Status.SOLVED
 

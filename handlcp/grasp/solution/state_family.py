@@ -105,8 +105,8 @@ def keep_states(s: Any) -> KeptStates:
     verdict = certify_candidate(s.scene, s.spec.effects, s.section, candidate)
     states = classify_contacts(s.scene, s.section, candidate, verdict)
     limited = limits_at_answer(s.scene, s.spec.effects, candidate)
-    forces, motion = candidate.components / units.force, verdict.motion / units.motion
-    slow = ACTIVE_TOLERANCE * max(s.residuals.motion_scale / units.motion, 1.0)
+    forces, motion = candidate.components / units.force_unit, verdict.motion / units.motion_unit
+    slow = ACTIVE_TOLERANCE * max(s.residuals.motion_scale / units.motion_unit, 1.0)
     glides, spare = np.zeros(s.scene.n, bool), np.zeros((s.scene.n, 3), bool)
     for i, slip in enumerate([motion[_tangents(s.scene, i)] for i in range(s.scene.n)]):
         glides[i] = states.kind[i] == RESTING and np.linalg.norm(slip) > slow
@@ -181,7 +181,7 @@ def _choice_laws(kept: KeptStates, way: _StateChoice, ranges: FactorRanges | Non
     in natural units.
     """
     scene, n = kept.scene, kept.scene.n
-    laws = linear_laws(scene, scene.limits(kept.section), kept.limited.rows, way.gives)
+    laws = linear_laws(scene, scene.friction_coefficients(kept.section), kept.limited.rows, way.gives)
     pads = np.zeros((n, 3, 3))
     if ranges is None or ranges.pads[0] == ranges.pads[1]:
         return laws, pads
@@ -299,7 +299,7 @@ def _add_friction(
                 room[0] = max(room[0], float(np.linalg.norm(room[1:])))
                 curved.append((d, block @ R / size, room / size))
     if least < most:
-        limits = least * kept.scene.limits(kept.section)
+        limits = least * kept.scene.friction_coefficients(kept.section)
         for i in np.flatnonzero((way.kind == SLIDING) & (states.turn == 0.0)).tolist():
             z, t = scene.kind.contact_components[i, 0], _tangents(scene, i)
             faces = states.faces[i, : states.face_count[i], : len(t)][~kept.spare[i, : states.face_count[i]]]
@@ -321,7 +321,7 @@ def _add_pads(
 ) -> None:
     """|e_k| ≤ (b-a)/2 β_k r_N, of what pads give way beside the middle of their range."""
     scene, (a, b) = kept.scene, ranges.pads
-    first, limits = len(N) - 3 * scene.n, ranges.friction[1] * scene.limits(kept.section)
+    first, limits = len(N) - 3 * scene.n, ranges.friction[1] * scene.friction_coefficients(kept.section)
     for i in np.flatnonzero(pads.any(axis=(1, 2)) & (way.kind != SEPARATED)).tolist():
         t, z = _tangents(scene, i), 3 * i + 2
         reach = limits[i] * _tangential_reach(kept.section, len(t))
@@ -348,7 +348,7 @@ def own_flexibility(s: Any) -> Array:
     n, mechanism = s.spec.n, s.spec.mechanism
     E = s.spec.flexibility[: 3 * n, : 3 * n]
     if mechanism is not None and mechanism.variation.has_joint_flexibility(s.spec):
-        E = E - mechanism.compliance(mechanism.jacobian_rows(())[: 3 * n])
+        E = E - mechanism.contact_compliance(mechanism.jacobian_rows(())[: 3 * n])
     each = np.arange(n)
     own = E.reshape(n, 3, n, 3)[each, :, each]
     own = np.where(abs(own) > _MIN_PAD_SHARE * abs(s.spec.flexibility).max(initial=0.0), own, 0.0)

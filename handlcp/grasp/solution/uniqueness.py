@@ -26,7 +26,8 @@ from handlcp.tolerances import RANK_TOLERANCE
 
 MAX_RESTING = 4  # contacts at rest whose 2^k branches are all looked at; beyond that only all-open and all-closed
 _PROGRAM_BOUND = (
-    1e6  # bound of the linear program's unknowns; a condition that stays below 1 / _PROGRAM_BOUND within it is always active
+    # bound of the linear program's unknowns; a condition that stays below 1 / _PROGRAM_BOUND within it is always active
+    1e6
 )
 
 
@@ -49,7 +50,7 @@ def free_branches(
     """The branches that leave something free; none when the solution is locally unique (decided by elimination)."""
     limited, out, moves = limits_at_answer(scene, effects, candidate), [], scene.components + scene.dof
     for kind, active in itertools.product(resting_choices(scene, states.kind), limited.choices()):
-        laws = linear_laws(scene, scene.limits(section), limited.rows, active)
+        laws = linear_laws(scene, scene.friction_coefficients(section), limited.rows, active)
         A, _ = active_rows(laws, states._replace(kind=kind))
         if matrix_rank(A.copy()) == len(A):
             continue
@@ -114,9 +115,9 @@ def state_inequalities(
 
     forces, motion (c,) : natural units.
     """
-    c, limits = scene.components, scene.limits(section)
+    c, limits = scene.components, scene.friction_coefficients(section)
     force = np.eye(c, c + scene.dof)
-    move = np.hstack([scene.flexibility * (scene.units.force / scene.units.motion), scene.natural.full_G.T])
+    move = np.hstack([scene.flexibility * (scene.units.force_unit / scene.units.motion_unit), scene.natural.full_G.T])
     rows, now = [np.zeros((0, c + scene.dof))], [np.zeros(0)]
     for i in contacts.tolist():
         z, *own = scene.kind.contact_components[i].tolist()
@@ -218,7 +219,7 @@ def minimum_norm_candidate(
     gives way goes on giving way.
     """
     c, units = scene.components, scene.units
-    forces, moved = candidate.components / units.force, verdict.motion / units.motion
+    forces, moved = candidate.components / units.force_unit, verdict.motion / units.motion_unit
     x0 = np.concatenate([forces, scene.natural_twist(candidate.twist)])
     best, extra, limited = x0, candidate.extra, limits_at_answer(scene, effects, candidate)
     for branch in branches:
@@ -239,7 +240,7 @@ def minimum_norm_candidate(
         x = x0 + B @ change
         if x @ x < best @ best:
             best, extra = x, limited.move_extra(scene, branch.active, branch.multipliers @ change)
-    return SolverCandidate(best[:c] * units.force, scene.twist(best[c:]), extra, candidate.soft)
+    return SolverCandidate(best[:c] * units.force_unit, scene.twist(best[c:]), extra, candidate.soft)
 
 
 def _least_distance(A: Array, h: Array) -> Array | None:

@@ -48,11 +48,15 @@ from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING, ContactStat
 from handlcp.grasp.solution.uniqueness import Uniqueness
 from handlcp.lcp.problem import Status
 from handlcp.record import Record
+from handlcp.tolerances import MAX_FORCE_SHARE, NOTICED_SHARE
 from handlcp.words import wrap_text
 
 HELD, OVER_LIMIT, UNDECIDED, NOT_HELD = "HELD", "OVER LIMIT", "UNDECIDED", "NOT HELD"
 
 _WORD_ORDER = (NOT_HELD, UNDECIDED, OVER_LIMIT)  # the first that a reason decides is the word
+# The word of each code that may decide; of the others none does. `no_squeeze`, `lost`, `slides_through`,
+# `steps_differ`, `follow_stopped` and `closing_over_peak` come from a loading that is followed (`check`), `unplaced`
+# from a study.
 _DECIDED_WORD = {
     "not_holdable": NOT_HELD,
     "no_equilibrium": NOT_HELD,
@@ -176,10 +180,6 @@ def make_verdict(reasons: Iterable[Reason], loading: Any = None) -> Verdict:
 # there.
 
 
-NOTICED_SHARE = 0.05  # of the forces: what may be off by more is said; an object adrift may be anywhere
-MAX_FORCE_SHARE = 1.0  # of the forces: beyond this the equations say nothing
-
-
 def force_error_share(turn: Any, move: Any, slip: Any, squeeze: Any, size: Any, yielded: Any = 0.0) -> Any:
     """By how much forces may be off, of their size: of one answer, or of many (m,). [rad, m, m, m, m, rad]"""
     way = np.maximum(np.maximum(move, slip), 0.1 * np.asarray(squeeze)) / size
@@ -255,9 +255,9 @@ class MotionSizes:
 
 def solution_motions(s: Any) -> MotionSizes:
     """Of a `GraspSolution` with an answer."""
-    scene, size, fingers = s.scene, s.scene.units.length, s.scene.n - s.scene.environment
+    scene, size, fingers = s.scene, s.scene.units.length_unit, s.scene.n - s.scene.environment
     shift, turn = (float(np.linalg.norm(part)) for part in (s.object_displacement[:3], s.object_displacement[3:]))
-    offset = scene.to_law_axes(scene.offset)[2 : 3 * scene.n : 3]
+    offset = scene.motions_to_contact_axes(scene.offset)[2 : 3 * scene.n : 3]
     slip, yielded = float(np.hypot(*s.slip.T).max(initial=0.0)), getattr(s, "joint_yield", np.zeros(1))
     sticks, slides = (
         np.array([now == state for now in contact_statuses(s.contact_state)]) for state in (STICKING, SLIDING)
@@ -299,7 +299,7 @@ def _friction_and_limit(scene: Scene, forces: Array, torsion: Array | None) -> t
     """Friction force |r̂_T| and its limit μ r_N of each contact, (n,) each [N]."""
     soft = list(scene.soft)
     moments = np.zeros(scene.n) if torsion is None else torsion[soft]
-    lawful, turning = np.split(scene.to_law_axes(np.append(forces, moments if soft else [])), [3 * scene.n])
+    lawful, turning = np.split(scene.forces_to_law_axes(np.append(forces, moments if soft else [])), [3 * scene.n])
     moment = np.zeros(scene.n)
     moment[soft] = turning
     x, y, z = lawful.reshape(-1, 3).T
@@ -328,7 +328,7 @@ def solution_reasons(s: Any) -> Iterator[Reason]:
                 yield Reason("effect", "note", part, {"effect": e.title})
         yield _contact_reason(s)
         yield from friction_reasons(s.names, s.friction_used, contact_statuses(s.contact_state))
-        yield motion_reason(s.object_displacement, s.scene.force, s.scene.units.length)
+        yield motion_reason(s.object_displacement, s.scene.force, s.scene.units.length_unit)
         yield from open_reasons(s.uniqueness)
         yield from large_motion_reasons(solution_motions(s))
 

@@ -14,9 +14,14 @@ from handlcp.grasp.model.contact import SceneKind
 from handlcp.grasp.model.flexibility import flexibility_matrix, stored_flexibility
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solve.compiled_solve import (
+    END_OF_RESIDUALS,
+    FIRST_RESIDUAL,
     HEADER_SIZE,
+    KACZMARZ_STEPS,
     NONE_HOLDS,
+    OUTCOME,
     UNIQUE,
+    UNKNOWN,
     ScenePattern,
     row_width,
     solve_scenes,
@@ -26,7 +31,7 @@ from handlcp.grasp.solve.factored_solve import FactoredRow, solve_factored
 from handlcp.grasp.verify.certifier import LawResiduals, Residuals
 from handlcp.lcp import Proposal
 from handlcp.lcp.solver import describe_outcome
-from handlcp.tolerances import CERTIFY_TOLERANCE, SOLVE_TOLERANCE
+from handlcp.tolerances import SOLVE_TOLERANCE
 
 _NO_MATRIX = read_only(np.empty((0, 0)))
 NO_START = read_only(np.empty(0))  # the start of a solve that begins where every contact sticks
@@ -73,12 +78,12 @@ def get_compiled_kind(scene: Scene, section: Section) -> CompiledKind:
 
 
 def solve_scene(scene: Scene, section: Section, seed: int, start: Array = NO_START) -> CompiledAnswer:
-    """The first stage's answer, certified or not; start as in `start_values`."""
+    """The first stage's answer, certified or not; start : made by `start_values`."""
     kind = get_compiled_kind(scene, section)
     if scene.kind.has_many_contacts and (E := scene.factor) is not None:
         row, given = np.empty(kind.answer_width), stored_flexibility(scene)
         loads = (scene.offset, scene.force, scene.moment, scene.freedom)
-        parts = (scene.positions, scene.frames, *loads, *E.factor, scene.limits(section))
+        parts = (scene.positions, scene.frames, *loads, *E.factor, scene.friction_coefficients(section))
         numbers, (joints, columns) = read_only(np.concatenate(parts, axis=None)), E.factor.root.shape
         matrix = _NO_MATRIX if given is E else flexibility_matrix(given)
         if solve_factored(FactoredRow(numbers, joints, columns, matrix), kind.pattern, start, row):
@@ -104,7 +109,7 @@ def start_values(value: Any, scene: Scene) -> Array:
         return NO_START
     torsion = getattr(value, "torsion", None)
     moments = np.zeros(len(scene.soft)) if torsion is None else torsion[list(scene.soft)]
-    forces = scene.to_law_axes(np.concatenate([value.forces.reshape(-1), moments]))
+    forces = scene.forces_to_law_axes(np.concatenate([value.forces.reshape(-1), moments]))
     return read_only(np.concatenate([forces, value.object_displacement, value.reference]))
 
 
@@ -119,37 +124,36 @@ class CompiledAnswer:
 
     @property
     def passes(self) -> bool:
-        """Whether the certifier calls it an answer; NaN never is."""
-        return all([miss <= CERTIFY_TOLERANCE for miss in self.row[5:9].tolist()])
+        """Whether the certifier calls it an answer, as `Residuals.passes` says; no effect has a law of its own here."""
+        return self.row.item(OUTCOME) >= UNKNOWN
 
     @property
     def is_unique(self) -> bool:
         """Whether it is an answer that leaves nothing free."""
-        return self.row.item(11) == UNIQUE
+        return self.row.item(OUTCOME) == UNIQUE
 
     @property
     def escape(self) -> Array | None:
         """(dof,) where it is proven that nothing holds the object: the motion in which it escapes, natural units."""
         at = HEADER_SIZE + self.kind.kind.components
-        return self.row[at : at + self.kind.kind.dof] if self.row.item(11) == NONE_HOLDS else None
+        return self.row[at : at + self.kind.kind.dof] if self.row.item(OUTCOME) == NONE_HOLDS else None
 
     @property
     def residuals(self) -> Residuals:
         """How far it misses each law."""
-        return Residuals.from_law_residuals(
-            LawResiduals(*self.row[3:11].tolist()), 0.0 * self.row.item(9)
-        )  # NaN where it is no number
+        laws = LawResiduals(*self.row[FIRST_RESIDUAL:END_OF_RESIDUALS].tolist())
+        return Residuals.from_law_residuals(laws, 0.0 * laws.force_size)  # NaN where it is no number
 
     @property
     def outcome(self) -> str:
         """The solver's own words."""
-        steps, newton, residual = self.row[:3].tolist()
+        steps, newton, residual = self.row[:FIRST_RESIDUAL].tolist()
         return describe_outcome(residual <= SOLVE_TOLERANCE, int(steps), int(newton))
 
     @property
     def iterations(self) -> int:
         """The number of Kaczmarz steps that the solver took."""
-        return int(self.row.item(0))
+        return int(self.row.item(KACZMARZ_STEPS))
 
     @property
     def components(self) -> Array:

@@ -17,8 +17,8 @@ from handlcp.contact.friction import Section
 from handlcp.grasp.assembly.problem import unknowns_in_si
 from handlcp.grasp.derivatives.active_set import LinearLaws, active_rows, matrix_rank, saddle_matrix
 from handlcp.grasp.model.equation_system import add_force_block, couple_block
-from handlcp.grasp.model.scene import GraspArrays, GraspGeometry, NaturalBlocks, Scene, pose_grasp
-from handlcp.grasp.verify.certifier import FrictionLimits, compute_motions_and_residuals
+from handlcp.grasp.model.scene import GraspArrays, GraspGeometry, NaturalBlocks, Scene, nondimensionalise
+from handlcp.grasp.verify.certifier import FrictionLimits, LawResiduals, compute_motions_and_residuals, laws_pass
 from handlcp.grasp.verify.contact_state import ESCAPES, RESTING, ContactStates, find_escape, find_states
 from handlcp.lcp.kernels.contact_newton import (
     alternate_methods,
@@ -29,7 +29,7 @@ from handlcp.lcp.kernels.contact_newton import (
     solve_sticking,
 )
 from handlcp.lcp.kernels.dense import kernel
-from handlcp.tolerances import ACTIVE_TOLERANCE, CERTIFY_TOLERANCE, MAX_RESIDUAL_GROWTH, SOLVE_TOLERANCE
+from handlcp.tolerances import ACTIVE_TOLERANCE, MAX_RESIDUAL_GROWTH, SOLVE_TOLERANCE
 
 
 @kernel
@@ -67,7 +67,7 @@ def row_width(scene: Scene) -> int:
 
 def write_row(scene: Scene, section: Section, row: Array) -> None:
     """Write a scene's numbers into a row."""
-    np.concatenate((*scene.arrays, scene.limits(section)), axis=None, out=row)
+    np.concatenate((*scene.arrays, scene.friction_coefficients(section)), axis=None, out=row)
 
 
 def write_rows(count: int, width: int, **fields: Sequence[Array] | Array) -> Array:
@@ -101,8 +101,9 @@ def write_rows(count: int, width: int, **fields: Sequence[Array] | Array) -> Arr
 class ScenePattern(NamedTuple):
     """What scenes of one kind share: n contacts, the layout of their N unknowns, the section of their cones.
 
-    contacts (n, 4), unknown (m,) : force components, `SceneKind.contact_components` and `SceneKind.index`. role, order (N,), blocks (k, 4) : as in
-    `lcp.Pattern`. faces, normals : of the sets. flexible : whether any finger gives way. dof : 6, or 3 in a plane.
+    contacts (n, 4), unknown (m,) : force components, `contact_components` and `index` of `SceneKind`. role, order (N,),
+    blocks (k, 4) : as in `lcp.Pattern`. faces, normals : of the sets. flexible : whether any finger gives way. dof : 6,
+    or 3 in a plane.
     at : where r_N begins, how many there are, where r_T and u begin, N. torsional : how many soft contacts there are.
     """
 
@@ -119,17 +120,20 @@ class ScenePattern(NamedTuple):
     torsional: int
 
 
-# An answer's row begins with: Kaczmarz steps, Newton steps, solver's residual; the eight numbers of `LawResiduals`; and
-# what else is known: UNIQUE, locally; NO_ANSWER; NONE_HOLDS, where there is none, and in place of its twist there is the
-# proof in natural units. Then forces (c), twist (6) and centre (3), where the next one may start; motions (c), contact
-# states (n), unknowns (N).
+# A row of numbers is an answer: a header, then forces (c), twist (6) and centre (3), where the next one may start;
+# motions (c), contact states (n), unknowns (N). Where it is proven that nothing holds, the escaping motion (dof) in
+# natural units stands in place of the twist. The header:
+KACZMARZ_STEPS, NEWTON_STEPS, SOLVER_RESIDUAL = 0, 1, 2
+FIRST_RESIDUAL, END_OF_RESIDUALS = 3, 11  # the fields of `LawResiduals`, in their order
+OUTCOME = 11  # one of the numbers below
 HEADER_SIZE = 12
+# Not below UNKNOWN: the certifier passes the answer, which is locally UNIQUE, or may leave something free
 UNIQUE, UNKNOWN, NONE_HOLDS, NO_ANSWER = 1.0, 0.0, -1.0, -2.0
 
 
 @kernel
 def solve_scenes(scenes: Array, p: ScenePattern, start: Array, seed: int, rows: Array) -> None:
-    """Write the answer to each row of scenes, the numbers of `GraspArrays` and the limits, into the same row of rows.
+    """Write the answer to each row of scenes, the numbers of `GraspArrays` and friction coefficients, into one of rows.
 
     start (c + 9) : forces, twist and centre of an answer nearby. Where that is empty or leads nowhere, a solve begins
     where every contact sticks.
@@ -138,16 +142,25 @@ def solve_scenes(scenes: Array, p: ScenePattern, start: Array, seed: int, rows: 
     for k in range(len(scenes)):
         row = rows[k]
         g, limits = read_scene(scenes[k], n, p.torsional, p.dof)
-        posed, blocks = pose_grasp(g, p.unknown)
+        posed, blocks = nondimensionalise(g, p.unknown)
         x, t = np.zeros(p.at[4]), np.zeros(p.dof)
         if len(start) > 0:
             write_start(x, start, p, g.freedom, posed)
         M, q = stamp_rows(p, blocks)
-        row[0], row[1], row[2], escapes = solve_unknowns(p, M, q, blocks, limits, len(start) > 0, seed, x, t)
+        steps = solve_unknowns(p, M, q, blocks, limits, len(start) > 0, seed, x, t)
+        row[KACZMARZ_STEPS], row[NEWTON_STEPS], row[SOLVER_RESIDUAL], escapes = steps
         write_answer(row, p, g, limits, posed, blocks.full_G, x)
-        if escapes and row[11] == NO_ANSWER:
-            row[11] = NONE_HOLDS
+        if escapes and row[OUTCOME] == NO_ANSWER:
+            row[OUTCOME] = NONE_HOLDS
             _write_array(row, HEADER_SIZE + len(g.offset), t)
+
+
+@kernel
+def write_residuals(row: Array, m: LawResiduals) -> None:
+    """Write the residuals into the header of an answer's row."""
+    k = FIRST_RESIDUAL
+    row[k], row[k + 1], row[k + 2], row[k + 3] = m.lost_force, m.lost_moment, m.balance, m.normal
+    row[k + 4], row[k + 5], row[k + 6], row[k + 7] = m.cone, m.slip, m.force_size, m.motion_size
 
 
 @kernel
@@ -160,8 +173,8 @@ def write_answer(
     twist = np.dot(free, g.freedom)
     friction = FrictionLimits(limits, p.faces, p.normals)
     v, m = compute_motions_and_residuals(g, posed, p.contacts, friction, g.offset, forces, twist, MAX_RESIDUAL_GROWTH)
-    row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10] = m
-    row[11] = NO_ANSWER
+    write_residuals(row, m)
+    row[OUTCOME] = NO_ANSWER
     end = _write_array(row, HEADER_SIZE, forces)
     end = _write_array(row, end, twist)
     end = _write_array(row, end, posed.centre)
@@ -169,11 +182,11 @@ def write_answer(
     for i in range(n):
         row[end + i] = 0.0  # states of what is no answer
     _write_array(row, end + n, x)
-    if max(m.balance, m.normal, m.cone, m.slip) <= CERTIFY_TOLERANCE:
-        slow = ACTIVE_TOLERANCE * max(m.motion_size, posed.motion)
+    if laws_pass(m):
+        slow = ACTIVE_TOLERANCE * max(m.motion_size, posed.motion_unit)
         states = find_states(p.contacts, friction, forces, v, ACTIVE_TOLERANCE * m.force_size, slow)
-        one = _is_unique(every, g.flexibility, posed.force / posed.motion, p.contacts, states, limits)
-        row[11] = UNIQUE if one else UNKNOWN
+        one = _is_unique(every, g.flexibility, posed.force_unit / posed.motion_unit, p.contacts, states, limits)
+        row[OUTCOME] = UNIQUE if one else UNKNOWN
         for i in range(n):
             row[end + i] = states.kind[i]
 
@@ -241,7 +254,7 @@ def write_start(x: Array, start: Array, p: ScenePattern, freedom: Array, posed: 
     normal, count, tangent, u, _ = p.at
     c = len(start) - 9
     for k in range(len(p.unknown)):
-        x[normal + k if k < count else tangent + k - count] = start[p.unknown[k]] / posed.force
+        x[normal + k if k < count else tangent + k - count] = start[p.unknown[k]] / posed.force_unit
     t, old = start[c : c + 6].copy(), start[c + 6 :]
     ax, ay, az = posed.centre[0] - old[0], posed.centre[1] - old[1], posed.centre[2] - old[2]
     t[0] += t[4] * az - t[5] * ay
@@ -252,7 +265,7 @@ def write_start(x: Array, start: Array, p: ScenePattern, freedom: Array, posed: 
         for j in range(6):
             total += freedom[i, j] * t[j]
         turns = i >= (3 if p.dof == 6 else 2)
-        x[u + i] = total / posed.motion * (posed.length if turns else 1.0)
+        x[u + i] = total / posed.motion_unit * (posed.length_unit if turns else 1.0)
 
 
 @kernel
@@ -298,11 +311,11 @@ def push_scene(
     is. start : as in `solve_scenes`. The row says whether there is an answer.
     """
     g, limits = read_scene(scene, len(p.contacts), p.torsional, p.dof)
-    posed, blocks = pose_grasp(g, p.unknown)
+    posed, blocks = nondimensionalise(g, p.unknown)
     push = _wrench_about(load, posed.centre)
     a, c = (
-        _natural_wrench(push, g.freedom, posed.length),
-        _natural_wrench(_wrench_about(along, posed.centre), g.freedom, posed.length),
+        _natural_wrench(push, g.freedom, posed.length_unit),
+        _natural_wrench(_wrench_about(along, posed.centre), g.freedom, posed.length_unit),
     )
     size, reach = np.sqrt(np.dot(a, a)), np.sqrt(np.dot(c, c))
     mirror, sign = _reflection(a / size)
@@ -315,12 +328,13 @@ def push_scene(
     M[u : u + p.dof], q[u : u + p.dof] = turned, w
     M[u + last] = 0.0
     M[u + last, u : u + p.dof] = c / reach
-    q[u + last] = -travel / (reach * posed.motion)
+    q[u + last] = -travel / (reach * posed.motion_unit)
     every[last] = 0.0
     free = NaturalBlocks(blocks.G, every, blocks.E, blocks.d, w)
     balance, free.w[last] = w[last], 0.0
-    row[0], row[1], row[2], _ = solve_unknowns(p, M, q, free, limits, len(start) > 0, seed, x, t)
-    factor = -(balance + np.dot(turned[last], x)) * posed.force / (sign * size)
+    steps = solve_unknowns(p, M, q, free, limits, len(start) > 0, seed, x, t)
+    row[KACZMARZ_STEPS], row[NEWTON_STEPS], row[SOLVER_RESIDUAL], _ = steps
+    factor = -(balance + np.dot(turned[last], x)) * posed.force_unit / (sign * size)
     for j in range(6):
         posed.wrench[j] += factor * push[j]
     write_answer(row, p, g, limits, posed, blocks.full_G, x)

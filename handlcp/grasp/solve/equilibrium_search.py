@@ -19,7 +19,7 @@ from handlcp.contact.friction import Pyramid, Section
 from handlcp.grasp.assembly.problem import GraspContactProblem, GraspProblem, SolverCandidate
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.model.scene import Scene
-from handlcp.grasp.verify.certifier import certify_candidate
+from handlcp.grasp.verify.certifier import Residuals, certify_candidate
 from handlcp.grasp.verify.load_capacity import is_jammed, least_normal_sum, prove_overload
 from handlcp.lcp import SemismoothNewton
 from handlcp.lcp.certificate import search_active_sets
@@ -41,24 +41,23 @@ def first_certified(problem: GraspContactProblem, candidates: Iterable[SolverCan
             return candidate
         near = _FINE_NEWTON.propose_contact(problem, problem.natural(candidate)).z
         refined = problem.candidate(near)
-        worst = _worst_residual(problem, refined)
-        if (
-            CERTIFY_TOLERANCE < worst <= _NEAR_CERTIFIED * CERTIFY_TOLERANCE
-        ):  # stiff fingers: rounding may be less in other units
+        residuals = _residuals(problem, refined)
+        if not residuals.passes and residuals.worst <= _NEAR_CERTIFIED * CERTIFY_TOLERANCE:
+            # Stiff fingers: rounding may be less in other units
             refined = problem.candidate(propose_in_limit_units(_FINE_NEWTON, problem, near).z)
-            worst = _worst_residual(problem, refined)
-        if worst <= CERTIFY_TOLERANCE:
+            residuals = _residuals(problem, refined)
+        if residuals.passes:
             return refined
     return None
 
 
 def is_certified(problem: GraspContactProblem, candidate: SolverCandidate) -> bool:
     """Whether the certifier calls it an answer."""
-    return _worst_residual(problem, candidate) <= CERTIFY_TOLERANCE
+    return _residuals(problem, candidate).passes
 
 
-def _worst_residual(problem: GraspContactProblem, candidate: SolverCandidate) -> float:
-    return certify_candidate(problem.scene, problem.effects, problem.section, candidate).residuals.worst
+def _residuals(problem: GraspContactProblem, candidate: SolverCandidate) -> Residuals:
+    return certify_candidate(problem.scene, problem.effects, problem.section, candidate).residuals
 
 
 def has_only_limits(problem: GraspContactProblem) -> bool:
@@ -74,11 +73,13 @@ _BOX_SIZE = 1e3  # of the box in which nothing is proven to exist, times 1 + max
 
 
 class ContactModeSearch:
-    """The search over contact modes of one grasp. It can be paused: `find_first` and `each_choice` go on where they stopped."""
+    """The search over contact modes of one grasp. It can be paused: `find_first` and `each_choice` go on where they
+    stopped.
+    """
 
     def __init__(self, problem: GraspContactProblem) -> None:
         self.problem, self.bounds = problem, proof_bounds(problem.scene)
-        b = self.bounds[0] / problem.scene.units.force
+        b = self.bounds[0] / problem.scene.units.force_unit
         most_x, most_y = np.full((2, problem.n), b)
         most_y[problem.limit_unknowns] = _limit_slack(problem, b)
         self.search = ModeSearch(problem, most_x, most_y)
@@ -106,12 +107,12 @@ def proof_bounds(scene: Scene) -> tuple[float, float]:
     """The largest forces [N] and motions [m] for which proofs claim that there is no equilibrium. Some hold without
     bounds, and state these, too.
     """
-    return bounds_in_si(scene, _BOX_SIZE * (1.0 + float(abs(scene.offset).max(initial=0.0)) / scene.units.motion))
+    return bounds_in_si(scene, _BOX_SIZE * (1.0 + float(abs(scene.offset).max(initial=0.0)) / scene.units.motion_unit))
 
 
 def bounds_in_si(scene: Scene, size: float) -> tuple[float, float]:
     """So many natural units of force [N] and of motion [m]."""
-    return size * scene.units.force, size * scene.units.motion
+    return size * scene.units.force_unit, size * scene.units.motion_unit
 
 
 def _limit_slack(problem: GraspContactProblem, b: float) -> Array:

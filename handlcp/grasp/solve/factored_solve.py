@@ -15,17 +15,26 @@ from handlcp.check import Array
 from handlcp.contact.block_newton import LinkedContacts, is_determined, solve_blocks
 from handlcp.grasp.model.flexibility import FlexibilityFactor
 from handlcp.grasp.model.scene import GraspArrays, GraspGeometry, compute_geometry
-from handlcp.grasp.solve.compiled_solve import HEADER_SIZE, UNIQUE, UNKNOWN, ScenePattern, write_start
+from handlcp.grasp.solve.compiled_solve import (
+    HEADER_SIZE,
+    OUTCOME,
+    UNIQUE,
+    UNKNOWN,
+    ScenePattern,
+    write_residuals,
+    write_start,
+)
 from handlcp.grasp.verify.certifier import (
     FrictionLimits,
     compute_motions_and_residuals,
     compute_residuals,
     contact_motions_of_factor,
+    laws_pass,
 )
 from handlcp.grasp.verify.contact_state import GLIDING, SEPARATED, SLIDING, STICKING, ContactStates, find_states
 from handlcp.lcp.kernels.contact_newton import ContactArrays
 from handlcp.lcp.kernels.dense import kernel
-from handlcp.tolerances import ACTIVE_TOLERANCE, CERTIFY_TOLERANCE, MAX_RESIDUAL_GROWTH, SOLVE_TOLERANCE
+from handlcp.tolerances import ACTIVE_TOLERANCE, MAX_RESIDUAL_GROWTH, SOLVE_TOLERANCE
 
 _MIN_PIVOT_SHARE = 1e-9  # pivots below this share of the largest say that something may be free
 
@@ -156,15 +165,15 @@ def link_in_natural_units(
     `LinkedContacts`.
     """
     n, size = len(si.P), len(si.w)
-    m, units, largest = size - 6, posed.force / posed.motion, 0.0
+    m, units, largest = size - 6, posed.force_unit / posed.motion_unit, 0.0
     unit = np.empty(size)  # of z: of the joints' √(force · motion), of the object's motion
     for j in range(size):
-        unit[j] = np.sqrt(posed.force * posed.motion) if j < m else posed.motion
+        unit[j] = np.sqrt(posed.force_unit * posed.motion_unit) if j < m else posed.motion_unit
         if j >= m + 3:
-            unit[j] /= posed.length
+            unit[j] /= posed.length_unit
     P, W, R, d = np.empty((n, 3, 3)), np.empty((3 * n, size)), np.empty((3 * n, size)), np.empty(3 * n)
     S, w, rho = np.empty((size, size)), np.empty(size), np.empty(3 * n)
-    work = posed.force * posed.motion  # a row times its unknown
+    work = posed.force_unit * posed.motion_unit  # a row times its unknown
     for j in range(size):
         w[j] = si.w[j] * unit[j] / work
         for k in range(size):
@@ -173,12 +182,12 @@ def link_in_natural_units(
         mean = (softness[3 * i] + softness[3 * i + 1] + softness[3 * i + 2]) * units / 3
         for a in range(3):
             at, own = 3 * i + a, 3 * i + (a + 2) % 3
-            d[at], rho[at] = si.d[own] / posed.motion, mean
+            d[at], rho[at] = si.d[own] / posed.motion_unit, mean
             for b in range(3):
                 P[i, a, b] = si.P[i, (a + 2) % 3, (b + 2) % 3] * units
             for j in range(size):
-                W[at, j] = si.W[own, j] * (unit[j] / posed.motion)
-                R[at, j] = si.R[own, j] * (unit[j] / posed.motion)
+                W[at, j] = si.W[own, j] * (unit[j] / posed.motion_unit)
+                R[at, j] = si.R[own, j] * (unit[j] / posed.motion_unit)
             largest = max(largest, softness[own] * units)
     for i in range(3 * n):
         rho[i] = 1.0 / max(rho[i], 1e-6 * largest)
@@ -217,9 +226,9 @@ def _write_answer(
     forces, twist, friction = np.empty(3 * n), np.empty(6), FrictionLimits(limits, p.faces, p.normals)
     for i in range(n):
         for a in range(3):
-            forces[3 * i + a] = r[3 * i + (a + 1) % 3] * posed.force
+            forces[3 * i + a] = r[3 * i + (a + 1) % 3] * posed.force_unit
     for k in range(6):
-        twist[k] = z[m + k] * posed.motion / (1.0 if k < 3 else posed.length)
+        twist[k] = z[m + k] * posed.motion_unit / (1.0 if k < 3 else posed.length_unit)
     if len(g.flexibility) > 0:
         v, miss = compute_motions_and_residuals(
             g, posed, p.contacts, friction, g.offset, forces, twist, MAX_RESIDUAL_GROWTH
@@ -230,8 +239,8 @@ def _write_answer(
             moved.v,
             compute_residuals(g, posed, p.contacts, friction, g.offset, forces, moved, MAX_RESIDUAL_GROWTH),
         )
-    row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10] = miss
-    if not max(miss.balance, miss.normal, miss.cone, miss.slip) <= CERTIFY_TOLERANCE:
+    write_residuals(row, miss)
+    if not laws_pass(miss):
         return False
     at = HEADER_SIZE
     row[at : at + 3 * n] = forces
@@ -240,7 +249,7 @@ def _write_answer(
     at += 3 * n + 9
     row[at : at + 3 * n] = v
     at += 3 * n
-    slow = ACTIVE_TOLERANCE * max(miss.motion_size, posed.motion)
+    slow = ACTIVE_TOLERANCE * max(miss.motion_size, posed.motion_unit)
     states = find_states(p.contacts, friction, forces, v, ACTIVE_TOLERANCE * miss.force_size, slow)
     for i in range(n):
         row[at + i] = states.kind[i]
@@ -250,7 +259,7 @@ def _write_answer(
         row[at + (normal + k if k < count else tangent + k - count)] = r[own - own % 3 + (own + 1) % 3]
     for k in range(6):
         row[at + u + k] = z[m + k]
-    row[11] = UNIQUE if _is_unique(linked, r, z, states, limits) else UNKNOWN
+    row[OUTCOME] = UNIQUE if _is_unique(linked, r, z, states, limits) else UNKNOWN
     return True
 
 

@@ -46,7 +46,7 @@ class CertifiedCandidate(NamedTuple):
     """A candidate, what the certifier says of it, and how many steps of the method it took."""
 
     candidate: SolverCandidate
-    verdict: Certification
+    certification: Certification
     iterations: int
 
 
@@ -62,13 +62,13 @@ def make_solution(
     """The solution from a candidate that the certifier passes; effects : all that were stamped. smallest : where it
     leaves something free, the least forces and motion in place of the candidate's.
     """
-    candidate, verdict, arm = judged.candidate, judged.verdict, spec.reference - scene.units.centre
-    states = classify_contacts(scene, section, candidate, verdict)
+    candidate, certified, arm = judged.candidate, judged.certification, spec.reference - scene.units.centre
+    states = classify_contacts(scene, section, candidate, certified)
     if not all(e.only_limits for e in effects):
         return solution_from_numbers(spec, scene, section, judged, states.kind, None, trace, arm)
     free = free_branches(scene, effects, section, states, candidate)
     if free and smallest:
-        least = minimum_norm_candidate(scene, effects, section, states, candidate, verdict, free)
+        least = minimum_norm_candidate(scene, effects, section, states, candidate, certified, free)
         if (checked := certify_candidate(scene, effects, section, least)).residuals.passes:
             judged = CertifiedCandidate(least, checked, judged.iterations)
             states = classify_contacts(scene, section, least, checked)
@@ -90,7 +90,10 @@ def solution_from_numbers(
     point that the candidate's twist refers to to the grasp's reference. states (n,) : of `ContactStatus`.
     """
     candidate, n = judged.candidate, scene.n
-    forces, motion = scene.to_contact_axes(candidate.components), scene.to_law_axes(judged.verdict.motion)
+    forces, motion = (
+        scene.forces_to_contact_axes(candidate.components),
+        scene.motions_to_contact_axes(judged.certification.motion),
+    )
     points = motion[: 3 * n].reshape(-1, 3)
     if not all(scene.force_unknown):  # no law makes a finger under force control keep a gap or a slip
         points = np.where(scene.force_unknown_mask[:, None], points, 0.0)
@@ -100,7 +103,10 @@ def solution_from_numbers(
         torsion, spin = scene.scatter_torsion(forces[3 * n :]), scene.scatter_torsion(motion[3 * n :])
     mechanism = spec.mechanism
     if mechanism is not None:
-        kind, read = mechanism.solution, mechanism.solution_fields(scene, spec.effects, own, torsion, candidate.extra)
+        kind, read = (
+            mechanism.solution_class,
+            mechanism.solution_fields(scene, spec.effects, own, torsion, candidate.extra),
+        )
     return kind(
         status=Status.SOLVED,
         names=spec.names,
@@ -110,7 +116,7 @@ def solution_from_numbers(
         slip=read_only(points[:, :2]),
         object_displacement=read_only(shift_twist(candidate.twist, arm)),
         contact_state=contact_words(states.tolist()),
-        residuals=judged.verdict.residuals,
+        residuals=judged.certification.residuals,
         uniqueness=uniqueness,
         certificate=None,
         iterations=judged.iterations,
@@ -150,16 +156,12 @@ def undecided_solution(
 
 
 # ----------------------------------------------------------------
-# A grasp through the stages of its solver, until the certifier is content.
-
-
-# ----------------------------------------------------------------
 # The solution that a row of numbers stands for, its fields made when they are asked for.
 
 
 def lazy_solution(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
     """SOLVED, from an answer that passes and leaves nothing free, of a scene without soft or anisotropic contacts."""
-    kind: type[GraspSolution] = GraspSolution if spec.mechanism is None else spec.mechanism.solution
+    kind: type[GraspSolution] = GraspSolution if spec.mechanism is None else spec.mechanism.solution_class
     return kind.with_deferred_fields(
         _SolutionFields(spec, scene, found),
         status=Status.SOLVED,
@@ -241,7 +243,7 @@ def solve_in_stages(
     proof: bool = True,
     first: CompiledAnswer | None = None,
 ) -> GraspSolution:
-    """Forces, slips and motion of `build_scene(spec)`; start as in `start_values`, proof as in `Grasp.solve`.
+    """Forces, slips and motion of `build_scene(spec)`; start : made by `start_values`, proof as in `Grasp.solve`.
 
     first : what the compiled first stage came to, where that is known.
 
@@ -351,11 +353,11 @@ class _StagedSolve:
         """Whether one of these stages leads to an answer."""
         for name, proposal in stages:
             judged = self._certify(self.problem.candidate(proposal.z), proposal.iterations)
-            worst = judged.verdict.residuals.worst
+            worst = judged.certification.residuals.worst
             self.trace.append(stage_line(name, proposal.outcome, proposal.iterations, worst))
-            if self.best is None or worst < self.best.verdict.residuals.worst:
+            if self.best is None or worst < self.best.certification.residuals.worst:
                 self.best = judged
-            if judged.verdict.residuals.passes:
+            if judged.certification.residuals.passes:
                 return True
         return False
 
@@ -376,13 +378,13 @@ class _StagedSolve:
         return found.candidate is not None or found.bounds is not None
 
     def _certify(self, candidate: SolverCandidate, iterations: int) -> CertifiedCandidate:
-        verdict = certify_candidate(self.scene, self.problem.effects, self.problem.section, candidate)
-        return CertifiedCandidate(candidate, verdict, iterations)
+        certified = certify_candidate(self.scene, self.problem.effects, self.problem.section, candidate)
+        return CertifiedCandidate(candidate, certified, iterations)
 
     def solution(self, smallest: bool = True) -> GraspSolution:
         """What all this comes to. smallest : as in `make_solution`."""
         assert self.best is not None  # every solver proposes something
-        spec, scene, trace, residuals = self.spec, self.scene, tuple(self.trace), self.best.verdict.residuals
+        spec, scene, trace, residuals = self.spec, self.scene, tuple(self.trace), self.best.certification.residuals
         if residuals.passes:
             return make_solution(spec, scene, self.problem.section, self.problem.effects, self.best, trace, smallest)
         made = undecided_solution(spec, scene, self.problem.section, residuals, self.best.iterations, trace)
@@ -399,10 +401,6 @@ class _StagedSolve:
             certificate=certificate,
             yielding=found.yielding,
         )
-
-
-# ----------------------------------------------------------------
-# The one way from a specification to its solution.
 
 
 # ----------------------------------------------------------------
@@ -446,7 +444,7 @@ def solve_to_fixed_point(
     """
     forces, solution, where = np.zeros((scene.n, 3)), None, start
     if len(start):
-        forces = scene.to_contact_axes(start[:-9])[: 3 * scene.n].reshape(-1, 3)
+        forces = scene.forces_to_contact_axes(start[:-9])[: 3 * scene.n].reshape(-1, 3)
     words = f"the forces still change after {_MAX_SOLVES} solves"
     for count in range(1, _MAX_SOLVES + 1):
         loaded = update_effects(spec, forces)
@@ -518,7 +516,7 @@ def solve_spec(
 ) -> GraspSolution:
     """The certified solution; its status says what it is worth, and nothing is raised for want of one.
 
-    start : as in `start_values`. scene : `build_scene(spec)`, where that is known. proof : as in `Grasp.solve`.
+    start : made by `start_values`. scene : `build_scene(spec)`, where that is known. proof : as in `Grasp.solve`.
     """
     run = solve_to_fixed_point if spec.effects and is_force_dependent(spec) else solve_in_stages
     return run(spec, build_scene(spec) if scene is None else scene, section, solver, start, proof)

@@ -194,7 +194,7 @@ def _shift_trials(spec: GraspSpec) -> Iterator[Trial]:
         return
     for share in _SHIFT_SHARES:
         for way, name in ((1.0, "along"), (-1.0, "against")):
-            far = round_two_digits(share * build_scene(spec).units.length)
+            far = round_two_digits(share * build_scene(spec).units.length_unit)
             other = mechanism.variation.regrip_shifted(spec, way * far * load / strength)
             if other is not None:
                 yield Trial(

@@ -20,7 +20,6 @@ from handlcp.grasp.path.pull import Pull
 from handlcp.grasp.path.trajectory import closing_efforts
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solution.verdict import (
-    NOTICED_SHARE,
     MotionSizes,
     Reason,
     contacts_reason,
@@ -30,6 +29,7 @@ from handlcp.grasp.solution.verdict import (
     no_load_reasons,
     open_reasons,
 )
+from handlcp.tolerances import NOTICED_SHARE
 
 _NAMED_SLIDE = 1e-4  # of the grasp's size: a contact that slides less on the way and sticks at the end is not named
 _LEFT_PLACE_SHARE = 0.15  # of the grasp's size: an object that slides farther has left its place
@@ -107,15 +107,15 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
         for e in spec.effects:
             for part in e.words(end.scene, end.names, end.extra):
                 yield Reason("effect", "note", part, {"effect": e.title})
-    slid, turned = _slid_distances(path, scene.units.length)
+    slid, turned = _slid_distances(path, scene.units.length_unit)
     came = (path.steps.forces[:, :, 2] > 0.0).any(axis=0) | (spec.offset[:, 2] <= _NEVER_TOUCHED_GAP)
     ends = zip(spec.names, last.kinds, came.tolist(), strict=True)
     apart = [n for n, kind, here in ends if kind == SEPARATED and here]
     yield contacts_reason(spec, slid, turned, apart)
     if end.held:
         yield from friction_reasons(spec.names, end.friction_used, last.kinds, " at the end" if slid else "")
-    yield motion_reason(path.displacement, scene.force, scene.units.length)
-    yield from _far_slide_reasons(slid, scene.units.length)
+    yield motion_reason(path.displacement, scene.force, scene.units.length_unit)
+    yield from _far_slide_reasons(slid, scene.units.length_unit)
     if (snap := next((e for e in path.events if e.kind == "snaps"), None)) is not None:
         text = f"{snap}: where it comes to rest depends on how fast and how evenly the hand closes"
         yield Reason("snaps", "warning", text, {"stage": snap.stage, "share": snap.share})
@@ -192,7 +192,7 @@ def _slid_distances(path: Loading, size: float) -> tuple[dict[str, float], dict[
 
 
 def _path_motions(path: Loading, scene: Scene, slid: dict[str, float]) -> MotionSizes:
-    u, size = path.displacement, scene.units.length
+    u, size = path.displacement, scene.units.length_unit
     shift, turn = (float(np.linalg.norm(part)) for part in (u[:3], u[3:]))
-    squeeze = -float(scene.to_law_axes(scene.offset)[2 : 3 * scene.n : 3].min(initial=0.0))
+    squeeze = -float(scene.motions_to_contact_axes(scene.offset)[2 : 3 * scene.n : 3].min(initial=0.0))
     return MotionSizes(max(shift, turn * size), turn, max(slid.values(), default=0.0), squeeze, size)

@@ -55,6 +55,16 @@ class LawResiduals(NamedTuple):
 
 
 @kernel
+def laws_pass(m: LawResiduals) -> bool:
+    """Whether a candidate keeps the laws of balance, contact and friction to what the certifier accepts: as
+    `Residuals.passes`, without effects that have laws of their own. NaN never passes.
+    """
+    # Each by itself: the largest of numbers and NaN may be a number
+    kept = m.balance <= CERTIFY_TOLERANCE and m.normal <= CERTIFY_TOLERANCE
+    return kept and m.cone <= CERTIFY_TOLERANCE and m.slip <= CERTIFY_TOLERANCE
+
+
+@kernel
 def compute_motions_and_residuals(
     g: GraspArrays,
     p: GraspGeometry,
@@ -112,10 +122,10 @@ def compute_residuals(
             lost[k] += G[k, j] * forces[j]
     lost_force = np.sqrt(lost[0] ** 2 + lost[1] ** 2 + lost[2] ** 2)
     lost_moment = np.sqrt(lost[3] ** 2 + lost[4] ** 2 + lost[5] ** 2)
-    unit = _component_units(g, p.length)
+    unit = _component_units(g, p.length_unit)
     F, V = _residual_scales(p, unit, contacts, offset, forces, moved, growth)
     normal, cone, slip = _worst_residuals(contacts, f, unit, forces, v, F, V)
-    balance = np.sqrt(lost_force**2 + (lost_moment / p.length) ** 2) / F
+    balance = np.sqrt(lost_force**2 + (lost_moment / p.length_unit) ** 2) / F
     return LawResiduals(lost_force, lost_moment, balance, normal, cone, slip, F, np.max(V))
 
 
@@ -215,10 +225,10 @@ def _residual_scales(
     """
     load, wrench, own, terms, E = 0.0, p.wrench, moved.own, moved.terms, moved.softness
     for k in range(6):
-        load += (wrench[k] / (p.length if k >= 3 else 1.0)) ** 2
+        load += (wrench[k] / (p.length_unit if k >= 3 else 1.0)) ** 2
     load = np.sqrt(load)
     if load == 0.0:
-        load = p.force
+        load = p.force_unit
     F = load
     for j in range(len(forces)):
         F = max(F, abs(forces[j]) * min(1.0, unit[j]))
@@ -232,7 +242,7 @@ def _residual_scales(
         if V[i] > 0.0:
             rigid = min(rigid, V[i])
     if rigid == np.inf:  # forces depend on no motion
-        rigid = _RIGID_MOTION_SHARE * p.motion
+        rigid = _RIGID_MOTION_SHARE * p.motion_unit
     for i in range(len(contacts)):
         largest, shift, rounded = 0.0, 0.0, 0.0
         count = 4 if contacts[i, 3] >= 0 else 3
@@ -308,10 +318,6 @@ def forces_in_world(frames: Array, forces: Array) -> Array:
 
 
 # ----------------------------------------------------------------
-# The grasp's certifier: every law of the scene recomputed from its physics. Imports no solver; NaN never passes.
-
-
-# ----------------------------------------------------------------
 # The limits of a scene's effects, together, and which of them give way at an answer.
 
 _MAX_RESTING_LIMITS = 4  # limits just reached whose 2^k choices are all looked at; beyond that all or none give way
@@ -384,7 +390,7 @@ def limits_at_answer(scene: Scene, effects: tuple[Effect, ...], candidate: Solve
         )
     rows, room = stack_limits(scene, every)
     motion = np.concatenate([np.zeros(0), *(limit.natural_motion(scene, candidate.extra) for limit in every)])
-    slack = room - rows @ (candidate.components / scene.units.force)
+    slack = room - rows @ (candidate.components / scene.units.force_unit)
     resting = (motion <= ACTIVE_TOLERANCE) & (slack <= ACTIVE_TOLERANCE * np.maximum(abs(room), 1.0))
     return LimitsAtAnswer(rows, motion, slack, resting, every, candidate.extra)
 
@@ -480,4 +486,4 @@ def certify_candidate(
 
 def friction_limits(scene: Scene, section: Section) -> FrictionLimits:
     """The friction sets of all contacts."""
-    return FrictionLimits(scene.limits(section), section.faces, polyhedron_normals(scene, section))
+    return FrictionLimits(scene.friction_coefficients(section), section.faces, polyhedron_normals(scene, section))

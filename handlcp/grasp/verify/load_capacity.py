@@ -31,7 +31,7 @@ def find_escape_twist(scene: Scene, section: Section) -> Array | None:
     """
     t = np.zeros(scene.dof)
     own, every = scene.kind.contact_components, scene.natural.full_G
-    found = find_escape(every, scene.natural.w, own, scene.limits(section), section.faces, t)
+    found = find_escape(every, scene.natural.w, own, scene.friction_coefficients(section), section.faces, t)
     if found == BALANCED:
         return None
     return escape_in_si(scene, t) if found == ESCAPES else _escape_vertex(scene, section)
@@ -39,7 +39,7 @@ def find_escape_twist(scene: Scene, section: Section) -> Array | None:
 
 def escape_in_si(scene: Scene, t: Array) -> Array:
     """(6,) the motion t (dof,), natural units, in SI, for one metre of travel."""
-    return read_only(scene.twist(t / float(np.sqrt(t @ t))) / scene.units.motion)
+    return read_only(scene.twist(t / float(np.sqrt(t @ t))) / scene.units.motion_unit)
 
 
 def _escape_vertex(scene: Scene, section: Section) -> Array | None:
@@ -78,7 +78,7 @@ def least_normal_sum(scene: Scene, section: Section) -> float | None:
         return None
     normals = F[2 : 3 * (scene.n - scene.environment) : 3]  # each generator has a normal force of one, its finger's
     lp = linprog(normals.sum(axis=0), A_eq=W, b_eq=-scene.natural.w, method="highs")
-    return None if lp.x is None else float(lp.fun) * scene.units.force
+    return None if lp.x is None else float(lp.fun) * scene.units.force_unit
 
 
 def is_jammed(scene: Scene) -> bool:
@@ -101,7 +101,7 @@ def edge_forces(scene: Scene, section: Section) -> tuple[Array, Array]:
     """(c, g) forces along the edges of all friction pyramids (the normals where there is no friction), each with a
     normal force of one; and their (dof, g) wrenches.
     """
-    limits, parts = scene.limits(section), []
+    limits, parts = scene.friction_coefficients(section), []
     for own, tangents, limit in zip(scene.kind.contact_components, scene.kind.tangents, limits, strict=True):
         if own[0] < 0:
             continue
@@ -333,7 +333,7 @@ def friction_rows(
     the blocks of friction cones with theirs. own (n, 4) : where each contact's normal and tangents are among the
     forces; contacts with -1 in front are left out.
     """
-    limits, flat, owners = scene.limits(section), list[Array](), list[int]()
+    limits, flat, owners = scene.friction_coefficients(section), list[Array](), list[int]()
     balls: dict[int, tuple[list[Array], list[int]]] = {}
     for i, (at, tangents) in enumerate(zip(own, scene.kind.tangents, strict=True)):
         if at[0] < 0:

@@ -4,8 +4,8 @@ whatever the springs.
     max λ ≥ 0    w₀ + G r + λ w = 0,    r within friction,    A r ≤ b,    |Jᵀ r + g| ≤ τ_max
 
 No grasp holds more than this bound, however it is squeezed and loaded (the static theorem of limit analysis). A linear
-program on friction pyramids and in a plane, a second-order cone program on the cone (`solve_conic`). Every factor comes with
-the gap between it and what the multipliers prove.
+program on friction pyramids and in a plane, a second-order cone program on the cone (`solve_conic`). Every factor comes
+with the gap between it and what the multipliers prove.
 """
 
 from __future__ import annotations
@@ -207,8 +207,9 @@ def static_load_bounds(
 ) -> StaticLoadBounds:
     """The bounds of wrenches (k, 6) about the grasp's reference [N, N·m], in place of the grasp's own load.
 
-    base (6,) : the wrench that is there beside them; None: what rests on the object, as `GraspSpec.resting_wrench`. torques :
-    whether joints' torque limits count, whether joints yield there or not. In a plane only what acts in it counts.
+    base (6,) : the wrench that is there beside them; None: what rests on the object, as `GraspSpec.resting_wrench`.
+    torques : whether joints' torque limits count, whether joints yield there or not. In a plane only what acts in it
+    counts.
     """
     scene = build_scene(spec)
     base = spec.resting_wrench if base is None else base
@@ -228,7 +229,7 @@ def _natural_wrenches(spec: GraspSpec, scene: Scene, wrenches: Array) -> Array:
     """(k, dof) of wrenches (k, 6) about the grasp's reference."""
     u, force = scene.units, wrenches[:, :3]
     moment = wrenches[:, 3:] + cross_rows(np.broadcast_to(spec.reference - u.centre, force.shape), force)
-    return np.asarray(np.concatenate([force, moment / u.length], axis=1) @ scene.freedom.T / u.force)
+    return np.asarray(np.concatenate([force, moment / u.length_unit], axis=1) @ scene.freedom.T / u.force_unit)
 
 
 def _bounds_in_si(
@@ -240,9 +241,9 @@ def _bounds_in_si(
     c = np.zeros((k, scene.components))
     c[:, scene.kind.index] = found.forces
     if scene.prescribed is not None:
-        c += scene.prescribed / scene.units.force
+        c += scene.prescribed / scene.units.force_unit
     normal = c[:, 2 : 3 * n : 3]
-    forces = scene.to_contact_axes(c)[:, : 3 * n].reshape(k, n, 3) * scene.units.force
+    forces = scene.forces_to_contact_axes(c)[:, : 3 * n].reshape(k, n, 3) * scene.units.force_unit
     heavy = abs(found.multipliers).max(axis=1, initial=0.0, keepdims=True)
     binding = (abs(found.multipliers) > _BINDING_SHARE * heavy) & np.isfinite(found.factors)[:, None]
     contact = _any_by_owner(binding, capacity.contact, n)

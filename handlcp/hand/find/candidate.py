@@ -201,7 +201,7 @@ def reserves(grasp: HandGrasp, solution: GraspSolution) -> tuple[float, float]:
     scene, k = grasp.scene, grasp.spec.of_hand
     soft = list(scene.soft)
     moments = np.zeros(scene.n) if solution.torsion is None else solution.torsion
-    forces, turning = np.split(scene.to_law_axes(np.append(solution.forces, moments[soft])), [3 * scene.n])
+    forces, turning = np.split(scene.forces_to_law_axes(np.append(solution.forces, moments[soft])), [3 * scene.n])
     spin = np.zeros(scene.n)
     spin[soft] = turning
     x, y, z = forces.reshape(-1, 3).T

@@ -43,8 +43,8 @@ def hand_numbers(hand: HandModel) -> dict[str, float]:
     for joint in hand.kinematics.movable:
         if (length := joint_length(hand, joint)) is not None:
             found[f"{joint}.{LENGTH}"] = length
-    if isinstance(hand.stiffness, JointStiffness) and np.count_nonzero(hand.stiffness.matrix) == len(joints):
-        springs = np.diagonal(hand.stiffness.matrix).tolist()
+    if isinstance(hand.stiffness, JointStiffness) and np.count_nonzero(hand.stiffness.stiffness_matrix) == len(joints):
+        springs = np.diagonal(hand.stiffness.stiffness_matrix).tolist()
         found |= {f"{joint}.{STIFFNESS}": spring for joint, spring in zip(joints, springs, strict=True)}
     for joint, limit in zip(joints, hand.torques.limits.tolist(), strict=True):
         if np.isfinite(limit):

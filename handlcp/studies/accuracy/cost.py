@@ -80,7 +80,7 @@ def _stiffer(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
         stiff = np.where(normal[:, None] & normal, E, 0)
         yield "tangential flexibility", "fingertips that give way along the normal only", _with(grasp, stiff)
     if isinstance(grasp, HandGrasp):
-        joints = grasp.state.hand.stiffness.compliance(grasp.jacobian)  # J K⁻¹ Jᵀ
+        joints = grasp.state.hand.stiffness.contact_compliance(grasp.jacobian)  # J K⁻¹ Jᵀ
         fingers = 3 * (n - scene.environment)
         around = np.where(np.arange(3 * n)[:, None] < fingers, 0, E)  # of the environment's contacts
         pads = np.where(same_finger, E - joints - around, 0)

@@ -179,7 +179,7 @@ def solution_margin(solution: GraspSolution) -> float:
     scene = solution.scene
     assert scene is not None  # every solution that is looked at here was made from one
     slack = friction_margin(scene, solution.forces, getattr(solution, "torsion", None))
-    limit = float((scene.mu * scene.to_law_axes(_pad_forces(scene, solution.forces))[2 : 3 * scene.n : 3]).sum())
+    limit = float((scene.mu * scene.forces_to_law_axes(_pad_forces(scene, solution.forces))[2 : 3 * scene.n : 3]).sum())
     used = 0.0 if limit <= 0.0 else 1.0 - float(np.nansum(slack)) / limit
     check = getattr(solution, "torque_check", None)
     return 1.0 - max(used, 0.0 if check is None else float(check.utilisation.max(initial=0.0)))

@@ -108,7 +108,7 @@ def _digest_spec(spec: GraspSpec) -> str:
             said.append(f"{name}={value!r}" if not isinstance(value, np.ndarray) else name)
     mechanism = spec.mechanism
     if mechanism is not None:
-        arrays += [mechanism.jacobian, mechanism.root, mechanism.limits]
+        arrays += [mechanism.jacobian, mechanism.compliance_factor, mechanism.limits]
     if isinstance(mechanism, HandMechanism):
         arrays += [mechanism.posture.q, mechanism.posture.hand.pads.blocks, mechanism.gravity, mechanism.stand_off]
         said.append(repr(mechanism.target))

@@ -177,7 +177,7 @@ def _make_joints(
         J[:, : 3 * k] = (axes @ hand.posture.jacobian_at(points, hand.tips)).reshape(m, 3 * k, nv)
     else:
         J = np.broadcast_to(hand.jacobian, (m, *hand.jacobian.shape))
-    root = np.broadcast_to(hand.root, (m, *hand.root.shape))
+    root = np.broadcast_to(hand.compliance_factor, (m, *hand.compliance_factor.shape))
     if springs is not None:
         root = root / np.sqrt(springs)[:, :, None]
     return SampleJoints(postures, J, root, stand_off, weight, springs, samples.get("pads"))

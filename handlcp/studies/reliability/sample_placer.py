@@ -186,7 +186,7 @@ def _sample_mechanism(hand: HandMechanism, arrays: SampleArrays, joints: SampleJ
         hand,
         posture=posture,
         jacobian=read_only(joints.jacobian[k].copy()),
-        root=posture.hand.stiffness.root,
+        compliance_factor=posture.hand.stiffness.compliance_factor,
         positions=read_only(arrays.positions[k, :few].copy()),
         frames=read_only(arrays.frames[k, :few].copy()),
         target=target,

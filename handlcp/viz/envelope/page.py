@@ -145,7 +145,7 @@ def _envelope_data(env: Envelope) -> dict[str, Any]:
     if s.cut:
         notes.append(f"The surface is cut at {s.reach:g} {env.unit}: what reaches farther is drawn there.")
     return {
-        "size": grasp.scene.units.length,
+        "size": grasp.scene.units.length_unit,
         "parts": [solid_data(p, meshes) for p in parts],
         "packed": meshes.to_base64(),
         "view": _view_of_weakest(env, s, drawn, view_data(drawn, parts, frame["joints"])),

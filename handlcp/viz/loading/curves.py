@@ -1,4 +1,6 @@
-"""`Panel`: what the panels of a loading show: curves over the steps, with the names and colours of what they belong to."""
+"""`Panel`: what the panels of a loading show: curves over the steps, with the names and colours of what they belong
+to.
+"""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ def page_data(
     frames = PageFrames(shown, grasp)
     own, parts, told = meshes or MeshPack(), make_parts(drawn), frames.to_list()
     return {
-        "size": scene.units.length,
+        "size": scene.units.length_unit,
         "planar": scene.plane is not None,
         "perNewton": frames.per_newton,
         "slipFactor": frames.slip_factor,

@@ -166,7 +166,7 @@ class PageFrames:
     """
 
     def __init__(self, shown: Sequence[Snapshot], grasp: Grasp) -> None:
-        state, size = getattr(grasp, "state", None), grasp.scene.units.length
+        state, size = getattr(grasp, "state", None), grasp.scene.units.length_unit
         self.shown = shown
         self._kinematics: Any = None if state is None else state.hand.kinematics
         strongest = max(float(np.linalg.norm(s.forces, axis=1).max(initial=0.0)) for s in shown)

@@ -166,13 +166,13 @@ def object_body(grasp: Grasp, obj: Any = None) -> Body | None:
         known = obj.triangles if obj.triangles is not None else coal_triangles(obj.geometry)
         if known is not None:
             return Body(place_triangles(known, obj.placement), OBJECT_COLOUR, "object")
-    around = thick_hull(grasp.scene.positions, 0.3 * grasp.scene.units.length)
+    around = thick_hull(grasp.scene.positions, 0.3 * grasp.scene.units.length_unit)
     return None if around is None else Body(around, OBJECT_COLOUR, "hull of the contacts")
 
 
 def stub_bodies(grasp: Grasp) -> list[Body]:
     """For a grasp without a hand: a short rod behind each contact of a finger, ending at the contact."""
-    size = grasp.scene.units.length
+    size = grasp.scene.units.length_unit
     r = 0.08 * size
     fingers = grasp.scene.n - grasp.scene.environment
     pairs = zip(grasp.scene.positions[:fingers], grasp.scene.frames[:fingers, :, 2], strict=True)
@@ -182,7 +182,7 @@ def stub_bodies(grasp: Grasp) -> list[Body]:
 def environment_bodies(grasp: Grasp) -> list[Body]:
     """A slab under each set of environment contacts in one plane, wider by half a grasp's size on every side."""
     scene, out = grasp.scene, []
-    size, left = scene.units.length, list(range(scene.n - scene.environment, scene.n))
+    size, left = scene.units.length_unit, list(range(scene.n - scene.environment, scene.n))
     thick = 0.1 * size
     while left:
         R, p = scene.frames[left[0]], scene.positions[left[0]]
@@ -228,7 +228,7 @@ def undrawn_tip_shapes(grasp: Grasp, bodies: Sequence[Body]) -> list[Array]:
     state, links = grasp.state, grasp.spec.links
     out, seen = list[Array](), set[str]()
     drawn = np.concatenate([b.triangles for b in bodies])
-    near = _MAX_TIP_DISTANCE * grasp.scene.units.length
+    near = _MAX_TIP_DISTANCE * grasp.scene.units.length_unit
     for p, tip in zip(grasp.scene.positions, grasp.mechanism.tips, strict=False):
         off = _distance_to_triangles(p, drawn)
         if off <= near or (link := links.get(state.hand.fingertips[tip])) in seen:

@@ -159,7 +159,7 @@ def choose_camera(grasp: Grasp, solids: Sequence[Body], glass: Body | None, mark
         down = grasp.given_gravity if grasp.given_gravity.any() else down
     size = float(np.linalg.norm(down))
     up = _nearest_up_axis(-down / size) if size > 0 else WORLD_UP
-    return _choose_best_view(marks, scene.frames[:, :, 2], solids, glass, up, scene.units.length)
+    return _choose_best_view(marks, scene.frames[:, :, 2], solids, glass, up, scene.units.length_unit)
 
 
 def fit_view(

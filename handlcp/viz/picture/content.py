@@ -64,7 +64,7 @@ class PictureContent:
         verdict: Verdict | None = None,
     ) -> None:
         self.grasp, self.solution, scene, s = grasp, solution, grasp.scene, solution
-        self.size = size = scene.units.length
+        self.size = size = scene.units.length_unit
         self._collect_bodies(obj, around, s.verdict if verdict is None else verdict)
         self.contact_colours = [STATE_COLOURS[state] if s.held else UNKNOWN_COLOUR for state in s.contact_state]
         self.load_size = float(np.linalg.norm(scene.force))

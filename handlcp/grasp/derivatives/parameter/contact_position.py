@@ -233,7 +233,7 @@ def _add_pads(answer: LinearisationPoint, forces: Array, change: LawChange) -> N
     """Add pads that stay with the fingertip while the contact axes turn: δ(P r) = P (θ × r) - θ × P r."""
     spec, J = answer.spec, answer.jacobian_rows
     assert spec.mechanism is not None
-    root = spec.mechanism.root
+    root = spec.mechanism.compliance_factor
     for i in range(spec.of_hand):
         own = slice(3 * i, 3 * i + 3)
         through = J[own] @ root

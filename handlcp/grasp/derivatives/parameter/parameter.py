@@ -107,10 +107,10 @@ def _evaluate_laws(answer: LinearisationPoint, spec: GraspSpec) -> tuple[Array, 
     b[:3] += scene.force
     b[3:] += scene.moment - np.cross(answer.spec.reference, scene.force)
     if spec.mechanism is None:
-        return v, b, scene.limits(answer.section), np.zeros(0)
+        return v, b, scene.friction_coefficients(answer.section), np.zeros(0)
     others = tuple([e for e in spec.effects if not isinstance(e, TorqueSaturation)])
     torque = read_joints(spec.mechanism, scene, others, answer.forces, answer.torsion, answer.extra).torque
-    return v, b, scene.limits(answer.section), torque
+    return v, b, scene.friction_coefficients(answer.section), torque
 
 
 # ----------------------------------------------------------------

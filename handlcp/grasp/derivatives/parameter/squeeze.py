@@ -107,7 +107,7 @@ class Squeeze(ContactParameter):
                 return
         if why == MISSING_FORCES:
             for share in _SQUEEZE_SHARES:
-                depth = round_two_digits(share * MAX_SQUEEZE_SHARE * build_scene(spec).units.length)
+                depth = round_two_digits(share * MAX_SQUEEZE_SHARE * build_scene(spec).units.length_unit)
                 yield Trial(
                     "squeeze",
                     depth,

@@ -47,7 +47,7 @@ class Stiffness(JointParameter):
         """1 / C_jj; 0 for a rigid joint, and where the flexibility was given."""
         if spec.mechanism is None or not spec.mechanism.variation.has_joint_flexibility(spec):
             return np.zeros(self.shape(spec))
-        C = (spec.mechanism.root**2).sum(axis=1)
+        C = (spec.mechanism.compliance_factor**2).sum(axis=1)
         return np.where(C > 0.0, 1.0 / np.where(C > 0.0, C, 1.0), 0.0)
 
     def varied(self, spec: GraspSpec, k: int, step: float) -> GraspSpec:
@@ -65,7 +65,7 @@ class Stiffness(JointParameter):
         if mechanism is None:
             E[:k, :k] *= 1.0 / factor
         else:
-            E -= less * mechanism.compliance(mechanism.jacobian)
+            E -= less * mechanism.contact_compliance(mechanism.jacobian)
             made = mechanism.variation.with_stiffness_factor(factor)
         if not E.any() or float(np.linalg.eigvalsh(E)[0]) < -SEMIDEFINITE_TOLERANCE * float(abs(E).max()):
             return None
@@ -141,7 +141,7 @@ class PadFlexibility(ContactParameter):
         mechanism, axes = spec.mechanism, (0, 2) if spec.planar else (0, 1, 2)
         own = np.diagonal(spec.flexibility)[: 3 * spec.n].reshape(spec.n, 3)
         if mechanism is not None and mechanism.variation.has_joint_flexibility(spec):
-            through = mechanism.jacobian_rows(())[: 3 * spec.n] @ mechanism.root
+            through = mechanism.jacobian_rows(())[: 3 * spec.n] @ mechanism.compliance_factor
             own = own - (through**2).sum(axis=1).reshape(spec.n, 3)
         pads = own[:, axes].mean(axis=1)
         return np.asarray(np.where(pads > _MIN_PAD_SHARE * abs(spec.flexibility).max(initial=0.0), pads, 0.0))

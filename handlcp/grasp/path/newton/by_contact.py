@@ -221,12 +221,12 @@ def _answered(
     x, twist, offset = np.empty(m + 6), np.empty(6), linear.d.copy()
     for i in range(n3 // 3):
         for a in range(3):
-            value = r[3 * i + (a + 1) % 3] * posed.force
+            value = r[3 * i + (a + 1) % 3] * posed.force_unit
             own[3 * i + a] = max(value, 0.0) if a == 2 else value
     for j in range(m):
-        x[j] = z[j] * np.sqrt(posed.force * posed.motion)
+        x[j] = z[j] * np.sqrt(posed.force_unit * posed.motion_unit)
     for k in range(6):
-        twist[k] = x[m + k] = z[m + k] * posed.motion / (1.0 if k < 3 else posed.length)
+        twist[k] = x[m + k] = z[m + k] * posed.motion_unit / (1.0 if k < 3 else posed.length_unit)
     for k in range(n3):
         move, turns, retreat, largest = 0.0, 0.0, 0.0, 0.0
         for j in range(6):

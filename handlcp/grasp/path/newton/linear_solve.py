@@ -12,7 +12,7 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.grasp.assembly.problem import unknowns_in_si
-from handlcp.grasp.model.scene import GraspArrays, GraspGeometry, pose_grasp
+from handlcp.grasp.model.scene import GraspArrays, GraspGeometry, nondimensionalise
 from handlcp.grasp.path.newton.numbers import Laws
 from handlcp.grasp.path.newton.tangent import Condensed
 from handlcp.grasp.solve.compiled_solve import ScenePattern, stamp_rows, write_start
@@ -84,15 +84,15 @@ def linear_problem(
             E[i, j] = t.V_r[i, j] * s[i] * s[j]
     offset = t.d * s
     g = GraspArrays(positions, turned, E, offset, np.zeros(c), spin, force, moment, laws.freedom)
-    posed, blocks = pose_grasp(g, p.unknown)
+    posed, blocks = nondimensionalise(g, p.unknown)
     M, q = stamp_rows(p, blocks)
     normal, count, tangent, u, size = p.at
-    U = laws.freedom.copy() * posed.motion  # (dof, 6) twists of the natural unknowns
-    P = laws.freedom.copy() / posed.force  # wrenches to natural rows
+    U = laws.freedom.copy() * posed.motion_unit  # (dof, 6) twists of the natural unknowns
+    P = laws.freedom.copy() / posed.force_unit  # wrenches to natural rows
     for i in range(p.dof):
         for j in range(3, 6):
-            U[i, j] /= posed.length
-            P[i, j] /= posed.length
+            U[i, j] /= posed.length_unit
+            P[i, j] /= posed.length_unit
     UT = np.ascontiguousarray(U.T)
     uu, ur, vu = product(P, product(t.B_u, UT)), product(P, t.B_r), product(t.V_u, UT)
     for i in range(p.dof):
@@ -104,26 +104,26 @@ def linear_problem(
         j = p.unknown[a]
         at = normal + a if a < count else tangent + a - count
         for i in range(p.dof):
-            M[u + i, at] += ur[i, j] * s[j] * posed.force
-            M[at, u + i] += vu[j, i] * s[j] / posed.motion
+            M[u + i, at] += ur[i, j] * s[j] * posed.force_unit
+            M[at, u + i] += vu[j, i] * s[j] / posed.motion_unit
         for b in range(k):
             M[giving.at + b, at] -= giving.rows[b, j] + t.L[b, 1 + j] * s[j]
             M[at, giving.at + b] += giving.rows[b, j] + t.V_g[j, b] * s[j]
     if k > 0:
         ug, gu = product(P, t.B_g), product(t.L[:, 1 + c : 7 + c].copy(), UT)
         for b in range(k):
-            q[giving.at + b] -= t.L[b, 0] / posed.force
+            q[giving.at + b] -= t.L[b, 0] / posed.force_unit
             for i in range(p.dof):
-                M[u + i, giving.at + b] += ug[i, b] * posed.motion
-                M[giving.at + b, u + i] -= gu[b, i] / posed.force
+                M[u + i, giving.at + b] += ug[i, b] * posed.motion_unit
+                M[giving.at + b, u + i] -= gu[b, i] / posed.force_unit
             for e in range(k):
-                M[giving.at + b, giving.at + e] -= t.L[b, 7 + c + e] * posed.motion / posed.force
+                M[giving.at + b, giving.at + e] -= t.L[b, 7 + c + e] * posed.motion_unit / posed.force_unit
     x = np.zeros(size)
     if len(start) > 0:
         write_start(x, start, p, laws.freedom, posed)
     for b in range(k):
-        q[giving.at + b] += giving.room[b] / posed.force
-        x[giving.at + b] = giving.begun[b] / posed.motion
+        q[giving.at + b] += giving.room[b] / posed.force_unit
+        x[giving.at + b] = giving.begun[b] / posed.motion_unit
     own = np.empty(len(p.blocks))
     for b in range(len(own)):
         own[b] = rules.limits[p.unknown[p.blocks[b, 0] - normal] // 3]
@@ -147,7 +147,7 @@ def answered(
     for i in range(p.dof):
         for j in range(6):
             twist[j] += free[i] * laws.freedom[i, j]
-    gives = x[giving.at : giving.at + k] * posed.motion
+    gives = x[giving.at : giving.at + k] * posed.motion_unit
     for i in range(c):
         for j in range(6):
             offset[i] += t.V_u[i, j] * twist[j] * s[i]
@@ -176,7 +176,7 @@ def kinds_in_step(
     A contact slides where it slips by more than a solver leaves of a slip that is zero. Any wider limit would be a
     rate: whatever creeps would slide in long steps, stick in short ones, and change from one to the other at each step.
     """
-    weak, slow = ACTIVE_TOLERANCE * misses.force_size, SOLVE_TOLERANCE * max(misses.motion_size, posed.motion)
+    weak, slow = ACTIVE_TOLERANCE * misses.force_size, SOLVE_TOLERANCE * max(misses.motion_size, posed.motion_unit)
     return find_states(contacts, friction, own, v, weak, slow).kind
 
 
@@ -184,7 +184,9 @@ def kinds_in_step(
 def accepted(misses: LawResiduals, posed: GraspGeometry, residual: float, k: int) -> bool:
     """Whether a solution is an answer; k : how many rows the misses do not see."""
     worst = max(misses.balance, misses.normal, misses.cone, misses.slip)
-    nothing = misses.force_size <= _NOTHING * posed.force  # what is left of forces that are zero has no relative miss
+    nothing = (
+        misses.force_size <= _NOTHING * posed.force_unit
+    )  # what is left of forces that are zero has no relative miss
     return bool(
         (worst <= CERTIFY_TOLERANCE and (k == 0 or residual <= SOLVE_TOLERANCE))
         or (nothing and residual <= SOLVE_TOLERANCE)
