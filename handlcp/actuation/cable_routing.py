@@ -41,8 +41,9 @@ class CableLayout(NamedTuple):
 
 
 class _Posts(NamedTuple):
-    """m posts, those of a tendon in their order. post_tendon (m,), wrap_friction (m,), arms (m, nv) : as `posts`, as `Cables` has them, of routes μ
-    and 0. legs (m,) : number of the leg that goes round it, among those of all routes; -1: of a tendon without.
+    """m posts, those of a tendon in their order. post_tendon (m,), wrap_friction (m,), arms (m, nv) : as `posts`, as
+    `Cables` has them, of routes μ and 0. legs (m,) : number of the leg that goes round it, among those of all routes;
+    -1: of a tendon without.
     """
 
     post_tendon: Ints
@@ -54,8 +55,8 @@ class _Posts(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class CableRouting:
     """Of t tendons over nv joints. arms (t, nv) : as they were given, 0 of those with routes. order : of each tendon,
-    the joints in the order in which it passes them. wrap_friction : μθ of each of these by joint (nv,); μ of a route. routes :
-    by number of the tendon.
+    the joints in the order in which it passes them. wrap_friction : μθ of each of these by joint (nv,); μ of a route.
+    routes : by number of the tendon.
     """
 
     arms: Array

@@ -207,10 +207,6 @@ class Transmission:
 
 
 # ----------------------------------------------------------------
-# Stiffness of joints and pads as users pass it: numbers, by name, as matrices.
-
-
-# ----------------------------------------------------------------
 # What users pass about actuators: a named row over the joints for each, and its stiffness.
 
 GivenRows = Array | dict[str, dict[str, float]]

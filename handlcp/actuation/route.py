@@ -155,7 +155,8 @@ def _read_placement(value: Any, shape: str) -> tuple[Array, Array]:
 # ----------------------------------------------------------------
 # Cables in space: through sites of the links and around cylinders and balls on them.
 #
-# The moment arms of such a tendon change with the posture; `Tendons` takes those of one. `cable_kinematics.py` has the formulas.
+# The moment arms of such a tendon change with the posture; `Tendons` takes those of one. `cable_kinematics.py` has the
+# formulas.
 
 
 _PLACES_EXPECTED = "a sequence of Site, Around and Pulley, at least two of them"

@@ -254,8 +254,8 @@ def shape_proximity(s: TipShape, position: Array, rotation: Array, obj: Object) 
 
 
 def quick_proximity(shape: TipShape, p: Array, R: Array, obj: Object, gap: float, about: float) -> Proximity:
-    """As `nearest_proximity`, of one shape whose gap is known to be `gap`, give or take `about` [m]: where coal says so, too, and
-    the object is convex, that is not confirmed any further.
+    """As `nearest_proximity`, of one shape whose gap is known to be `gap`, give or take `about` [m]: where coal says
+    so, too, and the object is convex, that is not confirmed any further.
     """
     by_face = shape.face is not None and (shape.corner is not None or obj.known is not None)
     if shape.radius is None and not by_face and obj.triangles is None:

@@ -1,4 +1,6 @@
-"""`Hand`: a robot hand with its fingertips, stiffness, limits and motors; `HandState`: a posture from which it grasps."""
+"""`Hand`: a robot hand with its fingertips, stiffness, limits and motors; `HandState`: a posture from which it
+grasps.
+"""
 
 from __future__ import annotations
 

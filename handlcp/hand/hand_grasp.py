@@ -1,4 +1,6 @@
-"""`HandGrasp`: what a designer asks of a hand's grasp: one method a question, each a call to the file that answers it."""
+"""`HandGrasp`: what a designer asks of a hand's grasp: one method a question, each a call to the file that
+answers it.
+"""
 
 from __future__ import annotations
 

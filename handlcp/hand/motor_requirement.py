@@ -131,10 +131,6 @@ class RequiredTension:
 
 
 # ----------------------------------------------------------------
-# What motors a brief takes, as data and as a table.
-
-
-# ----------------------------------------------------------------
 # A brief: the loads that a grasp has to hold, each multiplied by a safety factor, and the grasp under each of them.
 
 _LOAD_PARTS = ("load", "mass", "gravity")
@@ -195,6 +191,7 @@ def _apply_load(spec: GraspSpec, said: dict[str, Any], factor: float) -> GraspSp
 
 
 # ----------------------------------------------------------------
+# What motors a brief takes, as data and as a table.
 
 
 @check_method_calls

@@ -383,8 +383,8 @@ def _make_finger_weight(state: HandPosture, weighed: bool | str, gravity: Array)
 
 def _with_gaps(mechanism: HandMechanism, gaps: Array, planar: bool, inside: Array | None) -> HandMechanism:
     """With contacts that have these signed gaps (k,) [m]. A fingertip that overlaps the object was squeezed into it as
-    `close_on` does it, joint by joint, sideways motion included: see `TipMotions.command_for_depth`. inside : (k,) [m] what counts
-    as overlap; None: all but what is left of touching.
+    `close_on` does it, joint by joint, sideways motion included: see `TipMotions.command_for_depth`. inside : (k,) [m]
+    what counts as overlap; None: all but what is left of touching.
     """
     offset = np.outer(gaps, (0.0, 0.0, 1.0))
     if (inside := overlap_depths(gaps) if inside is None else inside).any():

@@ -152,8 +152,8 @@ class GripTrial:
 
 @dataclass(eq=False)
 class GripTrials:
-    """All that were tried. share (nv,) : torques that count as much as each other, drive_friction (nv,) : dry friction of drives
-    [N·m]. max_forces (n,) : how hard contacts may press [N]. count : how many so far.
+    """All that were tried. share (nv,) : torques that count as much as each other, drive_friction (nv,) : dry friction
+    of drives [N·m]. max_forces (n,) : how hard contacts may press [N]. count : how many so far.
     """
 
     cases: tuple[LoadCase, ...]
@@ -245,14 +245,6 @@ def _unreachable_end(path: Loading) -> str | None:
         if found:
             return None if number == 0 else f"not held: {found[0].sentence}"
     return None
-
-
-# ----------------------------------------------------------------
-# Which motors does a brief take? The torque of each joint, with the grip that needs least, checked before it is said.
-#
-# Every load of the brief times the safety factor is followed from the first touch: the hand closes without torque
-# limits, then the load comes. The grip is searched for with which all of them hold and the largest torque is least.
-# What the joints then need, at any time, becomes their torque limits, and `check` has to call every load HELD.
 
 
 # ----------------------------------------------------------------
@@ -383,6 +375,11 @@ def _face_normals(tangents: int) -> tuple[Array, float]:
 
 
 # ----------------------------------------------------------------
+# Which motors does a brief take? The torque of each joint, with the grip that needs least, checked before it is said.
+#
+# Every load of the brief times the safety factor is followed from the first touch: the hand closes without torque
+# limits, then the load comes. The grip is searched for with which all of them hold and the largest torque is least.
+# What the joints then need, at any time, becomes their torque limits, and `check` has to call every load HELD.
 
 _LIMIT_MARGIN = 1e-6  # of a torque, so that rounding puts none over its limit
 

@@ -50,9 +50,9 @@ _MIN_CLOSING_MOTION = 1e-9  # [rad, m] a hand that closes by less is closed alre
 @dataclass(frozen=True, eq=False)
 class ClosedPosture:
     """q (nv,) where links touch. opened (nv,) : where the hand began; None: there. command, against (nv,) : on from q,
-    as of a `JointOffset`. torque (nv,) : with which motors pull [N·m]; None: joints were commanded. is_command_final : whether the
-    command is as far as motors turn on; or else it is K⁻¹ τ, as if nothing gave way. stuck : whether steps of turning
-    on ended without an answer, so that more may be possible.
+    as of a `JointOffset`. torque (nv,) : with which motors pull [N·m]; None: joints were commanded. is_command_final :
+    whether the command is as far as motors turn on; or else it is K⁻¹ τ, as if nothing gave way. stuck : whether steps
+    of turning on ended without an answer, so that more may be possible.
     """
 
     q: Array

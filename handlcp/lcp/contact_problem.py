@@ -1,7 +1,7 @@
 """`ContactProblem`: frictional contact in natural units, packed as two rows of numbers, and solved in one call.
 
-Every array of a tuple that Python hands to compiled code is looked at by itself: for `ContactArrays` that takes longer than
-one of Newton's steps, for two rows hardly anything.
+Every array of a tuple that Python hands to compiled code is looked at by itself: for `ContactArrays` that takes longer
+than one of Newton's steps, for two rows hardly anything.
 """
 
 from __future__ import annotations

@@ -63,10 +63,6 @@ def equilibrate(M: Array, q: Array) -> Units:
 
 
 # ----------------------------------------------------------------
-# Linear complementarity problems, mixed or not, and what a solver and the certifier say of one.
-
-
-# ----------------------------------------------------------------
 # What may come out of a solve. A status is the certifier's word, never the solver's.
 
 
@@ -99,7 +95,9 @@ class Status(Enum):
 
 
 class ScaledLCP:
-    """The problem in its natural units: M̂ (n, n), q̂ (n,), free (n,) and the `units` that lead back. See `equilibrate`."""
+    """The problem in its natural units: M̂ (n, n), q̂ (n,), free (n,) and the `units` that lead back. See
+    `equilibrate`.
+    """
 
     __slots__ = ("M", "free", "q", "units")
 

@@ -66,8 +66,8 @@ _MIN_FINGERS, _MAX_FINGERS = 2, 5  # fingers of a hand whose fingertips may be t
 @dataclass(frozen=True, slots=True)
 class FingertipCandidate:
     """One fingertip that could be meant. name : as `fingertips` takes it. link : that carries it. point : (3,) on the
-    link, in its frame [m]; None: the origin of the frame. reason : why it could be one. is_sure : whether nothing else of
-    its finger could be.
+    link, in its frame [m]; None: the origin of the frame. reason : why it could be one. is_sure : whether nothing else
+    of its finger could be.
     """
 
     name: str
@@ -324,10 +324,10 @@ class SweptBall(NamedTuple):
 class TipShape:
     """One convex shape of a fingertip: coal's geometry and its placement in the tip frame.
 
-    radius : [m] of a sphere, None for other shapes. is_central : whether it is a sphere about the origin of the tip frame.
-    name : for messages. face : the ball, line or face of it, in the tip frame, that alone is where it touches; None:
-    not known, or a sphere's. corner (3,) : of the object, in the axes of its shape, which stands on the face; None:
-    what is nearest touches.
+    radius : [m] of a sphere, None for other shapes. is_central : whether it is a sphere about the origin of the tip
+    frame. name : for messages. face : the ball, line or face of it, in the tip frame, that alone is where it touches;
+    None: not known, or a sphere's. corner (3,) : of the object, in the axes of its shape, which stands on the face;
+    None: what is nearest touches.
     """
 
     geometry: Any

@@ -36,8 +36,8 @@ class JointProperties:
 
     friction [N·m, N] : dry. stiffness [N·m/rad, N/m], rest [rad, m] : of a spring at the joint. armature [kg·m², kg].
     soft_limits (2,) [rad, m]. reduction : turns of the motor for one of the joint. servo_range (2,) [rad, m] : where
-    its servo can be told to go. weaker_effort : effort to the side where it is smaller [N·m, N]. NaN is a number that cannot be
-    read.
+    its servo can be told to go. weaker_effort : effort to the side where it is smaller [N·m, N]. NaN is a number that
+    cannot be read.
     """
 
     friction: float = 0.0
@@ -157,7 +157,9 @@ def _read_pair(element: ET.Element | None, low: str, high: str) -> tuple[float, 
 
 @dataclass(frozen=True, slots=True)
 class Mimic:
-    """q = multiplier · q[master] + offset. written_master : the name in the tag. master : the joint meant; None: no joint."""
+    """q = multiplier · q[master] + offset. written_master : the name in the tag. master : the joint meant; None: no
+    joint.
+    """
 
     written_master: str
     master: str | None
@@ -169,7 +171,8 @@ class Mimic:
 class JointFacts:
     """One movable joint as written. Positions in rad or m, efforts in N·m or N; NaN for numbers that are absent or
     cannot be read. mass : of the child link [kg]; NaN without <inertial>. axis : None where it is unknown.
-    effort_source : where the effort is from; "" : nowhere. properties : friction, spring, gear, soft limits, as written.
+    effort_source : where the effort is from; "" : nowhere. properties : friction, spring, gear, soft limits, as
+    written.
     """
 
     name: str

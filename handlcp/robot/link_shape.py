@@ -1,4 +1,6 @@
-"""`LinkShape`: shapes of links as coal has them: those that Pinocchio loads, and those of a model that MuJoCo compiled."""
+"""`LinkShape`: shapes of links as coal has them: those that Pinocchio loads, and those of a model that MuJoCo
+compiled.
+"""
 
 from __future__ import annotations
 

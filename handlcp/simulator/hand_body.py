@@ -1,4 +1,6 @@
-"""`add_hand`: the hand as bodies of MuJoCo, with its joints and springs, and tendons along routes as spatial tendons."""
+"""`add_hand`: the hand as bodies of MuJoCo, with its joints and springs, and tendons along routes as spatial
+tendons.
+"""
 
 from __future__ import annotations
 

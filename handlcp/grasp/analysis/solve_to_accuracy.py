@@ -94,10 +94,6 @@ def _error_message(solution: GraspSolution) -> str:
 
 
 # ----------------------------------------------------------------
-# Forces as accurate as asked for: the error of the forces estimated, settings refined until it is small enough.
-
-
-# ----------------------------------------------------------------
 # How far the forces of an answer are from those that solve its laws exactly: an estimate from the answer itself.
 #
 # The laws are rows F(x) = 0, y = M x + q. In a piece, which says what every contact and every pair does, they are those

@@ -233,8 +233,8 @@ class LawChange:
     motion (c, p) : δv, of the object relative to the tips [m]. balance (6, p) : δb, of the wrench that is left over,
     about the reference. friction (n, p) : δμ of the coefficients of the sections (`Scene.limits`) [-].
     torque (nv, p) : of what the joints hold [N·m].
-    torque_limits (nv, p) : of the joints' limits [N·m]. depth_change : what comes on top where fingertips go deeper into an
-    object that they just touch; None: nothing does.
+    torque_limits (nv, p) : of the joints' limits [N·m]. depth_change : what comes on top where fingertips go deeper
+    into an object that they just touch; None: nothing does.
     """
 
     motion: Array

@@ -41,8 +41,8 @@ _BUCKLING_SHARE = 0.1  # of the largest motion: joints that move less are not wh
 
 class LoadedJoints(NamedTuple):
     """Joints under the forces of an answer. added_compliance : (nv, nv) [rad/(N·m)], by how much they give way more.
-    command_shift : (nv,) [rad], how far their command and weight move them for it. stiffness : (nv, nv) K_g [N·m/rad]. held : (nv,) [rad],
-    how far they stand beyond the given posture, δq - K⁻¹ g, before forces and K_g move them.
+    command_shift : (nv,) [rad], how far their command and weight move them for it. stiffness : (nv, nv) K_g [N·m/rad].
+    held : (nv,) [rad], how far they stand beyond the given posture, δq - K⁻¹ g, before forces and K_g move them.
     """
 
     added_compliance: Array

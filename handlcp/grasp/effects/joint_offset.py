@@ -129,10 +129,10 @@ class JointOffset(Effect):
 
     command : (nv,) δq [rad, m], beyond the posture. reach : what it was made from, and what of that is out of reach;
     None: it was given itself. opened : (nv,) where the joints are when the hand begins to close, if not in the grasp's
-    posture. keeps : whether the object is kept in place until the hand has closed. friction_offset : (nv,) how much further
-    motors turn because dry friction takes its part of what their springs pull with [rad, m]; None: not at all. All of
-    these matter to a loading that is followed, and to nothing else. tension : (t,) with which tendons pull where such
-    a loading has come to [N]; None: as springs that are all taut.
+    posture. keeps : whether the object is kept in place until the hand has closed. friction_offset : (nv,) how much
+    further motors turn because dry friction takes its part of what their springs pull with [rad, m]; None: not at all.
+    All of these matter to a loading that is followed, and to nothing else. tension : (t,) with which tendons pull where
+    such a loading has come to [N]; None: as springs that are all taut.
     """
 
     command: Array

@@ -62,8 +62,8 @@ class GraspGeometry(NamedTuple):
     """Natural units of force [N], length (of levers) and motion [m]; centre (3,) of the contacts [m]; wrench (6,) of
     the load about it [N, N·m]; grasp_matrix (6, c).
 
-    Every unit is a norm or a mean (`_natural_units`), so another unit, a turned world or another order of fingers changes none
-    of them beyond rounding.
+    Every unit is a norm or a mean (`_natural_units`), so another unit, a turned world or another order of fingers
+    changes none of them beyond rounding.
     """
 
     force: float

@@ -107,10 +107,6 @@ def _format_degrees(turn: Array) -> list[str]:
 
 
 # ----------------------------------------------------------------
-# What a designer gets back: forces, slips, gaps, the object's motion, and how far each can be trusted.
-
-
-# ----------------------------------------------------------------
 # What `solve(accuracy=...)` was asked for, and what it reached.
 
 
@@ -181,6 +177,7 @@ class DeferredFields:
 
 
 # ----------------------------------------------------------------
+# What a designer gets back: forces, slips, gaps, the object's motion, and how far each can be trusted.
 
 
 @check_method_calls

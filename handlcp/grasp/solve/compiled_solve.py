@@ -101,9 +101,10 @@ def write_rows(count: int, width: int, **fields: Sequence[Array] | Array) -> Arr
 class ScenePattern(NamedTuple):
     """What scenes of one kind share: n contacts, the layout of their N unknowns, the section of their cones.
 
-    contacts (n, 4), unknown (m,) : force components, `SceneKind.contact_components` and `SceneKind.index`. role, order (N,), blocks (k, 4) : as in
-    `lcp.Pattern`. faces, normals : of the sets. flexible : whether any finger gives way. dof : 6, or 3 in a plane.
-    at : where r_N begins, how many there are, where r_T and u begin, N. torsional : how many soft contacts there are.
+    contacts (n, 4), unknown (m,) : force components, `SceneKind.contact_components` and `SceneKind.index`. role, order
+    (N,), blocks (k, 4) : as in `lcp.Pattern`. faces, normals : of the sets. flexible : whether any finger gives way.
+    dof : 6, or 3 in a plane. at : where r_N begins, how many there are, where r_T and u begin, N. torsional : how many
+    soft contacts there are.
     """
 
     contacts: Ints
@@ -120,9 +121,9 @@ class ScenePattern(NamedTuple):
 
 
 # An answer's row begins with: Kaczmarz steps, Newton steps, solver's residual; the eight numbers of `LawResiduals`; and
-# what else is known: UNIQUE, locally; NO_ANSWER; NONE_HOLDS, where there is none, and in place of its twist there is the
-# proof in natural units. Then forces (c), twist (6) and centre (3), where the next one may start; motions (c), contact
-# states (n), unknowns (N).
+# what else is known: UNIQUE, locally; NO_ANSWER; NONE_HOLDS, where there is none, and in place of its twist there is
+# the proof in natural units. Then forces (c), twist (6) and centre (3), where the next one may start; motions (c),
+# contact states (n), unknowns (N).
 HEADER_SIZE = 12
 UNIQUE, UNKNOWN, NONE_HOLDS, NO_ANSWER = 1.0, 0.0, -1.0, -2.0
 

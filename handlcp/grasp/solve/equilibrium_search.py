@@ -74,7 +74,9 @@ _BOX_SIZE = 1e3  # of the box in which nothing is proven to exist, times 1 + max
 
 
 class ContactModeSearch:
-    """The search over contact modes of one grasp. It can be paused: `find_first` and `each_choice` go on where they stopped."""
+    """The search over contact modes of one grasp. It can be paused: `find_first` and `each_choice` go on where they
+    stopped.
+    """
 
     def __init__(self, problem: GraspContactProblem) -> None:
         self.problem, self.bounds = problem, proof_bounds(problem.scene)

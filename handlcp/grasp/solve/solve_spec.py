@@ -150,10 +150,6 @@ def undecided_solution(
 
 
 # ----------------------------------------------------------------
-# A grasp through the stages of its solver, until the certifier is content.
-
-
-# ----------------------------------------------------------------
 # The solution that a row of numbers stands for, its fields made when they are asked for.
 
 
@@ -225,6 +221,7 @@ _FIELD_MAKERS: dict[str, Callable[[_SolutionFields], Any]] = {
 
 
 # ----------------------------------------------------------------
+# A grasp through the stages of its solver, until the certifier is content.
 
 # Multiply-adds of the first search, milliseconds, and of the second one, hundredths of a second. What the first leaves
 # open is more often an answer that Lemke's method finds at once than one that is not there
@@ -402,10 +399,6 @@ class _StagedSolve:
 
 
 # ----------------------------------------------------------------
-# The one way from a specification to its solution.
-
-
-# ----------------------------------------------------------------
 # Grasps whose effects depend on the forces of the answer: solved again until the forces stay.
 #
 # f ← forces of the grasp with E(f) and d(f)
@@ -506,6 +499,7 @@ def _relative_change(difference: Array, of: Array) -> float:
 
 
 # ----------------------------------------------------------------
+# The one way from a specification to its solution.
 
 
 def solve_spec(

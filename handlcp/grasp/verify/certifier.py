@@ -308,10 +308,6 @@ def forces_in_world(frames: Array, forces: Array) -> Array:
 
 
 # ----------------------------------------------------------------
-# The grasp's certifier: every law of the scene recomputed from its physics. Imports no solver; NaN never passes.
-
-
-# ----------------------------------------------------------------
 # The limits of a scene's effects, together, and which of them give way at an answer.
 
 _MAX_RESTING_LIMITS = 4  # limits just reached whose 2^k choices are all looked at; beyond that all or none give way
@@ -393,6 +389,7 @@ _NO_MOTION = np.zeros(0)
 
 
 # ----------------------------------------------------------------
+# The grasp's certifier: every law of the scene recomputed from its physics. Imports no solver; NaN never passes.
 
 
 @dataclass(frozen=True, slots=True)

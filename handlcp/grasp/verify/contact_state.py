@@ -133,8 +133,8 @@ _CONE_FACES = 64  # faces of the pyramid around the cone; what nothing in it hol
 def find_escape(every: Array, load: Array, contacts: Ints, limits: Array, faces: int, t: Array) -> int:
     """BALANCED, or ESCAPES with a proof in t (dof,), or UNCLEAR, all in natural units.
 
-    every (dof, c) : wrenches of the force components. load (dof,). contacts (n, 4) : as in `SceneKind.contact_components`. limits (n,), faces :
-    of the friction sets; polyhedra are not known here.
+    every (dof, c) : wrenches of the force components. load (dof,). contacts (n, 4) : as in
+    `SceneKind.contact_components`. limits (n,), faces : of the friction sets; polyhedra are not known here.
     """
     n, dof = len(contacts), len(load)
     columns = np.zeros((dof, n, 8))

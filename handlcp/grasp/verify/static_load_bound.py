@@ -4,8 +4,8 @@ whatever the springs.
     max λ ≥ 0    w₀ + G r + λ w = 0,    r within friction,    A r ≤ b,    |Jᵀ r + g| ≤ τ_max
 
 No grasp holds more than this bound, however it is squeezed and loaded (the static theorem of limit analysis). A linear
-program on friction pyramids and in a plane, a second-order cone program on the cone (`solve_conic`). Every factor comes with
-the gap between it and what the multipliers prove.
+program on friction pyramids and in a plane, a second-order cone program on the cone (`solve_conic`). Every factor comes
+with the gap between it and what the multipliers prove.
 """
 
 from __future__ import annotations
@@ -207,8 +207,9 @@ def static_load_bounds(
 ) -> StaticLoadBounds:
     """The bounds of wrenches (k, 6) about the grasp's reference [N, N·m], in place of the grasp's own load.
 
-    base (6,) : the wrench that is there beside them; None: what rests on the object, as `GraspSpec.resting_wrench`. torques :
-    whether joints' torque limits count, whether joints yield there or not. In a plane only what acts in it counts.
+    base (6,) : the wrench that is there beside them; None: what rests on the object, as `GraspSpec.resting_wrench`.
+    torques : whether joints' torque limits count, whether joints yield there or not. In a plane only what acts in it
+    counts.
     """
     scene = build_scene(spec)
     base = spec.resting_wrench if base is None else base

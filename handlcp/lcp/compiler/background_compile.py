@@ -53,8 +53,8 @@ _SERVER_PROGRAM = (
 
 
 class _CompilerProcess:
-    """The process beside this one, if any. sent : what it was asked for. finished_requests : how often a kernel was asked for by
-    now of processes that ended with nothing left to do. failed : nothing more is asked.
+    """The process beside this one, if any. sent : what it was asked for. finished_requests : how often a kernel was
+    asked for by now of processes that ended with nothing left to do. failed : nothing more is asked.
     """
 
     def __init__(self) -> None:

@@ -1,11 +1,12 @@
 """`kernel_mode` and the one place that decides when a kernel is compiled.
 
-A kernel runs as plain Python until that has taken a second. Then another process compiles it (`background_compile.py`) while calls go
-on as Python, and compiled code takes over once it is there. Where no other process may be started, calls go on until
-they have taken as long as compiling takes, and the next one waits for it: at most twice as long as was necessary.
+A kernel runs as plain Python until that has taken a second. Then another process compiles it (`background_compile.py`)
+while calls go on as Python, and compiled code takes over once it is there. Where no other process may be started, calls
+go on until they have taken as long as compiling takes, and the next one waits for it: at most twice as long as was
+necessary.
 
-`compile_in_background` is for those who know that they will call kernels often, `compile_now` for those who cannot go on as Python: streams,
-and whoever makes one call that takes very long.
+`compile_in_background` is for those who know that they will call kernels often, `compile_now` for those who cannot go
+on as Python: streams, and whoever makes one call that takes very long.
 
 The variable HANDLCP_KERNELS overrides it: "compiled" compiles every kernel at its first call, "interpreted" none ever,
 "auto" is the rule above. NUMBA_DISABLE_JIT=1 means "interpreted", too.
@@ -93,9 +94,9 @@ def _print_once(text: str, seconds: float = 0.0) -> None:
 
 BACKGROUND_AFTER_SECONDS = 1.0  # a kernel runs as Python for so long before another process compiles it [s]
 WAIT_AFTER_SECONDS = 3.0  # and for so long at least before a call waits for its compiling [s]
-MANY_CALLS = (
-    100  # calls from which `compile_in_background` and `compile_now` believe that compiled code pays: interpreted they take a second
-)
+# Calls from which `compile_in_background` and `compile_now` believe that compiled code pays: interpreted they take a
+# second
+MANY_CALLS = 100
 _NUMBA_IMPORT_SECONDS, _KERNEL_LOAD_SECONDS = 0.3, 0.05  # what numba's import takes, and a kernel from a warm cache [s]
 _SECONDS_PER_INSTRUCTION = 2e-3  # what numba takes to compile one instruction of Python's bytecode [s]
 

@@ -1,4 +1,6 @@
-"""`project_on_set`: projections on friction sets, compiled, and the certifier's arithmetic: residuals in natural units."""
+"""`project_on_set`: projections on friction sets, compiled, and the certifier's arithmetic: residuals in natural
+units.
+"""
 
 from __future__ import annotations
 

@@ -153,10 +153,6 @@ def _segment_angles(pairs: Array) -> Array:
 
 
 # ----------------------------------------------------------------
-# Directions of an envelope, and what gives out first in each of them.
-
-
-# ----------------------------------------------------------------
 # Which directions are asked for: all around, around a plane, or these.
 
 _PLANE_AXES = {"xy": (0, 1), "yz": (1, 2), "xz": (0, 2)}
