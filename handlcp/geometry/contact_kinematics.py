@@ -1,6 +1,4 @@
-"""`evaluate_ball_contacts`: the arithmetic of contacts that move, compiled: frames, Jacobian and flexibility anew, and
-what slipped.
-"""
+"""`evaluate_ball_contacts`: contacts that move, compiled: frames, Jacobian and flexibility anew, and slip."""
 
 from __future__ import annotations
 

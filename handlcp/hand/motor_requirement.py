@@ -1,5 +1,4 @@
-"""`RequiredTorque`: what motors have to give for torques of joints and tensions of tendons, and with which gear they
-do.
+"""`RequiredTorque`: what motors have to give for joints and tendons, and with which gear they do.
 
     peak = max(closing + τ_f, largest - τ_f),    continuous = held - τ_f
     N η ≥ max(peak / τ_peak, continuous / τ_continuous)

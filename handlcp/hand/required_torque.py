@@ -1,6 +1,4 @@
-"""`find_required_torque`: grips tried: does every load of a brief hold, followed from the first touch, and what do the
-motors need?
-"""
+"""`find_required_torque`: which torques hold every load of a brief, with the grip that needs least of them."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""`solve_to_accuracy`: a solve with advice: for a proven "no", the squeeze that would help, worked out when somebody
-asks.
-"""
+"""`solve_to_accuracy`: forces as accurate as asked for; and a solve with advice, the squeeze that would help."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""`DirectionGrid`: directions as points of a sphere or a circle, joined by triangles or segments that can be halved
-where it pays.
-"""
+"""`DirectionGrid`: directions on a sphere or circle, joined by cells that can be halved where it pays."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""`Panel`: what the panels of a loading show: curves over the steps, with the names and colours of what they
-belong to.
-"""
+"""`Panel`: curves over the steps of a loading, with the names and colours of what they belong to."""
 
 from __future__ import annotations
 
