@@ -1,5 +1,4 @@
-"""`read_bytes`: files that somebody else made: their bytes, and what XML, JSON, YAML, TOML and arrays of numbers they
-hold.
+"""`read_bytes` and its like: what files of others hold: XML, JSON, YAML, TOML and arrays of numbers.
 
 Every reader of the package takes files through here. A limit is checked before what it limits is built: a few hundred
 bytes can describe more than fits into the memory. Nothing that is read is run: no pickle, no constructor, no entity.

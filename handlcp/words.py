@@ -1,6 +1,4 @@
-"""`TextTable`: numbers, lists and tables for people: a unit that fits, two or three digits, "–" for what is not a
-finite number.
-"""
+"""`TextTable`: numbers, lists and tables for people, with units that fit and two or three digits."""
 
 from __future__ import annotations
 

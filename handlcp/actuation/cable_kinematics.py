@@ -253,12 +253,17 @@ class CablePosture(NamedTuple):
 
 
 class CablePaths(NamedTuple):
-    """Tendons in a posture. lengths (t,) : L [m]. arms (t, joints) : -∂L/∂q. Of each leg: wrap_angles (l,) : by how
-    much the cable turns on its body [rad], 0: it does not touch. piece_arms (l, 2, joints) : arms of the straight
-    pieces before and after the body, divisors included; the second 0 where there is one piece. arms_beyond (l, joints)
-    : arms of all pieces of the tendon after the body. piece_ends (l, 4, 3) : from where to where the pieces run [m],
-    world axes; of one the last two are where it ends. wrap_sides (l, 3) : the side of its body on which the cable
-    passes, a unit vector in the axes of the body's link; zeros: without a body.
+    """Tendons in a posture, and each of their legs.
+
+    lengths (t,) : L [m].
+    arms (t, joints) : -∂L/∂q.
+    wrap_angles (l,) : by how much the cable turns on the body of a leg [rad], 0: it does not touch.
+    piece_arms (l, 2, joints) : arms of the straight pieces before and after the body, divisors included; the second 0
+        where there is one piece.
+    arms_beyond (l, joints) : arms of all pieces of the tendon after the body.
+    piece_ends (l, 4, 3) : from where to where the pieces run [m], world axes; of one the last two are where it ends.
+    wrap_sides (l, 3) : the side of its body on which the cable passes, a unit vector in the axes of the body's link;
+        zeros: without a body.
     """
 
     lengths: Array

@@ -1,6 +1,4 @@
-"""`TendonStiffness`: the stiffness of joints that tendons move, and what the tendons do: where arms are given, and
-along routes.
-"""
+"""`TendonStiffness`: the stiffness of joints that tendons move, by given arms or along routes; and what tendons do."""
 
 from __future__ import annotations
 

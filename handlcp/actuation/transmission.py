@@ -192,10 +192,6 @@ def _read_passive(argument: str, value: Any, joints: Sequence[str]) -> Array:
 
 
 # ----------------------------------------------------------------
-# Synergies: how fewer actuators than joints move a hand, and what its stiffness becomes.
-
-
-# ----------------------------------------------------------------
 # Soft synergies: each actuator moves many joints at once, through a spring.
 #
 # q = S z,    C = K_q⁻¹ + S K_z⁻¹ Sᵀ,    η = Sᵀ τ

@@ -1,6 +1,4 @@
-"""Commands that list or prepare: `audit`, `hands`, `effects`, `keys`, the paper's tables, and `warm`, which
-compiles.
-"""
+"""Commands that list or prepare: `audit`, `hands`, `effects`, `keys`, the paper's tables, and `warm`."""
 
 from __future__ import annotations
 

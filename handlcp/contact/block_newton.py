@@ -1,5 +1,4 @@
-"""`newton_blocks`: Newton's method on many contacts whose flexibility is a block for each and a few motions that all of
-them share.
+"""`newton_blocks`: Newton's method on many contacts, each with a flexibility of its own and a few shared motions.
 
     y = P r + W z + d,    0 = Rᵀ r - S z + w
 

@@ -1,6 +1,4 @@
-"""`load_brief`: a brief as TOML: its keys, read with the tables of objects, loads and friction that scene files have,
-and written.
-"""
+"""`load_brief`: a brief as TOML, with the tables of objects, loads and friction that scene files have."""
 
 from __future__ import annotations
 

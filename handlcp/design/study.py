@@ -1,6 +1,4 @@
-"""`Study`: the table of a sweep, and what one asks of it: the best designs, those that none beats in everything,
-pictures.
-"""
+"""`Study`: the table of a sweep, and what one asks of it: the best designs, the undominated ones, pictures."""
 
 from __future__ import annotations
 

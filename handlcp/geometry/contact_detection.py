@@ -1,5 +1,4 @@
-"""`detect_tip_contacts`: where a ball that is swept along a line or over a rectangle is nearest to an object, or to its
-corner, compiled.
+"""`detect_tip_contacts`: where a ball swept along a line or over a rectangle is nearest to an object, compiled.
 
 A capsule is a ball swept along a line, the face of a box a ball without radius swept over a rectangle. Of all its
 stations c + s a + t b, -1 ≤ s, t ≤ 1, the nearest one counts. The signed distance φ of a convex object is a convex

@@ -1,6 +1,4 @@
-"""`evaluate_ball_contacts`: the arithmetic of contacts that move, compiled: frames, Jacobian and flexibility anew, and
-what slipped.
-"""
+"""`evaluate_ball_contacts`: contacts that move, compiled: frames, Jacobian and flexibility anew, and slip."""
 
 from __future__ import annotations
 
@@ -229,11 +227,6 @@ def compute_slip(
 
 
 # ----------------------------------------------------------------
-# How a hand's fingertips find their contacts while the object moves, and how these contacts turn: in compiled code for
-# balls on primitives, by detection for other shapes, on planes for contacts that were given without an object.
-
-
-# ----------------------------------------------------------------
 # Balls on surfaces that are known in closed form, compiled: contacts, and how they turn and shift as balls move.
 
 _NO_CORNER = np.full(3, np.nan)
@@ -425,6 +418,8 @@ def write_following_contact(turn: Array, shift: Array, N: Array, normal: Array, 
 
 
 # ----------------------------------------------------------------
+# How a hand's fingertips find their contacts while the object moves, and how these contacts turn: in compiled code for
+# balls on primitives, by detection for other shapes, on planes for contacts that were given without an object.
 
 
 class ContactFinder(Protocol):

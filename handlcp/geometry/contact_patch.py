@@ -1,5 +1,4 @@
-"""`find_contact_patch`: corners where a link and an object meet with faces, edges and corners: which there are, and
-what stands there.
+"""`find_contact_patch`: where a link and an object meet with faces, edges and corners, and what stands there.
 
 A corner is the same point however far the shape is tilted, unlike the nearest point of a curved surface. So the shape
 is tilted twice, by a little less and a little more. A corner of the object that stands on a face which goes on around

@@ -1,5 +1,4 @@
-"""`ContactTracker`: where shapes press on each other that lie flush, edge on edge or face on face: between their
-corners.
+"""`ContactTracker`: where shapes that lie flush, edge on edge or face on face, press on each other.
 
 The nearest point alone jumps from one corner to another as the shapes tilt, and a body that leans on both would be held
 by neither. A pad spreads its pressure instead. With the gaps g_k of the corners, and weights λ_k ≥ 0, Σ λ_k = 1,

@@ -1,6 +1,4 @@
-"""`find_penetrating_links`: links that are inside the object, and what else is doubtful about a posture, as reasons of
-a verdict.
-"""
+"""`find_penetrating_links`: links inside the object, and other doubts about a posture, as reasons of a verdict."""
 
 from __future__ import annotations
 

@@ -1,5 +1,4 @@
-"""`close_fingertips`: closing the whole hand: joints bend from an open posture until what they move touches, and what
-lies beyond goes on.
+"""`close_fingertips`: joints bend from an open posture until what they move touches, and what lies beyond goes on.
 
 All joints that bend turn at once. Where a link touches, the joints that carry it stop, because turning on would push it
 into the object; the joints beyond it go on until their own links touch or their range ends. So a proximal link that

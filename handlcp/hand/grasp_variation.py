@@ -1,5 +1,4 @@
-"""`GraspVariation`: the grasp of a hand made again with something changed: another posture, links of other lengths,
-springs, limits.
+"""`GraspVariation`: the grasp of a hand made again with another posture, other links, springs or limits.
 
 A link's length is where its end is: the placement of the next joint in the frame of the one before, or of a fingertip
 in the frame of the last joint. Its three coordinates are varied in Pinocchio's model; what it carries moves along.

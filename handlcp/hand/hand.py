@@ -1,6 +1,4 @@
-"""`Hand`: a robot hand with its fingertips, stiffness, limits and motors; `HandState`: a posture from which it
-grasps.
-"""
+"""`Hand`: a hand with fingertips, stiffness, limits and motors; `HandState`: a posture from which it grasps."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""`HandGrasp`: what a designer asks of a hand's grasp: one method a question, each a call to the file that answers
-it.
-"""
+"""`HandGrasp`: the grasp of a hand: one method a question, each a call to the file that answers it."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""`read_hand_parts`: the parts that a hand is made of, from what users pass; and those that change where they pass
-something else.
-"""
+"""`read_hand_parts`: the parts of a hand from what users pass, and those that change with something else."""
 
 from __future__ import annotations
 

@@ -1,5 +1,4 @@
-"""`HandMechanism`: what a hand tells a grasp: how its joints move the contacts, how they give way, and what they do at
-an answer.
+"""`HandMechanism`: how a hand's joints move the contacts, give way, and what they do at an answer.
 
     E = J K⁻¹ Jᵀ + pads,    τ = Jᵀ f + Tᵀ m + g + p
 

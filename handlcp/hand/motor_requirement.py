@@ -1,5 +1,4 @@
-"""`RequiredTorque`: what motors have to give for torques of joints and tensions of tendons, and with which gear they
-do.
+"""`RequiredTorque`: what motors have to give for joints and tendons, and with which gear they do.
 
     peak = max(closing + τ_f, largest - τ_f),    continuous = held - τ_f
     N η ≥ max(peak / τ_peak, continuous / τ_continuous)
@@ -131,10 +130,6 @@ class RequiredTension:
 
 
 # ----------------------------------------------------------------
-# What motors a brief takes, as data and as a table.
-
-
-# ----------------------------------------------------------------
 # A brief: the loads that a grasp has to hold, each multiplied by a safety factor, and the grasp under each of them.
 
 _LOAD_PARTS = ("load", "mass", "gravity")
@@ -195,6 +190,7 @@ def _apply_load(spec: GraspSpec, said: dict[str, Any], factor: float) -> GraspSp
 
 
 # ----------------------------------------------------------------
+# What motors a brief takes, as data and as a table.
 
 
 @check_method_calls

@@ -1,5 +1,4 @@
-"""`MovingHandGeometry`: a hand and its object in motion: kinematics and contact detection anew in every configuration
-of a loading path.
+"""`MovingHandGeometry`: kinematics and contact detection anew in every configuration of a loading path.
 
 A fingertip is where the joints put it, pushed away by what its pad gives way. Contacts are detected there, between the
 deformed fingertip and the object where it is now; contacts that were given without an object stay points of their

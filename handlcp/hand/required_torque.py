@@ -1,6 +1,4 @@
-"""`find_required_torque`: grips tried: does every load of a brief hold, followed from the first touch, and what do the
-motors need?
-"""
+"""`find_required_torque`: which torques hold every load of a brief, with the grip that needs least of them."""
 
 from __future__ import annotations
 
@@ -248,14 +246,6 @@ def _unreachable_end(path: Loading) -> str | None:
 
 
 # ----------------------------------------------------------------
-# Which motors does a brief take? The torque of each joint, with the grip that needs least, checked before it is said.
-#
-# Every load of the brief times the safety factor is followed from the first touch: the hand closes without torque
-# limits, then the load comes. The grip is searched for with which all of them hold and the largest torque is least.
-# What the joints then need, at any time, becomes their torque limits, and `check` has to call every load HELD.
-
-
-# ----------------------------------------------------------------
 # Contact forces where nothing slips and nothing opens: linear in the grip and in the load.
 #
 # d = d₀ + D f
@@ -383,6 +373,11 @@ def _face_normals(tangents: int) -> tuple[Array, float]:
 
 
 # ----------------------------------------------------------------
+# Which motors does a brief take? The torque of each joint, with the grip that needs least, checked before it is said.
+#
+# Every load of the brief times the safety factor is followed from the first touch: the hand closes without torque
+# limits, then the load comes. The grip is searched for with which all of them hold and the largest torque is least.
+# What the joints then need, at any time, becomes their torque limits, and `check` has to call every load HELD.
 
 _LIMIT_MARGIN = 1e-6  # of a torque, so that rounding puts none over its limit
 

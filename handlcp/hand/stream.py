@@ -129,10 +129,6 @@ class GraspUpdate:
 
 
 # ----------------------------------------------------------------
-# A grasp followed in real time: posture, load and contacts move a little, and each answer starts at the last.
-
-
-# ----------------------------------------------------------------
 # A hand that moves while it grasps: its Jacobian and flexibility at contacts that stay where they are, compiled.
 
 
@@ -182,6 +178,7 @@ class MovingHand:
 
 
 # ----------------------------------------------------------------
+# A grasp followed in real time: posture, load and contacts move a little, and each answer starts at the last.
 
 
 @check_init_call()

@@ -1,5 +1,4 @@
-"""`close_by_torque`: a grasp with links that begins where the hand is still open: where it comes to touch, and what
-commands it there.
+"""`close_by_torque`: where a hand that closes from open comes to touch, and what commands it there.
 
 The hand closes from the palm outwards until its links touch (`hand/closing.py`). The grasp is that of the posture
 where they do, and its command goes on from there. A loading that is followed begins in the open posture instead, and

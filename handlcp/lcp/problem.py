@@ -63,10 +63,6 @@ def equilibrate(M: Array, q: Array) -> Units:
 
 
 # ----------------------------------------------------------------
-# Linear complementarity problems, mixed or not, and what a solver and the certifier say of one.
-
-
-# ----------------------------------------------------------------
 # What may come out of a solve. A status is the certifier's word, never the solver's.
 
 

@@ -1,6 +1,4 @@
-"""`Solver`: what solvers share: their protocol, and of contact problems one run of the compiled method and where it
-starts.
-"""
+"""`Solver`: the protocol that solvers share, one run of the compiled method, and where it starts."""
 
 from __future__ import annotations
 

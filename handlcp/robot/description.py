@@ -1,6 +1,4 @@
-"""`RobotDescription`: a robot as it was read, before anything is said about fingertips, stiffness or torques; and
-reading it.
-"""
+"""`RobotDescription`: a robot as it was read, before anything is said of fingertips, stiffness or torques."""
 
 from __future__ import annotations
 

@@ -199,10 +199,6 @@ def _format_values(row: StatedRow) -> str:
 
 
 # ----------------------------------------------------------------
-# A description of a hand as plain rows, and printed.
-
-
-# ----------------------------------------------------------------
 # The rows of a description of a hand, as plain data.
 
 

@@ -1,6 +1,4 @@
-"""`property_doubts`: doubts about joints: masses, limits that are placeholders, ranges that fingers cannot use; and
-about tendons.
-"""
+"""`property_doubts`: doubts about joints, their masses, limits and ranges; and about tendons."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""`LinkShape`: shapes of links as coal has them: those that Pinocchio loads, and those of a model that MuJoCo
-compiled.
-"""
+"""`LinkShape`: shapes of links as coal has them, loaded by Pinocchio or compiled by MuJoCo."""
 
 from __future__ import annotations
 

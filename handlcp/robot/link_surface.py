@@ -1,5 +1,4 @@
-"""`LinkSurface`: the collision geometry of a hand's links as points: where a link's surface is, close enough to see it
-in an object.
+"""`LinkSurface`: a link's collision geometry as points, close enough to see it in an object.
 
 coal measures wrong depths between some shapes that overlap, and a link's mesh need not be convex. So a ball is its
 centre with a radius, and every other shape a net of points on its surface, at most `POINT_SPACING` apart.

@@ -1,6 +1,4 @@
-"""`check_mesh_file`: mesh files, looked at before assimp reads them: of which kind, how large, and how much they unfold
-to.
-"""
+"""`check_mesh_file`: mesh files looked at before assimp reads them: their kind, size, and what they unfold to."""
 
 from __future__ import annotations
 

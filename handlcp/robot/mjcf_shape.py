@@ -1,6 +1,4 @@
-"""`compiled_meshes`: meshes of an MJCF model as MuJoCo compiled them, with scale, refpos and refquat; also those
-written inside it.
-"""
+"""`compiled_meshes`: meshes of an MJCF model as MuJoCo compiled them, also those written inside it."""
 
 from __future__ import annotations
 

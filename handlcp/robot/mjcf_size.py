@@ -1,6 +1,4 @@
-"""`check_mjcf_size`: how much an MJCF file asks MuJoCo to build, and its includes with it, counted before MuJoCo
-compiles it.
-"""
+"""`check_mjcf_size`: how much an MJCF file asks MuJoCo to build, counted before MuJoCo compiles it."""
 
 from __future__ import annotations
 

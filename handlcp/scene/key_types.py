@@ -1,6 +1,4 @@
-"""`FileTable`: what a key of a file may hold. Each kind says it in words, and those words are what its error
-expects.
-"""
+"""`FileTable`: what a key of a file may hold, in words that its error expects."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""`SceneTables`: the tables of a scene file that make a scene: names, effects, friction, and what may stand beside
-what.
-"""
+"""`SceneTables`: the tables of a file that make a scene: names, effects, friction, and what may stand together."""
 
 from __future__ import annotations
 

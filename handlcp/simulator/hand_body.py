@@ -1,6 +1,4 @@
-"""`add_hand`: the hand as bodies of MuJoCo, with its joints and springs, and tendons along routes as spatial
-tendons.
-"""
+"""`add_hand`: the hand as bodies of MuJoCo, with joints, springs, and tendons along routes."""
 
 from __future__ import annotations
 

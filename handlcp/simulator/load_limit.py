@@ -1,5 +1,4 @@
-"""`SimulatedLimit`: the load in one direction at which MuJoCo's object leaves, or a joint reaches its torque limit or
-its range's end.
+"""`SimulatedLimit`: the load at which MuJoCo's object leaves, or a joint reaches its torque limit or range's end.
 
 The load grows slowly, and waits while the object moves fast. An object that moves far meanwhile has jumped; one that
 comes to rest again is held, and the load goes on growing; one that does not has left.

@@ -1,6 +1,4 @@
-"""`simulate`: a grasp in MuJoCo, quasi-statically: the hand squeezes, then weight and load come, all slowly; and beside
-ours.
-"""
+"""`simulate`: a grasp in MuJoCo, quasi-statically: squeeze, then weight and load; and compared with ours."""
 
 from __future__ import annotations
 

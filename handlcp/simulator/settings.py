@@ -1,5 +1,4 @@
-"""`SimulatorSettings`: what makes MuJoCo quasi-static: how stiff contacts are, how much motion is damped, how heavy an
-object feels.
+"""`SimulatorSettings`: what makes MuJoCo quasi-static: contact stiffness, damping, and the object's inertia.
 
 MuJoCo simulates motion over time with contacts that give way a little. Statics is what is left of it when everything
 moves slowly, motion is damped, and contacts are much stiffer than fingers and pads.

@@ -140,10 +140,6 @@ def _friction_share(contact: Any, wrench: Array) -> float:
 
 
 # ----------------------------------------------------------------
-# A simulation under way: stages in which commands, weight and load grow, and what is read meanwhile.
-
-
-# ----------------------------------------------------------------
 # What a simulated object has done so far: whether it moves slowly, rests, or is lost.
 #
 # Loads wait while the object moves fast, so that damping takes up no more than a small part of them. An object that is
@@ -220,6 +216,7 @@ def contact_speed(vector: Any, reach: float) -> float:
 
 
 # ----------------------------------------------------------------
+# A simulation under way: stages in which commands, weight and load grow, and what is read meanwhile.
 
 SAG_STAGE = "own weight"  # the stage before all others where the hand's links bend its joints
 MAX_WAIT = 60.0  # [s] that a load waits: an object that still moves has left

@@ -1,6 +1,4 @@
-"""`entries`: the catalogue of effects: what `handlcp effects` lists, and what each effect costs on a reference scene,
-measured.
-"""
+"""`entries`: what `handlcp effects` lists, and what each effect costs on a reference scene, measured."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""`make_table`: tables for the terminal: effects, contacts, joint torques, hands, scene keys. Readable from 80 columns
-on.
-"""
+"""`make_table`: tables for the terminal, readable from 80 columns on."""
 
 from __future__ import annotations
 

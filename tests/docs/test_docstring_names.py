@@ -44,15 +44,14 @@ class Documented(NamedTuple):
 
 
 class Source(NamedTuple):
-    """A file of the package: its path and text, its classes and functions, its docstrings and comments, every name in
-    its code, and the names that the module binds.
+    """A file of the package: its path and text, its classes and functions, its docstrings and comments, and the names
+    that the module binds.
     """
 
     path: pathlib.Path
     text: str
     definitions: list[ast.AST]
     documented: list[Documented]
-    names: set[str]
     top: set[str]
 
 
@@ -89,12 +88,16 @@ def read_source(path):
         for node in (tree, *definitions)
         if ast.get_docstring(node, clean=False)
     ]
-    for match in NO_CODE.finditer(text):
+    for match in NO_CODE.finditer(text) if re.search("#.*`", text) else ():
         if match[0].startswith("#") and "`" in match[0]:
             documented.append(Documented(text.count("\n", 0, match.start()) + 1, match[0], None))
-    names = set(re.findall(r"[^\W\d]\w*", NO_CODE.sub(" ", text)))
-    names.update(match[1] for match in re.finditer(r'"([^\W\d]\w*)"', text))
-    return Source(path, text, definitions, documented, names, stored(tree.body))
+    return Source(path, text, definitions, documented, stored(tree.body))
+
+
+@functools.cache
+def names_in_code(text):
+    """Identifiers of a file's code, and its strings that are a word."""
+    return {*re.findall(r"[^\W\d]\w*", NO_CODE.sub(" ", text)), *re.findall(r'"([^\W\d]\w*)"', text)}
 
 
 @functools.cache
@@ -160,7 +163,7 @@ def modules():
 
 
 def is_known(name, source):
-    return name in source.names or name in shared_names()
+    return name in shared_names() or name in names_in_code(source.text)
 
 
 def is_there(name, source):

@@ -1,6 +1,4 @@
-"""`Explanation`: which effects a grasp has, why, and what each costs in unknowns; and the words of what is no effect of
-its own.
-"""
+"""`Explanation`: which effects a grasp has, why, and what each costs in unknowns."""
 
 from __future__ import annotations
 

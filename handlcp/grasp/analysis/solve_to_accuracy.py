@@ -1,6 +1,4 @@
-"""`solve_to_accuracy`: a solve with advice: for a proven "no", the squeeze that would help, worked out when somebody
-asks.
-"""
+"""`solve_to_accuracy`: forces as accurate as asked for; and a solve with advice, the squeeze that would help."""
 
 from __future__ import annotations
 
@@ -91,10 +89,6 @@ def _error_message(solution: GraspSolution) -> str:
         advice = f"double precision shows no more here: ask for {2.0 * reached.error:.0e}"
         lines = [f"no setting is shown to keep what was asked for: {reached}", advice, *lines]
     return "\n  ".join(lines)
-
-
-# ----------------------------------------------------------------
-# Forces as accurate as asked for: the error of the forces estimated, settings refined until it is small enough.
 
 
 # ----------------------------------------------------------------

@@ -1,6 +1,4 @@
-"""`GraspBatch`: a batch as it was asked, and its first stage: grasps of one kind are rows of a matrix, and so are their
-answers.
-"""
+"""`GraspBatch`: a batch as it was asked, and its first stage: grasps and answers of one kind are rows of a matrix."""
 
 from __future__ import annotations
 

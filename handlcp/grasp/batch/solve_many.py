@@ -246,10 +246,6 @@ def _split(left: list[int], share: int) -> Iterator[list[int]]:
 
 
 # ----------------------------------------------------------------
-# Many grasps in one call.
-
-
-# ----------------------------------------------------------------
 # Many grasps at once, over all cores or a cluster: for sweeps over loads, postures and designs.
 
 

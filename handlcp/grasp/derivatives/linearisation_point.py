@@ -231,9 +231,10 @@ class LawChange:
     """By p parameters, SI, each (…, p). Contacts' motions in the coordinates of the friction laws.
 
     motion (c, p) : δv, of the object relative to the tips [m]. balance (6, p) : δb, of the wrench that is left over,
-    about the reference. friction (n, p) : δμ of the coefficients of the sections (`Scene.friction_coefficients`) [-]. torque (nv, p) :
-    of what the joints hold [N·m]. torque_limits (nv, p) : of the joints' limits [N·m]. depth_change : what comes on top
-    where fingertips go deeper into an object that they just touch; None: nothing does.
+    about the reference. friction (n, p) : δμ of the coefficients of the sections (`Scene.friction_coefficients`) [-].
+    torque (nv, p) : of what the joints hold [N·m].
+    torque_limits (nv, p) : of the joints' limits [N·m]. depth_change : what comes on top where fingertips go deeper
+    into an object that they just touch; None: nothing does.
     """
 
     motion: Array

@@ -83,11 +83,11 @@ class TwoSidedDifferences(NamedTuple):
 @check_method_calls
 class PathSensitivity:
     """Derivatives `<quantity>_by_<parameter>` of the end of a path: arrays in the shape of the quantity followed by
-    that of the parameter, SI, as in `Sensitivity`, whose parameters these are. With `all_` before its name (friction,
-    pads, squeeze, stiffness, torque_limits) a parameter is the same change of all fingers or joints at once, without a
-    shape of its own. Each is made of differences of whole paths when it is first asked for: two paths for each entry of
-    the parameter. NaN where a path has no such end, and where it jumps or has a corner: `jumps` names those that were
-    asked for, `sides` has what was found on either side.
+    that of the parameter, SI, as in `Sensitivity`, whose parameters these are. With `all_` before its
+    name (friction, pads, squeeze, stiffness, torque_limits) a parameter is the same change of all fingers or joints at
+    once, without a shape of its own. Each is made of differences of whole paths when it is first asked for: two paths
+    for each entry of the parameter. NaN where a path has no such end, and where it jumps or has a corner: `jumps` names
+    those that were asked for, `sides` has what was found on either side.
     """
 
     def __init__(self, spec: GraspSpec, end: Callable[[GraspSpec], dict[str, Array]], coarser: float = 1.0) -> None:

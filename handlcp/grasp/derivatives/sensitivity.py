@@ -1,6 +1,4 @@
-"""`Sensitivity`: what matters most, in a table: what changes that a designer could make do to an answer, to first
-order.
-"""
+"""`Sensitivity`: what changes that a designer could make do to an answer, to first order, in a table."""
 
 from __future__ import annotations
 

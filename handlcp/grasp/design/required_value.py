@@ -1,6 +1,4 @@
-"""`required_stiffness` and `find_least_value`: the least number of a hand with which its grasp holds, judged by
-`check`.
-"""
+"""`required_stiffness`, `find_least_value`: the least number with which a grasp holds, judged by `check`."""
 
 from __future__ import annotations
 
@@ -60,10 +58,6 @@ def describe_overpressed(path: Loading, most: Array) -> str:
     k = int(np.argmax(largest / most))
     name = path.steps.grasp.spec.names[k]
     return f"{name} presses with {largest[k]:.4g} N, and the object bears {most[k]:.4g} N there"
-
-
-# ----------------------------------------------------------------
-# The least squeeze or friction that holds, closed in from both sides and judged by `check`.
 
 
 # ----------------------------------------------------------------

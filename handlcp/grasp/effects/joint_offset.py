@@ -1,5 +1,4 @@
-"""`JointOffset`: squeeze as motors make it: the joints are commanded beyond where they stand, and the contacts are
-preloaded.
+"""`JointOffset`: squeeze as motors make it: joints commanded beyond where they stand preload the contacts.
 
     d -= J δq
 

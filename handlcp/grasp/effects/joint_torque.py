@@ -1,5 +1,4 @@
-"""`FingerWeight` and `TorqueSaturation`: torques of the joints beside those that the contacts ask for, and their
-limits.
+"""`FingerWeight` and `TorqueSaturation`: the fingers' own weight, and joints that yield at their torque limits.
 
 The fingers' own weight: torques that hold it, and joints that sag under it before anything is loaded.
 

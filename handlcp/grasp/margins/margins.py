@@ -1,5 +1,4 @@
-"""`Margins`: how far a grasp is from failing: what is left of friction, of torque and of the load, and the classic
-measures.
+"""`Margins`: what is left of friction, of torque and of the load until a grasp fails, and the classic measures.
 
 The first three are about one answer, with its springs and its squeeze, the others about contacts and friction alone.
 """

@@ -1,6 +1,4 @@
-"""`Contact`, one contact of a grasp; `Placement`, where all of them are; `SceneKind`, which of their forces are
-unknown.
-"""
+"""`Contact`, one contact of a grasp; `Placement`, where all are; `SceneKind`, which of their forces are unknown."""
 
 from __future__ import annotations
 
@@ -213,16 +211,20 @@ class Placement:
 
 
 # ----------------------------------------------------------------
+# Which unknowns a grasp has, and where they stand among its force components.
 
 
 @dataclass(frozen=True)
 class SceneKind:
     """What decides which unknowns a scene has, whatever its numbers.
 
-    force_unknown (n,): contacts whose force is not prescribed. tangents (n,): how many tangential forces a contact
-    has, 0 without friction, 1 in a plane, 2, or 3 with the moment of a soft finger; 0 where its force is prescribed.
-    planar, flexible : whether the scene lies in a plane, and whether any finger gives way. The index arrays below count
-    the c = 3n + k force components: the contacts' x, y, z, then the moments of the k soft contacts.
+    force_unknown : (n,) contacts whose force is not prescribed.
+    tangents : (n,) how many tangential forces a contact has, 0 without friction, 1 in a plane, 2, or 3 with the moment
+        of a soft finger; 0 where its force is prescribed.
+    planar, flexible : whether the scene lies in a plane, and whether any finger gives way.
+
+    The index arrays below count the c = 3n + k force components: the contacts' x, y, z, then the moments of the k soft
+    contacts.
     """
 
     force_unknown: tuple[bool, ...]

@@ -1,5 +1,4 @@
-"""`Flexibility`: the flexibility of many contacts as a factor: E = J K⁻¹ Jᵀ + P, with K⁻¹ = A Aᵀ of the joints and P of
-the pads.
+"""`Flexibility`: the flexibility of many contacts as a factor: E = J K⁻¹ Jᵀ + P of joints and pads.
 
 E has the rank of the joints plus blocks of three. With 60 contacts it has 32,400 entries and its factor a tenth of
 them; a solve that keeps the factor costs as much for each further contact as for the first

@@ -19,25 +19,26 @@ NO_WRAP_SIDES = read_only(np.zeros((0, 3)))
 
 
 class Cables(NamedTuple):
-    """Tendons that move joints, t of them, m posts that they wrap around, b round bodies that they pass.
+    """t tendons that move nv joints: they pull, and never push. Over m posts, and past b round bodies.
 
-    names (t,).
+    names : (t,).
     arms (t, nv) : R, 0 of a joint that gives way to nothing [m/rad, m/m].
     springs (t, t) : k [N/m].
     passive (nv, nv) : K_p of the joints' own springs [N·m/rad].
     rest (nv,) : where these are at rest, from the grasp's posture [rad, m].
-    pretension (t,) : T₀ in the grasp's posture before the hand closes [N], infinite where it is taut whatever comes, as
-        a rod is.
-    limits (t,) : what they bear [N], infinite where nothing is known.
-    post_tendon (m,) : number of the tendon, in the order from its drive on.
+    pretension (t,) : T₀ in the grasp's posture before the hand closes [N]; inf where it is taut whatever comes, as a
+        rod is.
+    limits (t,) : what they bear [N], inf where nothing is known.
+    post_tendon (m,) : number of the tendon that wraps around a post; those of a tendon in the order from its drive on.
     wrap_friction (m,) : μθ, friction times the angle of the wrap [rad].
     posts (m, nv) : arms of the tendon at this post and beyond.
-    shift (t,) : l - R q, with l what joints have drawn in [m], of tendons whose arms change with the posture; else 0.
+    shift (t,) : of tendons whose arms change with the posture, l - R q in this one, with l what joints have drawn in
+        [m]; 0 of others.
     elasticity_at : from joints at q (nv,) to the tendons there and the root of the joints' compliance with them, as in
         `Elasticity`; None: arms stay.
-    moment_arm_stiffness : from tensions T (t,) to Σ T ∂R/∂q (nv, nv) there [N·m/rad], by which the tendons pull harder
-        as joints move; None: 0.
-    wrapped_bodies (b,) : in words.
+    moment_arm_stiffness : from tensions T (t,) to Σ T ∂R/∂q (nv, nv) in this posture [N·m/rad], by which the tendons
+        pull harder as joints move; None: 0.
+    wrapped_bodies (b,) : round bodies that they pass, in words.
     wrap_sides (b, 3) : on which side of each, a unit vector in the axes of its link.
     """
 

@@ -1,6 +1,4 @@
-"""`contacts`, `wrench` and `effects`: what users pass to `Grasp`, turned into clean arrays; every refusal names the
-argument.
-"""
+"""`contacts`, `wrench`, `effects`: what users pass to `Grasp`, turned into clean arrays, or refused by name."""
 
 from __future__ import annotations
 

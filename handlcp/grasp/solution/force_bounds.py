@@ -1,5 +1,4 @@
-"""`ForceBounds`: the least and the largest of linear readings of the forces over the equilibria that keep an answer's
-contact states.
+"""`ForceBounds`: the least and the largest forces over the equilibria that keep an answer's contact states.
 
 Each is the end of a program over a `StateFamily`: a linear one on pyramids and in a plane, by HiGHS; one with
 second-order cones on the exact cone, by Clarabel. Either is believed only as far as its multipliers prove it

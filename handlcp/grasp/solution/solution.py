@@ -177,6 +177,7 @@ class DeferredFields:
 
 
 # ----------------------------------------------------------------
+# What a designer gets back: forces, slips, gaps, the object's motion, and how far each can be trusted.
 
 
 @check_method_calls

@@ -25,10 +25,8 @@ from handlcp.grasp.verify.contact_state import GLIDING, RESTING, SEPARATED, SLID
 from handlcp.tolerances import RANK_TOLERANCE
 
 MAX_RESTING = 4  # contacts at rest whose 2^k branches are all looked at; beyond that only all-open and all-closed
-_PROGRAM_BOUND = (
-    # bound of the linear program's unknowns; a condition that stays below 1 / _PROGRAM_BOUND within it is always active
-    1e6
-)
+# Bound of the linear program's unknowns; a condition that stays below 1 / _PROGRAM_BOUND within it is always active
+_PROGRAM_BOUND = 1e6
 
 
 @dataclass(frozen=True, slots=True)

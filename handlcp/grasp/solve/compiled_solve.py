@@ -1,5 +1,4 @@
-"""`solve_scenes`: a scene as a row of numbers: the arrays of `GraspArrays`, one after the other, then the limits (n,)
-of its contacts.
+"""`solve_scenes`: a scene as a row of numbers, and the whole solve of it in one compiled call.
 
 The layout is known here alone; rows are written and read by the names of these arrays.
 """

@@ -1,5 +1,4 @@
-"""`EquilibriumSearch`: everything that the contacts of a grasp can do at once: one equilibrium, the proof that there is
-none, or all.
+"""`EquilibriumSearch`: all that contacts can do at once: one equilibrium, the proof of none, or all of them.
 
 One tree serves all three (`lcp.modes`), and cuts off what nothing fits. A walk through every choice, one small
 elimination each, is faster where there are few: 4 ms instead of 24 ms for 10,000 choices (four contacts on pyramids of

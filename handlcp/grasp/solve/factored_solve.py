@@ -1,5 +1,4 @@
-"""`solve_factored`: the first stage of a solve for many contacts whose flexibility is a factor: contact by contact, in
-one compiled call.
+"""`solve_factored`: the first stage for many contacts whose flexibility is a factor, in one compiled call.
 
 The same laws and steps as in `compiled_solve`, over blocks of three (`contact/block_newton.py`), and the same row
 of numbers as its answer. Where it leads to no answer, scenes go the other way, with E as a matrix.

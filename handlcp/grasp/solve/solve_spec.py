@@ -227,6 +227,7 @@ _FIELD_MAKERS: dict[str, Callable[[_SolutionFields], Any]] = {
 
 
 # ----------------------------------------------------------------
+# A grasp through the stages of its solver, until the certifier is content.
 
 # Multiply-adds of the first search, milliseconds, and of the second one, hundredths of a second. What the first leaves
 # open is more often an answer that Lemke's method finds at once than one that is not there
@@ -504,6 +505,7 @@ def _relative_change(difference: Array, of: Array) -> float:
 
 
 # ----------------------------------------------------------------
+# The one way from a specification to its solution.
 
 
 def solve_spec(

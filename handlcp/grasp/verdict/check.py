@@ -206,10 +206,6 @@ def _shift_trials(spec: GraspSpec) -> Iterator[Trial]:
 
 
 # ----------------------------------------------------------------
-# The verdict on a grasp: one solve, then the loading followed in steps, then what would help.
-
-
-# ----------------------------------------------------------------
 # What to change: effects left out that matter to an answer, and where a grasp fails, what was tried and holds.
 
 
@@ -243,6 +239,7 @@ def _suggestion(r: Reason) -> Suggestion:
 
 
 # ----------------------------------------------------------------
+# The verdict on a grasp: one solve, then the loading followed in steps, then what would help.
 
 # Which another number of steps contradicts
 _PATH_CODES = "no_squeeze", "lost", "slides_through", "no_equilibrium", "not_holdable"

@@ -1,5 +1,4 @@
-"""`certify_candidate`: compiled contact physics for the certifier, from positions, frames and flexibility: no matrix of
-the solver.
+"""`certify_candidate`: every law of a scene recomputed from positions, frames and flexibility, without the solver.
 
 Arrays over the c force components are in the coordinates of the friction laws, where every law is a ball, a polygon or
 a polyhedron about the origin of its tangents. `contacts` (n, 4) lists each contact's normal component and its tangents,
@@ -399,6 +398,7 @@ _NO_MOTION = np.zeros(0)
 
 
 # ----------------------------------------------------------------
+# The grasp's certifier: every law of the scene recomputed from its physics. Imports no solver; NaN never passes.
 
 
 @dataclass(frozen=True, slots=True)

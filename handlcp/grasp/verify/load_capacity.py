@@ -229,14 +229,6 @@ def _norm(a: Array) -> float:
 
 
 # ----------------------------------------------------------------
-# What the contacts, effects and joints of a grasp can bear, as cones and rows over its unknown forces.
-#
-#     r_i ∈ friction,    A r ≤ b,    |Jᵀ r + g| ≤ τ_max
-#
-# Stiffness and preload play no part. The rows carry the name of what they limit, so that an answer can say what binds.
-
-
-# ----------------------------------------------------------------
 # Holdability within limits: is there a contact force within friction and the effects' limits that balances the load?
 #
 # W a = -load,  A F a ≤ b,  a ≥ 0
@@ -270,6 +262,11 @@ def prove_overload(scene: Scene, section: Section, effects: tuple[Effect, ...]) 
 
 
 # ----------------------------------------------------------------
+# What the contacts, effects and joints of a grasp can bear, as cones and rows over its unknown forces.
+#
+#     r_i ∈ friction,    A r ≤ b,    |Jᵀ r + g| ≤ τ_max
+#
+# Stiffness and preload play no part. The rows carry the name of what they limit, so that an answer can say what binds.
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,5 +1,4 @@
-"""`static_load_bounds`: the largest load without compliance: what friction, effects and torque limits alone allow,
-whatever the springs.
+"""`static_load_bounds`: the largest load that friction, effects and torque limits allow, whatever the springs.
 
     max λ ≥ 0    w₀ + G r + λ w = 0,    r within friction,    A r ≤ b,    |Jᵀ r + g| ≤ τ_max
 

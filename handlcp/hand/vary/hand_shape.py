@@ -1,6 +1,4 @@
-"""`HandChanges`: the names by which a hand's numbers are changed: arguments of `Hand.replace`, and "<joint>.length" and
-the like.
-"""
+"""`HandChanges`: changes of a hand by name, of arguments of `Hand.replace` and "<joint>.length" and the like."""
 
 from __future__ import annotations
 

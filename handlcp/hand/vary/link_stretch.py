@@ -1,5 +1,4 @@
-"""`LinkStretch`: a length between two joints, or a joint and its fingertip, made another: what becomes of all that is
-on the way.
+"""`LinkStretch`: another length between two joints, or a joint and its fingertip, and what becomes of the rest.
 
     t' = t,  t < 0;    t' = t s,  0 ≤ t ≤ L;    t' = t + (s - 1) L,  t > L,    s = L'/L
 

@@ -1,5 +1,4 @@
-"""`request_compile`: compiling beside the work: another process compiles into the cache, while calls go on as Python
-until code is there.
+"""`request_compile`: another process compiles into the cache, while calls go on as Python.
 
 One such process works for a cache folder at a time: it holds a lock of the operating system on a file there, which goes
 with it however it ends. It ends with the process that started it, whose end closes its standard input, and when it has

@@ -94,11 +94,9 @@ def _print_once(text: str, seconds: float = 0.0) -> None:
 
 BACKGROUND_AFTER_SECONDS = 1.0  # a kernel runs as Python for so long before another process compiles it [s]
 WAIT_AFTER_SECONDS = 3.0  # and for so long at least before a call waits for its compiling [s]
-MANY_CALLS = (
-    # calls from which `compile_in_background` and `compile_now` believe that compiled code pays: interpreted they take
-    # a second
-    100
-)
+# Calls from which `compile_in_background` and `compile_now` believe that compiled code pays: interpreted they take a
+# second
+MANY_CALLS = 100
 _NUMBA_IMPORT_SECONDS, _KERNEL_LOAD_SECONDS = 0.3, 0.05  # what numba's import takes, and a kernel from a warm cache [s]
 _SECONDS_PER_INSTRUCTION = 2e-3  # what numba takes to compile one instruction of Python's bytecode [s]
 

@@ -1,6 +1,4 @@
-"""`cache_folders`: folders of compiled code: where they may lie, and a name that changes with the source they were
-compiled from.
-"""
+"""`cache_folders`: where compiled code may lie, under a name that changes with its source."""
 
 from __future__ import annotations
 

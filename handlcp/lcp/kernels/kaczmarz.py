@@ -1,5 +1,4 @@
-"""`run_kaczmarz`: Newton–subgradient non-smooth greedy randomized Kaczmarz steps (paper, equations (18)–(22) and
-Algorithm 2).
+"""`run_kaczmarz`: greedy randomized Kaczmarz steps, NSNGRK (paper, equations (18)–(22) and Algorithm 2).
 
 Fischer–Burmeister rows φ_i = √(z_i² + w_i²) - z_i - w_i for complementary pairs, plain rows φ_i = w_i for free ones.
 The analytic subgradient of row i is g_i = a e_i + b M_i with a = z_i/ρ - 1, b = w_i/ρ - 1, ρ = √(z_i² + w_i²)

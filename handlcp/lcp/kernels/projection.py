@@ -1,6 +1,4 @@
-"""`project_on_set`: projections on friction sets, compiled, and the certifier's arithmetic: residuals in natural
-units.
-"""
+"""`project_on_set`: projections on friction sets, compiled; and the certifier's residuals in natural units."""
 
 from __future__ import annotations
 

@@ -1,5 +1,4 @@
-"""`ModeCones`: what a contact may do in each mode, as cones: nonnegative multiples of generators of its force and of
-its motion.
+"""`ModeCones`: what a contact may do in each mode, as cones: generators of its force and of its motion.
 
     open     motion: the gap up
     stuck    force: its whole friction cone

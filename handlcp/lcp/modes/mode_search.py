@@ -1,5 +1,4 @@
-"""`ModeSearch`: all choices of contact modes at once: a tree, whose branches are cut off where no force and motion fits
-them.
+"""`ModeSearch`: all choices of contact modes at once, as a tree whose branches are cut off where none fits.
 
 At each node some contacts have a mode, the others any. `fit_mode` asks whether anything fits; if not, a proof of that
 is checked, and nothing below is visited. If so, the contact that misses its law by most is given each of its modes in

@@ -1,6 +1,4 @@
-"""`accuracy_cost`: what accuracy costs in one scene: methods × faces × tolerances × effects left out, against the exact
-cone.
-"""
+"""`accuracy_cost`: what accuracy costs in one scene: methods, faces, tolerances and effects left out."""
 
 from __future__ import annotations
 

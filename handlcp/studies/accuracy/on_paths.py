@@ -1,6 +1,4 @@
-"""`path_cost`: what accuracy costs on a path: time and error of `follow` and `load_limit` over the number of their
-steps.
-"""
+"""`path_cost`: time and error of `follow` and `load_limit` over the number of their steps."""
 
 from __future__ import annotations
 

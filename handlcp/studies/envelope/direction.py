@@ -1,6 +1,4 @@
-"""`DirectionGrid`: directions as points of a sphere or a circle, joined by triangles or segments that can be halved
-where it pays.
-"""
+"""`DirectionGrid`: directions on a sphere or circle, joined by cells that can be halved where it pays."""
 
 from __future__ import annotations
 
@@ -150,10 +148,6 @@ def _segment_angles(pairs: Array) -> Array:
     """(k,) between the ends of segments (k, 2, 3)."""
     a, b = pairs[:, 0], pairs[:, 1]
     return np.asarray(2.0 * np.arctan2(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1)))
-
-
-# ----------------------------------------------------------------
-# Directions of an envelope, and what gives out first in each of them.
 
 
 # ----------------------------------------------------------------

@@ -1,6 +1,4 @@
-"""`EnvelopeQuestion`: the limits of one grasp along many directions, asked for in pieces so that one sees how far they
-have come.
-"""
+"""`EnvelopeQuestion`: the limits of one grasp along many directions, asked for in pieces."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""`Envelope`: an envelope as text: the weakest and the strongest direction, what gives out where, what compliance gives
-away.
-"""
+"""`Envelope`: what holds along many directions, what gives out where, and what compliance gives away."""
 
 from __future__ import annotations
 

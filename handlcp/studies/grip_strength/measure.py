@@ -1,6 +1,4 @@
-"""`close_with_full_torque`: a hand that closes with all the torque it has: the hardest grip with which no joint is
-beyond its limit.
-"""
+"""`close_with_full_torque`: the hardest grip with which no joint is beyond its limit."""
 
 from __future__ import annotations
 

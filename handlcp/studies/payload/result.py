@@ -1,6 +1,4 @@
-"""`Payload`: a payload: the largest mass that a grasp holds, in which direction of gravity, and what gives out
-there.
-"""
+"""`Payload`: the largest mass that a grasp holds, in which direction of gravity, and what gives out there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,13 @@
-"""`lift_and_shake`: lift and shake: a ball and a cube that a hand lifts and shakes, as shares of a rated payload."""
+"""`lift_and_shake`: a ball at 50 % and a cube at 85 % of a rated payload, lifted and shaken along gravity.
+
+The hand points down. It is lifted by h in the time T, and then shaken by A sin(2π f t) along gravity:
+
+    lift    a = 4 h / T²          speeding up for half of the way, and slowing down for the other half
+    shake   a = A (2π f)²         > 4 h / T²: the shake decides
+
+Quasi-statically the object weighs m (g ± a). The weight comes and goes between the two as often as the hand is
+shaken, and friction remembers what slipped: a path with 2 f t stages, which is followed.
+"""
 
 from __future__ import annotations
 
@@ -127,18 +136,6 @@ class LiftAndShake(Record):
 
     def __repr__(self) -> str:
         return f"LiftAndShake(rated={self.rated:g}, passed={self.passed})"
-
-
-# ----------------------------------------------------------------
-# `lift_and_shake`: a ball at 50 % and a cube at 85 % of a rated payload, lifted and shaken along gravity.
-#
-# The hand points down. It is lifted by h in the time T, and then shaken by A sin(2π f t) along gravity:
-#
-#     lift    a = 4 h / T²          speeding up for half of the way, and slowing down for the other half
-#     shake   a = A (2π f)²         > 4 h / T²: the shake decides
-#
-# Quasi-statically the object weighs m (g ± a). The weight comes and goes between the two as often as the hand is
-# shaken, and friction remembers what slipped: a path with 2 f t stages, which is followed.
 
 
 # ----------------------------------------------------------------

@@ -1,6 +1,4 @@
-"""`SamplePlacer`: the grasps of samples: as rows of numbers, which are solved many at once, and as grasps where one is
-looked at.
-"""
+"""`SamplePlacer`: the grasps of samples, as rows that are solved many at once, or as grasps."""
 
 from __future__ import annotations
 

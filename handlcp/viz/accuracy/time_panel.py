@@ -1,6 +1,4 @@
-"""`time_panel`: error against time: every setting a faint point, the best settings of each method a line with its name
-beside it.
-"""
+"""`time_panel`: error against time, all settings as points and the best of each method as a line."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""`write_envelope_page`: the page of an envelope: the hand, and around the object the surface of what it holds, to turn
-and to point at.
-"""
+"""`write_envelope_page`: the page of an envelope, the surface of what a hand holds around the object."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""`EnvelopeSurface`: the surface of an envelope: a point along each direction, as far out as the factor, up to where it
-is cut.
-"""
+"""`EnvelopeSurface`: a point along each direction, as far out as the factor, up to where it is cut."""
 
 from __future__ import annotations
 

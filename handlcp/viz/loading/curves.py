@@ -1,6 +1,4 @@
-"""`Panel`: what the panels of a loading show: curves over the steps, with the names and colours of what they belong
-to.
-"""
+"""`Panel`: curves over the steps of a loading, with the names and colours of what they belong to."""
 
 from __future__ import annotations
 
@@ -140,10 +138,6 @@ def _make_torque_panel(names: Sequence[str], torques: Array, limits: Array) -> P
 
 
 # ----------------------------------------------------------------
-# One panel of a loading: its curves, and their names at the right edge.
-
-
-# ----------------------------------------------------------------
 # The axis that all panels share: stages side by side, each from 0 to 100 %; and what any such axis has.
 
 _CROWDED_STAGES = 5  # stages from which on only their ends have a tick
@@ -210,6 +204,7 @@ def _format_stage_share(x: float) -> str:
 
 
 # ----------------------------------------------------------------
+# One panel of a loading: its curves, and their names at the right edge.
 
 LABEL_LETTERS = 29  # of a line of names
 SAME_CURVE_TOLERANCE = 0.01  # of the panel's height: curves no further apart than this share a name

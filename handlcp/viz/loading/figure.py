@@ -161,10 +161,6 @@ def describe_object_motion(loading: Loading) -> str:
 
 
 # ----------------------------------------------------------------
-# The figure of a loading: forces, friction, motion and joint torques over its stages, and what happens where.
-
-
-# ----------------------------------------------------------------
 # Where something happens: numbered lines through the panels, the list of what it is, and where the object is lost.
 
 LOST_COLOUR, LOST_SHADE = "#B03A00", "#FBEFE9"
@@ -282,6 +278,7 @@ def _disc_style(name: str, colour: str) -> dict[str, Any]:
 
 
 # ----------------------------------------------------------------
+# The figure of a loading: forces, friction, motion and joint torques over its stages, and what happens where.
 
 FIGURE_WIDTH = 10.0  # inches
 PANELS_LEFT, PANELS_WIDTH = 0.068, 0.70  # of the width: where panels begin, and how wide they are

@@ -1,6 +1,4 @@
-"""`PageFrames`: a grasp at one moment, or at many, as the viewer of a page reads it: numbers to draw, words to print
-beside them.
-"""
+"""`PageFrames`: a grasp at one moment, or at many, as the viewer of a page reads it."""
 
 from __future__ import annotations
 

@@ -1,5 +1,4 @@
-"""`paint_bodies`: the image of the solids: shaded triangles in a depth buffer, outlines, and the translucent object
-between them.
+"""`paint_bodies`: the image of the solids: shaded triangles in a depth buffer, outlines, the translucent object.
 
 matplotlib draws one polygon after the other, which leaves seams in translucent surfaces and jagged edges where solids
 meet. So the solids become an image here, and matplotlib draws everything else over it.

@@ -1,6 +1,4 @@
-"""`draw_legend`: what is written of a picture: title and verdict, legend, labels of contacts, how near joints are to
-their limits.
-"""
+"""`draw_legend` and what else is written of a picture: title, verdict, labels of contacts, torques of joints."""
 
 from __future__ import annotations
 

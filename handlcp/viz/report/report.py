@@ -1,6 +1,4 @@
-"""`report`: the numbers of a hand that a report compares: those that `vary` knows by name, and how its joints stand and
-turn.
-"""
+"""`report`: a hand and its better ones, in the numbers that `vary` knows by name."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""`draw_study`: what the axes of a study's pictures say: parameters at their unit coordinates, outcomes with their
-units.
-"""
+"""`draw_study`: pictures of a study, with parameters at their unit coordinates and outcomes with their units."""
 
 from __future__ import annotations
 
