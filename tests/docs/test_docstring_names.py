@@ -3,6 +3,7 @@
 import ast
 import builtins
 import functools
+import gc
 import keyword
 import pathlib
 import re
@@ -102,7 +103,11 @@ def names_in_code(text):
 
 @functools.cache
 def sources():
-    return [read_source(path) for path in sorted(PACKAGE.rglob("*.py"))]
+    gc.disable()  # a pass over all trees for every few thousand nodes takes longer than parsing
+    try:
+        return [read_source(path) for path in sorted(PACKAGE.rglob("*.py"))]
+    finally:
+        gc.enable()
 
 
 def read_here():
@@ -203,13 +208,14 @@ def every_argument(of):
     return [*of.posonlyargs, *of.args, *of.kwonlyargs, *filter(None, (of.vararg, of.kwarg))]
 
 
-def allowed(node, source):
+def allowed(node, source, names):
     """Members of a class and arguments of what makes or calls it; arguments of a function, and keys that it writes."""
     if isinstance(node, ast.ClassDef):
         made = [part for part in node.body if getattr(part, "name", "") in ("__init__", "__new__", "__call__")]
         return members_of(node.name).union(*map(arguments, made))
     text = "\n".join(source.text.splitlines()[node.lineno - 1 : node.end_lineno])
-    return arguments(node) | set(re.findall(r'"(\w+)"', text))
+    own = {part.arg for part in every_argument(node.args)} | set(re.findall(r'"(\w+)"', text))
+    return own if names <= own else own | arguments(node)
 
 
 def missing_listed(source):
@@ -218,8 +224,9 @@ def missing_listed(source):
             continue
         listed = [name.strip("* ") for names in LISTED.findall(documented.text) for name in names.split(",")]
         listed += [name for names in SHAPED.findall(documented.text) for name in re.findall(r"(\w+) \(", names)]
+        there = allowed(documented.node, source, set(listed)) if listed else set()
         for name in listed:
-            if name not in allowed(documented.node, source) and not SYMBOL.fullmatch(name):
+            if name not in there and not SYMBOL.fullmatch(name):
                 where = f"{source.path.relative_to(PACKAGE.parent)}:{documented.line}"
                 yield f"{where}: {documented.node.name} lists {name}"
 

@@ -4,8 +4,7 @@
 
 A row of A says what is limited (a normal force, a sum of them, a joint's torque Jᵀr), b how much of it there may be.
 While a limit gives way, the contacts move by Aᵀ s. It dissipates only there: A r = b, and the work is bᵀ s.
-Source: Ai & Li (2025),
-equations (14) to (16), has the first of them.
+Source: Ai & Li (2025), equations (14) to (16), has the first of them.
 """
 
 from __future__ import annotations

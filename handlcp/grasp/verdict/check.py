@@ -1,7 +1,8 @@
 """`check`: the verdict on a grasp, from one solve, the loading followed in steps, and what would help.
 
-Newton's method goes to the equilibrium near where it starts. It starts from the end of the loading, and from answers of
-the same grasp under other loads and squeezes, where one equilibrium may be the only one.
+Other equilibria of a grasp with few contacts are looked for by a handful of solves, because Newton's method goes to the
+one near where it starts. They start from the end of the loading, and from answers of the same grasp under other loads
+and squeezes, where one equilibrium may be the only one.
 """
 
 from __future__ import annotations
