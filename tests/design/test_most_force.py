@@ -66,7 +66,9 @@ def test_forces_may_be_given_by_contact():
     assert f"{thumb} presses with" in none.hint
 
 
-@pytest.mark.parametrize(("value", "fact"), [(0.0, "> 0"), (-1.0, "> 0"), ((1.0, 2.0), "shape"), ("3 N", "numbers")])
+@pytest.mark.parametrize(
+    ("value", "fact"), [(0.0, "> 0"), (-1.0, "> 0"), ((1.0, 2.0), "3 values"), ("3 N", "a finite number > 0")]
+)
 def test_what_no_object_bears_is_refused(value, fact):
     with pytest.raises(hl.InputError, match=f"most_force.*{fact}"):
         cube_grasp().required_grip(most_force=value)

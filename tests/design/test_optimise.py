@@ -57,7 +57,7 @@ def test_two_loads_that_give_out_at_once_are_said_to_be_a_kink():
 
 @cache
 def uphill():
-    return run(start={"force": 1.0}, space={"force": (0.5, 2.0)}, budget=12)
+    return run(start={"force": 1.0}, space={"force": (0.5, 2.0)}, budget=22)
 
 
 def test_the_payload_of_forces_of_another_scale_grows_to_the_end_of_its_range_with_the_slope_of_similarity():
