@@ -381,8 +381,8 @@ class Grasp(GraspQuestions):
         of the largest; on the exact cone alone. The solution's `accuracy` says what error it estimates.
         start : the solution of a nearby grasp of as many contacts; from there it takes one or two Newton steps. Where
         friction allows several equilibria, it also says which one to look for.
-        proof : where none is found, whether to prove that there is none; False: no search for NO_EQUILIBRIUM; in
-        bounded time the status is SOLVED, NOT_HOLDABLE or UNDECIDED.
+        proof : where none is found, whether to prove that there is none; False: the first stage and the escape
+        proof alone, in bounded time; UNDECIDED may then be an answer that later stages find.
         Raises NoSolutionFound (with problem and solution) unless SOLVED, or returns what came when `throw` is False;
         InputError for bad arguments, faces and accuracy both among them.
         """

@@ -1,4 +1,4 @@
-"""`solve_to_accuracy`: forces as accurate as asked for; and a solve with advice, the squeeze that would help."""
+"""`solve_with_advice`: a solve that can say which squeeze would help; `solve_to_accuracy`: one as accurate as asked."""
 
 from __future__ import annotations
 

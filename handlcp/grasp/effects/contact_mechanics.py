@@ -159,7 +159,10 @@ class CoulombFriction(BasicLaw):
 
 
 class AnisotropicFriction(BasicLaw):
-    """Contacts whose law has two scales, such as `AnisotropicCoulomb`."""
+    """Contacts whose law has two scales, such as `AnisotropicCoulomb`.
+
+    A law needs no effect to be solved; this one is its row in `explain()`.
+    """
 
     title = "anisotropic friction"
     equation = "(r_x/μ_x)² + (r_y/μ_y)² ≤ r_N²,  v_T along minus its normal on the limit"

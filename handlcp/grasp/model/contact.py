@@ -172,7 +172,9 @@ MANY_CONTACTS = 10  # contacts from which on a solve by elimination is the faste
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """contacts (n,): of the fingers, then of the environment. positions (n, 3) [m]. frames (n, 3, 3): contact axes in
+    """Where contacts are, and what moves them.
+
+    contacts (n,): of the fingers, then of the environment. positions (n, 3) [m]. frames (n, 3, 3): contact axes in
     columns, world axes. plane (3,): unit normal of a planar scene; None: spatial. fingers: how many contacts, the first
     ones, are the fingers'; None: all. mechanism: what moves the fingers, if anything is known.
     """

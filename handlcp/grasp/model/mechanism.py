@@ -28,7 +28,7 @@ class Cables(NamedTuple):
     rest (nv,) : where these are at rest, from the grasp's posture [rad, m].
     pretension (t,) : T₀ in the grasp's posture before the hand closes [N]; inf where it is taut whatever comes, as a
         rod is.
-    limits (t,) : what they bear [N], inf where nothing is known.
+    limits (t,) : what tendons bear, or their motors hold for good where that is less [N]; inf where nothing is known.
     post_tendon (m,) : number of the tendon that wraps around a post; those of a tendon in the order from its drive on.
     wrap_friction (m,) : μθ, friction times the angle of the wrap [rad].
     posts (m, nv) : arms of the tendon at this post and beyond.
