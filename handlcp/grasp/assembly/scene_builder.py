@@ -45,13 +45,13 @@ def build_scene(spec: GraspSpec) -> Scene:
     if soft:
         _check_levers(spec, soft)
     E, d = _add_torsion(spec, soft)
-    held: Array | None = None
+    bias_torque: Array | None = None
     if spec.effects:
         E, d = _add_effect_flexibility(spec, soft, E), add_offset(spec.effects, spec, soft, d)
         torques = [torque for e in spec.effects if (torque := e.added_torque()) is not None]
-        held = sum(torques[1:], torques[0]) if torques else None
+        bias_torque = sum(torques[1:], torques[0]) if torques else None
     if spec.mechanism is not None and (springs := spec.mechanism.parallel_spring_torque()) is not None:
-        held = springs if held is None else held + springs
+        bias_torque = springs if bias_torque is None else bias_torque + springs
     frames = spec.frames
     if not planar and not plain and (scale := _law_scales(contacts, soft)) is not None:
         rows = scale[: 3 * len(contacts)].reshape(-1, 3)
@@ -76,7 +76,7 @@ def build_scene(spec: GraspSpec) -> Scene:
         given,
         scale,
         spec.mechanism,
-        held,
+        bias_torque,
     )
 
 
