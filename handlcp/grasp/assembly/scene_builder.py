@@ -33,15 +33,15 @@ def build_scene(spec: GraspSpec) -> Scene:
     scale: Array | None = None
     plain = all([c.plain for c in contacts])
     if plain:
-        tangents = tuple([0 if c.mu == 0.0 else 1 if planar else 2 for c in contacts])
+        tangent_count = tuple([0 if c.mu == 0.0 else 1 if planar else 2 for c in contacts])
     elif planar:
-        tangents = tuple([int(c.mu > 0.0) for c in contacts])
+        tangent_count = tuple([int(c.mu > 0.0) for c in contacts])
         mu = np.array([_planar_coefficient(c, R[:, 0]) for c, R in zip(contacts, spec.frames, strict=True)])
     else:
-        tangents = tuple([0 if c.mu == 0.0 else 3 if c.friction.lever > 0.0 else 2 for c in contacts])
+        tangent_count = tuple([0 if c.mu == 0.0 else 3 if c.friction.lever > 0.0 else 2 for c in contacts])
     if known:
-        tangents = tuple([t if free else 0 for t, free in zip(tangents, governed, strict=True)])
-    soft = tuple([i for i, t in enumerate(tangents) if t == 3]) if 3 in tangents else ()
+        tangent_count = tuple([t if free else 0 for t, free in zip(tangent_count, governed, strict=True)])
+    soft = tuple([i for i, t in enumerate(tangent_count) if t == 3]) if 3 in tangent_count else ()
     if soft:
         _check_levers(spec, soft)
     E, d = _add_torsion(spec, soft)
@@ -71,7 +71,7 @@ def build_scene(spec: GraspSpec) -> Scene:
         force,
         read_only(spec.wrench[3:] + cross_rows(spec.reference, force)),
         spec.plane,
-        cached_kind(governed, tangents, planar, bool(E.any())),
+        cached_kind(governed, tangent_count, planar, bool(E.any())),
         spec.fingers,
         given,
         scale,

@@ -142,7 +142,7 @@ class CoulombFriction(BasicLaw):
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """The tangential forces r_T, two a contact, one in a plane."""
-        return (Unknown("r_T", sum(scene.kind.tangents[i] for i in scene.rough), True, "force"),)
+        return (Unknown("r_T", sum(scene.kind.tangent_count[i] for i in scene.rough), True, "force"),)
 
     def stamp(self, scene: Scene, system: EquationSystem) -> None:
         """The initial tangential offsets."""

@@ -272,7 +272,7 @@ class Scene:
     @property
     def frictional(self) -> bool:
         """Whether any contact has friction."""
-        return any(self.kind.tangents)
+        return any(self.kind.tangent_count)
 
     @property
     def anisotropic(self) -> int:
@@ -284,7 +284,7 @@ class Scene:
         """(n,) radius of each contact's friction set per newton of normal force, or distance of its faces [-]."""
         if not self.soft:
             return self.mu * section.share
-        shares = [limit_set(section, t).share if t == 3 else section.share for t in self.kind.tangents]
+        shares = [limit_set(section, t).share if t == 3 else section.share for t in self.kind.tangent_count]
         return np.asarray(self.mu * np.array(shares))
 
     @property

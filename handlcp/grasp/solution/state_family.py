@@ -235,7 +235,7 @@ def _turns_force(kept: KeptStates, N: Array, i: int) -> bool:
 
 def _tangents(scene: Scene, i: int) -> list[int]:
     own: list[int] = scene.kind.contact_components[i, 1:].tolist()
-    return own[: scene.kind.tangents[i]]
+    return own[: scene.kind.tangent_count[i]]
 
 
 # ----------------------------------------------------------------
