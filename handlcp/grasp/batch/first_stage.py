@@ -19,10 +19,10 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solve.compiled_answer import NO_START, CompiledKind, get_compiled_kind
 from handlcp.grasp.solve.compiled_solve import (
     HEADER_SIZE,
+    MAYBE_FREE,
     NONE_HOLDS,
     OUTCOME,
     UNIQUE,
-    UNKNOWN,
     ScenePattern,
     solve_scenes,
     write_rows,
@@ -177,7 +177,7 @@ class FirstStageAnswers(NamedTuple):
     @property
     def is_certified(self) -> Bools:
         """(k,) whether the certifier calls it an answer, as `CompiledAnswer.passes`."""
-        return np.asarray(self.rows[:, OUTCOME] >= UNKNOWN)
+        return np.asarray(self.rows[:, OUTCOME] >= MAYBE_FREE)
 
     @property
     def is_unique(self) -> Bools:

@@ -221,8 +221,8 @@ class SceneKind:
     """What decides which unknowns a scene has, whatever its numbers.
 
     force_unknown : (n,) contacts whose force is not prescribed.
-    tangent_count : (n,) how many tangential forces a contact has, 0 without friction, 1 in a plane, 2, or 3 with the moment
-        of a soft finger; 0 where its force is prescribed.
+    tangent_count : (n,) how many tangential forces a contact has, 0 without friction, 1 in a plane, 2, or 3 with the
+        moment of a soft finger; 0 where its force is prescribed.
     planar, flexible : whether the scene lies in a plane, and whether any finger gives way.
 
     The index arrays below count the c = 3n + k force components: the contacts' x, y, z, then the moments of the k soft

@@ -18,10 +18,10 @@ from handlcp.grasp.solve.compiled_solve import (
     FIRST_RESIDUAL,
     HEADER_SIZE,
     KACZMARZ_STEPS,
+    MAYBE_FREE,
     NONE_HOLDS,
     OUTCOME,
     UNIQUE,
-    UNKNOWN,
     ScenePattern,
     row_width,
     solve_scenes,
@@ -125,7 +125,7 @@ class CompiledAnswer:
     @property
     def passes(self) -> bool:
         """Whether the certifier calls it an answer, as `Residuals.passes` says; no effect has a law of its own here."""
-        return self.row.item(OUTCOME) >= UNKNOWN
+        return self.row.item(OUTCOME) >= MAYBE_FREE
 
     @property
     def is_unique(self) -> bool:

@@ -30,8 +30,8 @@ def find_escape_twist(scene: Scene, section: Section) -> Array | None:
     None: some force in the friction pyramids balances the load, or no proof was found that none does.
     """
     t = np.zeros(scene.dof)
-    own, every = scene.kind.contact_components, scene.natural.full_G
-    found = find_escape(every, scene.natural.w, own, scene.friction_coefficients(section), section.faces, t)
+    own, full_G = scene.kind.contact_components, scene.natural.full_G
+    found = find_escape(full_G, scene.natural.w, own, scene.friction_coefficients(section), section.faces, t)
     if found == BALANCED:
         return None
     return escape_in_si(scene, t) if found == ESCAPES else _escape_vertex(scene, section)
