@@ -286,7 +286,7 @@ def _scene_with_same_answer(less: GraspSpec, solution: GraspSolution) -> Scene:
     scene = build_scene(less)
     answer = solution_candidate(scene, solution)
     r, u = answer.components.copy(), answer.twist
-    for own, free, t in zip(scene.kind.contact_components, scene.force_unknown, scene.kind.tangents, strict=True):
+    for own, free, t in zip(scene.kind.contact_components, scene.force_unknown, scene.kind.tangent_count, strict=True):
         if free and t == 0:  # it bears no friction
             r[own[0] - 2 : own[0]] = 0.0
     v = np.column_stack([solution.slip, solution.gap])[: scene.n].reshape(-1)

@@ -102,7 +102,7 @@ def edge_forces(scene: Scene, section: Section) -> tuple[Array, Array]:
     normal force of one; and their (dof, g) wrenches.
     """
     limits, parts = scene.friction_coefficients(section), []
-    for own, tangents, limit in zip(scene.kind.contact_components, scene.kind.tangents, limits, strict=True):
+    for own, tangents, limit in zip(scene.kind.contact_components, scene.kind.tangent_count, limits, strict=True):
         if own[0] < 0:
             continue
         edges = limit * limit_set(section, tangents).vertices if tangents else np.zeros((0, 1))
@@ -332,7 +332,7 @@ def friction_rows(
     """
     limits, flat, owners = scene.friction_coefficients(section), list[Array](), list[int]()
     balls: dict[int, tuple[list[Array], list[int]]] = {}
-    for i, (at, tangents) in enumerate(zip(own, scene.kind.tangents, strict=True)):
+    for i, (at, tangents) in enumerate(zip(own, scene.kind.tangent_count, strict=True)):
         if at[0] < 0:
             continue
         if tangents > 1 and isinstance(section, Cone):
