@@ -23,9 +23,10 @@ THE_SCENE = ("object balance", "unilateral contact", "Coulomb friction")  # brin
 TOP = """\
 # Effects
 
-What a grasp can be made of. Each effect is one file, with its equation on top; a scene without it has none of its
-unknowns and none of its rows. `grasp.explain()` says which of them a scene has and why, `handlcp effects` prints this
-list. The page is written by `python examples/effects_page.py`; a test keeps it true.
+What a grasp can be made of. The package's effects are in a few files, by what they act on; another may be a file of its
+own. A scene without an effect has none of its unknowns and none of its rows. `grasp.explain()` says which of them a
+scene has and why, `handlcp effects` prints this list. The page is written by `python examples/effects_page.py`; a test
+keeps it true.
 
 ## Which one?
 

@@ -28,40 +28,41 @@ class CableLayout(NamedTuple):
 
     arms (t, nv) : R, how fast each joint draws each cable in [m/rad, m/m].
     shift (t,) : l - R q, with l drawn in by the joints since their posture zero [m].
-    post_tendon (m,), wrap_friction (m,), posts (m, nv), moment_arm_stiffness, wrap_sides (b, 3) : as `Cables` has them.
+    post_tendon (m,), wrap_friction (m,), arms_beyond (m, nv), moment_arm_stiffness, wrap_sides (b, 3) : as `Cables` has
+        them.
     """
 
     arms: Array
     shift: Array
     post_tendon: Ints
     wrap_friction: Array
-    posts: Array
+    arms_beyond: Array
     moment_arm_stiffness: Callable[[Array], Array] | None
     wrap_sides: Array = NO_WRAP_SIDES
 
 
 class _Posts(NamedTuple):
-    """m posts, those of a tendon in their order. post_tendon (m,), wrap_friction (m,), arms (m, nv) : as `posts`, as
-    `Cables` has them, of routes μ and 0. legs (m,) : number of the leg that goes round it, among those of all routes;
-    -1: of a tendon without.
+    """m posts, those of a tendon in their order. post_tendon (m,), arms_beyond (m, nv) : as `Cables` has them, 0 of
+    routes. friction (m,) : μθ; of a route μ. legs (m,) : number of the leg that goes round it, among those of all
+    routes; -1: of a tendon without.
     """
 
     post_tendon: Ints
-    wrap_friction: Array
-    arms: Array
+    friction: Array
+    arms_beyond: Array
     legs: Ints
 
 
 @dataclass(frozen=True, eq=False)
 class CableRouting:
     """Of t tendons over nv joints. arms (t, nv) : as they were given, 0 of those with routes. order : of each tendon,
-    the joints in the order in which it passes them. wrap_friction : μθ of each of these by joint (nv,); μ of a route.
-    routes : by number of the tendon.
+    the joints in the order in which it passes them. friction : μθ at each joint (nv,); of a route μ, which `lay_out`
+    multiplies by its wrap angle. routes : by number of the tendon.
     """
 
     arms: Array
     order: list[list[int]]
-    wrap_friction: list[Array | float]
+    friction: list[Array | float]
     routes: dict[int, Route]
 
     @cached_property
@@ -71,14 +72,14 @@ class CableRouting:
         """
         nv, none, leg = self.arms.shape[1], np.zeros(self.arms.shape[1]), 0
         posts = list[tuple[int, float, Array, int]]()
-        for i, (order, grips) in enumerate(zip(self.order, self.wrap_friction, strict=True)):
+        for i, (order, friction) in enumerate(zip(self.order, self.friction, strict=True)):
             if i in self.routes:
-                legs, most = self.routes[i].legs, float(np.max(grips))
+                legs, most = self.routes[i].legs, float(np.max(friction))
                 around = [leg + k for k, one in enumerate(legs) if one.body is not None and most > 0.0]
                 posts += [(i, most, none, k) for k in around]
                 leg += len(legs)
             else:
-                posts += _joint_posts(i, self.arms[i], order, np.asarray(grips))
+                posts += _joint_posts(i, self.arms[i], order, np.asarray(friction))
         return _Posts(
             np.array([p[0] for p in posts], dtype=np.int64),
             read_only(np.array([p[1] for p in posts])),
@@ -100,22 +101,27 @@ class CableRouting:
         posts = self.posts
         if bound is None:
             return CableLayout(
-                self.arms, read_only(np.zeros(len(self.arms))), posts.post_tendon, posts.wrap_friction, posts.arms, None
+                self.arms,
+                read_only(np.zeros(len(self.arms))),
+                posts.post_tendon,
+                posts.friction,
+                posts.arms_beyond,
+                None,
             )
         routed = self._routed_tendons
         strung, posed = bound.evaluate(q)
         R, shift = self.arms.copy(), np.zeros(len(self.arms))
         R[routed], shift[routed] = strung.arms, -strung.lengths - strung.arms @ q
-        grips, rows = posts.wrap_friction, posts.arms
-        if len(grips):
+        friction, arms_beyond = posts.friction, posts.arms_beyond
+        if len(friction):
             on, legs = posts.legs >= 0, posts.legs
-            grips = read_only(np.where(on, grips * strung.wrap_angles[legs], grips))
-            rows = read_only(np.where(on[:, None], strung.arms_beyond[legs], rows))
+            friction = read_only(np.where(on, friction * strung.wrap_angles[legs], friction))
+            arms_beyond = read_only(np.where(on[:, None], strung.arms_beyond[legs], arms_beyond))
         turning, sides = (
             partial(bound.moment_arm_stiffness, posed, routed),
             read_only(strung.wrap_sides[self._wrapping_legs]),
         )
-        return CableLayout(read_only(R), read_only(shift), posts.post_tendon, grips, rows, turning, sides)
+        return CableLayout(read_only(R), read_only(shift), posts.post_tendon, friction, arms_beyond, turning, sides)
 
     def describe_bodies(self, names: Sequence[str]) -> tuple[str, ...]:
         """Round bodies that routes pass, in words; names (t,)."""
@@ -140,13 +146,13 @@ class CableRouting:
         return np.array([*self.routes], dtype=np.int64)
 
 
-def _joint_posts(tendon: int, arms: Array, order: list[int], grips: Array) -> list[tuple[int, float, Array, int]]:
+def _joint_posts(tendon: int, arms: Array, order: list[int], friction: Array) -> list[tuple[int, float, Array, int]]:
     """One post for each joint that has friction; beyond it the tendon moves the joints that it passes from there on."""
     every = np.arange(len(arms))
     return [
-        (tendon, float(grips[j]), np.where(np.isin(every, order[k:]), arms, 0.0), -1)
+        (tendon, float(friction[j]), np.where(np.isin(every, order[k:]), arms, 0.0), -1)
         for k, j in enumerate(order)
-        if grips[j] > 0.0
+        if friction[j] > 0.0
     ]
 
 
@@ -170,16 +176,18 @@ def read_cable_routing(
         matrix = check_array(_FRICTION_ARGUMENT, friction, R.shape, what="μθ ≥ 0, one row for each tendon,")
         rows = [dict(zip(joints, row.tolist(), strict=True)) for row in matrix]
     every = isinstance(friction, Mapping)
-    grips = [
+    own_friction = [
         _read_tendon_friction(
             f"{_FRICTION_ARGUMENT}[{name!r}]" if every else _FRICTION_ARGUMENT, row, joints, i in routes
         )
         for i, (name, row) in enumerate(zip(names, rows, strict=True))
     ]
     for i, route in routes.items():
-        if np.max(grips[i]) > 0.0 and any(isinstance(place, Pulley) for place in route.places[1:]):
-            raise InputError(_FRICTION_ARGUMENT, f"0 for {names[i]!r}, which a pulley divides", f"{np.max(grips[i]):g}")
-    return CableRouting(R, order, grips, routes)
+        if np.max(own_friction[i]) > 0.0 and any(isinstance(place, Pulley) for place in route.places[1:]):
+            raise InputError(
+                _FRICTION_ARGUMENT, f"0 for {names[i]!r}, which a pulley divides", f"{np.max(own_friction[i]):g}"
+            )
+    return CableRouting(R, order, own_friction, routes)
 
 
 def _read_tendon_friction(argument: str, value: Any, joints: Sequence[str], routed: bool) -> Array | float:

@@ -44,7 +44,9 @@ TENDON_TENSION = "tendon tension"  # the kind of effort of a tendon
 class Effort(Record):
     """What the actuators behind a transmission do, one by one.
 
-    kind : "tendon tension" or "actuator force". names : of the tendons or synergies. values : as many, in `unit`.
+    kind : "tendon tension" or "actuator force". names : of the tendons or synergies.
+    values : as many, in `unit`; of tendons how much harder they pull than their pretension, or the whole tension where
+        a loading was followed.
     limits : what tendons bear, or their motors hold for good where that is less [N]; inf where there is no limit.
     used : the share of it that the whole tension is, pretension included; 0 of a slack tendon and without a limit.
     """
@@ -143,7 +145,9 @@ class Elasticity:
 
     @property
     def springs_with_rest(self) -> Array:
-        """(nv,) k of springs at joints beside their drives, that have a rest angle of their own [N·m/rad]; 0: none."""
+        """(nv,) k of springs with a rest angle of their own, only those at joints that servos turn alone [N·m/rad]; 0:
+        none.
+        """
         return np.zeros(len(self.compliance_factor))
 
     def parallel_spring_torque(self, q: Array) -> Array | None:
@@ -175,6 +179,11 @@ class Elasticity:
     def law(self) -> tuple[str, str]:
         """Equation and words for `explain()`; no words where each joint has its own spring."""
         return "K = K_p + Rᵀ k R  or  K⁻¹ = K_q⁻¹ + S K_z⁻¹ Sᵀ", ""
+
+    @property
+    def is_transmission(self) -> bool:
+        """Whether actuators behind it move joints together; no: each joint has its own spring."""
+        return bool(self.law[1])
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Arrays stay read-only when pickled."""
@@ -350,7 +359,7 @@ def with_motor_stiffness(elasticity: Elasticity, own: Mapping[str, float], joint
     if isinstance(elasticity, JointStiffness):
         K = elasticity.stiffness_matrix.copy()
         coupled = np.count_nonzero(K, axis=1) > 1
-        if not coupled[at].any() and not elasticity.law[1]:
+        if not coupled[at].any() and not elasticity.is_transmission:
             K[at, at] = list(own.values())
             return JointStiffness(K)
     expected = "None of a motor whose joint shares springs with others (joint_stiffness says how stiff these are)"

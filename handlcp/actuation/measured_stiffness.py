@@ -83,18 +83,18 @@ def stiffness_from(angle: Any, torque: Any) -> MeasuredStiffness:
     Raises InputError for fewer than 3 readings, different lengths, readings or loads that are all the same, and a
     stiffness that is not positive. Source: Draper & Smith, Applied Regression Analysis (1998), sections 1, 12 and 14.
     """
-    read, load = (check_array(name, x, (-1,)) for name, x in (("angle", angle), ("torque", torque)))
-    if len(read) != len(load):
-        raise InputError("torque", f"a load for each of {len(read)} readings", f"{len(load)} of them")
-    for name, x in (("angle", read), ("torque", load)):
+    angles, loads = (check_array(name, x, (-1,)) for name, x in (("angle", angle), ("torque", torque)))
+    if len(angles) != len(loads):
+        raise InputError("torque", f"a load for each of {len(angles)} readings", f"{len(loads)} of them")
+    for name, x in (("angle", angles), ("torque", loads)):
         if len(x) < _MIN_READINGS:
             raise InputError(name, f"at least {_MIN_READINGS} readings", f"{len(x)}")
         if np.ptp(x) <= _EQUAL_READING_TOLERANCE * abs(x).max():
             raise InputError(name, "readings that differ", f"{len(x)} times {x[0]:g}")
-    middle, size = read.mean(), float(np.ptp(read))
-    x, way = (read - middle) / size, _loading_directions(read)
-    line = _fit_columns(load, x**0, x)
-    both = None if way is None else _fit_columns(load, x**0, x, way)
+    middle, size = angles.mean(), float(np.ptp(angles))
+    x, way = (angles - middle) / size, _loading_directions(angles)
+    line = _fit_columns(loads, x**0, x)
+    both = None if way is None else _fit_columns(loads, x**0, x, way)
     fit = both or line
     assert fit is not None  # readings differ, and are three at least
     at_middle, rise = fit.values[:2].tolist()  # rise : K times the range of the angle
@@ -104,7 +104,7 @@ def stiffness_from(angle: Any, torque: Any) -> MeasuredStiffness:
     parts = [np.sqrt(fit.covariance[1, 1])]
     if both is not None and way is not None:
         parts.append(both.values[2])
-        slopes = _fit_columns(load, x**0, x, way, way * x)
+        slopes = _fit_columns(loads, x**0, x, way, way * x)
         parts.append(0.0 if slopes is None else slopes.beyond_scatter(3))
     slant = np.array([-1.0, at_middle / rise]) / rise  # d(rest) / d(at_middle, rise), in ranges of the angle
     error = size * float(np.sqrt(slant @ fit.covariance[:2, :2] @ slant))
@@ -113,16 +113,16 @@ def stiffness_from(angle: Any, torque: Any) -> MeasuredStiffness:
         way = None
     else:
         friction = max(0.0, float(both.values[2]))
-    rest, bent = float(middle - size * at_middle / rise), _find_bend(load, x, way, fit, size)
-    return MeasuredStiffness(rise / size, spread, friction, rest, error, len(read), bent)
+    rest, bent = float(middle - size * at_middle / rise), _find_bend(loads, x, way, fit, size)
+    return MeasuredStiffness(rise / size, spread, friction, rest, error, len(angles), bent)
 
 
-def _loading_directions(read: Array) -> Array | None:
+def _loading_directions(angles: Array) -> Array | None:
     """(m,) +1 of readings that were come to upwards, -1 downwards; None where fewer than two are of either kind. The
     first one, and one at the angle of that before it, belong to the way on from there.
     """
-    moves = np.diff(read)
-    moves[abs(moves) <= _EQUAL_READING_TOLERANCE * abs(read).max()] = 0.0
+    moves = np.diff(angles)
+    moves[abs(moves) <= _EQUAL_READING_TOLERANCE * abs(angles).max()] = 0.0
     way = np.sign(np.append(moves[0], moves))
     for k in reversed(range(len(way) - 1)):
         way[k] = way[k] or way[k + 1]
@@ -146,23 +146,23 @@ class _LeastSquaresFit(NamedTuple):
         return float(np.sqrt(max(0.0, self.values[k] ** 2 - self.covariance[k, k])))
 
 
-def _fit_columns(load: Array, *columns: Array) -> _LeastSquaresFit | None:
+def _fit_columns(loads: Array, *columns: Array) -> _LeastSquaresFit | None:
     """Loads (m,) as a sum of columns (m,); None where readings cannot tell these apart, or leave no scatter."""
-    A, free = np.column_stack(columns), len(load) - len(columns)
-    values, _, rank, _ = np.linalg.lstsq(A, load)
+    A, free = np.column_stack(columns), len(loads) - len(columns)
+    values, _, rank, _ = np.linalg.lstsq(A, loads)
     if free < 1 or rank < len(columns):
         return None
-    left = float(np.sum((load - A @ values) ** 2))
+    left = float(np.sum((loads - A @ values) ** 2))
     return _LeastSquaresFit(np.asarray(values), np.asarray(left / free * np.linalg.inv(A.T @ A)), left, free)
 
 
 def _find_bend(
-    load: Array, x: Array, way: Array | None, line: _LeastSquaresFit, size: float
+    loads: Array, x: Array, way: Array | None, line: _LeastSquaresFit, size: float
 ) -> tuple[float, float] | None:
     """Least and largest stiffness of the curve that fits better than the line; None where the line does as well."""
     degree = min(3, len(np.unique(x)) - 1, line.degrees_of_freedom)
     powers = [x**k for k in range(2, degree + 1)]
-    curve = _fit_columns(load, x**0, x, *([] if way is None else [way]), *powers)
+    curve = _fit_columns(loads, x**0, x, *([] if way is None else [way]), *powers)
     if not powers or curve is None:
         return None
     better = (

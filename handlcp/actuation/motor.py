@@ -112,7 +112,7 @@ class Motor:
 
     @property
     def gives(self) -> float:
-        """[N·m] That the joint holds for a moment."""
+        """[N·m] The largest torque at the joint that is held for a moment, friction and gear included."""
         return max(self.at_peak + self.friction, self.holding or 0.0)
 
     @property
@@ -121,7 +121,7 @@ class Motor:
         return HOLDING if self.holding is not None else CONTINUOUS
 
     def share(self, torque: float) -> float:
-        """The share of its lasting torque that the motor gives, for a torque at the joint [N·m].
+        """The share of its continuous torque `for_good` that the motor gives, for a torque at the joint [N·m].
 
         It is 0 where friction or the gear carries all of it.
         """

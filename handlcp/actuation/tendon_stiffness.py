@@ -33,7 +33,8 @@ class TendonModel:
 
     names (t,), joints (nv,) : of the tendons and of the joints.
     springs (t, t), passive (nv, nv) : stiffness of the tendons and of the joints beside them, inf of rigid joints.
-    pretension, limits (t,) : tensions [N].
+    pretension (t,) : tensions before the hand closes [N].
+    strength (t,) : tensions that tendons bear, whatever their motors hold [N].
     routing : where the tendons run.
     drives : their motors.
     is_from_file : whether a file says all of it.
@@ -44,17 +45,23 @@ class TendonModel:
     springs: Array
     passive: Array
     pretension: Array
-    limits: Array
+    strength: Array
     routing: CableRouting
     drives: Drives | None
     is_from_file: bool = False
 
-    def stiffness_at(
-        self, kind: type[TendonStiffnessT], bound: BoundRoutes | None, q: Array, way: CablesAtPosture | None
+    def elasticity_at(
+        self,
+        kind: type[TendonStiffnessT],
+        bound_routes: BoundRoutes | None,
+        q: Array,
+        cables_at: CablesAtPosture | None,
     ) -> TendonStiffnessT:
-        """Of this kind, in a posture q (nv,)."""
-        laid = self.routing.lay_out(bound, q)
-        cables = self._posture_cables(laid, way)
+        """The elasticity of the joints with the tendons in a posture q (nv,), of this kind; bound_routes : the tendons'
+        routes on the links of the hand, None without. cables_at : `elasticity_at` of its `Cables`.
+        """
+        laid = self.routing.lay_out(bound_routes, q)
+        cables = self._posture_cables(laid, cables_at)
         through = cables.arms.T @ self.springs @ cables.arms  # no load reaches the tendons through a rigid joint
         K = self.passive + (through + through.T) / 2
         if not self._min_passive_stiffness > SEMIDEFINITE_TOLERANCE * float(
@@ -62,7 +69,7 @@ class TendonModel:
         ):  # no less than its largest eigenvalue
             check_no_loose_motion(K, ~self._is_elastic, self.joints)
         made = kind(K, laid.arms, cables, self._compliance_root(K))
-        return made if self.drives is None else made.with_motors(self.drives, self.limits)
+        return made if self.drives is None else made.with_motors(self.drives, self.strength)
 
     def _compliance_root(self, K: Array) -> Array | None:
         """(nv, nv) as of `JointStiffness`; None: not known."""
@@ -96,7 +103,7 @@ class TendonModel:
         """What of them is the same in every posture."""
         none, posts = np.zeros(len(self.joints)), self.routing.posts
         own = read_only(np.where(np.isinf(self.passive), 0.0, self.passive))
-        most, arms = tension_limits(self.drives, self.limits), self.routing.arms
+        most, arms = tension_limits(self.drives, self.strength), self.routing.arms
         return Cables(
             self.names,
             arms,
@@ -106,26 +113,26 @@ class TendonModel:
             self.pretension,
             most,
             posts.post_tendon,
-            posts.wrap_friction,
-            posts.arms,
+            posts.friction,
+            posts.arms_beyond,
             none,
             wrapped_bodies=self.routing.describe_bodies(self.names),
         )
 
-    def _posture_cables(self, laid: CableLayout, way: CablesAtPosture | None) -> Cables:
+    def _posture_cables(self, laid: CableLayout, cables_at: CablesAtPosture | None) -> Cables:
         """As a path needs them."""
-        arms, posts = laid.arms, laid.posts
+        arms, arms_beyond = laid.arms, laid.arms_beyond
         if not self._are_all_elastic:
-            arms, posts = (read_only(np.where(self._is_elastic, rows, 0.0)) for rows in (arms, posts))
+            arms, arms_beyond = (read_only(np.where(self._is_elastic, rows, 0.0)) for rows in (arms, arms_beyond))
         turning = laid.moment_arm_stiffness
         if turning is not None and not self._are_all_elastic:
             turning = partial(self._mask_rigid_joints, turning)
         return self._common_cables._replace(
             arms=arms,
             wrap_friction=laid.wrap_friction,
-            posts=posts,
+            arms_beyond=arms_beyond,
             shift=laid.shift,
-            elasticity_at=way,
+            elasticity_at=cables_at,
             moment_arm_stiffness=turning,
             wrap_sides=laid.wrap_sides,
         )
@@ -146,13 +153,13 @@ class TendonStiffness(JointStiffness):
         super().__init__(matrix, root=root)
         self.arms, self.cables, self.strength = arms, cables, cables.limits
 
-    def with_motors(self, drives: Drives | None, bears: Array) -> Self:
-        """The same with these motors, of tendons that bear so much, (t,) [N]."""
+    def with_motors(self, drives: Drives | None, strength: Array) -> Self:
+        """The same with these motors, of tendons that bear so much, strength (t,) [N]."""
         made = copy(self)
         made.drives, made.strength, made.cables = (
             drives,
-            bears,
-            self.cables._replace(limits=tension_limits(drives, bears)),
+            strength,
+            self.cables._replace(limits=tension_limits(drives, strength)),
         )
         return made
 
@@ -259,7 +266,7 @@ class RoutedStiffness(TendonStiffness):
     @classmethod
     def from_model(cls, made: TendonModel, kinematics: Any, q: Array) -> RoutedStiffness:
         """On the links of a hand, at q (nv,). Raises InputError, UnknownName."""
-        return TendonPostureCache(made, kinematics).stiffness_at(q)
+        return TendonPostureCache(made, kinematics).elasticity_at(q)
 
     @property
     def routes(self) -> dict[str, Route]:
@@ -274,7 +281,7 @@ class RoutedStiffness(TendonStiffness):
     def in_posture(self, kinematics: Any, q: Array) -> RoutedStiffness:
         """In another posture, of a hand with these kinematics."""
         return (
-            self._cache.stiffness_at(q)
+            self._cache.elasticity_at(q)
             if kinematics is self._cache.kinematics
             else self.from_model(self._model, kinematics, q)
         )
@@ -291,22 +298,22 @@ class TendonPostureCache:
 
     def __init__(self, made: TendonModel, kinematics: Any) -> None:
         self.model, self.kinematics = made, kinematics
-        self._bound = made.routing.bind_routes(kinematics, made.names)
+        self._bound_routes = made.routing.bind_routes(kinematics, made.names)
         self._lately = dict[bytes, RoutedStiffness]()
 
-    def stiffness_at(self, q: Array) -> RoutedStiffness:
+    def elasticity_at(self, q: Array) -> RoutedStiffness:
         """With joints at q (nv,). Raises InputError."""
         key = q.tobytes()
         if (found := self._lately.get(key)) is None:
             if len(self._lately) >= _MAX_CACHED_POSTURES:
                 self._lately.clear()
-            found = self._lately[key] = self.model.stiffness_at(RoutedStiffness, self._bound, q, self.cables_at)
+            found = self._lately[key] = self.model.elasticity_at(RoutedStiffness, self._bound_routes, q, self.cables_at)
             found._model, found._cache, found._q = self.model, self, q
         return found
 
     def cables_at(self, q: Array) -> tuple[Cables, Array]:
         """As `Cables` asks for it."""
-        there = self.stiffness_at(q)
+        there = self.elasticity_at(q)
         return there.cables, there.compliance_factor
 
     def __getstate__(self) -> dict[str, Any]:
@@ -314,9 +321,9 @@ class TendonPostureCache:
         return {**self.__dict__, "_lately": {}}
 
 
-def tension_limits(drives: Drives | None, bears: Array) -> Array:
-    """(t,) what tendons that bear so much (t,) hold for good with these motors [N]."""
-    return bears if drives is None else read_only(np.minimum(bears, drives.holding_limits(bears)))
+def tension_limits(drives: Drives | None, strength: Array) -> Array:
+    """(t,) what tendons that bear so much, strength (t,), hold for good with these motors [N]."""
+    return strength if drives is None else read_only(np.minimum(strength, drives.holding_limits(strength)))
 
 
 def check_no_loose_motion(K: Array, rigid: Bools, joints: Sequence[str]) -> None:

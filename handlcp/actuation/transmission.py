@@ -164,7 +164,7 @@ class Tendons(Transmission):
         begun, most = self._read_forces(names)
         made = TendonModel(names, joints, k, own, begun, most, lays, read_tendon_motors(self.motors, names, begun))
         if not routed:
-            return made.stiffness_at(TendonStiffness, None, np.zeros(len(joints)), None)
+            return made.elasticity_at(TendonStiffness, None, np.zeros(len(joints)), None)
         if kinematics is None:
             raise Unsupported("tendons with routes need a hand, whose links they pass")
         return RoutedStiffness.from_model(made, kinematics, kinematics.neutral)

@@ -340,9 +340,9 @@ class Grasp(GraspQuestions):
         planar scene is exact and ignores them. "cone": the exact cone, whose size doesn't depend on any faces.
         Raises InputError for anything else.
         """
-        from handlcp.grasp.assembly.problem import assemble, stamped_effects
+        from handlcp.grasp.assembly.problem import asked_effects_with_rows, assemble
 
-        problem = assemble(self.scene, self._section(faces), stamped_effects(self.spec.effects))
+        problem = assemble(self.scene, self._section(faces), asked_effects_with_rows(self.spec.effects))
         problem.complete()
         return problem
 
@@ -362,13 +362,13 @@ class Grasp(GraspQuestions):
 
     def plan(self, faces: int | str | Pyramid = "cone", chain: Auto | None = None) -> tuple[str, ...]:
         """The stages that `solve` would run, in order, until one answer is certified; see `Auto.plan`."""
-        from handlcp.grasp.assembly.problem import GraspContactProblem, stamped_effects
+        from handlcp.grasp.assembly.problem import GraspContactProblem, asked_effects_with_rows
         from handlcp.lcp import Auto
 
         if not (chain is None or isinstance(chain, Auto)):
             raise InputError("chain", "an Auto, or None", shorten_repr(chain))
         return (chain or Auto()).plan(
-            GraspContactProblem(self.scene, self._section(faces), stamped_effects(self.spec.effects))
+            GraspContactProblem(self.scene, self._section(faces), asked_effects_with_rows(self.spec.effects))
         )
 
     def solve(
@@ -381,8 +381,8 @@ class Grasp(GraspQuestions):
         of the largest; on the exact cone alone. The solution's `accuracy` says what error it estimates.
         start : the solution of a nearby grasp of as many contacts; from there it takes one or two Newton steps. Where
         friction allows several equilibria, it also says which one to look for.
-        proof : where none is found, whether to prove that there is none; False: no search for NO_EQUILIBRIUM; in
-        bounded time the status is SOLVED, NOT_HOLDABLE or UNDECIDED.
+        proof : where none is found, whether to prove that there is none; False: the first stage and the escape
+        proof alone, in bounded time; UNDECIDED may then be an answer that later stages find.
         Raises NoSolutionFound (with problem and solution) unless SOLVED, or returns what came when `throw` is False;
         InputError for bad arguments, faces and accuracy both among them.
         """
@@ -401,9 +401,9 @@ class Grasp(GraspQuestions):
         reached = solution.accuracy
         if not throw or (solution.held and (reached is None or reached.met)):
             return solution
-        from handlcp.grasp.assembly.problem import assemble, stamped_effects
+        from handlcp.grasp.assembly.problem import asked_effects_with_rows, assemble
 
-        raise no_solution(assemble(self.scene, section, stamped_effects(self.spec.effects)), solution)
+        raise no_solution(assemble(self.scene, section, asked_effects_with_rows(self.spec.effects)), solution)
 
     def replace(
         self, *, wrench: Any = None, flexibility: Any = None, offset: Any = None, preload: Any = None,
@@ -426,4 +426,4 @@ class Grasp(GraspQuestions):
         more = (", planar" if s.kind.planar else "") + (
             f", {s.environment} of the environment" if s.environment else ""
         )
-        return f"{type(self).__name__}({s.n} contacts, {sum(t > 0 for t in s.kind.tangents)} with friction{more})"
+        return f"{type(self).__name__}({s.n} contacts, {sum(t > 0 for t in s.kind.tangent_count)} with friction{more})"

@@ -124,7 +124,7 @@ def bending_rates(hand: HandModel, q: Array, obj: Object) -> Array:
         if abs(nears) < _MIN_APPROACH_SHARE * float(np.linalg.norm(J[:, bends], axis=0).sum()):
             nears = float((hand.upper[bends] - q[bends] - q[bends] + hand.lower[bends]) @ signs)
         speed[bends] = signs * (1.0 if nears >= 0.0 else -1.0)
-    if hand.stiffness.law[1]:  # a transmission moves its joints together
+    if hand.stiffness.is_transmission:  # it moves its joints together
         commands = hand.stiffness.command_directions
         speed = commands @ (commands.T @ speed)
     return speed

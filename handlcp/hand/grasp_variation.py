@@ -192,7 +192,7 @@ class GraspVariation:
     @property
     def has_joint_springs(self) -> bool:
         """Whether each joint has a spring that can change on its own: a transmission has none."""
-        return not self.mechanism.posture.hand.stiffness.law[1]
+        return not self.mechanism.posture.hand.stiffness.is_transmission
 
     def with_torque_limits(self, spec: GraspSpec, limits: Array) -> GraspSpec:
         """The same grasp with other torque limits (nv,) [N·m], inf for none; all count as known."""

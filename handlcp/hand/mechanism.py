@@ -3,7 +3,7 @@
     E = J K⁻¹ Jᵀ + pads,    τ = Jᵀ f + Tᵀ m + g + p
 
 p holds springs beside the drives (`robot/servo_stiffness.py`). m are the moments about the normals of soft contacts,
-T how fast the joints turn their fingertips about them. Source: the package's README, "The model and its symbols".
+T how fast the joints turn their fingertips about them. Source: docs/theory/model.md.
 """
 
 from __future__ import annotations

@@ -318,7 +318,7 @@ class GraspStream:
         solve_scenes(self._scene, self._kind.pattern, self._start, self._seed, rows)
         found = CompiledAnswer(self._kind, rows[0])
         passes = found.passes
-        self._start = found.start if passes else self._anew
+        self._start = found.next_start if passes else self._anew
         torques = None
         if self._hand is not None:
             torques = found.components @ self._hand.mechanism.jacobian

@@ -255,7 +255,9 @@ def propose_in_limit_units(solver: ContactSolver, problem: ContactProblem, start
 
 
 def as_chain(solver: object) -> Auto | None:
-    """The chain that this stands for, the default where it is None; None for a single method."""
+    """The chain that this stands for: an `Auto`, stages in order, and the default one where `solver` is None; None for
+    a single method.
+    """
     return _DEFAULT_CHAIN if solver is None else solver if isinstance(solver, Auto) else None
 
 

@@ -260,7 +260,7 @@ def _candidate_row(c: FingertipCandidate, taken: bool) -> TipRow:
 
 def _joint_springs(stiffness: Elasticity, joints: Sequence[str]) -> dict[str, float]:
     """The joints' own springs [N·m/rad]; none behind a transmission."""
-    if stiffness.law[1]:
+    if stiffness.is_transmission:
         return {}
     return dict(zip(joints, np.diagonal(stiffness.stiffness_matrix).tolist(), strict=True))
 

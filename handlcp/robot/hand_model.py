@@ -184,7 +184,7 @@ class HandModel:
         from handlcp.robot.joint_audit import tendon_doubts
 
         servos = self.stiffness if isinstance(self.stiffness, ServoStiffness) else None
-        pull = bool(self.stiffness.law[1])  # tendons, as they do
+        pull = self.stiffness.is_transmission  # tendons, as they do
         settled = {"route": pull, "tendon": pull or (servos is not None and not servos.widened)}
         own = *tip_doubts(self), *tendon_doubts(self)
         every = (*description_doubts(self.description, self.torques.given, self.kinematics), *own)

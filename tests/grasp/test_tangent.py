@@ -92,7 +92,7 @@ def test_each_contact_state_has_its_equations(name, seed):
     A, B = active_rows(laws, states)
     inverse, regular = solve_inverse(A, B, 1e-10)
     b, more = rng.normal(size=len(A)), rng.normal(size=4)
-    expected = reference(names, parts, b, more, laws.softness)
+    expected = reference(names, parts, b, more, laws.stiffness_unit)
     assert regular
     np.testing.assert_allclose(inverse @ np.append(b, more), expected, atol=1e-9 * abs(expected).max())
     again, free = least_norm_solutions(A, (B @ np.append(b, more))[:, None], 1e-10)

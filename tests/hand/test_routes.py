@@ -424,7 +424,7 @@ def test_posts_are_the_round_bodies_in_their_order_whether_touched_or_not():
     for q in random_postures(hand, 5):
         cables = hand.posed(q).stiffness.cables
         assert cables.post_tendon.tolist() == [0, 1, 2]
-        for bound, grip, row in zip(alone(hand), cables.wrap_friction, cables.posts, strict=True):
+        for bound, grip, row in zip(alone(hand), cables.wrap_friction, cables.arms_beyond, strict=True):
             path = bound.at(q)
             assert grip == pytest.approx(0.2 * path.angles[0], abs=1e-16)
             if grip:

@@ -12,7 +12,7 @@ from handlcp.grasp.analysis.explanation import (
     EffectDescription,
     describe_effect,
 )
-from handlcp.grasp.assembly.problem import stamped_effects
+from handlcp.grasp.assembly.problem import asked_effects_with_rows
 from handlcp.grasp.assembly.scene_builder import add_flexibility
 from tests.support.grasp import arrays
 
@@ -56,7 +56,7 @@ def has_an_equation_of_its_own(kind):
 
 def stamps(*asked):
     """Those of these effects that have rows of their own."""
-    return stamped_effects(asked)
+    return asked_effects_with_rows(asked)
 
 
 def softened(grasp, flexibility, positions=None):

@@ -13,7 +13,7 @@ import handlcp as hl
 from handlcp.contact.friction import as_section, limit_set
 from handlcp.grasp.analysis import required_value as _required
 from handlcp.grasp.analysis.solve_to_accuracy import force_error
-from handlcp.grasp.assembly.problem import GraspContactProblem, SolverCandidate, assemble, stamped_effects
+from handlcp.grasp.assembly.problem import GraspContactProblem, SolverCandidate, asked_effects_with_rows, assemble
 from handlcp.grasp.batch.first_stage import scene_rows
 from handlcp.grasp.derivatives.parameter.friction import with_friction as _with_friction
 from handlcp.grasp.model import validate as _validate
@@ -106,13 +106,13 @@ def section_of(grasp, faces):
 def contact_problem(grasp, faces="cone", asked=None):
     """The problem with friction as a set, with the effects asked for in place of the grasp's own where given."""
     return GraspContactProblem(
-        grasp.scene, section_of(grasp, faces), stamped_effects(tuple(grasp.effects if asked is None else asked))
+        grasp.scene, section_of(grasp, faces), asked_effects_with_rows(tuple(grasp.effects if asked is None else asked))
     )
 
 
 def plain_problem(grasp, faces):
     """The problem as `grasp.problem` gives it, before anything is computed that can wait."""
-    return assemble(grasp.scene, section_of(grasp, faces), stamped_effects(grasp.effects))
+    return assemble(grasp.scene, section_of(grasp, faces), asked_effects_with_rows(grasp.effects))
 
 
 def limit_surface(pyramid):

@@ -1,6 +1,7 @@
-"""Friction laws, one a file, and the sections (cone, pyramid, interval) in which a solver takes them.
+"""Friction laws, and the sections (cone, pyramid, interval) in which a solver takes them.
 
-A law is found by its class: the files of this folder are imported, whatever their names. Adding a law is adding a file.
+The package's laws are in `law.py`; another may be a file of its own. A law is found by its class: the files of this
+folder are imported, whatever their names. Adding a law is adding a file.
 """
 
 from importlib import import_module

@@ -144,12 +144,12 @@ class LimitSet:
 
 
 @lru_cache(maxsize=64)
-def limit_set(section: Section, tangents: int) -> LimitSet:
+def limit_set(section: Section, tangent_count: int) -> LimitSet:
     """Of contacts with so many tangents; an interval has one."""
-    if tangents == 1 or isinstance(section, Interval):
+    if tangent_count == 1 or isinstance(section, Interval):
         ends = read_only(np.array([[1.0, -1.0]]))
         return LimitSet(ends, ends, 1.0)
-    if tangents == 2:
+    if tangent_count == 2:
         polygon = _CIRCUMSCRIBED_DISC if isinstance(section, Cone) else section
         return LimitSet(polygon.normals, polygon.edges, polygon.share)
     normals, vertices = _polyhedron(section.faces or _BALL_MERIDIANS)

@@ -18,7 +18,12 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, check_method_calls
 from handlcp.contact.friction import Section
-from handlcp.grasp.assembly.problem import GraspContactProblem, SolverCandidate, solution_candidate, stamped_effects
+from handlcp.grasp.assembly.problem import (
+    GraspContactProblem,
+    SolverCandidate,
+    asked_effects_with_rows,
+    solution_candidate,
+)
 from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.solution.solution import GraspSolution, contact_data
@@ -200,7 +205,7 @@ class _EquilibriumListing:
 
     def __init__(self, spec: GraspSpec, section: Section, start: float) -> None:
         self.spec, self.start, self.scene = spec, start, build_scene(spec)
-        self.problem = GraspContactProblem(self.scene, section, stamped_effects(spec.effects))
+        self.problem = GraspContactProblem(self.scene, section, asked_effects_with_rows(spec.effects))
         self.found: list[GraspSolution] = []
         self.noise = _EQUAL_FORCE_SHARE * self.scene.units.force_unit
 

@@ -16,10 +16,10 @@ from handlcp.grasp.assembly.problem import (
     MULTIPLIER_NAMES,
     GraspContactProblem,
     GraspProblem,
+    asked_effects_with_rows,
     assemble,
     effects_called_for,
     solution_candidate,
-    stamped_effects,
 )
 from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.effects import Effect, effect_kinds
@@ -174,7 +174,7 @@ def active_effects(spec: GraspSpec, scene: Scene, section: Section) -> tuple[Eff
 
 def explain_effects(spec: GraspSpec, scene: Scene, section: Section) -> Explanation:
     """What is on comes first; the sizes are those of the assembled problem."""
-    on, problem = active_effects(spec, scene, section), assemble(scene, section, stamped_effects(spec.effects))
+    on, problem = active_effects(spec, scene, section), assemble(scene, section, asked_effects_with_rows(spec.effects))
     counted = {g.name: g for g in problem.groups}
     lines, k = [], 3 * spec.of_hand
     own, m = spec.flexibility[:k, :k], spec.n - spec.of_hand
@@ -286,7 +286,7 @@ def _scene_with_same_answer(less: GraspSpec, solution: GraspSolution) -> Scene:
     scene = build_scene(less)
     answer = solution_candidate(scene, solution)
     r, u = answer.components.copy(), answer.twist
-    for own, free, t in zip(scene.kind.contact_components, scene.force_unknown, scene.kind.tangents, strict=True):
+    for own, free, t in zip(scene.kind.contact_components, scene.force_unknown, scene.kind.tangent_count, strict=True):
         if free and t == 0:  # it bears no friction
             r[own[0] - 2 : own[0]] = 0.0
     v = np.column_stack([solution.slip, solution.gap])[: scene.n].reshape(-1)
@@ -302,7 +302,7 @@ def _scene_with_same_answer(less: GraspSpec, solution: GraspSolution) -> Scene:
 
 def _make_timed_run(spec: GraspSpec, answered: Scene, section: Section, solution: GraspSolution) -> TimedRun:
     """The work that is timed, ending with the solve of `answered`; whether it ends in an answer."""
-    asked, start = stamped_effects(spec.effects), start_values(solution, answered)
+    asked, start = asked_effects_with_rows(spec.effects), start_values(solution, answered)
 
     def run() -> bool:
         build_scene(spec)

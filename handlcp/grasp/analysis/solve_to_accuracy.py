@@ -1,4 +1,4 @@
-"""`solve_to_accuracy`: forces as accurate as asked for; and a solve with advice, the squeeze that would help."""
+"""`solve_with_advice`: a solve that can say which squeeze would help; `solve_to_accuracy`: one as accurate as asked."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import numpy as np
 from handlcp.check import Array, Bools
 from handlcp.contact.friction import Cone, Interval, Pyramid, Section
 from handlcp.errors import NoSolutionFound, Unsupported
-from handlcp.grasp.assembly.problem import AnyProblem, GraspContactProblem, solution_candidate, stamped_effects
+from handlcp.grasp.assembly.problem import AnyProblem, GraspContactProblem, asked_effects_with_rows, solution_candidate
 from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.derivatives.active_set import LinearLaws, active_rows
 from handlcp.grasp.derivatives.parameter.squeeze import MAX_SQUEEZE_SHARE
@@ -306,4 +306,6 @@ def _solution_error(spec: GraspSpec, scene: Scene, solution: GraspSolution) -> f
     """Of an answer on the exact section; NaN without one."""
     if not solution.held:
         return math.nan
-    return force_error(GraspContactProblem(scene, _true_section(scene), stamped_effects(spec.effects)), solution)
+    return force_error(
+        GraspContactProblem(scene, _true_section(scene), asked_effects_with_rows(spec.effects)), solution
+    )

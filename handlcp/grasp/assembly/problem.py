@@ -72,7 +72,7 @@ def effects_called_for(scene: Scene, section: Section) -> tuple[Effect, ...]:
     return tuple([e for kind in effect_kinds() if (e := kind.called_for(scene, section)) is not None])
 
 
-def stamped_effects(asked: tuple[Effect, ...]) -> tuple[Effect, ...]:
+def asked_effects_with_rows(asked: tuple[Effect, ...]) -> tuple[Effect, ...]:
     """Those of the effects asked for that have rows or a law of their own: the others are part of the scene's data."""
     return tuple([e for e in asked if e.stamps])
 
@@ -80,8 +80,8 @@ def stamped_effects(asked: tuple[Effect, ...]) -> tuple[Effect, ...]:
 class GraspContactProblem(ContactProblem):
     """The assembled problem with friction as a set: a `ContactProblem` that knows what its unknowns mean.
 
-    scene, section : what was assembled. effects : what was stamped; asked : those of them asked for by name.
-    system : the unknowns, and M and q as they were stamped.
+    scene, section : what was assembled. effects : what was stamped.
+    requested_effects : those of them asked for by name. system : the unknowns, and M and q as they were stamped.
     """
 
     def __init__(self, scene: Scene, section: Section, asked: tuple[Effect, ...]) -> None:
@@ -183,7 +183,7 @@ def _make_design(scene: Scene, section: Section, groups: tuple[Unknown, ...]) ->
         blocks[:, 0] = where.forces[0] - 1 + np.cumsum(kind.force_unknown)[list(contacts)]
         at = where.forces[2]
         for block, i in zip(blocks, contacts, strict=True):
-            t = kind.tangents[i]
+            t = kind.tangent_count[i]
             block[1 : 1 + t] = np.arange(at, at + t)
             at += t
     return ProblemDesign(effects, where, Pattern.from_blocks(np.arange(where.size) >= where.at["u"].start, blocks))

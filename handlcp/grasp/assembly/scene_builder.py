@@ -33,25 +33,25 @@ def build_scene(spec: GraspSpec) -> Scene:
     scale: Array | None = None
     plain = all([c.plain for c in contacts])
     if plain:
-        tangents = tuple([0 if c.mu == 0.0 else 1 if planar else 2 for c in contacts])
+        tangent_count = tuple([0 if c.mu == 0.0 else 1 if planar else 2 for c in contacts])
     elif planar:
-        tangents = tuple([int(c.mu > 0.0) for c in contacts])
+        tangent_count = tuple([int(c.mu > 0.0) for c in contacts])
         mu = np.array([_planar_coefficient(c, R[:, 0]) for c, R in zip(contacts, spec.frames, strict=True)])
     else:
-        tangents = tuple([0 if c.mu == 0.0 else 3 if c.friction.lever > 0.0 else 2 for c in contacts])
+        tangent_count = tuple([0 if c.mu == 0.0 else 3 if c.friction.lever > 0.0 else 2 for c in contacts])
     if known:
-        tangents = tuple([t if free else 0 for t, free in zip(tangents, governed, strict=True)])
-    soft = tuple([i for i, t in enumerate(tangents) if t == 3]) if 3 in tangents else ()
+        tangent_count = tuple([t if free else 0 for t, free in zip(tangent_count, governed, strict=True)])
+    soft = tuple([i for i, t in enumerate(tangent_count) if t == 3]) if 3 in tangent_count else ()
     if soft:
         _check_levers(spec, soft)
     E, d = _add_torsion(spec, soft)
-    held: Array | None = None
+    bias_torque: Array | None = None
     if spec.effects:
         E, d = _add_effect_flexibility(spec, soft, E), add_offset(spec.effects, spec, soft, d)
         torques = [torque for e in spec.effects if (torque := e.added_torque()) is not None]
-        held = sum(torques[1:], torques[0]) if torques else None
+        bias_torque = sum(torques[1:], torques[0]) if torques else None
     if spec.mechanism is not None and (springs := spec.mechanism.parallel_spring_torque()) is not None:
-        held = springs if held is None else held + springs
+        bias_torque = springs if bias_torque is None else bias_torque + springs
     frames = spec.frames
     if not planar and not plain and (scale := _law_scales(contacts, soft)) is not None:
         rows = scale[: 3 * len(contacts)].reshape(-1, 3)
@@ -71,12 +71,12 @@ def build_scene(spec: GraspSpec) -> Scene:
         force,
         read_only(spec.wrench[3:] + cross_rows(spec.reference, force)),
         spec.plane,
-        cached_kind(governed, tangents, planar, bool(E.any())),
+        cached_kind(governed, tangent_count, planar, bool(E.any())),
         spec.fingers,
         given,
         scale,
         spec.mechanism,
-        held,
+        bias_torque,
     )
 
 

@@ -19,10 +19,10 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solve.compiled_answer import NO_START, CompiledKind, get_compiled_kind
 from handlcp.grasp.solve.compiled_solve import (
     HEADER_SIZE,
+    MAYBE_FREE,
     NONE_HOLDS,
     OUTCOME,
     UNIQUE,
-    UNKNOWN,
     ScenePattern,
     solve_scenes,
     write_rows,
@@ -77,9 +77,9 @@ def scene_rows(scenes: Sequence[Scene], kind: CompiledKind, section: Section) ->
     """The rows (m, width) of scenes of one kind, written field by field for all at once, in a third of the time.
     Read-only.
     """
-    m, soft = len(scenes), kind.kind.soft
+    m, soft = len(scenes), kind.scene_kind.soft
     positions, frames, E, offset, known, force, moment, mu = zip(*map(_READ_FIELDS, scenes), strict=True)
-    none = np.zeros(kind.kind.components)
+    none = np.zeros(kind.scene_kind.components)
     return write_rows(
         m,
         kind.scene_width,
@@ -91,7 +91,7 @@ def scene_rows(scenes: Sequence[Scene], kind: CompiledKind, section: Section) ->
         spin=[s.arrays.spin for s in scenes] if soft else np.zeros((m, 0)),
         force=force,
         moment=moment,
-        freedom=[s.freedom for s in scenes] if kind.kind.planar else [_SPATIAL_FREEDOM] * m,
+        freedom=[s.freedom for s in scenes] if kind.scene_kind.planar else [_SPATIAL_FREEDOM] * m,
         limits=[s.friction_coefficients(section) for s in scenes] if soft else np.array(mu) * section.share,
     )
 
@@ -177,7 +177,7 @@ class FirstStageAnswers(NamedTuple):
     @property
     def is_certified(self) -> Bools:
         """(k,) whether the certifier calls it an answer, as `CompiledAnswer.passes`."""
-        return np.asarray(self.rows[:, OUTCOME] >= UNKNOWN)
+        return np.asarray(self.rows[:, OUTCOME] >= MAYBE_FREE)
 
     @property
     def is_unique(self) -> Bools:
@@ -193,7 +193,7 @@ class FirstStageAnswers(NamedTuple):
 
     def forces_and_twists(self, some: Ints) -> tuple[Array, Array, Array]:
         """(components (s, c), twist (s, 6), centre (s, 3)) of some of the rows."""
-        c, rows = self.kind.kind.components, self.rows[some]
+        c, rows = self.kind.scene_kind.components, self.rows[some]
         return (
             rows[:, HEADER_SIZE : HEADER_SIZE + c],
             rows[:, HEADER_SIZE + c : HEADER_SIZE + c + 6],
@@ -203,7 +203,7 @@ class FirstStageAnswers(NamedTuple):
     @property
     def motions_and_states(self) -> tuple[Array, Ints]:
         """(object minus fingertip (k, c) [m], contact states (k, n) by their numbers)."""
-        c, n = self.kind.kind.components, self.kind.kind.n
+        c, n = self.kind.scene_kind.components, self.kind.scene_kind.n
         at = HEADER_SIZE + c + 9
         return self.rows[:, at : at + c], self.rows[:, at + c : at + c + n].astype(np.int64)
 

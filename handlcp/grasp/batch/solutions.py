@@ -101,7 +101,7 @@ def make_groups(
 
 def _put_answers(group: GraspGroup, row: Ints, grasps: Sequence[Grasp], found: FirstStageAnswers, some: Ints) -> None:
     """Write these rows of the answers into the group."""
-    at, n, kind = found.at[some], found.kind.kind.n, found.kind
+    at, n, kind = found.at[some], found.kind.scene_kind.n, found.kind
     places, members = row[at], [grasps[k] for k in at.tolist()]
     components, twist, centre = found.forces_and_twists(some)
     group.forces[places] = components[:, : 3 * n].reshape(-1, n, 3)

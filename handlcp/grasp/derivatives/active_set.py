@@ -41,24 +41,24 @@ class LinearLaws(NamedTuple):
     contacts (n, 4) : the row of each contact's normal component and those of its tangents, padded by -1. What is
         neither kept nor of a contact is zero and stays so.
     limits (n,) : μ.
-    softness [N/m] : natural unit of force over that of motion.
+    stiffness_unit [N/m] : natural unit of force over that of motion.
     """
 
     K: Array
     kept: Bools
     contacts: Ints
     limits: Array
-    softness: float
+    stiffness_unit: float
 
 
 @kernel
-def saddle_matrix(E: Array, softness: float, G: Array, A: Array) -> Array:
+def saddle_matrix(E: Array, stiffness_unit: float, G: Array, A: Array) -> Array:
     """K of E (c, c) [m/N], and G (dof, c) and A (m, c) in natural units."""
     c, dof, m = len(E), len(G), len(A)
     K = np.zeros((c + dof + m, c + dof + m))
     for j in range(c):
         for i in range(c):
-            K[j, i] = E[j, i] * softness
+            K[j, i] = E[j, i] * stiffness_unit
         for i in range(dof):
             K[c + i, j] = K[j, c + i] = G[i, j]
         for i in range(m):
@@ -130,7 +130,7 @@ def _write_sliding_rows(A: Array, B: Array, laws: LinearLaws, states: ContactSta
                 A[j] += across[a - count, b] * laws.K[own[b + 1]]
                 B[j, own[b + 1]] = -across[a - count, b]
             for b in range(d):
-                A[j, own[b + 1]] += states.turn[i] * laws.softness * across[a - count, b]
+                A[j, own[b + 1]] += states.turn[i] * laws.stiffness_unit * across[a - count, b]
 
 
 @kernel
@@ -194,10 +194,10 @@ def linear_laws(scene: Scene, limits: Array, rows: Array, gives: Bools) -> Linea
     """Of a grasp, its motions about the contacts' centre. limits (n,) : of the friction sets. rows (m, c) : of limits,
     natural units; gives (m,) : those that give way.
     """
-    softness = scene.units.force_unit / scene.units.motion_unit
-    K = saddle_matrix(scene.flexibility, softness, scene.natural.full_G, rows)
+    stiffness_unit = scene.units.force_unit / scene.units.motion_unit
+    K = saddle_matrix(scene.flexibility, stiffness_unit, scene.natural.full_G, rows)
     kept = np.concatenate([np.zeros(scene.components, bool), np.ones(scene.dof, bool), gives])
-    return LinearLaws(K, kept, scene.kind.contact_components, limits, softness)
+    return LinearLaws(K, kept, scene.kind.contact_components, limits, stiffness_unit)
 
 
 def least_norm_solutions(A: Array, b: Array, rank: float) -> tuple[Array, Array]:

@@ -75,9 +75,9 @@ def linearise_point(given: GraspArrays, at: PointArrays, contacts: Ints, frictio
     kept = np.zeros(c + dof + len(at.gives), np.bool_)
     kept[c : c + dof] = True
     kept[c + dof :] = at.gives
-    softness = force / motion
-    K = saddle_matrix(at.tangent, softness, natural, at.rows)
-    laws = LinearLaws(K, kept, contacts, friction.limits, softness)
+    stiffness_unit = force / motion
+    K = saddle_matrix(at.tangent, stiffness_unit, natural, at.rows)
+    laws = LinearLaws(K, kept, contacts, friction.limits, stiffness_unit)
     A, B = active_rows(laws, states)
     inverse, regular = solve_inverse(A, B, RANK_TOLERANCE)
     return Linearisation(

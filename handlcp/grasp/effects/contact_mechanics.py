@@ -142,7 +142,7 @@ class CoulombFriction(BasicLaw):
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """The tangential forces r_T, two a contact, one in a plane."""
-        return (Unknown("r_T", sum(scene.kind.tangents[i] for i in scene.rough), True, "force"),)
+        return (Unknown("r_T", sum(scene.kind.tangent_count[i] for i in scene.rough), True, "force"),)
 
     def stamp(self, scene: Scene, system: EquationSystem) -> None:
         """The initial tangential offsets."""
@@ -159,7 +159,10 @@ class CoulombFriction(BasicLaw):
 
 
 class AnisotropicFriction(BasicLaw):
-    """Contacts whose law has two scales, such as `AnisotropicCoulomb`."""
+    """Contacts whose law has two scales, such as `AnisotropicCoulomb`.
+
+    A law needs no effect to be solved; this one is its row in `explain()`.
+    """
 
     title = "anisotropic friction"
     equation = "(r_x/μ_x)² + (r_y/μ_y)² ≤ r_N²,  v_T along minus its normal on the limit"

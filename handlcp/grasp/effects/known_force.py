@@ -1,4 +1,7 @@
-"""`KnownForce`: a contact whose force is known (measured, or commanded by force control): its wrench joins the load.
+"""`PrescribedForce`: a contact whose whole force is prescribed; `KnownForce`: some components known;
+`wrench_from_fingertip_forces`.
+
+A prescribed force is measured, or commanded by force control: its wrench joins the load.
 
     w += G_i r_i,    ε += E_(·i) r_i
 

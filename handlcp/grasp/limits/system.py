@@ -94,7 +94,7 @@ def _parts(scene: Scene, section: Section, limits: tuple[Limit, ...]) -> Parts:
     place[kind.index] = np.arange(len(kind.index))
     contacts = place[kind.contact_components]
     owner, normals, moving = list[int](), list[Array](), list[int]()
-    for i, t in enumerate(kind.tangents):
+    for i, t in enumerate(kind.tangent_count):
         if t == 0:
             continue
         round_ = isinstance(section, Cone) and t > 1
@@ -113,7 +113,7 @@ def _parts(scene: Scene, section: Section, limits: tuple[Limit, ...]) -> Parts:
 
 
 def _sets(scene: Scene, section: Section) -> Sets:
-    round_ = [int(isinstance(section, Cone) and t > 1) for t in scene.kind.tangents]
+    round_ = [int(isinstance(section, Cone) and t > 1) for t in scene.kind.tangent_count]
     return Sets(section.faces, _own(polyhedron_normals(scene, section)), np.array(round_, dtype=np.int64))
 
 

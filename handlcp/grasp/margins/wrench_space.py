@@ -271,7 +271,7 @@ def _refine_hull(hull: _ConvexHull, scene: Scene, every: Array, U: Array) -> flo
     own = scene.kind.contact_components
     normals = [
         (U.T @ every[:, at[0]], U.T @ every[:, at[1 : 1 + t]], mu)
-        for at, t, mu in zip(own, scene.kind.tangents, scene.mu, strict=True)
+        for at, t, mu in zip(own, scene.kind.tangent_count, scene.mu, strict=True)
         if at[0] >= 0
     ]
     most = np.inf

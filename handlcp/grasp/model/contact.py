@@ -172,7 +172,9 @@ MANY_CONTACTS = 10  # contacts from which on a solve by elimination is the faste
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """contacts (n,): of the fingers, then of the environment. positions (n, 3) [m]. frames (n, 3, 3): contact axes in
+    """Where contacts are, and what moves them.
+
+    contacts (n,): of the fingers, then of the environment. positions (n, 3) [m]. frames (n, 3, 3): contact axes in
     columns, world axes. plane (3,): unit normal of a planar scene; None: spatial. fingers: how many contacts, the first
     ones, are the fingers'; None: all. mechanism: what moves the fingers, if anything is known.
     """
@@ -219,8 +221,8 @@ class SceneKind:
     """What decides which unknowns a scene has, whatever its numbers.
 
     force_unknown : (n,) contacts whose force is not prescribed.
-    tangents : (n,) how many tangential forces a contact has, 0 without friction, 1 in a plane, 2, or 3 with the moment
-        of a soft finger; 0 where its force is prescribed.
+    tangent_count : (n,) how many tangential forces a contact has, 0 without friction, 1 in a plane, 2, or 3 with the
+        moment of a soft finger; 0 where its force is prescribed.
     planar, flexible : whether the scene lies in a plane, and whether any finger gives way.
 
     The index arrays below count the c = 3n + k force components: the contacts' x, y, z, then the moments of the k soft
@@ -228,7 +230,7 @@ class SceneKind:
     """
 
     force_unknown: tuple[bool, ...]
-    tangents: tuple[int, ...]
+    tangent_count: tuple[int, ...]
     planar: bool
     flexible: bool
 
@@ -250,12 +252,12 @@ class SceneKind:
     @lazy_property
     def soft(self) -> tuple[int, ...]:
         """(k,) contacts that bear a moment about their normal."""
-        return tuple(i for i, t in enumerate(self.tangents) if t == 3)
+        return tuple(i for i, t in enumerate(self.tangent_count) if t == 3)
 
     @lazy_property
     def rough(self) -> tuple[int, ...]:
         """Contacts with friction but no moment."""
-        return tuple(i for i, t in enumerate(self.tangents) if t in (1, 2))
+        return tuple(i for i, t in enumerate(self.tangent_count) if t in (1, 2))
 
     @lazy_property
     def components(self) -> int:
@@ -266,7 +268,7 @@ class SceneKind:
     def contact_components(self) -> Ints:
         """(n, 4) of each contact whose force is unknown: its normal component and its tangential ones, padded by -1."""
         out = np.full((self.n, 4), -1, dtype=np.int64)
-        for i, (free, t) in enumerate(zip(self.force_unknown, self.tangents, strict=True)):
+        for i, (free, t) in enumerate(zip(self.force_unknown, self.tangent_count, strict=True)):
             if free:
                 moment = [3 * self.n + self.soft.index(i)] if t == 3 else []
                 own = [3 * i + 2, 3 * i, 3 * i + 1][: 1 + min(t, 2)] + moment

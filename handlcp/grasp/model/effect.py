@@ -195,7 +195,8 @@ class Effect:
     by_name : whether it is asked for in `effects=`, not by an argument of its own.
     needs_joints : whether only the grasp of a hand can have it.
     depends_on_forces : whether what it adds to the grasp depends on the forces of the answer.
-    answers : which answers count it, `FOLLOWED_LOADINGS` or `ONE_SOLVE`; "": every answer.
+    answers : words for `explain()` of which answers count it, `FOLLOWED_LOADINGS` or `ONE_SOLVE`; "": every answer. It
+        refuses nothing.
     """
 
     title: ClassVar[str] = ""
@@ -283,7 +284,11 @@ class Effect:
         return None
 
     def under(self, at: Placement, forces: Array, others: tuple[Effect, ...]) -> Effect | str:
-        """The effect under forces (n, 3) [N] of the fingers, contact axes; or, in words, why there is none."""
+        """The effect again, with what it adds (E, d or both) under forces (n, 3) [N] of the fingers, contact axes; or,
+        in words, why there is none.
+
+        Asked before each repeated solve, only of `spec.effects`, and only in one solve.
+        """
         return self
 
     # ---- its unknowns and rows

@@ -28,10 +28,10 @@ class Cables(NamedTuple):
     rest (nv,) : where these are at rest, from the grasp's posture [rad, m].
     pretension (t,) : T₀ in the grasp's posture before the hand closes [N]; inf where it is taut whatever comes, as a
         rod is.
-    limits (t,) : what they bear [N], inf where nothing is known.
+    limits (t,) : what tendons bear, or their motors hold for good where that is less [N]; inf where nothing is known.
     post_tendon (m,) : number of the tendon that wraps around a post; those of a tendon in the order from its drive on.
     wrap_friction (m,) : μθ, friction times the angle of the wrap [rad].
-    posts (m, nv) : arms of the tendon at this post and beyond.
+    arms_beyond (m, nv) : arms of the tendon at this post and beyond.
     shift (t,) : of tendons whose arms change with the posture, l - R q in this one, with l what joints have drawn in
         [m]; 0 of others.
     elasticity_at : from joints at q (nv,) to the tendons there and the root of the joints' compliance with them, as in
@@ -51,7 +51,7 @@ class Cables(NamedTuple):
     limits: Array
     post_tendon: Ints
     wrap_friction: Array
-    posts: Array
+    arms_beyond: Array
     shift: Array
     elasticity_at: Callable[[Array], tuple[Cables, Array]] | None = None
     moment_arm_stiffness: Callable[[Array], Array] | None = None
@@ -68,7 +68,7 @@ class Cables(NamedTuple):
     @property
     def is_elastic(self) -> bool:
         """Whether they act as springs whatever comes, and bear all of it."""
-        return bool(np.isinf(self.pretension).all() and np.isinf(self.limits).all()) and not len(self.posts)
+        return bool(np.isinf(self.pretension).all() and np.isinf(self.limits).all()) and not len(self.arms_beyond)
 
     def tensions(self, torque: Array) -> Array:
         """(t,) t [N] that make torques Rᵀ (t - T₀) (nv,) [N·m] with the least pull beyond T₀: none is let go below T₀

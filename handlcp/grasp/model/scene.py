@@ -164,7 +164,7 @@ def _natural_blocks(g: GraspArrays, p: GraspGeometry, index: Ints) -> NaturalBlo
     freedom, flexibility, offset, given = g.freedom, g.flexibility, g.offset, g.prescribed
     about, wrench = p.grasp_matrix, p.wrench
     dof, columns, m = freedom.shape[0], about.shape[1], len(index)
-    every, w = np.zeros((dof, columns)), np.zeros(dof)
+    full_G, w = np.zeros((dof, columns)), np.zeros(dof)
     for i in range(dof):
         for j in range(6):
             f = freedom[i, j]
@@ -173,23 +173,23 @@ def _natural_blocks(g: GraspArrays, p: GraspGeometry, index: Ints) -> NaturalBlo
                     f /= p.length_unit
                 w[i] += f * wrench[j] / p.force_unit
                 for c in range(columns):
-                    every[i, c] += f * about[j, c]
+                    full_G[i, c] += f * about[j, c]
     G, E, d = np.empty((dof, m)), np.empty((m, m)), np.empty(m)
-    softness = p.force_unit / p.motion_unit
+    stiffness_unit = p.force_unit / p.motion_unit
     for a in range(m):
         d[a] = offset[index[a]] / p.motion_unit
         for i in range(dof):
-            G[i, a] = every[i, index[a]]
+            G[i, a] = full_G[i, index[a]]
         for b in range(m):
-            E[a, b] = flexibility[index[a], index[b]] * softness
+            E[a, b] = flexibility[index[a], index[b]] * stiffness_unit
     for c in range(columns):
         r = given[c] / p.force_unit
         if r != 0.0:
             for i in range(dof):
-                w[i] += every[i, c] * r
+                w[i] += full_G[i, c] * r
             for a in range(m):
-                d[a] += flexibility[index[a], c] * softness * r
-    return NaturalBlocks(G, every, E, d, w)
+                d[a] += flexibility[index[a], c] * stiffness_unit * r
+    return NaturalBlocks(G, full_G, E, d, w)
 
 
 # ----------------------------------------------------------------
@@ -272,7 +272,7 @@ class Scene:
     @property
     def frictional(self) -> bool:
         """Whether any contact has friction."""
-        return any(self.kind.tangents)
+        return any(self.kind.tangent_count)
 
     @property
     def anisotropic(self) -> int:
@@ -284,7 +284,7 @@ class Scene:
         """(n,) radius of each contact's friction set per newton of normal force, or distance of its faces [-]."""
         if not self.soft:
             return self.mu * section.share
-        shares = [limit_set(section, t).share if t == 3 else section.share for t in self.kind.tangents]
+        shares = [limit_set(section, t).share if t == 3 else section.share for t in self.kind.tangent_count]
         return np.asarray(self.mu * np.array(shares))
 
     @property

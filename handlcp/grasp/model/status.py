@@ -1,6 +1,7 @@
 """What a contact does and how a path ends: the one numbering of both, for kernels and Python alike.
 
-Kernels take the numbers as constants, so a change of this file compiles them anew.
+`Status` of a solve is in `lcp/problem.py`. Kernels take the numbers as constants, so a change of this file
+compiles them anew.
 """
 
 from __future__ import annotations

@@ -61,7 +61,7 @@ class Joints:
         self.gives = C.diagonal() > 0.0
         on, K = np.ix_(self.gives, self.gives), np.zeros_like(C)
         K[on] = np.linalg.solve(C[on], np.eye(int(self.gives.sum())))
-        self.nv, self.posts = len(friction), len(cables.posts)
+        self.nv, self.posts = len(friction), len(cables.arms_beyond)
         self.friction = np.where(self.gives, friction, 0.0)  # rigid joints stand still anyhow
         self._rest = posture + cables.rest
         self.slackens, self._alone = np.isfinite(cables.pretension), np.eye(self.nv)
@@ -77,8 +77,8 @@ class Joints:
         # Rows along which friction acts, where there is any, and by how much they give way to a unit of it
         self.rows, self.rubs, self._gives_by = self._alone, self.friction > 0.0, C.diagonal()
         if self.posts:
-            self.rows = np.concatenate([self._alone, cables.posts])
-            self.rubs = np.append(self.rubs, (cables.wrap_friction > 0.0) & cables.posts.any(axis=1))
+            self.rows = np.concatenate([self._alone, cables.arms_beyond])
+            self.rubs = np.append(self.rubs, (cables.wrap_friction > 0.0) & cables.arms_beyond.any(axis=1))
             self._gives_by = ((self.rows @ C) * self.rows).sum(axis=1)
         self._pulls = cables.springs @ cables.arms  # k R
         self._known = dict[bytes, Sprung]()

@@ -20,7 +20,7 @@ import numpy as np
 from handlcp.check import Array, read_only
 from handlcp.contact.friction import Section
 from handlcp.errors import Unsupported
-from handlcp.grasp.assembly.problem import polyhedron_normals, problem_design, stamped_effects
+from handlcp.grasp.assembly.problem import asked_effects_with_rows, polyhedron_normals, problem_design
 from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
@@ -49,7 +49,7 @@ class StepLaws:
     def __init__(self, grasp: StepGrasp, section: Section, first: Iterate) -> None:
         self.grasp, spec = grasp, grasp.spec
         scene = build_scene(spec)
-        asked = stamped_effects(spec.effects)
+        asked = asked_effects_with_rows(spec.effects)
         if foreign := [e for e in asked if not e.only_limits]:
             names = ", ".join(type(e).__name__ for e in foreign)
             raise Unsupported(f"a path knows no unknowns but forces and limits that give way ({names})")
@@ -103,7 +103,7 @@ class StepLaws:
 
     def _giving(self, scene: Scene, gives: Array) -> Giving:
         rows, room, yields = list[Array](), list[Array](), list[Array]()
-        for e in stamped_effects(self.grasp.effects):
+        for e in asked_effects_with_rows(self.grasp.effects):
             for limit in e.present(scene):
                 rows.append(limit.natural_rows)
                 room.append(limit.room if limit.levers is None else limit.room / limit.levers)

@@ -201,7 +201,8 @@ class GraspSolution(Record, DeferredFields):
     certificate : the proof that nothing holds; None for SOLVED, whose proof is `residuals`. For NOT_HOLDABLE the (6,)
         motion about the reference in which the object escapes; for NO_EQUILIBRIUM where limits on the forces are what
         forbids it, the motion in which the object escapes while these give way.
-    iterations : steps of the method that gave the answer. trace : one line per stage that ran.
+    iterations : Kaczmarz steps of the stage that solved, 0 where Newton's method alone did, whose steps are in `trace`;
+        of another solver its own. trace : one line per stage that ran.
     extra : unknowns of further effects by name, SI.
     torsion : (n,) N·m, moment of each finger on the object about its normal. spin : (n,) rad, how the object turns on
         the fingertip about it. Both zero but for soft fingers, and None where there are none.

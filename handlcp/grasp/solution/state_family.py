@@ -187,7 +187,7 @@ def _choice_laws(kept: KeptStates, way: _StateChoice, ranges: FactorRanges | Non
         return laws, pads
     S = np.ones(3 * n) if scene.scale is None else scene.scale[: 3 * n]
     S = S.reshape(n, 3)
-    pads = S[:, :, None] * ranges.own * S[:, None] * laws.softness
+    pads = S[:, :, None] * ranges.own * S[:, None] * laws.stiffness_unit
     pads[kept.scene.kind.contact_components[:, 0] < 0] = 0.0
     k, more = len(laws.K), 0.5 * (ranges.pads[0] + ranges.pads[1]) - 1.0
     K = np.zeros((k + 3 * n, k + 3 * n))
@@ -235,7 +235,7 @@ def _turns_force(kept: KeptStates, N: Array, i: int) -> bool:
 
 def _tangents(scene: Scene, i: int) -> list[int]:
     own: list[int] = scene.kind.contact_components[i, 1:].tolist()
-    return own[: scene.kind.tangents[i]]
+    return own[: scene.kind.tangent_count[i]]
 
 
 # ----------------------------------------------------------------

@@ -72,7 +72,7 @@ def free_branches(
 def resting_choices(scene: Scene, kind: Ints) -> list[Ints]:
     """The states with contacts at rest closed or open, in every way."""
     resting, out = np.flatnonzero(kind == RESTING), []
-    closed = np.where(np.array(scene.kind.tangents) > 0, STICKING, GLIDING)
+    closed = np.where(np.array(scene.kind.tangent_count) > 0, STICKING, GLIDING)
     every = resting if len(resting) <= MAX_RESTING else resting[:1]  # or all alike
     for pattern in itertools.product((False, True), repeat=len(every)):
         choice = kind.copy()
@@ -119,7 +119,7 @@ def state_inequalities(
     rows, now = [np.zeros((0, c + scene.dof))], [np.zeros(0)]
     for i in contacts.tolist():
         z, *own = scene.kind.contact_components[i].tolist()
-        t = own[: scene.kind.tangents[i]]
+        t = own[: scene.kind.tangent_count[i]]
         if z < 0:
             continue
         rows.append((move if kind[i] == SEPARATED else force)[[z]])

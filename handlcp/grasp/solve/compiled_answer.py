@@ -18,10 +18,10 @@ from handlcp.grasp.solve.compiled_solve import (
     FIRST_RESIDUAL,
     HEADER_SIZE,
     KACZMARZ_STEPS,
+    MAYBE_FREE,
     NONE_HOLDS,
     OUTCOME,
     UNIQUE,
-    UNKNOWN,
     ScenePattern,
     row_width,
     solve_scenes,
@@ -40,12 +40,12 @@ NO_START = read_only(np.empty(0))  # the start of a solve that begins where ever
 class CompiledKind:
     """Scenes that differ in numbers alone: their effects and layout, the same for compiled code, widths of rows."""
 
-    __slots__ = ("answer_width", "design", "kind", "pattern", "scene_width")
+    __slots__ = ("answer_width", "design", "pattern", "scene_kind", "scene_width")
 
     def __init__(self, scene: Scene, section: Section) -> None:
         kind, self.design = scene.kind, problem_design(scene, section, ())
         where, roles = self.design.layout, self.design.pattern
-        self.kind: SceneKind = kind
+        self.scene_kind: SceneKind = kind
         self.scene_width = row_width(scene)
         self.answer_width = HEADER_SIZE + 2 * kind.components + 9 + kind.n + where.size
         self.pattern = ScenePattern(
@@ -125,7 +125,7 @@ class CompiledAnswer:
     @property
     def passes(self) -> bool:
         """Whether the certifier calls it an answer, as `Residuals.passes` says; no effect has a law of its own here."""
-        return self.row.item(OUTCOME) >= UNKNOWN
+        return self.row.item(OUTCOME) >= MAYBE_FREE
 
     @property
     def is_unique(self) -> bool:
@@ -135,8 +135,8 @@ class CompiledAnswer:
     @property
     def escape(self) -> Array | None:
         """(dof,) where it is proven that nothing holds the object: the motion in which it escapes, natural units."""
-        at = HEADER_SIZE + self.kind.kind.components
-        return self.row[at : at + self.kind.kind.dof] if self.row.item(OUTCOME) == NONE_HOLDS else None
+        at = HEADER_SIZE + self.kind.scene_kind.components
+        return self.row[at : at + self.kind.scene_kind.dof] if self.row.item(OUTCOME) == NONE_HOLDS else None
 
     @property
     def residuals(self) -> Residuals:
@@ -158,39 +158,39 @@ class CompiledAnswer:
     @property
     def components(self) -> Array:
         """(c,) N, of all forces."""
-        return self.row[HEADER_SIZE : HEADER_SIZE + self.kind.kind.components]
+        return self.row[HEADER_SIZE : HEADER_SIZE + self.kind.scene_kind.components]
 
     @property
     def twist(self) -> Array:
         """The object's motion (6,) about `centre` [m, rad]."""
-        return self.start[-9:-3]
+        return self.next_start[-9:-3]
 
     @property
     def centre(self) -> Array:
         """(3,) of the contacts [m], world axes."""
-        return self.start[-3:]
+        return self.next_start[-3:]
 
     @property
-    def start(self) -> Array:
+    def next_start(self) -> Array:
         """Where the solve of a nearby scene may start."""
-        return self.row[HEADER_SIZE : HEADER_SIZE + self.kind.kind.components + 9]
+        return self.row[HEADER_SIZE : HEADER_SIZE + self.kind.scene_kind.components + 9]
 
     @property
     def motion(self) -> Array:
         """The motion (c,) of the object minus that of the fingertip at each component [m]."""
-        c = self.kind.kind.components
+        c = self.kind.scene_kind.components
         return self.row[HEADER_SIZE + c + 9 : HEADER_SIZE + 2 * c + 9]
 
     @property
     def states(self) -> Ints:
         """(n,) of `ContactStatus`, where it is an answer."""
-        at, n = HEADER_SIZE + 2 * self.kind.kind.components + 9, self.kind.kind.n
+        at, n = HEADER_SIZE + 2 * self.kind.scene_kind.components + 9, self.kind.scene_kind.n
         return self.row[at : at + n].astype(np.int64)
 
     @property
     def candidate(self) -> SolverCandidate:
         """The forces and the motion as a candidate for the certifier."""
-        return SolverCandidate(self.components, self.twist, {}, len(self.kind.kind.soft))
+        return SolverCandidate(self.components, self.twist, {}, len(self.kind.scene_kind.soft))
 
     @property
     def proposal(self) -> Proposal:

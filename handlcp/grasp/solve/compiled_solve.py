@@ -126,8 +126,8 @@ KACZMARZ_STEPS, NEWTON_STEPS, SOLVER_RESIDUAL = 0, 1, 2
 FIRST_RESIDUAL, END_OF_RESIDUALS = 3, 11  # the fields of `LawResiduals`, in their order
 OUTCOME = 11  # one of the numbers below
 HEADER_SIZE = 12
-# Not below UNKNOWN: the certifier passes the answer, which is locally UNIQUE, or may leave something free
-UNIQUE, UNKNOWN, NONE_HOLDS, NO_ANSWER = 1.0, 0.0, -1.0, -2.0
+# From MAYBE_FREE up the certifier passes the answer: it is locally UNIQUE, or maybe leaves something free
+UNIQUE, MAYBE_FREE, NONE_HOLDS, NO_ANSWER = 1.0, 0.0, -1.0, -2.0
 
 
 @kernel
@@ -164,7 +164,7 @@ def write_residuals(row: Array, m: LawResiduals) -> None:
 
 @kernel
 def write_answer(
-    row: Array, p: ScenePattern, g: GraspArrays, limits: Array, posed: GraspGeometry, every: Array, x: Array
+    row: Array, p: ScenePattern, g: GraspArrays, limits: Array, posed: GraspGeometry, full_G: Array, x: Array
 ) -> None:
     """Certify the unknowns x (N,), and write what they say into the row, from its fourth number on."""
     at, n = (p.at[0], p.at[2], p.at[3]), len(p.contacts)
@@ -184,8 +184,8 @@ def write_answer(
     if laws_pass(m):
         slow = ACTIVE_TOLERANCE * max(m.motion_size, posed.motion_unit)
         states = find_states(p.contacts, friction, forces, v, ACTIVE_TOLERANCE * m.force_size, slow)
-        one = _is_unique(every, g.flexibility, posed.force_unit / posed.motion_unit, p.contacts, states, limits)
-        row[OUTCOME] = UNIQUE if one else UNKNOWN
+        one = _is_unique(full_G, g.flexibility, posed.force_unit / posed.motion_unit, p.contacts, states, limits)
+        row[OUTCOME] = UNIQUE if one else MAYBE_FREE
         for i in range(n):
             row[end + i] = states.kind[i]
 
@@ -268,14 +268,16 @@ def write_start(x: Array, start: Array, p: ScenePattern, freedom: Array, posed: 
 
 
 @kernel
-def _is_unique(every: Array, E: Array, softness: float, contacts: Ints, states: ContactStates, limits: Array) -> bool:
+def _is_unique(
+    full_G: Array, E: Array, stiffness_unit: float, contacts: Ints, states: ContactStates, limits: Array
+) -> bool:
     """Whether the active conditions leave nothing free, and no contact rests."""
     for k in states.kind:
         if k == RESTING:
             return False
-    K = saddle_matrix(E, softness, every, np.empty((0, every.shape[1])))
+    K = saddle_matrix(E, stiffness_unit, full_G, np.empty((0, full_G.shape[1])))
     kept = np.arange(len(K)) >= len(E)
-    A, _ = active_rows(LinearLaws(K, kept, contacts, limits, softness), states)
+    A, _ = active_rows(LinearLaws(K, kept, contacts, limits, stiffness_unit), states)
     return bool(matrix_rank(A) == len(A))
 
 
@@ -323,13 +325,13 @@ def push_scene(
     if len(start) > 0:
         write_start(x, start, p, g.freedom, posed)
     M, q = stamp_rows(p, blocks)
-    turned, every, w = np.dot(mirror, M[u : u + p.dof]), np.dot(mirror, blocks.full_G), np.dot(mirror, blocks.w)
+    turned, full_G, w = np.dot(mirror, M[u : u + p.dof]), np.dot(mirror, blocks.full_G), np.dot(mirror, blocks.w)
     M[u : u + p.dof], q[u : u + p.dof] = turned, w
     M[u + last] = 0.0
     M[u + last, u : u + p.dof] = c / reach
     q[u + last] = -travel / (reach * posed.motion_unit)
-    every[last] = 0.0
-    free = NaturalBlocks(blocks.G, every, blocks.E, blocks.d, w)
+    full_G[last] = 0.0
+    free = NaturalBlocks(blocks.G, full_G, blocks.E, blocks.d, w)
     balance, free.w[last] = w[last], 0.0
     steps = solve_unknowns(p, M, q, free, limits, len(start) > 0, seed, x, t)
     row[KACZMARZ_STEPS], row[NEWTON_STEPS], row[SOLVER_RESIDUAL], _ = steps

@@ -16,9 +16,9 @@ from handlcp.grasp.model.flexibility import FlexibilityFactor
 from handlcp.grasp.model.scene import GraspArrays, GraspGeometry, compute_geometry
 from handlcp.grasp.solve.compiled_solve import (
     HEADER_SIZE,
+    MAYBE_FREE,
     OUTCOME,
     UNIQUE,
-    UNKNOWN,
     ScenePattern,
     write_residuals,
     write_start,
@@ -258,7 +258,7 @@ def _write_answer(
         row[at + (normal + k if k < count else tangent + k - count)] = r[own - own % 3 + (own + 1) % 3]
     for k in range(6):
         row[at + u + k] = z[m + k]
-    row[OUTCOME] = UNIQUE if _is_unique(linked, r, z, states, limits) else UNKNOWN
+    row[OUTCOME] = UNIQUE if _is_unique(linked, r, z, states, limits) else MAYBE_FREE
     return True
 
 

@@ -11,7 +11,13 @@ import numpy as np
 
 from handlcp.check import Array, Ints, read_only
 from handlcp.contact.friction import Section
-from handlcp.grasp.assembly.problem import AnyProblem, GraspContactProblem, SolverCandidate, assemble, stamped_effects
+from handlcp.grasp.assembly.problem import (
+    AnyProblem,
+    GraspContactProblem,
+    SolverCandidate,
+    asked_effects_with_rows,
+    assemble,
+)
 from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.model.contact import MANY_CONTACTS, shift_twist
@@ -86,8 +92,9 @@ def solution_from_numbers(
     trace: tuple[str, ...],
     arm: Array,
 ) -> GraspSolution:
-    """A SOLVED solution with these numbers, and with what moves the fingers reads off it; arm (3,) [m] leads from the
-    point that the candidate's twist refers to to the grasp's reference. states (n,) : of `ContactStatus`.
+    """A solution with these numbers, and with what moves the fingers reads off it; the status, SOLVED, is the caller's
+    to replace. arm (3,) [m] leads from the point that the candidate's twist refers to to the grasp's reference.
+    states (n,) : of `ContactStatus`.
     """
     candidate, n = judged.candidate, scene.n
     forces, motion = (
@@ -98,16 +105,16 @@ def solution_from_numbers(
     if not all(scene.force_unknown):  # no law makes a finger under force control keep a gap or a slip
         points = np.where(scene.force_unknown_mask[:, None], points, 0.0)
     own = read_only(forces[: 3 * n].reshape(-1, 3))
-    torsion, spin, read, kind = None, None, dict[str, Any](), GraspSolution
+    torsion, spin, read, solution_class = None, None, dict[str, Any](), GraspSolution
     if scene.soft:
         torsion, spin = scene.scatter_torsion(forces[3 * n :]), scene.scatter_torsion(motion[3 * n :])
     mechanism = spec.mechanism
     if mechanism is not None:
-        kind, read = (
+        solution_class, read = (
             mechanism.solution_class,
             mechanism.solution_fields(scene, spec.effects, own, torsion, candidate.extra),
         )
-    return kind(
+    return solution_class(
         status=Status.SOLVED,
         names=spec.names,
         forces=own,
@@ -142,7 +149,7 @@ def escape_certificate(spec: GraspSpec, scene: Scene, twist: Array) -> Array:
     return read_only(shift_twist(twist, spec.reference - scene.units.centre))
 
 
-def undecided_solution(
+def blank_solution(
     spec: GraspSpec, scene: Scene, section: Section, residuals: Residuals, iterations: int, trace: tuple[str, ...]
 ) -> GraspSolution:
     """UNDECIDED, without numbers that anybody could use."""
@@ -161,8 +168,8 @@ def undecided_solution(
 
 def lazy_solution(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
     """SOLVED, from an answer that passes and leaves nothing free, of a scene without soft or anisotropic contacts."""
-    kind: type[GraspSolution] = GraspSolution if spec.mechanism is None else spec.mechanism.solution_class
-    return kind.with_deferred_fields(
+    solution_class: type[GraspSolution] = GraspSolution if spec.mechanism is None else spec.mechanism.solution_class
+    return solution_class.with_deferred_fields(
         _SolutionFields(spec, scene, found),
         status=Status.SOLVED,
         certificate=None,
@@ -251,7 +258,7 @@ def solve_in_stages(
     The first stage of a scene whose effects follow from its data is one compiled call, and for most scenes there is no
     other.
     """
-    chain, asked = as_chain(solver), stamped_effects(spec.effects) if spec.effects else ()
+    chain, asked = as_chain(solver), asked_effects_with_rows(spec.effects) if spec.effects else ()
     if chain is None or asked:
         return _run_all_stages(spec, scene, section, solver, start, None, proof)
     found = solve_scene(scene, section, chain.seed, start) if first is None else first
@@ -263,7 +270,7 @@ def solve_in_stages(
 def conclude_first_stage(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
     """The solution that the first stage comes to by itself: what it found, or the proof that nothing holds."""
     if not found.passes:
-        return _refuse(spec, scene, section, found)
+        return _solution_without_answer(spec, scene, section, found)
     if found.is_unique and scene.scale is None and scene.prescribed is None and not scene.soft:
         return lazy_solution(spec, scene, section, found)
     judged = CertifiedCandidate(found.candidate, Certification(found.motion, found.residuals), found.iterations)
@@ -275,11 +282,11 @@ def conclude_first_stage(spec: GraspSpec, scene: Scene, section: Section, found:
     )
 
 
-def _refuse(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
-    """NOT_HOLDABLE where that is proven, else UNDECIDED."""
+def _solution_without_answer(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
+    """The solution without numbers: NOT_HOLDABLE where that is proven, else UNDECIDED."""
     escape = found.escape
     trace = (*first_stage_trace(found), f"holdability: {_NO_PROOF_WORDS if escape is None else _PROOF_WORDS}")
-    made = undecided_solution(spec, scene, section, found.residuals, found.iterations, trace)
+    made = blank_solution(spec, scene, section, found.residuals, found.iterations, trace)
     return made if escape is None else as_not_holdable(made, spec, scene, escape_in_si(scene, escape))
 
 
@@ -295,7 +302,9 @@ def _run_all_stages(
     """One stage after the other; `first` is the first one's proposal, where that is known."""
     chain = as_chain(solver)
     # The chain works on friction as a set, whatever the section: pyramids cost no more than the cone
-    problem = (assemble if chain is None else GraspContactProblem)(scene, section, stamped_effects(spec.effects))
+    problem = (assemble if chain is None else GraspContactProblem)(
+        scene, section, asked_effects_with_rows(spec.effects)
+    )
     begin: Array | None = None
     if len(start):
         twist = shift_twist(start[-9:-3], scene.units.centre - start[-3:])
@@ -334,7 +343,7 @@ def certify_known_answer(
     """The solution that a known answer is, if the certifier agrees, with its own forces and motion where others satisfy
     the same conditions, too. name : of where it is from, for the trace.
     """
-    problem = GraspContactProblem(scene, section, stamped_effects(spec.effects))
+    problem = GraspContactProblem(scene, section, asked_effects_with_rows(spec.effects))
     run = _StagedSolve(spec, problem)
     run.run_stages([(name, Proposal(problem.natural(candidate), 0, "known"))])
     return run.solution(smallest=False)
@@ -348,7 +357,7 @@ class _StagedSolve:
         self.trace: list[str] = []
         self.best: CertifiedCandidate | None = None
         self.escape: Array | None = None
-        self.proof: EquilibriumSearchResult | None = None
+        self.no_equilibrium: EquilibriumSearchResult | None = None
 
     def run_stages(self, stages: Iterable[tuple[str, Proposal]]) -> bool:
         """Whether one of these stages leads to an answer."""
@@ -375,7 +384,7 @@ class _StagedSolve:
         if found.candidate is not None:
             self.best = self._certify(found.candidate, 0 if self.best is None else self.best.iterations)
         elif found.bounds is not None:
-            self.proof = found
+            self.no_equilibrium = found
         return found.candidate is not None or found.bounds is not None
 
     def _certify(self, candidate: SolverCandidate, iterations: int) -> CertifiedCandidate:
@@ -388,10 +397,10 @@ class _StagedSolve:
         spec, scene, trace, residuals = self.spec, self.scene, tuple(self.trace), self.best.certification.residuals
         if residuals.passes:
             return make_solution(spec, scene, self.problem.section, self.problem.effects, self.best, trace, smallest)
-        made = undecided_solution(spec, scene, self.problem.section, residuals, self.best.iterations, trace)
+        made = blank_solution(spec, scene, self.problem.section, residuals, self.best.iterations, trace)
         if self.escape is not None:
             return as_not_holdable(made, spec, scene, self.escape)
-        if (found := self.proof) is None:
+        if (found := self.no_equilibrium) is None:
             return made
         certificate = None if found.escape is None else escape_certificate(spec, scene, scene.twist(found.escape))
         return replace(
@@ -419,6 +428,11 @@ _MAX_SOLVES = 100  # solves
 def is_force_dependent(spec: GraspSpec) -> bool:
     """Whether any effect depends on the forces of the answer."""
     return any(e.depends_on_forces for e in spec.effects)
+
+
+def _force_dependent_titles(spec: GraspSpec) -> str:
+    """What these effects are called."""
+    return ", ".join([e.title for e in spec.effects if e.depends_on_forces])
 
 
 def update_effects(spec: GraspSpec, forces: Array) -> GraspSpec | str:
@@ -467,11 +481,11 @@ def solve_to_fixed_point(
     if len(start) and (solution is None or (count == 1 and not solution.held)):  # the start led nowhere
         return solve_to_fixed_point(spec, scene, section, solver, proof=proof)
     assert solution is not None  # unloaded fingers always have an E
-    trace = (*solution.trace, f"geometric stiffness: {words}")
+    trace = (*solution.trace, f"{_force_dependent_titles(spec)}: {words}")
     if solution.status is Status.NOT_HOLDABLE:  # whatever gives way, no force within friction balances the load
         return replace(solution, trace=trace)
     # What was proven of one E is not proven of all
-    return undecided_solution(spec, scene, section, solution.residuals, solution.iterations, trace)
+    return blank_solution(spec, scene, section, solution.residuals, solution.iterations, trace)
 
 
 def _certify_again(spec: GraspSpec, now: Scene, solution: GraspSolution, words: str) -> GraspSolution | str:
@@ -483,7 +497,7 @@ def _certify_again(spec: GraspSpec, now: Scene, solution: GraspSolution, words: 
     words = f"{words}, E(f) by {miss:.1e}"
     if not residuals.passes:
         return words
-    return replace(solution, residuals=residuals, trace=(*solution.trace, f"geometric stiffness: {words}"))
+    return replace(solution, residuals=residuals, trace=(*solution.trace, f"{_force_dependent_titles(spec)}: {words}"))
 
 
 def fixed_point_residual(spec: GraspSpec, scene: Scene, forces: Array, motion_size: float) -> float | str:

@@ -447,7 +447,10 @@ class Residuals:
 
     @property
     def passes(self) -> bool:
-        """Whether the certifier calls this an answer."""
+        """Whether the worst residual is at most CERTIFY_TOLERANCE (1e-8): what makes `status` SOLVED.
+
+        The compiled first stage asks `laws_pass`.
+        """
         return self.worst <= CERTIFY_TOLERANCE
 
 

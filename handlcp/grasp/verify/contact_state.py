@@ -37,13 +37,13 @@ class ContactStates(NamedTuple):
 
 
 def classify_contacts(
-    scene: Scene, section: Section, candidate: SolverCandidate, verdict: Certification
+    scene: Scene, section: Section, candidate: SolverCandidate, certification: Certification
 ) -> ContactStates:
     """States of all contacts, of a candidate that was judged."""
-    size = verdict.residuals
+    size = certification.residuals
     weak, slow = ACTIVE_TOLERANCE * size.force_scale, ACTIVE_TOLERANCE * max(size.motion_scale, scene.units.motion_unit)
     contacts, friction = scene.kind.contact_components, friction_limits(scene, section)
-    return find_states(contacts, friction, candidate.components, verdict.motion, weak, slow)
+    return find_states(contacts, friction, candidate.components, certification.motion, weak, slow)
 
 
 @kernel
@@ -130,10 +130,10 @@ _CONE_FACES = 64  # faces of the pyramid around the cone; what nothing in it hol
 
 
 @kernel
-def find_escape(every: Array, load: Array, contacts: Ints, limits: Array, faces: int, t: Array) -> int:
+def find_escape(full_G: Array, load: Array, contacts: Ints, limits: Array, faces: int, t: Array) -> int:
     """BALANCED, or ESCAPES with a proof in t (dof,), or UNCLEAR, all in natural units.
 
-    every (dof, c) : wrenches of the force components. load (dof,). contacts (n, 4) : as in
+    full_G (dof, c) : wrenches of the force components. load (dof,). contacts (n, 4) : as in
     `SceneKind.contact_components`. limits (n,), faces : of the friction sets; polyhedra are not known here.
     """
     n, dof = len(contacts), len(load)
@@ -144,7 +144,7 @@ def find_escape(every: Array, load: Array, contacts: Ints, limits: Array, faces:
             if contacts[i, a] >= 0:
                 tangents[i] = a
                 for k in range(dof):
-                    columns[k, i, a] = every[k, contacts[i, a]]
+                    columns[k, i, a] = full_G[k, contacts[i, a]]
         if tangents[i] == 3 and faces > 2:
             return UNCLEAR
     cones = new_mode_cones(columns, tangents, limits, faces if faces > 0 else _CONE_FACES)

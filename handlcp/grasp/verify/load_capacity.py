@@ -30,8 +30,8 @@ def find_escape_twist(scene: Scene, section: Section) -> Array | None:
     None: some force in the friction pyramids balances the load, or no proof was found that none does.
     """
     t = np.zeros(scene.dof)
-    own, every = scene.kind.contact_components, scene.natural.full_G
-    found = find_escape(every, scene.natural.w, own, scene.friction_coefficients(section), section.faces, t)
+    own, full_G = scene.kind.contact_components, scene.natural.full_G
+    found = find_escape(full_G, scene.natural.w, own, scene.friction_coefficients(section), section.faces, t)
     if found == BALANCED:
         return None
     return escape_in_si(scene, t) if found == ESCAPES else _escape_vertex(scene, section)
@@ -102,7 +102,7 @@ def edge_forces(scene: Scene, section: Section) -> tuple[Array, Array]:
     normal force of one; and their (dof, g) wrenches.
     """
     limits, parts = scene.friction_coefficients(section), []
-    for own, tangents, limit in zip(scene.kind.contact_components, scene.kind.tangents, limits, strict=True):
+    for own, tangents, limit in zip(scene.kind.contact_components, scene.kind.tangent_count, limits, strict=True):
         if own[0] < 0:
             continue
         edges = limit * limit_set(section, tangents).vertices if tangents else np.zeros((0, 1))
@@ -332,7 +332,7 @@ def friction_rows(
     """
     limits, flat, owners = scene.friction_coefficients(section), list[Array](), list[int]()
     balls: dict[int, tuple[list[Array], list[int]]] = {}
-    for i, (at, tangents) in enumerate(zip(own, scene.kind.tangents, strict=True)):
+    for i, (at, tangents) in enumerate(zip(own, scene.kind.tangent_count, strict=True)):
         if at[0] < 0:
             continue
         if tangents > 1 and isinstance(section, Cone):

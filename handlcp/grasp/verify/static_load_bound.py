@@ -247,7 +247,7 @@ def _bounds_in_si(
     binding = (abs(found.multipliers) > _BINDING_SHARE * heavy) & np.isfinite(found.factors)[:, None]
     contact = _any_by_owner(binding, capacity.contact, n)
     light = normal < _OPEN_FORCE_SHARE * np.nanmax(abs(normal), axis=1, initial=0.0, keepdims=True)
-    rough = np.array(scene.kind.tangents) > 0
+    rough = np.array(scene.kind.tangent_count) > 0
     return StaticLoadBounds(
         read_only(found.factors),
         read_only(found.gaps),

@@ -194,7 +194,7 @@ def _sample_mechanism(hand: HandMechanism, arrays: SampleArrays, joints: SampleJ
 
 def _scale_springs(springs: Elasticity, factors: Array) -> Elasticity:
     """Springs that are stiffer by factors (nv,), which are all alike for tendons and synergies."""
-    if isinstance(springs, JointStiffness) and not springs.law[1]:
+    if isinstance(springs, JointStiffness) and not springs.is_transmission:
         return springs.scale_by_joint(factors)
     return springs.scale_stiffness(float(factors[0]))
 

@@ -58,7 +58,7 @@ class FrictionCoefficient(ContactParameter):
 
     def shown(self, answer: LinearisationPoint) -> Shown | None:
         mu = self.values(answer.spec)
-        rough = (mu > 0.0) & (np.array(answer.scene.kind.tangents) > 0)
+        rough = (mu > 0.0) & (np.array(answer.scene.kind.tangent_count) > 0)
         return (
             Shown("friction -10 %", [("all fingers", np.where(rough, -TABLE_SHARE * mu, 0.0))]) if rough.any() else None
         )
