@@ -34,14 +34,14 @@ if TYPE_CHECKING:
 
 @check_method_calls
 class GraspQuestions(ABC):
-    """Base of `Grasp`: what is asked of it, as `spec` (data) and `scene` (arrays) have it."""
+    """The questions about a grasp, the base of `Grasp`: `spec` has what was asked as data, `scene` as arrays."""
 
     spec: GraspSpec
     scene: Scene
 
     @abstractmethod
     def solve(self, faces: int | str | Pyramid = "cone", *args: Any, **options: Any) -> GraspSolution:
-        """See `Grasp.solve`."""
+        """Find the forces, slips and object motion that fulfil every law; arguments as in `Grasp.solve`."""
 
     def suggest(
         self, solution: GraspSolution | None = None, faces: int | str | Pyramid = "cone", least: float = 0.05

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 @check_method_calls
 class HandRequirements(Grasp):
-    """Base of `HandGrasp`: questions about its motors, and about how hard it closes."""
+    """The questions about a grasp's motors and about how hard it closes, the base of `HandGrasp`."""
 
     def required_torque(
         self, loads: Any = None, safety: float = 1.5, faces: int | str | Pyramid = "cone", tolerance: float = 0.01,
@@ -267,7 +267,7 @@ class HandGrasp(HandRequirements):
         return replace(found, effects=tuple(lines))
 
     def equilibria(self, faces: int | str | Pyramid = "cone", seconds: float = 2.0) -> Equilibria:
-        """As `Grasp.equilibria`. Raises Unsupported beside `GeometricStiffness`."""
+        """Search all equilibria of the grasp, as `Grasp.equilibria`. Raises Unsupported beside `GeometricStiffness`."""
         if is_force_dependent(self.spec):
             raise Unsupported("no search covers equilibria of fingers that their own forces bend (GeometricStiffness)")
         return super().equilibria(faces, seconds)

@@ -188,7 +188,7 @@ class Placement:
 
     @property
     def n(self) -> int:
-        """Contacts."""
+        """How many contacts there are."""
         return len(self.contacts)
 
     @property
@@ -236,7 +236,7 @@ class SceneKind:
 
     @lazy_property
     def n(self) -> int:
-        """Contacts."""
+        """How many contacts there are."""
         return len(self.force_unknown)
 
     @property
@@ -277,7 +277,7 @@ class SceneKind:
 
     @lazy_property
     def normal_index(self) -> Ints:
-        """(m,) unknown normal components."""
+        """The force components (m,) that are unknown normal forces."""
         return np.asarray(self.contact_components[np.array(self.force_unknown), 0])
 
     @lazy_property

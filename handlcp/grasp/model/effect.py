@@ -37,9 +37,15 @@ Three = Annotated[list[Finite], Len(3, 3)]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FileKey:
-    """name : of the key. holds : its type, in Python's annotations; or the keys of a table. expected : the same in
-    words, for refusals. meaning : for `handlcp keys`. many : several tables, one [[effects.name]] each.
-    required : whether a table needs it. default : what it is when left out.
+    """A key of an effect's or a friction law's table in a scene file.
+
+    name : of the key.
+    holds : its type, in Python's annotations; or the keys of a table.
+    expected : the same in words, for refusals.
+    meaning : for `handlcp keys`.
+    many : several tables, one [[effects.name]] each.
+    required : whether a table needs it.
+    default : what it is when left out.
     """
 
     name: str
@@ -104,7 +110,7 @@ class Limit:
     levers: Array | None = None
 
     def __post_init__(self) -> None:
-        """Read-only: a scene keeps its limits."""
+        """Make the arrays read-only, since a scene keeps its limits."""
         for array in (self.rows, self.room, self.levers):
             if array is not None:
                 array.flags.writeable = False
@@ -135,7 +141,7 @@ class Limit:
         system.load(self.name, self.natural_room(scene))
 
     def opening(self, extra: dict[str, Array]) -> Array:
-        """(c,) Aᵀ s [m]."""
+        """The motion (c,) by which the limits give way at each force component, Aᵀ s [m]."""
         s = extra[self.name]
         if not np.isfinite(s).all():
             return np.full(self.rows.shape[1], np.nan)  # which never passes
@@ -144,7 +150,7 @@ class Limit:
     def residual(
         self, scene: Scene, forces: Array, extra: dict[str, Array], force_size: float, motion_size: float
     ) -> float:
-        """Worst |min(s, b - A r)|, relative."""
+        """The largest violation |min(s, b - A r)| of the limits, relative to the sizes of forces and motions."""
         units = scene.units
         slack = self.natural_room(scene) - self.natural_rows @ (forces / units.force_unit)
         s = self.natural_motion(scene, extra) * (units.motion_unit / motion_size)

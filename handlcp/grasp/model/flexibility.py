@@ -22,7 +22,12 @@ T = TypeVar("T")
 
 
 class FlexibilityFactor(NamedTuple):
-    """For kernels: rows (3n, nv) J, root (nv, m) A, pads (n, 3, 3) P."""
+    """What E = J A Aᵀ Jᵀ + P is made of, as kernels take it.
+
+    rows (3n, nv) : J, of the contacts.
+    root (nv, m) : A, of the joints' compliance C = A Aᵀ.
+    pads (n, 3, 3) : P, of the fingertips.
+    """
 
     rows: Array
     root: Array
@@ -59,7 +64,7 @@ class Flexibility:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Of the matrix."""
+        """The shape (3n, 3n) that the matrix has."""
         return (len(self.factor.rows), len(self.factor.rows))
 
     def any(self) -> bool:
@@ -68,7 +73,7 @@ class Flexibility:
 
     @lazy_property
     def matrix(self) -> Array:
-        """(3n, 3n) E [m/N]."""
+        """The flexibility E (3n, 3n) as a matrix [m/N]."""
         J, A, P = self.factor
         return read_only(joint_flexibility(J, A) + block_diagonal(P, len(P)))
 
@@ -95,7 +100,7 @@ class _MatrixField:
 
 
 def flexibility_matrix(E: Array | Flexibility) -> Array:
-    """(c, c) E [m/N]."""
+    """The flexibility as a matrix E (c, c) [m/N], however it is stored."""
     return E.matrix if isinstance(E, Flexibility) else E
 
 

@@ -59,8 +59,12 @@ class NaturalBlocks(NamedTuple):
 
 
 class GraspGeometry(NamedTuple):
-    """Natural units: force_unit [N], length_unit of levers [m], motion_unit [m]; centre (3,) of the contacts [m];
-    wrench (6,) of the load about it [N, N·m]; grasp_matrix (6, c).
+    """What makes a grasp free of units: its natural units, and the load and the grasp matrix about its centre.
+
+    force_unit [N], length_unit of levers [m], motion_unit [m].
+    centre (3,) : of the contacts [m].
+    wrench (6,) : of the load about it [N, N·m].
+    grasp_matrix (6, c) : about it.
 
     Every unit is a norm or a mean (`_natural_units`), so another unit, a turned world or another order of fingers
     changes none of them beyond rounding.
@@ -91,7 +95,7 @@ def compute_geometry(g: GraspArrays, own: Array) -> GraspGeometry:
 
 @kernel
 def matrix_diagonal(E: Array) -> Array:
-    """(c,) of E (c, c)."""
+    """The diagonal (c,) of the flexibility E (c, c)."""
     own = np.empty(len(E))
     for i in range(len(E)):
         own[i] = E[i, i]
@@ -100,9 +104,11 @@ def matrix_diagonal(E: Array) -> Array:
 
 @kernel
 def _natural_units(g: GraspArrays, own: Array) -> tuple[float, float, float, Array, Array]:
-    """(force, length, motion, centre, wrench): force is the size of the load plus that of the squeeze, length the rms
-    distance of the contacts from their centre, motion = force × the mean flexibility; wrench (6,) of the load about the
-    centre.
+    """Find the natural units of a grasp: (force, length, motion, centre, wrench).
+
+    The force is the size of the load plus that of the squeeze [N], the length the rms distance of the contacts from
+    their centre (3,) [m], the motion force × the mean flexibility [m], the wrench (6,) that of the load about the
+    centre [N, N·m].
     """
     positions, offset = g.positions, g.offset
     n = len(positions)
@@ -140,8 +146,10 @@ def _natural_units(g: GraspArrays, own: Array) -> tuple[float, float, float, Arr
 
 @kernel
 def wrench_map(points: Array, centre: Array, frames: Array, spin: Array) -> Array:
-    """(6, 3n + k) G: columns [R; skew(a) R] for frames (n, 3, 3) and arms a from the centre (3,) to the points (n, 3),
-    then [0; spin] for spin (3, k).
+    """The grasp matrix G (6, 3n + k) about a centre, whose columns are wrenches of unit force components.
+
+    Columns are [R; skew(a) R] for frames (n, 3, 3) and arms a from the centre (3,) to the points (n, 3), then [0; spin]
+    for spin (3, k).
     """
     n, k = len(points), spin.shape[1]
     G = np.empty((6, 3 * n + k))
@@ -236,7 +244,7 @@ class Scene:
     # ---- contacts
     @property
     def n(self) -> int:
-        """Contacts."""
+        """How many contacts there are."""
         return len(self.mu)
 
     @property
@@ -251,7 +259,7 @@ class Scene:
 
     @property
     def components(self) -> int:
-        """Force components: three a contact, and the moment of every soft one."""
+        """How many force components there are: three a contact, and the moment of every soft one."""
         return self.kind.components
 
     @property
@@ -289,7 +297,7 @@ class Scene:
 
     @property
     def bias_torque_or_zero(self) -> Array:
-        """(nv,) `bias_torque` [N·m], or zeros."""
+        """The joint torque (nv,) borne beside Jᵀf [N·m]: `bias_torque`, or zeros where there is none."""
         if self.bias_torque is None:
             return np.zeros(0 if self.mechanism is None else len(self.mechanism.names))
         return self.bias_torque
@@ -374,7 +382,7 @@ class Scene:
 
     @property
     def units(self) -> GraspGeometry:
-        """Natural units: force, length and motion of `geometry`, and the centre that twists refer to."""
+        """The natural units of force, length and motion, and the centre that twists refer to."""
         return self._geometry_and_blocks[0]
 
     @lazy_property

@@ -103,7 +103,8 @@ class DiagnosisText:
         return f"{cannot}, although {names[0] if len(names) == 1 else 'every finger'} squeezes the object"
 
     def motion(self, twist: Array, slide: str, turn: str) -> str:
-        """Describe a motion: "slides out along (0, 0, -1)", "turns about (1, 0, 0) through (0, 0, 0.1) m", or a screw.
+        """Describe a motion of the object in words: "slides out along (0, 0, -1)", "turns about (1, 0, 0) through (0,
+        0, 0.1) m", or a screw.
 
         twist (6,) m, rad. A motion is a translation when no contact notices its turn, and a turn about an axis when the
         points of that axis stay where they are, both within a thousandth.

@@ -454,8 +454,10 @@ def solve_to_fixed_point(
     start: Array = NO_START,
     proof: bool = True,
 ) -> GraspSolution:
-    """As `solve_in_stages`; scene : of the unloaded fingers. The trace ends with how the iteration went. What is
-    said of uniqueness holds for the last E.
+    """Solve again and again, each time with what force-dependent effects add under the last forces, until these stay.
+
+    scene : of the unloaded fingers; the other arguments as in `solve_in_stages`. The trace ends with how the iteration
+    went. What is said of uniqueness holds for the last E.
     """
     forces, solution, where = np.zeros((scene.n, 3)), None, start
     if len(start):
