@@ -21,9 +21,8 @@ from handlcp.errors import InputError, UnknownName, WrongCall, shorten_repr
 from handlcp.tolerances import MAX_NUMBER, SEMIDEFINITE_TOLERANCE, SYMMETRY_TOLERANCE
 
 _FLOAT = np.dtype(float)
-_UNIT_LENGTH_TOLERANCE = (
-    1e-3  # a normal off by less was rounded or computed, and is normalised; by more, it is a mistake
-)
+# A normal off by less was rounded or computed, and is normalised; by more, it is a mistake
+_UNIT_LENGTH_TOLERANCE = 1e-3
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -37,14 +36,6 @@ def read_only(a: Array) -> Array:
     """Switch writing to an array off, and return it."""
     a.setflags(write=False)
     return a
-
-
-_EMPTY_ARRAY = read_only(np.zeros(0))
-
-
-def empty_array() -> Array:
-    """An empty read-only array (0,), the default of fields that most scenes leave empty."""
-    return _EMPTY_ARRAY
 
 
 def freeze_arrays(state: dict[str, Any]) -> dict[str, Any]:

@@ -32,9 +32,8 @@ from handlcp.robot.fingertip import SweptBall, TipShape
 SAME_CORNER_DISTANCE = 1e-4  # [m] corners nearer to each other are one
 _SHAPES_WITH_CORNERS = coal.Box, coal.Cylinder, coal.ConvexBase
 _TILT_ANGLES = 0.05, 0.06  # [rad]
-_CORNER_SHIFT_TOLERANCE = (
-    2e-5  # [m] as far as the nearest point of a corner moves between them, by rounding of distances at a rim
-)
+# [m] as far as the nearest point of a corner moves between them, by rounding of distances at a rim
+_CORNER_SHIFT_TOLERANCE = 2e-5
 _FIRST_ANGLE = 0.7  # [rad] where counting round begins: corners of boxes are elsewhere
 
 CORNER_BALL_RADIUS = 1e-4  # [m] radius of the ball that stands for a corner, and of edges

@@ -106,9 +106,8 @@ def find_flush_contact(
 # turn that is sharper than what the fingers can follow has no step that leads on.
 
 
-_DIFFERENCE_STEP = (
-    2e-3  # of the object's size: differences of detected contacts, whose points are good to a millionth or less
-)
+# Of the object's size: differences of detected contacts, whose points are good to a millionth or less
+_DIFFERENCE_STEP = 2e-3
 _MAX_NORMAL_TURN = 300.0  # [1/m] how fast a normal turns at an edge at most
 # Of an edge's normals on either side: they differ by this much, or from the one between them by this share more on one
 # side than on the other

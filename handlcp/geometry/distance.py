@@ -335,9 +335,8 @@ _DISTANCE_TOLERANCE, _POINT_TOLERANCE, _OVERLAP_TOLERANCE = (
 )  # of the smaller shape's size: distances, points; what own ones aim for
 _SEPARATION_SHARES = 1e-5, 1e-4, 1e-3  # of the smaller shape's size: how far touching shapes are moved apart
 _NORMAL_LENGTH_TOLERANCE = 1e-6  # how far from 1 the length of coal's normal may be
-_MIN_DISTANCE_ERROR = (
-    5e-7  # [m] what a distance may always be wrong by: normals of shapes that nearly touch are no better
-)
+# [m] what a distance may always be wrong by: normals of shapes that nearly touch are no better
+_MIN_DISTANCE_ERROR = 5e-7
 
 
 def signed_distance(first: Any, at: Frame, second: Any, there: Frame, names: tuple[Any, Any]) -> Distance:

@@ -39,9 +39,8 @@ from handlcp.robot.hand_model import HandModel, HandPosture
 from handlcp.robot.kinematics import contact_jacobian
 
 _MIN_BEND_COSINE = np.cos(np.pi / 4)
-_MIN_APPROACH_SHARE = (
-    0.05  # of its speed: a tip that nears the object more slowly does not say which way a finger bends
-)
+# Of its speed: a tip that nears the object more slowly does not say which way a finger bends
+_MIN_APPROACH_SHARE = 0.05
 _TOUCH_TOLERANCE = 1e-6  # [m]
 _MIN_TIME_STEP = 1e-5  # of a unit of time: no step is shorter, and a step too far is taken back
 _SLIDE_PER_RADIAN = 0.05  # [m] that a joint that slides moves while others turn by a radian
@@ -264,9 +263,8 @@ class _WrapClosing:
 MAX_JOINT_STEP = 0.15  # of a joint in one iteration [rad, m]
 MAX_ITERATIONS = 400
 MAX_STALLED_ITERATIONS = 60  # iterations without progress before a finger counts as stuck
-MIN_APPROACH_RATE = (
-    1e-6  # [m/rad] if all joints of a finger move its tip along the surface only, they are bent by NUDGE
-)
+# [m/rad] if all joints of a finger move its tip along the surface only, they are bent by NUDGE
+MIN_APPROACH_RATE = 1e-6
 DEAD_POINT_NUDGE = 0.05  # [rad, m]
 
 

@@ -296,9 +296,8 @@ def sticking_response(spec: GraspSpec, gripped: Callable[[GraspSpec, Array], Gra
 
 _CONE_FACES = 16  # faces of a friction cone in a tangent plane
 _LIMIT_SURFACE_FACES = 64  # faces of a soft finger's limit surface
-_GRIP_WEIGHT = (
-    1e-6  # weight of the grip's sum and of its largest: among grips with the same torques the gentlest, evenly
-)
+# Weight of the grip's sum and of its largest: among grips with the same torques the gentlest, evenly
+_GRIP_WEIGHT = 1e-6
 
 
 def minimise_grip(

@@ -170,9 +170,8 @@ def _replace_command(spec: GraspSpec, command: Array) -> GraspSpec:
 # plane by θ, depth and normal force are reached all the same, with s tan θ or f tan θ sideways in the plane. d are the
 # offsets that the fingers stand off by: a gap that is left, and the sag under their own weight.
 
-MIN_REACH_SHARE = (
-    1e-2  # directions in which the joints move the tips less than this share of their best are out of reach
-)
+# Directions in which the joints move the tips less than this share of their best are out of reach
+MIN_REACH_SHARE = 1e-2
 _MAX_SQUEEZE = 0.1  # [m] no hand squeezes deeper: what is more was not given in metres
 _MIN_NORMAL_SUM = 0.5  # of their number: normals whose sum is shorter say no way out
 _MAX_MISSED_SHARE = 0.5  # of an overlap: where joints miss more of it than that, they are not what made it

@@ -17,9 +17,8 @@ from handlcp.read_file import MAX_MESH_BYTES, ElementCounter, InputErrorClass, r
 
 MESH_SUFFIXES = (".stl", ".obj", ".dae", ".ply")
 MESH_FILE_EXPECTED = "an STL, OBJ, DAE or PLY file"
-_MAX_NODE_COPIES = (
-    10_000  # nodes and geometries of a Collada scene, each counted as often as it stands there: 5 kB each
-)
+# Nodes and geometries of a Collada scene, each counted as often as it stands there: 5 kB each
+_MAX_NODE_COPIES = 10_000
 _MATERIAL_LINE = re.compile(rb"^\s*mtllib\s+(.*?)\s*$", re.MULTILINE)
 _INTEGER_TAGS = ("p", "v", "h", "vcount", "int_array")  # elements of Collada whose text is whole numbers
 _REAL_TAGS = (

@@ -14,9 +14,8 @@ from handlcp.read_file import MAX_MESH_BYTES, MAX_XML_BYTES, parse_xml, read_byt
 MAX_BUILT_ELEMENTS = 10_000  # elements, those that are replicated counted each time; real hands have some hundred
 _MAX_PIXELS = 100_000_000  # of all textures together: 300 MB
 _MAX_HEIGHTS = 10_000_000  # of all height fields together
-_MAX_LENGTHRANGE_STEPS = (
-    10_000  # of the simulation that measures the length of an actuator; MuJoCo's own number is 1000
-)
+# Of the simulation that measures the length of an actuator; MuJoCo's own number is 1000
+_MAX_LENGTHRANGE_STEPS = 10_000
 _MAX_INCLUDE_DEPTH = 20  # files that include each other
 _REPLICATING_TAGS = ("replicate", "composite", "flexcomp")  # count : how often
 _FILE_TAGS = ("mesh", "hfield", "texture", "skin", "flexcomp")

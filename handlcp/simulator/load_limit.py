@@ -101,9 +101,8 @@ def relative_motion(before: Array, after: Array) -> Array:
 
 # ----------------------------------------------------------------
 
-_MAX_STAGE_SECONDS = (
-    6.0  # [s] of each stage before the load grows, at most: friction follows within 0.1 s, see `friction_time`
-)
+# [s] of each stage before the load grows, at most: friction follows within 0.1 s, see `friction_time`
+_MAX_STAGE_SECONDS = 6.0
 _MAX_DRAG_SHARE = 0.0025  # of the load: what damping of the object may take up while it grows
 _RANGE_END_TOLERANCE = 1e-4  # [rad, m] as near to the end of its range a joint stands there
 _FINAL_REST_SECONDS = 0.5  # [s] that an object has to stay under the largest factor

@@ -146,9 +146,8 @@ def _solve_from_row(
 
 # ---- on this machine
 _TRIAL_SECONDS = 0.25  # seconds of later stages that are done here before anybody asks how long the rest will take [s]
-_MIN_PROCESS_SECONDS = (
-    2.0  # seconds that the rest has to take: another process needs one to import the package and load kernels [s]
-)
+# Seconds that the rest has to take: another process needs one to import the package and load kernels [s]
+_MIN_PROCESS_SECONDS = 2.0
 _SHARD_SECONDS = 0.25  # seconds of work that travel together: long beside the way there and back, short at the end [s]
 _SHARDS_PER_PROCESS = 2  # shards on their way for each process, so that it need not wait for this one
 

@@ -21,9 +21,8 @@ from typing import Any
 from handlcp.lcp.compiler import compile_policy
 
 _ONE_THREAD_ENVIRONMENT = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-_REPLACED_WARNING = (
-    "A worker stopped while some jobs were given"  # loky's, of a process that it replaces, such as a large one
-)
+# Loky's, of a process that it replaces, such as a large one
+_REPLACED_WARNING = "A worker stopped while some jobs were given"
 _PARENT_CHECK_SECONDS = 1.0  # between two looks whether this program is still there [s]
 
 

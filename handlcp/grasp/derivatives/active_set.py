@@ -185,9 +185,8 @@ def solve_inverse(A: Array, B: Array, least: float) -> tuple[Array, bool]:
 
 
 _CONSISTENCY_TOLERANCE = 1e-8  # of a right-hand side: what is missed by less is met
-_OPEN_SINGULAR_SHARE = (
-    1e-10  # of the largest singular value: forces and motions that smaller ones determine are left open
-)
+# Of the largest singular value: forces and motions that smaller ones determine are left open
+_OPEN_SINGULAR_SHARE = 1e-10
 
 
 def linear_laws(scene: Scene, limits: Array, rows: Array, gives: Bools) -> LinearLaws:

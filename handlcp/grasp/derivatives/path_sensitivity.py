@@ -65,9 +65,8 @@ def _format_number(x: float) -> str:
 # ----------------------------------------------------------------
 
 _MAX_SIDE_GAP = 0.1  # of the larger side: where they differ by more, there is no derivative
-_ROUGHNESS_SHARE = (
-    1e-3  # of the largest entry of a quantity: entries that differ by less differ by the roughness of the path
-)
+# Of the largest entry of a quantity: entries that differ by less differ by the roughness of the path
+_ROUGHNESS_SHARE = 1e-3
 _ROUNDING_SHARE = 1e-10  # of a quantity, which a difference divides by the step
 _ALL_PREFIX = "all_"
 

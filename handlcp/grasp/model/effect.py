@@ -185,9 +185,8 @@ _LAW_METHODS = ("unknowns", "stamp", "opening", "residual")  # what an effect wi
 FOLLOWED_LOADINGS = "followed loadings alone"  # which answers count an effect that not all of them do
 ONE_SOLVE = "one solve alone"
 
-_MAX_KEPT_EFFECTS = (
-    16  # effects whose limits a scene keeps: a grasp has few, and who tries many others on it piles up nothing
-)
+# Effects whose limits a scene keeps: a grasp has few, and who tries many others on it piles up nothing
+_MAX_KEPT_EFFECTS = 16
 _KINDS: dict[tuple[str, str], type[Effect]] = {}
 
 

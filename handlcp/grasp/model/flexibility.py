@@ -126,9 +126,8 @@ def stored_flexibility(of: Any) -> Array | Flexibility:
 # All is done for contacts that are coupled, a finger at a time, in units in which each contact gives way by one.
 
 
-MIN_CONTACTS_TO_FACTOR = (
-    30  # contacts from which on a factor is looked for: of fewer there is often no telling which it is
-)
+# Contacts from which on a factor is looked for: of fewer there is often no telling which it is
+MIN_CONTACTS_TO_FACTOR = 30
 _NO_COUPLING = 1e-12  # of the largest: no coupling
 _MIN_COMPLIANCE_SHARE = 1e-10  # of the largest: no direction, and the least that a pad gives way
 _REPEAT_PIVOT_SHARE = 0.1  # a pivot of contacts that had one before, so that many are left whose blocks follow

@@ -25,9 +25,8 @@ def kernel(function: F) -> F:
 
 # ----------------------------------------------------------------
 
-_PIVOT_SHARE = (
-    0.1  # a pivot this share of its column's largest entry will do: growth stays small, and rows keep their zeros
-)
+# A pivot this share of its column's largest entry will do: growth stays small, and rows keep their zeros
+_PIVOT_SHARE = 0.1
 
 
 @kernel

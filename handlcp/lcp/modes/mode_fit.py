@@ -182,9 +182,8 @@ def write_rest(a: ActiveColumns) -> float:
 _FIT_TOLERANCE = 1e-11  # of |b|: what is left may be rounding
 _ORTHOGONAL_TOLERANCE = 1e-13  # of |r|: a generator that reaches less far along the rest counts as orthogonal to it
 _TIE_FACTOR = 1.0 + 1e-9  # of two that reach equally far the first is taken, whatever rounding says
-_MIN_COLUMN_LENGTH = (
-    1e-11  # a column this short is rounding: the object's own motion makes such slips without any force
-)
+# A column this short is rounding: the object's own motion makes such slips without any force
+_MIN_COLUMN_LENGTH = 1e-11
 _MAX_COLUMN_CHANGES = 20  # changes of the active columns, in numbers of equations; a dozen in all is usual
 
 

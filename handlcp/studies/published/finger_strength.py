@@ -114,9 +114,8 @@ _CELL_EDGE = 0.02  # [m] edge of the load cell; its face is where the tip is hig
 _CELL_DISTANCE = 1.0  # [m] at which the cell begins, before it comes to the tip
 _LIMIT_TOLERANCE = 1e-9  # relative, to which the limit is reached
 _MAX_ROUNDS = 64  # tendons with a pretension come nearer by that share of their limit in each
-_MIN_TIP_MOTION = (
-    1e-6  # of the joints' levers: a tip that moves by less when its joints bend has no direction of its own
-)
+# Of the joints' levers: a tip that moves by less when its joints bend has no direction of its own
+_MIN_TIP_MOTION = 1e-6
 
 
 @check_call()

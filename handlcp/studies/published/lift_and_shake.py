@@ -148,9 +148,8 @@ LIFT_HEIGHT, LIFT_TIME = 0.2, 1.0  # [m], [s]
 AMPLITUDE, FREQUENCY, SHAKE_TIME = 0.02, 2.0, 2.0  # [m], [1/s], [s]
 ALLOWED_SLIP = 0.03  # [m] that the object may slip while it is shaken
 _GRAVITY = 9.81
-_SEARCH_WEIGHT_SHARE = (
-    0.25  # of the weight, under which grasps are looked for: each plans its grip with a part of the friction
-)
+# Of the weight, under which grasps are looked for: each plans its grip with a part of the friction
+_SEARCH_WEIGHT_SHARE = 0.25
 _MAX_GRASPS = 3  # grasps that are lifted, until one of them holds
 _MAX_ROUNDS = 4  # in which the grip comes within the torque limits of the whole path
 _TORQUE_MARGIN = 1e-6  # relative, by which it then stays below them

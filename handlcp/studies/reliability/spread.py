@@ -43,9 +43,8 @@ from handlcp.hand.vary.vary import ARGUMENT_NUMBERS, hand_number, hand_numbers, 
 MAX_CUT_CHANCE = 1e-6  # chance of impossible values that is cut off; a distribution with more of them is refused
 HAND_NUMBER = "number"  # what the parameter of a number of the hand is called
 _PLACE_PARAMETERS = "positions", "posture"
-MAX_RELATIVE_SPREAD = (
-    100.0  # times the distance from the mean to the least possible value: no standard deviation may be larger
-)
+# Times the distance from the mean to the least possible value: no standard deviation may be larger
+MAX_RELATIVE_SPREAD = 100.0
 _QUANTILE_GRID = (np.arange(16) + 0.5) / 16  # quantiles that tell two distributions apart
 
 

@@ -200,9 +200,8 @@ def environment_bodies(grasp: Grasp) -> list[Body]:
 # and the fingertip shapes that find contacts, where they are not what is drawn.
 
 _ROD_RADIUS = 0.03  # radius of a stick, in sizes of the stick figure
-_MAX_TIP_DISTANCE = (
-    0.03  # of the grasp's size: a contact farther than this from what is drawn of the hand needs its fingertip
-)
+# Of the grasp's size: a contact farther than this from what is drawn of the hand needs its fingertip
+_MAX_TIP_DISTANCE = 0.03
 
 
 def hand_bodies(state: HandState) -> list[Body]:

@@ -76,9 +76,8 @@ MAX_HAND_REACH, CUT_DISTANCE = (
     2.5,
 )  # a hand that reaches farther from the object than FAR times its radius is cut at NEAR times
 FADE_DISTANCE = 0.3  # radii of the object between it and where the hand begins to fade
-MAX_LOAD_CLEARANCE = (
-    0.25  # sizes of the grasp: arrows that are this far apart are not nearer to each other than they need to be
-)
+# Sizes of the grasp: arrows that are this far apart are not nearer to each other than they need to be
+MAX_LOAD_CLEARANCE = 0.25
 VISIBILITY_WEIGHT = 0.9  # what it is worth to see all of the object
 SCALES_HEIGHT, TOP_MARGIN = 0.62, 0.12  # inches for the scales below, and of air above
 WORLD_UP = np.array([0.0, 0.0, 1.0])
