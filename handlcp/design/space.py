@@ -16,6 +16,7 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+import scipy
 
 from handlcp.check import Array, check_array, check_flag, check_integer, check_keys, check_number, read_only
 from handlcp.errors import InputError, UnknownName
@@ -164,20 +165,16 @@ class Space:
 
     def sobol(self, samples: int, seed: int = 0) -> Array:
         """The first n points (n, d) of a scrambled Sobol sequence. Raises InputError."""
-        from scipy.stats import qmc  # a second of import that a grid does not pay
-
         n = _check_samples(samples)
-        whole = qmc.Sobol(len(self), scramble=True, seed=check_integer("seed", seed, 0)).random_base2(
+        whole = scipy.stats.qmc.Sobol(len(self), scramble=True, seed=check_integer("seed", seed, 0)).random_base2(
             (n - 1).bit_length()
         )
         return np.array(whole[:n])
 
     def lhs(self, samples: int, seed: int = 0) -> Array:
         """A Latin hypercube of n points (n, d): each of n equal parts of each coordinate has one. Raises InputError."""
-        from scipy.stats import qmc
-
         n = _check_samples(samples)
-        return np.array(qmc.LatinHypercube(len(self), seed=check_integer("seed", seed, 0)).random(n))
+        return np.array(scipy.stats.qmc.LatinHypercube(len(self), seed=check_integer("seed", seed, 0)).random(n))
 
 
 def _check_samples(samples: Any) -> int:

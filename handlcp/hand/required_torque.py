@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+import scipy
 
 from handlcp.actuation.joint_stiffness import Elasticity
 from handlcp.actuation.tendon_stiffness import TendonStiffness
@@ -308,8 +309,6 @@ def minimise_grip(
     states : under each load. share (nv,) : s [N·m]. pattern (k, p) : the grip is a combination ≥ 0 of these columns.
     bears (n,) : the largest normal force at each contact [N].
     """
-    from scipy.optimize import linprog  # half a second of import that only this question should pay
-
     p = pattern.shape[1]
     unit = max(float(np.linalg.norm(s.scene.geometry.wrench[:3])) for s in states) or 1.0
     above, most = list[Array](), list[Array]()
@@ -330,7 +329,9 @@ def minimise_grip(
     most.append(np.zeros(len(pattern)))
     size = max(float(abs(b).max(initial=0.0)) for b in most) or 1.0
     cost = np.append(np.full(p + 1, _GRIP_WEIGHT), 1.0)
-    found = linprog(cost, np.vstack(above), np.concatenate(most), bounds=[(0.0, None)] * (p + 2), method="highs")
+    found = scipy.optimize.linprog(
+        cost, np.vstack(above), np.concatenate(most), bounds=[(0.0, None)] * (p + 2), method="highs"
+    )
     if found.x is None or not found.x[:p].max(initial=0.0) * unit < 1e6 * size:
         return None
     return np.asarray(pattern @ found.x[:p] * unit)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
+import scipy
 
 from handlcp.check import Array, Bools, check_array, check_number, read_only
 from handlcp.errors import InputError
@@ -96,12 +97,10 @@ def farkas_vector(problem: LCP) -> Array | None:
 
     A linear program over the box |y| ≤ 1 minimises qᵀy; its sign pattern is what counts, not its status.
     """
-    from scipy.optimize import linprog  # half a second of import that only a failed solve should pay
-
     s = problem.scaled
     signed, equal = s.M.T[~s.free], s.M.T[s.free]
     bounds = np.column_stack([np.where(s.free, -1.0, 0.0), np.ones(problem.n)])
-    lp = linprog(s.q, signed, np.zeros(len(signed)), equal, np.zeros(len(equal)), bounds, method="highs")
+    lp = scipy.optimize.linprog(s.q, signed, np.zeros(len(signed)), equal, np.zeros(len(equal)), bounds, method="highs")
     if lp.x is None:
         return None
     y = np.where(s.free, lp.x, np.maximum(lp.x, 0.0)) / s.units.w

@@ -13,6 +13,7 @@ from typing import Any
 
 import coal
 import numpy as np
+import scipy
 
 from handlcp.check import Array, Ints, read_only
 from handlcp.errors import missing_library
@@ -68,9 +69,7 @@ def _to_coal_points(points: Array) -> Any:
 
 def _hull_with_few_neighbours(points: Array) -> Any:
     """The hull with lids in strips of triangles, and without vertices that even so have too many neighbours."""
-    from scipy.spatial import ConvexHull  # a tenth of a second that few meshes should pay
-
-    faces = _split_in_strips(points, ConvexHull(points))
+    faces = _split_in_strips(points, scipy.spatial.ConvexHull(points))
     edges = np.unique(np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
     corners, count = np.unique(edges, return_counts=True)
     if (many := corners[count > _MAX_NEIGHBOURS]).size:
@@ -81,7 +80,7 @@ def _hull_with_few_neighbours(points: Array) -> Any:
             axis = to.mean(axis=0)
             kept.append(points[corner] + _VERTEX_CUT_SHARE * to[_order_around(to, axis)][::_NEIGHBOURS_PER_CUT])
         points = np.concatenate(kept)
-        faces = _split_in_strips(points, ConvexHull(points))
+        faces = _split_in_strips(points, scipy.spatial.ConvexHull(points))
     used, faces = np.unique(faces, return_inverse=True)
     triangles = coal.StdVec_Triangle()
     for a, b, c in faces.reshape(-1, 3).tolist():

@@ -9,6 +9,7 @@ from typing import Any
 import coal
 import numpy as np
 import pinocchio as pin
+import scipy
 
 from handlcp.check import Array, read_only
 from handlcp.robot.joint import Doubt
@@ -78,9 +79,7 @@ def _read_whole_mesh(file: Path, scale: Array) -> CompiledMesh | None:
 
 def _has_corners(file: Array, compiled: Array) -> bool:
     """Whether each of corners (k, 3) is among those of a file (m, 3)."""
-    from scipy.spatial import cKDTree  # a tenth of a second that few meshes should pay
-
-    away = cKDTree(file).query(compiled)[0]
+    away = scipy.spatial.cKDTree(file).query(compiled)[0]
     return bool(away.max() <= _EQUAL_CORNER_SHARE * np.ptp(file, axis=0).max())
 
 

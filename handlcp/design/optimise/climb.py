@@ -16,6 +16,7 @@ from contextlib import suppress
 from typing import Any
 
 import numpy as np
+import scipy
 
 from handlcp.check import Array
 from handlcp.design.brief import Brief
@@ -117,8 +118,6 @@ class _Round:
 
     def solve(self, box: float) -> None:
         """See points, of which `found` is then the best."""
-        from scipy.optimize import minimize
-
         start, scale = self.u0[self.at], abs(self.least)
         low, high = np.maximum(start - box, 0.0), np.minimum(start + box, 1.0)
         there = self.point(start)
@@ -141,7 +140,7 @@ class _Round:
             return np.array(rows)
 
         with suppress(_Close):
-            minimize(
+            scipy.optimize.minimize(
                 lambda x: -x[-1], np.append(start, min(there.terms.values()) / scale),
                 jac=lambda x: -np.eye(len(x))[-1],
                 bounds=[*zip(low, high, strict=True), (None, None)], method="SLSQP",

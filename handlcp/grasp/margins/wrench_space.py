@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy
 
 from handlcp.check import Array, read_only
 from handlcp.contact.friction import Cone, Interval, Pyramid, Section
@@ -88,11 +89,9 @@ def _test_closure(F: Array, W: Array) -> tuple[Array | None, Array | None]:
     rank = int((s > RANK_TOLERANCE * s.max(initial=0.0)).sum())
     if rank < dof:
         return None, _plain_motion(u[:, rank:])
-    from scipy.optimize import linprog  # half a second of import that few grasps should pay
-
     g, size = W.shape[1], np.sqrt((W * W).sum(axis=0))
     # The widest least share s: a = s + b, b ≥ 0, W a = 0, mean of a is one
-    lp = linprog(
+    lp = scipy.optimize.linprog(
         np.append(np.zeros(g), -1.0),
         A_eq=np.vstack([np.column_stack([W, W.sum(axis=1)]), np.append(np.ones(g), g)]),
         b_eq=np.append(np.zeros(dof), g),
@@ -104,7 +103,7 @@ def _test_closure(F: Array, W: Array) -> tuple[Array | None, Array | None]:
         a = a - np.linalg.pinv(W) @ (W @ a)  # balance to the last bit
         if a.min() > 0.0:
             return F @ (a / a.sum()), None
-    lp = linprog(
+    lp = scipy.optimize.linprog(
         -(W / size).sum(axis=1),
         A_ub=-(W / size).T,
         b_ub=np.zeros(g),
@@ -312,8 +311,6 @@ class _ConvexHull:
         self._make()
 
     def _make(self) -> None:
-        from scipy.spatial import ConvexHull  # a tenth of a second that few grasps should pay
-
         P = self._points
         self._facets: tuple[Array, Array]
         if len(P) == 1:
@@ -322,9 +319,9 @@ class _ConvexHull:
             self.volume = float(P.max() - P.min())
             return
         try:
-            hull = ConvexHull(P.T, qhull_options="Qt Q12" if len(P) < 5 else "Qx Qt Q12")
+            hull = scipy.spatial.ConvexHull(P.T, qhull_options="Qt Q12" if len(P) < 5 else "Qx Qt Q12")
         except _qhull_error():
-            hull = ConvexHull(P.T, qhull_options="QJ")  # joggled by rounding's size
+            hull = scipy.spatial.ConvexHull(P.T, qhull_options="QJ")  # joggled by rounding's size
         self._facets = hull.equations[:, :-1], np.maximum(-hull.equations[:, -1], 0.0)
         self.volume = float(hull.volume)
 
@@ -346,6 +343,4 @@ class _ConvexHull:
 
 
 def _qhull_error() -> Any:
-    from scipy.spatial import QhullError
-
-    return QhullError
+    return scipy.spatial.QhullError

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import scipy
 
 from handlcp import words
 from handlcp.check import Array, Bools, check_array, read_only
@@ -96,13 +97,11 @@ def _outer_bound(value: float, gap: float) -> tuple[float, float]:
 
 def _solve_linear(program: ConicPrograms) -> tuple[float, float, Array] | None:
     """(value, gap, y) of a linear program; None: no end was found, and the other method proves that there is none."""
-    from scipy.optimize import linprog  # half a second of import that only open forces should pay
-
     asked = {"primal_feasibility_tolerance": _HIGHS_TOLERANCE, "dual_feasibility_tolerance": _HIGHS_TOLERANCE}
     G, h = program.G, program.h[0]
     if not len(G):
         return np.inf, 0.0, np.zeros(0)
-    found = linprog(program.c, G, h, bounds=(None, None), method="highs", options=asked)
+    found = scipy.optimize.linprog(program.c, G, h, bounds=(None, None), method="highs", options=asked)
     if found.status != 0:
         return None
     status, gap, _ = assess_end(program, 0, found.x, np.zeros(0), -found.ineqlin.marginals, h - G @ found.x)

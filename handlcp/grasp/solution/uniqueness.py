@@ -12,6 +12,7 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 
 from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.contact.friction import Section, limit_set
@@ -95,13 +96,11 @@ def _cone_span(D: Array) -> Array:
     One linear program finds every row that is 0 throughout: the largest Σ t with D c ≥ t, 0 ≤ t ≤ 1, has t = 1 for the
     others, because the cone holds the sum of its members. Without an answer no row is called 0.
     """
-    from scipy.optimize import linprog  # half a second of import that only degenerate, loose scenes should pay
-
     D = D[abs(D).max(axis=1) > 1e-9]
     rows, k = D.shape
     bounds = [(-_PROGRAM_BOUND, _PROGRAM_BOUND)] * k + [(0.0, 1.0)] * rows
     most, within = np.append(np.zeros(k), -np.ones(rows)), np.hstack([-D, np.eye(rows)])
-    found = linprog(most, within, np.zeros(rows), bounds=bounds, method="highs").x
+    found = scipy.optimize.linprog(most, within, np.zeros(rows), bounds=bounds, method="highs").x
     _, sv, Vt = np.linalg.svd(D[:0] if found is None else D[found[k:] < 0.5])
     return Vt[int((sv > 1e-9).sum()) :].T
 
@@ -243,10 +242,8 @@ def minimum_norm_candidate(
 
 def _least_distance(A: Array, h: Array) -> Array | None:
     """The smallest y with A y ≥ h; None: there is none."""
-    from scipy.optimize import nnls  # half a second of import that only loose scenes should pay
-
     if not len(A):  # scipy's nnls crashes without columns
         return np.zeros(A.shape[1])
     E, e = np.vstack([A.T, h]), np.append(np.zeros(A.shape[1]), 1.0)
-    r = e - E @ nnls(E, e)[0]
+    r = e - E @ scipy.optimize.nnls(E, e)[0]
     return -r[:-1] / r[-1] if r[-1] > 0.0 else None

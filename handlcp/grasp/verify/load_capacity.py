@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 
 from handlcp.check import Array, Ints, read_only
 from handlcp.contact.friction import Cone, Section, limit_set
@@ -44,11 +45,11 @@ def escape_in_si(scene: Scene, t: Array) -> Array:
 
 def _escape_vertex(scene: Scene, section: Section) -> Array | None:
     """A linear program's vertex keeps every sign, but is an arbitrary one of the motions in which it escapes."""
-    from scipy.optimize import linprog  # half a second of import that few failed solves should pay
-
     load, (_, W) = scene.natural.w, edge_forces(scene, section)
     W = W if W.size else np.zeros((scene.dof, 1))
-    lp = linprog(-load, A_ub=-W.T, b_ub=np.zeros(W.shape[1]), bounds=[(-1.0, 1.0)] * scene.dof, method="highs")
+    lp = scipy.optimize.linprog(
+        -load, A_ub=-W.T, b_ub=np.zeros(W.shape[1]), bounds=[(-1.0, 1.0)] * scene.dof, method="highs"
+    )
     return escape_in_si(scene, lp.x) if lp.x is not None and is_escape(scene, section, lp.x) else None
 
 
@@ -71,13 +72,11 @@ def is_escape(scene: Scene, section: Section, proof: Array, effects: tuple[Effec
 
 def least_normal_sum(scene: Scene, section: Section) -> float | None:
     """Least sum of the fingers' unknown normal forces [N] with which friction balances the load; None: none does."""
-    from scipy.optimize import linprog
-
     F, W = edge_forces(scene, section)
     if not W.size:
         return None
     normals = F[2 : 3 * (scene.n - scene.environment) : 3]  # each generator has a normal force of one, its finger's
-    lp = linprog(normals.sum(axis=0), A_eq=W, b_eq=-scene.natural.w, method="highs")
+    lp = scipy.optimize.linprog(normals.sum(axis=0), A_eq=W, b_eq=-scene.natural.w, method="highs")
     return None if lp.x is None else float(lp.fun) * scene.units.force_unit
 
 
@@ -86,14 +85,14 @@ def is_jammed(scene: Scene) -> bool:
     m = len(scene.kind.normal_index)
     if scene.kind.flexible or not m:
         return False
-    from scipy.optimize import linprog
-
     G, d = scene.natural.G[:, :m], scene.natural.d[:m]
     # The widest least gap g: gaps Gᵀu + d ≥ g
     A = np.column_stack([-G.T, np.ones(len(d))])
     size = float(abs(d).max())
     free: list[tuple[float | None, float | None]] = [(None, None)] * scene.dof
-    lp = linprog(np.append(np.zeros(scene.dof), -1.0), A_ub=A, b_ub=d, bounds=[*free, (None, size)], method="highs")
+    lp = scipy.optimize.linprog(
+        np.append(np.zeros(scene.dof), -1.0), A_ub=A, b_ub=d, bounds=[*free, (None, size)], method="highs"
+    )
     return lp.x is not None and float(lp.x[-1]) < -CERTIFY_TOLERANCE * size
 
 
@@ -184,7 +183,6 @@ def solve_conic(programs: ConicPrograms) -> ConicEnds:
 def _proposals(programs: ConicPrograms) -> Iterator[tuple[int, Array, Array, Array, Array]]:
     """(k, x, y, z, s) of every program, as Clarabel leaves them."""
     import clarabel  # a tenth of a second, with sparse matrices, that only bounds should pay
-    from scipy import sparse
 
     e, m, cones = programs.A.shape[1], len(programs.G), programs.cones
     kinds: list[Any] = [clarabel.ZeroConeT(e)] if e else []
@@ -194,9 +192,9 @@ def _proposals(programs: ConicPrograms) -> Iterator[tuple[int, Array, Array, Arr
     settings.verbose, settings.max_threads = False, 1
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = _ASKED_GAP
     settings.tol_infeas_abs = settings.tol_infeas_rel = 1e-3 * _PROOF_TOLERANCE  # its measure is another one
-    none = sparse.csc_matrix((len(programs.c), len(programs.c)))
+    none = scipy.sparse.csc_matrix((len(programs.c), len(programs.c)))
     for k in range(len(programs.A)):
-        rows = sparse.csc_matrix(np.concatenate([programs.A[k], programs.G]))
+        rows = scipy.sparse.csc_matrix(np.concatenate([programs.A[k], programs.G]))
         right = np.concatenate([programs.b[k], programs.h[k]])
         found = clarabel.DefaultSolver(none, programs.c, rows, right, kinds, settings).solve()
         x, z, s = (np.asarray(a, dtype=np.float64) for a in (found.x, found.z, found.s))
@@ -246,10 +244,8 @@ def prove_overload(scene: Scene, section: Section, effects: tuple[Effect, ...]) 
     rows, room = stack_limits(scene, effect_limits(scene, effects))
     if not len(room):
         return None
-    from scipy.optimize import linprog  # half a second of import that only a failed solve should pay
-
     load, (F, W) = scene.natural.w, edge_forces(scene, section)
-    lp = linprog(
+    lp = scipy.optimize.linprog(
         np.append(-load, room),
         A_ub=-np.hstack([W.T, (rows @ F).T]),
         b_ub=np.zeros(W.shape[1]),

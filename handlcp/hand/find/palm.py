@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from itertools import islice
 
 import numpy as np
+import scipy
 
 from handlcp.check import Array, Bools
 from handlcp.geometry.contact_detection import nearest_proximity
@@ -68,11 +69,9 @@ def laid(hand: HandModel, obj: Object, friction: float, seed: int, clear: Callab
     """Placements, those that the hand encloses best first; alike for a seed. friction : a coefficient, roughly.
     clear : whether links keep out of each other in a posture (nv,); those of open hands do.
     """
-    from scipy.stats import qmc  # a second of import that only a search should pay
-
     skin, home = Skin(hand), obj.moved_to(np.zeros(3))
     lower, upper = free_ranges(hand)
-    draws = qmc.Sobol(hand.nv + 11, rng=seed).random(LAID)
+    draws = scipy.stats.qmc.Sobol(hand.nv + 11, rng=seed).random(LAID)
     middle = _Middle(hand, skin, home)
     u, spread, calm = draws[:, :10], draws[:, 10:-1], draws[:, -1:]
     anywhere = lower + spread * (upper - lower)
@@ -171,11 +170,9 @@ class _Middle:
         """Rotations (k, 3, 3) of the object, ways (k, 3) out of the palm on which it comes, and points (k, 3) on them,
         as draws (k, 10) in [0, 1) say.
         """
-        from scipy.spatial.transform import Rotation
-
         out = self.n + u[:, :1] * (self.other - self.n)
         out /= np.maximum(np.linalg.norm(out, axis=1), 1e-12)[:, None]
-        tilts = Rotation.from_rotvec(_TILT * (2.0 * u[:, 1:4] - 1.0)).as_matrix()
+        tilts = scipy.spatial.transform.Rotation.from_rotvec(_TILT * (2.0 * u[:, 1:4] - 1.0)).as_matrix()
         ways = np.einsum("kxy,ky->kx", tilts, out)
         along = self.across - ways * (ways @ self.across)[:, None]
         along /= np.maximum(np.linalg.norm(along, axis=1), 1e-12)[:, None]

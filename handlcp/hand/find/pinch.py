@@ -8,6 +8,7 @@ from itertools import permutations
 from typing import Any
 
 import numpy as np
+import scipy
 
 from handlcp.check import Array
 from handlcp.contact.friction import SoftFinger
@@ -43,11 +44,9 @@ _TURNS[:, :, 2] *= np.linalg.det(_TURNS)[:, None]  # the ways to lay one frame's
 
 def guesses(hand: HandModel, tips: tuple[int, ...], links: Links, obj: Object, keep: int, seed: int) -> list[Place]:
     """The `keep` samples whose fingertips come nearest to touching the object, the nearest first; alike for a seed."""
-    from scipy.stats import qmc  # a second of import that only a search should pay
-
     count = len(tips)
     lower, upper = free_ranges(hand)
-    draws = qmc.Sobol(hand.nv + count + 4, rng=seed).random(SAMPLES)
+    draws = scipy.stats.qmc.Sobol(hand.nv + count + 4, rng=seed).random(SAMPLES)
     joints, weights, rest = np.split(draws, [hand.nv, hand.nv + count], axis=1)
     qs = lower + joints * (upper - lower)
     (frames, middles), ends = links.middles, [end_of(hand, tip) for tip in tips]
@@ -81,13 +80,11 @@ def _laid(arms: Array, weights: Array, draws: Array) -> Array:
     """(m, 3, 3) rotations whose axes are those of the tips' spread, in any order and tilted a little, as draws (m, 4)
     in [0, 1) say. arms (m, k, 3) of the tips, with weights (m, k).
     """
-    from scipy.spatial.transform import Rotation
-
     spread = np.einsum("ki,kix,kiy->kxy", weights, arms, arms)
     axes = np.linalg.eigh(spread)[1]
     axes[:, :, 2] *= np.sign(np.linalg.det(axes))[:, None]
     ways = _TURNS[np.minimum((draws[:, 0] * len(_TURNS)).astype(int), len(_TURNS) - 1)]
-    tilts = Rotation.from_rotvec(_TILT * (2.0 * draws[:, 1:] - 1.0)).as_matrix()
+    tilts = scipy.spatial.transform.Rotation.from_rotvec(_TILT * (2.0 * draws[:, 1:] - 1.0)).as_matrix()
     return np.asarray(axes @ tilts @ ways)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+import scipy
 
 from handlcp.check import Array, Bools
 from handlcp.geometry.distance import bounding_box
@@ -101,8 +102,6 @@ def _beyond_faces(hull: Any) -> Measure:
 
 def _on_grid(parts: Sequence[Measure], low: Array, high: Array) -> Measure:
     """The least of what parts within this box measure, between the points of a grid: as quick for many as for one."""
-    from scipy.ndimage import map_coordinates  # a tenth of a second that few searches should pay
-
     low, high = low - _AROUND, high + _AROUND
     step = (high - low) / (_CELLS - 1)
     ticks = low + step * np.arange(_CELLS)[:, None]
@@ -113,6 +112,8 @@ def _on_grid(parts: Sequence[Measure], low: Array, high: Array) -> Measure:
         points = x.reshape(-1, 3)
         within = np.clip(points, low, high)
         away = np.linalg.norm(points - within, axis=1)
-        return np.asarray(map_coordinates(known, ((within - low) / step).T, order=1) + away).reshape(x.shape[:-1])
+        return np.asarray(scipy.ndimage.map_coordinates(known, ((within - low) / step).T, order=1) + away).reshape(
+            x.shape[:-1]
+        )
 
     return between

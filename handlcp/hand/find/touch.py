@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import coal
 import numpy as np
+import scipy
 
 from handlcp.check import Array
 from handlcp.errors import Unsupported
@@ -46,8 +47,6 @@ class Asked:
 
 def normal_forces(touch: Touch, centre: Array, asked: Asked) -> Array | None:
     """(k,) [N], one for each fingertip; None where none hold the object. centre (3,): its centre of mass [m]."""
-    from scipy.optimize import nnls  # half a second of import that only a search should pay
-
     n = touch.normals
     x = np.eye(3)[np.argmin(abs(n), axis=1)]
     x = x - n * (n * x).sum(axis=1)[:, None]
@@ -65,7 +64,7 @@ def normal_forces(touch: Touch, centre: Array, asked: Asked) -> Array | None:
     base = np.full(W.shape[1], asked.least / edges.shape[1])
     A = np.vstack([_HEAVY * W, np.eye(W.shape[1])])
     try:
-        more, _ = nnls(A, np.append(-_HEAVY * (load + W @ base), -base))
+        more, _ = scipy.optimize.nnls(A, np.append(-_HEAVY * (load + W @ base), -base))
     except RuntimeError:
         return None  # too many iterations
     forces = base + more

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy
 
 from handlcp import words
 from handlcp.check import Array, Ints, check_call, check_integer, check_method_calls, check_number, check_workers
@@ -195,10 +196,8 @@ class Reliability(Record):
 
     def _normal_scores(self, some: Ints) -> Array:
         """(k, d) how many standard deviations of a normal distribution the values of some samples are off."""
-        from scipy.special import ndtri
-
         u = self.blocks.points(0, self.samples)[some]
-        return np.asarray(ndtri(np.clip(u, 1e-9, 1.0 - 1e-9)))
+        return np.asarray(scipy.special.ndtri(np.clip(u, 1e-9, 1.0 - 1e-9)))
 
     def to_frame(self) -> Any:
         """A pandas table with a row for each sample: its values, "word", "margin", and "why_not": why it is UNDECIDED

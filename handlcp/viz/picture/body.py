@@ -10,6 +10,7 @@ from typing import Any
 import coal
 import numpy as np
 import pinocchio as pin
+import scipy
 
 from handlcp.check import Array
 from handlcp.errors import HandLCPError
@@ -90,11 +91,9 @@ def thick_hull(points: Array, thickness: float) -> Array | None:
 
 def convex_hull(points: Array) -> Array | None:
     """The convex hull of points (n, 3), its triangles turned either way; None where they span no volume."""
-    from scipy.spatial import ConvexHull, QhullError  # a quarter of a second that few pictures should pay
-
     try:
-        return np.asarray(points[ConvexHull(points).simplices])
-    except QhullError:
+        return np.asarray(points[scipy.spatial.ConvexHull(points).simplices])
+    except scipy.spatial.QhullError:
         return None
 
 
