@@ -1,11 +1,12 @@
 """Do the tests see it when a line of mechanics is wrong? Sixty lines, each broken in one way, one after the other.
 
     python -m tests.mutants [--only 0 5 9] [--minutes 10]   break each, run the tests of its room, print what was caught
-    python -m tests.mutants pick [--seed 0]                 pick sixty lines anew: `tests/mutants.json`
+    python -m tests.mutants pick [--seed 0]                 pick others of the same room where lines are gone
 
-A mutant is a file, a line as it is, and the line with another sign, factor or comparison. Old lines are found by their
-text, which is there once: in their file or, once that has moved, in the package. Each is tried in a copy of the
-checkout, with nothing compiled, by the test folders of its room, tests that name its module first, until one fails.
+A mutant is a file, a line as it is, and the line with another sign, factor or comparison: `tests/mutants.json`. Old
+lines are found by their text, which is there once: in their file or, once that has moved, in the package. Each is
+tried in a copy of the checkout by the test folders of its room, tests that name its module first, until one fails; a
+line of a file with kernels is tried with nothing compiled.
 """
 
 from __future__ import annotations
@@ -123,21 +124,23 @@ def possible(root: Path, file: str) -> Iterator[Mutant]:
             yield Mutant(room_of(file) or "", file, old, new)
 
 
-def pick(root: Path, seed: int, count: int = COUNT) -> list[Mutant]:
-    """As many of each room as of the others, at random; a line once."""
-    rng, found = random.Random(seed), list[Mutant]()
+def pick(root: Path, seed: int, kept: list[Mutant]) -> list[Mutant]:
+    """Sixty in all, as many of each room as of the others: those kept whose line is still there, others at random."""
+    rng = random.Random(seed)
     by_room: dict[str, list[Mutant]] = {room: [] for room in ROOMS}
     for file in files_of(root):
         by_room[room_of(file) or ""].extend(possible(root, file))
     for every in by_room.values():
         rng.shuffle(every)
-    while len(found) < count and any(by_room.values()):
-        for every in by_room.values():
-            if every and len(found) < count:
-                one = every.pop()
-                if one.old not in {m.old for m in found}:
-                    found.append(one)
-    return found
+    found = [kept[k] if k < len(kept) and place_of(root, kept[k]) else None for k in range(COUNT)]
+    taken = {one.old for one in found if one}
+    for k, one in enumerate(found):
+        others = by_room[list(ROOMS)[k % len(ROOMS)]]
+        while one is None and others:
+            other = others.pop()
+            one = found[k] = None if other.old in taken else other
+        taken |= {one.old} if one else set()
+    return [one for one in found if one]
 
 
 # ---------------------------------------------------------------- running
@@ -174,7 +177,8 @@ def tried(folder: Path, mutant: Mutant, seconds: float) -> str:
         return "GONE"
     kept = place.read_text(encoding="utf-8")
     place.write_text(kept.replace(mutant.old, mutant.new), encoding="utf-8")
-    own = {"PYTHONPATH": str(folder), "HANDLCP_KERNELS": "interpreted", "PYTHONDONTWRITEBYTECODE": "1"}
+    kernels = "interpreted" if "\n@kernel" in kept else "compiled"
+    own = {"PYTHONPATH": str(folder), "HANDLCP_KERNELS": kernels, "PYTHONDONTWRITEBYTECODE": "1"}
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider"]
     try:
         done = subprocess.run(
@@ -197,17 +201,11 @@ def main() -> int:
     parser.add_argument("--only", nargs="+", type=int, help="numbers of mutants")
     parser.add_argument("--minutes", type=float, default=10.0, help="for each at most")
     asked = parser.parse_args()
-    if asked.what == "pick":
-        FILE.write_text(
-            json.dumps(
-                [dict(room=m.room, file=m.file, old=m.old, new=m.new) for m in pick(ROOT, asked.seed)],
-                indent=1,
-                ensure_ascii=False,
-            )
-            + "\n"
-        )
-        return 0
     mutants = [Mutant(**row) for row in json.loads(FILE.read_text(encoding="utf-8"))]
+    if asked.what == "pick":
+        rows = [m._asdict() for m in pick(ROOT, asked.seed, mutants)]
+        FILE.write_text(json.dumps(rows, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+        return 0
     numbers = asked.only or list(range(len(mutants)))
     said = list[str]()
     with tempfile.TemporaryDirectory() as name:
