@@ -76,10 +76,7 @@ def test_a_pinch_holds_up_to_its_friction_limit(faces):
 
 
 def test_planar_scenes_and_prescribed_forces():
-    contacts = [
-        hl.Contact((-1, 0), (1, 0), hl.Coulomb(0.5)),
-        hl.Contact((1, 0), (-1, 0), hl.Coulomb(0.5)),
-    ]
+    contacts = [hl.Contact((-1, 0), (1, 0), hl.Coulomb(0.5)), hl.Contact((1, 0), (-1, 0), hl.Coulomb(0.5))]
     held = hl.Grasp(contacts, (0, -9.0, 0), flexibility=C, preload=1e-3)
     assert searched(held, 8).outcome == "solution"
     assert searched(hl.Grasp(contacts, (0, -11.0, 0), flexibility=C, preload=1e-3), 8).outcome == "none"
