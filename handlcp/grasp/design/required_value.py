@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -116,18 +117,18 @@ def find_least_value(
 
 
 def _search_least(changed: ChangedGrasp, start: float, most: float, tolerance: float, unit: str) -> Required:
-    one = find_least(changed.is_held, start, most, tolerance, too_much=changed.is_too_much)
-    found = Required(one.value, one.fails, False, unit, most, tolerance, one.tried)
-    if one.value is None:
-        return replace(found, hint="" if one.fails is None else changed.path(one.fails).why)
-    found = replace(found, verdict=verdict_word(changed.make(one.value), changed.section))
-    if found.verdict not in (NOT_HELD, UNDECIDED) or changed.is_surely_held(one.value):
+    search = partial(find_least, most=most, tolerance=tolerance, unit=unit, too_much=changed.is_too_much)
+    found = search(changed.is_held, start)
+    if found.value is None:
+        return replace(found, hint="" if found.fails is None else changed.path(found.fails).why)
+    found = replace(found, verdict=verdict_word(changed.make(found.value), changed.section))
+    if found.verdict not in (NOT_HELD, UNDECIDED) or changed.is_surely_held(found.value):
         return found
-    more = find_least(changed.is_surely_held, one.value, most, tolerance, too_much=changed.is_too_much)
+    more = search(changed.is_surely_held, found.value)
+    checked = (*found.checked, *more.checked)
     if more.value is None:
-        return replace(found, checked=(*one.tried, *more.tried))
-    verdict = verdict_word(changed.make(more.value), changed.section)
-    return replace(found, value=more.value, fails=more.fails, checked=(*one.tried, *more.tried), verdict=verdict)
+        return replace(found, checked=checked)
+    return replace(more, checked=checked, verdict=verdict_word(changed.make(more.value), changed.section))
 
 
 def _limit_force(changed: ChangedGrasp, found: Required, bears: Array) -> Required:
