@@ -358,9 +358,8 @@ def replace_friction(contact: Contact, law: FrictionLaw) -> Contact:
         return contact.with_friction(law)
     if contact.planar:
         return Contact(contact.position[:2], contact.normal[:2], law, None, contact.name)
-    return contact.with_friction(law).with_pose(
-        contact.position, contact_frame(contact.normal, check_array("tangent", law.x_axis, (3,)))
-    )
+    rotation = contact_frame(contact.normal, check_array("tangent", law.x_axis, (3,)))
+    return Contact.from_arrays(contact.position, rotation, law, name=contact.name)
 
 
 def with_changes(asked: RequestT, changes: Mapping[str, Any]) -> RequestT:
