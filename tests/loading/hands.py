@@ -7,11 +7,11 @@ import handlcp as hl
 G = 9.81
 
 
-def cube(squeeze=0.003, **more):
+def cube(squeeze=0.003, friction=0.8, **more):
     """A cube between three fingers, all of which stick."""
     hand = hl.example_hand("three_finger", joint_stiffness=6.0)
     box = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
-    return hand.at(hand.close_on(box)).grasp(box, friction=hl.Coulomb(0.8), squeeze=squeeze, **more)
+    return hand.at(hand.close_on(box)).grasp(box, friction=friction, squeeze=squeeze, **more)
 
 
 def ball(stiffness=6.0, squeeze=0.003, friction=None, mass=0.3, limits=None, **more):
@@ -21,6 +21,15 @@ def ball(stiffness=6.0, squeeze=0.003, friction=None, mass=0.3, limits=None, **m
     sphere = hl.Sphere(0.035, (0, 0, 0.07), mass=mass)
     friction = hl.Coulomb(0.6) if friction is None else friction
     return hand.at(hand.close_on(sphere)).grasp(sphere, friction, gravity=(0, 0, G), squeeze=squeeze, **more)
+
+
+def box_on_a_table():
+    """A box between two fingers that stands on a rigid table; they hang, so that +z is down."""
+    hand = hl.example_hand("two_finger", joint_stiffness=6.0, pad_flexibility=2e-4)
+    box = hl.Box((0.05, 0.05, 0.07), (0, 0, 0.09), mass=0.5)
+    table = hl.Table((0, 0, 0.125), (0, 0, -1), hl.Coulomb(0.4), flexibility=0)
+    state = hand.at(hand.close_on(box))
+    return state.grasp(box, hl.Coulomb(0.8), gravity=(0, 0, G), squeeze=0.002, environment=table)
 
 
 def ends(h):

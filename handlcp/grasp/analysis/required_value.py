@@ -141,10 +141,18 @@ class _LeastSearch:
 
 
 def find_least(
-    holds: HoldsTest, start: float, most: float, tolerance: float, *, unit: str = "", step: float | None = None,
-    floor: float = 0.0, too_much: HoldsTest = lambda x: False, sure: HoldsTest | None = None,
-) -> Required:  # fmt: skip
-    """The least value that holds, to a relative tolerance: value - fails ≤ tolerance · value, or one rounding step.
+    holds: HoldsTest,
+    start: float,
+    most: float,
+    tolerance: float,
+    *,
+    step: float | None = None,
+    floor: float = 0.0,
+    too_much: HoldsTest = lambda x: False,
+    sure: HoldsTest | None = None,
+) -> Required:
+    """The least value that holds, to a relative tolerance: value - fails ≤ tolerance · value, or one rounding step; its
+    unit is the caller's to say.
 
     start : where the search begins, near the answer if that is known. floor, most : the least and the largest tried.
     step : of the first step; None: the tolerance times the start. too_much : asked of values that do not hold.
@@ -167,7 +175,7 @@ def find_least(
             low, high = search.step_down(low, floor, tolerance * low)
             if low is not None:
                 low, high = search.bisect(low, high)
-    return Required(floor if low is None else high, low, False, unit, most, tolerance, tuple(search.tried))
+    return Required(floor if low is None else high, low, False, "", most, tolerance, tuple(search.tried))
 
 
 # ----------------------------------------------------------------
@@ -214,7 +222,8 @@ def required_preload(
     if _is_proven_to_escape(spec, section):
         return Required(None, None, True, "m", most, tolerance, ())
     tests = [lambda x, t=t: t(spec.with_squeeze(x), section) for t in (test, sure)]
-    return find_least(tests[0], 0.0, most, tolerance, unit="m", step=_FIRST_STEP * size, sure=tests[1])
+    found = find_least(tests[0], 0.0, most, tolerance, step=_FIRST_STEP * size, sure=tests[1])
+    return replace(found, unit="m")
 
 
 def required_friction(

@@ -117,8 +117,8 @@ def find_least_value(
 
 
 def _search_least(changed: ChangedGrasp, start: float, most: float, tolerance: float, unit: str) -> Required:
-    search = partial(find_least, most=most, tolerance=tolerance, unit=unit, too_much=changed.is_too_much)
-    found = search(changed.is_held, start)
+    search = partial(find_least, most=most, tolerance=tolerance, too_much=changed.is_too_much)
+    found = replace(search(changed.is_held, start), unit=unit)
     if found.value is None:
         return replace(found, hint="" if found.fails is None else changed.path(found.fails).why)
     found = replace(found, verdict=verdict_on(changed.make(found.value), changed.section).word)
@@ -128,7 +128,7 @@ def _search_least(changed: ChangedGrasp, start: float, most: float, tolerance: f
     checked = (*found.checked, *more.checked)
     if more.value is None:
         return replace(found, checked=checked)
-    return replace(more, checked=checked, verdict=verdict_on(changed.make(more.value), changed.section).word)
+    return replace(more, unit=unit, checked=checked, verdict=verdict_on(changed.make(more.value), changed.section).word)
 
 
 def _limit_force(changed: ChangedGrasp, found: Required, bears: Array) -> Required:
