@@ -12,7 +12,7 @@ from handlcp.errors import InputError, NoSolutionFound, shorten_repr
 from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.model.contact import Contact
-from handlcp.grasp.model.request import ContactGraspRequest, GraspSpec, rebuild, require_spec_alone
+from handlcp.grasp.model.request import ContactGraspRequest, GraspSpec, rebuild
 
 if TYPE_CHECKING:
     from handlcp.grasp.analysis.equilibria import Equilibria
@@ -76,12 +76,14 @@ class Grasp:
         preload: Any = 0.0, offset: Any = None, reference: Any = (0.0, 0.0, 0.0), effects: Iterable[Effect] = (),
         plane: Any = None, environment: Any = None,
     ) -> None:  # fmt: skip
-        more = (wrench, flexibility, preload, offset, reference, effects, plane, environment)
-        self.spec = (
-            require_spec_alone(contacts, more)
-            if isinstance(contacts, GraspSpec)
-            else ContactGraspRequest(contacts, *more).spec()
-        )
+        if isinstance(contacts, GraspSpec):
+            if any(x is not None for x in (wrench, offset, plane, environment)) or effects != ():
+                given = "a GraspSpec, which says all of it"
+                raise InputError("contacts", "contacts, where other arguments are given", given)
+            self.spec = contacts
+        else:
+            more = (wrench, flexibility, preload, offset, reference, effects, plane, environment)
+            self.spec = ContactGraspRequest(contacts, *more).spec()
         self.scene = build_scene(self.spec)
 
     @property

@@ -32,11 +32,6 @@ def box_on_a_table():
     return state.grasp(box, hl.Coulomb(0.8), gravity=(0, 0, G), squeeze=0.002, environment=table)
 
 
-def ends(h):
-    """Numbers of the last step of each stage."""
-    return [int(np.flatnonzero(h.steps.stage == k)[-1]) for k in range(len(h.stages))]
-
-
 def gripper(pads, y=0.0, stiffness=5.0, squeeze=0.004):
     """A ball between a thumb and two fingers opposite to it, whose joints all turn about y: along y only pads give
     way. y : of the ball, off the middle.

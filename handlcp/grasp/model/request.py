@@ -319,14 +319,6 @@ class ContactGraspRequest(Request):
         return self.wrench
 
 
-def require_spec_alone(spec: GraspSpec, others: tuple[Any, ...]) -> GraspSpec:
-    """A specification that is passed to `Grasp`, where the other arguments say nothing. Raises InputError."""
-    wrench, _, _, offset, _, effects, plane, environment = others
-    if any(x is not None for x in (wrench, offset, plane, environment)) or effects != ():
-        raise InputError("contacts", "contacts, where other arguments are given", "a GraspSpec, which says all of it")
-    return spec
-
-
 def replace_load(spec: GraspSpec, wrench: Any, asked: Any) -> GraspSpec:
     """The same grasp under another whole load, as `asked` has it: it shares all its other arrays."""
     height = validate.height_above(spec.positions, spec.reference, spec.plane)
