@@ -19,7 +19,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from tests.paths import contradictions, freeze, monotone, same, scans
+from tests.paths import contradictions, corpus, freeze, monotone, same, scans
 from tests.paths.words import ORDERS
 
 HELP = {
@@ -49,7 +49,7 @@ def main() -> int:
     add("scans", scans.measure, boxes=20, points=40, seed=0)
     add("freeze", freeze.freeze, cases=2000, directions=2, seconds=20.0, out=freeze.FROZEN)
     add("compare", freeze.compare, scenes=2000, seconds=20.0, file=freeze.FROZEN)
-    add("accept", freeze.accept, numbers=3000, out=freeze.ACCEPTED)
+    add("accept", freeze.accept, numbers=3000, out=corpus.ACCEPTED)
     asked = vars(parser.parse_args())
     os.environ.setdefault("HANDLCP_KERNELS", "compiled")
     return min(int(asked.pop("measure")(**asked) or 0), 1)

@@ -22,8 +22,6 @@ import handlcp as hl
 from tests.paths.hands import COMMERCIAL, SHIPPED, STARTS, TIPS, commercial_hands_there
 from tests.paths.recipes import FreeRecipe, HandRecipe, Law, Recipe, Thing, turn
 
-__all__ = ["ACCEPTED", "DIRECTIONS", "Case", "accepted", "case_of", "cases", "held", "some_law"]
-
 DIRECTIONS = 12
 ACCEPTED = Path(__file__).with_name("accepted.json")  # {"tried": below this, "0": numbers of the seed 0 that hold}
 _LAWS = ("coulomb", "soft", "anisotropic")

@@ -25,10 +25,8 @@ import numpy as np
 import handlcp as hl
 from tests.paths import corpus
 from tests.paths.contradictions import BELOW, BEYOND, FAR
-from tests.paths.corpus import ACCEPTED, Case, accepted, case_of, held
+from tests.paths.corpus import Case, accepted, case_of, held
 from tests.paths.words import checked, followed, limit_of
-
-__all__ = ["ACCEPTED", "FROZEN", "accept", "compare", "freeze", "frozen", "pack", "scene"]
 
 DIFFERS = 0.01
 FROZEN = Path(__file__).with_name("frozen.json.gz")

@@ -17,8 +17,6 @@ from tests.paths.corpus import Case, cases
 from tests.paths.recipes import HandRecipe
 from tests.paths.same import factor_of
 
-__all__ = ["Jump", "cases_with_boxes", "jumps", "measure", "scans_of"]
-
 LEAST, TIMES, FINER = 0.05, 3.0, 10
 Ask = Callable[[float], float]
 
