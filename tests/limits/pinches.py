@@ -3,7 +3,7 @@
 import numpy as np
 
 import handlcp as hl
-from tests.loading.poles import sliders
+from tests.loading.hands import sliders
 
 K, C = 500.0, 1e-4  # of each joint [N/m], of each pad [m/N]
 

@@ -5,7 +5,7 @@ import pytest
 
 import handlcp as hl
 from tests.limits.pinches import C, bare_pinch
-from tests.loading.poles import sliders
+from tests.loading.hands import sliders
 from tests.support.grasp import limit_surface
 
 NEAR = 1e-9

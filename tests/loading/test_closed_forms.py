@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.loading.poles import sliders
+from tests.loading.hands import sliders
 
 C, P = 1e-3, 2e-3  # flexibility of each contact [m/N], squeeze of each normal [m]
 N = P / C  # normal force of opposite contacts [N]
