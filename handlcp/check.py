@@ -11,6 +11,7 @@ import typing
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from functools import cached_property, wraps
+from itertools import chain, repeat
 from types import FunctionType, NoneType, UnionType
 from typing import Any, NamedTuple, TypeVar, cast
 
@@ -62,10 +63,8 @@ def check_array(
         raise InputError(argument, f"{what} of shape {_format_shapes(shapes)}", f"shape {a.shape}")
     size = abs(a)
     if not size.max(initial=0.0) <= largest:  # nor is it where one is not a number
-        if not np.isfinite(a).all():
-            raise InputError(
-                argument, what, f"{shorten_repr(value)} with {int((~np.isfinite(a)).sum())} entries not finite"
-            )
+        if odd := int((~np.isfinite(a)).sum()):
+            raise InputError(argument, what, f"{shorten_repr(value)} with {odd} entries not finite")
         raise InputError(argument, f"{what} up to {largest:g} in size", f"{size.max():.3g}")
     a[size < 1.0 / largest**2] = 0.0  # their reciprocals would overflow
     return read_only(a)
@@ -177,9 +176,8 @@ def check_integer(argument: str, value: Any, least: int, most: int = 2**63 - 1) 
     """A whole number from `least` to `most`."""
     whole = isinstance(value, (int, np.integer)) and not isinstance(value, (bool, np.bool_))
     if not whole or not least <= int(value) <= most:
-        raise InputError(
-            argument, f"an integer ≥ {least}{f' and ≤ {most}' if most < 2**63 - 1 else ''}", shorten_repr(value)
-        )
+        bounds = f"≥ {least}{f' and ≤ {most}' if most < 2**63 - 1 else ''}"
+        raise InputError(argument, f"an integer {bounds}", shorten_repr(value))
     return int(value)
 
 
@@ -266,12 +264,15 @@ def _format_shapes(shapes: Sequence[tuple[int, ...]]) -> str:
 # ----------------------------------------------------------------
 # What a public call takes: its keywords, as many arguments as it has, and the kinds that its annotations name.
 #
-# Public functions, classes that users make, and classes with public methods have a decorator of this file each. Numbers
-# and arrays are checked by the functions themselves, which know bounds and shapes (`check.py`).
+# Public functions, classes that users make, and classes with public methods have a decorator of this part each. Numbers
+# and arrays are checked by the functions themselves, which know bounds and shapes.
 
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 _C = TypeVar("_C", bound=type)
+_PLAIN_TYPES: dict[str, type] = {
+    "bool": bool, "str": str, "None": NoneType, "Mapping": Mapping, "dict": dict, "Callable": FunctionType
+}  # fmt: skip
 _UNION_SEPARATOR = re.compile(r"\|(?![^\[]*\])")  # between the alternatives of an annotation, not within brackets
 
 
@@ -291,12 +292,10 @@ def check_call(*told: str, **elsewhere: str) -> Callable[[_F], _F]:
 
         @wraps(function)
         def checked_function(*args: Any, **given: Any) -> Any:
-            for kind, value in zip(call.accepted_in_order, args, strict=False):
+            named, rest = call.accepted_in_order
+            for kind, value in zip(chain(named, repeat(rest)), args, strict=False):
                 if kind is not None:
                     kind.check(value)
-            if call.accepted_rest is not None:
-                for value in args[len(call.accepted_in_order) :]:
-                    call.accepted_rest.check(value)
             for name, value in given.items():
                 if (kind := call.accepted_values.get(name)) is not None:
                     kind.check(value)
@@ -399,16 +398,11 @@ class _CallRules:
         return {name: kind for name, kind in found.items() if kind is not None}
 
     @cached_property
-    def accepted_in_order(self) -> list[_AcceptedValues | None]:
-        """Values of the parameters that may be passed without a name, in their order."""
-        named = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
-        return [self.accepted_values.get(p.name) for p in self.signature.parameters.values() if p.kind in named]
-
-    @cached_property
-    def accepted_rest(self) -> _AcceptedValues | None:
-        """Values of the parameter that takes any number of arguments more, such as `*texts`; None: there is none."""
-        every = [p for p in self.signature.parameters.values() if p.kind is p.VAR_POSITIONAL]
-        return self.accepted_values.get(every[0].name) if every else None
+    def accepted_in_order(self) -> tuple[list[_AcceptedValues | None], _AcceptedValues | None]:
+        """Values of the parameters that may be passed without a name, in their order, then of one such as `*texts`."""
+        every, of = self.signature.parameters.values(), self.accepted_values.get
+        named = [of(p.name) for p in every if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
+        return named, next((of(p.name) for p in every if p.kind is p.VAR_POSITIONAL), None)
 
     def check(self, args: tuple[Any, ...], given: dict[str, Any]) -> None:
         """Check that the function takes these arguments. Raises WrongCall."""
@@ -430,7 +424,9 @@ def _accepted_values(parameter: inspect.Parameter, known: Mapping[str, Any]) -> 
     if not isinstance(annotation, str) or parameter.kind is parameter.VAR_KEYWORD:
         return None
     parts = _UNION_SEPARATOR.split(annotation.strip("'\""))
-    found = [_types_of_part(part.strip(), known) for part in parts]
+    heads = [part.strip().partition("[")[0] for part in parts]
+    # One that names other types is checked by the function itself
+    found = [(_PLAIN_TYPES[head],) if head in _PLAIN_TYPES else _types_of_alias(known.get(head)) for head in heads]
     if not all(found):
         return None
     types = {kind for few in found for kind in few}
@@ -438,13 +434,6 @@ def _accepted_values(parameter: inspect.Parameter, known: Mapping[str, Any]) -> 
         types.add(type(parameter.default))  # such as ... for "not given"
     said = _describe_types(types)
     return _AcceptedValues(parameter.name, tuple(types - {FunctionType}), FunctionType in types, said)
-
-
-def _types_of_part(part: str, known: Mapping[str, Any]) -> tuple[type, ...]:
-    """The types that one alternative of an annotation names; () where the function itself checks its values."""
-    plain = {"bool": bool, "str": str, "None": NoneType, "Mapping": Mapping, "dict": dict, "Callable": FunctionType}
-    head = part.partition("[")[0]
-    return (plain[head],) if head in plain else _types_of_alias(known.get(head))
 
 
 def _types_of_alias(value: Any) -> tuple[type, ...]:

@@ -14,8 +14,6 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-__all__ = ["Equilibrium", "ForceLaw", "equilibrium"]
-
 STRENGTHS = (0.1, 0.01, 0.001)  # k, natural units, tried in turn
 Inner = Callable[[np.ndarray], tuple[bool, np.ndarray]]
 

@@ -18,9 +18,8 @@ from tests.support.effects import KINDS
 
 FACES = 8
 N = 4  # fingers of the ring
-SURFACE = (
-    FACES * (2 * max(1, round(FACES / 4)) - 1) + 2
-)  # faces of the limit surface: m on each parallel, and two poles
+# Faces of the limit surface: m on each parallel, and two poles
+SURFACE = FACES * (2 * max(1, round(FACES / 4)) - 1) + 2
 
 
 @dataclass(frozen=True)
@@ -100,18 +99,11 @@ POSTURES = np.random.default_rng(7).uniform(-0.5, 1.0, (NV, 2))
 
 ROWS = (
     Row("object balance", rings, rings, rings),
-    Row(
-        "unilateral contact",
-        rings, rings, lambda: rings(offset=np.zeros((N, 3))),
-    ),
-    Row(
-        "Coulomb friction",
-        lambda: rings(hl.Frictionless()), rings, lambda: rings(hl.Coulomb(0.0)), {"r_T": 2 * N, "λ": FACES * N},
-    ),
-    Row(
-        "Coulomb friction",
-        lambda: rings(hl.Frictionless()), rings, lambda: rings(hl.Coulomb(0.0)), {"r_T": 2 * N}, faces="cone",
-    ),
+    Row("unilateral contact", rings, rings, lambda: rings(offset=np.zeros((N, 3)))),
+    Row("Coulomb friction", lambda: rings(hl.Frictionless()), rings, lambda: rings(hl.Coulomb(0.0)),
+        {"r_T": 2 * N, "λ": FACES * N}),
+    Row("Coulomb friction", lambda: rings(hl.Frictionless()), rings, lambda: rings(hl.Coulomb(0.0)),
+        {"r_T": 2 * N}, faces="cone"),
     Row(
         "Coulomb friction",
         lambda: planar(hl.Frictionless()), lambda: planar(hl.Coulomb(0.4)), lambda: planar(hl.Coulomb(0.0)),
@@ -127,14 +119,10 @@ ROWS = (
         rings, lambda: rings(hl.SoftFinger(0.6, 0.006)), lambda: rings(hl.SoftFinger(0.6, 0.0)),
         {"r_T": -2 * N, "r_S": 3 * N}, faces="cone",
     ),
-    Row(
-        "anisotropic friction",
-        rings, lambda: rings(hl.AnisotropicCoulomb(0.6, 0.4)), lambda: rings(hl.AnisotropicCoulomb(0.6, 0.6)),
-    ),
-    Row(
-        "finger flexibility",
-        lambda: rings(flexibility=0.0), rings, lambda: rings(flexibility=np.zeros((3 * N, 3 * N))),
-    ),
+    Row("anisotropic friction", rings, lambda: rings(hl.AnisotropicCoulomb(0.6, 0.4)),
+        lambda: rings(hl.AnisotropicCoulomb(0.6, 0.6))),
+    Row("finger flexibility", lambda: rings(flexibility=0.0), rings,
+        lambda: rings(flexibility=np.zeros((3 * N, 3 * N)))),
     Row(
         "transmission: tendons", hands,
         lambda: hands(joint_stiffness=hl.Tendons(ARMS, 4e3, SPRINGS)),

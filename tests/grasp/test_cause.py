@@ -15,10 +15,7 @@ from handlcp.grasp.failure.failure_mode import (
     limit_shares,
     state_limits,
 )
-from handlcp.grasp.failure.failure_text import (
-    describe_load,
-    explain_limit,
-)
+from handlcp.grasp.failure.failure_text import describe_load, explain_limit
 from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 

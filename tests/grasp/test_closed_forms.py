@@ -64,10 +64,7 @@ def test_beyond_the_limit_no_answer_is_made_up_and_more_squeeze_holds():
 
 
 def test_nothing_without_friction_holds_a_pinched_weight():
-    contacts = [
-        hl.Contact((-1, 0, 0), (1, 0, 0), hl.Frictionless()),
-        hl.Contact((1, 0, 0), (-1, 0, 0), hl.Frictionless()),
-    ]
+    contacts = [hl.Contact((-x, 0, 0), (x, 0, 0), hl.Frictionless()) for x in (1, -1)]
     s = hl.Grasp(contacts, (0, 0, -1, 0, 0, 0), flexibility=C, preload=1e-3).solve(throw=False)
     assert s.status is hl.Status.NOT_HOLDABLE
     assert s.certificate[2] < 0
@@ -89,10 +86,7 @@ def test_the_total_bound_opens_the_hand_at_the_bound():
 
 def test_a_prescribed_force_joins_the_load_and_moves_fingers_that_share_a_joint():
     # finger 0 is force-controlled at 2 N along its normal; finger 1 opposes it
-    contacts = [
-        hl.Contact((-1, 0, 0), (1, 0, 0), hl.Frictionless()),
-        hl.Contact((1, 0, 0), (-1, 0, 0), hl.Frictionless()),
-    ]
+    contacts = [hl.Contact((-x, 0, 0), (x, 0, 0), hl.Frictionless()) for x in (1, -1)]
     E = np.zeros((6, 6))
     E[2, 2] = E[5, 5] = C
     E[2, 5] = E[5, 2] = 0.25 * C  # a shared joint: each normal force moves the other tip, too

@@ -30,6 +30,12 @@ def sides(mu=0.8):
     ]
 
 
+def pinched(load, *effects, mu=0.8):
+    """The box between two fingers on a soft table."""
+    more = {"preload": 2e-3, "environment": floor(), "effects": effects}
+    return hl.Grasp(sides(mu), load, flexibility=SOFT, **more)
+
+
 def top(mu=0.5):
     return [hl.Contact((0, 0, 2 * A), (0, 0, -1), hl.Coulomb(mu), name="top")]
 
@@ -129,20 +135,15 @@ def test_in_a_plane_a_table_is_two_contacts():
 
 # ---------------------------------------------------------------- what is determined
 def test_four_corners_of_a_rigid_table_leave_forces_open_and_a_soft_table_determines_them():
-    rigid, soft = (
-        hl.Grasp(sides(), DOWN, flexibility=SOFT, preload=2e-3, environment=floor(e)).solve() for e in (0.0, STIFF)
-    )
-    assert not rigid.uniqueness.forces_determined
-    assert soft.uniqueness.forces_determined
-    assert rigid.held
-    assert soft.held
+    for flexibility in (0.0, STIFF):
+        s = hl.Grasp(sides(), DOWN, flexibility=SOFT, preload=2e-3, environment=floor(flexibility)).solve()
+        assert s.uniqueness.forces_determined is (flexibility > 0.0)
 
 
 # ---------------------------------------------------------------- effects
 def test_the_total_bound_is_on_the_hands_squeeze_alone():
     """The table carries more than the bound allows the hand, and the fingers keep to it."""
-    data = {"flexibility": SOFT, "preload": 2e-3, "environment": floor()}
-    s = hl.Grasp(sides(), (0, 0, -30.0, 0, 0, 0), **data, effects=[hl.TotalForceBound(6.0)]).solve()
+    s = pinched((0, 0, -30.0, 0, 0, 0), hl.TotalForceBound(6.0)).solve()
     np.testing.assert_allclose(s.normal_force[:2], 3.0, rtol=1e-9)
     assert s.normal_force[2:].sum() > 20.0
     np.testing.assert_allclose(s.extra["z̄"], 2e-3 - 3.0 * SOFT, rtol=1e-9)
@@ -151,16 +152,14 @@ def test_the_total_bound_is_on_the_hands_squeeze_alone():
 
 def test_what_a_hand_bounded_too_low_would_need_counts_the_fingers_alone():
     """Of 20 N sideways the table's friction bears 0.5 · 30 N, smooth fingers the other 5 N; they may push with 3 N."""
-    data = {"flexibility": SOFT, "preload": 2e-3, "environment": floor(), "effects": [hl.TotalForceBound(3.0)]}
-    s = hl.Grasp(sides(0.0), (20.0, 0, -30.0, 0, 0, 0), **data).solve("cone", throw=False)
+    s = pinched((20.0, 0, -30.0, 0, 0, 0), hl.TotalForceBound(3.0), mu=0.0).solve("cone", throw=False)
     assert s.status is hl.Status.NO_EQUILIBRIUM
     says(s.diagnosis, "3 N", "5 N")
 
 
 @pytest.mark.parametrize("bounds", [3.0, [3.0, np.inf], [3.0, np.inf, np.inf, np.inf, np.inf, np.inf]])
 def test_a_bound_for_each_finger_leaves_the_table_alone(bounds):
-    data = {"flexibility": SOFT, "preload": 2e-3, "environment": floor()}
-    s = hl.Grasp(sides(), (0, 0, -30.0, 0, 0, 0), **data, effects=[hl.FingerForceBound(bounds)]).solve()
+    s = pinched((0, 0, -30.0, 0, 0, 0), hl.FingerForceBound(bounds)).solve()
     np.testing.assert_allclose(s.normal_force[0], 3.0, rtol=1e-9)
     assert len(s.extra["z̄_i"]) == (2 if bounds == 3.0 else 1)
     assert s.normal_force[2:].sum() > 20.0
@@ -168,18 +167,14 @@ def test_a_bound_for_each_finger_leaves_the_table_alone(bounds):
 
 def test_a_table_that_yields_is_a_bound_for_each_contact():
     """Its corners bear 0.5 N each at most: the fingers bear the rest of the weight."""
-    data = {"flexibility": SOFT, "preload": 2e-3, "environment": floor()}
-    bounds = [np.inf] * 2 + [0.5] * 4
-    s = hl.Grasp(sides(), DOWN, **data, effects=[hl.FingerForceBound(bounds)]).solve()
+    s = pinched(DOWN, hl.FingerForceBound([np.inf] * 2 + [0.5] * 4)).solve()
     np.testing.assert_allclose(s.normal_force[2:], 0.5, rtol=1e-9)
     np.testing.assert_allclose(s.forces_world[:2, 2].sum(), W - 2.0, rtol=1e-9)
 
 
 def test_a_soft_wrist_carries_the_fingers_and_not_the_table():
     """In series with both fingers along z: the wrist gives way by C_w under both, so k_f = 1 / (C / 2 + C_w)."""
-    wrist = hl.SoftWrist([0, 0, 2e-4, 0, 0, 0])
-    data = {"flexibility": SOFT, "preload": 2e-3, "environment": floor()}
-    g = hl.Grasp(sides(), DOWN, **data, effects=[wrist])
+    g = pinched(DOWN, hl.SoftWrist([0, 0, 2e-4, 0, 0, 0]))
     np.testing.assert_array_equal(arrays(g).flexibility[6:, 6:], g.flexibility[6:, 6:])
     np.testing.assert_array_equal(arrays(g).flexibility[6:, :6], 0.0)
     fingers, table = 1 / (SOFT / 2 + 2e-4), 4 / STIFF
@@ -191,16 +186,13 @@ def test_a_soft_wrist_carries_the_fingers_and_not_the_table():
 def test_the_objects_surface_gives_way_under_fingers_and_table(blocks):
     soft = np.eye(3) * 3e-5
     given = {"one": 3e-5, "fingers": [soft] * 2, "all": [soft] * 6}[blocks]
-    data = {"flexibility": SOFT, "preload": 2e-3, "environment": floor()}
-    g = hl.Grasp(sides(), DOWN, **data, effects=[hl.ContactCompliance(given)])
+    g = pinched(DOWN, hl.ContactCompliance(given))
     more = np.diag([3e-5] * 6 + [0.0 if blocks == "fingers" else 3e-5] * 12)
     np.testing.assert_array_equal(arrays(g).flexibility, g.flexibility + more)
 
 
 def test_a_fixture_may_push_with_a_known_force():
-    g = hl.Grasp(sides(), DOWN, flexibility=SOFT, preload=2e-3, environment=floor(), effects=[
-        hl.PrescribedForce(k, (0, 0, 0.5)) for k in (2, 3, 4, 5)
-    ])  # fmt: skip
+    g = pinched(DOWN, *[hl.PrescribedForce(k, (0, 0, 0.5)) for k in (2, 3, 4, 5)])
     np.testing.assert_allclose(g.solve().forces_world[:2, 2].sum(), W - 2.0, **EXACT)
 
 
@@ -282,11 +274,8 @@ def test_bad_numbers_of_an_environment_are_refused():
 def test_offsets_of_an_ellipse_in_the_environment_stay_when_others_are_replaced():
     """They are kept in contact axes, not in those of its friction law."""
     contacts, data = ring(np.random.default_rng(2), n=3)
-    g = hl.Grasp(
-        contacts,
-        **data,
-        environment=hl.Environment([hl.Contact((0, 0, 0), (0, 0, 1), hl.AnisotropicCoulomb(0.2, 0.8))]),
-    )
+    ribbed = hl.Environment([hl.Contact((0, 0, 0), (0, 0, 1), hl.AnisotropicCoulomb(0.2, 0.8))])
+    g = hl.Grasp(contacts, **data, environment=ribbed)
     every = np.random.default_rng(3).normal(size=(4, 3)) * 1e-3
     moved = g.replace(offset=every, preload=0.0)
     np.testing.assert_array_equal(moved.offset, every)

@@ -76,10 +76,7 @@ def test_a_pinch_holds_up_to_its_friction_limit(faces):
 
 
 def test_planar_scenes_and_prescribed_forces():
-    contacts = [
-        hl.Contact((-1, 0), (1, 0), hl.Coulomb(0.5)),
-        hl.Contact((1, 0), (-1, 0), hl.Coulomb(0.5)),
-    ]
+    contacts = [hl.Contact((-1, 0), (1, 0), hl.Coulomb(0.5)), hl.Contact((1, 0), (-1, 0), hl.Coulomb(0.5))]
     held = hl.Grasp(contacts, (0, -9.0, 0), flexibility=C, preload=1e-3)
     assert searched(held, 8).outcome == "solution"
     assert searched(hl.Grasp(contacts, (0, -11.0, 0), flexibility=C, preload=1e-3), 8).outcome == "none"
@@ -89,18 +86,24 @@ def test_planar_scenes_and_prescribed_forces():
     assert {searched(pushed, 8).outcome, searched(up, 8).outcome} == {"solution", "none"}
 
 
-class Pushed(Effect):
-    """Moves the contacts by something that is no limit."""
+# Methods of effects that are no limit alone: they move the contacts, bring an unknown, stamp a block, have a law
+OWN = {
+    "opening": lambda self, scene, extra: np.zeros(3 * scene.n),
+    "unknowns": lambda self, scene: (Unknown("own", 1, False, "motion"),),
+    "stamp": lambda self, scene, system: system.add_between_forces(np.eye(scene.kind.index.size)),
+    "residual": lambda self, scene, forces, extra, force_size, motion_size: 0.0,
+}
 
-    def opening(self, scene, extra):
-        return np.zeros(3 * scene.n)
+
+def effect_with(method):
+    return type("Own", (Effect,), {method: OWN[method]})()
 
 
 def test_an_effect_that_moves_contacts_by_more_than_its_limits_is_not_for_this_search():
     assert applicable((hl.TotalForceBound(5.0), hl.FingerForceBound(5.0), hl.TorqueSaturation()))
-    assert not applicable((Pushed(),))
+    assert not applicable((effect_with("opening"),))
     with pytest.raises(ValueError) as caught:  # noqa: PT011  its text is compared below
-        searched(pinch(), 4, Pushed())
+        searched(pinch(), 4, effect_with("opening"))
     says(str(caught.value), "impossible")
 
 
@@ -109,32 +112,12 @@ def test_no_work_is_no_claim():
     assert searched(hl.Grasp(contacts, **data), 16, work=1.0).outcome == "unknown"
 
 
-class OwnUnknown(Effect):
-    """Brings an unknown that is no limit, and moves no contact."""
-
-    def unknowns(self, scene):
-        return (Unknown("own", 1, False, "motion"),)
-
-
-class OwnRows(Effect):
-    """Stamps a block of its own."""
-
-    def stamp(self, scene, system):
-        system.add_between_forces(np.eye(scene.kind.index.size))
-
-
-class OwnLaw(Effect):
-    """Has a law of its own."""
-
-    def residual(self, scene, forces, extra, force_size, motion_size):
-        return 0.0
-
-
-@pytest.mark.parametrize("kind", [Pushed, OwnUnknown, OwnRows, OwnLaw])
-def test_an_effect_with_anything_of_its_own_is_no_limit_alone(kind):
-    assert kind().stamps
-    assert not kind().only_limits
-    assert not applicable((hl.TotalForceBound(5.0), kind()))
+@pytest.mark.parametrize("method", OWN)
+def test_an_effect_with_anything_of_its_own_is_no_limit_alone(method):
+    effect = effect_with(method)
+    assert effect.stamps
+    assert not effect.only_limits
+    assert not applicable((hl.TotalForceBound(5.0), effect))
 
 
 def test_laws_of_balance_contact_and_friction_are_known_to_every_search():

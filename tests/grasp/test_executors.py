@@ -1,6 +1,7 @@
 """A batch on any executor has the answers of one process, and says what failed."""
 
 import os
+import pickle
 import signal
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -21,8 +22,6 @@ class Later(Executor):
         self.sent = []
 
     def submit(self, run, /, *cargo):
-        import pickle
-
         future = Future()
         self.sent.append(len(pickle.dumps((run, cargo))))
         run, cargo = pickle.loads(pickle.dumps((run, cargo)))
@@ -70,3 +69,30 @@ def test_what_a_progress_raises_stops_the_batch(monkeypatch):
 
     with ThreadPoolExecutor(1) as pool, pytest.raises(KeyboardInterrupt):
         hl.solve_many(sweep(four(), 20, 0.1), executor=pool, progress=stop)
+
+
+@pytest.mark.long
+def test_a_cluster_whose_worker_is_killed_midway_changes_no_bit(monkeypatch, tmp_path):
+    missing = "Dask is not installed here: pip install '.[test]' brings it"
+    distributed = pytest.importorskip("distributed", reason=missing)
+    patches.shards_of(monkeypatch, 8)
+    grasps = [*sweep(hand_grasp(), 100, 0.3), *mixture()[18:], *sweep(hand_grasp(), 4, 3.0)]
+    alone = hl.solve_many(grasps, 8, QUICK, workers=1)
+    assert 100 < alone.held.sum() < len(grasps)
+    killed = []
+    cluster = distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, local_directory=tmp_path
+    )
+    with cluster, distributed.Client(cluster) as client:
+        workers = list(client.run(os.getpid).values())
+        assert len(workers) == 2
+
+        def kill(done, total):
+            if not killed:
+                assert done < total
+                killed.append(workers[0])
+                os.kill(workers[0], signal.SIGKILL)
+
+        many = hl.solve_many(grasps, 8, QUICK, executor=client.get_executor(), progress=kill)
+        assert killed[0] not in client.run(os.getpid).values()
+        assert_same_bits(many, alone)

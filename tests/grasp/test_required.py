@@ -94,8 +94,8 @@ def test_the_least_value_of_a_window_is_found_from_below_from_inside_and_from_ab
     """What is too much is said apart from what is too little; both ends that come back were asked."""
     found = find_least(lambda x: 0.3 <= x <= 0.5, start, 100.0, 1e-3, too_much=lambda x: x > 0.5)
     assert found.value == pytest.approx(0.3, rel=1e-3)
-    assert (found.value, True) in found.tried
-    assert (found.fails, False) in found.tried
+    assert (found.value, True) in found.checked
+    assert (found.fails, False) in found.checked
     assert 0.0 < found.value - found.fails <= 1e-3 * found.value
 
 

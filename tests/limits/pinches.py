@@ -1,11 +1,18 @@
-"""Two springs that pinch an object, whose limits have closed forms."""
+"""Two springs, or two bare contacts, that pinch an object, whose limits have closed forms."""
 
 import numpy as np
 
 import handlcp as hl
-from tests.loading.poles import sliders
+from tests.loading.hands import sliders
 
 K, C = 500.0, 1e-4  # of each joint [N/m], of each pad [m/N]
+
+
+def bare_pinch(law=0.4, squeeze=1e-3, along=(1, 0, 0), tangent=None, **more):
+    """Two contacts, 60 mm apart, that give way by C and press with squeeze / C each."""
+    d = np.asarray(along, dtype=float)
+    ends = [hl.Contact(tuple(-0.03 * way), tuple(way), law, tangent) for way in (d, -d)]
+    return hl.Grasp(ends, flexibility=C, preload=squeeze, **more)
 
 
 def pinch(tmp_path, friction=0.6, normal=2.0, left=None, **more):
@@ -17,12 +24,8 @@ def pinch(tmp_path, friction=0.6, normal=2.0, left=None, **more):
     fingers = {"left": ((-arm - at, 0, 0), (1, 0, 0)), "right": ((arm + at, 0, 0), (-1, 0, 0))}
     hand = sliders(tmp_path, fingers, K, pad_flexibility=C, **more)
     law = hl.Coulomb(friction)
-    contacts = {
-        "left_tip": hl.Contact((-arm, 0, 0), (1, 0, 0), law),
-        "right_tip": hl.Contact((arm, 0, 0), (-1, 0, 0), law),
-    }
-    squeeze = normal * (1.0 / K + C)
-    grasp = hand.at(np.full(2, at)).grasp(
-        contacts, reference=(0, 0, 0), plane=(0.0, 1.0, 0.0), joint_offset=np.full(2, squeeze)
-    )  # fmt: skip
-    return grasp, normal
+    sides = {"left_tip": 1, "right_tip": -1}
+    contacts = {tip: hl.Contact((-way * arm, 0, 0), (way, 0, 0), law) for tip, way in sides.items()}
+    command = np.full(2, normal * (1.0 / K + C))
+    state = hand.at(np.full(2, at))
+    return state.grasp(contacts, reference=(0, 0, 0), plane=(0.0, 1.0, 0.0), joint_offset=command), normal

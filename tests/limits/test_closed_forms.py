@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.loading.poles import sliders
+from tests.limits.pinches import C, bare_pinch
+from tests.loading.hands import sliders
 from tests.support.grasp import limit_surface
 
 NEAR = 1e-9
-C, P = 1e-4, 1e-3  # flexibility of each contact [m/N], squeeze of each normal [m]
+P = 1e-3  # squeeze of each normal [m]
 N = P / C  # normal force of two opposite contacts [N]
 MU, SPIN = 0.4, 0.004  # friction of forces [-] and of moments [m]
 G, TIP = 9.81, 0.005
@@ -28,11 +29,9 @@ def named(found):
     return {b.who for b in found.binds}
 
 
-def pinch(law=None, tangent=(0, 1, 0), **more):
+def pinch(law=MU, tangent=(0, 1, 0), **more):
     """Two contacts, 60 mm apart along x, that press with N each."""
-    law = hl.Coulomb(MU) if law is None else law
-    ends = [hl.Contact((-0.03, 0, 0), (1, 0, 0), law, tangent), hl.Contact((0.03, 0, 0), (-1, 0, 0), law, tangent)]
-    return hl.Grasp(ends, flexibility=C, preload=P, **more)
+    return bare_pinch(law, P, tangent=tangent, **more)
 
 
 def polygon(faces, angle):
@@ -165,8 +164,7 @@ def test_a_ring_opens_first_on_the_side_that_the_load_leaves_and_holds_on(n):
 
 @pytest.mark.parametrize("n", [3, 4, 6])
 def test_a_ring_without_friction_holds_no_moment(n):
-    found = limit(ring(n), (0, 0, 0, 0, 0, 1))
-    assert found.factor == 0.0
+    assert limit(ring(n), (0, 0, 0, 0, 0, 1)).factor == 0.0
 
 
 @pytest.mark.parametrize("most", [1.5, 2.5, 4.0])
@@ -255,16 +253,11 @@ def test_what_only_stands_and_weighs_nothing_is_not_held_down():
 
 
 @pytest.mark.parametrize("faces", ["cone", 8])
-def test_a_box_leaves_its_table_under_its_weight(tmp_path, faces):
-    found = limit(standing(tmp_path), (0, 0, 1, 0, 0, 0), faces)
-    assert found.factor == pytest.approx(MASS * G, rel=NEAR)
-
-
-@pytest.mark.parametrize("faces", ["cone", 8])
-def test_fingers_with_friction_add_theirs_to_the_weight(tmp_path, faces):
-    squeeze = 1e-3 / (1 / 2000.0 + C)
-    found = limit(standing(tmp_path, fingers=hl.Coulomb(MU)), (0, 0, 1, 0, 0, 0), faces)
-    frames = standing(tmp_path, fingers=hl.Coulomb(MU)).frames[:2]
+def test_a_box_leaves_its_table_under_its_weight_and_what_fingers_with_friction_add(tmp_path, faces):
+    up, squeeze = (0, 0, 1, 0, 0, 0), 1e-3 / (1 / 2000.0 + C)
+    assert limit(standing(tmp_path), up, faces).factor == pytest.approx(MASS * G, rel=NEAR)
+    grasp = standing(tmp_path, fingers=hl.Coulomb(MU))
+    found, frames = limit(grasp, up, faces), grasp.frames[:2]
     reach = [polygon(faces, np.arctan2(R[2, 1], R[2, 0])) for R in frames]  # of z, in contact axes
     assert found.factor == pytest.approx(MASS * G + MU * squeeze * sum(reach), rel=NEAR)
     assert "slips" in kinds(found)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.support.limits import balanced, limits_of_grasp
+from tests.support.limits import balanced
 
 LAWS = {
     "coulomb": lambda rng: hl.Coulomb(rng.uniform(0.2, 0.4)),
@@ -36,16 +36,6 @@ OPEN = [(1, "coulomb", "cone"), (0, "soft", 6), (3, "anisotropic", "cone"), (3, 
 ENDS = [(0, "coulomb", 6), (20, "coulomb", "cone"), (21, "soft", 6), (10, "coulomb", "cone")]
 
 
-@pytest.mark.parametrize(("seed", "law", "faces"), CASES)
-def test_follow_is_lost_where_the_path_ends(seed, law, faces):
-    grasp, w = random_grasp(seed, law)
-    limit = grasp.load_limit(w, faces=faces)
-    assert 0.0 < limit.factor < np.inf
-    assert limit.events
-    assert holds(grasp, 0.98 * limit.factor * w, faces)
-    assert not holds(grasp, 1.02 * limit.factor * w, faces)
-
-
 @pytest.mark.parametrize(("seed", "law", "faces"), OPEN)
 def test_follow_goes_on_where_nothing_binds(seed, law, faces):
     grasp, w = random_grasp(seed, law)
@@ -73,19 +63,3 @@ def test_the_end_of_a_path_is_certified(seed, law, faces):
     there = limit.at_limit
     assert there.held
     assert abs(there.forces - limit.path.forces[-1]).max() < 1e-6 * abs(there.forces).max()
-
-
-def test_many_directions_are_those_one_by_one():
-    grasp, _ = random_grasp(3, "coulomb")
-    loads = np.random.default_rng(3).normal(size=(5, 6)) * [1, 1, 1, 0.02, 0.02, 0.02]
-    every = limits_of_grasp(grasp, loads, 6)
-    one = [grasp.load_limit(w, faces=6) for w in loads]
-    assert every.factors == pytest.approx([x.factor for x in one], rel=1e-9)
-    assert list(every.binds) == [x.binds for x in one]
-
-
-@pytest.mark.parametrize("faces", [6, "cone"])
-def test_a_load_is_measured_in_any_size(faces):
-    grasp, w = random_grasp(4, "coulomb")
-    one, many = (grasp.load_limit(s * w, faces=faces).factor for s in (1.0, 1e6))
-    assert one == pytest.approx(1e6 * many, rel=1e-9)

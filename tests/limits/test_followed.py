@@ -5,7 +5,7 @@ import pytest
 
 import handlcp as hl
 from tests.limits.pinches import C, K, pinch
-from tests.loading.hands import ball, cube
+from tests.loading.hands import ball, box_on_a_table, cube
 from tests.support.many_limits import many_limits
 
 EXACT = 1e-4  # the stated share to which a limit is located
@@ -46,13 +46,7 @@ def test_the_motion_that_is_allowed_binds(tmp_path):
 
 
 def test_nothing_binds_where_a_table_takes_the_load():
-    hand = hl.example_hand("two_finger", joint_stiffness=6.0, pad_flexibility=2e-4)
-    box = hl.Box((0.05, 0.05, 0.07), (0, 0, 0.09), mass=0.5)
-    table = hl.Table((0, 0, 0.125), (0, 0, -1), hl.Coulomb(0.4), flexibility=0)
-    g = hand.at(hand.close_on(box)).grasp(
-        box, hl.Coulomb(0.8), gravity=(0, 0, 9.81), squeeze=0.002, environment=table
-    )  # fmt: skip
-    limit = g.load_limit(Z)
+    limit = box_on_a_table().load_limit(Z)
     assert limit.factor == np.inf
     assert not limit.binds
     assert "nothing gives out" in limit.why
@@ -140,10 +134,8 @@ def test_many_directions_have_each_the_limit_that_it_has_alone():
 
 
 def test_a_grasp_that_slides_through_under_the_weight_alone_holds_no_load_and_check_says_so():
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
-    box = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
-    grasp = hand.at(hand.close_on(box)).grasp(box, friction=0.28, squeeze=0.005)
-    limit = grasp.load_limit((0, 0, -1, 0, 0, 0))
+    grasp = cube(squeeze=0.005, friction=0.28)
+    limit = grasp.load_limit(-Z)
     assert limit.factor == limit.slides == 0.0
     assert limit.lost > 0.0  # the path goes on: slowly loaded it comes to rest
     assert "the weight alone is not held: the object slides through" in limit.why
@@ -154,7 +146,5 @@ def test_a_grasp_that_slides_through_under_the_weight_alone_holds_no_load_and_ch
 
 def test_more_friction_holds_more():
     """The object moves less under the same load the rougher it is: 5.6 mm with 0.84 under 6.4 N, 2.7 mm with 0.88."""
-    hand, box = hl.example_hand("three_finger", joint_stiffness=6.0), hl.Box(0.05, (0, 0, 0.08), mass=0.2)
-    grasp = hand.at(hand.close_on(box)).grasp(box, squeeze=0.005)
-    limits = [grasp.replace(friction=mu).load_limit((0, 0, -1, 0, 0, 0)).factor for mu in (0.84, 0.88)]
-    assert limits[1] > limits[0]
+    first, then = [cube(squeeze=0.005, friction=mu).load_limit(-Z).factor for mu in (0.84, 0.88)]
+    assert then > first

@@ -29,9 +29,7 @@ def scene(kind, seed, length=1.0, force=1.0):
     tilted /= np.linalg.norm(tilted, axis=1)[:, None]
     mu = 0.0 if kind == "frictionless" else rng.uniform(0.2, 1.0)
     law = hl.Coulomb(mu)
-    if kind == "frictionless":
-        law = hl.Frictionless()
-    elif kind == "soft":
+    if kind == "soft":
         law = hl.SoftFinger(mu, 0.005 * length, 3.0)
     elif kind == "anisotropic":
         law = hl.AnisotropicCoulomb(mu, 0.5 * mu)
@@ -52,10 +50,8 @@ def scene(kind, seed, length=1.0, force=1.0):
         around = hl.Environment(feet, flexibility=1e-5 * length / force)
     load = np.append(rng.normal(size=dim), 0.02 * rng.normal(size=1 if flat else 3))
     load[dim:] *= length
-    grasp = hl.Grasp(
-        contacts, flexibility=E * length / force, preload=squeeze * length, environment=around
-    )  # fmt: skip
-    return grasp, load * force
+    E *= length / force
+    return hl.Grasp(contacts, flexibility=E, preload=squeeze * length, environment=around), load * force
 
 
 def limit(grasp, load, faces):

@@ -37,6 +37,7 @@ def test_a_pinch_holds_across_what_its_own_wrench_leaves_of_the_cone(own, limit)
 def test_what_presses_on_a_wall_stays_on(wall, way):
     found = wall.load_limit(way)
     assert found.factor == pytest.approx(20.0, rel=1e-6)
+    assert found.bound == pytest.approx(20.0, rel=1e-6), "bounds of friction alone know the own wrench, too"
     assert limit_in_steps(wall, way) == pytest.approx(20.0, rel=1e-3)
 
 
@@ -70,11 +71,6 @@ def test_an_envelope_is_the_disc_of_friction_about_the_own_wrench():
     np.testing.assert_allclose(hl.envelope(grasp, ways, adaptive=0).factors, expected, rtol=1e-6)
     many = limits_of_grasp(grasp, np.hstack([ways, np.zeros((8, 3))]))
     np.testing.assert_allclose(many.factors, expected, rtol=1e-6)
-
-
-def test_bounds_of_friction_alone_know_the_own_wrench_too(wall):
-    found = wall.load_limit(DOWN)
-    assert found.bound == pytest.approx(20.0, rel=1e-6)
 
 
 def test_a_payload_comes_beside_the_own_wrench(wall):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from tests.limits.pinches import bare_pinch as pinch
 from tests.support.limits import limits_of_grasp
 
 DIRECTIONS = np.hstack([np.vstack([np.eye(3), -np.eye(3)]), np.zeros((6, 3))])
@@ -13,12 +14,6 @@ def held_cube(friction=0.8, **more):
     hand = hl.example_hand("three_finger", joint_stiffness=6.0, **more)
     cube = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
     return hand.at(hand.close_on(cube)), cube, hl.Coulomb(friction)
-
-
-def pinch(law=None, squeeze=1e-3, along=(1, 0, 0), **more):
-    d, law = np.asarray(along, dtype=float), hl.Coulomb(0.4) if law is None else law
-    ends = [hl.Contact(tuple(-0.03 * d), tuple(d), law), hl.Contact(tuple(0.03 * d), tuple(-d), law)]
-    return hl.Grasp(ends, flexibility=1e-4, preload=squeeze, **more)
 
 
 # ---------------------------------------------------------------- names

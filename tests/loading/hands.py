@@ -1,4 +1,4 @@
-"""Grasps by hands that several tests follow."""
+"""Hands, and grasps by them, that several tests follow; those of prismatic fingers have closed forms."""
 
 import numpy as np
 
@@ -7,11 +7,11 @@ import handlcp as hl
 G = 9.81
 
 
-def cube(squeeze=0.003, **more):
+def cube(squeeze=0.003, friction=0.8, **more):
     """A cube between three fingers, all of which stick."""
     hand = hl.example_hand("three_finger", joint_stiffness=6.0)
     box = hl.Box(0.05, (0, 0, 0.08), mass=0.2)
-    return hand.at(hand.close_on(box)).grasp(box, friction=hl.Coulomb(0.8), squeeze=squeeze, **more)
+    return hand.at(hand.close_on(box)).grasp(box, friction=friction, squeeze=squeeze, **more)
 
 
 def ball(stiffness=6.0, squeeze=0.003, friction=None, mass=0.3, limits=None, **more):
@@ -23,9 +23,13 @@ def ball(stiffness=6.0, squeeze=0.003, friction=None, mass=0.3, limits=None, **m
     return hand.at(hand.close_on(sphere)).grasp(sphere, friction, gravity=(0, 0, G), squeeze=squeeze, **more)
 
 
-def ends(h):
-    """Numbers of the last step of each stage."""
-    return [int(np.flatnonzero(h.steps.stage == k)[-1]) for k in range(len(h.stages))]
+def box_on_a_table():
+    """A box between two fingers that stands on a rigid table; they hang, so that +z is down."""
+    hand = hl.example_hand("two_finger", joint_stiffness=6.0, pad_flexibility=2e-4)
+    box = hl.Box((0.05, 0.05, 0.07), (0, 0, 0.09), mass=0.5)
+    table = hl.Table((0, 0, 0.125), (0, 0, -1), hl.Coulomb(0.4), flexibility=0)
+    state = hand.at(hand.close_on(box))
+    return state.grasp(box, hl.Coulomb(0.8), gravity=(0, 0, G), squeeze=0.002, environment=table)
 
 
 def gripper(pads, y=0.0, stiffness=5.0, squeeze=0.004):
@@ -50,3 +54,22 @@ def gripper(pads, y=0.0, stiffness=5.0, squeeze=0.004):
     hand = hl.Hand.from_urdf("".join([*parts, "</robot>"]), joint_stiffness=stiffness, pad_flexibility=pads)
     sphere = hl.Sphere(0.03, (0, y, 0.085), mass=0.2)
     return hand.at(hand.close_on(sphere)).grasp(sphere, friction=0.6, squeeze=squeeze)
+
+
+_LINK = '<link name="{n}"/><link name="{n}_tip"/>'
+_JOINT = (
+    '<joint name="{n}_slide" type="prismatic"><parent link="base"/><child link="{n}"/><origin xyz="{x} {y} {z}"/>'
+    '<axis xyz="{a} {b} {c}"/><limit lower="-1" upper="1" effort="100" velocity="1"/></joint>'
+    '<joint name="{n}_end" type="fixed"><parent link="{n}"/><child link="{n}_tip"/></joint>'
+)
+
+
+def sliders(tmp_path, fingers, stiffness, **more):
+    """A hand of fingers, each one prismatic joint: name → (place of the tip at 0, direction in which it slides)."""
+    parts = ['<link name="base"/>']
+    for name, (place, way) in fingers.items():
+        words = dict(zip("xyzabc", (*place, *way), strict=True), n=name)
+        parts += [_LINK.format(**words), _JOINT.format(**words)]
+    file = tmp_path / "sliders.urdf"
+    file.write_text(f'<robot name="sliders">{"".join(parts)}</robot>')
+    return hl.Hand.from_urdf(file, [f"{n}_tip" for n in fingers], joint_stiffness=stiffness, **more)

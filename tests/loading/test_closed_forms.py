@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.loading.poles import sliders
+from tests.loading.hands import sliders
 
 C, P = 1e-3, 2e-3  # flexibility of each contact [m/N], squeeze of each normal [m]
 N = P / C  # normal force of opposite contacts [N]
@@ -68,10 +68,8 @@ def pole(tmp_path, height, arm, k, squeeze, load_height):
     """A plate on a point at the origin, held at a height by two frictionless springs, loaded further up."""
     fingers = {"left": ((-arm, 0, height), (1, 0, 0)), "right": ((arm, 0, height), (-1, 0, 0))}
     hand = sliders(tmp_path, fingers, k)
-    contacts = {
-        "left_tip": hl.Contact((-arm, 0, height), (1, 0, 0), hl.Frictionless()),
-        "right_tip": hl.Contact((arm, 0, height), (-1, 0, 0), hl.Frictionless()),
-    }
+    sides = {"left_tip": 1, "right_tip": -1}
+    contacts = {tip: hl.Contact((-way * arm, 0, height), (way, 0, 0), hl.Frictionless()) for tip, way in sides.items()}
     foot = hl.Environment([hl.Contact((0, 0, 0), (0, 0, 1), hl.Coulomb(1.0))])
     return hand.at(hand.neutral).grasp(
         contacts, reference=(0, 0, load_height), environment=foot, plane=(0.0, 1.0, 0.0),
@@ -88,9 +86,8 @@ def test_a_pole_between_two_springs_is_lost_at_its_buckling_load(tmp_path):
     assert not h.reached
     assert 2 * most * h.lost_at == pytest.approx(most, rel=0.002)
     assert not h.held
-    assert (
-        "in balance, but a small push along +x drives it away" in h.why
-    )  # of two ways that are alike, always this one
+    # Of two ways that are alike, always this one
+    assert "in balance, but a small push along +x drives it away" in h.why
     limit = g.load_limit((0, 0, -1, 0, 0, 0))
     assert limit.factor == pytest.approx(most, rel=1e-3)
     assert "leaves, as a small push along +x makes it where it is in balance" in limit.why

@@ -9,12 +9,8 @@ import trimesh
 
 import handlcp as hl
 
-TALL, WIDE, STIFFNESS, SQUEEZE = (
-    0.03,
-    0.04,
-    2000.0,
-    0.002,
-)  # of the block [m]; of a jaw's drive [N/m]; how far it closes
+TALL, WIDE = 0.03, 0.04  # of the block [m]
+STIFFNESS, SQUEEZE = 2000.0, 0.002  # of a jaw's drive [N/m], how far it closes [m]
 
 
 def vise():
@@ -38,10 +34,8 @@ def block(kind):
 
 
 def turned(kind, moment, friction=0.2, steps=20):
-    grasp = vise().at([0.0, 0.0]).grasp(
-        block(kind), friction, squeeze=SQUEEZE, wrench=(0, 0, 0, 0, moment, 0), gravity=(0, 0, 0)
-    )  # fmt: skip
-    return grasp.follow(steps=steps)
+    more = {"squeeze": SQUEEZE, "wrench": (0, 0, 0, 0, moment, 0), "gravity": (0, 0, 0)}
+    return vise().at([0.0, 0.0]).grasp(block(kind), friction, **more).follow(steps=steps)
 
 
 def rocking(angle, friction):

@@ -15,6 +15,7 @@ import handlcp as hl
 from handlcp.cli import app
 from handlcp.errors import NoSolutionFound
 from handlcp.viz.loading.figure import draw_end_picture as loading_picture, draw_loading as loading_figure
+from tests.loading.hands import cube
 
 CUBE = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
 SCENE = """
@@ -34,9 +35,9 @@ squeeze_m = 0.005
 
 
 @cache
-def loading(friction=0.8, limits=None, mass=0.2):
+def loading(friction=0.8, limits=None):
     hand = hl.example_hand("three_finger", joint_stiffness=6.0, **({} if limits is None else {"torque_limits": limits}))
-    grasp = hand.at(hand.close_on(CUBE)).grasp(CUBE, friction=friction, squeeze=0.005).replace(mass=mass)
+    grasp = hand.at(hand.close_on(CUBE)).grasp(CUBE, friction=friction, squeeze=0.005)
     return grasp, grasp.follow(steps=8)
 
 
@@ -86,23 +87,15 @@ def test_figure_picture_and_page_begin_with_the_same_word(tmp_path):
 
 
 # ---------------------------------------------------------------- what a check and a loading answer can be sent to
-BELOW = (0, 0, 0.08)
-
-
-def on_a_box():
-    hand, box = hl.example_hand("three_finger", joint_stiffness=6.0), hl.Box(0.05, BELOW, mass=0.2)
-    return hand.at(hand.close_on(box)).grasp(box, friction=0.8, squeeze=0.005)
-
-
 def on_a_mesh(tmp_path):
     file = tmp_path / "box.stl"
     file.write_bytes(trimesh.creation.box((0.05, 0.05, 0.05)).export(file_type="stl"))
-    hand, mesh = hl.example_hand("three_finger", joint_stiffness=6.0), hl.Mesh(file, placement=BELOW, mass=0.2)
+    hand, mesh = hl.example_hand("three_finger", joint_stiffness=6.0), hl.Mesh(file, placement=(0, 0, 0.08), mass=0.2)
     return hand.at(hand.close_on(mesh)).grasp(mesh, friction=0.8, squeeze=0.005)
 
 
 def at_points():
-    detected = on_a_box()
+    detected = cube(squeeze=0.005)
     return detected.state.grasp(detected.contacts, wrench=(0, 0, -2, 0, 0, 0), squeeze=0.005)
 
 
@@ -132,8 +125,8 @@ WAYS = [through_pickle, through_a_deep_copy, through_joblib, through_dask]
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("kind", ["balls on a box", "balls on a mesh", "points"])
 def test_a_hand_that_is_followed_finds_the_same_contacts_in_another_process(kind, way, tmp_path):
-    made = {"balls on a box": on_a_box, "balls on a mesh": lambda: on_a_mesh(tmp_path), "points": at_points}
-    grasp = made[kind]()
+    made = {"balls on a box": lambda: cube(squeeze=0.005), "balls on a mesh": lambda: on_a_mesh(tmp_path)}
+    grasp = (made | {"points": at_points})[kind]()
     here = grasp.spec.mechanism.moving_geometry(grasp.spec)
     there = way(here, tmp_path)
     moved = type(here.start)(*here.start[:3], (np.eye(3), np.array([1e-4, -2e-4, 3e-4])))
@@ -144,7 +137,7 @@ def test_a_hand_that_is_followed_finds_the_same_contacts_in_another_process(kind
 
 @pytest.mark.parametrize("way", WAYS)
 def test_a_verdict_with_its_loading_says_the_same_in_another_process(way, tmp_path):
-    verdict = on_a_box().check()
+    verdict = cube(squeeze=0.005).check()
     there = way(verdict, tmp_path)
     assert (there.word, str(there), str(there.loading)) == (verdict.word, str(verdict), str(verdict.loading))
     np.testing.assert_array_equal(there.loading.steps.forces, verdict.loading.steps.forces)

@@ -14,8 +14,6 @@ import handlcp as hl
 from tests.paths.corpus import Case, cases
 from tests.paths.words import Word, checked, followed, limit_of, pressed
 
-__all__ = ["BELOW", "BEYOND", "Finding", "contradictions", "ends_differ", "measure", "steps_agree"]
-
 BELOW, BEYOND, FAR = 0.95, 1.05, 3.0
 COUNTS = (10, 20, 40, 80, 160)
 NEAR = 0.01

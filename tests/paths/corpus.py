@@ -7,6 +7,7 @@ the cone and six faces. `held` says whether a grasp holds its squeeze and weight
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -20,8 +21,6 @@ import pinocchio as pin
 import handlcp as hl
 from tests.paths.hands import COMMERCIAL, SHIPPED, STARTS, TIPS, commercial_hands_there
 from tests.paths.recipes import FreeRecipe, HandRecipe, Law, Recipe, Thing, turn
-
-__all__ = ["ACCEPTED", "DIRECTIONS", "Case", "accepted", "case_of", "cases", "held", "some_law"]
 
 DIRECTIONS = 12
 ACCEPTED = Path(__file__).with_name("accepted.json")  # {"tried": below this, "0": numbers of the seed 0 that hold}
@@ -87,24 +86,11 @@ def cases(count: int, seed: int = 0, start: int = 0) -> Iterator[Case]:
     known, and the same whatever package is imported; others are tried now. Commercial hands are left out where their
     package is not installed.
     """
-    known = accepted() if seed == 0 else ()
-    beyond = tried() if seed == 0 else 0
-    for number in known:
-        if number < start:
-            continue
-        if count <= 0:
-            return
-        case = case_of(seed, number)
-        if _there(case):
-            count -= 1
-            yield case
-    number = max(start, beyond)
-    while count > 0:
-        case = case_of(seed, number)
-        if _there(case) and held(case):
-            count -= 1
-            yield case
-        number += 1
+    known = accepted() if seed == 0 else {"tried": 0, "0": []}
+    before = (case_of(seed, number) for number in known["0"] if number >= start)
+    numbers = itertools.count(max(start, known["tried"]))
+    anew = (case for number in numbers if _there(case := case_of(seed, number)) and held(case))
+    yield from itertools.islice(itertools.chain(filter(_there, before), anew), count)
 
 
 def _there(case: Case) -> bool:
@@ -112,16 +98,9 @@ def _there(case: Case) -> bool:
 
 
 @lru_cache(maxsize=1)
-def accepted() -> tuple[int, ...]:
-    """Numbers of the seed 0 that hold, as far as they were tried."""
-    if not ACCEPTED.is_file():
-        return ()
-    return tuple(json.loads(ACCEPTED.read_text(encoding="utf-8"))["0"])
-
-
-def tried() -> int:
-    """How many numbers of the seed 0 were tried."""
-    return int(json.loads(ACCEPTED.read_text(encoding="utf-8"))["tried"]) if ACCEPTED.is_file() else 0
+def accepted(path: Path = ACCEPTED) -> dict[str, Any]:
+    """How many numbers of the seed 0 were tried, "tried", and those of them that hold, "0"."""
+    return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {"tried": 0, "0": []}
 
 
 def some_law(rng: np.random.Generator, kind: str, mu: float) -> Law:

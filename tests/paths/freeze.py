@@ -1,4 +1,5 @@
-"""What a package says of every scene, written to a file: limits, what binds, events, forces, verdicts.
+"""What a package says of every scene, written to a file: limits, what binds, events, forces, verdicts; and which grasps
+hold their squeeze and weight (`accept`).
 
 A file is gzipped JSON, a line for each scene: "number" of seed 0, "direction", "factor"
 (null: infinite), "binds" as [kind, who], "events" (how many), "forces" at the end of squeeze and weight [N] contact by
@@ -10,23 +11,64 @@ from __future__ import annotations
 
 import gzip
 import json
+import signal
 import time
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 import numpy as np
 
 import handlcp as hl
-from tests.paths.clock import TookTooLong, at_most
+from tests.paths import corpus
 from tests.paths.contradictions import BELOW, BEYOND, FAR
-from tests.paths.corpus import Case, case_of, cases
+from tests.paths.corpus import Case, accepted, case_of, held
 from tests.paths.words import checked, followed, limit_of
-
-__all__ = ["FROZEN", "compare", "freeze", "frozen", "pack", "scene"]
 
 DIFFERS = 0.01
 FROZEN = Path(__file__).with_name("frozen.json.gz")
+LONGEST = 10.0  # a case that takes longer is not accepted [s]
+
+
+class TookTooLong(Exception):
+    """The time is over."""
+
+
+@contextmanager
+def at_most(seconds: float) -> Iterator[None]:
+    """Raises TookTooLong in the main thread after so many seconds of the processor, once the call comes back from
+    compiled code.
+    """
+
+    def over(number: int, frame: FrameType | None) -> None:
+        raise TookTooLong(f"more than {seconds:g} s")
+
+    before = signal.signal(signal.SIGPROF, over)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
+
+
+def accept(numbers: int, out: Path) -> int:
+    """Try the numbers of seed 0 below this that were not tried yet, and write those that hold."""
+    known = accepted(out)
+    for number in range(known["tried"], numbers):
+        try:
+            with at_most(LONGEST):
+                known["0"] += [number] * held(case_of(0, number))
+        except TookTooLong:
+            pass
+        known["tried"] = number + 1
+        if number % 50 == 49 or number == numbers - 1:
+            out.write_text(json.dumps(known, separators=(",", ":")) + "\n", encoding="utf-8")
+            print(f"{number + 1} tried, {len(known['0'])} hold", flush=True)
+    return 0
 
 
 def frozen(path: Path = FROZEN) -> list[dict[str, Any]]:
@@ -56,8 +98,8 @@ def scene(case: Case, direction: int) -> dict[str, Any]:
     return told
 
 
-def freeze(count: int, out: Path, most: float, directions: int) -> int:
-    """Write so many scenes, `directions` of each case, none longer than `most` seconds. Lines are kept beside the file
+def freeze(cases: int, out: Path, seconds: float, directions: int) -> int:
+    """Write so many scenes, `directions` of each case, none longer than so many seconds. Lines are kept beside the file
     as they come, with the ending jsonl: another run goes on after them, or after those of the file itself.
     """
     plain = out.with_name(out.name.removesuffix(".gz").removesuffix(".json") + ".jsonl")
@@ -65,27 +107,27 @@ def freeze(count: int, out: Path, most: float, directions: int) -> int:
         plain.write_bytes(gzip.decompress(out.read_bytes()))
     before = plain.read_text(encoding="utf-8").splitlines() if plain.is_file() else []
     done = {(x["number"], x["direction"]) for x in map(json.loads, before)}
-    with plain.open("a", encoding="utf-8") as file:
-        for case in cases(-(-count // directions)):
+    with plain.open("a", encoding="utf-8") as lines:
+        for case in corpus.cases(-(-cases // directions)):
             for k in range(directions):
                 direction = (case.number + 5 * k) % len(case.directions)
                 if (case.number, direction) not in done:
-                    file.write(json.dumps(_timed(case, direction, most), separators=(",", ":")) + "\n")
-                    file.flush()
+                    lines.write(json.dumps(_timed(case, direction, seconds), separators=(",", ":")) + "\n")
+                    lines.flush()
             if case.number % 20 == 0:
                 pack(plain, out)
     pack(plain, out)
     return 0
 
 
-def compare(path: Path, count: int, most: float) -> int:
+def compare(file: Path, scenes: int, seconds: float) -> int:
     """Print where the package that is imported says otherwise than a file: factor by 1 %, words at 0.95 and 1.05,
     forces at the end of squeeze and weight by 1 %. The number of scenes that differ.
     """
     tally = Counter[str]()
-    for old in frozen(path)[:count]:
+    for old in frozen(file)[:scenes]:
         case = case_of(0, old["number"])
-        new = _timed(case, old["direction"], most)
+        new = _timed(case, old["direction"], seconds)
         said = {what: text for what, text in _differences(old, new).items() if text}
         tally += Counter({what: 1 for what in said} | {"scenes": 1, "differ": bool(said)})
         if said:

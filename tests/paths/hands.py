@@ -16,8 +16,6 @@ import pinocchio as pin
 
 import handlcp as hl
 
-__all__ = ["COMMERCIAL", "SHIPPED", "STARTS", "TIPS", "Start", "commercial_hands_there", "made_hand"]
-
 SHIPPED = ("three_finger", "five_finger")
 COMMERCIAL = ("barrett", "leap")
 URDF = Path(__file__).resolve().parents[2] / "urdf"

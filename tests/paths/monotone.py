@@ -9,8 +9,6 @@ import numpy as np
 from tests.paths.corpus import Case, cases
 from tests.paths.same import factor_of
 
-__all__ = ["FALL", "MORE", "falls", "measure"]
-
 MORE = 1.1
 FALL = 1e-3  # of the factor: what falls by less is not told
 

@@ -13,8 +13,6 @@ import numpy as np
 import handlcp as hl
 from tests.paths.hands import made_hand
 
-__all__ = ["FreeRecipe", "HandRecipe", "Law", "Recipe", "Thing", "spun", "turn"]
-
 
 def turn(rng: np.random.Generator) -> np.ndarray:
     """(3, 3) random rotation."""
@@ -147,7 +145,7 @@ class HandRecipe:
 @dataclass(frozen=True)
 class FreeRecipe:
     """Bare contacts at p (n, 3) with frames R (n, 3, 3), E (3n, 3n) [m/N] and preloads (n,) [m]. force, length : the
-    units, in newtons and metres.
+    units, in newtons and metres. The methods are those of `HandRecipe`.
     """
 
     p: np.ndarray
@@ -159,7 +157,6 @@ class FreeRecipe:
     length: float = 1.0
 
     def grasp(self) -> hl.Grasp:
-        """Made anew."""
         f, m = self.force, self.length
         laws = [replace(law, second=law.second / m) if law.kind == "soft" else law for law in self.laws]
         contacts = [
@@ -168,18 +165,15 @@ class FreeRecipe:
         return hl.Grasp(contacts, flexibility=self.E * f / m, preload=self.preload / m)
 
     def rubbed(self, share: float) -> Self:
-        """With more friction, or less."""
         return replace(self, laws=tuple(law.times(share) for law in self.laws))
 
     def stronger(self, share: float) -> None:
         """There are no torques."""
 
     def squeezed(self, share: float) -> Self:
-        """Pressed together harder, or less hard."""
         return replace(self, preload=share * self.preload)
 
     def permuted(self, rng: np.random.Generator) -> Self:
-        """With the contacts in another order."""
         order = _other_order(rng, len(self.p))
         rows = (3 * order[:, None] + np.arange(3)).ravel()
         return replace(
@@ -188,11 +182,9 @@ class FreeRecipe:
         )  # fmt: skip
 
     def turned(self, Q: np.ndarray) -> Self:
-        """In a turned world."""
         return replace(self, p=self.p @ Q.T, R=Q @ self.R, laws=tuple(law.turned(Q) for law in self.laws))
 
     def in_units(self, force: float, length: float) -> Self:
-        """Counted in other units."""
         return replace(self, force=force, length=length)
 
 

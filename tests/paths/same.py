@@ -16,8 +16,6 @@ from tests.paths.corpus import Case, case_of, cases
 from tests.paths.recipes import HandRecipe, spun, turn
 from tests.paths.words import limit_of
 
-__all__ = ["ENOUGH", "Variant", "apart", "factors", "measure", "variants"]
-
 ENOUGH = 1e-6
 SIDEWAYS = 1e-9  # of the load
 FORCE, LENGTH = 4.4482216, 0.0254  # pounds and inches

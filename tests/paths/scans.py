@@ -7,6 +7,7 @@ scan. Between such neighbours the scan is repeated ten times finer: a limit that
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,8 +16,6 @@ import pinocchio as pin
 from tests.paths.corpus import Case, cases
 from tests.paths.recipes import HandRecipe
 from tests.paths.same import factor_of
-
-__all__ = ["Jump", "boxes", "jumps", "measure", "scans_of"]
 
 LEAST, TIMES, FINER = 0.05, 3.0, 10
 Ask = Callable[[float], float]
@@ -31,15 +30,10 @@ class Jump(NamedTuple):
     high: float
 
 
-def boxes(count: int, seed: int = 0) -> Iterator[Case]:
+def cases_with_boxes(count: int, seed: int = 0) -> Iterator[Case]:
     """Cases with hands that hold boxes."""
-    most = 400 * count
-    for case in cases(most, seed):
-        if isinstance(case.recipe, HandRecipe) and case.recipe.thing.kind == "box":
-            yield case
-            count -= 1
-            if not count:
-                return
+    every = (case for case in cases(400 * count, seed) if isinstance(case.recipe, HandRecipe))
+    yield from islice((case for case in every if case.recipe.thing.kind == "box"), count)
 
 
 def _turned(way: np.ndarray, angle: float) -> np.ndarray:
@@ -86,15 +80,15 @@ def _jumps(at: np.ndarray, values: np.ndarray, ask: Ask, finer: int) -> Iterator
             yield Jump(float(between[j]), float(between[j + 1]), float(found[j]), float(found[j + 1]))
 
 
-def measure(count: int, points: int, seed: int = 0) -> int:
+def measure(boxes: int, points: int, seed: int = 0) -> int:
     """Print every jump; their number."""
     total: dict[str, Any] = {}
-    for case in boxes(count, seed):
+    for case in cases_with_boxes(boxes, seed):
         for what, (at, ask) in scans_of(case, points).items():
             _, found = jumps(at, ask)
             total[what] = total.get(what, 0) + len(found)
             for j in found:
                 where = f"({case.seed}, {case.number}) {case.name}: {what} {j.at:.4f} to {j.until:.4f}"
                 print(f"{where}: {j.low:.5g} to {j.high:.5g}", flush=True)
-    print(f"jumps on {count} boxes: {total}")
+    print(f"jumps on {boxes} boxes: {total}")
     return sum(total.values())

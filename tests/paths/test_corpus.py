@@ -65,7 +65,7 @@ def test_a_case_follows_from_its_seed_and_number():
 
 
 def test_the_corpus_has_every_law_and_section_and_three_to_six_contacts():
-    every = [case_of(0, number) for number in accepted()]
+    every = [case_of(0, number) for number in accepted()["0"]]
     assert len(every) >= 400
     hands = [c.recipe for c in every if isinstance(c.recipe, HandRecipe)]
     bare = [c.recipe for c in every if not isinstance(c.recipe, HandRecipe)]

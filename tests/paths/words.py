@@ -11,8 +11,6 @@ import handlcp as hl
 from tests.paths.corpus import Case
 from tests.paths.recipes import HandRecipe
 
-__all__ = ["ELSEWHERE", "ORDERS", "Word", "checked", "followed", "limit_of", "order_of", "pressed"]
-
 # What makes `check` undecided, and is no matter of how much load is held
 ELSEWHERE = {"link_inside", "large_motion", "solver_stopped"}
 ORDERS = ("staged", "plain")  # squeeze, weight, then the load, as `load_limit` has it; or squeeze, then both at once

@@ -17,7 +17,7 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array, check_method_calls
-from handlcp.contact.friction import Section
+from handlcp.contact.friction import Pyramid, Section
 from handlcp.grasp.assembly.problem import (
     GraspContactProblem,
     SolverCandidate,
@@ -31,7 +31,6 @@ from handlcp.grasp.solution.verdict import solution_motions
 from handlcp.grasp.solve.equilibrium_search import (
     WORK_PER_SECOND,
     ContactModeSearch,
-    coarse_candidates,
     first_certified,
     has_only_limits,
     is_certified,
@@ -60,7 +59,9 @@ def iterate_starts(problem: GraspContactProblem, end: float) -> Iterator[SolverC
     several = has_only_limits(problem) and problem.faces != 2
     for k, faces in enumerate([m for m in _COARSE_FACES if m != problem.faces] if several else ()):
         left = end - time.monotonic()
-        near = coarse_candidates(problem, faces, 0.5 * (left if k else max(left, 1.0)))  # the first whatever the time
+        coarse = GraspContactProblem(problem.scene, Pyramid(faces), problem.requested_effects)
+        seconds = 0.5 * (left if k else max(left, 1.0))  # the first whatever the time
+        near = ContactModeSearch(coarse).each_choice(WORK_PER_SECOND * seconds)
         yield from take_until(end, near) if k else near
     yield from take_until(end, seeded_candidates(problem, OTHER_SEEDS))
 
@@ -150,14 +151,10 @@ class Equilibria(Record):
         """Which of several are to be reckoned with."""
         within = [str(i) for i, s in enumerate(self.found, 1) if not solution_motions(s).too_large]
         if len(within) < len(self.found):
-            which = (
-                f"numbers {words.list_names(within)}"
-                if len(within) > 1
-                else f"number {within[0]} alone"
-                if within
-                else ""
-            )
-            yield f"the equations of small motions describe {which or 'none of them'}"
+            which = "none of them" if not within else f"number {within[0]} alone"
+            if len(within) > 1:
+                which = f"numbers {words.list_names(within)}"
+            yield f"the equations of small motions describe {which}"
         if len(within) > 1:
             yield "in which of them the hand ends up depends on how it gets there: friction remembers the way"
 
@@ -180,12 +177,19 @@ def equilibria(spec: GraspSpec, section: Section, seconds: float) -> Equilibria:
     elif prove_overload(run.scene, section, spec.effects) is not None:
         return run.result(True, "no forces within friction and limits balance the load")
     if run.scene.soft:
-        run.from_other_seeds(run.start + seconds)
+        for seed in range(1, OTHER_SEEDS + 1):
+            if time.monotonic() > run.start + seconds:
+                break
+            ended = (run.problem.candidate(p.z) for _, p in proposals(run.problem, Auto(seed=seed)))
+            run.add_new(c for c in ended if is_certified(run.problem, c))
         return run.result(False, "contact modes know no moments about normals")
     if first.held and not len(run.problem.blocks):
         return run.result(True, "without friction the laws are monotone")
     modes = ContactModeSearch(run.problem) if has_only_limits(run.problem) and run.problem.faces else None
-    complete, why, end = False, _why_open(run.problem), run.start + seconds
+    complete, end = False, run.start + seconds
+    why = "the exact cone has a continuum of slip directions"
+    if not has_only_limits(run.problem):
+        why = "an effect moves the contacts, so their modes do not describe them"
     if modes is not None:
         candidates = list(modes.each_choice(WORK_PER_SECOND * seconds))
         end = time.monotonic() + seconds  # whatever was compiled before
@@ -209,34 +213,21 @@ class _EquilibriumListing:
         self.found: list[GraspSolution] = []
         self.noise = _EQUAL_FORCE_SHARE * self.scene.units.force_unit
 
-    def from_other_seeds(self, end: float) -> None:
-        """What the chain of stages ends at with other seeds."""
-        for seed in range(1, OTHER_SEEDS + 1):
-            if time.monotonic() > end:
-                return
-            ended = (self.problem.candidate(p.z) for _, p in proposals(self.problem, Auto(seed=seed)))
-            self.add_new(c for c in ended if is_certified(self.problem, c))
-
-    def has_known_answer(self, candidates: list[SolverCandidate]) -> bool:
-        """Whether the answer that is known is among them, as it must be; of a family any member may be."""
-        if not self.found or not _has_determined_forces(self.found[0]):
-            return True
-        return any(self._close(self._forces(c), self.found[0].forces) for c in candidates)
-
     def assess_search(
         self, modes: ContactModeSearch, known: list[SolverCandidate], tried: int, late: bool
     ) -> tuple[bool, str]:
         """(complete, why) after a search over contact modes; known : what was certified of those tried."""
-        choices = f"{modes.search.choice_count:,.0f}"
         if not modes.search.exhausted:
             return False, f"{modes.search.choice_count:.2g} choices of contact modes are too many for the time"
         if late:
             return False, "the time was too short"
         if not all(map(_has_determined_forces, self.found)):
             return False, "forces of rigid fingers are not determined where they stick"
-        if len(known) < tried or not self.has_known_answer(known):
+        # The answer that was known before must be among them
+        missed = [s for s in self.found[:1] if not any(self._close(self._forces(c), s.forces) for c in known)]
+        if len(known) < tried or missed:
             return False, "some are degenerate"
-        return True, f"all {choices} choices of contact modes were solved"
+        return True, f"all {modes.search.choice_count:,.0f} choices of contact modes were solved"
 
     def add_new(self, candidates: Iterable[SolverCandidate]) -> None:
         """Append what is no member of a family already found: its smallest member is that one's, or halfway to that one
@@ -279,10 +270,3 @@ class _EquilibriumListing:
 
 def _has_determined_forces(s: GraspSolution) -> bool:
     return s.uniqueness is None or s.uniqueness.forces_determined
-
-
-def _why_open(problem: GraspContactProblem) -> str:
-    """Why contact modes prove nothing, where they don't."""
-    if not has_only_limits(problem):
-        return "an effect moves the contacts, so their modes do not describe them"
-    return "the exact cone has a continuum of slip directions"

@@ -89,9 +89,8 @@ ENVIRONMENT_DESCRIPTION = EffectDescription(
 
 
 _ANSWERS_MEANT = {
-    FOLLOWED_LOADINGS: "check, follow, load_limit, payload, required_grip, required_torque and what "
-    "else follows the loading in "
-    'steps; not solve, margins, sensitivity or reliability(by="solve"), which know no way',
+    FOLLOWED_LOADINGS: "check, follow, load_limit, payload, required_grip, required_torque and what else follows the "
+    'loading in steps; not solve, margins, sensitivity or reliability(by="solve"), which know no way',
     ONE_SOLVE: "solve, margins and sensitivity; what follows the loading has it in its geometry",
 }
 
@@ -155,8 +154,8 @@ class Explanation(Record):
             what += f" (condition of their block {1.0 / self.rcond:.1e})" if self.rcond > 0.0 else " (singular block)"
         lines.append(wrap_text(f"{self.unknowns} unknowns, {what}: the solver sees {self.size}", "  "))
         if self.seconds is not None:
-            time = f"{1e6 * self.seconds:.0f} µs from the numbers to a certified answer, started at the answer"
-            lines.append(wrap_text(time, "  "))
+            took = f"{1e6 * self.seconds:.0f} µs from the numbers to a certified answer, started at the answer"
+            lines.append(wrap_text(took, "  "))
         lines += [wrap_text(note, "  ") for note in self.notes]
         return "\n".join(lines)
 
@@ -167,14 +166,10 @@ class Explanation(Record):
         return tuple([f"{which}: {_ANSWERS_MEANT[which]}" for which in (FOLLOWED_LOADINGS, ONE_SOLVE) if which in some])
 
 
-def active_effects(spec: GraspSpec, scene: Scene, section: Section) -> tuple[Effect, ...]:
-    """All effects that a grasp has: those that its data call for, then those asked for."""
-    return (*effects_called_for(scene, section), *spec.effects)
-
-
 def explain_effects(spec: GraspSpec, scene: Scene, section: Section) -> Explanation:
     """What is on comes first; the sizes are those of the assembled problem."""
-    on, problem = active_effects(spec, scene, section), assemble(scene, section, asked_effects_with_rows(spec.effects))
+    on = (*effects_called_for(scene, section), *spec.effects)
+    problem = assemble(scene, section, asked_effects_with_rows(spec.effects))
     counted = {g.name: g for g in problem.groups}
     lines, k = [], 3 * spec.of_hand
     own, m = spec.flexibility[:k, :k], spec.n - spec.of_hand
@@ -191,26 +186,18 @@ def explain_effects(spec: GraspSpec, scene: Scene, section: Section) -> Explanat
     for kind in effect_kinds():
         if kind not in present and (why := kind.absent(scene, section)) is not None:
             lines.append(EffectLine(kind.title, kind.equation, False, why))
+    why = "none given"
+    if m:
+        block = spec.flexibility[k:, k:]
+        soft = f"{format_length(block.trace() / (3 * m))}/N in the mean" if block.any() else "rigid"
+        why = f"{m} of the {spec.n} contacts: {list_names(spec.names[-m:])}; {soft}"
     # The unknowns of the environment are counted with contact and friction
-    lines.append(
-        EffectLine(
-            ENVIRONMENT_DESCRIPTION.title, ENVIRONMENT_DESCRIPTION.equation, m > 0, _describe_environment(spec, m)
-        )
-    )
+    lines.append(EffectLine(ENVIRONMENT_DESCRIPTION.title, ENVIRONMENT_DESCRIPTION.equation, m > 0, why))
     for title, law, is_on, why, answers in () if spec.mechanism is None else spec.mechanism.report.explanation_lines():
         lines.append(EffectLine(title, law, is_on, why, answers=answers))
     total = sum(g.count for g in problem.groups)
     rcond = problem.rcond if isinstance(problem, GraspProblem) else None
     return Explanation(tuple(sorted(lines, key=lambda line: not line.on)), total, total - problem.n, rcond)
-
-
-def _describe_environment(spec: GraspSpec, m: int) -> str:
-    """What the m contacts of the environment are."""
-    if not m:
-        return "none given"
-    block = spec.flexibility[-3 * m :, -3 * m :]
-    soft = f"{format_length(block.trace() / (3 * m))}/N in the mean" if block.any() else "rigid"
-    return f"{m} of the {spec.n} contacts: {list_names(spec.names[-m:])}; {soft}"
 
 
 # ----------------------------------------------------------------
@@ -228,11 +215,8 @@ def _describe_environment(spec: GraspSpec, m: int) -> str:
 # off the compiled first stage) each show it only as far as leaving that one out would save it.
 
 
-_MAX_TURNS, _RUNS_PER_TURN, _MAX_SECONDS = (
-    40,
-    3,
-    0.5,
-)  # turns of so many runs in a row, but no more [s] for all of them together
+_MAX_TURNS, _RUNS_PER_TURN = 40, 3  # turns of so many runs in a row
+_MAX_SECONDS = 0.5  # of all of them together
 
 TimedRun = Callable[[], bool]
 Clock = Callable[[dict[int, TimedRun]], dict[int, float]]
@@ -240,7 +224,7 @@ Clock = Callable[[dict[int, TimedRun]], dict[int, float]]
 
 def specs_without(spec: GraspSpec, section: Section) -> Iterator[tuple[str, GraspSpec]]:
     """(title, the grasp without that effect) for each that can be left out; balance and contact cannot."""
-    for e in active_effects(spec, build_scene(spec), section):
+    for e in (*effects_called_for(build_scene(spec), section), *spec.effects):
         if (changes := e.without(spec.contacts)) is not None:
             dropped = {"effects": tuple(x for x in spec.effects if x is not e)}
             yield e.title, spec.replace(**(changes or dropped))

@@ -32,128 +32,6 @@ _MAX_LOOKS = 8  # for a value that is not too much, and between one that is and 
 _ZERO_SHARE = 1e-9  # of the start: less is nothing
 
 
-@dataclass(frozen=True, slots=True)
-class LeastValue:
-    """The least value with which something holds, as a search found it.
-
-    value : the least that holds; None: none was found.
-    fails : the largest tried below it that does not hold, None where the floor itself holds; where no value was found,
-        the last that was not too much.
-    tried : pairs (x, whether it holds).
-    """
-
-    value: float | None
-    fails: float | None
-    tried: tuple[tuple[float, bool], ...]
-
-
-class _LeastSearch:
-    """Asks, and remembers what it has asked. too_much : whether a value fails because it is too large."""
-
-    def __init__(self, holds: HoldsTest, too_much: HoldsTest, tolerance: float) -> None:
-        self.holds, self.too_much, self.tolerance = holds, too_much, tolerance
-        self.tried: list[tuple[float, bool]] = []
-
-    def __call__(self, x: float) -> bool:
-        self.tried.append((x, bool(self.holds(x))))
-        return self.tried[-1][1]
-
-    def result(self, value: float | None, fails: float | None) -> LeastValue:
-        return LeastValue(value, fails, tuple(self.tried))
-
-    def step_down(self, start: float, floor: float, step: float) -> tuple[float | None, float]:
-        """(a value that does not hold, one above it that does); (None, floor) where the floor holds."""
-        high = start
-        while high > floor:
-            low, step = max(start - step, floor), 2.0 * step
-            if not self(low):
-                return low, high
-            high = low
-        return None, floor
-
-    def step_up(self, start: float, most: float, step: float) -> tuple[float | None, float | None]:
-        """Double the step until a value holds: (a value that does not hold, one above it that does); None: nothing
-        up to `most` does.
-        """
-        low = start
-        while low < most:
-            high, step = min(start + step, most), 2.0 * step
-            if self(high):
-                return low, high
-            if self.too_much(high):
-                return self._window(low, high)
-            low = high
-        return low, None
-
-    def _window(self, low: float, high: float) -> tuple[float, float | None]:
-        """Between a value that is too little and one that is too much."""
-        for _ in range(_MAX_LOOKS):
-            middle = 0.5 * (low + high)
-            if self(middle):
-                return low, middle
-            low, high = (low, middle) if self.too_much(middle) else (middle, high)
-        return low, None
-
-    def bisect(self, low: float, high: float, nothing: float = 0.0) -> tuple[float, float]:
-        """The same as close as the tolerance, or to neighbouring floats."""
-        while high - low > max(self.tolerance * high, nothing):
-            middle = 0.5 * (low + high)
-            if not low < middle < high:
-                break
-            low, high = (low, middle) if self(middle) else (middle, high)
-        return low, high
-
-
-def find_least(
-    holds: HoldsTest,
-    start: float,
-    most: float,
-    tolerance: float,
-    *,
-    step: float | None = None,
-    floor: float = 0.0,
-    too_much: HoldsTest = lambda x: False,
-    sure: HoldsTest | None = None,
-) -> LeastValue:
-    """The least value that holds, to a relative tolerance: value - fails ≤ tolerance · value, or one rounding step.
-
-    start : where the search begins, near the answer if that is known. floor, most : the least and the largest tried.
-    step : of the first step; None: the tolerance times the start. too_much : asked of values that do not hold.
-    sure : asked once more where the answer hangs on a "no" of `holds`, such as a slower test; where it says yes, the
-    search goes on down with it.
-    """
-    search = _LeastSearch(holds, too_much, tolerance)
-    first = tolerance * start if step is None else step
-    for _ in range(_MAX_LOOKS):
-        if search(start) or not too_much(start):
-            break
-        start *= 0.5
-    low, high = search.step_down(start, floor, first) if search.tried[-1][1] else search.step_up(start, most, first)
-    if low is not None and high is not None:
-        low, high = search.bisect(low, high, _ZERO_SHARE * start)
-    if sure is not None and low is not None:
-        search.holds = sure
-        if search(low):
-            low, high = search.step_down(low, floor, tolerance * low)
-            if low is not None:
-                low, high = search.bisect(low, high)
-    return search.result(floor, None) if low is None else search.result(high, low)
-
-
-# ----------------------------------------------------------------
-# How much squeeze, or how much friction, it takes: the smallest common value that holds, found by certified solves.
-#
-# The search (`least`) goes upwards from the least value that could hold. What comes back holds; the value a tolerance
-# below it does not, as `Grasp.solve` says.
-
-
-HoldsGrasp = Callable[[GraspSpec, Section], bool]
-
-BRIEF_CHAIN = Auto(search_work=BRIEF_SEARCH_WORK)
-_FIRST_STEP = 2.0**-10  # of the natural size: the first step upwards
-_MAX_COEFFICIENT = 10.0  # the largest coefficient that is tried
-
-
 @check_method_calls
 @dataclass(frozen=True, slots=True)
 class Required(Record):
@@ -214,6 +92,106 @@ class Required(Record):
         return f"{size * value:.4g} {unit}"
 
 
+class _LeastSearch:
+    """Asks, and remembers what it has asked. too_much : whether a value fails because it is too large."""
+
+    def __init__(self, holds: HoldsTest, too_much: HoldsTest, tolerance: float) -> None:
+        self.holds, self.too_much, self.tolerance = holds, too_much, tolerance
+        self.tried: list[tuple[float, bool]] = []
+
+    def __call__(self, x: float) -> bool:
+        self.tried.append((x, bool(self.holds(x))))
+        return self.tried[-1][1]
+
+    def step_down(self, high: float, floor: float, step: float) -> tuple[float | None, float]:
+        """(a value that does not hold, one above it that does); (None, floor) where the floor holds."""
+        while high > floor:
+            low, step = max(high - step, floor), 2.0 * step
+            if not self(low):
+                return low, high
+            high = low
+        return None, floor
+
+    def step_up(self, low: float, most: float, step: float) -> tuple[float, float | None]:
+        """Double the step until a value holds: (a value that does not hold, one above it that does); None: nothing
+        up to `most` does.
+        """
+        while low < most:
+            high, step = min(low + step, most), 2.0 * step
+            if self(high):
+                return low, high
+            if self.too_much(high):
+                for _ in range(_MAX_LOOKS):  # what holds lies between too little and too much
+                    middle = 0.5 * (low + high)
+                    if self(middle):
+                        return low, middle
+                    low, high = (low, middle) if self.too_much(middle) else (middle, high)
+                return low, None
+            low = high
+        return low, None
+
+    def bisect(self, low: float, high: float, nothing: float = 0.0) -> tuple[float, float]:
+        """The same as close as the tolerance, or to neighbouring floats."""
+        while high - low > max(self.tolerance * high, nothing):
+            middle = 0.5 * (low + high)
+            if not low < middle < high:
+                break
+            low, high = (low, middle) if self(middle) else (middle, high)
+        return low, high
+
+
+def find_least(
+    holds: HoldsTest,
+    start: float,
+    most: float,
+    tolerance: float,
+    *,
+    step: float | None = None,
+    floor: float = 0.0,
+    too_much: HoldsTest = lambda x: False,
+    sure: HoldsTest | None = None,
+) -> Required:
+    """The least value that holds, to a relative tolerance: value - fails ≤ tolerance · value, or one rounding step; its
+    unit is the caller's to say.
+
+    start : where the search begins, near the answer if that is known. floor, most : the least and the largest tried.
+    step : of the first step; None: the tolerance times the start. too_much : asked of values that do not hold.
+    sure : asked once more where the answer hangs on a "no" of `holds`, such as a slower test; where it says yes, the
+    search goes on down with it. Where none holds, `fails` is the last that was not too much.
+    """
+    search = _LeastSearch(holds, too_much, tolerance)
+    first = tolerance * start if step is None else step
+    for _ in range(_MAX_LOOKS):
+        if search(start) or not too_much(start):
+            break
+        start *= 0.5
+    low: float | None
+    low, high = search.step_down(start, floor, first) if search.tried[-1][1] else search.step_up(start, most, first)
+    if low is not None and high is not None:
+        low, high = search.bisect(low, high, _ZERO_SHARE * start)
+    if sure is not None and low is not None:
+        search.holds = sure
+        if search(low):
+            low, high = search.step_down(low, floor, tolerance * low)
+            if low is not None:
+                low, high = search.bisect(low, high)
+    return Required(floor if low is None else high, low, False, "", most, tolerance, tuple(search.tried))
+
+
+# ----------------------------------------------------------------
+# How much squeeze, or how much friction, it takes: the smallest common value that holds, found by certified solves.
+#
+# The search (`least`) goes upwards from the least value that could hold. What comes back holds; the value a tolerance
+# below it does not, as `Grasp.solve` says.
+
+
+HoldsGrasp = Callable[[GraspSpec, Section], bool]
+
+BRIEF_CHAIN = Auto(search_work=BRIEF_SEARCH_WORK)
+_FIRST_STEP = 2.0**-10  # of the natural size: the first step upwards
+_MAX_COEFFICIENT = 10.0  # the largest coefficient that is tried
+
+
 def is_held(spec: GraspSpec, section: Section) -> bool:
     """Whether the solver chain, with a brief search, finds an equilibrium that the certifier passes."""
     return solve_spec(spec, section, BRIEF_CHAIN).held
@@ -245,7 +223,7 @@ def required_preload(
         return Required(None, None, True, "m", most, tolerance, ())
     tests = [lambda x, t=t: t(spec.with_squeeze(x), section) for t in (test, sure)]
     found = find_least(tests[0], 0.0, most, tolerance, step=_FIRST_STEP * size, sure=tests[1])
-    return Required(found.value, found.fails, False, "m", most, tolerance, found.tried)
+    return replace(found, unit="m")
 
 
 def required_friction(
@@ -263,10 +241,8 @@ def required_friction(
     Friction cones grow with μ, so whether some force balances the load is monotone: bisection on that gives a lower
     bound that is proven, and the search for an equilibrium starts there.
     """
-    tolerance, most = (
-        check_tolerance(tolerance),
-        check_number("limit", _MAX_COEFFICIENT if limit is None else limit, above=0.0),
-    )
+    tolerance = check_tolerance(tolerance)
+    most = _MAX_COEFFICIENT if limit is None else check_number("limit", limit, above=0.0)
     if _is_proven_to_escape(with_friction(spec, most), section):
         return Required(None, None, True, "", most, tolerance, ())
     low, high = 0.0, most if _is_proven_to_escape(with_friction(spec, 0.0), section) else 0.0
@@ -277,8 +253,7 @@ def required_friction(
         low, high = (middle, high) if _is_proven_to_escape(with_friction(spec, middle), section) else (low, middle)
     step = max(0.25 * tolerance * high, 1e-6)
     tests = [lambda x, t=t: t(with_friction(spec, x), section) for t in (test, sure)]
-    first = find_least(tests[0], high, most, tolerance, step=step, floor=high, sure=tests[1])
-    found = Required(first.value, first.fails, False, "", most, tolerance, first.tried)
+    found = find_least(tests[0], high, most, tolerance, step=step, floor=high, sure=tests[1])
     if found.value is not None and found.value == high > 0.0:  # the first value tried holds, and below nothing can
         return replace(found, fails=low, proven=True)
     if found.value is None and (build_scene(spec).offset[2 : 3 * spec.n : 3][spec.free_fingers] >= 0.0).all():

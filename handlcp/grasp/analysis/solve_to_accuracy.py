@@ -53,29 +53,20 @@ def _find_helpful_squeeze(spec: GraspSpec, section: Section) -> float | None:
     """The smallest squeeze that holds within the joints' torque limits, up to a fifth of the grasp's size [m]: of two
     digits, as it is said, where that holds, too.
     """
-    from handlcp.grasp.analysis.required_value import required_preload  # 40 ms that only advice pays
+    from handlcp.grasp.analysis.required_value import BRIEF_CHAIN, required_preload  # 40 ms that only advice pays
 
-    least = required_preload(
-        spec,
-        section,
-        limit=MAX_SQUEEZE_SHARE * build_scene(spec).units.length_unit,
-        test=_holds_within_limits,
-        sure=_holds_within_limits,
-    ).value
+    def holds(spec: GraspSpec, section: Section) -> bool:
+        found = solve_spec(spec, section, BRIEF_CHAIN)
+        check = getattr(found, "torque_check", None)
+        return found.held and (check is None or not check.over)
+
+    most = MAX_SQUEEZE_SHARE * build_scene(spec).units.length_unit
+    least = required_preload(spec, section, limit=most, test=holds, sure=holds).value
     if not least:
         return least
     step = 10.0 ** (math.floor(math.log10(least)) - 1)
     said = float(f"{math.ceil(least / step * (1 - 1e-12)) * step:.2g}")
-    return said if _holds_within_limits(spec.with_squeeze(said), section) else least
-
-
-def _holds_within_limits(spec: GraspSpec, section: Section) -> bool:
-    """Whether an equilibrium is found, and no joint is over its torque limit there."""
-    from handlcp.grasp.analysis.required_value import BRIEF_CHAIN  # as above
-
-    found = solve_spec(spec, section, BRIEF_CHAIN)
-    check = getattr(found, "torque_check", None)
-    return found.held and (check is None or not check.over)
+    return said if holds(spec.with_squeeze(said), section) else least
 
 
 def make_no_solution_error(problem: AnyProblem, solution: GraspSolution) -> NoSolutionFound:
@@ -260,10 +251,8 @@ def solve_to_accuracy(
         solution, solves, words = _through_pyramids(spec, scene, solver, solution)
     error = _solution_error(spec, scene, solution)
     if solution.held and not error <= accuracy and scene.frictional:
-        finer, solves = (
-            solve_with_advice(spec, _true_section(scene), _FINEST_NEWTON, start_values(solution, scene), scene),
-            solves + 1,
-        )
+        begin = start_values(solution, scene)
+        finer, solves = solve_with_advice(spec, _true_section(scene), _FINEST_NEWTON, begin, scene), solves + 1
         if (better := _solution_error(spec, scene, finer)) < error:
             solution, error, words = finer, better, f"{words}, more Newton steps"
     reached = Accuracy(accuracy, error, words, solves, time.perf_counter() - begun)
@@ -306,6 +295,5 @@ def _solution_error(spec: GraspSpec, scene: Scene, solution: GraspSolution) -> f
     """Of an answer on the exact section; NaN without one."""
     if not solution.held:
         return math.nan
-    return force_error(
-        GraspContactProblem(scene, _true_section(scene), asked_effects_with_rows(spec.effects)), solution
-    )
+    problem = GraspContactProblem(scene, _true_section(scene), asked_effects_with_rows(spec.effects))
+    return force_error(problem, solution)

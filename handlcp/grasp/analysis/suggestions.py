@@ -81,9 +81,8 @@ class Suggestions(Record):
         if not lines:
             lines = [f"no effect that was judged changes the answer by as much as {_format_percent(self.least)}"]
         if self.small:
-            lines.append(
-                "changes little: " + ", ".join(f"{title} {_format_percent(change)}" for title, change in self.small)
-            )
+            little = [f"{title} {_format_percent(change)}" for title, change in self.small]
+            lines.append(f"changes little: {', '.join(little)}")
         if self.unjudged:
             lines.append("not judged (they need numbers, or do not go with what is on): " + ", ".join(self.unjudged))
         return tuple(lines)
@@ -118,9 +117,8 @@ def _all_suggestions(spec: GraspSpec, section: Section, solution: GraspSolution)
         if trial.effect is None:
             yield estimate
             continue
-        s = _suggest_change(
-            spec.replace(effects=(*spec.effects, trial.effect)), section, solution, estimate.effect, estimate.ask
-        )
+        other = spec.replace(effects=(*spec.effects, trial.effect))
+        s = _suggest_change(other, section, solution, kind.title, kind.in_python)
         if trial.instead:
             yield s if estimate.change <= s.change else estimate
         elif estimate.change:

@@ -36,7 +36,9 @@ def build_scene(spec: GraspSpec) -> Scene:
         tangent_count = tuple([0 if c.mu == 0.0 else 1 if planar else 2 for c in contacts])
     elif planar:
         tangent_count = tuple([int(c.mu > 0.0) for c in contacts])
-        mu = np.array([_planar_coefficient(c, R[:, 0]) for c, R in zip(contacts, spec.frames, strict=True)])
+        along = [c.rotation.T @ R[:, 0] for c, R in zip(contacts, spec.frames, strict=True)]
+        laws = [(c.friction, x, y) for c, (x, y, _) in zip(contacts, along, strict=True)]
+        mu = np.array([law.mu if law.plain else law.toward(float(x), float(y)) for law, x, y in laws])
     else:
         tangent_count = tuple([0 if c.mu == 0.0 else 3 if c.friction.lever > 0.0 else 2 for c in contacts])
     if known:
@@ -47,7 +49,10 @@ def build_scene(spec: GraspSpec) -> Scene:
     E, d = _add_torsion(spec, soft)
     bias_torque: Array | None = None
     if spec.effects:
-        E, d = _add_effect_flexibility(spec, soft, E), add_offset(spec.effects, spec, soft, d)
+        # A factor stays one where effects add nothing to it
+        if not isinstance(E, Flexibility) or any([e.added_flexibility(spec, soft) is not None for e in spec.effects]):
+            E = add_flexibility(spec.effects, spec, soft, flexibility_matrix(E))
+        d = add_offset(spec.effects, spec, soft, d)
         torques = [torque for e in spec.effects if (torque := e.added_torque()) is not None]
         bias_torque = sum(torques[1:], torques[0]) if torques else None
     if spec.mechanism is not None and (springs := spec.mechanism.parallel_spring_torque()) is not None:
@@ -80,13 +85,6 @@ def build_scene(spec: GraspSpec) -> Scene:
     )
 
 
-def _add_effect_flexibility(spec: GraspSpec, soft: tuple[int, ...], E: FlexibilityInput) -> FlexibilityInput:
-    """Flexibility with what effects add to E; a factor stays one where they add nothing."""
-    if isinstance(E, Flexibility) and all([e.added_flexibility(spec, soft) is None for e in spec.effects]):
-        return E
-    return add_flexibility(spec.effects, spec, soft, flexibility_matrix(E))
-
-
 def add_flexibility(effects: tuple[Effect, ...], at: Placement, soft: tuple[int, ...], E: Array) -> Array:
     """(c, c) flexibility with what effects add to E [m/N]; soft : contacts that bear a moment."""
     return _sum_added(at, E, [e.added_flexibility(at, soft) for e in effects])
@@ -116,12 +114,6 @@ def _check_levers(spec: GraspSpec, soft: tuple[int, ...]) -> None:
     if size > 1e-12 * float(abs(spec.positions).max()) and longest > MAX_LEVER * size:
         expected = f"mu_torsion / mu up to {MAX_LEVER:g} times the size of the grasp, {MAX_LEVER * size:.3g} m"
         raise InputError("SoftFinger.mu_torsion", expected, f"{longest:.3g} m")
-
-
-def _planar_coefficient(contact: Contact, direction: Array) -> float:
-    """The coefficient along a direction (3,) of the contact's tangent plane."""
-    x, y, _ = contact.rotation.T @ direction
-    return contact.mu if contact.friction.plain else contact.friction.toward(float(x), float(y))
 
 
 def _add_torsion(spec: GraspSpec, soft: tuple[int, ...]) -> tuple[FlexibilityInput, Array]:

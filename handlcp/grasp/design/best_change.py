@@ -16,7 +16,7 @@ from handlcp.contact.friction import Section
 from handlcp.errors import InputError
 from handlcp.grasp.derivatives.parameter import parameters_by_effort
 from handlcp.grasp.derivatives.parameter.load import load_beside_weight, with_load
-from handlcp.grasp.design.required_value import verdict_on, verdict_word
+from handlcp.grasp.design.required_value import verdict_on
 from handlcp.grasp.failure.failure_mode import UNDECIDED
 from handlcp.grasp.failure.failure_text import NOTHING_FAILS, describe_failures
 from handlcp.grasp.limits.load_limit import load_limit
@@ -149,7 +149,7 @@ def best_change(spec: GraspSpec, section: Section, wrench: Any, share: Any, geom
         rests = spec.wrench if spec.mechanism is None and not grows else np.zeros(6)
         ends = [with_load(s, rests + between * before.wrench) for s in (made[tried[0].what], spec)]
         changed = verdict_on(ends[0], section)
-        verdicts = (changed.word, verdict_word(ends[1], section))
+        verdicts = (changed.word, verdict_on(ends[1], section).word)
         why_not = "; ".join([r.sentence for r in changed.reasons if r.severity == "decides"])
     return BestChange(before.wrench, part, before, tuple(tried), between, verdicts, of_weight, why_not)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -116,18 +117,18 @@ def find_least_value(
 
 
 def _search_least(changed: ChangedGrasp, start: float, most: float, tolerance: float, unit: str) -> Required:
-    one = find_least(changed.is_held, start, most, tolerance, too_much=changed.is_too_much)
-    found = Required(one.value, one.fails, False, unit, most, tolerance, one.tried)
-    if one.value is None:
-        return replace(found, hint="" if one.fails is None else changed.path(one.fails).why)
-    found = replace(found, verdict=verdict_word(changed.make(one.value), changed.section))
-    if found.verdict not in (NOT_HELD, UNDECIDED) or changed.is_surely_held(one.value):
+    search = partial(find_least, most=most, tolerance=tolerance, too_much=changed.is_too_much)
+    found = replace(search(changed.is_held, start), unit=unit)
+    if (value := found.value) is None:
+        return replace(found, hint="" if found.fails is None else changed.path(found.fails).why)
+    found = replace(found, verdict=verdict_on(changed.make(value), changed.section).word)
+    if found.verdict not in (NOT_HELD, UNDECIDED) or changed.is_surely_held(value):
         return found
-    more = find_least(changed.is_surely_held, one.value, most, tolerance, too_much=changed.is_too_much)
+    more = search(changed.is_surely_held, value)
+    checked = (*found.checked, *more.checked)
     if more.value is None:
-        return replace(found, checked=(*one.tried, *more.tried))
-    verdict = verdict_word(changed.make(more.value), changed.section)
-    return replace(found, value=more.value, fails=more.fails, checked=(*one.tried, *more.tried), verdict=verdict)
+        return replace(found, checked=checked)
+    return replace(more, unit=unit, checked=checked, verdict=verdict_on(changed.make(more.value), changed.section).word)
 
 
 def _limit_force(changed: ChangedGrasp, found: Required, bears: Array) -> Required:
@@ -144,7 +145,7 @@ def _limit_force(changed: ChangedGrasp, found: Required, bears: Array) -> Requir
         hard = held and bool(describe_overpressed(changed.path(middle), bears))
         checked.append((middle, held and not hard))
         if held and not hard:
-            verdict = verdict_word(changed.make(middle), changed.section)
+            verdict = verdict_on(changed.make(middle), changed.section).word
             return replace(found, value=middle, fails=low, checked=tuple(checked), verdict=verdict)
         low, high = (low, middle) if hard else (middle, high)
     hint = f"with {high:.4g} {found.unit} {describe_overpressed(changed.path(high), bears)}"
@@ -160,14 +161,8 @@ def has_snapped(path: Loading) -> bool:
 
 def verdict_on(spec: GraspSpec, section: Section) -> Verdict:
     """What `check` says of a grasp, without advice."""
-    return judge_grasp(
-        spec, build_scene(spec), section, LOADING_ORDER, solve_spec(spec, section, _QUICK_CHAIN, proof=False)
-    )
-
-
-def verdict_word(spec: GraspSpec, section: Section) -> str:
-    """The word of the grasp's verdict, such as "HELD"."""
-    return verdict_on(spec, section).word
+    solution = solve_spec(spec, section, _QUICK_CHAIN, proof=False)
+    return judge_grasp(spec, build_scene(spec), section, LOADING_ORDER, solution)
 
 
 # ----------------------------------------------------------------
@@ -210,13 +205,15 @@ def _confirm_required(
         changed.stays, start = True, max(own, found.value)
     agrees = changed.is_held(found.value) and (found.fails is None or not changed.is_held(found.fails))
     if agrees or not there.steps.geometry.follows:
-        return replace(found, verdict=verdict_word(make(found.value), section), hint=_note_more_loses(own, there, now))
+        return replace(
+            found, verdict=verdict_on(make(found.value), section).word, hint=_note_more_loses(own, there, now)
+        )
     again = find_least_value(changed, start, found.limit, found.tolerance, found.unit)
     again = replace(again, checked=(*found.checked, *again.checked))
     if not (changed.stays and there.held):
-        return (
-            again if again.value is None else replace(again, hint=_note_more_loses(own, changed.path(again.value), now))
-        )
+        if again.value is None:
+            return again
+        return replace(again, hint=_note_more_loses(own, changed.path(again.value), now))
     elsewhere = f"with {found.value:.4g} it snaps to another place, and is held there"
     return replace(again, hint="; ".join([text for text in (again.hint, elsewhere) if text]))
 
@@ -269,9 +266,8 @@ class RequiredStiffness(Record):
     def __str__(self) -> str:
         allowed, moved = words.format_lengths((self.motion, self.moved))
         if self.factor is None:
-            return wrap_text(
-                f"no stiffness of the joints found that keeps the object within {allowed}: {self.why}", "  "
-            )
+            none = "no stiffness of the joints found that keeps the object within"
+            return wrap_text(f"{none} {allowed}: {self.why}", "  ")
         less = "" if self.fails is None else f"; with × {self.fails:.4g} {self.why}"
         called = "" if self.verdict == HELD else f"{self.verdict}, as check() says of this: "
         text = f"{called}joints × {self.factor:.4g} as stiff let the object move {moved} of {allowed} allowed{less}"
@@ -299,21 +295,16 @@ def required_stiffness(spec: GraspSpec, section: Section, motion: Any, tolerance
 
     found = find_least(enough, 1.0, _MAX_STIFFNESS_FACTOR, near, floor=1.0 / _MAX_STIFFNESS_FACTOR, too_much=too_much)
     if (value := found.value) is not None:
-        moved, below = _load_motion(changed.path(value)), found.fails
-        short = "" if below is None else _why_short(changed.path(below))
-        return RequiredStiffness(
-            value, below, allowed, moved, pads, verdict_word(scale_stiffness(value), section), short
-        )
+        moved, below, why = _load_motion(changed.path(value)), found.fails, ""
+        if below is not None:
+            path, why = changed.path(below), "the object is lost"
+            if path.held:
+                why = _describe_torque_excess(path) or describe_failures([FailureMode(MOTION, OBJECT)])
+        verdict = verdict_on(scale_stiffness(value), section).word
+        return RequiredStiffness(value, below, allowed, moved, pads, verdict, why)
     held = {x: path for x, path in changed.paths.items() if path.held and not _exceeded_joints(path)}
     moved = _load_motion(held[max(held)]) if held else np.nan
     return RequiredStiffness(None, None, allowed, moved, pads, "", _explain_failure(changed, held, allowed, pads))
-
-
-def _why_short(path: Loading) -> str:
-    """Why a factor is not enough."""
-    if not path.held:
-        return "the object is lost"
-    return _describe_torque_excess(path) or describe_failures([FailureMode(MOTION, OBJECT)])
 
 
 def _explain_failure(changed: ChangedGrasp, held: dict[float, Loading], allowed: float, pads: float) -> str:
@@ -321,10 +312,8 @@ def _explain_failure(changed: ChangedGrasp, held: dict[float, Loading], allowed:
         motion = f"{words.format_length(pads)}, {words.format_percent(pads / allowed)} of that"
         return f"the pads alone let it move {motion}; stiffer pads help, or more of them"
     if held:
-        return (
-            f"with joints × {max(held):.4g} as stiff it still moves "
-            f"{words.format_length(_load_motion(held[max(held)]))}"
-        )
+        moved = words.format_length(_load_motion(held[max(held)]))
+        return f"with joints × {max(held):.4g} as stiff it still moves {moved}"
     lost = [path for path in changed.paths.values() if not path.held]
     if lost:
         return lost[-1].why

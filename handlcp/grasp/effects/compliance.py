@@ -103,6 +103,10 @@ _Softness = From0 | Annotated[list[From0], Len(3, 3)]
 _Six = Annotated[list[Finite], Len(6, 6)]
 
 
+def _softness_key(name: str, meaning: str) -> FileKey:
+    return FileKey(name, _Softness, "a number ≥ 0 or three of them", meaning, default=0.0)
+
+
 @check_init_call()
 @dataclass(frozen=True, init=False, eq=False)
 class SoftWrist(Effect):
@@ -134,20 +138,8 @@ class SoftWrist(Effect):
     file_key = FileKey(
         "soft_wrist",
         (
-            FileKey(
-                "translation_m_per_N",
-                _Softness,
-                "a number ≥ 0 or three of them",
-                "how the palm moves along x, y, z under a force",
-                default=0.0,
-            ),
-            FileKey(
-                "rotation_rad_per_Nm",
-                _Softness,
-                "a number ≥ 0 or three of them",
-                "how it turns about x, y, z under a torque",
-                default=0.0,
-            ),
+            _softness_key("translation_m_per_N", "how the palm moves along x, y, z under a force"),
+            _softness_key("rotation_rad_per_Nm", "how it turns about x, y, z under a torque"),
             FileKey(
                 "flexibility",
                 Annotated[list[_Six], Len(6, 6)],
@@ -195,11 +187,9 @@ class SoftWrist(Effect):
             raise InputError(f"{key}.flexibility", error.expected, error.got) from None
 
     def why(self, scene: Scene) -> str:
-        linear, angular = np.diagonal(self.flexibility)[:3].mean(), np.diagonal(self.flexibility)[3:].mean()
-        return (
-            f"asked for: the palm gives way by {linear:.3g} m/N and {angular:.3g} rad/(N·m) in the mean at "
-            f"{self.at.tolist()}"
-        )
+        linear, angular = np.diagonal(self.flexibility).reshape(2, 3).mean(axis=1)
+        mean = f"{linear:.3g} m/N and {angular:.3g} rad/(N·m) in the mean"
+        return f"asked for: the palm gives way by {mean} at {self.at.tolist()}"
 
     def added_flexibility(self, at: Placement, soft: tuple[int, ...]) -> Array | None:
         """Wᵀ C W, symmetric to the last bit; a moment about a soft finger's normal is felt as it is."""

@@ -24,7 +24,16 @@ from handlcp.tolerances import ACTIVE_TOLERANCE
 
 
 class BasicLaw(Effect):
-    """A law of balance, contact, friction or flexibility: its unknowns are forces and the object's motion."""
+    """A law of balance, contact, friction or flexibility: its unknowns are forces and the object's motion. Every scene
+    has it, unless a law says otherwise.
+    """
+
+    @classmethod
+    def called_for(cls, scene: Scene, section: Section) -> Effect | None:
+        return cls()
+
+    def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any] | None:
+        return None
 
     @property
     def only_limits(self) -> bool:
@@ -42,15 +51,8 @@ class ObjectBalance(BasicLaw):
     source = "Ai & Li (2025), equations (1) and (2)"
     order = 10
 
-    @classmethod
-    def called_for(cls, scene: Scene, section: Section) -> Effect | None:
-        return cls()
-
     def why(self, scene: Scene) -> str:
         return "the object is rigid and free to move" + ("" if scene.plane is None else " in its plane")
-
-    def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any] | None:
-        return None
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """The motion u (dof,) of the object about the contacts' centre."""
@@ -80,18 +82,11 @@ class UnilateralContact(BasicLaw):
     source = "Ai & Li (2025), equations (3) and (4)"
     order = 20
 
-    @classmethod
-    def called_for(cls, scene: Scene, section: Section) -> Effect | None:
-        return cls()
-
     def why(self, scene: Scene) -> str:
         normal = scene.offset[2 : 3 * scene.n : 3]
         nothing = ACTIVE_TOLERANCE * scene.units.motion_unit
         gaps, loads = int((normal > nothing).sum()), int((normal < -nothing).sum())
         return f"{len(scene.kind.normal_index)} contacts, {gaps} with a gap, {loads} with a preload"
-
-    def without(self, contacts: tuple[Contact, ...]) -> dict[str, Any] | None:
-        return None
 
     def unknowns(self, scene: Scene) -> tuple[Unknown, ...]:
         """The normal forces r_N (n_N,) of the contacts."""

@@ -64,10 +64,8 @@ class CommandReach:
 
     def __str__(self) -> str:
         """Say in one sentence how much of the command is reached."""
-        say, whole = (
-            format_force if self.unit == "N" else format_length,
-            f"{'an' if self.what == 'overlap' else 'a'} {self.what}",
-        )
+        say = format_force if self.unit == "N" else format_length
+        whole = f"{'an' if self.what == 'overlap' else 'a'} {self.what}"
         if self.complete:
             text = f"{whole} of {_format_range(self.asked, say)}"
             k = int(np.argmax(self.sideways >= (1 - 1e-9) * self.sideways.max()))  # the first of equals

@@ -107,11 +107,9 @@ class Contact:
 
     def with_name(self, name: str) -> Contact:
         """The same contact under another name."""
-        return (
-            self
-            if name == self.name
-            else self.from_arrays(self.position, self.rotation, self.friction, self.planar, name)
-        )
+        if name == self.name:
+            return self
+        return self.from_arrays(self.position, self.rotation, self.friction, self.planar, name)
 
     def __repr__(self) -> str:
         name = f"{self.name!r}, " if self.name else ""

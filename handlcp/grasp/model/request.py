@@ -319,14 +319,6 @@ class ContactGraspRequest(Request):
         return self.wrench
 
 
-def require_spec_alone(spec: GraspSpec, others: tuple[Any, ...]) -> GraspSpec:
-    """A specification that is passed to `Grasp`, where the other arguments say nothing. Raises InputError."""
-    wrench, _, _, offset, _, effects, plane, environment = others
-    if any(x is not None for x in (wrench, offset, plane, environment)) or effects != ():
-        raise InputError("contacts", "contacts, where other arguments are given", "a GraspSpec, which says all of it")
-    return spec
-
-
 def replace_load(spec: GraspSpec, wrench: Any, asked: Any) -> GraspSpec:
     """The same grasp under another whole load, as `asked` has it: it shares all its other arrays."""
     height = validate.height_above(spec.positions, spec.reference, spec.plane)
@@ -358,9 +350,8 @@ def replace_friction(contact: Contact, law: FrictionLaw) -> Contact:
         return contact.with_friction(law)
     if contact.planar:
         return Contact(contact.position[:2], contact.normal[:2], law, None, contact.name)
-    return contact.with_friction(law).with_pose(
-        contact.position, contact_frame(contact.normal, check_array("tangent", law.x_axis, (3,)))
-    )
+    rotation = contact_frame(contact.normal, check_array("tangent", law.x_axis, (3,)))
+    return Contact.from_arrays(contact.position, rotation, law, name=contact.name)
 
 
 def with_changes(asked: RequestT, changes: Mapping[str, Any]) -> RequestT:

@@ -34,10 +34,18 @@ def contacts(value: Any) -> tuple[Contact, ...]:
 
 
 def positions_and_frames(value: Any, cs: tuple[Contact, ...]) -> tuple[Array, Array, Array | None]:
-    """Positions (n, 3), frames (n, 3, 3) and the normal (3,) of the plane that is asked for; None: spatial."""
+    """Positions (n, 3), frames (n, 3, 3) and the normal (3,) of the plane that is asked for; None: spatial.
+
+    In a plane frames are turned about their normals until x lies in it, on the side of the contact's own x axis.
+    """
     positions, frames = np.array([c.position for c in cs]), np.array([c.rotation for c in cs])
-    normal = plane(value, cs, positions, frames)
-    return positions, frames if normal is None else in_plane(frames, normal), normal
+    if (normal := plane(value, cs, positions, frames)) is not None:
+        z = frames[:, :, 2]
+        x = cross_rows(normal, z)
+        x /= np.linalg.norm(x, axis=1, keepdims=True)
+        x[(x * frames[:, :, 0]).sum(axis=1) < 0] *= -1.0
+        frames = np.stack([x, cross_rows(z, x), z], axis=2)
+    return positions, frames, normal
 
 
 def plane(value: Any, cs: tuple[Contact, ...], positions: Array, frames: Array) -> Array | None:
@@ -57,15 +65,6 @@ def plane(value: Any, cs: tuple[Contact, ...], positions: Array, frames: Array) 
         got = f"normal {int(tilt.argmax())} tilted by {tilt.max():.3g}"
         raise InputError("plane", "a plane that holds all normals", got)
     return a
-
-
-def in_plane(frames: Array, normal: Array) -> Array:
-    """Contact frames turned about their normals until x lies in the plane, on the side of the contact's own x axis."""
-    z = frames[:, :, 2]
-    x = cross_rows(normal, z)
-    x /= np.linalg.norm(x, axis=1, keepdims=True)
-    x[(x * frames[:, :, 0]).sum(axis=1) < 0] *= -1.0
-    return np.stack([x, cross_rows(z, x), z], axis=2)
 
 
 def reference(value: Any, normal: Array | None, positions: Array) -> Array:
@@ -138,9 +137,8 @@ def blocks(argument: str, a: Array) -> Array:
 def offset(value: Any, preload: Any, n: int) -> Array:
     """(n, 3) initial motion of the object relative to the tips, the preload's squeeze taken off its normal part."""
     d = np.zeros((n, 3)) if value is None else check_array("offset", value, (n, 3)).copy()
-    d[:, 2] -= (
-        check_number("preload", preload) if count_dimensions(preload) == 0 else check_array("preload", preload, (n,))
-    )
+    one = count_dimensions(preload) == 0
+    d[:, 2] -= check_number("preload", preload) if one else check_array("preload", preload, (n,))
     return read_only(d)
 
 
@@ -178,9 +176,5 @@ def frames(value: Any, n: int) -> Array:
 
 def move_contacts(contacts: tuple[Contact, ...], positions: Array, frames: Array) -> tuple[Contact, ...]:
     """The contacts, at other places."""
-    return tuple(
-        [
-            c.with_pose(read_only(p.copy()), read_only(R.copy()))
-            for c, p, R in zip(contacts, positions, frames, strict=True)
-        ]
-    )
+    placed = zip(contacts, positions, frames, strict=True)
+    return tuple([c.with_pose(read_only(p.copy()), read_only(R.copy())) for c, p, R in placed])

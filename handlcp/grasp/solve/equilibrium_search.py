@@ -14,9 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from handlcp.check import Array
-from handlcp.contact.friction import Pyramid, Section
 from handlcp.grasp.assembly.problem import GraspContactProblem, GraspProblem, SolverCandidate
-from handlcp.grasp.effects import Effect
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.verify.certifier import Residuals, certify_candidate
 from handlcp.grasp.verify.load_capacity import is_jammed, least_normal_sum, prove_overload
@@ -95,13 +93,6 @@ class ContactModeSearch:
         return (self.problem.candidate(x) for x in self.search.each_choice(work))
 
 
-def coarse_candidates(problem: GraspContactProblem, faces: int, seconds: float) -> Iterator[SolverCandidate]:
-    """As `ContactModeSearch.each_choice` of the scene on a pyramid of so many faces, as many as the time allows."""
-    return ContactModeSearch(GraspContactProblem(problem.scene, Pyramid(faces), problem.requested_effects)).each_choice(
-        WORK_PER_SECOND * seconds
-    )
-
-
 def proof_bounds(scene: Scene) -> tuple[float, float]:
     """The largest forces [N] and motions [m] for which proofs claim that there is no equilibrium. Some hold without
     bounds, and state these, too.
@@ -158,10 +149,15 @@ class EquilibriumSearch:
     """The search of one grasp that could be held. It can be paused: `run` goes on where it stopped."""
 
     def __init__(self, problem: GraspContactProblem) -> None:
-        self.problem, self._known_result = problem, _result_without_search(problem)
-        self._modes = (
-            None if self._known_result is not None or _has_moments_with_faces(problem) else ContactModeSearch(problem)
-        )
+        self.problem, self._modes = problem, None
+        self._known_result: EquilibriumSearchResult | None = None
+        if not has_only_limits(problem):
+            words = "impossible, an effect moves the contacts by more than limits that give way"
+            self._known_result = EquilibriumSearchResult(words)
+        elif (proof := prove_overload(problem.scene, problem.section, problem.effects)) is not None:
+            self._known_result = _overload_result(problem, proof)
+        elif not (problem.faces and problem.scene.soft):  # the faces of moments' polyhedra are unknown to modes
+            self._modes = ContactModeSearch(problem)
 
     def run(self, work: float, end: float = math.inf) -> EquilibriumSearchResult:
         """What is known after so many multiply-adds in all; end : of `time.monotonic`, if earlier."""
@@ -181,27 +177,12 @@ class EquilibriumSearch:
         return self._modes is not None or (self._known_result is not None and self._known_result.bounds is not None)
 
 
-def _result_without_search(problem: GraspContactProblem) -> EquilibriumSearchResult | None:
-    """What is known without a search."""
-    scene, effects, section = problem.scene, problem.effects, problem.section
-    if not has_only_limits(problem):
-        return EquilibriumSearchResult("impossible, an effect moves the contacts by more than limits that give way")
-    proof = prove_overload(scene, section, effects)
-    return None if proof is None else _overload_result(scene, section, effects, proof)
-
-
-def _has_moments_with_faces(problem: GraspContactProblem) -> bool:
-    """Whether some contact has a polyhedron, whose faces the modes do not know."""
-    return bool(problem.faces and problem.scene.soft)
-
-
-def _overload_result(
-    scene: Scene, section: Section, effects: tuple[Effect, ...], proof: Array
-) -> EquilibriumSearchResult:
+def _overload_result(problem: GraspContactProblem, proof: Array) -> EquilibriumSearchResult:
     """Which limits stand in the way of any equilibrium, and how the object escapes while they give way."""
+    scene = problem.scene
     t, moves = np.split(proof, [scene.dof])
     yielding, parts, at, least = {}, [], 0, None
-    for e in effects:
+    for e in problem.effects:
         taking_part = False
         for limit in e.present(scene):
             own = moves[at : at + len(limit.room)]
@@ -210,7 +191,7 @@ def _overload_result(
             yielding[limit.name] = own * limit.unknown.sizes(scene)[0]
         if taking_part:
             parts.append(e.called)
-            least = e.shortfall(least_normal_sum(scene, section)) or least
+            least = e.shortfall(least_normal_sum(scene, problem.section)) or least
     verb = "together leave" if len(parts) > 1 else "leave" if parts[0].endswith("s") else "leaves"
     cause = least or f"the {' and the '.join(parts)} {verb} no force that balances it"
     return EquilibriumSearchResult("limits on the forces, none", None, proof_bounds(scene), cause, t, yielding)
@@ -222,11 +203,9 @@ def search_modes(search: ContactModeSearch, work: float, end: float = math.inf) 
     words = f"{modes.node_count:,} choices of contact modes,"
     if candidate is not None:
         return EquilibriumSearchResult(f"{words} solution", candidate)
-    return (
-        EquilibriumSearchResult(f"{words} none", bounds=search.bounds)
-        if modes.is_none_proven
-        else EquilibriumSearchResult(f"{words} unknown")
-    )
+    if modes.is_none_proven:
+        return EquilibriumSearchResult(f"{words} none", bounds=search.bounds)
+    return EquilibriumSearchResult(f"{words} unknown")
 
 
 def _search_active_sets(problem: GraspContactProblem, work: float, end: float) -> EquilibriumSearchResult:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -97,10 +98,8 @@ def solution_from_numbers(
     states (n,) : of `ContactStatus`.
     """
     candidate, n = judged.candidate, scene.n
-    forces, motion = (
-        scene.forces_to_contact_axes(candidate.components),
-        scene.motions_to_contact_axes(judged.certification.motion),
-    )
+    forces = scene.forces_to_contact_axes(candidate.components)
+    motion = scene.motions_to_contact_axes(judged.certification.motion)
     points = motion[: 3 * n].reshape(-1, 3)
     if not all(scene.force_unknown):  # no law makes a finger under force control keep a gap or a slip
         points = np.where(scene.force_unknown_mask[:, None], points, 0.0)
@@ -110,10 +109,8 @@ def solution_from_numbers(
         torsion, spin = scene.scatter_torsion(forces[3 * n :]), scene.scatter_torsion(motion[3 * n :])
     mechanism = spec.mechanism
     if mechanism is not None:
-        solution_class, read = (
-            mechanism.solution_class,
-            mechanism.solution_fields(scene, spec.effects, own, torsion, candidate.extra),
-        )
+        solution_class = mechanism.solution_class
+        read = mechanism.solution_fields(scene, spec.effects, own, torsion, candidate.extra)
     return solution_class(
         status=Status.SOLVED,
         names=spec.names,
@@ -170,7 +167,7 @@ def lazy_solution(spec: GraspSpec, scene: Scene, section: Section, found: Compil
     """SOLVED, from an answer that passes and leaves nothing free, of a scene without soft or anisotropic contacts."""
     solution_class: type[GraspSolution] = GraspSolution if spec.mechanism is None else spec.mechanism.solution_class
     return solution_class.with_deferred_fields(
-        _SolutionFields(spec, scene, found),
+        partial(_make_field, spec, scene, found),
         status=Status.SOLVED,
         certificate=None,
         extra={},
@@ -187,49 +184,36 @@ def first_stage_trace(found: CompiledAnswer) -> tuple[str, ...]:
     return (stage_line(FIRST_STAGE, found.outcome, found.iterations, found.residuals.worst),)
 
 
-class _SolutionFields:
-    """Makes fields of a solution by name."""
-
-    __slots__ = ("found", "scene", "spec")
-
-    def __init__(self, spec: GraspSpec, scene: Scene, found: CompiledAnswer) -> None:
-        self.spec, self.scene, self.found = spec, scene, found
-
-    def __call__(self, name: str) -> dict[str, Any]:
-        made = _FIELD_MAKERS.get(name)
-        return self.joints(name) if made is None else {name: made(self)}
-
-    @property
-    def forces(self) -> Array:
-        """The contact forces (n, 3) in contact axes [N]."""
-        return self.found.components.reshape(-1, 3)
-
-    @property
-    def arm(self) -> Array:
-        """(3,) from the point that the answer's twist refers to to the grasp's reference [m]."""
-        return self.spec.reference - self.found.centre
-
-    def joints(self, name: str) -> dict[str, Any]:
-        """What the mechanism adds; torques are asked for most, and often alone."""
-        mechanism, effects = self.spec.mechanism, self.spec.effects
-        assert mechanism is not None  # only its solutions have more fields
-        if name == "torques" and not effects:
-            return {name: hard_contact_torques(mechanism, self.scene, self.forces)}
-        return mechanism.solution_fields(self.scene, effects, self.forces, None, {})
+def _make_field(spec: GraspSpec, scene: Scene, found: CompiledAnswer, name: str) -> dict[str, Any]:
+    """A field of the solution by name; what the mechanism adds comes all at once, but for torques, which are asked for
+    most, and often alone.
+    """
+    if (make := _FIELD_MAKERS.get(name)) is not None:
+        return {name: make(spec, scene, found)}
+    forces, mechanism = found.components.reshape(-1, 3), spec.mechanism
+    assert mechanism is not None  # only its solutions have more fields
+    if name == "torques" and not spec.effects:
+        return {name: hard_contact_torques(mechanism, scene, forces)}
+    return mechanism.solution_fields(scene, spec.effects, forces, None, {})
 
 
-_FIELD_MAKERS: dict[str, Callable[[_SolutionFields], Any]] = {
-    "names": lambda f: f.spec.names,
-    "forces": lambda f: f.forces,
-    "forces_world": lambda f: read_only(forces_in_world(f.scene.frames, f.found.components)),
-    "gap": lambda f: f.found.motion[2::3],
-    "slip": lambda f: f.found.motion.reshape(-1, 3)[:, :2],
-    "object_displacement": lambda f: read_only(shift_twist(f.found.twist, f.arm)),
-    "contact_state": lambda f: contact_words(f.found.states.tolist()),
-    "residuals": lambda f: f.found.residuals,
-    "uniqueness": lambda f: find_uniqueness(f.scene, (), f.arm),
-    "iterations": lambda f: f.found.iterations,
-    "trace": lambda f: first_stage_trace(f.found),
+def _arm(spec: GraspSpec, found: CompiledAnswer) -> Array:
+    """(3,) from the point that the answer's twist refers to to the grasp's reference [m]."""
+    return spec.reference - found.centre
+
+
+_FIELD_MAKERS: dict[str, Callable[[GraspSpec, Scene, CompiledAnswer], Any]] = {
+    "names": lambda spec, scene, found: spec.names,
+    "forces": lambda spec, scene, found: found.components.reshape(-1, 3),
+    "forces_world": lambda spec, scene, found: read_only(forces_in_world(scene.frames, found.components)),
+    "gap": lambda spec, scene, found: found.motion[2::3],
+    "slip": lambda spec, scene, found: found.motion.reshape(-1, 3)[:, :2],
+    "object_displacement": lambda spec, scene, found: read_only(shift_twist(found.twist, _arm(spec, found))),
+    "contact_state": lambda spec, scene, found: contact_words(found.states.tolist()),
+    "residuals": lambda spec, scene, found: found.residuals,
+    "uniqueness": lambda spec, scene, found: find_uniqueness(scene, (), _arm(spec, found)),
+    "iterations": lambda spec, scene, found: found.iterations,
+    "trace": lambda spec, scene, found: first_stage_trace(found),
 }
 
 
@@ -270,24 +254,18 @@ def solve_in_stages(
 def conclude_first_stage(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
     """The solution that the first stage comes to by itself: what it found, or the proof that nothing holds."""
     if not found.passes:
-        return _solution_without_answer(spec, scene, section, found)
+        escape = found.escape
+        trace = (*first_stage_trace(found), f"holdability: {_NO_PROOF_WORDS if escape is None else _PROOF_WORDS}")
+        made = blank_solution(spec, scene, section, found.residuals, found.iterations, trace)
+        return made if escape is None else as_not_holdable(made, spec, scene, escape_in_si(scene, escape))
     if found.is_unique and scene.scale is None and scene.prescribed is None and not scene.soft:
         return lazy_solution(spec, scene, section, found)
     judged = CertifiedCandidate(found.candidate, Certification(found.motion, found.residuals), found.iterations)
     if not found.is_unique:
         return make_solution(spec, scene, section, found.kind.design.effects, judged, first_stage_trace(found))
-    arm = spec.reference - found.centre
-    return solution_from_numbers(
-        spec, scene, section, judged, found.states, find_uniqueness(scene, (), arm), first_stage_trace(found), arm
-    )
-
-
-def _solution_without_answer(spec: GraspSpec, scene: Scene, section: Section, found: CompiledAnswer) -> GraspSolution:
-    """The solution without numbers: NOT_HOLDABLE where that is proven, else UNDECIDED."""
-    escape = found.escape
-    trace = (*first_stage_trace(found), f"holdability: {_NO_PROOF_WORDS if escape is None else _PROOF_WORDS}")
-    made = blank_solution(spec, scene, section, found.residuals, found.iterations, trace)
-    return made if escape is None else as_not_holdable(made, spec, scene, escape_in_si(scene, escape))
+    arm = _arm(spec, found)
+    free_to = find_uniqueness(scene, (), arm)
+    return solution_from_numbers(spec, scene, section, judged, found.states, free_to, first_stage_trace(found), arm)
 
 
 def _run_all_stages(
@@ -318,6 +296,8 @@ def _run_all_stages(
         run.run_stages(stages)
         return run.solution()
     search = EquilibriumSearch(problem)
+    # One fit of many contacts grows with their cube, and so does the work that a search may take
+    most_work = chain.search_work * ((scene.n / MANY_CONTACTS) ** 3 if scene.kind.has_many_contacts else 1.0)
     # Each search goes on where the one before it stopped; then come so many of the stages that look for an answer
     for name, work, then in (
         (BRIEF_SEARCH_STAGE, BRIEF_SEARCH_WORK, STAGES_BETWEEN_SEARCHES),
@@ -325,16 +305,11 @@ def _run_all_stages(
         (chain.search_stage, np.inf, 0),
     ):
         begun = search.is_brief or name == chain.search_stage
-        if begun and run.run_search(search, chain, min(work, chain.search_work * _work_factor(scene)), name):
+        if begun and run.run_search(search, chain, min(work, most_work), name):
             break
         if run.run_stages(itertools.islice(stages, then)):
             break
     return run.solution()
-
-
-def _work_factor(scene: Scene) -> float:
-    """How much more work a search may take with many contacts: one fit of all of them grows with their cube."""
-    return (scene.n / MANY_CONTACTS) ** 3 if scene.kind.has_many_contacts else 1.0
 
 
 def certify_known_answer(
