@@ -16,12 +16,7 @@ import numpy as np
 from handlcp import words
 from handlcp.actuation.motor import Motor
 from handlcp.actuation.tendon_stiffness import TendonStiffness
-from handlcp.check import (
-    Array,
-    Bools,
-    NumbersByName,
-    read_only,
-)
+from handlcp.check import Array, Bools, NumbersByName, read_only
 from handlcp.contact.friction import Section, as_section
 from handlcp.errors import InputError, NotReached, Unsupported
 from handlcp.geometry.link_contacts import ALL_LINKS, body_gaps, contact_bodies, nearest_links
