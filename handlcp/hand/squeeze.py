@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
@@ -13,17 +13,8 @@ from handlcp.check import Array, NumbersByName, read_only
 from handlcp.errors import InputError, URDFError
 from handlcp.geometry.link_contacts import expand_link_values
 from handlcp.geometry.link_penetration import find_penetrating_links
-from handlcp.grasp.effects.joint_offset import (
-    OVERLAP_TOLERANCE,
-    CommandReach,
-    JointOffset,
-    commanded_offset,
-    find_command,
-    replace_command,
-)
+from handlcp.grasp.effects.joint_offset import OVERLAP_TOLERANCE, CommandReach, JointOffset, find_command
 from handlcp.grasp.model.request import GraspSpec
-from handlcp.grasp.solution.verdict import Reason
-from handlcp.words import format_length, join_names
 
 # ----------------------------------------------------------------
 # What is asked of fingertips and no command of the joints makes, and a squeeze that goes on from an earlier one.
@@ -59,16 +50,6 @@ def find_unreachable(spec: GraspSpec) -> tuple[CommandReach, ...]:
     return tuple([reach for reach in found if not reach.complete])
 
 
-def reach_reasons(spec: GraspSpec) -> Iterator[Reason]:
-    """A warning for each kind of squeeze of which a part is out of reach."""
-    for reach in find_unreachable(spec):
-        values = {
-            "what": reach.what, "unit": reach.unit, "fingers": reach.names, "asked": reach.asked.tolist(),
-            "missing": reach.missing.tolist(), "share": reach.share.tolist(),
-        }  # fmt: skip
-        yield Reason("out_of_reach", "warning", str(reach), values)
-
-
 def start_penetration(spec: GraspSpec) -> Array:
     """(k,) how far the object begins inside the hand's links, before these close [m], at each contact; 0 where it does
     not. Fingertips that touch alone, and links that joints could have closed so far in this posture, are squeezed.
@@ -101,64 +82,6 @@ def start_link_depths(spec: GraspSpec) -> dict[str, float]:
     return dict(sorted(depths.items(), key=lambda one: -one[1]))
 
 
-def start_penetration_reasons(spec: GraspSpec) -> Iterator[Reason]:
-    """A warning where the object begins inside links: how deep in which."""
-    if depths := start_link_depths(spec):
-        where = join_names([f"{format_length(depth)} inside {link}" for link, depth in depths.items()])
-        links = [{"link": link, "depth_m": depth} for link, depth in depths.items()]
-        yield Reason("link_inside", "warning", f"the object begins {where}: move it out by as much", {"links": links})
-
-
-def move_out_of_link(spec: GraspSpec) -> tuple[str, float, GraspSpec] | None:
-    """The words for the object moved out of the link that it begins deepest inside, along the normals there, by how
-    much [m], and the grasp that the hand then closes to. None where it begins in none, lies on something, or the
-    normals of that link face each other.
-    """
-    mechanism: Any = spec.mechanism
-    begun, moved = start_link_depths(spec), getattr(spec.asked, "move_object", None)
-    if not begun or moved is None or spec.of_hand < spec.n:
-        return None
-    link, depth = next(iter(begun.items()))
-    its = [mechanism.report.links[tip] == link for tip in mechanism.fingertips]
-    way = mechanism.frames[its, :, 2].sum(axis=0)
-    if (size := float(np.linalg.norm(way))) < _MIN_NORMAL_SUM * sum(its):
-        return None
-    try:
-        return (
-            f"the object {format_length(depth)} farther out of {link}",
-            depth,
-            moved((depth + OVERLAP_TOLERANCE) / size * way),
-        )
-    except InputError:
-        return None
-
-
-def squeeze_further(spec: GraspSpec, depth: float) -> GraspSpec:
-    """The grasp with joints commanded on, so that every tip whose force is not prescribed goes deeper by depth [m]."""
-    free = set(spec.free_fingers)
-    more = np.array([depth if i in free else 0.0 for i in range(spec.of_hand)])
-    return _replace_command(
-        spec, _joint_command(spec) + tip_motions(spec.mechanism, spec.planar).command_for_depth(more)
-    )
-
-
-def ease_squeeze(spec: GraspSpec, share: float) -> GraspSpec:
-    """The grasp with this share of its squeeze, commands of the joints included."""
-    offset, k = spec.offset.copy(), spec.of_hand
-    offset[:k] *= np.where(offset[:k, 2:] < 0.0, share, 1.0)
-    return _replace_command(spec.replace(offset=read_only(offset)), share * _joint_command(spec))
-
-
-def _joint_command(spec: GraspSpec) -> Array:
-    """(nv,) how far the joints are commanded beyond the posture."""
-    mechanism: Any = spec.mechanism
-    return commanded_offset(spec.effects, len(mechanism.names))
-
-
-def _replace_command(spec: GraspSpec, command: Array) -> GraspSpec:
-    return spec.replace(effects=replace_command(spec.effects, command))
-
-
 # ----------------------------------------------------------------
 # How hard a hand closes: the joint offset δq that its actuators can command, from a depth or a force at each tip.
 #
@@ -173,7 +96,6 @@ def _replace_command(spec: GraspSpec, command: Array) -> GraspSpec:
 # Directions in which the joints move the tips less than this share of their best are out of reach
 MIN_REACH_SHARE = 1e-2
 _MAX_SQUEEZE = 0.1  # [m] no hand squeezes deeper: what is more was not given in metres
-_MIN_NORMAL_SUM = 0.5  # of their number: normals whose sum is shorter say no way out
 _MAX_MISSED_SHARE = 0.5  # of an overlap: where joints miss more of it than that, they are not what made it
 _MAX_CLOSING_OVERLAP = 2e-4  # [m] links that close until they touch overlap by less
 
