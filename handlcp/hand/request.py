@@ -18,12 +18,11 @@ from handlcp.geometry.mesh import MESH_ADVICE, is_mesh_in_memory
 from handlcp.geometry.object import Object, choose_reference, object_weight_wrench, total_load
 from handlcp.geometry.shape import check_contact_metres, check_object_kilograms, check_object_metres
 from handlcp.geometry.table import read_environment
-from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.joint_offset import find_command
 from handlcp.grasp.effects.joint_torque import FingerWeight
 from handlcp.grasp.model import validate
-from handlcp.grasp.model.contact import Contact
-from handlcp.grasp.model.flexibility import flexibility_matrix
+from handlcp.grasp.model.contact import MANY_CONTACTS, Contact
+from handlcp.grasp.model.flexibility import Flexibility, flexibility_matrix
 from handlcp.grasp.model.request import (
     GraspSpec,
     Request,
@@ -37,7 +36,7 @@ from handlcp.grasp.model.request import (
     with_changes,
 )
 from handlcp.hand.closing import bending_rates
-from handlcp.hand.mechanism import HandMechanism, finger_flexibility, make_hand_mechanism, stored_flexibility
+from handlcp.hand.mechanism import HandMechanism, hand_mechanism, make_hand_mechanism
 from handlcp.hand.squeeze import (
     COMMAND_ARGUMENTS,
     apply_command,
@@ -71,15 +70,10 @@ def detect_finger_contacts(
     check_object_metres("target", obj, state.tip_positions)
     check_object_kilograms("target.mass", obj, state.hand.mass)
     names = [state.hand.fingertips[i] for i in tips]
-    if isinstance(friction, Mapping):
-        friction = {
-            name: as_law(law, f"friction[{name!r}]") for name, law in friction.items()
-        }  # of those far away, too
-    laws = laws_by_name(
-        DEFAULT_FRICTION if friction is None else expand_link_values("friction", friction, state.hand),
-        names,
-        [DEFAULT_FRICTION] * len(names),
-    )
+    if isinstance(friction, Mapping):  # checked of those far away, too
+        friction = {name: as_law(law, f"friction[{name!r}]") for name, law in friction.items()}
+    given = DEFAULT_FRICTION if friction is None else expand_link_values("friction", friction, state.hand)
+    laws = laws_by_name(given, names, [DEFAULT_FRICTION] * len(names))
     contacts, gaps = detect_tip_contacts(state, tips, obj, laws, max_gap)
     return tips, contacts, gaps
 
@@ -102,9 +96,8 @@ def read_given_contacts(
             raise InputError("contacts", f"a Contact for {', '.join(missing)}", f"only {sorted(target)}")
         contacts = validate.contacts(target[name] for name in fingers)
     else:
-        given = check_sequence(
-            "target", target, "an object (Box, Sphere, …), contacts, or a mapping of fingertips to contacts"
-        )
+        expected = "an object (Box, Sphere, …), contacts, or a mapping of fingertips to contacts"
+        given = check_sequence("target", target, expected)
         tips, contacts = hand.tip_numbers("fingers", fingers), validate.contacts(given)
     if len(contacts) != len(tips):
         names = ", ".join(hand.fingertips[i] for i in tips)
@@ -182,19 +175,22 @@ class GraspRequest(Request):
             return self._with_link_contacts(obj).spec_at_touch()
         closed = self._find_closing(obj)
         offset = self.joint_offset if closed is None else closed.command
-        weighed = _check_finger_weight(self.finger_weight)
+        weighed = self.finger_weight
+        if not (isinstance(weighed, bool) or (isinstance(weighed, str) and weighed == "torques")):
+            raise InputError("finger_weight", 'True, False or "torques"', repr(weighed))
         tips, contacts, gaps = self._finger_contacts(obj)
         k, around = len(contacts), None if self.environment is None else read_environment(self.environment, obj)
         contacts = join_contacts(contacts, around)
         positions, frames, normal = validate.positions_and_frames(self.plane, contacts)
         positions, frames, planar = read_only(positions), read_only(frames), normal is not None
         g = read_gravity(self.gravity)
-        mechanism = make_hand_mechanism(
-            self.state, tips, positions[:k], frames[:k], obj, g, read_only(np.zeros((k, 3)))
-        )
-        E: Any = stored_flexibility(mechanism)
+        mechanism = make_hand_mechanism(self.state, tips, positions[:k], frames[:k], obj, g)
         if self.flexibility is not None:
-            E = validate.flexibility(flexibility_matrix(self.flexibility), k, planar)
+            E: Any = validate.flexibility(flexibility_matrix(self.flexibility), k, planar)
+        elif k >= MANY_CONTACTS:  # solves are faster with the factor
+            E = Flexibility.from_factor(mechanism.flexibility_factor())
+        else:
+            E = mechanism.flexibility()
         if self.found is not None:
             mechanism = replace(mechanism, stand_off=self.found[1])
         elif obj is not None:
@@ -209,9 +205,10 @@ class GraspRequest(Request):
             load = total_load(self.wrench, point, obj, g, positions, normal)
         else:
             load = validate.wrench(self.load, normal, validate.height_above(positions, point, normal))
+        weight = (FingerWeight(read_only(self.state.gravity_torque(g)), weighed is True),) if weighed else ()
         spec = GraspSpec(
             contacts, positions, frames, normal, None if around is None else k, mechanism, load, point, E,
-            read_only(d), _make_finger_weight(self.state, weighed, g),
+            read_only(d), weight,
         )  # fmt: skip
         spec = apply_command(to_spec(spec, self.effects), self.squeeze, self.grip_force, offset)
         keeps = check_flag("hold_object", self.hold_object)
@@ -220,8 +217,7 @@ class GraspRequest(Request):
     @classmethod
     def from_spec(cls, spec: GraspSpec) -> Self:
         """Arguments that make a grasp of which its specification alone is known: its contacts stay where they are."""
-        mechanism = spec.mechanism
-        assert isinstance(mechanism, HandMechanism)
+        mechanism = hand_mechanism(spec)
         k, tips = spec.of_hand, mechanism.fingertips
         weight = next((e for e in spec.effects if isinstance(e, FingerWeight)), None)
         command = find_command(spec.effects)
@@ -238,13 +234,12 @@ class GraspRequest(Request):
             joint_offset=None if command is None else command.command,
             hold_object=command is not None and command.keeps,
             closed=None if command is None else ClosedPosture.from_command(mechanism.posture.q, command),
-            flexibility=None if np.allclose(E, finger_flexibility(own), rtol=1e-12, atol=0.0) else E, load=spec.wrench,
+            flexibility=None if np.allclose(E, own.flexibility(), rtol=1e-12, atol=0.0) else E, load=spec.wrench,
             found=(contacts, mechanism.stand_off),
         )  # fmt: skip
 
     def with_values(self, spec: GraspSpec, given: dict[str, Any]) -> Self:
-        mechanism = spec.mechanism
-        assert isinstance(mechanism, HandMechanism)
+        mechanism = hand_mechanism(spec)
         changes = _change_load(self, spec, mechanism, given)
         if set(given) == {"load"}:
             return with_changes(self, changes)
@@ -266,8 +261,7 @@ class GraspRequest(Request):
     def whole_load(self, spec: GraspSpec) -> Any:
         if self.load is not None:
             return self.load
-        mechanism = spec.mechanism
-        assert isinstance(mechanism, HandMechanism)
+        mechanism = hand_mechanism(spec)
         return total_load(self.wrench, spec.reference, mechanism.target, mechanism.gravity, spec.positions, spec.plane)
 
     def scale_command(self, factor: float) -> tuple[str, str, GraspSpec] | None:
@@ -292,9 +286,8 @@ class GraspRequest(Request):
     def move_object(self, shift: Array) -> GraspSpec:
         """The grasp of the object moved by shift (3,) [m]; the hand closes anew. Raises InputError, NotReached."""
         place = self.target.placement
-        return self._rebuild_with(
-            {"target": self.target.moved_to(type(place)(place.rotation, place.translation + shift))}
-        )
+        moved = self.target.moved_to(type(place)(place.rotation, place.translation + shift))
+        return self._rebuild_with({"target": moved})
 
     def _rebuild_with(self, changes: dict[str, Any]) -> GraspSpec:
         """With other arguments, for which the hand closes anew."""
@@ -344,9 +337,8 @@ class GraspRequest(Request):
             return self.state.hand.tip_numbers("fingers", self.fingers), contacts, np.zeros(len(contacts))
         if obj is None:
             return read_given_contacts(self.state, self.target, self.friction, self.fingers)
-        reach = (
-            self._touch_distance(MAX_TOUCHING_GAP) if self.bare is None else np.inf
-        )  # those farther away were left out
+        # Of links, those farther away were left out
+        reach = self._touch_distance(MAX_TOUCHING_GAP) if self.bare is None else np.inf
         try:
             return detect_finger_contacts(self.state, obj, self.friction, self.fingers, reach)
         except NotReached as far:
@@ -365,18 +357,6 @@ def _format_range(sizes: Any, unit: str) -> str:
     least, most = f"{values.min():.3g}", f"{values.max():.3g}"
     size = most if least == most else f"{least} to {most}"
     return f" ({size} {unit})" if unit else f" ({size})"
-
-
-def _check_finger_weight(value: Any) -> bool | str:
-    """False, True or "torques". Raises InputError."""
-    if isinstance(value, bool) or (isinstance(value, str) and value == "torques"):
-        return value
-    raise InputError("finger_weight", 'True, False or "torques"', repr(value))
-
-
-def _make_finger_weight(state: HandPosture, weighed: bool | str, gravity: Array) -> tuple[Effect, ...]:
-    """The fingers' own weight, where it was asked for."""
-    return (FingerWeight(read_only(state.gravity_torque(gravity)), weighed is True),) if weighed else ()
 
 
 def _with_gaps(mechanism: HandMechanism, gaps: Array, planar: bool, inside: Array | None) -> HandMechanism:
@@ -415,10 +395,8 @@ def _change_load(
         return given | {"load": given["wrench"], "wrench": None}
     if "load" in given:
         shapes = ((6,),) if spec.plane is None else ((6,), (3,))
-        return given | {
-            "load": None,
-            "wrench": check_array("load", given["load"], *shapes, what=validate.WRENCH_EXPECTED),
-        }
+        wrench = check_array("load", given["load"], *shapes, what=validate.WRENCH_EXPECTED)
+        return given | {"load": None, "wrench": wrench}
     if weighing and asked.load is not None:
         own = object_weight_wrench(mechanism.target, mechanism.gravity, spec.reference)
         return given | {"load": None, "wrench": spec.wrench - own}
