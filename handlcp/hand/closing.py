@@ -12,7 +12,7 @@ advancement: Mirtich 1996).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -110,7 +110,8 @@ def bending_rates(hand: HandModel, q: Array, obj: Object) -> Array:
             continue
         last, p = own[-1], posture.tip_positions[i]
         J = posture.jacobian_at(p[None], (i,))[0]
-        toward = _direction_to(obj, p)
+        way = obj.center_of_mass - p
+        toward = way / max(float(np.linalg.norm(way)), 1e-12)
         if not turning[i, :, last].any():
             slides = [j for j in own if not turning[i, :, j].any()]
             speed[slides] = _SLIDE_PER_RADIAN * np.sign(toward @ J[:, slides])
@@ -127,12 +128,6 @@ def bending_rates(hand: HandModel, q: Array, obj: Object) -> Array:
         commands = hand.stiffness.command_directions
         speed = commands @ (commands.T @ speed)
     return speed
-
-
-def _direction_to(obj: Object, p: Array) -> Array:
-    """(3,) direction from a point to the object's middle."""
-    way = obj.center_of_mass - p
-    return np.asarray(way / max(float(np.linalg.norm(way)), 1e-12))
 
 
 class _LinkApproach(NamedTuple):
@@ -269,12 +264,7 @@ DEAD_POINT_NUDGE = 0.05  # [rad, m]
 
 
 def close_fingertips(
-    hand: HandModel,
-    obj: Object,
-    q0: Any = None,
-    fingers: Sequence[str] | None = None,
-    squeeze: Any = 0.0,
-    tolerance: float = 1e-6,
+    hand: HandModel, obj: Object, q0: Any = None, fingers: Any = None, squeeze: Any = 0.0, tolerance: float = 1e-6
 ) -> Array:
     """Flex fingers until their tips touch the object, as `Hand.close_on` documents.
 
@@ -290,9 +280,8 @@ def close_fingertips(
     q = np.clip(hand.kinematics.read_posture("q0", hand.neutral if q0 is None else q0), hand.lower, hand.upper)
     moves = hand.moving_joints
     alone = moves & (moves.sum(axis=0) == 1)
-    all_fingers = [
-        _ClosingFinger(hand, i, np.flatnonzero(alone[i]), depth) for i, depth in zip(tips, depths, strict=True)
-    ]
+    pairs = zip(tips, depths, strict=True)
+    all_fingers = [_ClosingFinger(hand, i, np.flatnonzero(alone[i]), depth) for i, depth in pairs]
     for _ in range(MAX_ITERATIONS):
         moving = [finger for finger in all_fingers if not finger.done]
         if not moving:
@@ -305,9 +294,7 @@ def close_fingertips(
             finger.step(q, near.gap + finger.depth, near.normal @ J, tolerance)
     if far := {hand.fingertips[f.tip]: f.gap for f in all_fingers if abs(f.gap) > tolerance}:
         expected = f"an object within reach of the fingers from q0 (touching within {tolerance * 1e6:.3g} µm)"
-        expected += "".join(
-            [_describe_shared_joints(hand, f.tip) for f in all_fingers if hand.fingertips[f.tip] in far]
-        )
+        expected += "".join([_describe_shared_joints(hand, hand.fingertips.index(name)) for name in far])
         lost = NotReached("obj", expected, far)
         lost.q = read_only(q)  # type: ignore[attr-defined]
         raise lost
@@ -323,9 +310,8 @@ def _describe_shared_joints(hand: HandModel, tip: int) -> str:
         return ""
     others.remove(hand.fingertips[tip])
     return (
-        f"; no joint moves {hand.fingertips[tip]} without {words.join_alternatives(others)}, "
-        "so that they cannot be closed on the object one by one: close a hand with one fingertip a finger, or give "
-        "the posture"
+        f"; no joint moves {hand.fingertips[tip]} without {words.join_alternatives(others)}, so that they cannot be "
+        "closed on the object one by one: close a hand with one fingertip a finger, or give the posture"
     )
 
 

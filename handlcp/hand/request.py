@@ -226,6 +226,9 @@ class GraspRequest(Request):
         own = replace(mechanism, jacobian=mechanism.jacobian[: 3 * k])
         contacts, target = spec.contacts[:k], mechanism.target
         laws = None if target is None else {tip: c.friction for tip, c in zip(tips, contacts, strict=True)}
+        closed = None
+        if command is not None:
+            closed = ClosedPosture(mechanism.posture.q, command.opened, command.command, command.friction_offset)
         return cls(
             mechanism.posture, target or dict(zip(tips, contacts, strict=True)), laws, gravity=mechanism.gravity,
             offset=offset, reference=spec.reference, fingers=tips, effects=[e for e in spec.effects if e.by_name],
@@ -233,7 +236,7 @@ class GraspRequest(Request):
             plane=None if contacts[0].planar else spec.plane, environment=environment_of(spec),
             joint_offset=None if command is None else command.command,
             hold_object=command is not None and command.keeps,
-            closed=None if command is None else ClosedPosture.from_command(mechanism.posture.q, command),
+            closed=closed,
             flexibility=None if np.allclose(E, own.flexibility(), rtol=1e-12, atol=0.0) else E, load=spec.wrench,
             found=(contacts, mechanism.stand_off),
         )  # fmt: skip

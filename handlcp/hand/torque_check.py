@@ -167,15 +167,11 @@ class TorqueCheck(Record):
         torques = _format_torques(self.torque / size)
         if len(units) > 1:  # those of joints that slide say their own
             torques = [f"{t} N" if r.unit == "N" else t for t, r in zip(torques, self, strict=True)]
-        columns = (
-            [r.joint for r in self],
-            torques,
-            limits,
-            [_format_share(r) for r in self],
-            [self.remark(r) for r in self],
-        )
-        heads = ("joint", f"torque\n{unit}", f"limit\n{unit}", "of limit", "")
-        return TextTable(heads, tuple(zip(*columns, strict=True)), "<>>><")
+        rows = [
+            (r.joint, torque, limit, _format_share(r), self.remark(r))
+            for r, torque, limit in zip(self, torques, limits, strict=True)
+        ]
+        return TextTable(("joint", f"torque\n{unit}", f"limit\n{unit}", "of limit", ""), tuple(rows), "<>>><")
 
     def remark(self, row: TorqueRow) -> str:
         """What stands beside a row: over its limit, yields at its limit, closest to its limit; "" for all others. With
@@ -216,14 +212,9 @@ class TorqueCheck(Record):
 
 
 def torque_check(
-    joints: Sequence[str],
-    torque: Array,
-    limit: Array,
-    known: Sequence[bool],
-    yielding: tuple[str, ...] = (),
-    sliding: tuple[str, ...] = (),
-    drives: Drives | None = None,
-) -> TorqueCheck:
+    joints: Sequence[str], torque: Array, limit: Array, known: Sequence[bool], yielding: tuple[str, ...] = (),
+    sliding: tuple[str, ...] = (), drives: Drives | None = None,
+) -> TorqueCheck:  # fmt: skip
     """Compare torques (nv,) with limits (nv,) [N·m]; an infinite limit is never used up. yielding, sliding : names.
     drives : motors behind the limits.
     """
@@ -273,10 +264,8 @@ class MotorPull:
         joint moves which place.
         """
         pulls = np.flatnonzero(asked)
-        move, compliance = (
-            moves[:, pulls].astype(int),
-            elasticity.contact_compliance(np.eye(len(asked)))[np.ix_(pulls, pulls)],
-        )
+        move = moves[:, pulls].astype(int)
+        compliance = elasticity.contact_compliance(np.eye(len(asked)))[np.ix_(pulls, pulls)]
         fingers = np.full(len(asked), -1)
         if len(pulls):
             fingers[pulls] = connected_components((move.T @ move > 0) | (compliance != 0.0), directed=False)[1]
