@@ -68,18 +68,9 @@ class TorqueCheck(Record):
     """
 
     entries = (
-        "joints",
-        "torque_Nm (nv,)",
-        "limit_Nm (nv,)",
-        "utilisation (nv,)",
-        "margin_Nm (nv,)",
-        "known",
-        "yielding",
-        "binding",
-        "ok",
-        "held_by",
-        "lasts_s",
-    )
+        "joints", "torque_Nm (nv,)", "limit_Nm (nv,)", "utilisation (nv,)", "margin_Nm (nv,)", "known", "yielding",
+        "binding", "ok", "held_by", "lasts_s",
+    )  # fmt: skip
 
     joints: tuple[str, ...]
     torque: Array
