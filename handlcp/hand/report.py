@@ -52,7 +52,7 @@ class HandReport:
     def reasons(self, solution: Any) -> Iterator[Reason]:
         """What its torques, its limits and its posture say of whether a solution of its grasp holds."""
         if solution.held:
-            yield from _torque_reasons(solution.torque_check)
+            yield from torque_reasons(solution.torque_check)
             yield from self.open_reasons(solution)
             yield from doubt_reasons(self.mechanism.posture.hand.doubts)
         yield from self.command_reasons(solution.spec)
@@ -143,7 +143,7 @@ class HandReport:
         """What a loading's end says: torques (nv,), how far joints yield (nv,), and `place_at` there."""
         most = self.mechanism.limits
         at_limit = np.where(yielded != 0.0, np.clip(torque, -most, most), torque)  # but for rounding
-        yield from _torque_reasons(self.mechanism.check_torques(at_limit, yielded))
+        yield from torque_reasons(self.mechanism.check_torques(at_limit, yielded))
         yield from doubt_reasons(self.mechanism.posture.hand.doubts)
         yield from self.place_reasons(*place, "at the end of the loading")
 
@@ -310,7 +310,7 @@ _JOINT_EFFORT = _EffortKind("joint", TORQUE, "motors", "torque_Nm", "limit_Nm")
 _TENDON_EFFORT = _EffortKind("tendon", TENSION, "tendons", "tension_N", "limit_N")
 
 
-def _torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
+def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
     """What a check says about holding: joints over their limit, or the nearest to it; those that yield; the unknown."""
     nearest = None if check.binding is None else check[check.binding]
     unlimited = check.unlimited if nearest is not None and np.isinf(nearest.limit) else ""
