@@ -13,6 +13,7 @@ from handlcp.errors import InputError, UnknownName, URDFError
 from handlcp.geometry import Sphere
 from handlcp.hand import Hand, example_hand
 from handlcp.hand.library import psyonic, urdf
+from tests.support.refusals import refused
 
 from .conftest import MIMIC
 
@@ -51,10 +52,8 @@ INDEFINITE = np.eye(10) - 0.5 * np.ones((10, 10))
 def test_bad_arguments_of_from_urdf_are_named(arguments, argument, kind):
     """One broken argument a time; all are HandLCPError and ValueError."""
     call = {"source": urdf("five_finger"), "joint_stiffness": 1.0} | arguments
-    with pytest.raises(kind) as caught:
-        Hand.from_urdf(call.pop("source"), **call)
-    assert caught.value.argument == argument
-    assert isinstance(caught.value, ValueError)
+    caught = refused(argument, Hand.from_urdf, call.pop("source"), error=kind, **call)
+    assert isinstance(caught, ValueError)
 
 
 @pytest.mark.parametrize(
@@ -70,9 +69,7 @@ def test_bad_arguments_of_from_urdf_are_named(arguments, argument, kind):
 )
 def test_bad_postures_are_named(five, q):
     """Wrong size, not finite, no numbers, joints left out: InputError about q that lists the joints."""
-    with pytest.raises(InputError, match="finger_1_proximal") as caught:
-        five.at(q)
-    assert caught.value.argument == "q"
+    refused("q", five.at, q, match="finger_1_proximal")
 
 
 def test_fingertips_that_are_not_obvious_are_proposed():
@@ -108,9 +105,7 @@ def test_fingertips_that_are_not_obvious_are_proposed():
 )
 def test_broken_urdfs_say_what_is_wrong(write, text, message, capfd):
     """The parser's own words reach the exception, and nothing leaks to stderr."""
-    with pytest.raises(URDFError, match=message) as caught:
-        Hand.from_urdf(write(text), joint_stiffness=1.0)
-    assert caught.value.argument == "source"
+    refused("source", Hand.from_urdf, write(text), error=URDFError, match=message, joint_stiffness=1.0)
     assert capfd.readouterr().err == ""
 
 
@@ -122,9 +117,7 @@ def test_a_joint_that_hardly_follows_narrows_no_range(write):
 
 @pytest.mark.parametrize("name", [np.zeros(2), 3])
 def test_example_hands_have_names(name):
-    with pytest.raises(UnknownName, match="five_finger") as caught:
-        example_hand(name)
-    assert caught.value.argument == "name"
+    refused("name", example_hand, name, error=UnknownName, match="five_finger")
 
 
 def test_binary_rubbish_is_no_urdf(tmp_path):
@@ -140,9 +133,7 @@ def test_tips_without_geometry_ask_for_a_radius(write, five):
     for source in (write(MIMIC), five.model):
         hand = Hand.from_urdf(source, joint_stiffness=1.0)
         state = hand.at(hand.neutral)
-        with pytest.raises(URDFError) as caught:
-            state.grasp(Sphere(0.01))
-        assert caught.value.argument == "tip_radius"
+        refused("tip_radius", state.grasp, Sphere(0.01), error=URDFError)
 
 
 def test_meshes_that_are_not_found_are_named(write):
@@ -150,9 +141,9 @@ def test_meshes_that_are_not_found_are_named(write):
     mesh = '<link name="d_tip"><collision><geometry><mesh filename="package://here/not.stl"/></geometry></collision></link>'
     path = write(MIMIC.replace('<link name="d_tip"/>', mesh))
     hand = Hand.from_urdf(path, ["d_tip"], joint_stiffness=1.0)
-    with pytest.raises(URDFError, match=r"package://here/not\.stl") as caught:
-        hand.at(hand.neutral).grasp(Sphere(0.01))
-    assert caught.value.argument == "package_dirs"
+    refused(
+        "package_dirs", hand.at(hand.neutral).grasp, Sphere(0.01), error=URDFError, match=r"package://here/not\.stl"
+    )
 
 
 def test_the_error_channel_is_given_back(five, write, capfd):
