@@ -202,7 +202,7 @@ def test_a_brief_sizes_motors_by_what_is_held_and_by_the_peak_and_says_the_gear_
 
 # ---------------------------------------------------------------- tendons
 def test_a_brief_says_what_tendons_pull_with_and_which_go_slack(write):
-    """A flexor's tension is torque over arm; an extensor that goes slack stays taut with the pretension that is said."""
+    """A flexor's tension is torque over arm; an extensor that goes slack needs the pretension that is said."""
     arm, stiffness = 0.01, 1e5
     flexors = {f"{side} flexor": {f"{side}_joint": arm} for side in ("left", "right")}
     extensors = {f"{side} extensor": {f"{side}_joint": -arm} for side in ("left", "right")}
