@@ -162,12 +162,16 @@ class _WrapClosing:
         found = list[LinkTouch]()
         due = np.array([self._approach(k).earliest_touch for k in range(len(self.links))])
         for _ in range(_MAX_STEPS):
-            self._stop_at_ends()
+            self.speed[(self.speed != 0.0) & (self._range_left() <= 1e-12)] = 0.0
+            if self.time >= self.until:
+                self.speed[:] = 0.0
             moving = (self.moves & (self.speed != 0.0)).any(axis=1)
             if not moving.any():
                 return found
             due[~moving] = np.inf
-            k, end = int(np.argmin(due)), self._next_range_end()
+            k, active = int(np.argmin(due)), self.speed != 0.0
+            end = self.time + float((self._range_left()[active] / abs(self.speed[active])).min())  # of a joint's range
+            end = min(end, self.until)
             if due[k] >= end:
                 self._advance_to(end)
                 continue
@@ -219,7 +223,11 @@ class _WrapClosing:
         """See there; a link that no joint moves now could touch never."""
         R, p = self._link_frame(k)
         near, active = self._link_proximity(k, R, p), self.moves[k] & (self.speed != 0.0)
-        at_point, at_frame = self._jacobian(k, np.array([near.tip_point, p]))
+        columns = self.hand.kinematics.frames_at(self.q, ())[1]
+        support, axes = np.repeat(self.links[k].support, 2, axis=0), np.tile(np.eye(3), (2, 1, 1))
+        points = np.array([near.tip_point, p])
+        jacobians = contact_jacobian(columns.T, support, self.coupling, points, axes)
+        at_point, at_frame = jacobians.reshape(2, 3, -1)
         nears = float(near.normal @ (at_point @ self.speed))
         if not active.any():
             return _LinkApproach(near, nears, np.inf)
@@ -229,26 +237,9 @@ class _WrapClosing:
         fastest = _LEVER_MARGIN * float(levers[active] @ abs(self.speed[active]))
         return _LinkApproach(near, nears, self.time + near.gap / fastest)
 
-    def _jacobian(self, k: int, points: Array) -> Array:
-        """(m, 3, nv) of points (m, 3) of a link, world axes."""
-        columns = self.hand.kinematics.frames_at(self.q, ())[1]
-        m = len(points)
-        support, axes = np.repeat(self.links[k].support, m, axis=0), np.tile(np.eye(3), (m, 1, 1))
-        return contact_jacobian(columns.T, support, self.coupling, points, axes).reshape(m, 3, -1)
-
-    def _next_range_end(self) -> float:
-        """When the next joint comes to the end of its range."""
-        ends = np.where(self.speed > 0.0, self.hand.upper - self.q, self.q - self.hand.lower)
-        active = self.speed != 0.0
-        if not active.any():
-            return self.time
-        return min(self.time + float((ends[active] / abs(self.speed[active])).min()), self.until)
-
-    def _stop_at_ends(self) -> None:
-        ends = np.where(self.speed > 0.0, self.hand.upper - self.q, self.q - self.hand.lower)
-        self.speed[(self.speed != 0.0) & (ends <= 1e-12)] = 0.0
-        if self.time >= self.until:
-            self.speed[:] = 0.0
+    def _range_left(self) -> Array:
+        """(nv,) how far each joint may turn on."""
+        return np.where(self.speed > 0.0, self.hand.upper - self.q, self.q - self.hand.lower)
 
 
 # ----------------------------------------------------------------

@@ -176,11 +176,8 @@ class HandMechanism(Mechanism):
 
     def check_torques(self, torque: Array, yielded: Array) -> TorqueCheck:
         """Torques (nv,) [N·m] beside the limits of the joints, of which some yield (nv,) [rad]."""
-        hand, limits, yielding = self.posture.hand, self.posture.hand.torques, tuple[str, ...]()
-        if yielded.any():  # NaN without an answer
-            yielding = tuple([self.names[k] for k in np.flatnonzero(abs(yielded) > 0.0)])
-        drives = limits.drives
-        return torque_check(self.names, read_only(torque), limits.limits, limits.known, yielding, hand.sliding, drives)
+        some = np.flatnonzero(abs(yielded) > 0.0)  # NaN without an answer
+        return torque_check(self.posture.hand, read_only(torque), tuple([self.names[k] for k in some]))
 
 
 def hand_mechanism(spec: GraspSpec) -> HandMechanism:

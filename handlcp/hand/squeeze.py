@@ -244,14 +244,6 @@ def read_joint_offset(value: Any, joints: Sequence[str]) -> Array:
 COMMAND_ARGUMENTS = ("squeeze", "grip_force", "joint_offset", "closing_torque")
 
 
-def check_single_command(**said: Any) -> None:
-    """Raises InputError for more than one."""
-    given = [name for name, value in said.items() if value is not None]
-    if len(given) > 1:
-        expected = f"at most one of {', '.join(COMMAND_ARGUMENTS[:-1])} and {COMMAND_ARGUMENTS[-1]}"
-        raise InputError(given[1], expected, f"{' and '.join(given)}")
-
-
 def apply_command(spec: GraspSpec, squeeze: Any, grip_force: Any, joint_offset: Any) -> GraspSpec:
     """The grasp of a hand with the command that one of the three says, in place of an earlier one; None of them: as it
     is. Raises InputError, UnknownName.
@@ -263,21 +255,16 @@ def apply_command(spec: GraspSpec, squeeze: Any, grip_force: Any, joint_offset: 
     spec = spec.replace(effects=tuple([e for e in spec.effects if not isinstance(e, JointOffset)]))
     if joint_offset is not None:
         effect = JointOffset(read_joint_offset(joint_offset, mechanism.names))
-    elif squeeze is not None:
-        depth = read_by_tip(
-            "squeeze", expand_link_values("squeeze", squeeze, mechanism.posture.hand), mechanism.fingertips
-        )
-        command, reach = squeeze_command(tip_motions(mechanism, spec.planar), depth, mechanism.stand_off[:, 2])
-        effect = JointOffset(read_only(command), reach if depth.any() else None)
     else:
-        force = read_by_tip(
-            "grip_force", expand_link_values("grip_force", grip_force, mechanism.posture.hand), mechanism.fingertips
-        )
-        E, stand_off = _finger_compliance(spec, mechanism)
-        command, reach = grip_command(
-            tip_motions(mechanism, spec.planar), force, E, mechanism.compliance_factor, stand_off
-        )
-        effect = JointOffset(read_only(command), reach if force.any() else None)
+        name, value = ("grip_force", grip_force) if squeeze is None else ("squeeze", squeeze)
+        sizes = read_by_tip(name, expand_link_values(name, value, mechanism.posture.hand), mechanism.fingertips)
+        tips = tip_motions(mechanism, spec.planar)
+        if squeeze is None:
+            E, stand_off = _finger_compliance(spec, mechanism)
+            command, reach = grip_command(tips, sizes, E, mechanism.compliance_factor, stand_off)
+        else:
+            command, reach = squeeze_command(tips, sizes, mechanism.stand_off[:, 2])
+        effect = JointOffset(read_only(command), reach if sizes.any() else None)
     if old is not None:  # another command in the same closing
         effect = replace(effect, opened=old.opened, keeps=old.keeps)
     says_something = effect.command.any() or effect.reach is not None

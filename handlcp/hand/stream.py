@@ -109,10 +109,7 @@ class GraspUpdate:
         """Joint by joint, as in `HandGraspSolution`. Raises AttributeError for a grasp without a hand."""
         torques = self.torques
         assert isinstance(self._grasp, HandGrasp)
-        hand = self._grasp.state.hand
-        limits = hand.torques
-        known, drives = limits.known, limits.drives
-        return torque_check(hand.joint_names, torques, limits.limits, known, sliding=hand.sliding, drives=drives)
+        return torque_check(self._grasp.state.hand, torques)
 
     @property
     def effort(self) -> Effort | None:

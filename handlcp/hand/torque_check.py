@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -17,6 +17,7 @@ from handlcp.errors import UnknownName
 from handlcp.grasp.failure.failure_mode import is_exceeded, largest_share_index
 from handlcp.grasp.failure.failure_text import describe_torque_excess
 from handlcp.record import Record
+from handlcp.robot.hand_model import HandModel
 from handlcp.words import TextTable, wrap_text
 
 
@@ -202,15 +203,11 @@ class TorqueCheck(Record):
         return torque_table(self)
 
 
-def torque_check(
-    joints: Sequence[str], torque: Array, limit: Array, known: Sequence[bool], yielding: tuple[str, ...] = (),
-    sliding: tuple[str, ...] = (), drives: Drives | None = None,
-) -> TorqueCheck:  # fmt: skip
-    """Compare torques (nv,) with limits (nv,) [N·m]; an infinite limit is never used up. yielding, sliding : names.
-    drives : motors behind the limits.
-    """
-    used = read_only(abs(torque) / limit)
-    return TorqueCheck(tuple(joints), torque, limit, used, tuple(known), yielding, sliding, drives)
+def torque_check(hand: HandModel, torque: Array, yielding: tuple[str, ...] = ()) -> TorqueCheck:
+    """Compare torques (nv,) [N·m] with a hand's limits, at which some joints yield; an infinite one is never used up."""
+    limits = hand.torques
+    used, known, drives = read_only(abs(torque) / limits.limits), limits.known, limits.drives
+    return TorqueCheck(hand.joint_names, torque, limits.limits, used, known, yielding, hand.sliding, drives)
 
 
 def _format_limit(row: TorqueRow) -> str:
