@@ -204,7 +204,7 @@ class TorqueCheck(Record):
 
 
 def torque_check(hand: HandModel, torque: Array, yielding: tuple[str, ...] = ()) -> TorqueCheck:
-    """Compare torques (nv,) [N·m] with a hand's limits, at which some joints yield; an infinite one is never used up."""
+    """Compare torques (nv,) [N·m] with the limits of a hand, at which some joints yield; infinite ones never count."""
     limits = hand.torques
     used, known, drives = read_only(abs(torque) / limits.limits), limits.known, limits.drives
     return TorqueCheck(hand.joint_names, torque, limits.limits, used, known, yielding, hand.sliding, drives)
