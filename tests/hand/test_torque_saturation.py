@@ -88,20 +88,6 @@ def test_it_costs_two_unknowns_a_limited_joint(write):
     assert sizes(np.inf) == {}
 
 
-@pytest.mark.parametrize("faces", SECTIONS)
-def test_without_limits_it_is_no_effect_bit_for_bit(write, faces):
-    hand = lever_hand(write, torque_limits=np.inf)
-    absent, neutral = lever_pinch(hand, preload=SQUEEZE), saturating(hand)
-    a, b = (g.problem(faces) for g in (absent, neutral))
-    a, b = (getattr(p, "scaled", p) for p in (a, b))
-    np.testing.assert_array_equal(a.M, b.M)
-    np.testing.assert_array_equal(a.q, b.q)
-    s, t = absent.solve(faces), neutral.solve(faces)
-    np.testing.assert_allclose(t.forces, s.forces, atol=1e-12 * abs(s.forces).max())
-    assert t.extra == {}
-    np.testing.assert_array_equal(t.joint_yield, 0.0)
-
-
 def test_absent_it_leaves_no_bit(write):
     hand = lever_hand(write, torque_limits=0.6)
     plain, g = lever_pinch(hand, preload=SQUEEZE).problem(), saturating(hand).problem()
