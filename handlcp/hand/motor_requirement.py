@@ -19,7 +19,6 @@ from handlcp import words
 from handlcp.actuation.motor import Drives, Motor
 from handlcp.check import Array, Bools, check_array, check_keys, check_method_calls, check_number, read_only
 from handlcp.errors import InputError
-from handlcp.geometry.object import object_weight_wrench
 from handlcp.grasp.derivatives.parameter.stiffness import with_torque_limits
 from handlcp.grasp.failure.failure_mode import is_exceeded
 from handlcp.grasp.failure.failure_text import describe_torque_excess
@@ -139,36 +138,31 @@ def read_load_cases(spec: GraspSpec, loads: Any, safety: Any) -> tuple[LoadCase,
     """The loads of a brief, as `HandGrasp.required_torque` takes them. Raises InputError, UnknownName."""
     factor = check_number("safety", safety, above=0.0)
     bare = with_torque_limits(spec, np.full(len(hand_mechanism(spec).names), np.inf))
-    return tuple([LoadCase(name, _apply_load(bare, said, factor)) for name, said in _name_loads(spec, loads)])
-
-
-def _name_loads(spec: GraspSpec, loads: Any) -> list[tuple[str, dict[str, Any]]]:
-    """The name of each load and what it says of load, mass and gravity."""
-    if loads is None:
-        return [(_SINGLE_LOAD_NAME, {})]
-    if isinstance(loads, Mapping):
-        if not loads:
-            raise InputError("loads", "at least one load", "none")
-        return [(str(name), _read_load(f"loads[{name!r}]", value, spec)) for name, value in loads.items()]
-    shapes = ((6,), (-1, 6)) if spec.plane is None else ((6,), (-1, 6), (3,), (-1, 3))
-    rows = np.atleast_2d(check_array("loads", loads, *shapes, what="loads (m, 6) or by name: finite numbers"))
-    if not len(rows):
-        raise InputError("loads", "at least one load", "none")
-    return [(f"load {k}" if len(rows) > 1 else _SINGLE_LOAD_NAME, {"load": row}) for k, row in enumerate(rows, 1)]
-
-
-def _read_load(argument: str, value: Any, spec: GraspSpec) -> dict[str, Any]:
-    if isinstance(value, Mapping):
-        return check_keys(argument, value, _LOAD_PARTS, "a part of a load")
     shapes = ((6,),) if spec.plane is None else ((6,), (3,))
-    return {"load": check_array(argument, value, *shapes)}
+    named = list[tuple[str, dict[str, Any]]]()  # of each load what it says of load, mass and gravity
+    if loads is None:
+        named.append((_SINGLE_LOAD_NAME, {}))
+    elif isinstance(loads, Mapping):
+        for name, value in loads.items():
+            argument = f"loads[{name!r}]"
+            if isinstance(value, Mapping):
+                named.append((str(name), check_keys(argument, value, _LOAD_PARTS, "a part of a load")))
+            else:
+                named.append((str(name), {"load": check_array(argument, value, *shapes)}))
+    else:
+        both = [one for shape in shapes for one in (shape, (-1, *shape))]
+        rows = np.atleast_2d(check_array("loads", loads, *both, what="loads (m, 6) or by name: finite numbers"))
+        named += [(f"load {k}" if len(rows) > 1 else _SINGLE_LOAD_NAME, {"load": row}) for k, row in enumerate(rows, 1)]
+    if not named:
+        raise InputError("loads", "at least one load", "none")
+    return tuple([LoadCase(name, _apply_load(bare, said, factor)) for name, said in named])
 
 
 def _apply_load(spec: GraspSpec, said: dict[str, Any], factor: float) -> GraspSpec:
     """The grasp under this load times the factor; what is not said stays as the grasp has it."""
     mechanism = hand_mechanism(spec)
     target = mechanism.target
-    own: Array = spec.wrench - object_weight_wrench(target, mechanism.gravity, spec.reference)
+    own: Array = spec.wrench - mechanism.weight_of_object(spec.reference)
     given: dict[str, Any] = {"load": factor * np.asarray(said.get("load", own), dtype=float)}
     mass = said.get("mass", None if target is None else target.mass)
     if "mass" in said or mass:

@@ -107,7 +107,11 @@ def reshape_hand(hand: HandModel, radius: Any, changes: HandChanges) -> dict[str
     tips = _rebuild_tips(hand, model, stretches)
     kinematics, stiffness = Kinematics(model, described.facts), hand.stiffness
     if isinstance(stiffness, RoutedStiffness):
-        own = _link_stretches(hand.description.model, stretches)
+        own = dict[str, LinkStretch]()  # of links that become longer or shorter, in their frames as they were before
+        for frame in hand.description.model.frames:
+            stretch = stretches.get(int(frame.parentJoint))
+            if stretch is not None and (local := stretch.in_link(frame.placement)) is not None:
+                own[frame.name] = local
         stiffness = stiffness.remap_points(kinematics, lambda link, x: own[link].map_point(x) if link in own else x)
     geometry = TipGeometry(described, tips, read_tip_radii(radius, tips.names))
     return {"kinematics": kinematics, "tips": tips, "stiffness": stiffness, "_geometry": geometry}
@@ -117,7 +121,12 @@ def _place_joints(described: RobotDescription, changes: HandChanges) -> RobotDes
     """With joints that stand elsewhere or turn about other axes."""
     moved = changes.values_of(POSITION)
     places = {j: check_array(change_label(j, POSITION), x, (3,), what="metres") for j, x in moved.items()}
-    axes = {joint: _read_axis(change_label(joint, AXIS), x) for joint, x in changes.values_of(AXIS).items()}
+    axes = dict[str, Array]()
+    for joint, value in changes.values_of(AXIS).items():
+        axis = check_array(change_label(joint, AXIS), value, (3,), what="a direction")
+        if (size := float(np.linalg.norm(axis))) == 0.0:
+            raise InputError(change_label(joint, AXIS), "a direction, not zero", repr(value)[:80])
+        axes[joint] = axis / size
     if not places and not axes:
         return described
     if described.root is None:
@@ -133,14 +142,6 @@ def _place_joints(described: RobotDescription, changes: HandChanges) -> RobotDes
     place_urdf_joints(root, places, axes)
     model = build_model("changes", root, described.source)
     return replace(described, root=root, model=model, facts=read_joint_facts(root))
-
-
-def _read_axis(name: str, value: Any) -> Array:
-    axis = check_array(name, value, (3,), what="a direction")
-    size = float(np.linalg.norm(axis))
-    if size == 0.0:
-        raise InputError(name, "a direction, not zero", repr(value)[:80])
-    return axis / size
 
 
 def _read_stretches(model: Any, tips: TipFrames, lengths: Mapping[str, Any]) -> dict[int, LinkStretch]:
@@ -190,16 +191,6 @@ def _stretch_description(described: RobotDescription, stretches: Mapping[int, Li
         made = replace(described, root=root, model=build_model("changes", root, described.source))
     doubts = tuple([Doubt(link, _KEPT_MESH, "a hand whose mesh fits", "minor", "geometry") for link in kept])
     return replace(made, doubts=(*described.doubts, *[doubt for doubt in doubts if doubt not in described.doubts]))
-
-
-def _link_stretches(model: Any, stretches: Mapping[int, LinkStretch]) -> dict[str, LinkStretch]:
-    """In the frames of the links that become longer or shorter, by name; model : as it was before."""
-    found = dict[str, LinkStretch]()
-    for frame in model.frames:
-        stretch = stretches.get(int(frame.parentJoint))
-        if stretch is not None and (local := stretch.in_link(frame.placement)) is not None:
-            found[frame.name] = local
-    return found
 
 
 def _rebuild_tips(hand: HandModel, model: Any, stretches: Mapping[int, LinkStretch]) -> TipFrames:
