@@ -98,9 +98,7 @@ def _read_rates(value: Any, hand: HandModel) -> Array:
 
 
 def bending_rates(hand: HandModel, q: Array, obj: Object) -> Array:
-    """(nv,) ±1 of joints that bend fingers toward the object, less of those that slide; 0 of all others. Of tendons and
-    synergies, what they make of that.
-    """
+    """(nv,) ±1 of joints that bend fingers toward the object, less of slides, 0 of others; as far as drives make it."""
     posture, speed, moves = HandPosture(hand, q), np.zeros(hand.nv), hand.moving_joints
     alone = moves.sum(axis=0) == 1
     turning = posture.angular_jacobian(hand.tips.numbers)
@@ -131,9 +129,7 @@ def bending_rates(hand: HandModel, q: Array, obj: Object) -> Array:
 
 
 class _LinkApproach(NamedTuple):
-    """A link where it is: near, how fast it nears the object [m per unit of time], and the earliest time at which it
-    could touch.
-    """
+    """Where a link is, how fast it nears the object [m per unit of time], and when it could touch at the earliest."""
 
     near: Proximity
     speed: float
@@ -307,9 +303,7 @@ def _describe_shared_joints(hand: HandModel, tip: int) -> str:
 
 
 class _ClosingFinger:
-    """One finger that closes: its joints, how deep it shall go, how far from there it is [m], whether it is done (it
-    is there, or is stuck).
-    """
+    """One finger that closes to a depth [m]; `done` once it is there, or is stuck, `gap` [m] away from there."""
 
     def __init__(self, hand: HandModel, tip: int, joints: Any, depth: float) -> None:
         self.tip, self.joints, self.depth = tip, joints, depth

@@ -58,17 +58,12 @@ def _add_spring(hand: HandModel, k: int, step: float) -> HandModel:
 
 @dataclass(frozen=True, slots=True)
 class GraspVariation:
-    """Makes the grasp of a hand again, with something changed: postures, lengths, springs, pads, limits, commands.
-
-    mechanism : its `HandMechanism`.
-    """
+    """Makes the grasp of a `HandMechanism` again, with something changed: posture, springs, limits, commands, …"""
 
     mechanism: Any
 
     def angular_jacobian(self) -> Array:
-        """(n, 3, nv) how fast the joints turn the fingers of the contacts, world axes [rad/rad]; zero for those of the
-        environment.
-        """
+        """(n, 3, nv) how fast the joints turn the fingers of the contacts, world axes; zero for the environment's."""
         J = self.mechanism.posture.angular_jacobian(self.mechanism.tips)
         still = len(self.mechanism.jacobian) // 3 - len(self.mechanism.tips)
         return read_only(np.concatenate([J, np.zeros((still, *J.shape[1:]))]) if still else J)
@@ -100,9 +95,7 @@ class GraspVariation:
         return _rebuild_in_posture(self.mechanism, spec, posture)
 
     def replace_contacts(self, spec: GraspSpec, positions: Array, frames: Array) -> GraspSpec:
-        """The grasp with its contacts at positions (n, 3), with frames (n, 3, 3), and all that follows from where they
-        are.
-        """
+        """The grasp with contacts at positions (n, 3), frames (n, 3, 3), and all that follows from where they are."""
         contacts = [  # whose own axes turn along
             c.from_arrays(p, read_only(R @ before.T @ c.rotation), c.friction, c.planar, c.name)
             for c, p, R, before in zip(spec.contacts, positions, frames, spec.frames, strict=True)
@@ -153,9 +146,7 @@ class GraspVariation:
         return spec if reach is None or reach.unit != "N" else apply_grip_force(spec, reach.asked)
 
     def regrip_shifted(self, spec: GraspSpec, shift: Array) -> GraspSpec | None:
-        """The hand closes anew on its object, moved by shift (3,) [m]. None beside a command of the joints, which would
-        be another one there.
-        """
+        """The hand closes anew on its object, moved by shift (3,) [m]; None beside a command, another one there."""
         hand, target, laws = self.mechanism.posture.hand, self.mechanism.target, [c.friction for c in spec.contacts]
         if find_command(spec.effects) or target is None or spec.plane is not None or spec.of_hand < spec.n:
             return None

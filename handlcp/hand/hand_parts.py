@@ -51,9 +51,7 @@ def read_hand_parts(
 
 
 def replace_parts(hand: HandModel, by_tip: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """What changes of a hand, by attribute, where these arguments of `Hand.replace` are given. by_tip : what was passed
-    fingertip by fingertip.
-    """
+    """What changes of a hand, by attribute, with arguments of `Hand.replace`; by_tip : what was passed by fingertip."""
     described, tips = hand.description, hand.tips
     own = {"pads": "pad_flexibility", "radius": "tip_radius"}
     passed = {key: deepcopy(given[name]) if name in given else by_tip[key] for key, name in own.items()}

@@ -165,9 +165,7 @@ class HandMechanism(Mechanism):
         return stiffness.effort(torque, from_rest)
 
     def motor_pull(self, spec: GraspSpec, torque: Array) -> tuple[MotorPull, Array] | None:
-        """What a closing torque asked of the joints, and the shares of it with which they pull, (nv,), where their
-        springs pull with torque (nv,) [N·m]; None: they are commanded otherwise.
-        """
+        """What a closing torque asked of joints; its shares (nv,) under torque (nv,) [N·m]; None: none was asked."""
         command, closed, hand = find_command(spec.effects), getattr(spec.asked, "closed", None), self.posture.hand
         if command is None or closed is None or closed.torque is None or (command.command != closed.command).any():
             return None

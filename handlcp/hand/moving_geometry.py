@@ -86,9 +86,7 @@ class MovingHandGeometry(Geometry):
         self.start = self.start._replace(q=self._open_posture(there) if opened is None else opened)
 
     def _open_posture(self, there: Iterate) -> Array:
-        """(nv,) the posture, opened where fingertips overlap the object until they touch it, joint by joint as in
-        closing. What joints cannot open stays.
-        """
+        """(nv,) the posture, opened joint by joint until overlapping fingertips touch, as far as joints can."""
         inside = overlap_depths(there.gap[: self.k])
         if not inside.any():
             return self.posture

@@ -35,10 +35,7 @@ _FRICTION_LAW = "against the motion: |τ_f| ≤ {0}, and τ_f = -{0} sign(q̇) w
 
 @dataclass(frozen=True, slots=True)
 class HandReport:
-    """What verdicts, explanations and pictures say of the hand that holds an object.
-
-    mechanism : its `HandMechanism`.
-    """
+    """What verdicts, explanations and pictures ask of the hand that holds an object: of its `HandMechanism`."""
 
     mechanism: Any
 
@@ -117,9 +114,7 @@ class HandReport:
             yield Reason("link_inside", "warning", text, {"links": links})
 
     def _unmade_reasons(self, command: Array) -> Iterator[Reason]:
-        """Of a command (nv,) of the joints [rad, m] that tendons, or servos, make only in part: what nothing makes of
-        it decides, where it is more than a hundredth.
-        """
+        """What no tendons or servos make of a command (nv,) [rad, m]: more than a hundredth of it decides."""
         stiffness = self.mechanism.posture.hand.stiffness
         left = stiffness.unmade_torque(command)
         if not left.any():
@@ -215,9 +210,7 @@ class HandReport:
 
     # ---- places
     def place_reasons(self, posture: HandPosture | None, obj: Object | None, when: str) -> Iterator[Reason]:
-        """What a posture alone says, with the object where it is then; None for what is not known. when : that is,
-        such as "at the end of the loading".
-        """
+        """What a posture says, with the object where it is; None: not known. when : "at the end of the loading"."""
         if posture is not None:
             yield from posture_reasons(posture, obj, self.mechanism.tips, when)
 

@@ -286,9 +286,7 @@ class GraspRequest(Request):
         return total_load(self.wrench, spec.reference, mechanism.target, mechanism.gravity, spec.positions, spec.plane)
 
     def scale_command(self, factor: float) -> tuple[str, str, GraspSpec] | None:
-        """What says how hard the hand closes, so many times as much of it in words, and the grasp with that; None: a
-        squeeze, which is said by depth, or nothing. Raises InputError, NotReached.
-        """
+        """So many times the command in words, and the grasp with it; None: a squeeze, said by depth, or no command."""
         name = next((name for name in _COMMAND_UNITS if getattr(self, name) is not None), None)
         if name is None:
             return None

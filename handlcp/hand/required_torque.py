@@ -68,9 +68,7 @@ def _furthest_trial(tried: list[GripTrial]) -> GripTrial:
 
 
 def _search_multiple(trials: GripTrials, force: Array, tolerance: float) -> tuple[GripTrial, GripTrial | None]:
-    """The least multiple of a grip that holds, to a relative tolerance; and the one below it that does not. Where none
-    holds: the one that gets furthest.
-    """
+    """The least multiple of a grip that holds, or else that gets furthest; and the one below, which does not hold."""
 
     def is_too_much(factor: float) -> bool:
         return trials(factor * force).reached_share < 0.0
@@ -217,9 +215,7 @@ def closing_torque(rubs: Array, path: Loading) -> Array:
 
 
 def _unreachable_end(path: Loading) -> str | None:
-    """Why the hand cannot be where the path ends, such as links inside the object; None: it can, or could not be where
-    it begins either, which no grip changes.
-    """
+    """Why the hand cannot be where the path ends; None: it can, or no grip changes it, as it begins there already."""
     mechanism = path.steps.grasp.spec.mechanism
     if mechanism is None or not path.steps.geometry.follows:
         return None
@@ -428,9 +424,7 @@ def _required_tensions(
 
 
 def start_grips(brief: tuple[LoadCase, ...], section: Section, share: Array, bears: Array) -> list[Array]:
-    """Grips (k,) [N] to search from: those with which nothing slips, by finger and common to all; and in any case one
-    of the size of the loads.
-    """
+    """Grips (k,) [N] to search from, with which nothing slips, by finger and common to all; or of the loads' size."""
     states = [sticking_response(case.spec, apply_grip_force) for case in brief]
     k = brief[0].spec.of_hand
     found = [minimise_grip(states, section, share, pattern, bears) for pattern in (np.eye(k), np.ones((k, 1)))]

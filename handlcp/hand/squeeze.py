@@ -32,9 +32,7 @@ def tip_motions_by_joint(mechanism: Any, planar: bool) -> TipMotions:
 
 
 def find_unreachable(spec: GraspSpec) -> tuple[CommandReach, ...]:
-    """What no command of the joints makes, of the overlap in the posture, of a preload, and of what is commanded; links
-    that the object begins inside are not asked to make it.
-    """
+    """What no command makes of overlaps, preloads and commands; but for links that the object begins inside."""
     mechanism: Any = spec.mechanism  # a hand's
     k = spec.of_hand
     tips, found = tip_motions(mechanism, spec.planar), []
@@ -65,9 +63,7 @@ def start_penetration(spec: GraspSpec) -> Array:
 
 
 def start_link_depths(spec: GraspSpec) -> dict[str, float]:
-    """The links that the object begins inside, the deepest first, and how deep [m]: the whole link, where its contacts
-    are less deep.
-    """
+    """The links that the object begins inside, the deepest first, and how deep [m], the whole link or its contacts."""
     mechanism: Any = spec.mechanism
     depths = dict[str, float]()
     for tip, depth in zip(mechanism.fingertips, start_penetration(spec).tolist(), strict=True):
@@ -245,9 +241,7 @@ COMMAND_ARGUMENTS = ("squeeze", "grip_force", "joint_offset", "closing_torque")
 
 
 def apply_command(spec: GraspSpec, squeeze: Any, grip_force: Any, joint_offset: Any) -> GraspSpec:
-    """The grasp of a hand with the command that one of the three says, in place of an earlier one; None of them: as it
-    is. Raises InputError, UnknownName.
-    """
+    """The grasp with the command that one of the three says, in place of an earlier one. Raises InputError."""
     if squeeze is None and grip_force is None and joint_offset is None:
         return spec
     mechanism: Any = spec.mechanism  # a hand's
@@ -277,9 +271,7 @@ def apply_grip_force(spec: GraspSpec, force: Array) -> GraspSpec:
 
 
 def _finger_compliance(spec: GraspSpec, mechanism: Any) -> tuple[Array, Array]:
-    """(3k, 3k) flexibility of the fingers with what effects add to it, as far as forces don't change that; and (3k,)
-    how far they stand off, gaps and the sag under their weight together.
-    """
+    """(3k, 3k) E with what effects add whatever the forces; (3k,) how far they stand off, sag included."""
     c = 3 * spec.of_hand
     E, d = spec.flexibility[:c, :c].copy(), mechanism.stand_off.reshape(-1).copy()
     for e in spec.effects:

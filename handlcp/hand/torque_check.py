@@ -248,9 +248,7 @@ class MotorPull:
 
     @classmethod
     def from_torque(cls, asked: Array, moves: Bools, elasticity: Elasticity) -> MotorPull:
-        """Joints that move one place that may touch, or are driven together, are of one finger. moves (n, nv) : which
-        joint moves which place.
-        """
+        """Joints that move one place that may touch (moves (n, nv)), or are driven together, are of one finger."""
         pulls = np.flatnonzero(asked)
         move = moves[:, pulls].astype(int)
         compliance = elasticity.contact_compliance(np.eye(len(asked)))[np.ix_(pulls, pulls)]

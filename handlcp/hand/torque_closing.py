@@ -105,9 +105,7 @@ def read_closing_torques(hand: HandModel, way: Array, value: Any) -> Array:
 
 
 def _check_pull(argument: str, motor: Motor | None, drawn: float, pull: float, where: str, got: str) -> None:
-    """Raises InputError for a motor that is to pull with more than its peak, or whose dry friction is more than what it
-    draws in with.
-    """
+    """Raises InputError for a motor that is to pull beyond its peak, or draws in with no more than its dry friction."""
     if motor is None or drawn == 0.0:
         return
     if drawn <= motor.friction or pull > motor.at_peak * (1.0 + OVER_LIMIT_TOLERANCE):

@@ -28,11 +28,7 @@ STIFFNESS, LIMIT, MOTOR, RADIUS, PAD = "stiffness", "torque_limit", "motor", "ra
 
 
 class HandChanges(NamedTuple):
-    """What is changed of a hand, read from names.
-
-    arguments : those of `Hand.replace`.
-    named : what is changed → of which joint, fingertip, … → to what.
-    """
+    """arguments : of `Hand.replace`. named : what is changed → of which joint, fingertip, … → to what."""
 
     arguments: dict[str, Any]
     named: dict[str, dict[str, Any]]

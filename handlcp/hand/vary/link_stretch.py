@@ -41,9 +41,7 @@ class LinkStretch:
     start: float = 0.0
 
     def in_link(self, placement: Any) -> LinkStretch | None:
-        """In the frame of a link, whose placement in this one's frame is given; None beyond the end, where all of the
-        link stays as it is in its frame.
-        """
+        """In the frame of a link that is placed so in this one's frame; None beyond the end, where nothing changes."""
         t = self.start + float(self.direction @ placement.translation)
         if t >= self.before * (1.0 - _END_TOLERANCE):
             return None
@@ -114,10 +112,7 @@ def stretch_model(model: Any, stretches: Mapping[int, LinkStretch]) -> None:
 def stretch_parts(
     given: GivenShapes, model: Any, stretches: Mapping[int, LinkStretch]
 ) -> tuple[GivenShapes, list[str]]:
-    """Stretch the shapes of links, and name those whose meshes all keep their shape.
-
-    model : as it was before.
-    """
+    """Stretch the shapes of links of a model as it was, and name those whose meshes all keep their shape."""
     kinds, kept = list[tuple[str, tuple[LinkShape, ...]]](), list[str]()
     for kind, parts in given:
         made = []
