@@ -28,7 +28,7 @@ STIFFNESS, LIMIT, MOTOR, RADIUS, PAD = "stiffness", "torque_limit", "motor", "ra
 
 
 class HandChanges(NamedTuple):
-    """arguments : of `Hand.replace`. named : what is changed → of which joint, fingertip, … → to what."""
+    """Arguments of `Hand.replace`, and by name what is changed → of which joint, fingertip, … → to what."""
 
     arguments: dict[str, Any]
     named: dict[str, dict[str, Any]]
