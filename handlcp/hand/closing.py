@@ -98,7 +98,7 @@ def _read_rates(value: Any, hand: HandModel) -> Array:
 
 
 def bending_rates(hand: HandModel, q: Array, obj: Object) -> Array:
-    """(nv,) ±1 of joints that bend fingers toward the object, less of slides, 0 of others; of a transmission the nearest."""
+    """(nv,) ±1 of joints that bend fingers to the object, less of slides, 0 of others; of transmissions the nearest."""
     posture, speed, moves = HandPosture(hand, q), np.zeros(hand.nv), hand.moving_joints
     alone = moves.sum(axis=0) == 1
     turning = posture.angular_jacobian(hand.tips.numbers)
