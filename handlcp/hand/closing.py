@@ -48,24 +48,10 @@ _LEVER_MARGIN = 1.5  # levers grow as fingers bend
 _MAX_STEPS = 20_000
 
 
-class LinkTouch(NamedTuple):
-    """A link that came to touch, and when: the angle [rad] by which bending joints had turned by then."""
-
-    link: str
-    angle: float
-
-
-class WrapResult(NamedTuple):
-    """q (nv,) where the joints stopped, and the links in the order in which they touched."""
-
-    q: Array
-    touches: tuple[LinkTouch, ...]
-
-
 def wrap_hand(
     hand: HandModel, obj: Object, q0: Any = None, rates: Any = True, until: float = np.inf, called: str = "obj"
-) -> WrapResult:
-    """Close the joints from q0 (None: `neutral`), moved into their ranges, until every link touches or stands.
+) -> Array:
+    """The posture (nv,) of a hand that closes from q0 (None: `neutral`), in its ranges, until all links touch or stand.
 
     rates : True; or how fast each joint turns, a mapping by joint name (others: 0) or (nv,), with its sign.
     until : when all stop.
@@ -80,14 +66,14 @@ def wrap_hand(
     links = contact_bodies(hand, ALL_LINKS)
     speed = bending_rates(hand, q, obj) if rates is True else _read_rates(rates, hand)
     closing = _WrapClosing(hand, links, obj, q, speed, until)
-    touched = closing.close()
-    there = [(t, near.gap) for t, near in closing.link_proximities()]
+    closing.close()
+    there = [(link, closing.link_proximity(k)[0].gap) for k, link in enumerate(links)]
     deepest, gap = min(there, key=lambda one: one[1])
     check_outside(called, deepest.name, gap)
     if not any(gap <= 10 * _TOUCH_TOLERANCE for _, gap in there):
         expected = "an object that links come to touch when the hand closes from q0"
         raise NotReached(called, expected, nearest_links(there))
-    return WrapResult(read_only(closing.q), tuple(touched))
+    return read_only(closing.q)
 
 
 def _read_rates(value: Any, hand: HandModel) -> Array:
@@ -153,9 +139,8 @@ class _WrapClosing:
         C = hand.kinematics.coupling
         self.coupling = np.empty((0, 0)) if C is None else np.array(C)
 
-    def close(self) -> list[LinkTouch]:
+    def close(self) -> None:
         """Turn the joints from touch to touch until nothing moves."""
-        found = list[LinkTouch]()
         due = np.array([self._approach(k).earliest_touch for k in range(len(self.links))])
         for _ in range(_MAX_STEPS):
             self.speed[(self.speed != 0.0) & (self._range_left() <= 1e-12)] = 0.0
@@ -163,7 +148,7 @@ class _WrapClosing:
                 self.speed[:] = 0.0
             moving = (self.moves & (self.speed != 0.0)).any(axis=1)
             if not moving.any():
-                return found
+                return
             due[~moving] = np.inf
             k, active = int(np.argmin(due)), self.speed != 0.0
             end = self.time + float((self._range_left()[active] / abs(self.speed[active])).min())  # of a joint's range
@@ -177,14 +162,9 @@ class _WrapClosing:
             if near.gap <= _TOUCH_TOLERANCE and nears > 0.0:
                 if near.gap < -_TOUCH_TOLERANCE:
                     self._step_back(k, before)
-                found.append(LinkTouch(self.links[k].name, self.time))
                 self.speed[self.moves[k]] = 0.0
                 due = np.array([self._approach(m).earliest_touch for m in range(len(self.links))])
         raise NotReached("obj", f"a hand that closes within {_MAX_STEPS} steps", {})
-
-    def link_proximities(self) -> list[tuple[ContactBody, Proximity]]:
-        """Each link and how near it is."""
-        return [(t, self._link_proximity(k, *self._link_frame(k))) for k, t in enumerate(self.links)]
 
     def _advance_to(self, time: float) -> None:
         self.q = self.q + (time - self.time) * self.speed
@@ -195,30 +175,25 @@ class _WrapClosing:
         low, high = before, self.time
         while high - low > 1e-3 * _TOUCH_TOLERANCE:
             self._advance_to(0.5 * (low + high))
-            near = self._link_proximity(k, *self._link_frame(k))
+            near, _ = self.link_proximity(k)
             if abs(near.gap) <= _TOUCH_TOLERANCE:
                 return
             low, high = (self.time, high) if near.gap > 0.0 else (low, self.time)
 
-    def _link_frame(self, k: int) -> tuple[Array, Array]:
-        """Rotation and position of a link's frame."""
+    def link_proximity(self, k: int) -> tuple[Proximity, Array]:
+        """Where a link is nearest, of several shapes by balls around them; and where its frame is (3,)."""
         ((_, R, p),) = body_frames(HandPosture(self.hand, self.q), (self.links[k],))
-        return R, p
-
-    def _link_proximity(self, k: int, R: Array, p: Array) -> Proximity:
-        """Where a link is nearest; of several shapes by balls around them."""
         shapes = self.links[k].shapes
         if len(shapes) == 1:
-            return nearest_proximity(shapes, p, R, self.obj)
+            return nearest_proximity(shapes, p, R, self.obj), p
         (middles, radii), (Q, o) = self.balls[k], self.obj.frame
         away = point_distances((middles @ R.T + p - o) @ Q, self.obj)
         least = np.where(away > 0.0, away - radii, -np.inf)
-        return search_nearest(least, lambda i: nearest_proximity(shapes[i : i + 1], p, R, self.obj))
+        return search_nearest(least, lambda i: nearest_proximity(shapes[i : i + 1], p, R, self.obj)), p
 
     def _approach(self, k: int) -> _LinkApproach:
         """See there; a link that no joint moves now could touch never."""
-        R, p = self._link_frame(k)
-        near, active = self._link_proximity(k, R, p), self.moves[k] & (self.speed != 0.0)
+        (near, p), active = self.link_proximity(k), self.moves[k] & (self.speed != 0.0)
         columns = self.hand.kinematics.frames_at(self.q, ())[1]
         support, axes = np.repeat(self.links[k].support, 2, axis=0), np.tile(np.eye(3), (2, 1, 1))
         points = np.array([near.tip_point, p])

@@ -420,5 +420,5 @@ class Hand(HandModel):
         if wrap is not False:
             if fingers is not None or not (isinstance(squeeze, (int, float)) and squeeze == 0.0):
                 raise InputError("wrap", "False beside fingers and squeeze", repr(wrap)[:80])
-            return wrap_hand(self, obj, q0, wrap).q
+            return wrap_hand(self, obj, q0, wrap)
         return close_fingertips(self, obj, q0, fingers, squeeze, tolerance)

@@ -70,12 +70,12 @@ def close_by_torque(state: HandPosture, obj: Object, joint_offset: Any, closing_
         rates, until = offset, 1.0
     if not rates.any():
         return command_closing_torque(hand, q, None, torque) if offset is None else ClosedPosture(q, None, offset)
-    found = wrap_hand(hand, obj, q, rates, until, "target")
-    opened = q if abs(found.q - q).max() > _MIN_CLOSING_MOTION else None
+    end = wrap_hand(hand, obj, q, rates, until, "target")
+    opened = q if abs(end - q).max() > _MIN_CLOSING_MOTION else None
     if offset is not None:
-        return ClosedPosture(found.q, opened, read_only(q + offset - found.q))
-    carrying = _find_carrying_joints(hand, found.q, obj)
-    return command_closing_torque(hand, found.q, opened, np.where(carrying, torque, 0.0))
+        return ClosedPosture(end, opened, read_only(q + offset - end))
+    carrying = _find_carrying_joints(hand, end, obj)
+    return command_closing_torque(hand, end, opened, np.where(carrying, torque, 0.0))
 
 
 def read_closing_torques(hand: HandModel, way: Array, value: Any) -> Array:
