@@ -12,7 +12,7 @@ advancement: Mirtich 1996).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -48,24 +48,10 @@ _LEVER_MARGIN = 1.5  # levers grow as fingers bend
 _MAX_STEPS = 20_000
 
 
-class LinkTouch(NamedTuple):
-    """A link that came to touch, and when: the angle [rad] by which bending joints had turned by then."""
-
-    link: str
-    angle: float
-
-
-class WrapResult(NamedTuple):
-    """q (nv,) where the joints stopped, and the links in the order in which they touched."""
-
-    q: Array
-    touches: tuple[LinkTouch, ...]
-
-
 def wrap_hand(
     hand: HandModel, obj: Object, q0: Any = None, rates: Any = True, until: float = np.inf, called: str = "obj"
-) -> WrapResult:
-    """Close the joints from q0 (None: `neutral`), moved into their ranges, until every link touches or stands.
+) -> Array:
+    """The posture (nv,) of a hand that closes from q0 (None: `neutral`), in its ranges, until all links touch or stand.
 
     rates : True; or how fast each joint turns, a mapping by joint name (others: 0) or (nv,), with its sign.
     until : when all stop.
@@ -80,14 +66,14 @@ def wrap_hand(
     links = contact_bodies(hand, ALL_LINKS)
     speed = bending_rates(hand, q, obj) if rates is True else _read_rates(rates, hand)
     closing = _WrapClosing(hand, links, obj, q, speed, until)
-    touched = closing.close()
-    there = [(t, near.gap) for t, near in closing.link_proximities()]
+    closing.close()
+    there = [(link, closing.link_proximity(k)[0].gap) for k, link in enumerate(links)]
     deepest, gap = min(there, key=lambda one: one[1])
     check_outside(called, deepest.name, gap)
     if not any(gap <= 10 * _TOUCH_TOLERANCE for _, gap in there):
         expected = "an object that links come to touch when the hand closes from q0"
         raise NotReached(called, expected, nearest_links(there))
-    return WrapResult(read_only(closing.q), tuple(touched))
+    return read_only(closing.q)
 
 
 def _read_rates(value: Any, hand: HandModel) -> Array:
@@ -98,9 +84,7 @@ def _read_rates(value: Any, hand: HandModel) -> Array:
 
 
 def bending_rates(hand: HandModel, q: Array, obj: Object) -> Array:
-    """(nv,) ±1 of joints that bend fingers toward the object, less of those that slide; 0 of all others. Of tendons and
-    synergies, what they make of that.
-    """
+    """(nv,) ±1 of joints that bend fingers to the object, less of slides, 0 of others; of transmissions the nearest."""
     posture, speed, moves = HandPosture(hand, q), np.zeros(hand.nv), hand.moving_joints
     alone = moves.sum(axis=0) == 1
     turning = posture.angular_jacobian(hand.tips.numbers)
@@ -110,7 +94,8 @@ def bending_rates(hand: HandModel, q: Array, obj: Object) -> Array:
             continue
         last, p = own[-1], posture.tip_positions[i]
         J = posture.jacobian_at(p[None], (i,))[0]
-        toward = _direction_to(obj, p)
+        way = obj.center_of_mass - p
+        toward = way / max(float(np.linalg.norm(way)), 1e-12)
         if not turning[i, :, last].any():
             slides = [j for j in own if not turning[i, :, j].any()]
             speed[slides] = _SLIDE_PER_RADIAN * np.sign(toward @ J[:, slides])
@@ -129,16 +114,8 @@ def bending_rates(hand: HandModel, q: Array, obj: Object) -> Array:
     return speed
 
 
-def _direction_to(obj: Object, p: Array) -> Array:
-    """(3,) direction from a point to the object's middle."""
-    way = obj.center_of_mass - p
-    return np.asarray(way / max(float(np.linalg.norm(way)), 1e-12))
-
-
 class _LinkApproach(NamedTuple):
-    """A link where it is: near, how fast it nears the object [m per unit of time], and the earliest time at which it
-    could touch.
-    """
+    """Where a link is, how fast it nears the object [m per unit of time], and when it could touch at the earliest."""
 
     near: Proximity
     speed: float
@@ -162,17 +139,20 @@ class _WrapClosing:
         C = hand.kinematics.coupling
         self.coupling = np.empty((0, 0)) if C is None else np.array(C)
 
-    def close(self) -> list[LinkTouch]:
+    def close(self) -> None:
         """Turn the joints from touch to touch until nothing moves."""
-        found = list[LinkTouch]()
         due = np.array([self._approach(k).earliest_touch for k in range(len(self.links))])
         for _ in range(_MAX_STEPS):
-            self._stop_at_ends()
+            self.speed[(self.speed != 0.0) & (self._range_left() <= 1e-12)] = 0.0
+            if self.time >= self.until:
+                self.speed[:] = 0.0
             moving = (self.moves & (self.speed != 0.0)).any(axis=1)
             if not moving.any():
-                return found
+                return
             due[~moving] = np.inf
-            k, end = int(np.argmin(due)), self._next_range_end()
+            k, active = int(np.argmin(due)), self.speed != 0.0
+            end = self.time + float((self._range_left()[active] / abs(self.speed[active])).min())  # of a joint's range
+            end = min(end, self.until)
             if due[k] >= end:
                 self._advance_to(end)
                 continue
@@ -182,14 +162,9 @@ class _WrapClosing:
             if near.gap <= _TOUCH_TOLERANCE and nears > 0.0:
                 if near.gap < -_TOUCH_TOLERANCE:
                     self._step_back(k, before)
-                found.append(LinkTouch(self.links[k].name, self.time))
                 self.speed[self.moves[k]] = 0.0
                 due = np.array([self._approach(m).earliest_touch for m in range(len(self.links))])
         raise NotReached("obj", f"a hand that closes within {_MAX_STEPS} steps", {})
-
-    def link_proximities(self) -> list[tuple[ContactBody, Proximity]]:
-        """Each link and how near it is."""
-        return [(t, self._link_proximity(k, *self._link_frame(k))) for k, t in enumerate(self.links)]
 
     def _advance_to(self, time: float) -> None:
         self.q = self.q + (time - self.time) * self.speed
@@ -200,31 +175,30 @@ class _WrapClosing:
         low, high = before, self.time
         while high - low > 1e-3 * _TOUCH_TOLERANCE:
             self._advance_to(0.5 * (low + high))
-            near = self._link_proximity(k, *self._link_frame(k))
+            near, _ = self.link_proximity(k)
             if abs(near.gap) <= _TOUCH_TOLERANCE:
                 return
             low, high = (self.time, high) if near.gap > 0.0 else (low, self.time)
 
-    def _link_frame(self, k: int) -> tuple[Array, Array]:
-        """Rotation and position of a link's frame."""
+    def link_proximity(self, k: int) -> tuple[Proximity, Array]:
+        """Where a link is nearest, of several shapes by balls around them; and where its frame is (3,)."""
         ((_, R, p),) = body_frames(HandPosture(self.hand, self.q), (self.links[k],))
-        return R, p
-
-    def _link_proximity(self, k: int, R: Array, p: Array) -> Proximity:
-        """Where a link is nearest; of several shapes by balls around them."""
         shapes = self.links[k].shapes
         if len(shapes) == 1:
-            return nearest_proximity(shapes, p, R, self.obj)
+            return nearest_proximity(shapes, p, R, self.obj), p
         (middles, radii), (Q, o) = self.balls[k], self.obj.frame
         away = point_distances((middles @ R.T + p - o) @ Q, self.obj)
         least = np.where(away > 0.0, away - radii, -np.inf)
-        return search_nearest(least, lambda i: nearest_proximity(shapes[i : i + 1], p, R, self.obj))
+        return search_nearest(least, lambda i: nearest_proximity(shapes[i : i + 1], p, R, self.obj)), p
 
     def _approach(self, k: int) -> _LinkApproach:
         """See there; a link that no joint moves now could touch never."""
-        R, p = self._link_frame(k)
-        near, active = self._link_proximity(k, R, p), self.moves[k] & (self.speed != 0.0)
-        at_point, at_frame = self._jacobian(k, np.array([near.tip_point, p]))
+        (near, p), active = self.link_proximity(k), self.moves[k] & (self.speed != 0.0)
+        columns = self.hand.kinematics.frames_at(self.q, ())[1]
+        support, axes = np.repeat(self.links[k].support, 2, axis=0), np.tile(np.eye(3), (2, 1, 1))
+        points = np.array([near.tip_point, p])
+        jacobians = contact_jacobian(columns.T, support, self.coupling, points, axes)
+        at_point, at_frame = jacobians.reshape(2, 3, -1)
         nears = float(near.normal @ (at_point @ self.speed))
         if not active.any():
             return _LinkApproach(near, nears, np.inf)
@@ -234,26 +208,9 @@ class _WrapClosing:
         fastest = _LEVER_MARGIN * float(levers[active] @ abs(self.speed[active]))
         return _LinkApproach(near, nears, self.time + near.gap / fastest)
 
-    def _jacobian(self, k: int, points: Array) -> Array:
-        """(m, 3, nv) of points (m, 3) of a link, world axes."""
-        columns = self.hand.kinematics.frames_at(self.q, ())[1]
-        m = len(points)
-        support, axes = np.repeat(self.links[k].support, m, axis=0), np.tile(np.eye(3), (m, 1, 1))
-        return contact_jacobian(columns.T, support, self.coupling, points, axes).reshape(m, 3, -1)
-
-    def _next_range_end(self) -> float:
-        """When the next joint comes to the end of its range."""
-        ends = np.where(self.speed > 0.0, self.hand.upper - self.q, self.q - self.hand.lower)
-        active = self.speed != 0.0
-        if not active.any():
-            return self.time
-        return min(self.time + float((ends[active] / abs(self.speed[active])).min()), self.until)
-
-    def _stop_at_ends(self) -> None:
-        ends = np.where(self.speed > 0.0, self.hand.upper - self.q, self.q - self.hand.lower)
-        self.speed[(self.speed != 0.0) & (ends <= 1e-12)] = 0.0
-        if self.time >= self.until:
-            self.speed[:] = 0.0
+    def _range_left(self) -> Array:
+        """(nv,) how far each joint may turn on."""
+        return np.where(self.speed > 0.0, self.hand.upper - self.q, self.q - self.hand.lower)
 
 
 # ----------------------------------------------------------------
@@ -269,12 +226,7 @@ DEAD_POINT_NUDGE = 0.05  # [rad, m]
 
 
 def close_fingertips(
-    hand: HandModel,
-    obj: Object,
-    q0: Any = None,
-    fingers: Sequence[str] | None = None,
-    squeeze: Any = 0.0,
-    tolerance: float = 1e-6,
+    hand: HandModel, obj: Object, q0: Any = None, fingers: Any = None, squeeze: Any = 0.0, tolerance: float = 1e-6
 ) -> Array:
     """Flex fingers until their tips touch the object, as `Hand.close_on` documents.
 
@@ -290,9 +242,8 @@ def close_fingertips(
     q = np.clip(hand.kinematics.read_posture("q0", hand.neutral if q0 is None else q0), hand.lower, hand.upper)
     moves = hand.moving_joints
     alone = moves & (moves.sum(axis=0) == 1)
-    all_fingers = [
-        _ClosingFinger(hand, i, np.flatnonzero(alone[i]), depth) for i, depth in zip(tips, depths, strict=True)
-    ]
+    pairs = zip(tips, depths, strict=True)
+    all_fingers = [_ClosingFinger(hand, i, np.flatnonzero(alone[i]), depth) for i, depth in pairs]
     for _ in range(MAX_ITERATIONS):
         moving = [finger for finger in all_fingers if not finger.done]
         if not moving:
@@ -305,9 +256,7 @@ def close_fingertips(
             finger.step(q, near.gap + finger.depth, near.normal @ J, tolerance)
     if far := {hand.fingertips[f.tip]: f.gap for f in all_fingers if abs(f.gap) > tolerance}:
         expected = f"an object within reach of the fingers from q0 (touching within {tolerance * 1e6:.3g} µm)"
-        expected += "".join(
-            [_describe_shared_joints(hand, f.tip) for f in all_fingers if hand.fingertips[f.tip] in far]
-        )
+        expected += "".join([_describe_shared_joints(hand, hand.fingertips.index(name)) for name in far])
         lost = NotReached("obj", expected, far)
         lost.q = read_only(q)  # type: ignore[attr-defined]
         raise lost
@@ -323,16 +272,13 @@ def _describe_shared_joints(hand: HandModel, tip: int) -> str:
         return ""
     others.remove(hand.fingertips[tip])
     return (
-        f"; no joint moves {hand.fingertips[tip]} without {words.join_alternatives(others)}, "
-        "so that they cannot be closed on the object one by one: close a hand with one fingertip a finger, or give "
-        "the posture"
+        f"; no joint moves {hand.fingertips[tip]} without {words.join_alternatives(others)}, so that they cannot be "
+        "closed on the object one by one: close a hand with one fingertip a finger, or give the posture"
     )
 
 
 class _ClosingFinger:
-    """One finger that closes: its joints, how deep it shall go, how far from there it is [m], whether it is done (it
-    is there, or is stuck).
-    """
+    """One finger that closes to a depth [m]; `done` once it is there, or is stuck, `gap` [m] away from there."""
 
     def __init__(self, hand: HandModel, tip: int, joints: Any, depth: float) -> None:
         self.tip, self.joints, self.depth = tip, joints, depth

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from copy import deepcopy
 from math import pi, radians
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias
@@ -19,7 +19,10 @@ from handlcp.robot.hand_model import DEFAULT_GRAVITY, HandModel, HandPosture
 from handlcp.robot.link_surface import has_coacd
 
 if TYPE_CHECKING:
+    from handlcp.geometry.object import Object
     from handlcp.hand.hand_grasp import HandGrasp
+    from handlcp.robot.audit import Audit
+    from handlcp.robot.hand_description import HandDescription
 
 WeightGiven: TypeAlias = bool | Literal["torques"]
 
@@ -107,44 +110,16 @@ class HandState(HandPosture):
 
         Raises NotReached (naming each finger and its gap, or a table), UnknownName, InputError.
         """
+        given = {name: value for name, value in locals().items() if name != "self"}
         from handlcp.hand.hand_grasp import HandGrasp  # 0.1 s that those who only read a hand do not pay
         from handlcp.hand.request import GraspRequest
 
-        asked = GraspRequest(
-            self,
-            target,
-            friction,
-            wrench,
-            gravity,
-            preload,
-            offset,
-            reference,
-            fingers,
-            max_gap,
-            effects,
-            finger_weight,
-            plane,
-            squeeze,
-            grip_force,
-            joint_offset,
-            environment,
-            links,
-            closing_torque,
-            hold_object,
-        )
-        return HandGrasp(asked.spec())
+        return HandGrasp(GraspRequest(self, **given).spec())
 
 
 # ----------------------------------------------------------------
 # The robot hand: a URDF, MJCF file or Pinocchio model, its fingertips, and what such a file does not say.
 
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from handlcp.geometry.object import Object
-    from handlcp.robot.audit import Audit
-    from handlcp.robot.hand_description import HandDescription
 
 # How far past its range a joint may stand: files' neutral postures lie 0.3 rad past it, measured ones drift, and files
 # narrow ranges for safety. What is farther is a mistake, mostly one of units.
@@ -320,16 +295,8 @@ class Hand(HandModel):
         keep theirs. Beside new fingertips, what was passed by name of the old ones is passed again. Raises InputError,
         UnknownName.
         """
-        given = {
-            "joint_stiffness": joint_stiffness,
-            "pad_flexibility": pad_flexibility,
-            "torque_limits": torque_limits,
-            "tip_radius": tip_radius,
-            "fingertips": fingertips,
-            "motors": motors,
-            "joint_friction": joint_friction,
-        }
-        return self._rebuild(replace_parts(self, self._by_tip, {k: v for k, v in given.items() if v is not ...}))
+        given = {name: value for name, value in locals().items() if name != "self" and value is not ...}
+        return self._rebuild(replace_parts(self, self._by_tip, given))
 
     @check_call("changes")
     def vary(self, changes: Mapping[str, Any]) -> Self:
@@ -453,5 +420,5 @@ class Hand(HandModel):
         if wrap is not False:
             if fingers is not None or not (isinstance(squeeze, (int, float)) and squeeze == 0.0):
                 raise InputError("wrap", "False beside fingers and squeeze", repr(wrap)[:80])
-            return wrap_hand(self, obj, q0, wrap).q
+            return wrap_hand(self, obj, q0, wrap)
         return close_fingertips(self, obj, q0, fingers, squeeze, tolerance)

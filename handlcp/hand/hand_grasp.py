@@ -11,7 +11,7 @@ import numpy as np
 from handlcp.check import Array, check_call, check_init_call, check_method_calls, read_only
 from handlcp.contact.friction import Pyramid, as_section
 from handlcp.errors import InputError, Unsupported, WrongCall
-from handlcp.geometry.object import Object, describe_missing_weight, object_weight_wrench
+from handlcp.geometry.object import Object, describe_missing_weight
 from handlcp.grasp.effects.contact_mechanics import ObjectBalance, UnilateralContact
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
 from handlcp.grasp.effects.joint_offset import CommandReach, JointOffset
@@ -29,84 +29,15 @@ from handlcp.robot.hand_model import HandPosture
 from handlcp.tolerances import SEMIDEFINITE_TOLERANCE
 
 if TYPE_CHECKING:
+    from handlcp.grasp.analysis.equilibria import Equilibria
+    from handlcp.grasp.analysis.explanation import Explanation
     from handlcp.grasp.analysis.required_value import Required
     from handlcp.hand.motor_requirement import RequiredTorque
 
 
-@check_method_calls
-class HandRequirements(Grasp):
-    """The questions about a grasp's motors and about how hard it closes, the base of `HandGrasp`."""
-
-    def required_torque(
-        self, loads: Any = None, safety: float = 1.5, faces: int | str | Pyramid = "cone", tolerance: float = 0.01,
-        *, most_force: Any = None, progress: bool | Callable[[int], object] | None = None,
-    ) -> RequiredTorque:  # fmt: skip
-        """The torque of each joint, and the grip of each finger, with which every load of a brief holds.
-
-        loads : what the hand has to hold, one load at a time: (6,) force [N] and torque [N·m] beside the object's
-            weight, about the reference; (m, 6) several; or a mapping of names to loads, each a (6,) or a mapping of
-            "load" (6,), "mass" [kg] and "gravity" (3,) [m/s²], where what is left out is as the grasp has it. None: the
-            grasp's own load.
-        safety : every load is multiplied by it, and so is the object's weight; the fingers' own weight is not.
-        tolerance : of the grip: to that share the least is found. faces : as in `solve`.
-        most_force : the largest normal force [N] that the object bears, on the way to each load times safety, such as
-            3 N for an egg: a number for every contact, one for each, or a mapping by name; None: any.
-        progress : None: a line on the terminal once it takes long; False: none; True: a line on stderr that stays; a
-            function: called with the number of grips tried so far.
-
-        The hand closes by a grip force at each fingertip, in place of the grasp's own command, then the load comes, as
-        in `check`. Many grips hold every load. The one is looked for that keeps the torque of the joint that is loaded
-        most as small as possible, from the first touch to the whole load: as a share of the joints' limits where all of
-        them have one, in N·m otherwise. The search starts from the grip that is best where nothing slips (a linear
-        program); every grip that it tries is followed. Before it is given, `check()` judges every load with the answer
-        as torque limits (`verdicts`); the answer is confirmed where all of them are HELD.
-        Raises InputError, UnknownName, Unsupported (known forces).
-        """
-        from handlcp.hand.required_torque import find_required_torque
-
-        def by_count(tried: int, _: int) -> None:
-            if tried and callable(progress):
-                progress(tried)
-
-        with track_progress("grips tried", None, by_count if callable(progress) else progress) as say:
-            section = self._section(faces)
-            return find_required_torque(self.spec, section, loads, safety, tolerance, lambda _: say(1), most_force)
-
-    def required_grip(
-        self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3, *, most_force: Any = None
-    ) -> Required:  # fmt: skip
-        """The smallest grip force [N], common to all fingertips and in place of the grasp's own command, with which
-        the grasp holds when it closes and is loaded then, to a relative tolerance, and no contact presses harder on the
-        way than `most_force`, as of `required_torque`, which finds a grip for each finger. Raises InputError,
-        UnknownName, Unsupported.
-        """
-        from handlcp.hand.required_torque import find_required_grip
-
-        return find_required_grip(self.spec, self._section(faces), tolerance, most_force)
-
-    def required_squeeze(
-        self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3, *, most_force: Any = None
-    ) -> Required:  # fmt: skip
-        """The smallest squeeze [m], common to all fingertips and in place of the grasp's own command, with which the
-        grasp holds, as `required_grip`. Raises InputError, UnknownName, Unsupported.
-        """
-        from handlcp.hand.required_torque import find_required_squeeze
-
-        return find_required_squeeze(self.spec, self._section(faces), tolerance, most_force)
-
-
-# ----------------------------------------------------------------
-# A hand's grasp: a grasp whose mechanism is a hand in a posture.
-
-
-if TYPE_CHECKING:
-    from handlcp.grasp.analysis.equilibria import Equilibria
-    from handlcp.grasp.analysis.explanation import Explanation
-
-
 @check_init_call()
 @check_method_calls
-class HandGrasp(HandRequirements):
+class HandGrasp(Grasp):
     """A `Grasp` that knows its hand. Made by `state.grasp(...)`; the attributes are read off its specification."""
 
     def __init__(self, spec: Any = None, *others: Any) -> None:
@@ -253,10 +184,7 @@ class HandGrasp(HandRequirements):
         """As `Grasp.explain`; what is out of the joints' reach of preloads and overlaps stands beside them, and beside
         the object's balance its weight, where the load leaves that out.
         """
-        found, own = (
-            super().explain(faces, measure),
-            object_weight_wrench(self.target, self.given_gravity, self.reference),
-        )
+        found, own = super().explain(faces, measure), self.mechanism.weight_of_object(self.reference)
         begins = [reason.sentence for reason in self.mechanism.report.start_inside_reasons(self.spec)]
         carried = [*begins, *(str(reach) for reach in self.out_of_reach if reach.carried)]
         more = {
@@ -265,6 +193,63 @@ class HandGrasp(HandRequirements):
         }
         lines = [replace(line, why=line.why + more.get(line.title, "")) for line in found.effects]
         return replace(found, effects=tuple(lines))
+
+    def required_torque(
+        self, loads: Any = None, safety: float = 1.5, faces: int | str | Pyramid = "cone", tolerance: float = 0.01,
+        *, most_force: Any = None, progress: bool | Callable[[int], object] | None = None,
+    ) -> RequiredTorque:  # fmt: skip
+        """The torque of each joint, and the grip of each finger, with which every load of a brief holds.
+
+        loads : what the hand has to hold, one load at a time: (6,) force [N] and torque [N·m] beside the object's
+            weight, about the reference; (m, 6) several; or a mapping of names to loads, each a (6,) or a mapping of
+            "load" (6,), "mass" [kg] and "gravity" (3,) [m/s²], where what is left out is as the grasp has it. None: the
+            grasp's own load.
+        safety : every load is multiplied by it, and so is the object's weight; the fingers' own weight is not.
+        tolerance : of the grip: to that share the least is found. faces : as in `solve`.
+        most_force : the largest normal force [N] that the object bears, on the way to each load times safety, such as
+            3 N for an egg: a number for every contact, one for each, or a mapping by name; None: any.
+        progress : None: a line on the terminal once it takes long; False: none; True: a line on stderr that stays; a
+            function: called with the number of grips tried so far.
+
+        The hand closes by a grip force at each fingertip, in place of the grasp's own command, then the load comes, as
+        in `check`. Many grips hold every load. The one is looked for that keeps the torque of the joint that is loaded
+        most as small as possible, from the first touch to the whole load: as a share of the joints' limits where all of
+        them have one, in N·m otherwise. The search starts from the grip that is best where nothing slips (a linear
+        program); every grip that it tries is followed. Before it is given, `check()` judges every load with the answer
+        as torque limits (`verdicts`); the answer is confirmed where all of them are HELD.
+        Raises InputError, UnknownName, Unsupported (known forces).
+        """
+        from handlcp.hand.required_torque import find_required_torque
+
+        def by_count(tried: int, _: int) -> None:
+            if tried and callable(progress):
+                progress(tried)
+
+        with track_progress("grips tried", None, by_count if callable(progress) else progress) as say:
+            section = self._section(faces)
+            return find_required_torque(self.spec, section, loads, safety, tolerance, lambda _: say(1), most_force)
+
+    def required_grip(
+        self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3, *, most_force: Any = None
+    ) -> Required:  # fmt: skip
+        """The smallest grip force [N], common to all fingertips and in place of the grasp's own command, with which
+        the grasp holds when it closes and is loaded then, to a relative tolerance, and no contact presses harder on the
+        way than `most_force`, as of `required_torque`, which finds a grip for each finger. Raises InputError,
+        UnknownName, Unsupported.
+        """
+        from handlcp.hand.required_torque import find_required_grip
+
+        return find_required_grip(self.spec, self._section(faces), tolerance, most_force)
+
+    def required_squeeze(
+        self, faces: int | str | Pyramid = "cone", tolerance: float = 1e-3, *, most_force: Any = None
+    ) -> Required:  # fmt: skip
+        """The smallest squeeze [m], common to all fingertips and in place of the grasp's own command, with which the
+        grasp holds, as `required_grip`. Raises InputError, UnknownName, Unsupported.
+        """
+        from handlcp.hand.required_torque import find_required_squeeze
+
+        return find_required_squeeze(self.spec, self._section(faces), tolerance, most_force)
 
     def equilibria(self, faces: int | str | Pyramid = "cone", seconds: float = 2.0) -> Equilibria:
         """Search all equilibria of the grasp, as `Grasp.equilibria`. Raises Unsupported beside `GeometricStiffness`."""

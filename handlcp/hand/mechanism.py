@@ -8,7 +8,6 @@ T how fast the joints turn their fingertips about them. Source: docs/theory/mode
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -20,8 +19,7 @@ from handlcp.check import Array, read_only
 from handlcp.geometry.object import Object, object_weight_wrench
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.joint_offset import commanded_offset, find_command
-from handlcp.grasp.model.contact import MANY_CONTACTS
-from handlcp.grasp.model.flexibility import Flexibility, FlexibilityFactor
+from handlcp.grasp.model.flexibility import FlexibilityFactor
 from handlcp.grasp.model.mechanism import JointModel, Mechanism, read_joints
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
@@ -97,7 +95,13 @@ class HandMechanism(Mechanism):
 
     def flexibility(self) -> Array:
         """(3k, 3k) E of the fingers' joints and pads [m/N]."""
-        return finger_flexibility(self)
+        return read_only(tip_flexibility(*self.flexibility_factor()))
+
+    def flexibility_factor(self) -> FlexibilityFactor:
+        """The same as the factors J, K⁻¹ = A Aᵀ and pads."""
+        posture, tips, axes = self.posture, self.tips, self.frames.transpose(0, 2, 1)
+        pads = posture.hand.pads.rotate_blocks(lambda: axes @ posture.tip_rotations[list(tips)], tips)
+        return FlexibilityFactor(self.jacobian, self.compliance_factor, pads)
 
     def hessian(self) -> Array:
         """(3n, nv, nv) ∂J/∂q [m/rad²], zero for contacts of the environment."""
@@ -129,9 +133,9 @@ class HandMechanism(Mechanism):
 
     def move_contacts(self, posture: HandPosture, positions: Array, frames: Array) -> HandMechanism:
         """The same fingers in another posture, with contacts of all fingers elsewhere, as in `make_hand_mechanism`."""
-        made = make_hand_mechanism(posture, self.tips, positions, frames, self.target, self.gravity, self.stand_off)
-        still = len(self.jacobian) // 3 - len(self.tips)
-        return replace(made, rest_posture=self.rest_posture).with_environment(still)
+        made = make_hand_mechanism(posture, self.tips, positions, frames, self.target, self.gravity)
+        made = replace(made, rest_posture=self.rest_posture, stand_off=self.stand_off)
+        return made.with_environment(len(self.jacobian) // 3 - len(self.tips))
 
     def with_environment(self, environment: int) -> HandMechanism:
         """The same with so many contacts of the environment, which no joint moves."""
@@ -157,16 +161,11 @@ class HandMechanism(Mechanism):
         stiffness, command = self.posture.hand.stiffness, find_command(effects)
         if isinstance(stiffness, TendonStiffness) and command is not None and command.tension is not None:
             return stiffness.tension_effort(command.tension)
-        return stiffness.effort(torque, self.command_from_rest(effects))
-
-    def command_from_rest(self, effects: Iterable[Effect]) -> Array:
-        """(nv,) from where the joints' own springs are at rest to where the joints are commanded [rad, m]."""
-        return np.asarray(self.posture.q - self.rest_posture + commanded_offset(effects, len(self.names)))
+        from_rest = self.posture.q - self.rest_posture + commanded_offset(effects, len(self.names))
+        return stiffness.effort(torque, from_rest)
 
     def motor_pull(self, spec: GraspSpec, torque: Array) -> tuple[MotorPull, Array] | None:
-        """What a closing torque asked of the joints, and the shares of it with which they pull, (nv,), where their
-        springs pull with torque (nv,) [N·m]; None: they are commanded otherwise.
-        """
+        """What a closing torque asked of joints; its shares (nv,) under torque (nv,) [N·m]; None: none was asked."""
         command, closed, hand = find_command(spec.effects), getattr(spec.asked, "closed", None), self.posture.hand
         if command is None or closed is None or closed.torque is None or (command.command != closed.command).any():
             return None
@@ -175,11 +174,8 @@ class HandMechanism(Mechanism):
 
     def check_torques(self, torque: Array, yielded: Array) -> TorqueCheck:
         """Torques (nv,) [N·m] beside the limits of the joints, of which some yield (nv,) [rad]."""
-        hand, limits, yielding = self.posture.hand, self.posture.hand.torques, tuple[str, ...]()
-        if yielded.any():  # NaN without an answer
-            yielding = tuple([self.names[k] for k in np.flatnonzero(abs(yielded) > 0.0)])
-        drives = limits.drives
-        return torque_check(self.names, read_only(torque), limits.limits, limits.known, yielding, hand.sliding, drives)
+        some = np.flatnonzero(abs(yielded) > 0.0)  # NaN without an answer
+        return torque_check(self.posture.hand, read_only(torque), tuple([self.names[k] for k in some]))
 
 
 def hand_mechanism(spec: GraspSpec) -> HandMechanism:
@@ -189,47 +185,12 @@ def hand_mechanism(spec: GraspSpec) -> HandMechanism:
 
 
 def make_hand_mechanism(
-    posture: HandPosture,
-    tips: tuple[int, ...],
-    positions: Array,
-    frames: Array,
-    target: Object | None,
-    gravity: Array,
-    stand_off: Array,
+    posture: HandPosture, tips: tuple[int, ...], positions: Array, frames: Array, target: Object | None, gravity: Array
 ) -> HandMechanism:
     """The mechanism of fingers whose contacts are at positions (k, 3) with frames (k, 3, 3), contact axes."""
     hand, k = posture.hand, len(tips)
     jacobian = (frames.transpose(0, 2, 1) @ posture.jacobian_at(positions, tips)).reshape(3 * k, hand.nv)
     return HandMechanism(
-        hand.joint_names,
-        read_only(jacobian),
-        hand.stiffness.compliance_factor,
-        hand.torques.limits,
-        posture,
-        tips,
-        positions,
-        frames,
-        target,
-        gravity,
-        stand_off,
-        posture.q,
-    )
-
-
-def finger_flexibility(mechanism: HandMechanism) -> Array:
-    """(3k, 3k) E = J K⁻¹ Jᵀ + pads of the fingers, contact axes [m/N]."""
-    return read_only(tip_flexibility(*flexibility_factor(mechanism)))
-
-
-def flexibility_factor(mechanism: HandMechanism) -> FlexibilityFactor:
-    """Flexibility E = J K⁻¹ Jᵀ + pads of the fingers, as the factors J, K⁻¹ = A Aᵀ and pads."""
-    posture, tips, axes = mechanism.posture, mechanism.tips, mechanism.frames.transpose(0, 2, 1)
-    pads = posture.hand.pads.rotate_blocks(lambda: axes @ posture.tip_rotations[list(tips)], tips)
-    return FlexibilityFactor(mechanism.jacobian, mechanism.compliance_factor, pads)
-
-
-def stored_flexibility(mechanism: HandMechanism) -> Array | Flexibility:
-    """E of the fingers as a grasp keeps it: with many contacts the factor, which solves are faster with."""
-    if len(mechanism.tips) >= MANY_CONTACTS:
-        return Flexibility.from_factor(flexibility_factor(mechanism))
-    return finger_flexibility(mechanism)
+        hand.joint_names, read_only(jacobian), hand.stiffness.compliance_factor, hand.torques.limits, posture, tips,
+        positions, frames, target, gravity, read_only(np.zeros((k, 3))), posture.q,
+    )  # fmt: skip

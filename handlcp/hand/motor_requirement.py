@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,7 +19,6 @@ from handlcp import words
 from handlcp.actuation.motor import Drives, Motor
 from handlcp.check import Array, Bools, check_array, check_keys, check_method_calls, check_number, read_only
 from handlcp.errors import InputError
-from handlcp.geometry.object import object_weight_wrench
 from handlcp.grasp.derivatives.parameter.stiffness import with_torque_limits
 from handlcp.grasp.failure.failure_mode import is_exceeded
 from handlcp.grasp.failure.failure_text import describe_torque_excess
@@ -105,26 +104,16 @@ class RequiredTension:
     def table(self) -> TextTable:
         """The table of the tensions, one tendon a row."""
         numbers = words.format_column(self.peak.tolist()), words.format_column(self.continuous.tolist())
-        least = zip(self.tendons, self.least.tolist(), strict=True)
         says = [
-            f"goes slack; {words.format_force(-low)} more of pretension at most keep it taut"
-            if name in self.slack
-            else ""
-            for name, low in least
+            f"goes slack; {words.format_force(-low)} more of pretension at most keep it taut" * (name in self.slack)
+            for name, low in zip(self.tendons, self.least.tolist(), strict=True)
         ]
         every = tuple(zip(self.tendons, *numbers, says, strict=True))
         return TextTable(("tendon", "peak\nN", "continuous\nN", ""), every, "<>><")
 
     def to_dict(self) -> list[dict[str, Any]]:
         """A dictionary for each tendon."""
-        lines = (
-            "tendon = tendons",
-            "tension_N = tension",
-            "held_N = held",
-            "peak_N = peak",
-            "continuous_N = continuous",
-            "least_N = least",
-        )
+        lines = ["tendon = tendons", *[f"{n}_N = {n}" for n in ("tension", "held", "peak", "continuous", "least")]]
         found: list[dict[str, Any]] = to_plain(rows_from_columns(columns_from_arrays(self, *lines)))
         return found
 
@@ -136,8 +125,7 @@ _LOAD_PARTS = ("load", "mass", "gravity")
 _SINGLE_LOAD_NAME = "the load"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class LoadCase:
+class LoadCase(NamedTuple):
     """One load of a brief. name : what it is called. spec : the grasp under this load times the safety factor, weight
     of the object included, without torque limits.
     """
@@ -150,36 +138,31 @@ def read_load_cases(spec: GraspSpec, loads: Any, safety: Any) -> tuple[LoadCase,
     """The loads of a brief, as `HandGrasp.required_torque` takes them. Raises InputError, UnknownName."""
     factor = check_number("safety", safety, above=0.0)
     bare = with_torque_limits(spec, np.full(len(hand_mechanism(spec).names), np.inf))
-    return tuple([LoadCase(name, _apply_load(bare, said, factor)) for name, said in _name_loads(spec, loads)])
-
-
-def _name_loads(spec: GraspSpec, loads: Any) -> list[tuple[str, dict[str, Any]]]:
-    """The name of each load and what it says of load, mass and gravity."""
-    if loads is None:
-        return [(_SINGLE_LOAD_NAME, {})]
-    if isinstance(loads, Mapping):
-        if not loads:
-            raise InputError("loads", "at least one load", "none")
-        return [(str(name), _read_load(f"loads[{name!r}]", value, spec)) for name, value in loads.items()]
-    shapes = ((6,), (-1, 6)) if spec.plane is None else ((6,), (-1, 6), (3,), (-1, 3))
-    rows = np.atleast_2d(check_array("loads", loads, *shapes, what="loads (m, 6) or by name: finite numbers"))
-    if not len(rows):
-        raise InputError("loads", "at least one load", "none")
-    return [(f"load {k}" if len(rows) > 1 else _SINGLE_LOAD_NAME, {"load": row}) for k, row in enumerate(rows, 1)]
-
-
-def _read_load(argument: str, value: Any, spec: GraspSpec) -> dict[str, Any]:
-    if isinstance(value, Mapping):
-        return check_keys(argument, value, _LOAD_PARTS, "a part of a load")
     shapes = ((6,),) if spec.plane is None else ((6,), (3,))
-    return {"load": check_array(argument, value, *shapes)}
+    named = list[tuple[str, dict[str, Any]]]()  # of each load what it says of load, mass and gravity
+    if loads is None:
+        named.append((_SINGLE_LOAD_NAME, {}))
+    elif isinstance(loads, Mapping):
+        for name, value in loads.items():
+            argument = f"loads[{name!r}]"
+            if isinstance(value, Mapping):
+                named.append((str(name), check_keys(argument, value, _LOAD_PARTS, "a part of a load")))
+            else:
+                named.append((str(name), {"load": check_array(argument, value, *shapes)}))
+    else:
+        both = [one for shape in shapes for one in (shape, (-1, *shape))]
+        rows = np.atleast_2d(check_array("loads", loads, *both, what="loads (m, 6) or by name: finite numbers"))
+        named += [(f"load {k}" if len(rows) > 1 else _SINGLE_LOAD_NAME, {"load": row}) for k, row in enumerate(rows, 1)]
+    if not named:
+        raise InputError("loads", "at least one load", "none")
+    return tuple([LoadCase(name, _apply_load(bare, said, factor)) for name, said in named])
 
 
 def _apply_load(spec: GraspSpec, said: dict[str, Any], factor: float) -> GraspSpec:
     """The grasp under this load times the factor; what is not said stays as the grasp has it."""
     mechanism = hand_mechanism(spec)
     target = mechanism.target
-    own: Array = spec.wrench - object_weight_wrench(target, mechanism.gravity, spec.reference)
+    own: Array = spec.wrench - mechanism.weight_of_object(spec.reference)
     given: dict[str, Any] = {"load": factor * np.asarray(said.get("load", own), dtype=float)}
     mass = said.get("mass", None if target is None else target.mass)
     if "mass" in said or mass:
@@ -218,15 +201,8 @@ class RequiredTorque(Record):
     """
 
     entries = (
-        "holds",
-        "confirmed",
-        "enough",
-        "safety",
-        "grip_N",
-        "verdicts",
-        "reasons",
-        "fails_at_share_of_grip = fails",
-    )
+        "holds", "confirmed", "enough", "safety", "grip_N", "verdicts", "reasons", "fails_at_share_of_grip = fails",
+    )  # fmt: skip
 
     joints: tuple[str, ...]
     torque: Array
@@ -318,17 +294,8 @@ class RequiredTorque(Record):
             share = words.format_percent(float(used[k] / limit)) if finite else "–"
             own = " N" if joint in self.sliding and self.unit != "N" else ""
             most += own if finite else ""
-            rows.append(
-                (
-                    joint,
-                    f"{peak[k]}{own}",
-                    f"{held[k]}{own}",
-                    most,
-                    share,
-                    load,
-                    "over limit" if self._is_too_weak[k] else "",
-                )
-            )
+            remark = "over limit" if self._is_too_weak[k] else ""
+            rows.append((joint, f"{peak[k]}{own}", f"{held[k]}{own}", most, share, load, remark))
         return tuple(rows)
 
     @property
@@ -339,25 +306,16 @@ class RequiredTorque(Record):
     @property
     def table(self) -> TextTable:
         """The table of the torques, one joint a row."""
-        heads = (
-            "joint",
-            *[f"{what}\n{self.unit}" for what in ("peak", "continuous", "limit")],
-            "of limit",
-            "sized by",
-            "",
-        )
-        return TextTable(heads, self.rows, "<>>>><<")
+        efforts = [f"{what}\n{self.unit}" for what in ("peak", "continuous", "limit")]
+        return TextTable(("joint", *efforts, "of limit", "sized by", ""), self.rows, "<>>>><<")
 
     def __str__(self) -> str:
         if not self.holds:
             return self.sentence
+        table = str(self.table) if self.tensions is None else f"{self.table}\n\n{self.tensions.table}\n"
         if not self.confirmed:
-            return wrap_text(f"NOT CONFIRMED: {self.sentence}") + f"\n\n{self._table_text}"
-        return f"{self._table_text}\n{self.sentence}"
-
-    @property
-    def _table_text(self) -> str:
-        return str(self.table) if self.tensions is None else f"{self.table}\n\n{self.tensions.table}\n"
+            return wrap_text(f"NOT CONFIRMED: {self.sentence}") + f"\n\n{table}"
+        return f"{table}\n{self.sentence}"
 
     @property
     def sentence(self) -> str:
@@ -365,17 +323,20 @@ class RequiredTorque(Record):
         many = f"{len(self.loads)} loads" if len(self.loads) > 1 else self.loads[0]
         beside = f"{many} × {self.safety:g}, weight included," if self.safety != 1.0 else many
         pressed = ", ".join([f"{words.format_force(f)} ({name})" for name, f in self.grip.items()])
-        if self._is_grip_equal:
-            pressed = f"{words.format_force(next(iter(self.grip.values())))} at each fingertip"
+        forces = list(self.grip.values())
+        if max(forces) - min(forces) <= 1e-3 * max(forces):
+            pressed = f"{words.format_force(forces[0])} at each fingertip"
         if not self.holds:
             assert self.lost is not None
-            return wrap_text(
-                f"No grip was found that holds {beside.rstrip(',')}. With {pressed}, {_format_loss(self.lost)}."
-            )
+            load, why = self.lost
+            none = f"No grip was found that holds {beside.rstrip(',')}. With {pressed}, {load} is {why}."
+            return wrap_text(none)
         if self.confirmed:
             parts = [f"With a grip of {pressed}, {beside} {'are' if len(self.loads) > 1 else 'is'} held."]
         else:
-            parts = [f"With a grip of {pressed}, check() does not say HELD of {self._unconfirmed_loads}."]
+            some = f"{len(self.reasons)} of {many}" if len(self.loads) > 1 else many
+            some += f" × {self.safety:g}, weight included" if self.safety != 1.0 else ""
+            parts = [f"With a grip of {pressed}, check() does not say HELD of {some}."]
             parts += [f"{name} is {self.verdicts[name]}: {why}." for name, why in self.reasons.items()]
         if self.fails is not None and self.lost is not None:
             parts.append(f"With {100 * self.fails:.4g} % of it, {self.lost[0]} is lost.")
@@ -388,38 +349,15 @@ class RequiredTorque(Record):
             parts.append("The hand's own torque limits are enough.")
         return wrap_text(" ".join(parts))
 
-    @property
-    def _unconfirmed_loads(self) -> str:
-        """The loads that are not HELD, such as "1 of 3 loads × 1.5, weight included"."""
-        many = len(self.loads)
-        what = self.loads[0] if many == 1 else f"{len(self.reasons)} of {many} loads"
-        return f"{what} × {self.safety:g}, weight included" if self.safety != 1.0 else what
-
-    @property
-    def _is_grip_equal(self) -> bool:
-        forces = list(self.grip.values())
-        return max(forces) - min(forces) <= 1e-3 * max(forces)
-
     def to_dict(self) -> dict[str, Any]:
         """As plain data, SI units in the key names, None for what is not a finite number."""
         lines = (
-            "joint = joints",
-            "torque_Nm",
-            "closing_Nm",
-            "held_Nm",
-            "peak_Nm",
-            "continuous_Nm",
-            "sized_by",
-            "limit_Nm = limits",
-            "limit_known = known",
-        )
+            "joint = joints", "torque_Nm", "closing_Nm", "held_Nm", "peak_Nm", "continuous_Nm", "sized_by",
+            "limit_Nm = limits", "limit_known = known",
+        )  # fmt: skip
         by_load = [dict(zip(self.loads, column, strict=True)) for column in self.torques.T]
         lost = None if self.lost is None else dict(zip(("load", "why"), self.lost, strict=True))
         joints = rows_from_columns(columns_from_arrays(self, *lines) | {"by_load_Nm": by_load})
         return {**pick_entries(self, *self.entries), "lost": lost, "joints": to_plain(joints)} | (
             {} if self.tensions is None else {"tendons": self.tensions.to_dict()}
         )
-
-
-def _format_loss(lost: tuple[str, str]) -> str:
-    return f"{lost[0]} is {lost[1]}"

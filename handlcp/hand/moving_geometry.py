@@ -62,10 +62,8 @@ class MovingHandGeometry(Geometry):
         self._reference = spec.reference
         self._centre = spec.positions[:k].mean(axis=0) if self.object is None else self.object.center_of_mass
         self._arm = self._centre - spec.reference if self.object is not None else np.zeros(3)
-        self._first_frames, self._root = (
-            spec.frames.copy(),
-            np.array(mechanism.compliance_factor, dtype=float, order="C"),
-        )
+        self._first_frames = spec.frames.copy()
+        self._root = np.array(mechanism.compliance_factor, dtype=float, order="C")
         axes = spec.frames[:, :, 2]
         self._round = [
             i >= k and self.object is not None and rolling_point(self.object, axes[i], spec.positions[i]) is not None
@@ -88,9 +86,7 @@ class MovingHandGeometry(Geometry):
         self.start = self.start._replace(q=self._open_posture(there) if opened is None else opened)
 
     def _open_posture(self, there: Iterate) -> Array:
-        """(nv,) the posture, opened where fingertips overlap the object until they touch it, joint by joint as in
-        closing. What joints cannot open stays.
-        """
+        """(nv,) the posture, opened joint by joint until overlapping fingertips touch, as far as joints can."""
         inside = overlap_depths(there.gap[: self.k])
         if not inside.any():
             return self.posture
@@ -112,48 +108,19 @@ class MovingHandGeometry(Geometry):
         frames = np.empty((n, 3, 3))
         el = Elastic(np.empty((3 * n, 3 * n)), np.empty((3 * n, nv)), np.empty((n, nv)), root, weight)
         old = self._first_frames if before is None else before.frames
+        found = touch.positions, touch.normals, touch.gap, touch.turn, touch.shift
         if self.quick and isinstance(balls, SweptBallFinder):
+            objects: tuple[Any, ...] = balls.kind, balls.sizes, balls.own, balls.at, balls.swept
             evaluate_ball_contacts(
-                placements,
-                *moving,
-                self._pads,
-                self._around,
-                balls.kind,
-                balls.sizes,
-                balls.own,
-                balls.at,
-                balls.swept,
-                R,
-                t,
-                at.give,
-                old,
-                places,
-                turns,
-                touch.positions,
-                touch.normals,
-                touch.gap,
-                touch.turn,
-                touch.shift,
-                frames,
-                el.P,
-                el.J,
-                el.turning,
-            )
+                placements, *moving, self._pads, self._around, *objects, R, t, at.give, old, places, turns, *found,
+                frames, el.P, el.J, el.turning,
+            )  # fmt: skip
         else:
             self._detect(at, placements, touch, turns)
             write_contact_arrays(
-                *moving,
-                self._pads,
-                self._around,
-                turns,
-                touch.positions,
-                old,
-                touch.normals,
-                frames,
-                el.P,
-                el.J,
+                *moving, self._pads, self._around, turns, touch.positions, old, touch.normals, frames, el.P, el.J,
                 el.turning,
-            )
+            )  # fmt: skip
         reference, bodies = R.dot(self._reference) + t, MovingBodies(R, t, turns, places)
         return Iterate(at, touch, moving, frames, el, self._radius, reference, R.dot(self._arm), bodies)
 

@@ -1,44 +1,41 @@
-"""What is said of a hand beside the mechanics: reasons of verdicts, lines of explanations, places for pictures."""
+"""`HandReport`: what texts and checks ask of a hand: reasons of verdicts, lines of explanations, places of links."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
+from handlcp import words
+from handlcp.actuation.joint_stiffness import TRANSMISSION
+from handlcp.actuation.motor import Drives
 from handlcp.actuation.tendon_stiffness import TendonStiffness
 from handlcp.check import Array
 from handlcp.geometry.link_penetration import find_impossible_links, posture_reasons
 from handlcp.geometry.object import Object, describe_missing_weight
 from handlcp.grasp.effects.joint_offset import find_command
-from handlcp.grasp.failure.failure_mode import FailureMode
+from handlcp.grasp.failure.failure_mode import TENSION, TORQUE, FailureMode, is_exceeded, largest_share_index
+from handlcp.grasp.model.effect import FOLLOWED_LOADINGS
 from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.solution.force_bounds import find_torque_bounds, format_span, is_apart, torque_shares
 from handlcp.grasp.solution.verdict import Reason
-from handlcp.hand.explanation_lines import ExplanationLine, explanation_lines
-from handlcp.hand.squeeze import reach_reasons, start_penetration_reasons
-from handlcp.hand.torque_check import (
-    JOINT_EFFORT,
-    TENDON_EFFORT,
-    closing_reasons,
-    motor_pull_reasons,
-    open_torque_reasons,
-    tension_reasons,
-    torque_reasons,
-    unmade_reasons,
-)
+from handlcp.hand.squeeze import find_unreachable, start_link_depths
+from handlcp.hand.torque_check import MAX_TORQUE_SHARE, TorqueCheck, TorqueRow
 from handlcp.robot.audit import doubt_reasons
 from handlcp.robot.hand_model import HandPosture
+
+ExplanationLine = tuple[str, str, bool, str, str]  # title, equation, whether it is on, why, answers that count it
+
+_MAX_UNMADE_SHARE = 0.01  # of a command's largest torque: more than this that nothing makes decides
+_FRICTION_LAW = "against the motion: |τ_f| ≤ {0}, and τ_f = -{0} sign(q̇) where a joint moves"
 
 
 @dataclass(frozen=True, slots=True)
 class HandReport:
-    """What verdicts, explanations and pictures say of the hand that holds an object.
-
-    mechanism : its `HandMechanism`.
-    """
+    """What verdicts, explanations and pictures ask of the hand that holds an object: of its `HandMechanism`."""
 
     mechanism: Any
 
@@ -48,10 +45,7 @@ class HandReport:
         hand = self.mechanism.posture.hand
         return {} if hand.links_of_sites is None else dict(zip(hand.fingertips, hand.links_of_sites, strict=True))
 
-    def explanation_lines(self) -> tuple[ExplanationLine, ...]:
-        """(title, equation, whether it is on, why, answers that count it) of joints, motors and tendons."""
-        return explanation_lines(self.mechanism.posture.hand, self.mechanism.parallel_spring_torque())
-
+    # ---- reasons of verdicts
     def reasons(self, solution: Any) -> Iterator[Reason]:
         """What its torques, its limits and its posture say of whether a solution of its grasp holds."""
         if solution.held:
@@ -61,25 +55,84 @@ class HandReport:
         yield from self.command_reasons(solution.spec)
         yield from self.place_reasons(self.mechanism.posture, self.mechanism.target, "in the given posture")
 
-    def open_reasons(self, solution: Any) -> Iterator[Reason]:
-        """Between what and what torques are, where a solution of its grasp leaves forces open."""
-        yield from open_torque_reasons(solution)
+    def open_reasons(self, s: Any) -> Iterator[Reason]:
+        """Whether joints are within their limits whatever the forces are that a solution of its grasp leaves open."""
+        if s.uniqueness is None or s.uniqueness.forces_determined:
+            return
+        check, torques = s.torque_check, find_torque_bounds(s)
+        open_ = is_apart(torques, s.residuals.force_scale)
+        bounds = torque_shares(torques, check.limit)
+        joints = [
+            {"joint": name, "torque_Nm": both, "utilisation": share}
+            for name, both, share, yes in zip(check.joints, torques.tolist(), bounds.tolist(), open_, strict=True)
+            if yes
+        ]
+        if not open_.any():
+            text = "the forces that are open change no joint's torque"
+            yield Reason("torques_open", "note", text, {"joints": joints})
+            return
+        least, most = bounds.T
+        doubtful = np.flatnonzero(is_exceeded(most) & ~is_exceeded(least))
+        if len(doubtful):
+            k = doubtful[largest_share_index(most[doubtful])]
+            span = f"{format_span(least[k], most[k])} of its limit"
+            if np.isinf(most[k]):
+                span = f"{words.format_percent(least[k])} of its limit, or any amount more"
+            text = f"{check.joints[k]} may carry {span}"
+            if more := len(doubtful) - 1:
+                others = "1 more joint may need more than its" if more == 1 else f"{more} more may need more than their"
+                text = f"{text}, and {others} limit{'s' if more > 1 else ''}"
+            yield Reason("torques_open", "warning", f"{text}: no statics can tell", {"joints": joints})
+        elif not is_exceeded(most).any():
+            k = largest_share_index(most)
+            share = words.format_percent(most[k])
+            text = f"whatever the forces that are open are, no joint needs more than {share} of its limit"
+            yield Reason("torques_open", "note", f"{text} ({check.joints[k]})", {"joints": joints})
 
     def command_reasons(self, spec: GraspSpec) -> Iterator[Reason]:
         """What of a squeeze no command of the joints makes; the weight, where the load leaves it out."""
         yield from self.start_inside_reasons(spec)
-        yield from reach_reasons(spec)
+        for reach in find_unreachable(spec):
+            values = {
+                "what": reach.what, "unit": reach.unit, "fingers": reach.names, "asked": reach.asked.tolist(),
+                "missing": reach.missing.tolist(), "share": reach.share.tolist(),
+            }  # fmt: skip
+            yield Reason("out_of_reach", "warning", str(reach), values)
         if (command := find_command(spec.effects)) is not None and command.keeps:
             yield Reason("object_kept", "note", "the object is kept in place until the hand has closed")
         if command is not None:
-            hand = self.mechanism.posture.hand
-            yield from unmade_reasons(self.mechanism.names, hand.stiffness, command.command, hand.sliding)
+            yield from self._unmade_reasons(command.command)
         if text := describe_missing_weight(spec, self.mechanism.weight_of_object(spec.reference)):
             yield Reason("weight_left_out", "note", text)
 
     def start_inside_reasons(self, spec: GraspSpec) -> Iterator[Reason]:
-        """Links that the object begins inside, before the hand closes."""
-        yield from start_penetration_reasons(spec)
+        """A warning where the object begins inside links, before the hand closes: how deep in which."""
+        if depths := start_link_depths(spec):
+            where = words.join_names([f"{words.format_length(depth)} inside {link}" for link, depth in depths.items()])
+            links = [{"link": link, "depth_m": depth} for link, depth in depths.items()]
+            text = f"the object begins {where}: move it out by as much"
+            yield Reason("link_inside", "warning", text, {"links": links})
+
+    def _unmade_reasons(self, command: Array) -> Iterator[Reason]:
+        """What no tendons or servos make of a command (nv,) [rad, m]: more than a hundredth of it decides."""
+        stiffness = self.mechanism.posture.hand.stiffness
+        left = stiffness.unmade_torque(command)
+        if not left.any():
+            return
+        needs = [(name, t) for name, t in zip(self.mechanism.names, left.tolist(), strict=True) if t]
+        asked = stiffness.command_torque(command)
+        share = float(abs(left).max() / abs(asked).max())
+        text = "no actuators make this command: it takes others"
+        if isinstance(stiffness, TendonStiffness):
+            arms = stiffness.arms.T
+            missing = abs(arms @ np.linalg.lstsq(arms, asked)[0] - asked).max()  # if tendons could push, too
+            pushed = missing <= _MAX_UNMADE_SHARE * abs(asked).max()
+            which = "tendons that pull the other way" if pushed else "more tendons"
+            text = f"no tendons make this command by pulling: it takes {which}"
+        listed = words.list_names([f"{name} with {words.format_effort(t, self._unit(name))}" for name, t in needs])
+        severity = "decides" if share > _MAX_UNMADE_SHARE else "warning"
+        values = {"joints": [name for name, _ in needs], "torques_Nm": [t for _, t in needs], "share": share}
+        yield Reason("command_not_made", severity, f"{text} to turn {listed}", values)
 
     def end_reasons(self, torque: Array, yielded: Array, place: tuple[Any, Any]) -> Iterator[Reason]:
         """What a loading's end says: torques (nv,), how far joints yield (nv,), and `place_at` there."""
@@ -89,29 +142,75 @@ class HandReport:
         yield from doubt_reasons(self.mechanism.posture.hand.doubts)
         yield from self.place_reasons(*place, "at the end of the loading")
 
+    def tension_reasons(self, tension: Array) -> Iterator[Reason]:
+        """What tendons pull with at the end, (t,) [N], beside what they bear and their motors hold."""
+        if not isinstance(stiffness := self.mechanism.posture.hand.stiffness, TendonStiffness):
+            return
+        cables, drives, rows = stiffness.cables, stiffness.drives, list[TorqueRow]()
+        motors = (None,) * len(tension) if drives is None else drives.motors
+        columns = cables.names, tension.tolist(), stiffness.strength.tolist(), cables.limits.tolist(), motors
+        for name, t, bears, limit, motor in zip(*columns, strict=True):
+            # A motor counts where it holds less for good than the tendon bears, and the tendon bears this tension
+            breaks = limit >= bears or bool(is_exceeded(t / bears))
+            most = bears if breaks else limit
+            rows.append(TorqueRow(name, t, most, t / most, True, "N", None if breaks else motor))
+        nearest = None
+        if any(np.isfinite(row.limit) for row in rows):
+            nearest = rows[largest_share_index(np.array([row.utilisation for row in rows]))]
+        yield from _limit_reasons(_TENDON_EFFORT, [row for row in rows if row.over], nearest)
+
     def closing_reasons(self, beyond: Iterable[FailureMode]) -> Iterator[Reason]:
         """Joints and tendons that closing took more of than their motors give, as reasons."""
         hand, all_of_them = self.mechanism.posture.hand, tuple(beyond)
         if (drives := hand.torques.drives) is not None:
-            yield from closing_reasons(JOINT_EFFORT, self.mechanism.names, all_of_them, drives, hand.sliding)
+            most = drives.peak_limits(np.full(hand.nv, np.inf))
+            yield from self._over_peak_reasons(_JOINT_EFFORT, self.mechanism.names, all_of_them, drives, most)
         if isinstance(hand.stiffness, TendonStiffness) and (drives := hand.stiffness.drives) is not None:
-            yield from closing_reasons(TENDON_EFFORT, hand.stiffness.cables.names, all_of_them, drives)
+            names, most = hand.stiffness.cables.names, drives.closing_limits
+            yield from self._over_peak_reasons(_TENDON_EFFORT, names, all_of_them, drives, most)
 
-    def tension_reasons(self, tension: Array) -> Iterator[Reason]:
-        """What tendons pull with at the end, (t,) [N], beside what they bear and their motors hold."""
-        if isinstance(stiffness := self.mechanism.posture.hand.stiffness, TendonStiffness):
-            yield from tension_reasons(stiffness, tension)
+    def _over_peak_reasons(
+        self, kind: _EffortKind, names: Sequence[str], beyond: Sequence[FailureMode], drives: Drives, most: Array
+    ) -> Iterator[Reason]:
+        """The same of joints or tendons alone; beyond : of both. most (k,) : what their motors close with."""
+        if its := [c for c in beyond if c.kind == kind.code]:
+            at = [names.index(c.who) for c in its]
+            taken = most[at] * np.array([1.0 - c.margin for c in its])
+            both = list(zip([c.who for c in its], taken.tolist(), most[at].tolist(), strict=True))
+            is_tendon = kind is _TENDON_EFFORT
+            needs = [
+                f"{name} needs {' of '.join(words.format_efforts(each, 'N' if is_tendon else self._unit(name)))}"
+                for name, *each in both
+            ]
+            rubs = " less dry friction" if is_tendon and drives.friction[at].any() else ""
+            text = f"closing takes more than the motors give (peak{rubs}): {words.list_names(needs)}"
+            values = {f"{kind.member}s": [kind.reason_values(*each) for each in both]}
+            yield Reason("closing_over_peak", "decides", text, values)
 
     def pulling_reasons(self, spec: GraspSpec, torque: Array) -> Iterator[Reason]:
-        """Torques (nv,) [N·m] where the hand has closed, beside those that it was to close with."""
-        if (found := self.mechanism.motor_pull(spec, torque)) is not None:
-            (pulling, shares), hand = found, self.mechanism.posture.hand
-            yield from motor_pull_reasons(self.mechanism.names, pulling, shares, spec.asked.closed.stuck, hand.sliding)
-
-    def place_reasons(self, posture: HandPosture | None, obj: Object | None, when: str) -> Iterator[Reason]:
-        """What a posture alone says, with the object where it is then; None for what is not known. when : that is,
-        such as "at the end of the loading".
+        """Of fingers that pull with less than asked for, at torques (nv,) [N·m] where the hand has closed: they meet
+        nothing, or another finger would have to pull harder.
         """
+        if (found := self.mechanism.motor_pull(spec, torque)) is None:
+            return
+        (pulling, shares), joints = found, self.mechanism.names
+        asked: Any = abs(pulling.closing_torque)
+        short = [(joints[k], float(shares[k] * asked[k]), float(asked[k])) for k in pulling.weakest_joints(shares)]
+        if not short:
+            return
+        needs = [f"{joint} {' of '.join(words.format_efforts(each, self._unit(joint)))}" for joint, *each in short]
+        text = f"where the hand has closed, fingers pull with less than the closing torque: {words.list_names(needs)}"
+        if beyond := [joints[k] for k in np.flatnonzero(shares > MAX_TORQUE_SHARE).tolist()]:
+            whose = "its" if len(beyond) == 1 else "their"
+            text += f"; turning on, they would drive {words.list_names(beyond)} farther beyond {whose} closing torque"
+        elif spec.asked.closed.stuck:  # steps of closing found no state in which they do
+            text += "; no state was found in which they press harder, and what stops them is not known"
+        values = [dict(zip(("joint", "torque_Nm", "asked_Nm"), each, strict=True)) for each in short]
+        yield Reason("closing_torque", "warning", text, {"joints": values})
+
+    # ---- places
+    def place_reasons(self, posture: HandPosture | None, obj: Object | None, when: str) -> Iterator[Reason]:
+        """What a posture says, with the object where it is; None: not known. when : "at the end of the loading"."""
         if posture is not None:
             yield from posture_reasons(posture, obj, self.mechanism.tips, when)
 
@@ -127,3 +226,124 @@ class HandReport:
         """Links that are deep in the object where no contact is, and a sentence about them; arguments of `place_at`."""
         posture, obj = self.place_at(q, pose)
         return (set(), "") if obj is None else find_impossible_links(posture, obj, self.mechanism.tips)
+
+    # ---- lines of explanations
+    def explanation_lines(self) -> Iterator[ExplanationLine]:
+        """What joints, motors and tendons bring to a grasp: transmission, springs, friction, slack."""
+        hand = self.mechanism.posture.hand
+        stiffness = hand.stiffness
+        equation, said = stiffness.law
+        yield TRANSMISSION, equation, bool(said), said or "none: the springs are those of the joints", ""
+        if (alone := stiffness.joint_springs * (stiffness.springs_with_rest == 0.0)).any():
+            largest = words.first_largest_index(alone)
+            most = f"{float(alone[largest]):.3g} {words.stiffness_unit(hand.joint_names[largest] in hand.sliding)}"
+            yield "springs at joints", "K_p", True, f"{self._list_joints(alone)}, up to {most}: part of K", ""
+        if (against := self.mechanism.parallel_spring_torque()) is not None:
+            text = f"of the file, against which actuators give up to {self._format_largest_effort(abs(against))}"
+            yield "springs beside actuators", "τ += k (q - θ)", True, text, ""
+        of_motors = hand.dry_friction - hand.joint_friction
+        for title, rubs in (("joint friction", hand.joint_friction), ("motor friction", of_motors)):
+            if rubs.any():
+                text = f"up to {self._format_largest_effort(rubs)}, {self._list_joints(rubs)}"
+                yield title, _FRICTION_LAW.format("f"), True, text, FOLLOWED_LOADINGS
+        if not isinstance(stiffness, TendonStiffness):
+            return
+        cables, drives = stiffness.cables, stiffness.drives
+        if (wraps := cables.wrap_friction > 0.0).any():
+            who = words.list_names([cables.names[k] for k in sorted(set(cables.post_tendon[wraps].tolist()))])
+            text = f"{who}, μθ up to {float(cables.wrap_friction.max()):.3g} at one place"
+            yield "tendon friction", "t e^(-μθ) ≤ t' ≤ t e^(μθ)", True, text, FOLLOWED_LOADINGS
+        if (known := np.isfinite(cables.pretension)).any():
+            least = words.format_force(float(cables.pretension[known].min()))
+            text = f"slack below 0 N; pretension of {least} at least"
+            yield "tendons that pull alone", "t ≥ 0", True, text, FOLLOWED_LOADINGS
+        if drives is not None and drives.friction.any():
+            most = words.format_force(float(drives.friction.max()))
+            where = words.list_names(drives.motor_joints(cables.names))
+            text = f"up to {most} at {where}: before the cable, so that it changes no force"
+            yield "motor friction", "t_m = t ± f", True, f"{text}, but what motors close with and hold", ""
+
+    def _format_largest_effort(self, efforts: Array) -> str:
+        """Of efforts (nv,), in the unit of its joint."""
+        largest = words.first_largest_index(efforts)
+        return words.format_effort(float(efforts[largest]), self._unit(self.mechanism.names[largest]))
+
+    def _list_joints(self, values: Array) -> str:
+        """At which joints values (nv,) are not zero."""
+        at = [joint for joint, value in zip(self.mechanism.names, values.tolist(), strict=True) if value]
+        return "at every joint" if len(at) == len(values) else f"at {words.list_names(at)}"
+
+    def _unit(self, joint: str) -> str:
+        return words.effort_unit(joint in self.mechanism.posture.hand.sliding)
+
+
+# ----------------------------------------------------------------
+# Of joints and of tendons the same: which is over its limit, and for how long it holds, or which is nearest to it.
+
+
+class _EffortKind(NamedTuple):
+    """What efforts are of, joints or tendons, and the words and keys for them.
+
+    member : one of them. code : of a `FailureMode`, and of reasons. weak_part : what cannot bear it. effort, limit :
+    keys of numbers.
+    """
+
+    member: str
+    code: str
+    weak_part: str
+    effort: str
+    limit: str
+
+    def reason_values(self, name: str, effort: float, limit: float) -> dict[str, Any]:
+        """The values of a reason about one joint or tendon."""
+        return {self.member: name, self.effort: effort, self.limit: limit}
+
+
+_JOINT_EFFORT = _EffortKind("joint", TORQUE, "motors", "torque_Nm", "limit_Nm")
+_TENDON_EFFORT = _EffortKind("tendon", TENSION, "tendons", "tension_N", "limit_N")
+
+
+def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
+    """What a check says about holding: joints over their limit, or the nearest to it; those that yield; the unknown."""
+    nearest = None if check.binding is None else check[check.binding]
+    unlimited = check.unlimited if nearest is not None and np.isinf(nearest.limit) else ""
+    yield from _limit_reasons(_JOINT_EFFORT, check.over, nearest, unlimited)
+    if check.yielding:
+        text = f"{words.list_names(check.yielding)} {'yield' if len(check.yielding) > 1 else 'yields'} at the limit"
+        yield Reason("torque", "note", text, {"yielding": check.yielding})
+    if check.unknown:
+        text = f"torque limits not known, torques not judged: {words.list_names(check.unknown)}"
+        yield Reason("limit_unknown", "warning", text, {"joints": check.unknown})
+
+
+def _limit_reasons(
+    kind: _EffortKind, over: Sequence[TorqueRow], nearest: TorqueRow | None, unlimited: str = ""
+) -> Iterator[Reason]:
+    """Of those over their limits: they hold for a while, where motors hold all of them at their peak, or not at all. Of
+    none: the nearest to its limit. unlimited : what is said where none has one.
+    """
+
+    def values_of(r: TorqueRow) -> dict[str, Any]:
+        return kind.reason_values(r.joint, r.torque, r.limit) | {"utilisation": r.utilisation}
+
+    if not over:
+        if nearest is not None:
+            of = f"{words.format_effort(nearest.limit, nearest.unit)}{f' {nearest.held_by}' if nearest.held_by else ''}"
+            share = words.format_percent(nearest.utilisation)
+            text = f"the {kind.member} closest to its limit is {nearest.joint} at {share} of {of}"
+            yield Reason(kind.code, "note", unlimited or text, values_of(nearest))
+        return
+    values: dict[str, Any] = {f"{kind.member}s": [values_of(r) for r in over]}
+    if any(r.lasts == 0.0 for r in over):
+        needs = [f"{r.joint} needs {' of '.join(words.format_efforts((abs(r.torque), r.limit), r.unit))}" for r in over]
+        text = f"the contacts could hold the object, the {kind.weak_part} cannot: {words.list_names(needs)}"
+        yield Reason(f"{kind.code}_over_limit", "decides", text, values)
+        return
+    needs = [f"{r.joint} gives {words.format_percent(r.motor.share(r.torque))} of continuous" for r in over if r.motor]
+    known = [r.lasts for r in over if r.lasts is not None]
+    values["lasts_s"], least = None, "not for longer than the motor's thermal time"
+    if len(known) == len(over):
+        values["lasts_s"] = min(known)
+        least = f"begun cold, the first motor overheats after {words.format_duration(min(known))}"
+    text = f"the hand holds the object, but not for good: {words.list_names(needs)}; {least}"
+    yield Reason("overheats", "decides", text, values)

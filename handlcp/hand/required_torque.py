@@ -69,22 +69,17 @@ def _furthest_trial(tried: list[GripTrial]) -> GripTrial:
 
 
 def _search_multiple(trials: GripTrials, force: Array, tolerance: float) -> tuple[GripTrial, GripTrial | None]:
-    """The least multiple of a grip that holds, to a relative tolerance; and the one below it that does not. Where none
-    holds: the one that gets furthest.
-    """
-
-    def try_factor(factor: float) -> GripTrial:
-        return trials(factor * force)
+    """The least multiple of a grip that holds, or else that gets furthest; and the one below, which does not hold."""
 
     def is_too_much(factor: float) -> bool:
-        return try_factor(factor).reached_share < 0.0
+        return trials(factor * force).reached_share < 0.0
 
-    found = find_least(lambda x: try_factor(x).is_held, 1.0, _MAX_GRIP_FACTOR, tolerance, too_much=is_too_much)
-    below = None if found.fails is None else try_factor(found.fails)
+    found = find_least(lambda x: trials(x * force).is_held, 1.0, _MAX_GRIP_FACTOR, tolerance, too_much=is_too_much)
+    below = None if found.fails is None else trials(found.fails * force)
     if found.value is None:
         assert below is not None  # the start was tried
         return below, None
-    return try_factor(found.value), below
+    return trials(found.value * force), below
 
 
 def _vary_fingers(trials: GripTrials, best: GripTrial) -> GripTrial:
@@ -160,12 +155,11 @@ class GripTrials:
     share: Array
     drive_friction: Array
     max_forces: Array
-    report: Callable[[int], object] | None = None
+    report: Callable[[int], object]
     tried: dict[bytes, GripTrial] = field(default_factory=dict)
     first: int = 0  # the load that was lost last is the first to be tried
-    lower_bounds: dict[bytes, float] = field(
-        default_factory=dict
-    )  # that need at least so much, whether or not they hold
+    # Of those that need at least so much, whether or not they hold
+    lower_bounds: dict[bytes, float] = field(default_factory=dict)
     count: int = 0
 
     def __call__(self, force: Array) -> GripTrial:
@@ -192,23 +186,21 @@ class GripTrials:
     def _follow_loads(self, force: Array, most: float) -> GripTrial | None:
         """Follow the loads with one grip, until one is lost; None: it holds so far, and needs as much as `most`."""
         self.count += 1
-        if self.report is not None:
-            self.report(self.count)
+        self.report(self.count)
         nv, m = len(self.share), len(self.cases)
         torque, squeeze = np.zeros((m, nv)), np.zeros(nv)
         for k in sorted(range(m), key=lambda k: k != self.first):
-            path = self.follow_load(k, force)
+            name, spec = self.cases[k]
+            path = follow(apply_grip_force(spec, force), self.section, None, LOADING_ORDER, None, STEPS_PER_STAGE, None)
             if not path.held:
                 self.first = k
                 share = path.held_to - (path.lost_stage == LOADING_ORDER[0])
                 how = "not held: the object slides through" if path.reached else path.why
-                return GripTrial(force, torque, squeeze, np.inf, (self.cases[k].name, how), share)
+                return GripTrial(force, torque, squeeze, np.inf, (name, how), share)
             hard = describe_overpressed(path, self.max_forces)
-            if (why := f"not held: {hard}" if hard else _unreachable_end(path)) is not None:
+            if (why := f"not held: {hard}" if hard else _unreachable_end(path)) is not None:  # less grip may do
                 self.first = k
-                return GripTrial(
-                    force, torque, squeeze, np.inf, (self.cases[k].name, why), -1.0, hard
-                )  # less grip may do
+                return GripTrial(force, torque, squeeze, np.inf, (name, why), -1.0, hard)
             sizes = abs(path.steps.torques)
             torque[k] = sizes.max(axis=0)
             closing = sizes[path.steps.stage == 0] if path.stages[0] == LOADING_ORDER[0] else sizes[:1]
@@ -217,11 +209,6 @@ class GripTrials:
                 return None
         return GripTrial(force, torque, squeeze, float((np.vstack([torque, squeeze]) / self.share).max()))
 
-    def follow_load(self, number: int, force: Array) -> Loading:
-        """The loading under one load, as `check` follows it."""
-        spec = apply_grip_force(self.cases[number].spec, force)
-        return follow(spec, self.section, None, LOADING_ORDER, None, STEPS_PER_STAGE, None)
-
 
 def closing_torque(rubs: Array, path: Loading) -> Array:
     """(nv,) the largest torque that closing takes of each drive, but for their dry friction (nv,) [N·m]."""
@@ -229,20 +216,16 @@ def closing_torque(rubs: Array, path: Loading) -> Array:
 
 
 def _unreachable_end(path: Loading) -> str | None:
-    """Why the hand cannot be where the path ends, such as links inside the object; None: it can, or could not be where
-    it begins either, which no grip changes.
-    """
+    """Why the hand cannot be where the path ends; None: it can, or no grip changes it, as it begins there already."""
     mechanism = path.steps.grasp.spec.mechanism
     if mechanism is None or not path.steps.geometry.follows:
         return None
     for number in (0, -1):
         at = path.steps.states[number].where
         there = mechanism.report.place_at(at.q, at.pose)
-        found = [
-            r for r in mechanism.report.place_reasons(*there, "at the end of the loading") if r.severity == "decides"
-        ]
-        if found:
-            return None if number == 0 else f"not held: {found[0].sentence}"
+        for reason in mechanism.report.place_reasons(*there, "at the end of the loading"):
+            if reason.severity == "decides":
+                return None if number == 0 else f"not held: {reason.sentence}"
     return None
 
 
@@ -281,9 +264,8 @@ def sticking_response(spec: GraspSpec, gripped: Callable[[GraspSpec, Array], Gra
     r, _ = solve_without_slip(bare, bare.flexibility, np.column_stack([bare.offset, bare.offset, *shifts]), loads)
     mechanism, scale = bare.mechanism, 1.0 if bare.scale is None else bare.scale
     assert mechanism is not None
-    return StickingResponse(
-        bare, r[:, 2:], r[:, 0], r[:, 1], mechanism.jacobian_rows(bare.soft).T * scale, bare.bias_torque_or_zero
-    )
+    levers = mechanism.jacobian_rows(bare.soft).T * scale
+    return StickingResponse(bare, r[:, 2:], r[:, 0], r[:, 1], levers, bare.bias_torque_or_zero)
 
 
 # ----------------------------------------------------------------
@@ -312,7 +294,8 @@ def minimise_grip(
     p = pattern.shape[1]
     unit = max(float(np.linalg.norm(s.scene.geometry.wrench[:3])) for s in states) or 1.0
     above, most = list[Array](), list[Array]()
-    for by_grip, rest, state in _loading_ends(states):
+    after_squeeze = states[0].by_grip, states[0].unloaded, states[0]
+    for by_grip, rest, state in (after_squeeze, *((s.by_grip, s.rest, s) for s in states)):
         at = by_grip @ pattern
         cone = _cone_rows(state.scene, section)
         torque, held = state.levers @ at, state.levers @ rest + state.bias_torque
@@ -335,11 +318,6 @@ def minimise_grip(
     if found.x is None or not found.x[:p].max(initial=0.0) * unit < 1e6 * size:
         return None
     return np.asarray(pattern @ found.x[:p] * unit)
-
-
-def _loading_ends(states: Sequence[StickingResponse]) -> list[tuple[Array, Array, StickingResponse]]:
-    """(by_grip, rest, state) after the squeeze, and under every load."""
-    return [(states[0].by_grip, states[0].unloaded, states[0]), *((s.by_grip, s.rest, s) for s in states)]
 
 
 def _cone_rows(scene: Scene, section: Section) -> Array:
@@ -383,14 +361,9 @@ _LIMIT_MARGIN = 1e-6  # of a torque, so that rounding puts none over its limit
 
 
 def find_required_torque(
-    spec: GraspSpec,
-    section: Section,
-    loads: Any,
-    safety: Any,
-    tolerance: Any,
-    progress: Callable[[int], object] | None = None,
-    most_force: Any = None,
-) -> RequiredTorque:
+    spec: GraspSpec, section: Section, loads: Any, safety: Any, tolerance: Any, progress: Callable[[int], object],
+    most_force: Any,
+) -> RequiredTorque:  # fmt: skip
     """Find the torques that the joints need, as `HandGrasp.required_torque` documents."""
     near = check_tolerance(tolerance)
     brief, hand = read_load_cases(spec, loads, safety), hand_mechanism(spec)
@@ -405,45 +378,33 @@ def find_required_torque(
     verdicts, tensions = dict[str, Verdict](), None
     if best.is_held:
         # What `check` follows has more steps where fewer would end elsewhere, and may see a little more
-        paths = [
-            follow_until_agreed(apply_grip_force(case.spec, best.force), section, LOADING_ORDER)[0] for case in brief
-        ]
+        closed = {case.name: apply_grip_force(case.spec, best.force) for case in brief}
+        paths = [follow_until_agreed(one, section, LOADING_ORDER)[0] for one in closed.values()]
         seen = [abs(path.steps.torques).max(axis=0) for path in paths]
         torque = np.max([best.largest_torque, *seen], axis=0) * (1.0 + _LIMIT_MARGIN)
         torque = np.maximum(torque, _LIMIT_MARGIN * torque.max(initial=_LIMIT_MARGIN))
         pulled = [closing_torque(of_drives, path) for path in paths]
         closing = np.max([best.squeeze, *pulled], axis=0) * (1.0 + _LIMIT_MARGIN)
-        held = np.minimum(
-            torque, np.max([abs(path.steps.torques[-1]) for path in paths], axis=0) * (1.0 + _LIMIT_MARGIN)
-        )
+        ends = np.max([abs(path.steps.torques[-1]) for path in paths], axis=0) * (1.0 + _LIMIT_MARGIN)
+        held = np.minimum(torque, ends)
         tensions = _required_tensions(hand.posture.hand.stiffness, hand.names, paths)
-        verdicts = {case.name: _check_trial(case, best, torque, section) for case in brief}
+        verdicts = {name: verdict_on(with_torque_limits(one, torque), section) for name, one in closed.items()}
     names = tuple([case.name for case in brief])
     grip = dict(zip(hand.fingertips, best.force.tolist(), strict=True))
     limits = hand.posture.hand.torques
     less = None if fails is None else float(fails.force.max() / best.force.max())
     lost = best.lost or (None if fails is None else fails.lost)
+    reasons = {
+        name: "; ".join([r.sentence for r in v.reasons if r.severity == "decides"])
+        for name, v in verdicts.items()
+        if v.word != HELD
+    }
     sized = tuple(["squeeze" if k < 0 else names[k] for k in best.sizing_load.tolist()])
     return RequiredTorque(
-        hand.names,
-        read_only(torque),
-        read_only(closing),
-        read_only(held),
-        grip,
-        sized,
-        names,
-        read_only(best.torque),
-        float(safety),
-        limits.limits,
-        limits.known,
-        {name: v.word for name, v in verdicts.items()},
-        less,
-        lost,
-        {name: _deciding_sentences(v) for name, v in verdicts.items() if v.word != HELD},
-        limits.drives,
-        tensions,
-        hand.posture.hand.sliding,
-    )
+        hand.names, read_only(torque), read_only(closing), read_only(held), grip, sized, names, read_only(best.torque),
+        float(safety), limits.limits, limits.known, {name: v.word for name, v in verdicts.items()}, less, lost, reasons,
+        limits.drives, tensions, hand.posture.hand.sliding,
+    )  # fmt: skip
 
 
 def _required_tensions(
@@ -458,36 +419,19 @@ def _required_tensions(
     drives = stiffness.drives
     own = np.array([False if drives is None else drives.motors[i] is not None for i in range(len(stiffness.names))])
     moved = tuple([joints[j] for j in np.flatnonzero(stiffness.arms[own].any(axis=0)).tolist()])
-    return RequiredTension(
-        stiffness.cables.names,
-        read_only(every.max(axis=0, initial=0.0)),
-        read_only(every[ends].max(axis=0, initial=0.0)),
-        read_only(least.min(axis=0)),
-        moved,
-        drives,
-    )
+    most, held = every.max(axis=0, initial=0.0), every[ends].max(axis=0, initial=0.0)
+    least = least.min(axis=0)
+    return RequiredTension(stiffness.cables.names, read_only(most), read_only(held), read_only(least), moved, drives)
 
 
 def start_grips(brief: tuple[LoadCase, ...], section: Section, share: Array, bears: Array) -> list[Array]:
-    """Grips (k,) [N] to search from: those with which nothing slips, by finger and common to all; and in any case one
-    of the size of the loads.
-    """
+    """Grips (k,) [N] to search from, with which nothing slips, by finger and common to all; or of the loads' size."""
     states = [sticking_response(case.spec, apply_grip_force) for case in brief]
     k = brief[0].spec.of_hand
     found = [minimise_grip(states, section, share, pattern, bears) for pattern in (np.eye(k), np.ones((k, 1)))]
     some = [force for force in found if force is not None and force.any()]
     size = max([float(np.linalg.norm(case.spec.wrench[:3])) for case in brief])
     return some or [np.full(k, (size or 1.0) / k)]
-
-
-def _deciding_sentences(verdict: Verdict) -> str:
-    """What keeps it from being HELD."""
-    return "; ".join([r.sentence for r in verdict.reasons if r.severity == "decides"])
-
-
-def _check_trial(case: LoadCase, best: GripTrial, torque: Array, section: Section) -> Verdict:
-    """The grasp with this grip and these motors under one load."""
-    return verdict_on(with_torque_limits(apply_grip_force(case.spec, best.force), torque), section)
 
 
 # ----------------------------------------------------------------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
@@ -13,17 +13,8 @@ from handlcp.check import Array, NumbersByName, read_only
 from handlcp.errors import InputError, URDFError
 from handlcp.geometry.link_contacts import expand_link_values
 from handlcp.geometry.link_penetration import find_penetrating_links
-from handlcp.grasp.effects.joint_offset import (
-    OVERLAP_TOLERANCE,
-    CommandReach,
-    JointOffset,
-    commanded_offset,
-    find_command,
-    replace_command,
-)
+from handlcp.grasp.effects.joint_offset import OVERLAP_TOLERANCE, CommandReach, JointOffset, find_command
 from handlcp.grasp.model.request import GraspSpec
-from handlcp.grasp.solution.verdict import Reason
-from handlcp.words import format_length, join_names
 
 # ----------------------------------------------------------------
 # What is asked of fingertips and no command of the joints makes, and a squeeze that goes on from an earlier one.
@@ -41,9 +32,7 @@ def tip_motions_by_joint(mechanism: Any, planar: bool) -> TipMotions:
 
 
 def find_unreachable(spec: GraspSpec) -> tuple[CommandReach, ...]:
-    """What no command of the joints makes, of the overlap in the posture, of a preload, and of what is commanded; links
-    that the object begins inside are not asked to make it.
-    """
+    """What no command makes of overlaps, preloads and commands; but for links that the object begins inside."""
     mechanism: Any = spec.mechanism  # a hand's
     k = spec.of_hand
     tips, found = tip_motions(mechanism, spec.planar), []
@@ -57,16 +46,6 @@ def find_unreachable(spec: GraspSpec) -> tuple[CommandReach, ...]:
     if (command := find_command(spec.effects)) is not None and command.reach is not None:
         found.append(command.reach)
     return tuple([reach for reach in found if not reach.complete])
-
-
-def reach_reasons(spec: GraspSpec) -> Iterator[Reason]:
-    """A warning for each kind of squeeze of which a part is out of reach."""
-    for reach in find_unreachable(spec):
-        values = {
-            "what": reach.what, "unit": reach.unit, "fingers": reach.names, "asked": reach.asked.tolist(),
-            "missing": reach.missing.tolist(), "share": reach.share.tolist(),
-        }  # fmt: skip
-        yield Reason("out_of_reach", "warning", str(reach), values)
 
 
 def start_penetration(spec: GraspSpec) -> Array:
@@ -84,9 +63,7 @@ def start_penetration(spec: GraspSpec) -> Array:
 
 
 def start_link_depths(spec: GraspSpec) -> dict[str, float]:
-    """The links that the object begins inside, the deepest first, and how deep [m]: the whole link, where its contacts
-    are less deep.
-    """
+    """The links that the object begins inside, the deepest first, and how deep [m], the whole link or its contacts."""
     mechanism: Any = spec.mechanism
     depths = dict[str, float]()
     for tip, depth in zip(mechanism.fingertips, start_penetration(spec).tolist(), strict=True):
@@ -99,64 +76,6 @@ def start_link_depths(spec: GraspSpec) -> dict[str, float]:
                 if one.link in depths:
                     depths[one.link] = max(one.depth, depths[one.link])
     return dict(sorted(depths.items(), key=lambda one: -one[1]))
-
-
-def start_penetration_reasons(spec: GraspSpec) -> Iterator[Reason]:
-    """A warning where the object begins inside links: how deep in which."""
-    if depths := start_link_depths(spec):
-        where = join_names([f"{format_length(depth)} inside {link}" for link, depth in depths.items()])
-        links = [{"link": link, "depth_m": depth} for link, depth in depths.items()]
-        yield Reason("link_inside", "warning", f"the object begins {where}: move it out by as much", {"links": links})
-
-
-def move_out_of_link(spec: GraspSpec) -> tuple[str, float, GraspSpec] | None:
-    """The words for the object moved out of the link that it begins deepest inside, along the normals there, by how
-    much [m], and the grasp that the hand then closes to. None where it begins in none, lies on something, or the
-    normals of that link face each other.
-    """
-    mechanism: Any = spec.mechanism
-    begun, moved = start_link_depths(spec), getattr(spec.asked, "move_object", None)
-    if not begun or moved is None or spec.of_hand < spec.n:
-        return None
-    link, depth = next(iter(begun.items()))
-    its = [mechanism.report.links[tip] == link for tip in mechanism.fingertips]
-    way = mechanism.frames[its, :, 2].sum(axis=0)
-    if (size := float(np.linalg.norm(way))) < _MIN_NORMAL_SUM * sum(its):
-        return None
-    try:
-        return (
-            f"the object {format_length(depth)} farther out of {link}",
-            depth,
-            moved((depth + OVERLAP_TOLERANCE) / size * way),
-        )
-    except InputError:
-        return None
-
-
-def squeeze_further(spec: GraspSpec, depth: float) -> GraspSpec:
-    """The grasp with joints commanded on, so that every tip whose force is not prescribed goes deeper by depth [m]."""
-    free = set(spec.free_fingers)
-    more = np.array([depth if i in free else 0.0 for i in range(spec.of_hand)])
-    return _replace_command(
-        spec, _joint_command(spec) + tip_motions(spec.mechanism, spec.planar).command_for_depth(more)
-    )
-
-
-def ease_squeeze(spec: GraspSpec, share: float) -> GraspSpec:
-    """The grasp with this share of its squeeze, commands of the joints included."""
-    offset, k = spec.offset.copy(), spec.of_hand
-    offset[:k] *= np.where(offset[:k, 2:] < 0.0, share, 1.0)
-    return _replace_command(spec.replace(offset=read_only(offset)), share * _joint_command(spec))
-
-
-def _joint_command(spec: GraspSpec) -> Array:
-    """(nv,) how far the joints are commanded beyond the posture."""
-    mechanism: Any = spec.mechanism
-    return commanded_offset(spec.effects, len(mechanism.names))
-
-
-def _replace_command(spec: GraspSpec, command: Array) -> GraspSpec:
-    return spec.replace(effects=replace_command(spec.effects, command))
 
 
 # ----------------------------------------------------------------
@@ -173,7 +92,6 @@ def _replace_command(spec: GraspSpec, command: Array) -> GraspSpec:
 # Directions in which the joints move the tips less than this share of their best are out of reach
 MIN_REACH_SHARE = 1e-2
 _MAX_SQUEEZE = 0.1  # [m] no hand squeezes deeper: what is more was not given in metres
-_MIN_NORMAL_SUM = 0.5  # of their number: normals whose sum is shorter say no way out
 _MAX_MISSED_SHARE = 0.5  # of an overlap: where joints miss more of it than that, they are not what made it
 _MAX_CLOSING_OVERLAP = 2e-4  # [m] links that close until they touch overlap by less
 
@@ -322,18 +240,8 @@ def read_joint_offset(value: Any, joints: Sequence[str]) -> Array:
 COMMAND_ARGUMENTS = ("squeeze", "grip_force", "joint_offset", "closing_torque")
 
 
-def check_single_command(**said: Any) -> None:
-    """Raises InputError for more than one."""
-    given = [name for name, value in said.items() if value is not None]
-    if len(given) > 1:
-        expected = f"at most one of {', '.join(COMMAND_ARGUMENTS[:-1])} and {COMMAND_ARGUMENTS[-1]}"
-        raise InputError(given[1], expected, f"{' and '.join(given)}")
-
-
 def apply_command(spec: GraspSpec, squeeze: Any, grip_force: Any, joint_offset: Any) -> GraspSpec:
-    """The grasp of a hand with the command that one of the three says, in place of an earlier one; None of them: as it
-    is. Raises InputError, UnknownName.
-    """
+    """The grasp with the command that one of the three says, in place of an earlier one. Raises InputError."""
     if squeeze is None and grip_force is None and joint_offset is None:
         return spec
     mechanism: Any = spec.mechanism  # a hand's
@@ -341,21 +249,16 @@ def apply_command(spec: GraspSpec, squeeze: Any, grip_force: Any, joint_offset: 
     spec = spec.replace(effects=tuple([e for e in spec.effects if not isinstance(e, JointOffset)]))
     if joint_offset is not None:
         effect = JointOffset(read_joint_offset(joint_offset, mechanism.names))
-    elif squeeze is not None:
-        depth = read_by_tip(
-            "squeeze", expand_link_values("squeeze", squeeze, mechanism.posture.hand), mechanism.fingertips
-        )
-        command, reach = squeeze_command(tip_motions(mechanism, spec.planar), depth, mechanism.stand_off[:, 2])
-        effect = JointOffset(read_only(command), reach if depth.any() else None)
     else:
-        force = read_by_tip(
-            "grip_force", expand_link_values("grip_force", grip_force, mechanism.posture.hand), mechanism.fingertips
-        )
-        E, stand_off = _finger_compliance(spec, mechanism)
-        command, reach = grip_command(
-            tip_motions(mechanism, spec.planar), force, E, mechanism.compliance_factor, stand_off
-        )
-        effect = JointOffset(read_only(command), reach if force.any() else None)
+        name, value = ("grip_force", grip_force) if squeeze is None else ("squeeze", squeeze)
+        sizes = read_by_tip(name, expand_link_values(name, value, mechanism.posture.hand), mechanism.fingertips)
+        tips = tip_motions(mechanism, spec.planar)
+        if squeeze is None:
+            E, stand_off = _finger_compliance(spec, mechanism)
+            command, reach = grip_command(tips, sizes, E, mechanism.compliance_factor, stand_off)
+        else:
+            command, reach = squeeze_command(tips, sizes, mechanism.stand_off[:, 2])
+        effect = JointOffset(read_only(command), reach if sizes.any() else None)
     if old is not None:  # another command in the same closing
         effect = replace(effect, opened=old.opened, keeps=old.keeps)
     says_something = effect.command.any() or effect.reach is not None
@@ -368,9 +271,7 @@ def apply_grip_force(spec: GraspSpec, force: Array) -> GraspSpec:
 
 
 def _finger_compliance(spec: GraspSpec, mechanism: Any) -> tuple[Array, Array]:
-    """(3k, 3k) flexibility of the fingers with what effects add to it, as far as forces don't change that; and (3k,)
-    how far they stand off, gaps and the sag under their weight together.
-    """
+    """(3k, 3k) E with what effects add whatever the forces; (3k,) how far they stand off, sag included."""
     c = 3 * spec.of_hand
     E, d = spec.flexibility[:c, :c].copy(), mechanism.stand_off.reshape(-1).copy()
     for e in spec.effects:

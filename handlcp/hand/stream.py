@@ -31,6 +31,7 @@ from handlcp.hand.squeeze import read_joint_offset
 from handlcp.hand.torque_check import TorqueCheck, torque_check
 from handlcp.lcp import Status
 from handlcp.lcp.compiler.compile_policy import compile_now
+from handlcp.robot.hand_model import HandModel
 from handlcp.robot.kinematics import contact_jacobian, jacobian_columns
 
 
@@ -108,11 +109,7 @@ class GraspUpdate:
         """Joint by joint, as in `HandGraspSolution`. Raises AttributeError for a grasp without a hand."""
         torques = self.torques
         assert isinstance(self._grasp, HandGrasp)
-        hand = self._grasp.state.hand
-        limits = hand.torques
-        return torque_check(
-            hand.joint_names, torques, limits.limits, limits.known, sliding=hand.sliding, drives=limits.drives
-        )
+        return torque_check(self._grasp.state.hand, torques)
 
     @property
     def effort(self) -> Effort | None:
@@ -151,10 +148,6 @@ class MovingHand:
         self._support = np.ascontiguousarray(hand.tips.support[list(self._tips), 0])
         self._coupling = np.empty((0, 0)) if kinematics.coupling is None else np.array(kinematics.coupling)
 
-    def read_posture(self, q: Any) -> Array:
-        """(nv,) from what users pass. Raises InputError, UnknownName."""
-        return self.hand.kinematics.read_posture("q", q)
-
     def move(self, q: Array | None, positions: Array, frames: Array) -> Array:
         """Take the hand to q (None: it stays); returns E (3k, 3k) at its contacts, k of them, in contact axes."""
         self.q = self.q if q is None else q
@@ -164,17 +157,18 @@ class MovingHand:
         if q is not None:
             for weight in self._weights:
                 weight.torque[:] = self.hand.kinematics.gravity_torque(q, self.mechanism.gravity)
-        pads = self.hand.pads.rotate_blocks(lambda: frames.transpose(0, 2, 1) @ self._tip_rotations(), self._tips)
+
+        def to_contact_axes() -> Array:
+            pin.updateFramePlacements(self._model, self._data)
+            tips = np.array([self._data.oMf[self.hand.tips.frames[t]].rotation for t in self._tips])
+            return np.asarray(frames.transpose(0, 2, 1) @ tips)
+
+        pads = self.hand.pads.rotate_blocks(to_contact_axes, self._tips)
         return tip_flexibility(J, self.mechanism.compliance_factor, pads)
 
     def copy_effects(self, effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
         """The effects as they are now, with arrays of their own."""
         return tuple([replace(e, torque=e.torque.copy()) if isinstance(e, FingerWeight) else e for e in effects])
-
-    def _tip_rotations(self) -> Array:
-        """(k, 3, 3) from tip axes to world axes, where the hand is now."""
-        pin.updateFramePlacements(self._model, self._data)
-        return np.array([self._data.oMf[self.hand.tips.frames[t]].rotation for t in self._tips])
 
 
 # ----------------------------------------------------------------
@@ -264,10 +258,10 @@ class GraspStream:
         Raises InputError for wrong shapes and numbers not finite; the stream is then as it was.
         """
         # All is checked before any of it is taken over
-        posture = None if q is None else self._joints("q", q).read_posture(q)
+        posture = None if q is None else self._hand_moved("q", q).kinematics.read_posture("q", q)
         command = None
         if joint_offset is not None:
-            command = read_joint_offset(joint_offset, self._joints("joint_offset", joint_offset).hand.joint_names)
+            command = read_joint_offset(joint_offset, self._hand_moved("joint_offset", joint_offset).joint_names)
         load = None if wrench is None else validate.wrench(wrench, self._at.plane, self._lift)
         shift = None if offset is None else check_array("offset", offset, *self._shapes(3))
         points, axes = self._spatial("positions", positions, 3), self._spatial("frames", frames, 3, 3)
@@ -285,38 +279,35 @@ class GraspStream:
             self._frames[: len(axes)] = axes
         moved = posture is not None or points is not None or axes is not None
         if moved:
-            self._move(posture)
+            if self._hand is not None:
+                E = self._hand.move(posture, self._tips, self._axes)
+                self._own[: len(E), : len(E)] = E
+            self._flexibility[:] = add_flexibility(self._effects, self._at, (), self._own)
         if command is not None:
             self._effects = replace_command(self._effects, command)
         if shift is not None or command is not None or (moved and self._effects):
             self._offset[:] = add_offset(self._effects, self._at, (), self._given.reshape(-1))
         return self._solve_update()
 
-    def _move(self, q: Array | None) -> None:
-        """The hand in a posture (None: the same), and flexibility at the contacts as they are."""
-        if self._hand is not None:
-            E = self._hand.move(q, self._tips, self._axes)
-            self._own[: len(E), : len(E)] = E
-        self._flexibility[:] = add_flexibility(self._effects, self._at, (), self._own)
-
     @compile_now()
     def _compile(self) -> None:
         """Compile, or load, all that updates call: none of them should wait for it."""
-        rows = np.empty((1, self._kind.answer_width))
-        solve_scenes(self._scene, self._kind.pattern, self._start, self._seed, rows)
+        found = self._find_answer()
         add_flexibility(self._effects, self._at, (), self._own)
         add_offset(self._effects, self._at, (), self._given.reshape(-1))
         if self._hand is not None:
             before = self._hand.mechanism.jacobian.copy()
             self._hand.move(None, self._tips, self._axes)
             self._hand.mechanism.jacobian[:] = before  # the same to rounding, and updates start at the very same
-        found = CompiledAnswer(self._kind, rows[0])
         _ = GraspUpdate(self._first, found, True, self._frames.copy(), None).forces_world
 
-    def _solve_update(self) -> GraspUpdate:
+    def _find_answer(self) -> CompiledAnswer:
         rows = np.empty((1, self._kind.answer_width))
         solve_scenes(self._scene, self._kind.pattern, self._start, self._seed, rows)
-        found = CompiledAnswer(self._kind, rows[0])
+        return CompiledAnswer(self._kind, rows[0])
+
+    def _solve_update(self) -> GraspUpdate:
+        found = self._find_answer()
         passes = found.passes
         self._start = found.next_start if passes else self._anew
         torques = None
@@ -340,25 +331,17 @@ class GraspStream:
             effects = self._hand.copy_effects(effects)
             posture = type(mechanism.posture)(self._hand.hand, self._hand.q)
             k = len(self._tips)
+            jacobian = read_only(self._hand.mechanism.jacobian.copy())
+            stand_off = read_only(np.zeros((k, 3))) if self._moved_off else mechanism.stand_off
             mechanism = replace(
-                mechanism,
-                posture=posture,
-                rest_posture=posture.q,
-                jacobian=read_only(self._hand.mechanism.jacobian.copy()),
-                positions=positions[:k],
-                frames=frames[:k],
-                stand_off=read_only(np.zeros((k, 3))) if self._moved_off else mechanism.stand_off,
-            )
+                mechanism, posture=posture, rest_posture=posture.q, jacobian=jacobian, positions=positions[:k],
+                frames=frames[:k], stand_off=stand_off,
+            )  # fmt: skip
         now = spec.replace(
-            contacts=validate.move_contacts(at.contacts, positions, frames),
-            positions=positions,
-            frames=frames,
-            mechanism=mechanism,
-            flexibility=read_only(self._own.copy()),
-            offset=read_only(self._given.copy()),
-            wrench=wrench_about(self._first.reference, self._force, self._moment),
-            effects=effects,
-        )
+            contacts=validate.move_contacts(at.contacts, positions, frames), positions=positions, frames=frames,
+            mechanism=mechanism, flexibility=read_only(self._own.copy()), offset=read_only(self._given.copy()),
+            wrench=wrench_about(self._first.reference, self._force, self._moment), effects=effects,
+        )  # fmt: skip
         return type(self._first)(now)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -370,10 +353,10 @@ class GraspStream:
         n, k = self._at.n, len(self._tips)
         return [(n, *rest)] if k == n else [(n, *rest), (k, *rest)]
 
-    def _joints(self, argument: str, value: Any) -> MovingHand:
+    def _hand_moved(self, argument: str, value: Any) -> HandModel:
         if self._hand is None:
             raise InputError(argument, "None for a grasp without a hand", repr(value)[:80])
-        return self._hand
+        return self._hand.hand
 
     def _spatial(self, argument: str, value: Any, *rest: int) -> Array | None:
         given = None if value is None else check_array(argument, value, *self._shapes(*rest))

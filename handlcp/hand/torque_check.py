@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -12,14 +12,12 @@ from scipy.sparse.csgraph import connected_components
 from handlcp import words
 from handlcp.actuation.joint_stiffness import Elasticity
 from handlcp.actuation.motor import HOLDING, Drives, Motor
-from handlcp.actuation.tendon_stiffness import TendonStiffness
 from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.errors import UnknownName
-from handlcp.grasp.failure.failure_mode import TENSION, TORQUE, FailureMode, is_exceeded, largest_share_index
+from handlcp.grasp.failure.failure_mode import is_exceeded, largest_share_index
 from handlcp.grasp.failure.failure_text import describe_torque_excess
-from handlcp.grasp.solution.force_bounds import find_torque_bounds, format_span, is_apart, torque_shares
-from handlcp.grasp.solution.verdict import Reason
 from handlcp.record import Record
+from handlcp.robot.hand_model import HandModel
 from handlcp.words import TextTable, wrap_text
 
 
@@ -71,18 +69,9 @@ class TorqueCheck(Record):
     """
 
     entries = (
-        "joints",
-        "torque_Nm (nv,)",
-        "limit_Nm (nv,)",
-        "utilisation (nv,)",
-        "margin_Nm (nv,)",
-        "known",
-        "yielding",
-        "binding",
-        "ok",
-        "held_by",
-        "lasts_s",
-    )
+        "joints", "torque_Nm (nv,)", "limit_Nm (nv,)", "utilisation (nv,)", "margin_Nm (nv,)", "known", "yielding",
+        "binding", "ok", "held_by", "lasts_s",
+    )  # fmt: skip
 
     joints: tuple[str, ...]
     torque: Array
@@ -170,15 +159,11 @@ class TorqueCheck(Record):
         torques = _format_torques(self.torque / size)
         if len(units) > 1:  # those of joints that slide say their own
             torques = [f"{t} N" if r.unit == "N" else t for t, r in zip(torques, self, strict=True)]
-        columns = (
-            [r.joint for r in self],
-            torques,
-            limits,
-            [_format_share(r) for r in self],
-            [self.remark(r) for r in self],
-        )
-        heads = ("joint", f"torque\n{unit}", f"limit\n{unit}", "of limit", "")
-        return TextTable(heads, tuple(zip(*columns, strict=True)), "<>>><")
+        rows = [
+            (r.joint, torque, limit, _format_share(r), self.remark(r))
+            for r, torque, limit in zip(self, torques, limits, strict=True)
+        ]
+        return TextTable(("joint", f"torque\n{unit}", f"limit\n{unit}", "of limit", ""), tuple(rows), "<>>><")
 
     def remark(self, row: TorqueRow) -> str:
         """What stands beside a row: over its limit, yields at its limit, closest to its limit; "" for all others. With
@@ -218,20 +203,11 @@ class TorqueCheck(Record):
         return torque_table(self)
 
 
-def torque_check(
-    joints: Sequence[str],
-    torque: Array,
-    limit: Array,
-    known: Sequence[bool],
-    yielding: tuple[str, ...] = (),
-    sliding: tuple[str, ...] = (),
-    drives: Drives | None = None,
-) -> TorqueCheck:
-    """Compare torques (nv,) with limits (nv,) [N·m]; an infinite limit is never used up. yielding, sliding : names.
-    drives : motors behind the limits.
-    """
-    used = read_only(abs(torque) / limit)
-    return TorqueCheck(tuple(joints), torque, limit, used, tuple(known), yielding, sliding, drives)
+def torque_check(hand: HandModel, torque: Array, yielding: tuple[str, ...] = ()) -> TorqueCheck:
+    """Compare torques (nv,) [N·m] with the limits of a hand, at which some joints yield; infinite ones never count."""
+    limits = hand.torques
+    used, known, drives = read_only(abs(torque) / limits.limits), limits.known, limits.drives
+    return TorqueCheck(hand.joint_names, torque, limits.limits, used, known, yielding, hand.sliding, drives)
 
 
 def _format_limit(row: TorqueRow) -> str:
@@ -247,202 +223,6 @@ def _format_torques(values: Array) -> list[str]:
     largest = float(np.nanmax(abs(values), initial=0.0))
     decimals = 4 if largest < 9.99995 else 3 if largest < 99.9995 else 2
     return [f"{round(t, decimals) + 0.0:.{decimals}f}" if np.isfinite(t) else "–" for t in values.tolist()]
-
-
-# ----------------------------------------------------------------
-# What torques and tensions beside their limits say of a grasp, as reasons of a verdict: joints and tendons alike.
-
-
-_MAX_UNMADE_SHARE = 0.01  # of a command's largest torque: more than this that nothing makes decides
-
-# ----------------------------------------------------------------
-# Of joints and of tendons the same: which is over its limit, and for how long it holds; which is nearest to it; and
-# which takes more to close than its motor gives.
-
-
-class EffortKind(NamedTuple):
-    """What efforts are of, joints or tendons, and the words and keys for them.
-
-    member : one of them.
-    code : of a `FailureMode`, and of reasons.
-    weak_part : what cannot bear it.
-    effort, limit : keys of numbers.
-    """
-
-    member: str
-    code: str
-    weak_part: str
-    effort: str
-    limit: str
-
-    def reason_values(self, name: str, effort: float, limit: float) -> dict[str, Any]:
-        """The values of a reason about one joint or tendon."""
-        return {self.member: name, self.effort: effort, self.limit: limit}
-
-
-JOINT_EFFORT = EffortKind("joint", TORQUE, "motors", "torque_Nm", "limit_Nm")
-TENDON_EFFORT = EffortKind("tendon", TENSION, "tendons", "tension_N", "limit_N")
-
-
-def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
-    """What a check says about holding: joints over their limit, or the nearest to it; those that yield; the unknown."""
-    if check.over:
-        yield _over_limit_reason(JOINT_EFFORT, check.over)
-    elif check.binding is not None:
-        nearest = check[check.binding]
-        yield _nearest_limit_reason(JOINT_EFFORT, nearest, "" if np.isfinite(nearest.limit) else check.unlimited)
-    if check.yielding:
-        text = f"{words.list_names(check.yielding)} {'yield' if len(check.yielding) > 1 else 'yields'} at the limit"
-        yield Reason("torque", "note", text, {"yielding": check.yielding})
-    if check.unknown:
-        text = f"torque limits not known, torques not judged: {words.list_names(check.unknown)}"
-        yield Reason("limit_unknown", "warning", text, {"joints": check.unknown})
-
-
-def tension_reasons(stiffness: TendonStiffness, tension: Array) -> Iterator[Reason]:
-    """What tendons say that pull with tension (t,) [N]: those over their limit, or the nearest to it."""
-    rows = _tendon_rows(stiffness, tension)
-    if over := tuple([row for row in rows if row.over]):
-        yield _over_limit_reason(TENDON_EFFORT, over)
-    elif any(np.isfinite(row.limit) for row in rows):
-        yield _nearest_limit_reason(
-            TENDON_EFFORT, rows[largest_share_index(np.array([row.utilisation for row in rows]))]
-        )
-
-
-def _tendon_rows(stiffness: TendonStiffness, tension: Array) -> tuple[TorqueRow, ...]:
-    """Tendon by tendon; with a motor where that holds less for good than the tendon bears, and the tendon bears it."""
-    cables, drives, rows = stiffness.cables, stiffness.drives, list[TorqueRow]()
-    motors = (None,) * len(tension) if drives is None else drives.motors
-    each = zip(cables.names, tension.tolist(), stiffness.strength.tolist(), cables.limits.tolist(), motors, strict=True)
-    for name, t, bears, limit, motor in each:
-        breaks = limit >= bears or bool(is_exceeded(t / bears))
-        most = bears if breaks else limit
-        rows.append(TorqueRow(name, t, most, t / most, True, "N", None if breaks else motor))
-    return tuple(rows)
-
-
-def _over_limit_reason(kind: EffortKind, rows: Sequence[TorqueRow]) -> Reason:
-    """Of those over their limits: for a while, where motors hold all of them at their peak, or not at all."""
-    values = {f"{kind.member}s": [_row_values(kind, r) for r in rows]}
-    if any(r.lasts == 0.0 for r in rows):
-        needs = [f"{r.joint} needs {_format_effort(kind, r.unit, abs(r.torque), r.limit)}" for r in rows]
-        text = f"the contacts could hold the object, the {kind.weak_part} cannot: {words.list_names(needs)}"
-        return Reason(f"{kind.code}_over_limit", "decides", text, values)
-    needs = [f"{r.joint} gives {words.format_percent(r.motor.share(r.torque))} of continuous" for r in rows if r.motor]
-    known = [r.lasts for r in rows if r.lasts is not None]
-    least = "not for longer than the motor's thermal time"
-    if len(known) == len(rows):
-        least = f"begun cold, the first motor overheats after {words.format_duration(min(known))}"
-    text = f"the hand holds the object, but not for good: {words.list_names(needs)}; {least}"
-    return Reason("overheats", "decides", text, values | {"lasts_s": min(known) if len(known) == len(rows) else None})
-
-
-def _nearest_limit_reason(kind: EffortKind, r: TorqueRow, unlimited: str = "") -> Reason:
-    of = f"{words.format_effort(r.limit, r.unit)}{f' {r.held_by}' if r.held_by else ''}"
-    text = f"the {kind.member} closest to its limit is {r.joint} at {words.format_percent(r.utilisation)} of {of}"
-    return Reason(kind.code, "note", unlimited or text, _row_values(kind, r))
-
-
-def unmade_reasons(
-    names: Sequence[str], stiffness: Elasticity, command: Array, sliding: Sequence[str] = ()
-) -> Iterator[Reason]:
-    """Of a command (nv,) of the joints [rad, m] that tendons, or servos, make only in part: what nothing makes of it
-    decides, where it is more than a hundredth. sliding : names of joints that slide.
-    """
-    left = stiffness.unmade_torque(command)
-    if not left.any():
-        return
-    needs = [(name, t) for name, t in zip(names, left.tolist(), strict=True) if t]
-    asked = stiffness.command_torque(command)
-    share = float(abs(left).max() / abs(asked).max())
-    text = "no actuators make this command: it takes others"
-    if isinstance(stiffness, TendonStiffness):
-        arms = stiffness.arms.T
-        missing = abs(arms @ np.linalg.lstsq(arms, asked)[0] - asked).max()  # if tendons could push, too
-        which = "more tendons" if missing > _MAX_UNMADE_SHARE * abs(asked).max() else "tendons that pull the other way"
-        text = f"no tendons make this command by pulling: it takes {which}"
-    listed = words.list_names(
-        [f"{name} with {words.format_effort(t, words.effort_unit(name in sliding))}" for name, t in needs]
-    )
-    values = {"joints": [name for name, _ in needs], "torques_Nm": [t for _, t in needs], "share": share}
-    yield Reason(
-        "command_not_made", "decides" if share > _MAX_UNMADE_SHARE else "warning", f"{text} to turn {listed}", values
-    )
-
-
-def closing_reasons(
-    kind: EffortKind, names: Sequence[str], beyond: Sequence[FailureMode], drives: Drives, sliding: Sequence[str] = ()
-) -> Iterator[Reason]:
-    """Of joints or tendons that closing took more of than their motors give; beyond : of other kinds, too. sliding :
-    names of joints that slide.
-    """
-    if its := [c for c in beyond if c.kind == kind.code]:
-        at = [names.index(c.who) for c in its]
-        closes = (drives.closing_limits if kind is TENDON_EFFORT else drives.peak_limits(np.full(len(names), np.inf)))[
-            at
-        ]
-        taken = closes * np.array([1.0 - c.margin for c in its])
-        both = list(zip([c.who for c in its], taken.tolist(), closes.tolist(), strict=True))
-        needs = [
-            f"{name} needs {_format_effort(kind, words.effort_unit(name in sliding), *each)}" for name, *each in both
-        ]
-        rubs = " less dry friction" if kind is TENDON_EFFORT and drives.friction[at].any() else ""
-        text = f"closing takes more than the motors give (peak{rubs}): {words.list_names(needs)}"
-        values = {f"{kind.member}s": [kind.reason_values(*each) for each in both]}
-        yield Reason("closing_over_peak", "decides", text, values)
-
-
-def _format_effort(kind: EffortKind, unit: str, effort: float, limit: float) -> str:
-    """Such as "0.21 N·m of 0.2 N·m"."""
-    return " of ".join(words.format_efforts((effort, limit), "N" if kind is TENDON_EFFORT else unit))
-
-
-def _row_values(kind: EffortKind, r: TorqueRow) -> dict[str, Any]:
-    return kind.reason_values(r.joint, r.torque, r.limit) | {"utilisation": r.utilisation}
-
-
-# ----------------------------------------------------------------
-# Of torques that forces leave open.
-
-
-def open_torque_reasons(s: Any) -> Iterator[Reason]:
-    """Of a hand's solution that leaves forces open: whether joints are within their limits whatever these are."""
-    if s.uniqueness is None or s.uniqueness.forces_determined:
-        return
-    check, torques = s.torque_check, find_torque_bounds(s)
-    open_ = is_apart(torques, s.residuals.force_scale)
-    bounds = torque_shares(torques, check.limit)
-    values = {
-        "joints": [
-            {"joint": name, "torque_Nm": both, "utilisation": share}
-            for name, both, share, yes in zip(check.joints, torques.tolist(), bounds.tolist(), open_, strict=True)
-            if yes
-        ]
-    }
-    if not open_.any():
-        yield Reason("torques_open", "note", "the forces that are open change no joint's torque", values)
-        return
-    least, most = bounds.T
-    doubtful = np.flatnonzero(is_exceeded(most) & ~is_exceeded(least))
-    if len(doubtful):
-        k = doubtful[largest_share_index(most[doubtful])]
-        text = f"{check.joints[k]} may carry {_format_limit_share(*bounds[k].tolist())}"
-        if more := len(doubtful) - 1:
-            others = "1 more joint may need more than its" if more == 1 else f"{more} more may need more than their"
-            text = f"{text}, and {others} limit{'s' if more > 1 else ''}"
-        yield Reason("torques_open", "warning", f"{text}: no statics can tell", values)
-    elif not is_exceeded(most).any():
-        k = largest_share_index(most)
-        share = words.format_percent(most[k])
-        text = f"whatever the forces that are open are, no joint needs more than {share} of its limit"
-        yield Reason("torques_open", "note", f"{text} ({check.joints[k]})", values)
-
-
-def _format_limit_share(least: float, most: float) -> str:
-    if np.isfinite(most):
-        return f"{format_span(least, most)} of its limit"
-    return f"{words.format_percent(least)} of its limit, or any amount more"
 
 
 # ----------------------------------------------------------------
@@ -468,14 +248,10 @@ class MotorPull:
 
     @classmethod
     def from_torque(cls, asked: Array, moves: Bools, elasticity: Elasticity) -> MotorPull:
-        """Joints that move one place that may touch, or are driven together, are of one finger. moves (n, nv) : which
-        joint moves which place.
-        """
+        """Joints that move one place that may touch (moves (n, nv)), or are driven together, are of one finger."""
         pulls = np.flatnonzero(asked)
-        move, compliance = (
-            moves[:, pulls].astype(int),
-            elasticity.contact_compliance(np.eye(len(asked)))[np.ix_(pulls, pulls)],
-        )
+        move = moves[:, pulls].astype(int)
+        compliance = elasticity.contact_compliance(np.eye(len(asked)))[np.ix_(pulls, pulls)]
         fingers = np.full(len(asked), -1)
         if len(pulls):
             fingers[pulls] = connected_components((move.T @ move > 0) | (compliance != 0.0), directed=False)[1]
@@ -497,27 +273,3 @@ class MotorPull:
         """Of each finger none of whose joints keeps enough, the joint that keeps most."""
         most = [int(np.where(self.fingers == finger, shares, -np.inf).argmax()) for finger in self.finger_numbers]
         return [j for j in most if shares[j] < MIN_TORQUE_SHARE]
-
-
-def motor_pull_reasons(
-    joints: Sequence[str], pulling: MotorPull, shares: Array, stuck: bool, sliding: Sequence[str] = ()
-) -> Iterator[Reason]:
-    """Of fingers that pull with less than asked for, (nv,) shares, once the hand has closed: they meet nothing, or
-    another finger would have to pull harder. stuck : steps of closing found no state in which they do. sliding : names
-    of joints that slide.
-    """
-    if short := pulling.weakest_joints(shares):
-        asked = abs(pulling.closing_torque)
-        both = [(joints[k], (float(shares[k] * asked[k]), float(asked[k]))) for k in short]
-        units = {joint: words.effort_unit(joint in sliding) for joint, _ in both}
-        needs = [f"{joint} {' of '.join(words.format_efforts(each, units[joint]))}" for joint, each in both]
-        text = f"where the hand has closed, fingers pull with less than the closing torque: {words.list_names(needs)}"
-        if beyond := [joints[k] for k in np.flatnonzero(shares > MAX_TORQUE_SHARE).tolist()]:
-            whose = "its" if len(beyond) == 1 else "their"
-            text += f"; turning on, they would drive {words.list_names(beyond)} farther beyond {whose} closing torque"
-        elif stuck:
-            text += "; no state was found in which they press harder, and what stops them is not known"
-        values = [
-            {"joint": joints[k], "torque_Nm": float(shares[k] * asked[k]), "asked_Nm": float(asked[k])} for k in short
-        ]
-        yield Reason("closing_torque", "warning", text, {"joints": values})

@@ -16,12 +16,7 @@ import numpy as np
 from handlcp import words
 from handlcp.actuation.motor import Motor
 from handlcp.actuation.tendon_stiffness import TendonStiffness
-from handlcp.check import (
-    Array,
-    Bools,
-    NumbersByName,
-    read_only,
-)
+from handlcp.check import Array, Bools, NumbersByName, read_only
 from handlcp.contact.friction import Section, as_section
 from handlcp.errors import InputError, NotReached, Unsupported
 from handlcp.geometry.link_contacts import ALL_LINKS, body_gaps, contact_bodies, nearest_links
@@ -62,11 +57,6 @@ class ClosedPosture:
     is_command_final: bool = True
     stuck: bool = False
 
-    @classmethod
-    def from_command(cls, q: Array, command: JointOffset) -> ClosedPosture:
-        """By a command of a grasp at q (nv,)."""
-        return cls(q, command.opened, command.command, command.friction_offset)
-
 
 def close_by_torque(state: HandPosture, obj: Object, joint_offset: Any, closing_torque: Any) -> ClosedPosture:
     """The hand closed from a posture, by a joint offset or by torques of its joints. Raises NotReached, InputError."""
@@ -80,75 +70,47 @@ def close_by_torque(state: HandPosture, obj: Object, joint_offset: Any, closing_
         rates, until = offset, 1.0
     if not rates.any():
         return command_closing_torque(hand, q, None, torque) if offset is None else ClosedPosture(q, None, offset)
-    found = wrap_hand(hand, obj, q, rates, until, "target")
-    opened = q if abs(found.q - q).max() > _MIN_CLOSING_MOTION else None
+    end = wrap_hand(hand, obj, q, rates, until, "target")
+    opened = q if abs(end - q).max() > _MIN_CLOSING_MOTION else None
     if offset is not None:
-        return ClosedPosture(found.q, opened, read_only(q + offset - found.q))
-    return command_closing_torque(
-        hand, found.q, opened, np.where(find_carrying_joints(state, found.q, obj), torque, 0.0)
-    )
+        return ClosedPosture(end, opened, read_only(q + offset - end))
+    carrying = _find_carrying_joints(hand, end, obj)
+    return command_closing_torque(hand, end, opened, np.where(carrying, torque, 0.0))
 
 
 def read_closing_torques(hand: HandModel, way: Array, value: Any) -> Array:
     """(nv,) [N·m] at the joints, with the sign in which each joint turns: a number or (nv,) of the joints that bend,
     positive towards the object; or a mapping by joint name (others: 0), where that of a joint that does not bend keeps
-    its sign. The dry friction of a tendon's motor takes its part of the tension. Raises InputError, also where a motor
-    has no such peak, or does not overcome that friction; UnknownName. way (nv,) : how the joints bend towards the
-    object, as `bending_rates` has it.
+    its sign. The dry friction of a tendon's motor takes its part of the tension: Rᵀ (t - T₀) with t less that friction
+    is left, for tendons that are drawn in. Raises InputError, also where a motor has no such peak, or does not overcome
+    that friction; UnknownName. way (nv,) : how the joints bend towards the object, as `bending_rates` has it.
     """
-    torque = _signed_torques(hand, way, value)
-    _check_joint_motors(hand, torque)
-    return _take_tendon_friction(hand, torque)
-
-
-def _check_joint_motors(hand: HandModel, torque: Array) -> None:
-    """That motors pull with torques (nv,) at their joints, and overcome their dry friction. Raises InputError."""
-    drives = hand.torques.drives
-    if drives is None:
-        return
-    for joint, motor, pull in zip(hand.joint_names, drives.motors, abs(torque).tolist(), strict=True):
-        if (
-            motor is not None
-            and pull > 0.0
-            and not motor.friction < pull <= motor.at_peak * (1.0 + OVER_LIMIT_TOLERANCE)
-        ):
-            unit = words.effort_unit(joint in hand.sliding)
-            expected = f"{_friction_words(motor)}at most the peak of its motor, {motor.at_peak:g} {unit} at the joint"
-            raise InputError(f"closing_torque[{joint!r}]", expected, f"{pull:g}")
-
-
-def _take_tendon_friction(hand: HandModel, torque: Array) -> Array:
-    """(nv,) what is left at the joints of torques (nv,) that tendons make: Rᵀ (t - T₀) with t less the dry friction of
-    the motor, for tendons that are drawn in.
-    """
-    if not isinstance(hand.stiffness, TendonStiffness) or hand.stiffness.drives is None:
+    torque = read_torque_by_joint(value, hand.joint_names)
+    signed = np.sign(way) * torque
+    torque = np.where(way != 0.0, signed, torque) if isinstance(value, Mapping) else signed
+    if (drives := hand.torques.drives) is not None:
+        for joint, motor, pull in zip(hand.joint_names, drives.motors, abs(torque).tolist(), strict=True):
+            where = f"{words.effort_unit(joint in hand.sliding)} at the joint"
+            _check_pull(f"closing_torque[{joint!r}]", motor, pull, pull, where, f"{pull:g}")
+    if not isinstance(hand.stiffness, TendonStiffness) or (drives := hand.stiffness.drives) is None:
         return torque
-    cables, drives = hand.stiffness.cables, hand.stiffness.drives
+    cables = hand.stiffness.cables
     tension = cables.tensions(torque)
     more = np.where(np.isinf(cables.pretension), tension, np.maximum(tension - cables.initial_tension, 0.0))
     more[abs(more) <= _TENSION_ROUNDING * abs(more).max()] = 0.0
     every = zip(cables.names, drives.motors, abs(more).tolist(), abs(tension).tolist(), strict=True)
     for name, motor, drawn, pull in every:
-        if (
-            motor is not None
-            and drawn > 0.0
-            and not (motor.friction < drawn and pull <= motor.at_peak * (1.0 + OVER_LIMIT_TOLERANCE))
-        ):
-            expected = (
-                f"{_friction_words(motor)}at most the peak of its motor, {motor.at_peak:g} N in the tendon {name!r}"
-            )
-            raise InputError("closing_torque", expected, f"{pull:g} N")
+        _check_pull("closing_torque", motor, drawn, pull, f"N in the tendon {name!r}", f"{pull:g} N")
     return np.asarray(torque - cables.arms.T @ (np.sign(more) * np.minimum(abs(more), drives.friction)))
 
 
-def _friction_words(motor: Motor) -> str:
-    return f"more than the dry friction of its drive, {motor.friction:g}, and " if motor.friction else ""
-
-
-def _signed_torques(hand: HandModel, way: Array, value: Any) -> Array:
-    torque = read_torque_by_joint(value, hand.joint_names)
-    signed = np.sign(way) * torque
-    return np.where(way != 0.0, signed, torque) if isinstance(value, Mapping) else signed
+def _check_pull(argument: str, motor: Motor | None, drawn: float, pull: float, where: str, got: str) -> None:
+    """Raises InputError for a motor that is to pull beyond its peak, or draws in with no more than its dry friction."""
+    if motor is None or drawn == 0.0:
+        return
+    if drawn <= motor.friction or pull > motor.at_peak * (1.0 + OVER_LIMIT_TOLERANCE):
+        rubs = f"more than the dry friction of its drive, {motor.friction:g}, and " if motor.friction else ""
+        raise InputError(argument, f"{rubs}at most the peak of its motor, {motor.at_peak:g} {where}", got)
 
 
 CLOSING_TORQUES = NumbersByName("joint", minimum=0.0, only_common_bounded=True)
@@ -159,33 +121,23 @@ def read_torque_by_joint(value: Any, joints: Sequence[str] | None = None) -> Arr
     return CLOSING_TORQUES.read("closing_torque", value, joints)
 
 
-def find_carrying_joints(state: HandPosture, q: Array, obj: Object) -> Bools:
+def _find_carrying_joints(hand: HandModel, q: Array, obj: Object) -> Bools:
     """(nv,) whether a joint carries a link that touches where the joints are at q."""
-    hand = state.hand
     gaps = body_gaps(HandPosture(hand, q), contact_bodies(hand, ALL_LINKS), obj)
     there = [link.support[0] for link, gap in gaps if gap <= _TOUCH_DISTANCE]
-    found = np.asarray(
-        hand.kinematics.find_moving_joints(np.array(there)).any(axis=0) if there else np.zeros(hand.nv, bool)
-    )
-    if not found.any():
-        expected = "a hand whose joints bring a link to the object"
-        raise NotReached("closing_torque", expected, nearest_links(gaps))
-    return found
+    if there and (found := hand.kinematics.find_moving_joints(np.array(there)).any(axis=0)).any():
+        return np.asarray(found)
+    raise NotReached("closing_torque", "a hand whose joints bring a link to the object", nearest_links(gaps))
 
 
 def command_closing_torque(hand: HandModel, q: Array, opened: Array | None, torque: Array) -> ClosedPosture:
     """Commanded by K⁻¹ τ, as far as motors turn where neither links nor the object give way. Raises InputError."""
-    command, against = (hand.stiffness.deflection(t) for t in _split_friction(torque, hand.dry_friction))
+    rubs = np.sign(torque) * np.minimum(abs(torque), hand.dry_friction)  # what friction takes as they close
+    command, against = hand.stiffness.deflection(torque - rubs), hand.stiffness.deflection(rubs)
     if (rigid := (torque != 0.0) & (command + against == 0.0)).any():
         stuck = ", ".join(name for name, is_rigid in zip(hand.joint_names, rigid, strict=True) if is_rigid)
         raise InputError("closing_torque", "joints that give way, which a torque turns", f"{stuck}: rigid")
     return ClosedPosture(q, opened, read_only(command), read_only(against), read_only(torque), False)
-
-
-def _split_friction(torque: Array, friction: Array) -> tuple[Array, Array]:
-    """What is left of torques (nv,) at the joints, and what friction (nv,) takes as they close [N·m]."""
-    takes = np.sign(torque) * np.minimum(abs(torque), friction)
-    return torque - takes, takes
 
 
 def start_open(spec: GraspSpec, closed: ClosedPosture | None, keeps: bool) -> GraspSpec:

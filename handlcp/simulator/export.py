@@ -122,7 +122,7 @@ def least_tendon_forces(grasp: HandGrasp) -> dict[str, tuple[float, float]]:
     cables = grasp.mechanism.joint_model.cables
     if cables is None or not np.isfinite(cables.pretension).any() or has_routes(grasp.state.hand):
         return {}
-    states = grasp.follow(order="squeeze").steps.states if grasp.mechanism.variation.has_command(grasp.spec) else ()
+    states = grasp.follow(order="squeeze").steps.states if find_command(grasp.spec.effects) else ()
     found = dict[str, tuple[float, float]]()
     for i in np.flatnonzero(np.isfinite(cables.pretension)).tolist():
         first = after = float(cables.pretension[i])

@@ -14,6 +14,7 @@ from handlcp.actuation.route import CYLINDER, Pulley, Route, Site
 from handlcp.actuation.tendon_stiffness import TendonStiffness
 from handlcp.check import Array
 from handlcp.errors import InputError, Unsupported
+from handlcp.grasp.effects.joint_offset import find_command
 from handlcp.grasp.path.state import Stage
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.robot.hand_model import HandModel
@@ -91,7 +92,7 @@ def route_commands(grasp: HandGrasp, names: tuple[str, ...], arms: Array) -> tup
     bent = np.linalg.lstsq(cables.passive, preload)[0]
     if abs(cables.passive @ bent - preload).max(initial=0.0) > _BALANCE_TOLERANCE * abs(preload).max(initial=0.0):
         raise Unsupported("a pretension that no springs at the joints balance cannot be written")
-    loading = grasp.follow(order="squeeze" if mechanism.variation.has_command(grasp.spec) else [Stage("rest")], steps=8)
+    loading = grasp.follow(order="squeeze" if find_command(grasp.spec.effects) else [Stage("rest")], steps=8)
     both = []
     for state in (loading.steps.states[0], loading.last):
         drawn = np.linalg.solve(cables.springs, state.pull.drawn)

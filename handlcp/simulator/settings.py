@@ -21,7 +21,7 @@ from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.effects.joint_torque import FingerWeight
 from handlcp.hand import HandGrasp
-from handlcp.hand.mechanism import HandMechanism, finger_flexibility
+from handlcp.hand.mechanism import HandMechanism
 
 # ---------------------------------------------------------------- Numbers and elements as MJCF writes them.
 
@@ -142,7 +142,7 @@ def check_writable(grasp: HandGrasp) -> None:
         )
     alone = spec.fingers_alone().mechanism
     assert isinstance(alone, HandMechanism)
-    own, flexibility = finger_flexibility(alone), spec.flexibility[: 3 * k, : 3 * k]
+    own, flexibility = alone.flexibility(), spec.flexibility[: 3 * k, : 3 * k]
     if abs(own - flexibility).max() > _EQUAL_FLEXIBILITY_TOLERANCE * abs(own).max():
         raise Unsupported("a flexibility other than that of the hand's joints and pads cannot be written")
     if spec.offset[k:, :2].any():

@@ -26,7 +26,7 @@ def lever_hand(write, **more):
     return Hand.from_urdf(write(f'<robot name="levers"><link name="palm"/>{left}{right}</robot>'), **settings)
 
 
-def lever_pinch(hand, force=(0.0, 0.0, -1.0), **more):
+def lever_pinch(hand, force=(0.0, 0.0, -1.0), mu=MU, **more):
     """Both tips on an object between them, tangents up, under a force."""
-    contacts = [Contact((side * 0.01, 0, L), (-side, 0, 0), Coulomb(MU), tangent=(0, 0, 1)) for side in (-1.0, 1.0)]
+    contacts = [Contact((side * 0.01, 0, L), (-side, 0, 0), Coulomb(mu), tangent=(0, 0, 1)) for side in (-1.0, 1.0)]
     return hand.at([0.0, 0.0]).grasp(contacts, wrench=(*force, 0, 0, 0), reference=(0, 0, L), **more)

@@ -15,18 +15,14 @@ CUBE = hl.Box(0.05, (0.0, 0.0, 0.08), mass=0.2)
 def lever(write, pull, torque_limit=5.0, mu=MU, effects=(), **more):
     """Two lever fingers that squeeze with 5 N, under a pull along their tips; friction holds up to 2 μ 5 N."""
     hand = lever_hand(write, torque_limits=torque_limit, **more)
-    contacts = [
-        hl.Contact((side * 0.01, 0, L), (-side, 0, 0), hl.Coulomb(mu), tangent=(0, 0, 1)) for side in (-1.0, 1.0)
-    ]
-    load = (0, 0, -pull, 0, 0, 0)
-    return hand.at([0.0, 0.0]).grasp(contacts, wrench=load, reference=(0, 0, L), preload=SQUEEZE, effects=effects)
+    return lever_pinch(hand, (0, 0, -pull), mu, preload=SQUEEZE, effects=effects)
 
 
-def five(stiffness, wrench=None):
+def five(stiffness, pull=0.0, **more):
     """The five-finger hand on a ball that is pulled out of it by its weight, closed by 1 mm."""
     hand = hl.example_hand("five_finger", joint_stiffness=stiffness)
-    q = hand.close_on(BALL)
-    return hand.at(q).grasp(BALL, hl.Coulomb(0.6), gravity=(0, 0, 9.81), preload=1e-3, wrench=wrench)
+    settings = {"gravity": (0, 0, 9.81), "wrench": (0, 0, pull, 0, 0, 0), "preload": 1e-3} | more
+    return hand.at(hand.close_on(BALL)).grasp(BALL, hl.Coulomb(0.6), **settings)
 
 
 # ---------------------------------------------------------------- held or not
@@ -52,10 +48,10 @@ def test_a_torque_over_its_limit_is_over_limit_with_the_torque_at_the_end(write)
     assert eased.check().word == "HELD"
 
 
-@pytest.mark.parametrize("case", ["soft", "pulled"])
-def test_a_soft_hand_that_one_solve_calls_held_drops_the_ball(case):
+@pytest.mark.parametrize(("stiffness", "pull"), [(1.0, 0.0), (6.0, 20.0)], ids=["soft", "pulled"])
+def test_a_soft_hand_that_one_solve_calls_held_drops_the_ball(stiffness, pull):
     """A simulation in MuJoCo, springs in the joints, drops both; one solve proves an equilibrium of small motions."""
-    grasp = five(1.0) if case == "soft" else five(6.0, (0, 0, 20.0, 0, 0, 0))
+    grasp = five(stiffness, pull)
     one = grasp.solve("cone")
     assert one.held
     v = grasp.check(solution=one)
@@ -68,10 +64,7 @@ def test_a_soft_hand_that_one_solve_calls_held_drops_the_ball(case):
 @pytest.mark.parametrize(("stiffness", "pull"), [(1.0, 0.0), (6.0, 12.0)])
 def test_the_estimate_of_what_small_motions_miss_is_of_the_size_of_what_the_loading_finds(stiffness, pull):
     """Between a third of it and three times; one solve is 3 to 8 % away here, from motions of 1.5 to 2.3 mm."""
-    hand = hl.example_hand("five_finger", joint_stiffness=stiffness)
-    load = (0, 0, pull, 0, 0, 0)
-    gravity = (0, 0, 9.81)
-    grasp = hand.at(hand.close_on(BALL)).grasp(BALL, hl.Coulomb(0.6), gravity=gravity, squeeze=3e-3, wrench=load)
+    grasp = five(stiffness, pull, preload=0.0, squeeze=3e-3)
     one, path = grasp.solve("cone"), grasp.follow(order="together", steps=10)
     off = np.linalg.norm(path.steps.forces[-1] - one.forces, axis=1).max()
     off /= np.linalg.norm(path.steps.forces[-1], axis=1).max()
@@ -102,9 +95,7 @@ def test_a_joint_that_the_squeeze_drives_past_its_range_is_named():
 
 
 def test_a_joint_that_yields_at_its_limit_is_not_over_it(write):
-    """Saturating joints of 0.3 N·m give way where a squeeze of 5 N would take 0.4 N·m, and hold 2 N all the same,
-    pulled away from the hinges.
-    """
+    """Joints of 0.3 N·m give way where a squeeze of 5 N would take 0.4, and hold 2 N, pulled away from the hinges."""
     grasp = lever(write, -2.0, torque_limit=0.3, effects=(hl.TorqueSaturation(),))
     v = grasp.check()
     assert v.word == "HELD"
@@ -114,16 +105,14 @@ def test_a_joint_that_yields_at_its_limit_is_not_over_it(write):
 
 @pytest.mark.long
 def test_levers_whose_joints_both_yield_tip_over_under_a_push_towards_their_hinges(write):
-    """Nothing keeps them upright: pushed by F they meet -F / L [N/m], and go sideways until one joint yields no more,
-    which is half of what both have yielded: (5 - 3.75) N of the joints' own share of C.
-    """
-    path = lever(write, 2.0, torque_limit=0.3, effects=(hl.TorqueSaturation(),)).follow()
+    """They go sideways until one joint yields no more: half of what both yielded, (5 - 3.75) N of its share of C."""
+    grasp = lever(write, 2.0, torque_limit=0.3, effects=(hl.TorqueSaturation(),))
+    path = grasp.follow()
     assert path.reached
     (snap,) = (e for e in path.events if e.kind == "snaps")
     assert snap.share < 0.1, "nothing but their leaning outwards by 1.2° steadies them"
     assert snap.moved == pytest.approx((5.0 - 3.75) * C, rel=0.02)
-    v = lever(write, 2.0, torque_limit=0.3, effects=(hl.TorqueSaturation(),)).check()
-    assert v.word == "NOT HELD", "a jerk may take it further"
+    assert grasp.check().word == "NOT HELD", "a jerk may take it further"
 
 
 # ---------------------------------------------------------------- advice
@@ -138,8 +127,7 @@ def test_what_is_advised_holds_when_it_is_done(write, pull):
     if "squeeze" in advice:
         assert grasp.replace(preload=SQUEEZE + advice["squeeze"]).check().ok
     if "stiffness" in advice:
-        harder = lever(write, pull * 2 * MU * 5.0, joint_stiffness=20.0 * advice["stiffness"])
-        assert harder.check().ok
+        assert lever(write, pull * 2 * MU * 5.0, joint_stiffness=20.0 * advice["stiffness"]).check().ok
 
 
 def test_advice_keeps_within_torque_limits(write):

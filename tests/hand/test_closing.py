@@ -11,6 +11,7 @@ from handlcp.geometry import Box, Cylinder, Ellipsoid, Mesh, Sphere
 from handlcp.hand import example_hand
 from tests.support.grasp import arrays
 from tests.support.hand import gaps
+from tests.support.refusals import refused
 from tests.support.texts import says
 
 from .test_objects import box_file
@@ -37,9 +38,9 @@ def finger(**stiffness):
     return hl.Hand.from_urdf(text, ["tip"], tip_radius=0.002, **stiffness)
 
 
-def closed(arms, tension):
-    """Around a cylinder that is kept in place: the path, and the posture at the end of the squeeze."""
-    tendon = hl.Tendons({"flexor": dict(zip(("root", "end"), arms, strict=True))}, 1e4, 0.02)
+def closed(arms, tension, springs=0.02):
+    """Around a cylinder that is kept in place: the path, the state at the end of the squeeze, the posture before."""
+    tendon = hl.Tendons({"flexor": dict(zip(("root", "end"), arms, strict=True))}, 1e4, springs)
     hand = finger(joint_stiffness=tendon)
     obj = hl.Cylinder(0.03, 0.1, placement=(*MIDDLE, 0.0))
     pull = dict(zip(("root", "end"), np.multiply(arms, tension), strict=True))
@@ -47,8 +48,12 @@ def closed(arms, tension):
         obj, friction=0.0, links=["proximal", "distal"], closing_torque=pull, hold_object=True, gravity=(0, 0, 0)
     )  # fmt: skip
     path = grasp.follow(order="squeeze")
-    squeezed = [s for s, k in zip(path.steps.states, path.steps.stage, strict=True) if k == 0][-1]
-    return path, squeezed, grasp.state.q
+    return path, path.steps.states[closed_at(path)], grasp.state.q
+
+
+def closed_at(path):
+    """The last step of the first stage."""
+    return np.flatnonzero(path.steps.stage == 0)[-1]
 
 
 def by_statics(q, torque):
@@ -76,19 +81,10 @@ def test_both_phalanges_press_as_the_statics_of_underactuated_fingers_says(tensi
 def test_a_tendon_winds_until_it_pulls_with_its_tension_however_far_the_finger_swings(springs):
     """Arms that make the proximal phalanx leave the object: the finger swings round it, against its springs."""
     arms, tension = (0.012, 0.008), 10.0
-    tendon = hl.Tendons({"flexor": dict(zip(("root", "end"), arms, strict=True))}, 1e4, springs)
-    hand = finger(joint_stiffness=tendon)
-    q0 = np.array([-0.8, 0.0])
-    pull = dict(zip(("root", "end"), np.multiply(arms, tension), strict=True))
-    grasp = hand.at(q0).grasp(
-        hl.Cylinder(0.03, 0.1, placement=(*MIDDLE, 0.0)), friction=0.0, links=["proximal", "distal"],
-        closing_torque=pull, hold_object=True, gravity=(0, 0, 0),
-    )  # fmt: skip
-    path = grasp.follow(order="squeeze")
-    end = np.flatnonzero(path.steps.stage == 0)[-1]
-    swung = path.steps.q[end] - grasp.state.q
+    path, _, q = closed(arms, tension, springs)
+    swung = path.steps.q[closed_at(path)] - q
     assert abs(swung).max() > 0.1
-    at_tendon = path.steps.torques[end] + springs * swung
+    at_tendon = path.steps.torques[closed_at(path)] + springs * swung
     np.testing.assert_allclose(at_tendon, np.multiply(arms, tension), rtol=2e-3)
 
 
@@ -115,15 +111,13 @@ def test_each_finger_closes_until_one_of_its_motors_pulls_with_the_closing_torqu
     for q in (hand.close_on(ball, wrap=True), hand.neutral):
         grasp = hand.at(q).grasp(ball, links=tips, closing_torque=0.1, hold_object=True, gravity=(0, 0, 0))
         path = grasp.follow(order="squeeze")
-        ends.append(path.steps.torques[np.flatnonzero(path.steps.stage == 0)[-1]].reshape(2, 2))
+        ends.append(path.steps.torques[closed_at(path)].reshape(2, 2))
     np.testing.assert_allclose(abs(ends[0]).max(axis=1), 0.1, rtol=1e-3)
     np.testing.assert_allclose(*ends, rtol=0.02)
 
 
 def test_a_strong_finger_stops_where_it_would_drive_a_weak_one_beyond_its_torque():
-    """Nothing keeps the ball in place: what one finger presses the other has to bear, and the verdict names the one
-    that could do more.
-    """
+    """What one finger presses the other has to bear, and the verdict names the one that could do more."""
     hand = example_hand("two_finger", joint_stiffness=6.0)
     ball = hl.Sphere(0.02, (0.0, 0.0, 0.09), mass=0.01)
     torque = {name: 0.05 if "finger_1" in name else 0.3 for name in hand.joint_names}
@@ -145,16 +139,16 @@ def test_fingers_that_are_not_asked_to_pull_stay_where_they_are():
     q = hand.close_on(ball)
     alone = {name: 0.2 for name in hand.joint_names if "finger_3" not in name}
     grasp = hand.at(q).grasp(ball, closing_torque=alone, hold_object=True)
-    end = grasp.follow(order="squeeze").steps
-    last = np.flatnonzero(end.stage == 0)[-1]
-    np.testing.assert_allclose(np.abs(end.torques[last]).reshape(3, 2)[:2].max(axis=1), 0.2, rtol=2e-3)
+    path = grasp.follow(order="squeeze")
+    torques = abs(path.steps.torques[closed_at(path)]).reshape(3, 2)
+    np.testing.assert_allclose(torques[:2].max(axis=1), 0.2, rtol=2e-3)
     assert not grasp.joint_offset[4:].any()
 
 
 def test_an_object_that_is_lost_when_it_is_let_go_is_lost_in_that_stage():
     hand = hl.example_hand("three_finger", joint_stiffness=6.0)
     ball = hl.Sphere(0.035, (0.0, 0.0, 0.04), mass=0.3)
-    one = {"finger_1_proximal": 0.3, "finger_1_distal": 0.3}  # it alone presses, and nothing presses back
+    one = dict.fromkeys(("finger_1_proximal", "finger_1_distal"), 0.3)  # it alone presses, and nothing presses back
     path = hand.at(hand.neutral).grasp(ball, links="all", closing_torque=one, hold_object=True).follow()
     assert (path.lost_stage, path.lost_at) == ("let go", 0.0)
     assert "kept in place" not in path.why
@@ -176,8 +170,7 @@ def test_upright_hands_touch(name, shape, tmp_path):
     hand = example_hand(name)
     q = hand.close_on(obj)
     assert abs(gaps(hand, q, obj)).max() <= 1e-6
-    assert (q >= hand.lower).all()
-    assert (q <= hand.upper).all()
+    assert ((hand.lower <= q) & (q <= hand.upper)).all()
     np.testing.assert_array_equal(hand.close_on(obj), q)  # deterministic, bit by bit
     assert arrays(hand.at(q).grasp(obj)).n == len(hand.fingertips)
 
@@ -198,7 +191,7 @@ def test_allegro_and_psyonic_close():
     ball = Sphere(0.035, (0.06, 0.0, 0.07))
     q = allegro.close_on(ball, np.zeros(16), fingers=["link_3.0_tip", "link_7.0_tip", "link_11.0_tip"])
     assert abs(gaps(allegro, q, ball)[:3]).max() <= 1e-6
-    assert (q[allegro.joint_names.index("joint_12.0")]) == pytest.approx(0.263)  # zero is outside its range
+    assert q[allegro.joint_names.index("joint_12.0")] == pytest.approx(0.263)  # zero is outside its range
     psyonic = example_hand("psyonic")
     tips = psyonic.at(psyonic.neutral + 0.4 * (psyonic.upper > 1)).tip_positions
     bar = Sphere(0.01, tips[1])
@@ -228,21 +221,17 @@ def test_unreachable_fingers_are_named_with_what_is_left(five):
     error = caught.value
     assert "finger_1_tip" not in error.gaps
     assert {"finger_3_tip", "finger_4_tip"} <= set(error.gaps)
-    q = error.q
-    left = gaps(five, q, ball)
-    for name, gap in error.gaps.items():
-        assert left[five.fingertips.index(name)] == pytest.approx(gap, abs=1e-12)
-    assert (q >= five.lower).all()
-    assert (q <= five.upper).all()
+    left = dict(zip(five.fingertips, gaps(five, error.q, ball), strict=True))
+    assert error.gaps == pytest.approx({name: left[name] for name in error.gaps}, abs=1e-12)
+    assert ((five.lower <= error.q) & (error.q <= five.upper)).all()
     with pytest.raises(NotReached):
         five.close_on(Sphere(0.01, (1.0, 0.0, 0.0)))
 
 
 def test_two_points_on_one_finger_are_said_to_share_its_joints():
     """The link in the middle has no joint of its own: with it the whole finger would move."""
-    hand = example_hand(
-        "three_finger", joint_stiffness=6.0, fingertips=["finger_1_tip", "finger_1_proximal_link", "finger_2_tip"]
-    )
+    tips = ["finger_1_tip", "finger_1_proximal_link", "finger_2_tip"]
+    hand = example_hand("three_finger", joint_stiffness=6.0, fingertips=tips)
     with pytest.raises(NotReached) as caught:
         hand.close_on(Sphere(0.02, (0.0, 0.0, 0.09)))
     assert "finger_1_proximal_link" in caught.value.gaps
@@ -266,6 +255,4 @@ def test_two_points_on_one_finger_are_said_to_share_its_joints():
 def test_bad_arguments_are_named(five, arguments, argument, kind):
     """One broken argument a time."""
     obj = arguments.pop("obj", Sphere(0.03, (0, 0, 0.09)))
-    with pytest.raises(kind) as caught:
-        five.close_on(obj, **arguments)
-    assert caught.value.argument == argument
+    refused(argument, five.close_on, obj, error=kind, **arguments)

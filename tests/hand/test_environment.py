@@ -12,6 +12,7 @@ from handlcp.geometry.table import RIM_POINTS
 from tests.support.grasp import arrays
 from tests.support.hand import points_needed
 from tests.support.kernels import interpreted
+from tests.support.refusals import refused
 from tests.support.texts import says
 
 G = 9.81
@@ -47,9 +48,8 @@ def points(environment):
 
 def test_a_box_on_its_face_an_edge_or_a_corner_has_four_two_or_one():
     flat = hl.Table((0, 0, -HALF)).under(hl.Box(2 * HALF))
-    np.testing.assert_allclose(
-        sorted(points(flat)[:, :2].tolist()), [[x, y] for x in (-HALF, HALF) for y in (-HALF, HALF)]
-    )
+    corners = [[x, y] for x in (-HALF, HALF) for y in (-HALF, HALF)]
+    np.testing.assert_allclose(sorted(points(flat)[:, :2].tolist()), corners)
     np.testing.assert_allclose(flat.gap, 0.0, atol=1e-17)
     edge = hl.Box(2 * HALF, pin.SE3(turned(np.pi / 4, 0, 0), np.zeros(3)))
     below = hl.Table((0, 0, -HALF * np.sqrt(2))).under(edge)
@@ -138,10 +138,8 @@ def test_no_small_motion_brings_a_point_left_out_below_the_plane_before_those_ke
 
 def test_nothing_near_enough_says_how_far_and_an_overlap_is_a_squeeze():
     box = hl.Box(2 * HALF)
-    with pytest.raises(NotReached) as info:
-        hl.Table((0, 0, -HALF - 0.002), name="floor").under(box)
-    assert info.value.argument == "environment"
-    assert info.value.gaps["floor"] == pytest.approx(0.002)
+    info = refused("environment", hl.Table((0, 0, -HALF - 0.002), name="floor").under, box, error=NotReached)
+    assert info.gaps["floor"] == pytest.approx(0.002)
     np.testing.assert_allclose(hl.Table((0, 0, -HALF - 0.002), max_gap=0.003).under(box).gap, 0.002)
     np.testing.assert_allclose(hl.Table((0, 0, -HALF + 0.001)).under(box).gap, -0.001)
 
@@ -180,19 +178,14 @@ def test_given_contacts_take_an_environment_and_no_table(held):
     state, box = held
     contacts = state.grasp(box, hl.Coulomb(0.8)).contacts
     around = table().under(box)
-    g = state.grasp(contacts, preload=0.006, environment=around)
-    np.testing.assert_allclose(
-        arrays(g).positions, arrays(state.grasp(box, hl.Coulomb(0.8), environment=around)).positions, atol=1e-15
-    )
-    with pytest.raises(InputError) as info:
-        state.grasp(contacts, environment=table())
-    says(str(info.value), "environment")
+    given = arrays(state.grasp(contacts, preload=0.006, environment=around))
+    found = arrays(state.grasp(box, hl.Coulomb(0.8), environment=around))
+    np.testing.assert_allclose(given.positions, found.positions, atol=1e-15)
+    refused("environment", state.grasp, contacts, environment=table())
 
 
 def test_a_stream_begins_at_a_solution_where_it_finds_nothing_by_itself(held):
-    """Fingers without pads on a table a hundred times as stiff: the first stage fails from nowhere, and each answer
-    from a solution on is that of a single solve.
-    """
+    """Without pads on a table a hundred times as stiff: from a solution on each answer is that of a single solve."""
     _, box = held
     hand = hl.example_hand("three_finger", joint_stiffness=6.0)
     q = hand.close_on(box)
@@ -206,9 +199,7 @@ def test_a_stream_begins_at_a_solution_where_it_finds_nothing_by_itself(held):
     assert not stream.update(wrench=(0, 0, 1e3, 0, 0, 0)).held, "nothing holds that"
     assert stream.update(wrench=(0, 0, -0.2 * G, 0, 0, 0)).held, "it begins at the solution again"
     assert pickle.loads(pickle.dumps(stream)).update(q).held
-    with pytest.raises(InputError) as info:
-        hl.GraspStream(g, start=hand.at(q).grasp(box).solve(throw=False))
-    assert info.value.argument == "start"
+    refused("start", hl.GraspStream, g, start=hand.at(q).grasp(box).solve(throw=False))
 
 
 def test_a_stream_takes_arrays_of_fingers_and_leaves_the_table(held):
@@ -237,9 +228,7 @@ def test_a_table_below_the_hands_reach_and_bad_tables_are_refused(held):
         "point": {"point": (0, 0)}, "normal": {"normal": (0, 0, 2)}, "friction": {"friction": -0.5},
         "flexibility": {"flexibility": (1e-3, -1e-3, 0)}, "max_gap": {"max_gap": -1}, "name": {"name": 3},
     }.items():  # fmt: skip
-        with pytest.raises(InputError) as info:
-            hl.Table(**({"point": (0, 0, 0)} | change))
-        assert info.value.argument == argument
+        refused(argument, hl.Table, **{"point": (0, 0, 0)} | change)
     with pytest.raises(InputError):
         table().under("box")
 

@@ -13,12 +13,17 @@ from handlcp.errors import InputError, UnknownName, URDFError
 from handlcp.geometry import Sphere
 from handlcp.hand import Hand, example_hand
 from handlcp.hand.library import psyonic, urdf
+from tests.support.refusals import refused
 
 from .conftest import MIMIC
 
 LOPSIDED = np.eye(10) + np.triu(np.ones((10, 10)), 1)
 RAGGED = [1.0, [2.0, 3.0]]
 INDEFINITE = np.eye(10) - 0.5 * np.ones((10, 10))
+NAMES = [f"finger_{i}_{k}" for i in range(1, 6) for k in ("proximal", "distal")]
+SHIPPED = urdf("three_finger").read_text(encoding="utf-8")
+FIXED = """<robot name="r"><link name="palm"/><link name="t_tip"/><joint name="j" type="fixed"><parent link="palm"/>
+<child link="t_tip"/></joint></robot>"""
 
 
 @pytest.mark.parametrize(
@@ -51,28 +56,17 @@ INDEFINITE = np.eye(10) - 0.5 * np.ones((10, 10))
 def test_bad_arguments_of_from_urdf_are_named(arguments, argument, kind):
     """One broken argument a time; all are HandLCPError and ValueError."""
     call = {"source": urdf("five_finger"), "joint_stiffness": 1.0} | arguments
-    with pytest.raises(kind) as caught:
-        Hand.from_urdf(call.pop("source"), **call)
-    assert caught.value.argument == argument
-    assert isinstance(caught.value, ValueError)
+    caught = refused(argument, Hand.from_urdf, call.pop("source"), error=kind, **call)
+    assert isinstance(caught, ValueError)
 
 
 @pytest.mark.parametrize(
     "q",
-    [
-        np.zeros(9),
-        0.0,
-        [np.nan] * 10,
-        ["a"] * 10,
-        {"finger_1_distal": 0.0},
-        {f"finger_{i}_{k}": np.nan for i in range(1, 6) for k in ("proximal", "distal")},
-    ],
+    [np.zeros(9), 0.0, [np.nan] * 10, ["a"] * 10, {"finger_1_distal": 0.0}, dict.fromkeys(NAMES, np.nan)],
 )
 def test_bad_postures_are_named(five, q):
     """Wrong size, not finite, no numbers, joints left out: InputError about q that lists the joints."""
-    with pytest.raises(InputError, match="finger_1_proximal") as caught:
-        five.at(q)
-    assert caught.value.argument == "q"
+    refused("q", five.at, q, match="finger_1_proximal")
 
 
 def test_fingertips_that_are_not_obvious_are_proposed():
@@ -99,18 +93,18 @@ def test_fingertips_that_are_not_obvious_are_proposed():
         (MIMIC.replace('multiplier="0.7"', 'multiplier="1e300"'), "up to"),
         (MIMIC.replace('offset="0.1"', 'offset="-1e300"'), "up to"),
         (MIMIC.replace('type="continuous"', 'type="floating"'), "one degree of freedom"),
-        (
-            '<robot name="r"><link name="palm"/><link name="t_tip"/><joint name="j" type="fixed"><parent link="palm"/>'
-            '<child link="t_tip"/></joint></robot>',
-            "movable joints",
-        ),
+        (FIXED, "movable joints"),
+        # Numbers that Pinocchio would drop without a word
+        (SHIPPED.replace('radius="0.008"', 'radius="x"', 1), "sphere radius"),
+        (SHIPPED.replace('radius="0.008"', 'radius="-1"', 1), "sphere radius"),
+        (SHIPPED.replace('<mass value="', '<mass value="1e308" was="', 1), "mass value"),
+        (SHIPPED.replace('<mass value="', '<mass value="nan" was="', 1), "mass value"),
+        (SHIPPED.replace('<mass value="', '<mass value="-1" was="', 1), "mass value"),
     ],
 )
 def test_broken_urdfs_say_what_is_wrong(write, text, message, capfd):
     """The parser's own words reach the exception, and nothing leaks to stderr."""
-    with pytest.raises(URDFError, match=message) as caught:
-        Hand.from_urdf(write(text), joint_stiffness=1.0)
-    assert caught.value.argument == "source"
+    refused("source", Hand.from_urdf, write(text), error=URDFError, match=message, joint_stiffness=1.0)
     assert capfd.readouterr().err == ""
 
 
@@ -122,9 +116,7 @@ def test_a_joint_that_hardly_follows_narrows_no_range(write):
 
 @pytest.mark.parametrize("name", [np.zeros(2), 3])
 def test_example_hands_have_names(name):
-    with pytest.raises(UnknownName, match="five_finger") as caught:
-        example_hand(name)
-    assert caught.value.argument == "name"
+    refused("name", example_hand, name, error=UnknownName, match="five_finger")
 
 
 def test_binary_rubbish_is_no_urdf(tmp_path):
@@ -140,9 +132,7 @@ def test_tips_without_geometry_ask_for_a_radius(write, five):
     for source in (write(MIMIC), five.model):
         hand = Hand.from_urdf(source, joint_stiffness=1.0)
         state = hand.at(hand.neutral)
-        with pytest.raises(URDFError) as caught:
-            state.grasp(Sphere(0.01))
-        assert caught.value.argument == "tip_radius"
+        refused("tip_radius", state.grasp, Sphere(0.01), error=URDFError)
 
 
 def test_meshes_that_are_not_found_are_named(write):
@@ -150,9 +140,9 @@ def test_meshes_that_are_not_found_are_named(write):
     mesh = '<link name="d_tip"><collision><geometry><mesh filename="package://here/not.stl"/></geometry></collision></link>'
     path = write(MIMIC.replace('<link name="d_tip"/>', mesh))
     hand = Hand.from_urdf(path, ["d_tip"], joint_stiffness=1.0)
-    with pytest.raises(URDFError, match=r"package://here/not\.stl") as caught:
-        hand.at(hand.neutral).grasp(Sphere(0.01))
-    assert caught.value.argument == "package_dirs"
+    refused(
+        "package_dirs", hand.at(hand.neutral).grasp, Sphere(0.01), error=URDFError, match=r"package://here/not\.stl"
+    )
 
 
 def test_the_error_channel_is_given_back(five, write, capfd):
@@ -163,33 +153,10 @@ def test_the_error_channel_is_given_back(five, write, capfd):
     assert capfd.readouterr().err == "still here"
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "named"),
-    [
-        ('radius="0.008"', 'radius="x"', "sphere radius"),
-        ('radius="0.008"', 'radius="-1"', "sphere radius"),
-        ('<mass value="', '<mass value="1e308" was="', "mass value"),
-        ('<mass value="', '<mass value="nan" was="', "mass value"),
-        ('<mass value="', '<mass value="-1" was="', "mass value"),
-    ],
-)
-def test_numbers_that_pinocchio_would_drop_without_a_word_are_refused(tmp_path, old, new, named):
-    text = urdf("three_finger").read_text()
-    assert old in text
-    file = tmp_path / "broken.urdf"
-    file.write_text(text.replace(old, new, 1))
-    with pytest.raises(URDFError, match=named):
-        Hand.from_urdf(file, joint_stiffness=1.0)
-
-
 def test_a_tip_whose_shape_cannot_be_read_names_itself(tmp_path):
-    text = urdf("three_finger").read_text()
-    file = tmp_path / "empty.urdf"
-    root = ET.fromstring(text)
-    for link in root.findall("link"):
-        if link.get("name") == "finger_1_tip":
-            for geometry in link.findall("collision/geometry"):
-                geometry.clear()
+    file, root = tmp_path / "empty.urdf", ET.fromstring(SHIPPED)
+    for geometry in root.findall("link[@name='finger_1_tip']/collision/geometry"):
+        geometry.clear()
     file.write_text(ET.tostring(root, encoding="unicode"))
     hand = hl.Hand.from_urdf(file, joint_stiffness=1.0)
     with pytest.raises(hl.URDFError, match="finger_1_tip"):
@@ -204,8 +171,7 @@ HEAD = '<robot name="three_finger" xmlns:xacro="http://www.ros.org/wiki/xacro">'
 @pytest.fixture
 def folder(tmp_path):
     """A package: one file with the hand as a macro, one that calls it."""
-    text = urdf("three_finger").read_text(encoding="utf-8")
-    inside = text[text.index("<link") : text.index("</robot>")]
+    inside = SHIPPED[SHIPPED.index("<link") : SHIPPED.index("</robot>")]
     inside = inside.replace('effort="0.8"', 'effort="${half + 0.2}"')
     parts = f'{HEAD}<xacro:macro name="hand" params="half">{inside}</xacro:macro></robot>'
     (tmp_path / "parts.xacro").write_text(parts, encoding="utf-8")

@@ -8,6 +8,8 @@ import handlcp as hl
 from handlcp.geometry.link_penetration import find_penetrating_links
 from tests.support.texts import same, says
 
+from .test_objects import box_file
+
 ONE_LINK = """
 <robot name="one"><link name="palm"/>
   <link name="link"><collision>{origin}<geometry>{shape}</geometry></collision></link><link name="link_tip"/>
@@ -16,7 +18,6 @@ ONE_LINK = """
   <joint name="end" type="fixed"><parent link="link"/><child link="link_tip"/><origin xyz="0 0 0.3"/></joint>
 </robot>
 """
-BOX_STL = "solid box\n{}endsolid box\n"
 
 
 def one_link(write, shape, origin=""):
@@ -31,38 +32,21 @@ def depth(hand, obj, q=0.0):
     return found[0].depth if found else 0.0
 
 
-def box_mesh(file, size):
-    """A box of twelve triangles."""
-    x, y, z = np.array(size) / 2
-    corners = np.array([[a, b, c] for a in (-x, x) for b in (-y, y) for c in (-z, z)])
-    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    facets = [corners[[q[i] for i in three]] for q in quads for three in ((0, 1, 2), (0, 2, 3))]
-    corners_of = ("".join(f"vertex {x} {y} {z}\n" for x, y, z in facet) for facet in facets)
-    text = "".join(f"facet normal 0 0 0\nouter loop\n{corners}endloop\nendfacet\n" for corners in corners_of)
-    file.write_text(BOX_STL.format(text))
-    return file
-
-
 BALL = hl.Sphere(0.025)
 
 
 @pytest.mark.parametrize(
-    ("shape", "reach"),
-    [
-        ('<sphere radius="0.01"/>', 0.01),
-        ('<cylinder radius="0.01" length="0.2"/>', 0.01),  # its side faces the ball
-        ('<box size="0.02 0.05 0.3"/>', 0.01),
-    ],
+    "shape",  # each reaches 10 mm towards the ball, the cylinder with its side
+    ['<sphere radius="0.01"/>', '<cylinder radius="0.01" length="0.2"/>', '<box size="0.02 0.05 0.3"/>'],
 )
 @pytest.mark.parametrize("overlap", [-1e-3, 0.3e-3, 12e-3])
-def test_the_depth_in_a_ball_is_what_the_distance_of_its_centre_says(write, shape, reach, overlap):
-    ball = BALL.moved_to((0.025 + reach - overlap, 0.0, 0.0))
+def test_the_depth_in_a_ball_is_what_the_distance_of_its_centre_says(write, shape, overlap):
+    ball = BALL.moved_to((0.025 + 0.01 - overlap, 0.0, 0.0))
     assert depth(one_link(write, shape), ball) == pytest.approx(max(overlap, 0.0), abs=5e-5)
 
 
-@pytest.mark.parametrize("overlap", [5e-3])
-def test_every_kind_of_object_is_known(write, tmp_path, overlap):
-    hand = one_link(write, '<sphere radius="0.01"/>')
+def test_every_kind_of_object_is_known(write, tmp_path):
+    hand, overlap = one_link(write, '<sphere radius="0.01"/>'), 5e-3
     at = (0.03 - overlap, 0.0, 0.0)
     lying = pin.SE3(pin.utils.rotate("y", np.pi / 2), np.array(at))
     objects = [
@@ -70,7 +54,7 @@ def test_every_kind_of_object_is_known(write, tmp_path, overlap):
         hl.Cylinder(0.02, 0.1, at),
         hl.Cylinder(0.05, 0.04, lying),
         hl.Ellipsoid((0.02, 0.02, 0.02), at),
-        hl.Mesh(box_mesh(tmp_path / "box.stl", (0.04, 0.1, 0.1)), 1.0, at),
+        hl.Mesh(box_file(tmp_path, np.array([0.04, 0.1, 0.1])), 1.0, at),
     ]
     for obj in objects:
         assert depth(hand, obj) == pytest.approx(overlap, abs=2e-5), obj
@@ -85,7 +69,7 @@ def test_a_cylinder_that_overlaps_a_box_has_a_depth(write):
 
 
 def test_a_mesh_is_as_deep_as_the_shape_that_it_draws(write, tmp_path):
-    mesh = box_mesh(tmp_path / "link.stl", (0.02, 0.05, 0.3))
+    mesh = box_file(tmp_path, np.array([0.02, 0.05, 0.3]))
     drawn = one_link(write, f'<mesh filename="{mesh}"/>')
     plain = one_link(write, '<box size="0.02 0.05 0.3"/>')
     for q in (0.0, 0.04, -0.03):
@@ -177,9 +161,5 @@ def test_a_link_that_the_loading_brings_into_the_object_is_said_to_be_there_at_i
     state = hand.at(hand.neutral)
     ball = hl.Sphere(0.03, (0.0, 0.0, 0.03 - 4.5e-3), mass=0.05)
     mechanism = state.grasp(dict(around(ball)), preload=1e-3).spec.mechanism
-    said = [
-        r.sentence
-        for r in mechanism.report.end_reasons(np.zeros(6), np.zeros(6), (state, ball))
-        if "palm" in r.sentence
-    ]
-    says("; ".join(said), "palm", "at the end of the loading")
+    said = [r.sentence for r in mechanism.report.end_reasons(np.zeros(6), np.zeros(6), (state, ball))]
+    says("; ".join(sentence for sentence in said if "palm" in sentence), "palm", "at the end of the loading")

@@ -65,14 +65,10 @@ def test_a_gear_that_cannot_be_driven_back_holds_its_torque_whatever_the_motor(w
 
 
 def test_dry_friction_helps_to_hold(write):
-    """The same pushed finger by a motor that can be driven back: continuous torque and friction carry it together. What
-    friction takes of the left finger's force it adds to the right one's.
-    """
-    friction, limits = (0.0, 0.1), []
-    for rubs in friction:
-        motor = Motor(1.2 * PRESSED * L, 2.0, friction=rubs)
-        limits.append(pinch(write, motor).load_limit(PUSH, geometry="fixed").factor)
-    np.testing.assert_allclose(limits, [2 * ((1.2 * PRESSED * L + f) / L - PRESSED) for f in friction], rtol=1e-7)
+    """What friction takes of the left finger's force it adds to the right one's, beside its continuous torque."""
+    for rubs in (0.0, 0.1):
+        limit = pinch(write, Motor(1.2 * PRESSED * L, 2.0, friction=rubs)).load_limit(PUSH, geometry="fixed")
+        np.testing.assert_allclose(limit.factor, 2 * ((1.2 * PRESSED * L + rubs) / L - PRESSED), rtol=1e-7)
 
 
 # ---------------------------------------------------------------- what a verdict says
@@ -206,9 +202,7 @@ def test_a_brief_sizes_motors_by_what_is_held_and_by_the_peak_and_says_the_gear_
 
 # ---------------------------------------------------------------- tendons
 def test_a_brief_says_what_tendons_pull_with_and_which_go_slack(write):
-    """Fingers of one joint: a flexor's tension is torque over arm. An extensor beside it is slack once the load pushes
-    its joint open, and as much more of pretension as is said keeps it taut.
-    """
+    """A flexor's tension is torque over arm; an extensor that goes slack needs the pretension that is said."""
     arm, stiffness = 0.01, 1e5
     flexors = {f"{side} flexor": {f"{side}_joint": arm} for side in ("left", "right")}
     extensors = {f"{side} extensor": {f"{side}_joint": -arm} for side in ("left", "right")}

@@ -26,7 +26,7 @@ def found(hand):
 
 def test_two_links_of_fingers_or_more_touch_beside_the_palm(found):
     for candidate in found:
-        names = {name for name in candidate.grasp.state.hand.links_of_sites}
+        names = set(candidate.grasp.state.hand.links_of_sites)
         fingers = {name for name in names if name.startswith("finger")}
         assert len(fingers) >= 3 or (len(fingers) >= 2 and "palm" in names)
 

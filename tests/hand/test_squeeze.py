@@ -11,6 +11,7 @@ from handlcp.geometry import Box, Sphere
 from handlcp.hand import example_hand
 from handlcp.scene import read
 from tests.support.hand import gaps
+from tests.support.refusals import refused
 from tests.support.scene_texts import BOX_IN_TWO_FINGERS
 
 from .chains import A, B, chain_hand
@@ -55,7 +56,6 @@ def test_two_joints_press_on_a_wall_with_the_torques_of_that_force(write):
     order = [hand.joint_names.index(f"left_{k}") for k in ("root", "end")]
     at = hand.at(dict(zip(("left_root", "left_end", "right_root", "right_end"), q, strict=True)))
     grasp = at.grasp({"left_tip": wall}, grip_force=4.0)
-    k = np.array([3.0, 5.0]) if hand.joint_names[order[0]] == "left_root" else stiffness[order]
     k = hand.joint_stiffness.diagonal()[order]
     np.testing.assert_allclose(grasp.joint_offset[order], J.T @ n * 4.0 / k, rtol=1e-9)
     # A squeeze is the smallest δq with n·J δq = s
@@ -74,9 +74,7 @@ def test_pads_give_way_beside_the_joints(write):
 
 @pytest.mark.parametrize("degrees", [10.0, 60.0])
 def test_a_normal_that_leans_out_of_the_plane_is_met_sideways(write, degrees):
-    """The tip moves along x alone. To go deeper by s it moves s / cos θ, s tan θ of it along the wall. With a pad that
-    is alike in all directions the force is along x, too.
-    """
+    """The tip moves along x alone: by s deeper it moves s / cos θ, s tan θ along the wall; the force is along x."""
     t, s, f = np.radians(degrees), 1e-3, 2.0
     squeezed, gripped = leaning(write, degrees, squeeze=s), leaning(write, degrees, grip_force=f)
     moved = squeezed.jacobian @ squeezed.joint_offset
@@ -103,15 +101,14 @@ def test_across_the_plane_nothing_is_within_reach(write):
 @pytest.mark.parametrize("name", ["three_finger", "five_finger", "allegro"])
 def test_to_first_order_a_squeeze_takes_the_tips_so_much_deeper(name):
     hand = example_hand(name)
-    obj, more = {"three_finger": (CUBE, {}), "five_finger": (BALL, {})}.get(
-        name, (Sphere(0.035, (0.06, 0, 0.07)), {"fingers": ["link_3.0_tip", "link_7.0_tip", "link_11.0_tip"]})
-    )
-    q = hand.close_on(obj, np.zeros(hand.nv), **more)
-    depth = np.array([1.0, 0.5, 0.8, 0.0, 0.2])[: len(more.get("fingers", hand.fingertips))] * 1e-3
-    tips = [hand.fingertips.index(f) for f in more.get("fingers", hand.fingertips)]
+    fingers = ["link_3.0_tip", "link_7.0_tip", "link_11.0_tip"] if name == "allegro" else list(hand.fingertips)
+    obj = {"three_finger": CUBE, "five_finger": BALL, "allegro": Sphere(0.035, (0.06, 0, 0.07))}[name]
+    q = hand.close_on(obj, np.zeros(hand.nv), fingers=fingers)
+    depth = np.array([1.0, 0.5, 0.8, 0.0, 0.2])[: len(fingers)] * 1e-3
+    tips = [hand.fingertips.index(f) for f in fingers]
     missed = []
     for h in (1.0, 0.5):
-        command = hand.at(q).grasp(obj, squeeze=h * depth, **more).joint_offset
+        command = hand.at(q).grasp(obj, squeeze=h * depth, fingers=fingers).joint_offset
         missed.append(abs(gaps(hand, q + command, obj)[tips] + h * depth).max())
     assert missed[0] < 0.06 * depth.max()
     assert missed[1] < 0.3 * missed[0] + 1e-6
@@ -131,9 +128,7 @@ def test_gaps_and_overlaps_count(three):
 
 
 def test_the_readmes_cube_is_squeezed_as_a_simulator_of_its_joints_says(three):
-    """MuJoCo, joints commanded 5 mm deeper along the normals: 3.2, 3.1, 3.1 N and 0.14 mm. As a preload half of it on
-    the flanks is a wedge.
-    """
+    """MuJoCo, joints commanded 5 mm deeper: 3.2, 3.1, 3.1 N and 0.14 mm. As a preload half of it is a wedge."""
     grasp = three.at(three.close_on(CUBE)).grasp(CUBE, Coulomb(0.8), squeeze=5e-3)
     s = grasp.solve("cone")
     np.testing.assert_allclose(s.normal_force, [3.2, 3.1, 3.1], rtol=0.01)
@@ -174,9 +169,7 @@ def test_rigid_joints_are_commanded_all_the_same(write):
     gripped = state.grasp({"left_tip": wall}, grip_force=3.0)
     np.testing.assert_allclose(gripped.jacobian @ gripped.joint_offset, [0, 0, 3.0 * PAD], atol=1e-12)
     bare = chain_hand(write, joint_stiffness=np.inf).at(q)
-    with pytest.raises(InputError, match=r"grip_force: .*left_tip, which is rigid") as e:
-        bare.grasp({"left_tip": wall}, grip_force=3.0)
-    assert e.value.argument == "grip_force"
+    refused("grip_force", bare.grasp, {"left_tip": wall}, match="left_tip, which is rigid", grip_force=3.0)
 
 
 def test_tendons_command_what_drawing_them_in_does(three):
@@ -267,10 +260,8 @@ def test_a_stream_tells_gaps_from_preloads(three):
 )
 def test_what_makes_no_sense_is_named(three, bad, kind, argument):
     state = three.at(three.close_on(CUBE))
-    for call in (lambda: state.grasp(CUBE, **bad), lambda: state.grasp(CUBE).replace(**bad)):
-        with pytest.raises(kind) as e:
-            call()
-        assert e.value.argument == argument
+    refused(argument, state.grasp, CUBE, error=kind, **bad)
+    refused(argument, state.grasp(CUBE).replace, error=kind, **bad)
 
 
 # ---------------------------------------------------------------- squeeze given in joint space: its sign, its size
@@ -292,14 +283,6 @@ def test_one_joint_squeezes_both_and_moves_the_object(write):
     s = lever_pinch(lever_hand(write), joint_offset={"left_joint": 0.1}).solve()
     np.testing.assert_allclose(s.normal_force, 0.5 * L * 0.1 / C, **EXACT)
     np.testing.assert_allclose(s.object_displacement[0], 0.5 * L * 0.1, **EXACT)
-
-
-@pytest.mark.parametrize("nothing", [{}, [0.0, 0.0]])
-def test_none_changes_no_bit(write, nothing):
-    hand = lever_hand(write)
-    a, b = lever_pinch(hand, preload=1e-3).problem(), lever_pinch(hand, preload=1e-3, joint_offset=nothing).problem()
-    np.testing.assert_array_equal(a.scaled.M, b.scaled.M)
-    np.testing.assert_array_equal(a.scaled.q, b.scaled.q)
 
 
 def test_replacing_keeps_it_or_changes_it(write):
@@ -329,9 +312,7 @@ def test_replacing_keeps_it_or_changes_it(write):
 )
 def test_bad_commands_are_named(write, bad, kind, argument):
     hand = lever_hand(write)
-    with pytest.raises(kind) as e:
-        lever_pinch(hand, joint_offset=bad)
-    assert e.value.argument == argument
+    refused(argument, lever_pinch, hand, error=kind, joint_offset=bad)
     g = lever_pinch(hand, preload=1e-3)
     for change in (g.replace, lambda **more: GraspStream(g).update(**more)):
         with pytest.raises(kind):
@@ -350,9 +331,7 @@ def test_a_scene_file_says_it_by_joint():
     hand = grasp.state.hand
     assert dict(zip(hand.joint_names, grasp.joint_offset.tolist(), strict=True))["finger_2_distal"] == 0.1
     assert read(SCENE).solve().held
-    with pytest.raises(UnknownName) as e:
-        read(SCENE.replace("finger_2_distal", "thumb")).build()
-    assert e.value.argument == "grasp.joint_offset_rad"
+    refused("grasp.joint_offset_rad", read(SCENE.replace("finger_2_distal", "thumb")).build, error=UnknownName)
     contact = "[[contact]]\nposition_m = [0, 0, 0]\nnormal = [0, 0, 1]\n[grasp]\njoint_offset_rad = [0.1]"
     with pytest.raises(InputError, match=r"grasp\.joint_offset_rad: .*\[hand\]"):
         read(contact)

@@ -13,6 +13,7 @@ from handlcp.hand import example_hand
 from tests.support.grasp import arrays
 
 BALL = hl.Sphere(0.03, placement=(0, 0, 0.085), mass=0.2)
+PINCH = [hl.Contact((-0.01, 0, 0), (1, 0, 0)), hl.Contact((0.01, 0, 0), (-1, 0, 0))]
 
 
 @pytest.fixture(scope="module")
@@ -109,10 +110,8 @@ def test_contacts_that_roll(five):
     turn = hl.Contact((0, 0, 0), (np.sin(0.02), 0, np.cos(0.02))).rotation
     positions, frames = arrays(g).positions @ turn.T, turn @ g.frames
     update = stream.update(positions=positions, frames=frames)
-    contacts = [
-        hl.Contact(p, R[:, 2], c.friction, R[:, 0], c.name)
-        for p, R, c in zip(positions, frames, g.contacts, strict=True)
-    ]
+    every = zip(positions, frames, g.contacts, strict=True)
+    contacts = [hl.Contact(p, R[:, 2], c.friction, R[:, 0], c.name) for p, R, c in every]
     made = five.at(q).grasp(contacts, wrench=load, offset=g.offset, reference=g.reference)
     same(update, made.solve(throw=False))
     same(update, stream.grasp.solve(throw=False))
@@ -132,8 +131,7 @@ def test_what_cannot_be_held_is_undecided_and_then_held_again(five):
 
 
 def test_a_grasp_without_a_hand_is_followed_under_its_load():
-    contacts = [hl.Contact((-0.01, 0, 0), (1, 0, 0)), hl.Contact((0.01, 0, 0), (-1, 0, 0))]
-    g = hl.Grasp(contacts, (0, 0, -1, 0, 0, 0), flexibility=1e-4, preload=1e-3)
+    g = hl.Grasp(PINCH, (0, 0, -1, 0, 0, 0), flexibility=1e-4, preload=1e-3)
     stream = hl.GraspStream(g)
     for pull in np.linspace(-2, 2, 9):
         update = stream.update(wrench=(0, 0, pull, 0, 0, 0))
@@ -155,21 +153,17 @@ def test_readings_of_the_fingertips_lead_to_the_load_online(five):
 
 
 @pytest.mark.parametrize(
-    ("argument", "change"),
-    [
-        ("q", {"q": [0.0, 1.0]}),
-        ("offset", {"offset": np.zeros(15)}),
-        ("positions", {"positions": np.zeros((4, 3))}),
-        ("frames", {"frames": np.zeros((5, 3, 3))}),
-    ],
+    ("argument", "bad"),
+    [("q", [0.0, 1.0]), ("offset", np.zeros(15)), ("positions", np.zeros((4, 3))), ("frames", np.zeros((5, 3, 3)))],
+    ids=["q", "offset", "positions", "frames"],
 )
-def test_a_refused_change_changes_nothing(five, argument, change):
+def test_a_refused_change_changes_nothing(five, argument, bad):
     q, load, grasp = followed(five)
     stream = hl.GraspStream(grasp(q, load))
     before = stream.update().forces
     good = {"q": q + 0.01, "wrench": load * 1.1, "offset": np.zeros((5, 3))}
     with pytest.raises(hl.InputError, match=argument):
-        stream.update(**(good | change))
+        stream.update(**(good | {argument: bad}))
     np.testing.assert_array_equal(stream.update().forces, before)
 
 
@@ -186,12 +180,11 @@ def test_copies_share_nothing_and_go_on_from_where_it_is(five, twin):
 
 
 def test_effects_asked_for_by_name_are_refused():
-    contacts = [hl.Contact((-0.01, 0, 0), (1, 0, 0)), hl.Contact((0.01, 0, 0), (-1, 0, 0))]
-    g = hl.Grasp(contacts, flexibility=1e-4, effects=[hl.TotalForceBound(3.0)])
+    g = hl.Grasp(PINCH, flexibility=1e-4, effects=[hl.TotalForceBound(3.0)])
     with pytest.raises(hl.InputError, match="TotalForceBound"):
         hl.GraspStream(g)
     with pytest.raises(hl.InputError, match="a Grasp"):
-        hl.GraspStream(contacts)
+        hl.GraspStream(PINCH)
 
 
 def test_updates_keep_no_memory(five):

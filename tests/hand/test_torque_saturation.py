@@ -11,8 +11,9 @@ from handlcp.hand import HandGraspSolution
 from handlcp.scene import read
 from handlcp.viz.solution_output import solution_record
 from tests.support.grasp import arrays, at_centre, judged
+from tests.support.refusals import refused
 from tests.support.scene_texts import BOX_IN_TWO_FINGERS
-from tests.support.texts import says, without_numbers
+from tests.support.texts import says
 
 from .levers import MU, PAD, C, K, L, lever_hand, lever_pinch
 
@@ -29,9 +30,7 @@ def saturating(hand, **more):
 # ---------------------------------------------------------------- written down
 @pytest.mark.parametrize("faces", SECTIONS)
 def test_the_joint_that_yields_holds_its_limit_and_the_other_carries_the_rest(write, faces):
-    """A push P towards the right finger, whose joint holds 0.6 N·m: N₂ = 0.6 / L, N₁ = N₂ - P. The left one keeps
-    touching, u = δ - C N₁; the right one retreats by C N₂ + L s = δ + u.
-    """
+    """A push P to the right, 0.6 N·m there: N₂ = 0.6 / L, N₁ = N₂ - P, u = δ - C N₁, and C N₂ + L s = δ + u."""
     hand, push = lever_hand(write, torque_limits={"right_joint": 0.6}), 1.5
     g = saturating(hand, force=(push, 0, -1.0))
     s = g.solve(faces)
@@ -49,10 +48,7 @@ def test_the_joint_that_yields_holds_its_limit_and_the_other_carries_the_rest(wr
     assert (row.utilisation, s.torque_check.binding, s.torque_check.yielding) == (1.0, "right_joint", ("right_joint",))
     assert s.torque_check.ok
     says(s.torque_check.verdict, "right_joint")
-    table = str(s.torque_check).removesuffix(s.torque_check.verdict)
-    assert table != str(s.torque_check)
-    (row,) = (line for line in table.splitlines() if "right_joint" in line)
-    says(without_numbers(row), "right_joint")
+    assert str(s.torque_check).endswith(s.torque_check.verdict)
     assert s.uniqueness.forces_determined
     # virtual work, nothing slides: w·u = r·(E r + d) + τ_max s
     r = s.forces.ravel()
@@ -92,20 +88,6 @@ def test_it_costs_two_unknowns_a_limited_joint(write):
     assert sizes(np.inf) == {}
 
 
-@pytest.mark.parametrize("faces", SECTIONS)
-def test_without_limits_it_is_no_effect_bit_for_bit(write, faces):
-    hand = lever_hand(write, torque_limits=np.inf)
-    absent, neutral = lever_pinch(hand, preload=SQUEEZE), saturating(hand)
-    a, b = (g.problem(faces) for g in (absent, neutral))
-    a, b = (getattr(p, "scaled", p) for p in (a, b))
-    np.testing.assert_array_equal(a.M, b.M)
-    np.testing.assert_array_equal(a.q, b.q)
-    s, t = absent.solve(faces), neutral.solve(faces)
-    np.testing.assert_allclose(t.forces, s.forces, atol=1e-12 * abs(s.forces).max())
-    assert t.extra == {}
-    np.testing.assert_array_equal(t.joint_yield, 0.0)
-
-
 def test_absent_it_leaves_no_bit(write):
     hand = lever_hand(write, torque_limits=0.6)
     plain, g = lever_pinch(hand, preload=SQUEEZE).problem(), saturating(hand).problem()
@@ -142,7 +124,7 @@ def test_limits_too_low_for_the_load_are_proven_so(write, faces):
     hand = lever_hand(write, torque_limits=0.6)
     s = saturating(hand, force=(0, 0, -1.01 * 2 * MU * 0.6 / L)).solve(faces, throw=False)
     assert s.status is Status.NO_EQUILIBRIUM
-    says(without_numbers(s.diagnosis), "torque limits")
+    says(s.diagnosis, "torque limits")
     assert np.isnan(s.torques).all()
     assert np.isnan(s.joint_yield).all()
     assert not s.torque_check.yielding
@@ -156,8 +138,7 @@ def test_a_squeeze_too_weak_for_the_load_is_proven_so_within_limits_that_would_d
     s = saturating(hand, preload=weak, force=(0, 0, -5.2)).solve(faces, throw=False)
     assert s.status is Status.NO_EQUILIBRIUM
     assert s.bounds[0] >= 1000
-    text = without_numbers(s.diagnosis.replace("µm", "mm"))
-    says(text, "squeeze is too small")
+    says(s.diagnosis, "squeeze is too small")
     assert saturating(hand, preload=weak, force=(0, 0, -4.9 * np.cos(np.pi / 4))).solve(faces).held
 
 
@@ -165,9 +146,7 @@ def test_a_squeeze_too_weak_for_the_load_is_proven_so_within_limits_that_would_d
 def test_a_plain_grasp_says_what_to_do(write):
     g = saturating(lever_hand(write, torque_limits=0.6))
     for effect in (TorqueSaturation(), *g.effects):
-        with pytest.raises(InputError, match=r"hand\.at\(q\)\.grasp") as e:
-            Grasp(g.contacts, effects=[effect])
-        assert e.value.argument == "effects[0]"
+        refused("effects[0]", Grasp, g.contacts, match=r"hand\.at\(q\)\.grasp", effects=[effect])
     with pytest.raises(InputError, match="TorqueSaturation"):
         GraspStream(g)
 
@@ -177,8 +156,7 @@ def test_the_verdict_and_the_record_name_the_joint(write):
     s = g.solve()
     v = s.verdict
     assert v.word == "HELD"
-    said = [part for part in v.text.split("; ") if "right_joint" in part]
-    says(without_numbers("; ".join(said)), "right_joint")
+    says(v.text, "right_joint")
     rows = {r["joint"]: r["yield_rad"] for r in solution_record(g, s, g.explain())["torques"]}
     assert rows["left_joint"] == 0.0
     assert rows["right_joint"] == pytest.approx(s.joint_yield[1])

@@ -7,7 +7,7 @@ from handlcp.actuation.tendon_stiffness import TendonStiffness
 from handlcp.geometry.contact_detection import nearest_proximity
 from handlcp.geometry.link_contacts import body_gaps, contact_bodies
 from handlcp.geometry.table import _support_corners as _points_needed
-from handlcp.hand.torque_check import torque_check
+from handlcp.hand.torque_check import TorqueCheck
 from handlcp.robot.fingertip import TipShape, make_sphere_tip
 from handlcp.robot.hand_model import contact_hessian
 from handlcp.robot.servo_stiffness import ServoStiffness
@@ -135,8 +135,9 @@ class _UnderLoad:
 # ---------------------------------------------------------------- torques
 def torque_check_of(joints, torque, limits, known=None):
     """Torques beside limits, some of which may not be known; None: all are."""
+    torque, limits = np.asarray(torque, float), np.asarray(limits, float)
     told = (True,) * len(joints) if known is None else tuple(known)
-    return torque_check(tuple(joints), np.asarray(torque, float), np.asarray(limits, float), told)
+    return TorqueCheck(tuple(joints), torque, limits, abs(torque) / limits, told)
 
 
 def knows_all_limits(hand):

@@ -13,15 +13,7 @@ import pinocchio as pin
 from handlcp.actuation.tendon_stiffness import RoutedStiffness, TendonStiffness
 from handlcp.check import Array, check_array, check_number
 from handlcp.errors import InputError, UnknownName, Unsupported
-from handlcp.hand.vary.link_stretch import (
-    LinkStretch,
-    place_model_joint,
-    place_urdf_joint,
-    stretch_model,
-    stretch_parts,
-    stretch_urdf,
-    turn_urdf_joint,
-)
+from handlcp.hand.vary.link_stretch import LinkStretch, place_urdf_joints, stretch_model, stretch_parts, stretch_urdf
 from handlcp.robot.description import COLLISION, RobotDescription
 from handlcp.robot.fingertip import TipFrames, TipGeometry, TipPlacement, read_tip_radii
 from handlcp.robot.hand_model import HandModel
@@ -36,11 +28,7 @@ STIFFNESS, LIMIT, MOTOR, RADIUS, PAD = "stiffness", "torque_limit", "motor", "ra
 
 
 class HandChanges(NamedTuple):
-    """What is changed of a hand, read from names.
-
-    arguments : those of `Hand.replace`.
-    named : what is changed → of which joint, fingertip, … → to what.
-    """
+    """Arguments of `Hand.replace`, and by name what is changed → of which joint, fingertip, … → to what."""
 
     arguments: dict[str, Any]
     named: dict[str, dict[str, Any]]
@@ -70,8 +58,7 @@ def read_changes(hand: HandModel, changes: Any) -> HandChanges:
             found.named.setdefault(what, {})[of] = value
         else:
             raise _unknown_change(name, of, what if dot else "", known)
-    both = [joint for joint in found.values_of(LIMIT) if found.values_of(MOTOR).get(joint) is not None]
-    if both:
+    if both := [joint for joint in found.values_of(LIMIT) if found.values_of(MOTOR).get(joint) is not None]:
         raise InputError(change_label(both[0], LIMIT), "no limit of a joint with a motor, which gives it", "both")
     return found
 
@@ -81,16 +68,9 @@ def _changeable_numbers(hand: HandModel) -> dict[str, Sequence[str]]:
     joints, movable = hand.joint_names, hand.kinematics.movable
     tendons = hand.stiffness.names if isinstance(hand.stiffness, TendonStiffness) else ()
     links = tuple(dict.fromkeys((*hand.fingertips, *hand.description.links_with(COLLISION))))
-    return {
-        LENGTH: movable,
-        AXIS: movable,
-        POSITION: movable,
-        STIFFNESS: joints,
-        LIMIT: joints,
-        MOTOR: tuple(dict.fromkeys((*joints, *tendons))),
-        RADIUS: hand.fingertips,
-        PAD: links,
-    }
+    driven = tuple(dict.fromkeys((*joints, *tendons)))
+    named = {STIFFNESS: joints, LIMIT: joints, MOTOR: driven, RADIUS: hand.fingertips, PAD: links}
+    return {LENGTH: movable, AXIS: movable, POSITION: movable, **named}
 
 
 def _unknown_change(name: Any, of: str, what: str, known: Mapping[str, Sequence[str]]) -> UnknownName:
@@ -99,10 +79,8 @@ def _unknown_change(name: Any, of: str, what: str, known: Mapping[str, Sequence[
         return UnknownName("changes", f"a name with a {what}", [str(name)], [f"{one}.{what}" for one in known[what]])
     if numbers := [f"{of}.{number}" for number, names in known.items() if of in names]:
         return UnknownName("changes", f"a number of {of}", [str(name)], numbers)
-    every = (*HAND_ARGUMENTS, *[f"<name>.{number}" for number in known])
-    return UnknownName(
-        "changes", "an argument of Hand.replace, or a number of a joint or fingertip", [str(name)], every
-    )
+    expected = "an argument of Hand.replace, or a number of a joint or fingertip"
+    return UnknownName("changes", expected, [str(name)], (*HAND_ARGUMENTS, *[f"<name>.{number}" for number in known]))
 
 
 # ----------------------------------------------------------------
@@ -116,9 +94,8 @@ _KEPT_MESH = "its length was varied, and its mesh kept its shape: no axis of the
 def reshape_hand(hand: HandModel, radius: Any, changes: HandChanges) -> dict[str, Any]:
     """The parts that change, by attribute. radius : of the fingertips, as passed. Raises InputError, Unsupported."""
     described = _place_joints(hand.description, changes)
-    stretches = _read_stretches(
-        described.model, _rebuild_tips(hand, pin.Model(described.model), {}), changes.values_of(LENGTH)
-    )
+    before = _rebuild_tips(hand, pin.Model(described.model), {})
+    stretches = _read_stretches(described.model, before, changes.values_of(LENGTH))
     if stretches:
         described = _stretch_description(described, stretches)
     check_units("changes", described.model)
@@ -126,7 +103,11 @@ def reshape_hand(hand: HandModel, radius: Any, changes: HandChanges) -> dict[str
     tips = _rebuild_tips(hand, model, stretches)
     kinematics, stiffness = Kinematics(model, described.facts), hand.stiffness
     if isinstance(stiffness, RoutedStiffness):
-        own = _link_stretches(hand.description.model, stretches)
+        own = dict[str, LinkStretch]()  # of links that become longer or shorter, in their frames as they were before
+        for frame in hand.description.model.frames:
+            stretch = stretches.get(int(frame.parentJoint))
+            if stretch is not None and (local := stretch.in_link(frame.placement)) is not None:
+                own[frame.name] = local
         stiffness = stiffness.remap_points(kinematics, lambda link, x: own[link].map_point(x) if link in own else x)
     geometry = TipGeometry(described, tips, read_tip_radii(radius, tips.names))
     return {"kinematics": kinematics, "tips": tips, "stiffness": stiffness, "_geometry": geometry}
@@ -134,36 +115,29 @@ def reshape_hand(hand: HandModel, radius: Any, changes: HandChanges) -> dict[str
 
 def _place_joints(described: RobotDescription, changes: HandChanges) -> RobotDescription:
     """With joints that stand elsewhere or turn about other axes."""
-    places = {
-        j: check_array(change_label(j, POSITION), x, (3,), what="metres")
-        for j, x in changes.values_of(POSITION).items()
-    }
-    axes = {joint: _read_axis(change_label(joint, AXIS), x) for joint, x in changes.values_of(AXIS).items()}
+    moved = changes.values_of(POSITION)
+    places = {j: check_array(change_label(j, POSITION), x, (3,), what="metres") for j, x in moved.items()}
+    axes = dict[str, Array]()
+    for joint, value in changes.values_of(AXIS).items():
+        axis = check_array(change_label(joint, AXIS), value, (3,), what="a direction")
+        if (size := float(np.linalg.norm(axis))) == 0.0:
+            raise InputError(change_label(joint, AXIS), "a direction, not zero", repr(value)[:80])
+        axes[joint] = axis / size
     if not places and not axes:
         return described
     if described.root is None:
         if axes:
             raise Unsupported(f"changes: joints of a pinocchio.Model have their axes built in: {', '.join(axes)}")
         model = pin.Model(described.model)
-        for joint, x in places.items():
-            place_model_joint(model, joint, x)
+        for name, x in places.items():
+            frame = model.frames[model.getFrameId(name, pin.FrameType.JOINT)]
+            position = model.frames[frame.parentFrame].placement.act(x)
+            model.jointPlacements[model.getJointId(name)].translation = position
         return replace(described, model=model)
     root = copy.deepcopy(described.root)
-    for joint, x in places.items():
-        place_urdf_joint(root, joint, x)
-    for joint, x in axes.items():
-        turn_urdf_joint(root, joint, x)
-    return replace(
-        described, root=root, model=build_model("changes", root, described.source), facts=read_joint_facts(root)
-    )
-
-
-def _read_axis(name: str, value: Any) -> Array:
-    axis = check_array(name, value, (3,), what="a direction")
-    size = float(np.linalg.norm(axis))
-    if size == 0.0:
-        raise InputError(name, "a direction, not zero", repr(value)[:80])
-    return axis / size
+    place_urdf_joints(root, places, axes)
+    model = build_model("changes", root, described.source)
+    return replace(described, root=root, model=model, facts=read_joint_facts(root))
 
 
 def _read_stretches(model: Any, tips: TipFrames, lengths: Mapping[str, Any]) -> dict[int, LinkStretch]:
@@ -215,21 +189,10 @@ def _stretch_description(described: RobotDescription, stretches: Mapping[int, Li
     return replace(made, doubts=(*described.doubts, *[doubt for doubt in doubts if doubt not in described.doubts]))
 
 
-def _link_stretches(model: Any, stretches: Mapping[int, LinkStretch]) -> dict[str, LinkStretch]:
-    """In the frames of the links that become longer or shorter, by name; model : as it was before."""
-    found = dict[str, LinkStretch]()
-    for frame in model.frames:
-        stretch = stretches.get(int(frame.parentJoint))
-        if stretch is not None and (local := stretch.in_link(frame.placement)) is not None:
-            found[frame.name] = local
-    return found
-
-
 def _rebuild_tips(hand: HandModel, model: Any, stretches: Mapping[int, LinkStretch]) -> TipFrames:
     """The same fingertips in the model of the changed robot, to which points on links are added as frames."""
     places, frames = list[TipPlacement](), list[int]()
-    every = zip(hand.tips.names, hand.tips.frames, hand.tips.places, strict=True)
-    for name, frame, place in every:
+    for name, frame, place in zip(hand.tips.names, hand.tips.frames, hand.tips.places, strict=True):
         if frame == place.link:
             at = model.frames[frame].placement
         else:

@@ -41,9 +41,7 @@ class LinkStretch:
     start: float = 0.0
 
     def in_link(self, placement: Any) -> LinkStretch | None:
-        """In the frame of a link, whose placement in this one's frame is given; None beyond the end, where all of the
-        link stays as it is in its frame.
-        """
+        """In the frame of a link that is placed so in this one's frame; None beyond the end, where nothing changes."""
         t = self.start + float(self.direction @ placement.translation)
         if t >= self.before * (1.0 - _END_TOLERANCE):
             return None
@@ -98,35 +96,23 @@ class LinkStretch:
 GivenShapes = tuple[tuple[str, tuple[LinkShape, ...]], ...]
 
 
-def place_model_joint(model: Any, name: str, position: Array) -> None:
-    """A joint stands elsewhere, (3,) [m] in the frame of its parent; the model is changed."""
-    joint = model.getJointId(name)
-    frame = model.frames[model.getFrameId(name, pin.FrameType.JOINT)]
-    parent = model.frames[frame.parentFrame].placement
-    place = pin.SE3(model.jointPlacements[joint])
-    place.translation = parent.act(position)
-    model.jointPlacements[joint] = place
-
-
 def stretch_model(model: Any, stretches: Mapping[int, LinkStretch]) -> None:
     """Lengths by the number of the joint where they begin; the model is changed."""
     for k in range(1, model.njoints):
         if (stretch := stretches.get(int(model.parents[k]))) is not None:
-            model.jointPlacements[k] = _stretch_placement(model.jointPlacements[k], stretch)
+            place = model.jointPlacements[k]
+            place.translation = stretch.map_point(place.translation)
         if (stretch := stretches.get(k)) is not None:
             model.inertias[k].lever = stretch.map_point(model.inertias[k].lever)
     for frame in model.frames:
         if (stretch := stretches.get(int(frame.parentJoint))) is not None:
-            frame.placement = _stretch_placement(frame.placement, stretch)
+            frame.placement.translation = stretch.map_point(frame.placement.translation)
 
 
 def stretch_parts(
     given: GivenShapes, model: Any, stretches: Mapping[int, LinkStretch]
 ) -> tuple[GivenShapes, list[str]]:
-    """Stretch the shapes of links, and name those whose meshes all keep their shape.
-
-    model : as it was before.
-    """
+    """Stretch the shapes of links of a model as it was, and name those whose meshes all keep their shape."""
     kinds, kept = list[tuple[str, tuple[LinkShape, ...]]](), list[str]()
     for kind, parts in given:
         made = []
@@ -139,10 +125,6 @@ def stretch_parts(
             made.append(part if local is None else _stretch_part(part, local))
         kinds.append((kind, tuple(made)))
     return tuple(kinds), list(dict.fromkeys(kept))
-
-
-def _stretch_placement(placement: Any, stretch: LinkStretch) -> Any:
-    return pin.SE3(placement.rotation, stretch.map_point(placement.translation))
 
 
 def _stretch_part(part: LinkShape, stretch: LinkStretch) -> LinkShape:
@@ -162,16 +144,18 @@ def _stretch_part(part: LinkShape, stretch: LinkStretch) -> LinkShape:
 # Other lengths, axes and places in the <robot> of a hand, which is changed in place.
 
 
-def place_urdf_joint(root: ET.Element, name: str, position: Array) -> None:
-    """A joint stands elsewhere, (3,) [m] in its parent's frame."""
-    _write_position(_find_joint(root, name), position)
-
-
-def turn_urdf_joint(root: ET.Element, name: str, axis: Array) -> None:
-    """A joint turns about, or slides along, another axis (3,), a unit vector in its own frame."""
-    joint = _find_joint(root, name)
-    element = joint.find("axis")
-    (ET.SubElement(joint, "axis") if element is None else element).set("xyz", _format_numbers(axis))
+def place_urdf_joints(root: ET.Element, places: Mapping[str, Array], axes: Mapping[str, Array]) -> None:
+    """Joints stand elsewhere, (3,) [m] in their parent's frame, or turn about, or slide along, other axes (3,), unit
+    vectors in their own frames; both by name.
+    """
+    for joint in root.findall("joint"):
+        name = joint.get("name", "")
+        if name in places:
+            _write_position(joint, places[name])
+        if name in axes:
+            element = joint.find("axis")
+            element = ET.SubElement(joint, "axis") if element is None else element
+            element.set("xyz", _format_numbers(axes[name]))
 
 
 def stretch_urdf(root: ET.Element, model: Any, stretches: Mapping[int, LinkStretch]) -> list[str]:
@@ -221,10 +205,6 @@ def _stretch_shape(element: ET.Element, stretch: LinkStretch) -> bool:
         return made is not None
     _write_position(element, stretch.map_point(p))
     return True
-
-
-def _find_joint(root: ET.Element, name: str) -> ET.Element:
-    return next(joint for joint in root.findall("joint") if joint.get("name") == name)
 
 
 def _write_position(element: ET.Element, position: Array) -> None:

@@ -12,21 +12,8 @@ from handlcp.actuation.motor import Drives
 from handlcp.actuation.tendon_stiffness import TendonStiffness
 from handlcp.errors import InputError, UnknownName
 from handlcp.hand.hand_parts import replace_parts
-from handlcp.hand.vary.hand_shape import (
-    AXIS,
-    LENGTH,
-    LIMIT,
-    MOTOR,
-    PAD,
-    POSITION,
-    RADIUS,
-    STIFFNESS,
-    HandChanges,
-    change_label,
-    joint_length,
-    read_changes,
-    reshape_hand,
-)
+from handlcp.hand.vary import hand_shape
+from handlcp.hand.vary.hand_shape import LENGTH, LIMIT, MOTOR, PAD, RADIUS, STIFFNESS, HandChanges, change_label
 from handlcp.robot.description import COLLISION
 from handlcp.robot.hand_model import HandModel
 
@@ -41,7 +28,7 @@ def hand_numbers(hand: HandModel) -> dict[str, float]:
     """
     joints, found = hand.joint_names, dict[str, float]()
     for joint in hand.kinematics.movable:
-        if (length := joint_length(hand, joint)) is not None:
+        if (length := hand_shape.joint_length(hand, joint)) is not None:
             found[f"{joint}.{LENGTH}"] = length
     if isinstance(hand.stiffness, JointStiffness) and np.count_nonzero(hand.stiffness.stiffness_matrix) == len(joints):
         springs = np.diagonal(hand.stiffness.stiffness_matrix).tolist()
@@ -84,10 +71,10 @@ def vary_parts(hand: HandModel, by_tip: Mapping[str, Any], changes: Any) -> dict
 
     Raises InputError, UnknownName, Unsupported, URDFError.
     """
-    asked = read_changes(hand, changes)
+    asked = hand_shape.read_changes(hand, changes)
     step = _VariationStep(hand, by_tip)
-    if any(asked.values_of(what) for what in (LENGTH, AXIS, POSITION)):
-        step.take_parts(reshape_hand(hand, by_tip["radius"], asked))
+    if any(asked.values_of(what) for what in (LENGTH, hand_shape.AXIS, hand_shape.POSITION)):
+        step.take_parts(hand_shape.reshape_hand(hand, by_tip["radius"], asked))
     if asked.arguments:
         step.replace_arguments(**asked.arguments)
     step.change_tips(asked)
@@ -153,9 +140,8 @@ class _VariationStep:
         if own := {name: motor for name, motor in motors.items() if name in joints}:
             self.replace_arguments(motors=_merge_motors(joints, self.hand.torques.drives, own))
             said = {joint: m.stiffness for joint, m in own.items() if m is not None and m.stiffness is not None}
-            self.take_parts(
-                {"stiffness": with_motor_stiffness(stiffness, said, joints)}
-            )  # of other joints, joint_stiffness may be newer
+            # Of other joints, joint_stiffness may be newer
+            self.take_parts({"stiffness": with_motor_stiffness(stiffness, said, joints)})
         of_tendons = {name: motor for name, motor in motors.items() if name not in joints}
         if of_tendons and isinstance(stiffness, TendonStiffness):
             made = stiffness.motored(_merge_motors(stiffness.names, stiffness.drives, of_tendons))

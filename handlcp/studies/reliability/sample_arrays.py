@@ -18,7 +18,7 @@ from handlcp.geometry.object import BOX, CYLINDER, Object
 from handlcp.grasp.derivatives.parameter.parameter import Samples
 from handlcp.grasp.effects.joint_torque import FingerWeight
 from handlcp.grasp.model.request import GraspSpec
-from handlcp.hand.mechanism import HandMechanism, finger_flexibility
+from handlcp.hand.mechanism import HandMechanism
 from handlcp.robot.hand_model import HandPosture
 
 
@@ -43,7 +43,7 @@ def make_nominal(spec: GraspSpec) -> NominalGrasp:
     if not isinstance(hand, HandMechanism):
         return NominalGrasp(spec, None, False, np.zeros(6))
     c = 3 * spec.of_hand
-    made = finger_flexibility(replace(hand, jacobian=hand.jacobian[:c]))
+    made = replace(hand, jacobian=hand.jacobian[:c]).flexibility()
     own = bool(np.allclose(spec.flexibility[:c, :c], made, rtol=1e-12, atol=0.0))
     return NominalGrasp(spec, hand, own, hand.weight_of_object(spec.reference))
 

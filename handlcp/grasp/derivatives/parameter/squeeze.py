@@ -29,7 +29,7 @@ from handlcp.grasp.derivatives.parameter.parameter import (
     scale_both_ways,
     with_larger_entry,
 )
-from handlcp.grasp.effects.joint_offset import commanded_offset, replace_command
+from handlcp.grasp.effects.joint_offset import commanded_offset, find_command, replace_command
 from handlcp.grasp.model.request import GraspSpec
 
 MAX_SQUEEZE_SHARE = 0.2  # of the grasp's size: no hand squeezes farther than that for a better hold
@@ -61,7 +61,7 @@ class Squeeze(ContactParameter):
             offset = spec.offset.copy()
             offset[: spec.of_hand][pressed] *= factor
             return spec.replace(offset=read_only(offset))
-        if not (pressed.any() or spec.mechanism.variation.has_command(spec)):
+        if not (pressed.any() or find_command(spec.effects)):
             return None
         made: GraspSpec = spec.mechanism.variation.with_squeeze_share(spec, factor)
         return made
