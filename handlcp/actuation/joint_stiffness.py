@@ -317,10 +317,8 @@ class JointStiffness(Elasticity):
     def scale_by_joint(self, factors: Array) -> Self:
         """The same with the spring of each joint so many times as stiff, f (nv,) > 0; K_ij grows by √(f_i f_j)."""
         made, by = copy(self), np.sqrt(factors)
-        made._matrix, made.compliance_factor = (
-            read_only(self._matrix * by * by[:, None]),
-            read_only(self.compliance_factor / by[:, None]),
-        )
+        made._matrix = read_only(self._matrix * by * by[:, None])
+        made.compliance_factor = read_only(self.compliance_factor / by[:, None])
         return made
 
 

@@ -148,9 +148,8 @@ def _write_closest_on_hull(points: Array, faces: HullFaces, same: float, away: A
                 on_face = False
                 break
         if not on_face:
-            _nearest_triangle(
-                point, triangles, balls, visible[:count], x
-            )  # the nearest point lies on a face that is visible
+            # The nearest point lies on a face that is visible
+            _nearest_triangle(point, triangles, balls, visible[:count], x)
             away[m] = np.sqrt((point[0] - x[0]) ** 2 + (point[1] - x[1]) ** 2 + (point[2] - x[2]) ** 2)
             if away[m] > 0.0:
                 for a in range(3):
@@ -325,9 +324,8 @@ def _make_solid(triangles: Array, tree: Any, name: str) -> ObjectSolid:
     filled = float(around.computeVolume())
     convex = abs(abs(volume) - filled) <= CONVEXITY_TOLERANCE * filled
     if is_closed(triangles):
-        return ObjectSolid(
-            around if convex else tree, abs(volume), read_only(moment / volume), None if convex else triangles
-        )
+        whole, centre = around if convex else tree, read_only(moment / volume)
+        return ObjectSolid(whole, abs(volume), centre, None if convex else triangles)
     if convex:
         return ObjectSolid(around, filled, read_only(np.array(around.computeCOM()).reshape(3)))
     return ObjectSolid(tree, np.nan, read_only(moment / volume), triangles)

@@ -155,10 +155,8 @@ def _on_ellipsoid(radii: Array, c: Array) -> tuple[float, Array, Array]:
 
 # ----------------------------------------------------------------
 
-_ROTATION_TOLERANCE, _EXACT_ROTATION_TOLERANCE = (
-    1e-4,
-    1e-14,
-)  # what a rotation rounded to a few digits may miss, and what float64 makes it miss
+# What a rotation rounded to a few digits may miss, and what float64 makes it miss
+_ROTATION_TOLERANCE, _EXACT_ROTATION_TOLERANCE = 1e-4, 1e-14
 _LAST_ROW = np.array([0.0, 0.0, 0.0, 1.0])
 
 OBJECT_WEIGHT = EffectDescription(
@@ -311,11 +309,8 @@ def read_placement(value: Any) -> Any:
     if value is None:
         return pin.SE3.Identity()
     expected = "a pin.SE3, a homogeneous matrix or a position: finite numbers"
-    a = (
-        value.homogeneous.copy()
-        if isinstance(value, pin.SE3)
-        else check_array("placement", value, (3,), (4, 4), what=expected)
-    )
+    is_pose = isinstance(value, pin.SE3)
+    a = value.homogeneous.copy() if is_pose else check_array("placement", value, (3,), (4, 4), what=expected)
     if a.shape == (3,):
         return pin.SE3(np.eye(3), a)
     if not np.isfinite(a).all():
@@ -325,12 +320,9 @@ def read_placement(value: Any) -> Any:
     R = a[:3, :3]
     miss = float(abs(R.T @ R - np.eye(3)).max())
     if miss > _ROTATION_TOLERANCE or np.linalg.det(R) < 0.0:
-        what = (
-            "a mirror"
-            if miss <= _ROTATION_TOLERANCE
-            else f"one that is {miss:.3g} off (a scale, or a matrix of another kind?)"
-        )
-        raise InputError("placement", "a rotation, orthonormal to 1e-4, and a position", what)
+        off = f"one that is {miss:.3g} off (a scale, or a matrix of another kind?)"
+        came = "a mirror" if miss <= _ROTATION_TOLERANCE else off
+        raise InputError("placement", "a rotation, orthonormal to 1e-4, and a position", came)
     if miss > _EXACT_ROTATION_TOLERANCE:
         U, _, V = np.linalg.svd(R)
         R = U @ V

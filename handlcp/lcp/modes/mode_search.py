@@ -319,11 +319,6 @@ class ModeSearch:
         return int(self._tree.counts[2])
 
     @property
-    def is_ended(self) -> bool:
-        """Whether nothing more will come, whatever the budget."""
-        return self.exhausted or self.refused_count > _OPTIONS.max_refused
-
-    @property
     def is_none_proven(self) -> bool:
         """Whether it is proven that there is no answer within the bounds, unless one was accepted."""
         return self.exhausted and not self.refused_count
@@ -342,7 +337,7 @@ class ModeSearch:
         end : of `time.monotonic`, if earlier.
         """
         visits = self._visits(work, end)
-        while not self.is_ended and (last := next(visits, None)) is not None:
+        while self.refused_count <= _OPTIONS.max_refused and (last := next(visits, None)) is not None:
             if last or self._early < _OPTIONS.max_early_candidates:
                 self._early += not last
                 yield self._unknowns()
