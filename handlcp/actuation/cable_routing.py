@@ -49,9 +49,7 @@ class CableRouting:
 
     @cached_property
     def posts(self) -> _Posts:
-        """One for each joint where a tendon has friction, and each round body of a route that has: all of them, so that
-        there are as many in every posture.
-        """
+        """One for each joint with friction and each round body of a route with friction: as many in every posture."""
         nv, none, leg = self.arms.shape[1], np.zeros(self.arms.shape[1]), 0
         posts = list[tuple[int, float, Array, int]]()
         for i, (order, friction) in enumerate(zip(self.order, self.friction, strict=True)):
@@ -81,9 +79,7 @@ class CableRouting:
         return BoundRoutes(tuple(self.routes.values()), kinematics, named) if named else None
 
     def lay_out(self, bound: BoundRoutes | None, q: Array, given: Cables) -> Cables:
-        """Cables as they lie with joints at q (nv,); given : with the arms that were given, and all posts. Raises
-        InputError as `BoundRoutes.evaluate`.
-        """
+        """Cables with joints at q (nv,), from those with the arms that were given. Raises as `BoundRoutes.evaluate`."""
         if bound is None:
             return given
         routed, legs = np.array([*self.routes], dtype=np.int64), self.posts.legs
@@ -119,9 +115,7 @@ class CableRouting:
 def read_cable_routing(
     names: Sequence[str], R: Array, arms: Mapping[str, Any] | None, friction: Any, joints: Sequence[str]
 ) -> CableRouting:
-    """From what users pass. names (t,), R (t, nv) : 0 of those with routes. arms : by tendon, if they were given so.
-    Raises InputError, UnknownName.
-    """
+    """From what users pass; R (t, nv) : 0 of routes, arms : by tendon or None. Raises InputError, UnknownName."""
     routes = {} if arms is None else {i: arms[name] for i, name in enumerate(names) if isinstance(arms[name], Route)}
     order = [np.flatnonzero(row).tolist() for row in R]
     if arms is not None:

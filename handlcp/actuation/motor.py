@@ -240,9 +240,7 @@ def read_tendon_motors(value: Any, tendons: Sequence[str], pretension: Array) ->
 
 
 def check_driven_once(arms: Array, tendons: Drives | None, drives: Drives | None, joints: Sequence[str]) -> None:
-    """Raises InputError for motors of joints that tendons with motors move. arms (t, nv) : R. tendons, drives : the
-    motors of tendons and joints.
-    """
+    """Raises InputError for motors of joints that tendons with motors move; arms (t, nv) : R."""
     if tendons is None or drives is None:
         return
     moved = arms[[motor is not None for motor in tendons.motors]].any(axis=0).tolist()

@@ -174,11 +174,7 @@ class TendonStiffness(JointStiffness):
         return self._make_effort(values, values)
 
     def _make_effort(self, values: Array, whole: Array) -> Effort:
-        """Tensions of the tendons beside their limits.
-
-        values (t,) : what is shown [N].
-        whole (t,) : the tensions with what the tendons pulled with before [N], which is compared with the limits.
-        """
+        """Tensions beside their limits: values (t,) are shown, whole (t,), pretension included, are compared [N]."""
         limits = self.cables.limits
         used = read_only(np.maximum(whole, 0.0) / limits)
         return Effort(TENDON_TENSION, "N", self.names, read_only(values), limits, used)

@@ -269,9 +269,7 @@ class SynergyCompliance(Elasticity):
 
     @property
     def stiffness_matrix(self) -> Array:
-        """The stiffness matrix K = C⁻¹ (nv, nv) of the joints. Raises Unsupported where C is singular: some joints
-        only move together.
-        """
+        """K = C⁻¹ (nv, nv) of the joints. Raises Unsupported where C is singular: some joints only move together."""
         U, s, _ = np.linalg.svd(self.compliance_factor, full_matrices=False)
         nv = len(self.compliance_factor)
         if len(s) < nv or s[-1] ** 2 <= SEMIDEFINITE_TOLERANCE * s[0] ** 2:

@@ -110,10 +110,7 @@ def _distance_slope(kind: int, sizes: Array, c: Array, span: Array, s: float) ->
 def write_station_motion(
     N: Array, normal: Array, spans: Array, at: Array, arm: Array, size: float, moves: Array
 ) -> None:
-    """Write how the nearest station moves as its shape does, moves (3, 6): of (v; ω) of a point `arm` (3,) before it.
-
-    N (3, 3) turns the normal (3,) by the station's motion; spans (2, 3), all in world axes.
-    """
+    """Write how the nearest station moves, moves (3, 6), with (v; ω) of a point `arm` (3,) before it; world axes."""
     for a in range(3):
         b, c = (a + 1) % 3, (a + 2) % 3
         for j in range(6):
@@ -260,9 +257,7 @@ def shape_proximity(s: TipShape, position: Array, rotation: Array, obj: Object) 
 
 
 def quick_proximity(shape: TipShape, p: Array, R: Array, obj: Object, gap: float, about: float) -> Proximity:
-    """As `nearest_proximity`, of one shape whose gap is known to be `gap`, give or take `about` [m]: where coal says
-    so, too, and the object is convex, that is not confirmed any further.
-    """
+    """As `shape_proximity`, where the gap is `gap` give or take `about` [m]: then coal's own word is not confirmed."""
     by_face = shape.face is not None and (shape.corner is not None or obj.known is not None)
     if shape.radius is None and not by_face and obj.triangles is None:
         at = R @ shape.rotation, p + R @ shape.translation
@@ -382,9 +377,7 @@ def tangent_in_frame(R: Array, normal: Array) -> Array:
 
 
 def is_wide(along: Array, apart: float = MIN_SPREAD) -> bool:
-    """Whether points at (m,) along an axis [m] are farther apart than those of a curved surface, which touches at a
-    point.
-    """
+    """Whether points at (m,) along an axis [m] are farther apart than those of a curved surface at one point of it."""
     return bool(np.ptp(along) > apart)
 
 

@@ -126,9 +126,7 @@ def make_swept_ball(shape: TipShape, centre: Array, spans: Array, radius: float)
 
 
 def _face_rectangle(geometry: coal.ShapeBase, start: Array, axes: Array) -> Array:
-    """(4,) how far a rectangle about a point just below a face goes on along -x, x, -y, y within the shape [m]; axes
-    (2, 3).
-    """
+    """(4,) how far a rectangle about a point below a face stays in the shape along -x, x, -y, y [m]; axes (2, 3)."""
     x, y = axes
     reach = np.array([_extent_along(geometry, start, way) for way in (-x, x, -y, y)])
     if reach.min() < _MIN_FACE_EXTENT:

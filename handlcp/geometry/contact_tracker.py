@@ -51,9 +51,7 @@ class FlushContact(NamedTuple):
     width: float
 
     def press_at(self, by: Array) -> tuple[Array, float, Array]:
-        """Where it presses (3,), the gap, and how that point moves with the fingertip (3, 6), once this has moved by
-        (6,).
-        """
+        """Where it presses (3,), the gap, and how that point moves (3, 6), once the fingertip has moved by (6,)."""
         gaps = self.gaps + self.rates @ by
         # λ, the projection of -g / c on the simplex
         beyond = (gaps - gaps.min()) / self.width
@@ -169,9 +167,7 @@ def _motion_since(
 
 @kernel
 def _carry_contacts(by: Array, R: Array, t: Array, seen: DetectedContacts, out: ContactArrays) -> None:
-    """Write contacts as differences say that they are, once fingertips have moved by (k, 6) since they were seen. out :
-    as `ContactFinder` has it.
-    """
+    """Write contacts of fingertips that have moved by (k, 6) since they were seen; out : as in `ContactFinder`."""
     positions, normals, gaps, turns, shifts = out
     n, x = np.empty(3), np.empty(3)
     for i in range(len(by)):
@@ -310,9 +306,7 @@ def _is_edge(some: Array, between: Array, other: Array) -> bool:
 
 
 def _limit_edge_turn(turn: Array, arm: Array) -> Array:
-    """The turn (3, 6) of an edge's normal, no faster than `_MAX_NORMAL_TURN`, of a contact `arm` (3,) away from the
-    place that the fingertip turns about.
-    """
+    """An edge's turn (3, 6) no faster than `_MAX_NORMAL_TURN`; arm (3,) : from the fingertip's place to the contact."""
     fastest = float(np.linalg.norm(turn[:, :3], 2))
     if fastest <= _MAX_NORMAL_TURN:
         return turn

@@ -379,9 +379,7 @@ def coal_distance(first: Any, at: Frame, second: Any, there: Frame) -> Distance:
 
 
 class _ShapePair:
-    """Two shapes where they are. size [m] : of the smaller one. way (3,) : from the first one's origin to the
-    second's.
-    """
+    """Two shapes where they are. size [m] : of the smaller one. way (3,) : unit, between their origins."""
 
     def __init__(self, first: Any, at: Frame, second: Any, there: Frame) -> None:
         self._first, self._at, self._second, self._there = first, at, second, there
@@ -401,9 +399,7 @@ class _ShapePair:
         return one, two
 
     def is_confirmed(self, claimed: Distance) -> bool:
-        """Whether the numbers are finite, the points belong to the shapes, and the slab across the normal is as wide as
-        the gap.
-        """
+        """Whether numbers are finite, points belong to the shapes, and the slab across the normal has the gap."""
         (one, two), (at, there), (gap, a, b, n) = self._solids, self._where, claimed
         points = np.concatenate([a, b, n]).reshape(3, 3)
         return bool(

@@ -87,9 +87,7 @@ class ClosedSurface:
 
 
 def plane_distances(points: Array, normals: Array, offsets: Array) -> Array:
-    """(m,) how far points (m, 3) are beyond that of the planes n · x = offset, normals (k, 3), which they are furthest
-    beyond.
-    """
+    """(m,) how far points (m, 3) are beyond the farthest of the planes n · x = offset, normals (k, 3)."""
     out = np.empty(len(points))
     for k in range(0, len(points), _POINTS_PER_BATCH):
         out[k : k + _POINTS_PER_BATCH] = (points[k : k + _POINTS_PER_BATCH] @ normals.T - offsets).max(axis=1)
@@ -332,10 +330,7 @@ def _make_solid(triangles: Array, tree: Any, name: str) -> ObjectSolid:
 
 
 def _enclosed_volume(triangles: Array) -> tuple[float, Array]:
-    """The volume [m³] that triangles enclose (< 0: they face inwards), and volume × centre (3,) [m⁴].
-
-    Both are sums of tetrahedra with the origin.
-    """
+    """Volume [m³] that triangles enclose (< 0: facing inwards), volume × centre (3,) [m⁴]; by tetrahedra."""
     a, b, c = triangles.transpose(1, 0, 2)
     volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
     return float(volumes.sum()), (volumes[:, None] * (a + b + c) / 4).sum(axis=0)

@@ -91,10 +91,7 @@ def _on_ball(radius: float, c: Array) -> tuple[float, Array, Array]:
 
 @kernel
 def _on_box(half: Array, c: Array) -> tuple[float, Array, Array]:
-    """Distance, nearest point and outward normal on a box.
-
-    A point outside is clamped to the box. One inside goes straight out through the nearest face.
-    """
+    """As `closest_on_surface`: clamped to the box, from inside straight out through the nearest face."""
     x, out = np.empty(3), np.zeros(3)
     beyond, face, nearest = 0.0, 0, -np.inf
     for a in range(3):
@@ -113,11 +110,7 @@ def _on_box(half: Array, c: Array) -> tuple[float, Array, Array]:
 
 @kernel
 def _on_cylinder(radius: float, half: float, c: Array) -> tuple[float, Array, Array]:
-    """Distance, nearest point and outward normal on a cylinder.
-
-    A point outside is clamped to the lateral surface and the ends. One inside goes straight out through the nearer of
-    the two.
-    """
+    """As `closest_on_surface`: clamped to the side and the ends, from inside straight out through the nearer one."""
     away = np.sqrt(c[0] ** 2 + c[1] ** 2)
     a, b = (c[0] / away, c[1] / away) if away > 0.0 else (1.0, 0.0)
     side = 1.0 if c[2] >= 0.0 else -1.0

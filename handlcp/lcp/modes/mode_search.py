@@ -116,10 +116,7 @@ def new_mode_node(w: FullEquations) -> ModeNode:
 def visit_nodes(
     t: ModeTree, w: FullEquations, normals: Array, claim: NonexistenceClaim, work: int, node: ModeNode
 ) -> int:
-    """Visit nodes until `work` multiply-adds are spent, none is left, or there is a candidate, in the node's x, y, u.
-
-    normals : as in `ContactProblem`.
-    """
+    """Visit nodes until `work` multiply-adds are spent, none is left, or the node's x, y, u are a candidate."""
     end = t.counts[4] + work
     codes, corners = node.codes, node.corners
     while t.counts[0] > 0:
@@ -343,11 +340,7 @@ class ModeSearch:
                 yield self._unknowns()
 
     def each_choice(self, work: float) -> Iterator[Array]:
-        """One answer (n,) in natural units of each choice of modes that has any, until so many multiply-adds were spent
-        in all.
-
-        Where `exhausted`, the other choices are proven to have none within the bounds.
-        """
+        """One answer (n,) of each choice of modes that has any; where `exhausted`, others are proven to have none."""
         return (self._unknowns() for last in self._visits(work, math.inf) if last)
 
     def _visits(self, work: float, end: float) -> Iterator[bool]:
