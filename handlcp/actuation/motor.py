@@ -243,7 +243,6 @@ def check_driven_once(arms: Array, tendons: Drives | None, drives: Drives | None
     """Raises InputError for motors of joints that tendons with motors move; arms (t, nv) : R."""
     if tendons is None or drives is None:
         return
-    moved = arms[[motor is not None for motor in tendons.motors]].any(axis=0).tolist()
-    own = [motor is not None for motor in drives.motors]
-    if both := [j for j, is_moved, has_own in zip(joints, moved, own, strict=True) if is_moved and has_own]:
+    drawn, own = (np.array([motor is not None for motor in every.motors]) for every in (tendons, drives))
+    if both := [joints[k] for k in np.flatnonzero(own & arms[drawn].any(axis=0))]:
         raise InputError("motors", "no motor of a joint that a tendon with a motor moves", ", ".join(both))
