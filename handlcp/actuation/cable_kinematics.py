@@ -161,10 +161,7 @@ def _axes_about(axis: Array, x: Array, y: Array, z: Array) -> None:
 
 @kernel
 def _axes_in_plane(p: Array, q: Array, side: Array, x: Array, y: Array, z: Array) -> None:
-    """Write axes x, y, z of the plane through the centre of a ball, p and q, with x along p.
-
-    Points in line with the centre span none: then the plane goes through the side, or else anywhere.
-    """
+    """Write axes x, y, z with x along p and q in their plane; in line with p, the side is, or anything."""
     size = math.sqrt(_dot(p, p))
     for k in range(3):
         x[k] = p[k] / size

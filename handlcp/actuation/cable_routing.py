@@ -16,29 +16,11 @@ import numpy as np
 from handlcp.actuation.route import Around, BoundRoutes, Pulley, Route
 from handlcp.check import Array, Ints, check_array, check_keys, check_number, count_dimensions, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.model.mechanism import NO_WRAP_SIDES
+from handlcp.grasp.model.mechanism import Cables
 
 Arms = dict[str, dict[str, float]]
 _FRICTION_ARGUMENT = "Tendons.friction"
 _read_friction = partial(check_number, minimum=0.0)
-
-
-class CableLayout(NamedTuple):
-    """How cables lie over the joints in one posture.
-
-    arms (t, nv) : R, how fast each joint draws each cable in [m/rad, m/m].
-    shift (t,) : l - R q, with l drawn in by the joints since their posture zero [m].
-    post_tendon (m,), wrap_friction (m,), arms_beyond (m, nv), moment_arm_stiffness, wrap_sides (b, 3) : as `Cables` has
-        them.
-    """
-
-    arms: Array
-    shift: Array
-    post_tendon: Ints
-    wrap_friction: Array
-    arms_beyond: Array
-    moment_arm_stiffness: Callable[[Array], Array] | None
-    wrap_sides: Array = NO_WRAP_SIDES
 
 
 class _Posts(NamedTuple):
@@ -67,9 +49,7 @@ class CableRouting:
 
     @cached_property
     def posts(self) -> _Posts:
-        """One for each joint where a tendon has friction, and each round body of a route that has: all of them, so that
-        there are as many in every posture.
-        """
+        """One for each joint with friction and each round body of a route with friction: as many in every posture."""
         nv, none, leg = self.arms.shape[1], np.zeros(self.arms.shape[1]), 0
         posts = list[tuple[int, float, Array, int]]()
         for i, (order, friction) in enumerate(zip(self.order, self.friction, strict=True)):
@@ -79,7 +59,9 @@ class CableRouting:
                 posts += [(i, most, none, k) for k in around]
                 leg += len(legs)
             else:
-                posts += _joint_posts(i, self.arms[i], order, np.asarray(friction))
+                own = np.asarray(friction)  # beyond a post the tendon moves the joints that it passes from there on
+                beyond = [np.where(np.isin(np.arange(nv), order[k:]), self.arms[i], 0.0) for k in range(len(order))]
+                posts += [(i, float(own[j]), beyond[k], -1) for k, j in enumerate(order) if own[j] > 0.0]
         return _Posts(
             np.array([p[0] for p in posts], dtype=np.int64),
             read_only(np.array([p[1] for p in posts])),
@@ -96,32 +78,27 @@ class CableRouting:
         named = tuple([f"Tendons.moment_arms[{names[i]!r}]" for i in self.routes])
         return BoundRoutes(tuple(self.routes.values()), kinematics, named) if named else None
 
-    def lay_out(self, bound: BoundRoutes | None, q: Array) -> CableLayout:
-        """With joints at q (nv,). Raises InputError as `BoundRoutes.evaluate`."""
-        posts = self.posts
+    def lay_out(self, bound: BoundRoutes | None, q: Array, given: Cables) -> Cables:
+        """Cables with joints at q (nv,), from those with the arms that were given. Raises as `BoundRoutes.evaluate`."""
         if bound is None:
-            return CableLayout(
-                self.arms,
-                read_only(np.zeros(len(self.arms))),
-                posts.post_tendon,
-                posts.friction,
-                posts.arms_beyond,
-                None,
-            )
-        routed = self._routed_tendons
+            return given
+        routed, legs = np.array([*self.routes], dtype=np.int64), self.posts.legs
+        wrapping = [leg.body is not None for route in self.routes.values() for leg in route.legs]
         strung, posed = bound.evaluate(q)
-        R, shift = self.arms.copy(), np.zeros(len(self.arms))
+        R, shift = given.arms.copy(), np.zeros(len(given.arms))
         R[routed], shift[routed] = strung.arms, -strung.lengths - strung.arms @ q
-        friction, arms_beyond = posts.friction, posts.arms_beyond
-        if len(friction):
-            on, legs = posts.legs >= 0, posts.legs
+        friction, arms_beyond, on = given.wrap_friction, given.arms_beyond, legs >= 0
+        if len(legs):
             friction = read_only(np.where(on, friction * strung.wrap_angles[legs], friction))
             arms_beyond = read_only(np.where(on[:, None], strung.arms_beyond[legs], arms_beyond))
-        turning, sides = (
-            partial(bound.moment_arm_stiffness, posed, routed),
-            read_only(strung.wrap_sides[self._wrapping_legs]),
+        return given._replace(
+            arms=read_only(R),
+            shift=read_only(shift),
+            wrap_friction=friction,
+            arms_beyond=arms_beyond,
+            moment_arm_stiffness=partial(bound.moment_arm_stiffness, posed, routed),
+            wrap_sides=read_only(strung.wrap_sides[wrapping]),
         )
-        return CableLayout(read_only(R), read_only(shift), posts.post_tendon, friction, arms_beyond, turning, sides)
 
     def describe_bodies(self, names: Sequence[str]) -> tuple[str, ...]:
         """Round bodies that routes pass, in words; names (t,)."""
@@ -134,34 +111,11 @@ class CableRouting:
         ]
         return tuple([f"{name!r} the {place.shape} at places[{k}], on {place.link}" for name, place, k in places])
 
-    @cached_property
-    def _wrapping_legs(self) -> Ints:
-        """Numbers of legs that go round a body, among those of all routes."""
-        every = [leg.body is not None for route in self.routes.values() for leg in route.legs]
-        return np.flatnonzero(every)
-
-    @cached_property
-    def _routed_tendons(self) -> Ints:
-        """Numbers of tendons with routes."""
-        return np.array([*self.routes], dtype=np.int64)
-
-
-def _joint_posts(tendon: int, arms: Array, order: list[int], friction: Array) -> list[tuple[int, float, Array, int]]:
-    """One post for each joint that has friction; beyond it the tendon moves the joints that it passes from there on."""
-    every = np.arange(len(arms))
-    return [
-        (tendon, float(friction[j]), np.where(np.isin(every, order[k:]), arms, 0.0), -1)
-        for k, j in enumerate(order)
-        if friction[j] > 0.0
-    ]
-
 
 def read_cable_routing(
     names: Sequence[str], R: Array, arms: Mapping[str, Any] | None, friction: Any, joints: Sequence[str]
 ) -> CableRouting:
-    """From what users pass. names (t,), R (t, nv) : 0 of those with routes. arms : by tendon, if they were given so.
-    Raises InputError, UnknownName.
-    """
+    """From what users pass; R (t, nv) : 0 of routes, arms : by tendon or None. Raises InputError, UnknownName."""
     routes = {} if arms is None else {i: arms[name] for i, name in enumerate(names) if isinstance(arms[name], Route)}
     order = [np.flatnonzero(row).tolist() for row in R]
     if arms is not None:

@@ -145,15 +145,11 @@ class Elasticity:
 
     @property
     def springs_with_rest(self) -> Array:
-        """(nv,) k of springs with a rest angle of their own, only those at joints that servos turn alone [N·m/rad]; 0:
-        none.
-        """
+        """(nv,) k of springs with a rest angle of their own, at joints that servos turn alone [N·m/rad]; 0: none."""
         return np.zeros(len(self.compliance_factor))
 
     def parallel_spring_torque(self, q: Array) -> Array | None:
-        """(nv,) with which drives pull against springs beside them with joints at q (nv,) [N·m]; None: there are none
-        that this counts.
-        """
+        """(nv,) with which drives pull against springs beside them at q (nv,) [N·m]; None: none that counts."""
         return None
 
     def unmade_torque(self, command: Array) -> Array:
@@ -317,10 +313,8 @@ class JointStiffness(Elasticity):
     def scale_by_joint(self, factors: Array) -> Self:
         """The same with the spring of each joint so many times as stiff, f (nv,) > 0; K_ij grows by √(f_i f_j)."""
         made, by = copy(self), np.sqrt(factors)
-        made._matrix, made.compliance_factor = (
-            read_only(self._matrix * by * by[:, None]),
-            read_only(self.compliance_factor / by[:, None]),
-        )
+        made._matrix = read_only(self._matrix * by * by[:, None])
+        made.compliance_factor = read_only(self.compliance_factor / by[:, None])
         return made
 
 
@@ -350,9 +344,7 @@ def read_stiffness(
 
 
 def with_motor_stiffness(elasticity: Elasticity, own: Mapping[str, float], joints: Sequence[str]) -> Elasticity:
-    """The same with joints by name that are as stiff as their motors say [N·m/rad]. Raises InputError where other
-    springs take part there.
-    """
+    """With joints by name as stiff as their motors say [N·m/rad]; InputError where other springs take part."""
     if not own:
         return elasticity
     at = [joints.index(joint) for joint in own]

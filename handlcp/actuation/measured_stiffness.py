@@ -104,15 +104,13 @@ def stiffness_from(angle: Any, torque: Any) -> MeasuredStiffness:
     parts = [np.sqrt(fit.covariance[1, 1])]
     if both is not None and way is not None:
         parts.append(both.values[2])
-        slopes = _fit_columns(loads, x**0, x, way, way * x)
-        parts.append(0.0 if slopes is None else slopes.beyond_scatter(3))
+        if (slopes := _fit_columns(loads, x**0, x, way, way * x)) is not None:
+            parts.append(np.sqrt(max(0.0, slopes.values[3] ** 2 - slopes.covariance[3, 3])))  # less its average scatter
     slant = np.array([-1.0, at_middle / rise]) / rise  # d(rest) / d(at_middle, rise), in ranges of the angle
     error = size * float(np.sqrt(slant @ fit.covariance[:2, :2] @ slant))
-    spread, friction = float(np.linalg.norm(parts)) / rise, None
-    if both is None:
-        way = None
-    else:
-        friction = max(0.0, float(both.values[2]))
+    spread = float(np.linalg.norm(parts)) / rise
+    friction = None if both is None else max(0.0, float(both.values[2]))
+    way = None if both is None else way
     rest, bent = float(middle - size * at_middle / rise), _find_bend(loads, x, way, fit, size)
     return MeasuredStiffness(rise / size, spread, friction, rest, error, len(angles), bent)
 
@@ -132,18 +130,12 @@ def _loading_directions(angles: Array) -> Array | None:
 
 
 class _LeastSquaresFit(NamedTuple):
-    """Values (p,) fitted by least squares, their covariance (p, p), the squares that are left, and degrees of
-    freedom.
-    """
+    """Values (p,) fitted by least squares, their covariance (p, p), what is left of squares, degrees of freedom."""
 
     values: Array
     covariance: Array
     residual_squares: float
     degrees_of_freedom: int
-
-    def beyond_scatter(self, k: int) -> float:
-        """The size of a value, less what scatter alone makes of it on average."""
-        return float(np.sqrt(max(0.0, self.values[k] ** 2 - self.covariance[k, k])))
 
 
 def _fit_columns(loads: Array, *columns: Array) -> _LeastSquaresFit | None:
@@ -165,15 +157,9 @@ def _find_bend(
     curve = _fit_columns(loads, x**0, x, *([] if way is None else [way]), *powers)
     if not powers or curve is None:
         return None
-    better = (
-        np.inf
-        if curve.residual_squares == 0.0
-        else (line.residual_squares - curve.residual_squares)
-        / curve.residual_squares
-        * curve.degrees_of_freedom
-        / len(powers)
-    )
-    if line.residual_squares == 0.0 or stats.f.sf(better, len(powers), curve.degrees_of_freedom) > _BEND_SIGNIFICANCE:
+    straight, curved, free = line.residual_squares, curve.residual_squares, curve.degrees_of_freedom
+    better = np.inf if curved == 0.0 else (straight - curved) / curved * free / len(powers)
+    if straight == 0.0 or stats.f.sf(better, len(powers), free) > _BEND_SIGNIFICANCE:
         return None
     bends = np.append(curve.values[1:2], curve.values[len(curve.values) - len(powers) :])
     slopes = np.polynomial.Polynomial(np.append(0.0, bends)).deriv()(np.linspace(x.min(), x.max(), 101)) / size

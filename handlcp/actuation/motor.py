@@ -67,16 +67,13 @@ class Motor:
     thermal_time: float | None = None
 
     def __post_init__(self) -> None:
-        own: dict[str, float | None] = {
-            "continuous": check_number("Motor.continuous", self.continuous, above=0.0),
-            "friction": check_number("Motor.friction", self.friction, minimum=0.0),
-            "reduction": check_number("Motor.reduction", self.reduction, above=0.0),
-            "efficiency": check_number("Motor.efficiency", self.efficiency, above=0.0),
-        }
-        for name in ("peak", "holding", "stiffness", "thermal_time"):
-            value, finite = getattr(self, name), name in ("peak", "thermal_time")
-            own[name] = None if value is None else check_number(f"Motor.{name}", value, above=0.0, finite=finite)
-        for name, value in own.items():
+        optional = "peak", "holding", "stiffness", "thermal_time"
+        for name in ("continuous", "friction", "reduction", "efficiency", *optional):
+            if (value := getattr(self, name)) is None and name in optional:
+                continue
+            minimum, above = (0.0, -np.inf) if name == "friction" else (-np.inf, 0.0)
+            finite = name not in ("holding", "stiffness")
+            value = check_number(f"Motor.{name}", value, minimum=minimum, above=above, finite=finite)
             object.__setattr__(self, name, value)
         if self.efficiency > 1.0:
             raise InputError("Motor.efficiency", "a number above 0 and at most 1", self.efficiency)
@@ -237,22 +234,15 @@ def read_tendon_motors(value: Any, tendons: Sequence[str], pretension: Array) ->
             raise InputError(f"{_MOTORS_ARGUMENT}[{name!r}]", expected, f"Motor(stiffness={motor.stiffness:g})")
         if min(motor.closes, motor.holds) < begun < np.inf:
             came = f"one that closes with {motor.closes:g} N and holds {motor.holds:g} N for good"
-            raise InputError(
-                f"{_MOTORS_ARGUMENT}[{name!r}]", f"a motor that makes and holds the pretension, {begun:g} N", came
-            )
+            expected = f"a motor that makes and holds the pretension, {begun:g} N"
+            raise InputError(f"{_MOTORS_ARGUMENT}[{name!r}]", expected, came)
     return drives
 
 
 def check_driven_once(arms: Array, tendons: Drives | None, drives: Drives | None, joints: Sequence[str]) -> None:
-    """Raises InputError for motors of joints that tendons with motors move. arms (t, nv) : R. tendons, drives : the
-    motors of tendons and joints.
-    """
+    """Raises InputError for motors of joints that tendons with motors move; arms (t, nv) : R."""
     if tendons is None or drives is None:
         return
-    own = np.array([motor is not None for motor in tendons.motors])
-    moved = arms[own].any(axis=0)
-    both = [
-        j for j, motor, twice in zip(joints, drives.motors, moved.tolist(), strict=True) if twice and motor is not None
-    ]
-    if both:
+    drawn, own = (np.array([motor is not None for motor in every.motors]) for every in (tendons, drives))
+    if both := [joints[k] for k in np.flatnonzero(own & arms[drawn].any(axis=0))]:
         raise InputError("motors", "no motor of a joint that a tendon with a motor moves", ", ".join(both))

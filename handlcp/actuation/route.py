@@ -32,6 +32,7 @@ from handlcp.errors import InputError, UnknownName, Unsupported, shorten_repr
 
 CYLINDER, SPHERE = "cylinder", "sphere"
 
+_IN_LINK = "metres in the link's frame"
 _PLACEMENT_EXPECTED = (
     "a pin.SE3 whose z is the axis, a point and a unit axis ((3,), (3,)), or of a sphere its centre (3,)"
 )
@@ -49,9 +50,7 @@ class Site:
 
     def __post_init__(self) -> None:
         check_link_name("Site.link", self.link)
-        object.__setattr__(
-            self, "point", check_array("Site.point", self.point, (3,), what="metres in the link's frame")
-        )
+        object.__setattr__(self, "point", check_array("Site.point", self.point, (3,), what=_IN_LINK))
 
     def moved(self, point: Callable[[str, Array], Array]) -> Site:
         """Where the link's lengths are others; point : of the name of a link and a point of it (3,), where that is."""
@@ -104,9 +103,7 @@ class Around:
         object.__setattr__(self, "radius", check_number("Around.radius", self.radius, above=0.0))
         object.__setattr__(self, "placement", _read_placement(self.placement, self.shape))
         if self.side is not None:
-            object.__setattr__(
-                self, "side", check_array("Around.side", self.side, (3,), what="metres in the link's frame")
-            )
+            object.__setattr__(self, "side", check_array("Around.side", self.side, (3,), what=_IN_LINK))
             self._check_side()
 
     def moved(self, point: Callable[[str, Array], Array]) -> Around:
@@ -144,11 +141,11 @@ def _read_placement(value: Any, shape: str) -> tuple[Array, Array]:
     if isinstance(value, pin.SE3):
         return check_array(name, value.translation, (3,)), check_unit_vector(name, value.rotation[:, 2], (3,))
     if shape == SPHERE and count_dimensions(value) == 1:
-        return check_array(name, value, (3,), what="metres in the link's frame"), read_only(np.array([0.0, 0.0, 1.0]))
+        return check_array(name, value, (3,), what=_IN_LINK), read_only(np.array([0.0, 0.0, 1.0]))
     value = check_sequence(name, value, _PLACEMENT_EXPECTED)
     if len(value) != 2:
         raise InputError(name, _PLACEMENT_EXPECTED, shorten_repr(value))
-    centre = check_array(f"{name}[0]", value[0], (3,), what="metres in the link's frame")
+    centre = check_array(f"{name}[0]", value[0], (3,), what=_IN_LINK)
     return centre, check_unit_vector(f"{name}[1]", value[1], (3,))
 
 
@@ -290,15 +287,8 @@ class BoundRoutes:
         """
         posed = self.pose_links(q)
         t, legs, joints = len(self.routes), len(self.strands.divisors), len(posed.columns)
-        out = CablePaths(
-            np.zeros(t),
-            np.zeros((t, joints)),
-            np.zeros(legs),
-            np.zeros((legs, 2, joints)),
-            np.zeros((legs, joints)),
-            np.zeros((legs, 4, 3)),
-            np.zeros((legs, 3)),
-        )
+        shapes = (t,), (t, joints), (legs,), (legs, 2, joints), (legs, joints), (legs, 4, 3), (legs, 3)
+        out = CablePaths(*map(np.zeros, shapes))
         wrong, depth = evaluate_cable_paths(self.strands, posed, out)
         if wrong >= 0:
             raise self._inside_error(int(wrong), float(depth), q)
@@ -336,16 +326,14 @@ class BoundRoute:
         is inside a body that the cable goes round.
         """
         (found, _), pieces = self.routes.evaluate(self._posture(q)), list[Piece]()
-        for n, (turned, ends, arms) in enumerate(
-            zip(found.wrap_angles.tolist(), found.piece_ends, found.piece_arms, strict=True)
-        ):
+        legs = zip(found.wrap_angles.tolist(), found.piece_ends, found.piece_arms, strict=True)
+        for n, (turned, ends, arms) in enumerate(legs):
             pieces.append(Piece(ends[0], ends[1], read_only(arms[0]), 0.0, n))
             if turned > 0.0:
                 pieces.append(Piece(ends[2], ends[3], read_only(arms[1]), turned, n))
         wraps = [leg.body is not None for leg in self.route.legs]
-        return TendonPath(
-            float(found.lengths[0]), read_only(found.arms[0]), read_only(found.wrap_angles[wraps]), tuple(pieces)
-        )
+        angles = read_only(found.wrap_angles[wraps])
+        return TendonPath(float(found.lengths[0]), read_only(found.arms[0]), angles, tuple(pieces))
 
     def slope(self, q: Any) -> Array:
         """How fast the moment arms change with the joints, ∂arms/∂q (nv, nv) [m/rad²], symmetric.
@@ -363,16 +351,10 @@ class BoundRoute:
 def _pack_routes(routes: Sequence[Route], at: list[int], support: Array) -> PackedRoutes:
     """As compiled code reads them. at (p,), support (p, joints) : of all places."""
     n, legs = len(at), list[tuple[int, ...]]()
-    s = PackedRoutes(
-        np.array(at, dtype=np.int64),
-        np.zeros((n, 3)),
-        np.zeros((n, 3)),
-        np.zeros((n, 3)),
-        np.zeros(n),
-        support,
-        np.zeros((0, 4), dtype=np.int64),
-        np.array([leg.divisor for route in routes for leg in route.legs]),
-    )
+    points, axes, sides = np.zeros((3, n, 3))
+    divisors = np.array([leg.divisor for route in routes for leg in route.legs])
+    none = np.zeros((0, 4), dtype=np.int64)
+    s = PackedRoutes(np.array(at, dtype=np.int64), points, axes, sides, np.zeros(n), support, none, divisors)
     begins = 0
     for t, route in enumerate(routes):
         for i, place in enumerate(route.places, begins):
@@ -408,9 +390,8 @@ def _split_legs(places: Sequence[Site | Around | Pulley]) -> list[_Leg]:
 
 def _check_neighbours(i: int, places: Sequence[Site | Around | Pulley]) -> None:
     before, after = (type(places[j]) if 0 <= j < len(places) else None for j in (i - 1, i + 1))
-    came = " and ".join(
-        f"{kind.__name__ if kind else 'nothing'} {where} it" for kind, where in ((before, "before"), (after, "after"))
-    )
+    names = (kind.__name__ if kind else "nothing" for kind in (before, after))
+    came = "{} before it and {} after it".format(*names)
     if isinstance(places[i], Around) and not before is after is Site:
         raise InputError(f"Route.places[{i}]", "an Around between two Sites", came)
     if isinstance(places[i], Pulley) and after is not Site:

@@ -10,7 +10,7 @@ from typing import Any, Self, TypeVar
 
 import numpy as np
 
-from handlcp.actuation.cable_routing import CableLayout, CableRouting
+from handlcp.actuation.cable_routing import CableRouting
 from handlcp.actuation.joint_stiffness import TENDON_TENSION, Effort, JointStiffness, inverse_root, orthonormal_basis
 from handlcp.actuation.motor import Drives, check_driven_once, read_tendon_motors
 from handlcp.actuation.route import BoundRoutes, Route
@@ -60,23 +60,23 @@ class TendonModel:
         """The elasticity of the joints with the tendons in a posture q (nv,), of this kind; bound_routes : the tendons'
         routes on the links of the hand, None without. cables_at : `elasticity_at` of its `Cables`.
         """
-        laid = self.routing.lay_out(bound_routes, q)
-        cables = self._posture_cables(laid, cables_at)
-        through = cables.arms.T @ self.springs @ cables.arms  # no load reaches the tendons through a rigid joint
-        K = self.passive + (through + through.T) / 2
-        if not self._min_passive_stiffness > SEMIDEFINITE_TOLERANCE * float(
-            through.trace() + self._passive_trace
-        ):  # no less than its largest eigenvalue
-            check_no_loose_motion(K, ~self._is_elastic, self.joints)
-        made = kind(K, laid.arms, cables, self._compliance_root(K))
+        cables = self.routing.lay_out(bound_routes, q, self._given_cables)._replace(elasticity_at=cables_at)
+        arms, elastic = cables.arms, self._is_elastic
+        if not elastic.all():  # no load reaches the tendons through a rigid joint
+            own, beyond = (read_only(np.where(elastic, rows, 0.0)) for rows in (arms, cables.arms_beyond))
+            cables = cables._replace(arms=own, arms_beyond=beyond)
+            if (turning := cables.moment_arm_stiffness) is not None:
+                cables = cables._replace(moment_arm_stiffness=partial(_mask_stiffness, turning, elastic))
+        through = cables.arms.T @ self.springs @ cables.arms
+        K, (least, total) = self.passive + (through + through.T) / 2, self._passive_size
+        # No less than SEMIDEFINITE_TOLERANCE times its largest eigenvalue
+        if not least > SEMIDEFINITE_TOLERANCE * float(through.trace() + total):
+            check_no_loose_motion(K, ~elastic, self.joints)
+        root = np.zeros_like(K) if self.routing.routes and elastic.all() else None
+        if root is not None and not inverse_root(K, root):
+            root = None
+        made = kind(K, arms, cables, root)
         return made if self.drives is None else made.with_motors(self.drives, self.strength)
-
-    def _compliance_root(self, K: Array) -> Array | None:
-        """(nv, nv) as of `JointStiffness`; None: not known."""
-        if not self.routing.routes or not self._are_all_elastic:
-            return None
-        A = np.zeros_like(K)
-        return A if inverse_root(K, A) else None
 
     @cached_property
     def _is_elastic(self) -> Bools:
@@ -84,62 +84,21 @@ class TendonModel:
         return np.asarray(np.isfinite(np.diagonal(self.passive)))
 
     @cached_property
-    def _are_all_elastic(self) -> bool:
-        return bool(self._is_elastic.all())
-
-    @cached_property
-    def _min_passive_stiffness(self) -> float:
-        """The least stiffness that joints' own springs give any motion [N·m/rad]: where it counts, no arm matters."""
+    def _passive_size(self) -> tuple[float, float]:
+        """Least and summed stiffness of the joints' own springs [N·m/rad]; where the least counts, no arm matters."""
         own = self.passive[np.ix_(self._is_elastic, self._is_elastic)]
-        return float(np.linalg.eigvalsh(own)[0]) if len(own) else np.inf
+        return float(np.linalg.eigvalsh(own)[0]) if len(own) else np.inf, float(own.trace())
 
     @cached_property
-    def _passive_trace(self) -> float:
-        """Trace of these springs."""
-        return float(np.diagonal(self.passive)[self._is_elastic].sum())
-
-    @cached_property
-    def _common_cables(self) -> Cables:
-        """What of them is the same in every posture."""
+    def _given_cables(self) -> Cables:
+        """With the arms that were given: what is the same in every posture, and in all of them without routes."""
         none, posts = np.zeros(len(self.joints)), self.routing.posts
         own = read_only(np.where(np.isinf(self.passive), 0.0, self.passive))
-        most, arms = tension_limits(self.drives, self.strength), self.routing.arms
-        return Cables(
-            self.names,
-            arms,
-            self.springs,
-            own,
-            none,
-            self.pretension,
-            most,
-            posts.post_tendon,
-            posts.friction,
-            posts.arms_beyond,
-            none,
-            wrapped_bodies=self.routing.describe_bodies(self.names),
+        most, still = tension_limits(self.drives, self.strength), read_only(np.zeros(len(self.names)))
+        cables = Cables(
+            self.names, self.routing.arms, self.springs, own, none, self.pretension, most, *posts[:3], still
         )
-
-    def _posture_cables(self, laid: CableLayout, cables_at: CablesAtPosture | None) -> Cables:
-        """As a path needs them."""
-        arms, arms_beyond = laid.arms, laid.arms_beyond
-        if not self._are_all_elastic:
-            arms, arms_beyond = (read_only(np.where(self._is_elastic, rows, 0.0)) for rows in (arms, arms_beyond))
-        turning = laid.moment_arm_stiffness
-        if turning is not None and not self._are_all_elastic:
-            turning = partial(self._mask_rigid_joints, turning)
-        return self._common_cables._replace(
-            arms=arms,
-            wrap_friction=laid.wrap_friction,
-            arms_beyond=arms_beyond,
-            shift=laid.shift,
-            elasticity_at=cables_at,
-            moment_arm_stiffness=turning,
-            wrap_sides=laid.wrap_sides,
-        )
-
-    def _mask_rigid_joints(self, turning: Callable[[Array], Array], tension: Array) -> Array:
-        """As `Cables` has it, 0 of rigid joints."""
-        return np.asarray(turning(tension) * np.outer(self._is_elastic, self._is_elastic))
+        return cables._replace(wrapped_bodies=self.routing.describe_bodies(self.names))
 
 
 class TendonStiffness(JointStiffness):
@@ -156,11 +115,8 @@ class TendonStiffness(JointStiffness):
     def with_motors(self, drives: Drives | None, strength: Array) -> Self:
         """The same with these motors, of tendons that bear so much, strength (t,) [N]."""
         made = copy(self)
-        made.drives, made.strength, made.cables = (
-            drives,
-            strength,
-            self.cables._replace(limits=tension_limits(drives, strength)),
-        )
+        made.drives, made.strength = drives, strength
+        made.cables = self.cables._replace(limits=tension_limits(drives, strength))
         return made
 
     @property
@@ -218,15 +174,10 @@ class TendonStiffness(JointStiffness):
         return self._make_effort(values, values)
 
     def _make_effort(self, values: Array, whole: Array) -> Effort:
-        """Tensions of the tendons beside their limits.
-
-        values (t,) : what is shown [N].
-        whole (t,) : the tensions with what the tendons pulled with before [N], which is compared with the limits.
-        """
+        """Tensions beside their limits: values (t,) are shown, whole (t,), pretension included, are compared [N]."""
         limits = self.cables.limits
-        return Effort(
-            TENDON_TENSION, "N", self.names, read_only(values), limits, read_only(np.maximum(whole, 0.0) / limits)
-        )
+        used = read_only(np.maximum(whole, 0.0) / limits)
+        return Effort(TENDON_TENSION, "N", self.names, read_only(values), limits, used)
 
     def actuator_torque(self, torque: Array, command: Array) -> Array:
         """The torques (nv,) that the tendons' tensions t make at the joints, Rᵀ t [N·m, N]."""
@@ -280,17 +231,14 @@ class RoutedStiffness(TendonStiffness):
 
     def in_posture(self, kinematics: Any, q: Array) -> RoutedStiffness:
         """In another posture, of a hand with these kinematics."""
-        return (
-            self._cache.elasticity_at(q)
-            if kinematics is self._cache.kinematics
-            else self.from_model(self._model, kinematics, q)
-        )
+        if kinematics is self._cache.kinematics:
+            return self._cache.elasticity_at(q)
+        return self.from_model(self._model, kinematics, q)
 
     def remap_points(self, kinematics: Any, point: Callable[[str, Array], Array]) -> RoutedStiffness:
         """On links of other lengths, of a hand with these kinematics; point : where a point (3,) of a link is then."""
-        return self.from_model(
-            replace(self._model, routing=self._model.routing.remap_points(point)), kinematics, self._q
-        )
+        model = replace(self._model, routing=self._model.routing.remap_points(point))
+        return self.from_model(model, kinematics, self._q)
 
 
 class TendonPostureCache:
@@ -319,6 +267,11 @@ class TendonPostureCache:
     def __getstate__(self) -> dict[str, Any]:
         """Without what it has worked out lately."""
         return {**self.__dict__, "_lately": {}}
+
+
+def _mask_stiffness(turning: Callable[[Array], Array], elastic: Bools, tension: Array) -> Array:
+    """`Cables.moment_arm_stiffness` with 0 for rigid joints."""
+    return np.asarray(turning(tension) * np.outer(elastic, elastic))
 
 
 def tension_limits(drives: Drives | None, strength: Array) -> Array:

@@ -118,7 +118,13 @@ class Tendons(Transmission):
 
     def __post_init__(self) -> None:
         """Check what does not depend on the joints."""
-        arms = _check_arms(self.moment_arms)
+        arms = self.moment_arms
+        if isinstance(arms, Mapping):  # routes stay as they are
+            plain = {str(name): row for name, row in arms.items() if not isinstance(row, Route)}
+            checked: Any = check_rows(_ARMS_ARGUMENT, plain) if plain or not arms else {}
+            arms = {str(name): row if isinstance(row, Route) else checked[str(name)] for name, row in arms.items()}
+        else:
+            arms = check_rows(_ARMS_ARGUMENT, arms)
         object.__setattr__(self, "moment_arms", arms)
         if not isinstance(self.stiffness, Mapping):
             numbers = [str(i) for i in range(len(arms))]
@@ -168,15 +174,6 @@ class Tendons(Transmission):
         if kinematics is None:
             raise Unsupported("tendons with routes need a hand, whose links they pass")
         return RoutedStiffness.from_model(made, kinematics, kinematics.neutral)
-
-
-def _check_arms(value: Any) -> Any:
-    """Checked, with routes as they are. Raises InputError."""
-    if not isinstance(value, Mapping):
-        return check_rows(_ARMS_ARGUMENT, value)
-    plain = {str(name): row for name, row in value.items() if not isinstance(row, Route)}
-    checked: Any = check_rows(_ARMS_ARGUMENT, plain) if plain or not value else {}
-    return {str(name): row if isinstance(row, Route) else checked[str(name)] for name, row in value.items()}
 
 
 def _read_passive(argument: str, value: Any, joints: Sequence[str]) -> Array:
@@ -272,9 +269,7 @@ class SynergyCompliance(Elasticity):
 
     @property
     def stiffness_matrix(self) -> Array:
-        """The stiffness matrix K = C⁻¹ (nv, nv) of the joints. Raises Unsupported where C is singular: some joints
-        only move together.
-        """
+        """K = C⁻¹ (nv, nv) of the joints. Raises Unsupported where C is singular: some joints only move together."""
         U, s, _ = np.linalg.svd(self.compliance_factor, full_matrices=False)
         nv = len(self.compliance_factor)
         if len(s) < nv or s[-1] ** 2 <= SEMIDEFINITE_TOLERANCE * s[0] ** 2:

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -28,7 +27,7 @@ from handlcp.geometry.distance import bounding_box, coal_distance, shape_size, s
 from handlcp.geometry.object import Object, closest_on_surface
 from handlcp.grasp.model.contact import Contact, cross_rows
 from handlcp.lcp.kernels.dense import kernel
-from handlcp.robot.fingertip import SweptBall, TipShape
+from handlcp.robot.fingertip import TipShape
 from handlcp.robot.hand_model import HandPosture
 from handlcp.robot.link_surface import has_coacd
 from handlcp.words import first_largest_index
@@ -111,10 +110,7 @@ def _distance_slope(kind: int, sizes: Array, c: Array, span: Array, s: float) ->
 def write_station_motion(
     N: Array, normal: Array, spans: Array, at: Array, arm: Array, size: float, moves: Array
 ) -> None:
-    """Write how the nearest station moves as its shape does, moves (3, 6): of (v; ω) of a point `arm` (3,) before it.
-
-    N (3, 3) turns the normal (3,) by the station's motion; spans (2, 3), all in world axes.
-    """
+    """Write how the nearest station moves, moves (3, 6), with (v; ω) of a point `arm` (3,) before it; world axes."""
     for a in range(3):
         b, c = (a + 1) % 3, (a + 2) % 3
         for j in range(6):
@@ -246,16 +242,22 @@ def shape_proximity(s: TipShape, position: Array, rotation: Array, obj: Object) 
     if s.is_central:
         return _measure_proximity(s, position, _IDENTITY, obj)
     if s.face is not None and s.corner is not None:
-        return _corner_proximity(s.face, s.corner, position, rotation, obj)
+        (Q, q), normal, rows = obj.frame, np.empty(3), np.empty((2, 3, 6))
+        x = Q @ s.corner + q
+        gap = write_corner_contact(x, position, rotation, *s.face, normal, rows[0], rows[1])
+        return Proximity(gap, x, x - gap * normal, normal)
     if s.face is not None and obj.known is not None:
-        return _face_proximity(s.face, position, rotation, obj)
+        (kind, sizes), (Q, q), face, at = obj.known, obj.frame, s.face, np.zeros(2)
+        centre = (position + rotation @ face.centre - q) @ Q
+        station = nearest_station(kind, sizes, centre, face.spans @ rotation.T @ Q, at)
+        away, on, out = closest_on_surface(kind, sizes, station)
+        outward = Q @ out
+        return Proximity(away - face.radius, Q @ on + q, Q @ station + q - face.radius * outward, -outward)
     return _measure_proximity(s, position + rotation @ s.translation, rotation @ s.rotation, obj)
 
 
 def quick_proximity(shape: TipShape, p: Array, R: Array, obj: Object, gap: float, about: float) -> Proximity:
-    """As `nearest_proximity`, of one shape whose gap is known to be `gap`, give or take `about` [m]: where coal says
-    so, too, and the object is convex, that is not confirmed any further.
-    """
+    """As `shape_proximity`, where the gap is `gap` give or take `about` [m]: then coal's own word is not confirmed."""
     by_face = shape.face is not None and (shape.corner is not None or obj.known is not None)
     if shape.radius is None and not by_face and obj.triangles is None:
         at = R @ shape.rotation, p + R @ shape.translation
@@ -277,8 +279,19 @@ def detect_tip_contacts(
     near = [nearest_proximity(hand.tip_shapes(i), state.tip_positions[i], state.tip_rotations[i], obj) for i in tips]
     if far := {name: p.gap for name, p in zip(names, near, strict=True) if not p.gap <= max_gap}:
         raise NotReached("fingers", f"fingertips within max_gap = {max_gap * 1e3:g} mm of the object", far)
-    positions, normals = np.array([p.position for p in near]), np.array([p.normal for p in near])
-    return _make_contacts(positions, normals, laws, names), np.array([p.gap for p in near])
+    # What `Contact(position, normal, law, None, name)` makes, with all frames at once and without its checks
+    positions, z = np.array([p.position for p in near]), np.array([p.normal for p in near])
+    z /= np.sqrt((z * z).sum(axis=1))[:, None]
+    x = np.eye(3)[np.argmin(np.round(abs(z), 9), axis=1)]
+    x -= z * (x * z).sum(axis=1)[:, None]
+    x /= np.sqrt((x * x).sum(axis=1))[:, None]
+    frames = np.stack([x, cross_rows(z, x), z], axis=2)
+    positions.flags.writeable = frames.flags.writeable = False
+    contacts = tuple(
+        Contact.from_arrays(p, R, law, False, name) if law.x_axis is None else Contact(p, R[:, 2], law, None, name)
+        for p, R, law, name in zip(positions, frames, laws, names, strict=True)
+    )
+    return contacts, np.array([p.gap for p in near])
 
 
 def _measure_proximity(shape: TipShape, p: Array, R: Array, obj: Object) -> Proximity:
@@ -298,15 +311,12 @@ def _measure_proximity(shape: TipShape, p: Array, R: Array, obj: Object) -> Prox
 
     if len(parts) == 1:
         return measure_part(0)
-    return search_nearest(_gap_lower_bounds(shape.geometry, p, obj), measure_part)
-
-
-def _gap_lower_bounds(geometry: Any, p: Array, obj: Object) -> Array:
-    """How near the object's parts are at least to a shape at p (3,) [m], by a ball and boxes around them."""
-    (R, o), low, high = obj.frame, *np.array([bounding_box(part) for part in obj.parts]).transpose(1, 0, 2)
-    x = (p - o) @ R
+    # How near parts are at least, by boxes around them and a ball around the shape
+    (Q, o), low, high = obj.frame, *np.array([bounding_box(part) for part in parts]).transpose(1, 0, 2)
+    x = (p - o) @ Q
     away = np.maximum(np.maximum(low - x, x - high), 0.0)
-    return np.asarray(np.sqrt((away * away).sum(axis=1)) - np.sqrt(3.0) * shape_size(geometry))
+    least = np.sqrt((away * away).sum(axis=1)) - np.sqrt(3.0) * shape_size(shape.geometry)
+    return search_nearest(least, measure_part)
 
 
 def search_nearest(least: Array, measured: Callable[[int], Proximity]) -> Proximity:
@@ -321,39 +331,6 @@ def search_nearest(least: Array, measured: Callable[[int], Proximity]) -> Proxim
         found = one if found is None or one.gap < found.gap else found
     assert found is not None  # there is one at least
     return found
-
-
-def _make_contacts(
-    positions: Array, normals: Array, laws: Sequence[FrictionLaw], names: list[str]
-) -> tuple[Contact, ...]:
-    """What `Contact(position, normal, law, None, name)` makes, with all frames at once and without its checks."""
-    z = normals / np.sqrt((normals * normals).sum(axis=1))[:, None]
-    x = np.eye(3)[np.argmin(np.round(abs(z), 9), axis=1)]
-    x -= z * (x * z).sum(axis=1)[:, None]
-    x /= np.sqrt((x * x).sum(axis=1))[:, None]
-    frames = np.stack([x, cross_rows(z, x), z], axis=2)
-    positions.flags.writeable = frames.flags.writeable = False
-    return tuple(
-        Contact.from_arrays(p, R, law, False, name) if law.x_axis is None else Contact(p, R[:, 2], law, None, name)
-        for p, R, law, name in zip(positions, frames, laws, names, strict=True)
-    )
-
-
-def _face_proximity(face: SweptBall, p: Array, R: Array, obj: Object) -> Proximity:
-    """Of a swept ball in a frame at p (3,) with rotation R (3, 3), and an object that `closest_on_surface` knows."""
-    (kind, sizes), (Q, q), at = obj.known, obj.frame, np.zeros(2)  # type: ignore[misc]  # the caller saw to it
-    station = nearest_station(kind, sizes, (p + R @ face.centre - q) @ Q, face.spans @ R.T @ Q, at)
-    away, on, out = closest_on_surface(kind, sizes, station)
-    outward = Q @ out
-    return Proximity(away - face.radius, Q @ on + q, Q @ station + q - face.radius * outward, -outward)
-
-
-def _corner_proximity(face: SweptBall, corner: Array, p: Array, R: Array, obj: Object) -> Proximity:
-    """Of a corner of the object, in the axes of its shape, and a face in a frame at p (3,) with rotation R (3, 3)."""
-    (Q, q), normal, rows = obj.frame, np.empty(3), np.empty((2, 3, 6))
-    x = Q @ corner + q
-    gap = write_corner_contact(x, p, R, *face, normal, rows[0], rows[1])
-    return Proximity(gap, x, x - gap * normal, normal)
 
 
 # ----------------------------------------------------------------
@@ -377,8 +354,9 @@ def find_tilted_points(
     x, n = tangent_in_frame(R, near.normal), near.normal
     axes = np.stack([x, cross_rows(n, x), n], axis=1)
     away = tilt_gap_change(max(shape_size(shape.geometry) for shape in shapes), angle)
+    turns = np.array([pin.exp3(angle * np.array([-b, a, 0.0])) for a, b in _TILT_DIRECTIONS])
     own, opposite = np.empty((8, 3)), np.empty((8, 3))
-    for k, turn in enumerate(axes @ _tilt_rotations(angle) @ axes.T):
+    for k, turn in enumerate(axes @ turns @ axes.T):
         lifted = near.tip_point - away * n
         there = nearest_proximity(shapes, lifted + turn @ (p - near.tip_point), turn @ R, obj)
         own[k] = near.tip_point + (there.tip_point - lifted) @ turn
@@ -391,12 +369,6 @@ def tilt_gap_change(size: float, angle: float = TILT_ANGLE) -> float:
     return 2.0 * angle * size
 
 
-@lru_cache(maxsize=8)
-def _tilt_rotations(angle: float) -> Array:
-    """(8, 3, 3) rotations by an angle [rad] that raise z in each of eight directions across it."""
-    return np.array([pin.exp3(angle * np.array([-b, a, 0.0])) for a, b in _TILT_DIRECTIONS])
-
-
 def tangent_in_frame(R: Array, normal: Array) -> Array:
     """(3,) a unit vector across the normal (3,), which turns with a frame whose rotation is R (3, 3)."""
     x = R @ _TANGENT_SEED
@@ -405,9 +377,7 @@ def tangent_in_frame(R: Array, normal: Array) -> Array:
 
 
 def is_wide(along: Array, apart: float = MIN_SPREAD) -> bool:
-    """Whether points at (m,) along an axis [m] are farther apart than those of a curved surface, which touches at a
-    point.
-    """
+    """Whether points at (m,) along an axis [m] are farther apart than those of a curved surface at one point of it."""
     return bool(np.ptp(along) > apart)
 
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from handlcp.check import Array
 from handlcp.geometry.contact_detection import nearest_station, write_corner_contact, write_station_motion
-from handlcp.geometry.contact_tracker import ContactTracker
+from handlcp.geometry.contact_tracker import ContactArrays, ContactTracker
 from handlcp.geometry.object import Object, closest_on_surface, write_contact
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.newton.tangent import skew
@@ -293,13 +292,6 @@ class SweptTips(NamedTuple):
     corners: Array
 
 
-def pack_swept_tips(tips: Sequence[TipShape]) -> SweptTips:
-    """Of fingertips that are swept balls."""
-    every = [tip.swept_ball for tip in tips]
-    beside, spans, radii = (np.array([one[k] for one in every if one is not None], dtype=float) for k in range(3))
-    return SweptTips(beside, spans, radii, np.array([_NO_CORNER if tip.corner is None else tip.corner for tip in tips]))
-
-
 @kernel
 def write_ball_contacts(
     kind: int,
@@ -427,9 +419,7 @@ class ContactFinder(Protocol):
 
     noise: float
 
-    def __call__(
-        self, places: Array, turns: Array, R: Array, t: Array, out: tuple[Array, Array, Array, Array, Array]
-    ) -> None:
+    def __call__(self, places: Array, turns: Array, R: Array, t: Array, out: ContactArrays) -> None:
         """Fingertips stand at places (n, 3) with rotations turns (n, 3, 3); the object has moved by x ↦ R x + t. Writes
         the first k rows of positions (n, 3), normals (n, 3), gaps (n,), and of turn, shift (n, 3, 6) as `Touch` has
         them.
@@ -456,11 +446,12 @@ class SweptBallFinder:
         assert obj.known is not None  # `make_contact_finder` saw to it
         self.kind, self.sizes = obj.known[0], np.array(obj.known[1], dtype=float)
         self.own, self.at = np.ascontiguousarray(obj.placement.rotation), obj.placement.translation.copy()
-        self.swept = pack_swept_tips(tips)
+        every = [tip.swept_ball for tip in tips]
+        beside, spans, radii = (np.array([one[k] for one in every if one is not None], dtype=float) for k in range(3))
+        corners = np.array([_NO_CORNER if tip.corner is None else tip.corner for tip in tips])
+        self.swept = SweptTips(beside, spans, radii, corners)
 
-    def __call__(
-        self, places: Array, turns: Array, R: Array, t: Array, out: tuple[Array, Array, Array, Array, Array]
-    ) -> None:
+    def __call__(self, places: Array, turns: Array, R: Array, t: Array, out: ContactArrays) -> None:
         """Find the contacts in these places, as `ContactFinder` documents."""
         write_ball_contacts(self.kind, self.sizes, R @ self.own, R @ self.at + t, places, turns, self.swept, *out)
 
@@ -479,9 +470,7 @@ class _GivenContactFinder:
         self.planes, self.out = spec.positions[:k].copy(), spec.frames[:k, :, 2].copy()
         self.along = np.einsum("nji,nj->ni", turned, self.out)  # of fingertips, in their axes
 
-    def __call__(
-        self, places: Array, turns: Array, R: Array, t: Array, out: tuple[Array, Array, Array, Array, Array]
-    ) -> None:
+    def __call__(self, places: Array, turns: Array, R: Array, t: Array, out: ContactArrays) -> None:
         """Find the contacts in these places, as `ContactFinder` documents."""
         positions, normals, gaps, turn, shift = out
         k = len(self.points)

@@ -8,12 +8,11 @@ it is a contact that moves with the object (`TipShape.corner`).
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import coal
 import numpy as np
 
-from handlcp.check import Array, Bools, read_only
+from handlcp.check import Array, read_only
 from handlcp.geometry.contact_detection import (
     MIN_SPREAD,
     TILT_ANGLE,
@@ -37,31 +36,6 @@ _CORNER_SHIFT_TOLERANCE = 2e-5
 _FIRST_ANGLE = 0.7  # [rad] where counting round begins: corners of boxes are elsewhere
 
 CORNER_BALL_RADIUS = 1e-4  # [m] radius of the ball that stands for a corner, and of edges
-
-
-class TiltedPoints(NamedTuple):
-    """Points (8, 3) of a shape, and the object's points opposite, that are nearest when it is tilted in eight ways; and
-    which of each are corners (8,).
-    """
-
-    points: Array
-    opposite: Array
-    is_shape_corner: Bools
-    is_object_corner: Bools
-
-
-def find_corners(shape: TipShape, p: Array, R: Array, obj: Object, near: Proximity) -> TiltedPoints | None:
-    """Where faces, edges and corners alone meet; None: some surface is curved. The shape's frame is at p (3,) with
-    rotation R (3, 3).
-    """
-    if not isinstance(shape.geometry, _SHAPES_WITH_CORNERS) or not isinstance(obj.geometry, _SHAPES_WITH_CORNERS):
-        return None
-    (points, opposite), (further, other) = (
-        find_tilted_points((shape,), p, R, obj, near, angle) for angle in _TILT_ANGLES
-    )
-    of_shape = np.linalg.norm(further - points, axis=1) <= _CORNER_SHIFT_TOLERANCE
-    of_object = np.linalg.norm(other - opposite, axis=1) <= _CORNER_SHIFT_TOLERANCE
-    return TiltedPoints(points, opposite, of_shape, of_object) if (of_shape | of_object).all() else None
 
 
 def project_on_plane(points: Array, near: Proximity) -> Array:
@@ -93,10 +67,8 @@ def choose_spanning(points: Array, near: Proximity, R: Array, apart: float) -> l
 # The face of a shape on which a corner of the object stands.
 
 _MIN_FACE_EXTENT = 1e-3  # [m] as far as the face goes on, at least
-_FACE_DEPTH, _FACE_THICKNESS = (
-    1e-4,
-    2e-3,
-)  # [m] how far inside its surface a face is looked for; thickness of what stands for it
+# [m] how far inside its surface a face is looked for; thickness of what stands for it
+_FACE_DEPTH, _FACE_THICKNESS = 1e-4, 2e-3
 _MAX_AXIS_TILT = 1e-3  # [rad] as far as a normal may lean from a cylinder's axis where its end is meant
 _RECTANGLE_ANGLES = np.pi / 16.0 * np.arange(8)  # [rad] of rectangles that are tried on the face of a hull
 
@@ -154,9 +126,7 @@ def make_swept_ball(shape: TipShape, centre: Array, spans: Array, radius: float)
 
 
 def _face_rectangle(geometry: coal.ShapeBase, start: Array, axes: Array) -> Array:
-    """(4,) how far a rectangle about a point just below a face goes on along -x, x, -y, y within the shape [m]; axes
-    (2, 3).
-    """
+    """(4,) how far a rectangle about a point below a face stays in the shape along -x, x, -y, y [m]; axes (2, 3)."""
     x, y = axes
     reach = np.array([_extent_along(geometry, start, way) for way in (-x, x, -y, y)])
     if reach.min() < _MIN_FACE_EXTENT:
@@ -198,10 +168,8 @@ def _extent_along(geometry: coal.ShapeBase, start: Array, way: Array) -> float:
 
 
 _NORMAL_ROUNDING = 1e-4  # [rad] of detected normals
-_RIM_INSET, _MAX_RIM_INSET_SHARE = (
-    5e-4,
-    0.05,
-)  # [m], of the patch's size: how far inside its rim points lie, which its edge may leave
+# [m], of the patch's size: how far inside its rim points lie, which its edge may leave
+_RIM_INSET, _MAX_RIM_INSET_SHARE = 5e-4, 0.05
 
 
 def find_contact_patch(shape: TipShape, p: Array, R: Array, obj: Object) -> tuple[tuple[TipShape, float], ...]:
@@ -213,28 +181,22 @@ def find_contact_patch(shape: TipShape, p: Array, R: Array, obj: Object) -> tupl
     near = nearest_proximity((shape,), p, R, obj)
     if shape.radius is not None:
         return ((shape, near.gap),)
-    near = _align_normal(near, shape, R)
+    # Along an axis of the shape where it is so but for rounding: what lies on a level palm would roll down that slope
+    axes = R @ shape.rotation
+    along = near.normal @ axes
+    k = int(abs(along).argmax())
+    exact = np.copysign(1.0, along[k]) * axes[:, k]
+    if np.linalg.norm(exact - near.normal) < _NORMAL_ROUNDING:
+        near = replace(near, normal=read_only(exact))
     if (cornered := _patch_at_corners(shape, p, R, obj, near)) is not None:
         return cornered
     points, _ = find_tilted_points((shape,), p, R, obj, near)
     along = project_on_plane(points, near)
     if not is_wide(along[:, 0]):
-        made = _shape_at_point(shape, R.T @ (near.tip_point - p), R.T @ near.normal)
-        return ((made, near.gap),)
+        return ((_shape_at_point(shape, R.T @ (near.tip_point - p), R.T @ near.normal), near.gap),)
     chosen = choose_spanning(points, near, R, MIN_SPREAD)
     found = [_shape_on_rim(shape, p, R, near, points, k, chosen, not is_wide(along[:, 1])) for k in chosen]
     return tuple([(made, nearest_proximity((made,), p, R, obj).gap) for made in found])
-
-
-def _align_normal(near: Proximity, shape: TipShape, R: Array) -> Proximity:
-    """With a normal along an axis of the shape where it is along it but for the rounding of detection: what lies on a
-    level palm would roll away along the slope of that.
-    """
-    axes = R @ shape.rotation
-    along = near.normal @ axes
-    k = int(abs(along).argmax())
-    exact = np.copysign(1.0, along[k]) * axes[:, k]
-    return replace(near, normal=read_only(exact)) if np.linalg.norm(exact - near.normal) < _NORMAL_ROUNDING else near
 
 
 def _patch_at_corners(
@@ -244,22 +206,23 @@ def _patch_at_corners(
     shape on which the object stands, also those that a small tilt keeps from touching. None: something is curved
     there, or a corner is on neither.
     """
-    met = find_corners(shape, p, R, obj, near)
-    if met is None:
+    if not isinstance(shape.geometry, _SHAPES_WITH_CORNERS) or not isinstance(obj.geometry, _SHAPES_WITH_CORNERS):
         return None
-    chosen = choose_spanning(
-        np.where(met.is_object_corner[:, None], met.opposite, met.points), near, R, SAME_CORNER_DISTANCE
+    once, twice = (find_tilted_points((shape,), p, R, obj, near, angle) for angle in _TILT_ANGLES)
+    of_shape, of_object = (
+        np.linalg.norm(further - points, axis=1) <= _CORNER_SHIFT_TOLERANCE
+        for points, further in zip(once, twice, strict=True)
     )
+    if not (of_shape | of_object).all():
+        return None
+    points, opposite = once
+    chosen = choose_spanning(np.where(of_object[:, None], opposite, points), near, R, SAME_CORNER_DISTANCE)
     flat = len(chosen) > 2
     found = list[TipShape]()
     for k in chosen:
-        made = (
-            find_carrying_face(shape, p, R, obj, near.normal, met.opposite[k], flat)
-            if met.is_object_corner[k]
-            else None
-        )
-        if made is None and met.is_shape_corner[k] and flat:
-            made = _shape_on_rim(shape, p, R, near, met.points, k, chosen, False)
+        made = find_carrying_face(shape, p, R, obj, near.normal, opposite[k], flat) if of_object[k] else None
+        if made is None and of_shape[k] and flat:
+            made = _shape_on_rim(shape, p, R, near, points, k, chosen, False)
         if made is None:
             return None
         found.append(made)

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 import pinocchio as pin
 
-from handlcp.check import Array, Bools
+from handlcp.check import Array
 from handlcp.geometry.contact_detection import (
     TILT_ANGLE,
     Proximity,
@@ -35,9 +35,8 @@ from handlcp.grasp.model.contact import cross_rows
 from handlcp.grasp.path.newton.tangent import skew
 from handlcp.lcp.kernels.dense import kernel, product
 
-_FLUSH_WIDTH_SHARE = (
-    0.5 * TILT_ANGLE
-)  # of the corners' distance: one that weighs something is found, whichever way it lies
+# Of the corners' distance: one that weighs something is found, whichever way it lies
+_FLUSH_WIDTH_SHARE = 0.5 * TILT_ANGLE
 
 
 class FlushContact(NamedTuple):
@@ -52,24 +51,18 @@ class FlushContact(NamedTuple):
     width: float
 
     def press_at(self, by: Array) -> tuple[Array, float, Array]:
-        """Where it presses (3,), the gap, and how that point moves with the fingertip (3, 6), once this has moved by
-        (6,).
-        """
+        """Where it presses (3,), the gap, and how that point moves (3, 6), once the fingertip has moved by (6,)."""
         gaps = self.gaps + self.rates @ by
-        weights, active = simplex_weights(gaps, self.width)
+        # λ, the projection of -g / c on the simplex
+        beyond = (gaps - gaps.min()) / self.width
+        order = np.sort(beyond)
+        level = (np.cumsum(order) + 1.0) / np.arange(1, len(gaps) + 1)
+        weights = np.maximum(float(level[np.flatnonzero(order < level)[-1]]) - beyond, 0.0)
+        active = weights > 0.0
         change = np.zeros_like(self.rates)
         change[active] = (self.rates[active].mean(axis=0) - self.rates[active]) / self.width
         gap = float(weights @ gaps) + 0.5 * self.width * (float(weights @ weights) - 1.0)
         return weights @ self.corners, gap, self.corners.T @ change
-
-
-def simplex_weights(gaps: Array, width: float) -> tuple[Array, Bools]:
-    """λ (m,), and which are above zero: the projection of -g / c on the simplex."""
-    beyond = (gaps - gaps.min()) / width
-    order = np.sort(beyond)
-    level = (np.cumsum(order) + 1.0) / np.arange(1, len(gaps) + 1)
-    weights = np.maximum(float(level[np.flatnonzero(order < level)[-1]]) - beyond, 0.0)
-    return weights, weights > 0.0
 
 
 def find_flush_contact(
@@ -92,9 +85,8 @@ def find_flush_contact(
     rates = -np.hstack([np.tile(n, (len(x), 1)), np.cross(arms, n)])
     wide = axes[: 1 + int(is_wide(flat[:, 1], apart))]
     between = np.linalg.norm(points[chosen, None] - points[chosen], axis=2)
-    return FlushContact(
-        x, gaps, rates, np.eye(3) - wide.T @ wide, _FLUSH_WIDTH_SHARE * float(between[between > 0.0].min())
-    )
+    width = _FLUSH_WIDTH_SHARE * float(between[between > 0.0].min())
+    return FlushContact(x, gaps, rates, np.eye(3) - wide.T @ wide, width)
 
 
 # ----------------------------------------------------------------
@@ -112,9 +104,8 @@ _MAX_NORMAL_TURN = 300.0  # [1/m] how fast a normal turns at an edge at most
 # Of an edge's normals on either side: they differ by this much, or from the one between them by this share more on one
 # side than on the other
 _EDGE_NORMAL_DIFFERENCE, _EDGE_UNEVENNESS = 0.3, 0.5
-_FACE_NORMAL_DIFFERENCE = (
-    1e-3 * _EDGE_NORMAL_DIFFERENCE / _EDGE_UNEVENNESS
-)  # normals that differ by less are those of a face
+# Normals that differ by less are those of a face
+_FACE_NORMAL_DIFFERENCE = 1e-3 * _EDGE_NORMAL_DIFFERENCE / _EDGE_UNEVENNESS
 
 
 ContactArrays: TypeAlias = tuple[Array, Array, Array, Array, Array]
@@ -176,9 +167,7 @@ def _motion_since(
 
 @kernel
 def _carry_contacts(by: Array, R: Array, t: Array, seen: DetectedContacts, out: ContactArrays) -> None:
-    """Write contacts as differences say that they are, once fingertips have moved by (k, 6) since they were seen. out :
-    as `ContactFinder` has it.
-    """
+    """Write contacts of fingertips that have moved by (k, 6) since they were seen; out : as in `ContactFinder`."""
     positions, normals, gaps, turns, shifts = out
     n, x = np.empty(3), np.empty(3)
     for i in range(len(by)):
@@ -228,7 +217,10 @@ class ContactTracker:
         self._seen = DetectedContacts.empty(len(shapes))
         # How near each shape of a fingertip was at least, and how far from its place the shapes reach
         self._least = [np.full(len(tip), np.nan) for tip in shapes]
-        self._reach = [max(map(_shape_reach, tip)) for tip in shapes]
+        self._reach = [
+            max(float(np.linalg.norm(s.translation) + np.sqrt(3.0) * shape_size(s.geometry)) for s in tip)
+            for tip in shapes
+        ]
 
     def __call__(self, places: Array, turns: Array, R: Array, t: Array, out: ContactArrays) -> None:
         """Find the contacts in these places, as `ContactFinder` documents."""
@@ -305,26 +297,16 @@ class ContactTracker:
         return np.array([end.position for end in ends]), np.array([end.normal for end in ends])
 
 
-def _shape_reach(shape: Any) -> float:
-    """[m] No point of a shape is farther from the place of its fingertip."""
-    return float(np.linalg.norm(shape.translation) + np.sqrt(3.0) * shape_size(shape.geometry))
-
-
 def _is_edge(some: Array, between: Array, other: Array) -> bool:
     """Whether normals (k, 3) on either side of a contact, any two, are those of an edge, not of a curved surface."""
     sides, middles = some - other, some + other - 2.0 * between
     apart, off = np.sqrt((sides * sides).sum(axis=1)), np.sqrt((middles * middles).sum(axis=1))
-    return bool(
-        (
-            (apart > _EDGE_NORMAL_DIFFERENCE) | ((off > _EDGE_UNEVENNESS * apart) & (apart > _FACE_NORMAL_DIFFERENCE))
-        ).any()
-    )
+    uneven = (off > _EDGE_UNEVENNESS * apart) & (apart > _FACE_NORMAL_DIFFERENCE)
+    return bool(((apart > _EDGE_NORMAL_DIFFERENCE) | uneven).any())
 
 
 def _limit_edge_turn(turn: Array, arm: Array) -> Array:
-    """The turn (3, 6) of an edge's normal, no faster than `_MAX_NORMAL_TURN`, of a contact `arm` (3,) away from the
-    place that the fingertip turns about.
-    """
+    """An edge's turn (3, 6) no faster than `_MAX_NORMAL_TURN`; arm (3,) : from the fingertip's place to the contact."""
     fastest = float(np.linalg.norm(turn[:, :3], 2))
     if fastest <= _MAX_NORMAL_TURN:
         return turn

@@ -217,9 +217,8 @@ def find_overlap(furthest: SupportPairs, near: Array, close: float, enough: floa
     """
     from scipy.spatial import ConvexHull  # a tenth of a second that few contacts should pay
 
-    n = np.concatenate(
-        [_nearby_directions(near), spread_directions(_START_DIRECTIONS if np.isinf(enough) else _PROOF_DIRECTIONS)]
-    )
+    count = _START_DIRECTIONS if np.isinf(enough) else _PROOF_DIRECTIONS
+    n = np.concatenate([_nearby_directions(near), spread_directions(count)])
     first, second = furthest(n)
     h = np.einsum("ij,ij->i", n, first - second)
     for step in range(_MAX_OVERLAP_STEPS):
@@ -328,11 +327,8 @@ _REQUEST.enable_signed_distance = True
 _REQUEST.gjk_tolerance = _REQUEST.epa_tolerance = 1e-10
 _REQUEST.gjk_max_iterations = _REQUEST.epa_max_iterations = 1000
 
-_DISTANCE_TOLERANCE, _POINT_TOLERANCE, _OVERLAP_TOLERANCE = (
-    1e-6,
-    1e-4,
-    1e-9,
-)  # of the smaller shape's size: distances, points; what own ones aim for
+# Of the smaller shape's size: distances, points; what own ones aim for
+_DISTANCE_TOLERANCE, _POINT_TOLERANCE, _OVERLAP_TOLERANCE = 1e-6, 1e-4, 1e-9
 _SEPARATION_SHARES = 1e-5, 1e-4, 1e-3  # of the smaller shape's size: how far touching shapes are moved apart
 _NORMAL_LENGTH_TOLERANCE = 1e-6  # how far from 1 the length of coal's normal may be
 # [m] what a distance may always be wrong by: normals of shapes that nearly touch are no better
@@ -355,18 +351,17 @@ def signed_distance(first: Any, at: Frame, second: Any, there: Frame, names: tup
     if right and claimed[0] >= -pair.allowed:
         return claimed
     start = claimed[3] if right else pair.way
-    found = find_overlap(
-        pair.support_points, start, _OVERLAP_TOLERANCE * pair.size, -claimed[0] - pair.allowed if right else np.inf
-    )
+    close, enough = _OVERLAP_TOLERANCE * pair.size, -claimed[0] - pair.allowed if right else np.inf
+    found = find_overlap(pair.support_points, start, close, enough)
     if found is not None:
-        if right and found.least >= -claimed[0] - pair.allowed:
+        if right and found.least >= enough:
             return claimed
         if found.most - found.least <= pair.allowed:
             return -found.most, found.first, found.second, found.normal
     touching = pair.touching_distance(claimed)
     if touching is not None:
         return touching
-    parted = find_separation(pair.support_points, start, _OVERLAP_TOLERANCE * pair.size)
+    parted = find_separation(pair.support_points, start, close)
     if parted is not None:
         return -parted.least, parted.first, parted.second, parted.normal
     raise Unsupported(f"no distance between {names[0]} and {names[1]} could be confirmed: coal says {claimed[0]:.3g} m")
@@ -384,16 +379,12 @@ def coal_distance(first: Any, at: Frame, second: Any, there: Frame) -> Distance:
 
 
 class _ShapePair:
-    """Two shapes where they are. size [m] : of the smaller one. way (3,) : from the first one's origin to the
-    second's.
-    """
+    """Two shapes where they are. size [m] : of the smaller one. way (3,) : unit, between their origins."""
 
     def __init__(self, first: Any, at: Frame, second: Any, there: Frame) -> None:
         self._first, self._at, self._second, self._there = first, at, second, there
-        self._solids, self._where = (
-            (make_convex_solid(first), make_convex_solid(second)),
-            (np.vstack(at), np.vstack(there)),
-        )
+        self._solids = make_convex_solid(first), make_convex_solid(second)
+        self._where = np.vstack(at), np.vstack(there)
         self.size = min(shape_size(first), shape_size(second))
         self.allowed = max(_DISTANCE_TOLERANCE * self.size, _MIN_DISTANCE_ERROR)
         way = there[1] - at[1]
@@ -408,9 +399,7 @@ class _ShapePair:
         return one, two
 
     def is_confirmed(self, claimed: Distance) -> bool:
-        """Whether the numbers are finite, the points belong to the shapes, and the slab across the normal is as wide as
-        the gap.
-        """
+        """Whether numbers are finite, points belong to the shapes, and the slab across the normal has the gap."""
         (one, two), (at, there), (gap, a, b, n) = self._solids, self._where, claimed
         points = np.concatenate([a, b, n]).reshape(3, 3)
         return bool(
@@ -438,17 +427,13 @@ class _ShapePair:
             gap, a, b, n = coal_distance(self._first, self._at, self._second, (self._there[0], self._there[1] + step))
             if not (0.0 < gap < 2.0 * far + self.allowed and abs(float(n @ n) - 1.0) < 1e-9):
                 return None
-            across, back = self._slab_width(n), b - step
+            one, two = self.support_points(n[None])
+            across, back = float(n @ (two - one)[0]), b - step  # the slab between the supporting planes across n
             apart = float(np.sqrt((back - a) @ (back - a)))
             if max(abs(across), apart) <= 2.0 * self.allowed and self.is_confirmed((across, a, back, n)):
                 return across, a, back, n
             way = n
         return None
-
-    def _slab_width(self, n: Array) -> float:
-        """How wide the slab between the supporting planes across n is [m]: no more than the gap."""
-        one, two = self.support_points(n[None])
-        return float(n @ (two - one)[0])
 
 
 @kernel

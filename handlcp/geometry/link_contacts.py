@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -59,7 +60,8 @@ def contact_bodies(hand: HandModel, links: Any) -> tuple[ContactBody, ...]:
         raise InputError("links", expected, repr(links)[:80])
     if repeated := [str(name) for name in dict.fromkeys(links) if list(links).count(name) > 1]:
         raise InputError("links", "names of links, each once", f"{', '.join(repeated)} several times")
-    known: list[str] = _link_names(hand)
+    frames = hand.description.model.frames
+    known: list[str] = [f.name for f in frames if f.type == pin.FrameType.BODY and f.name != "universe"]
     if unknown := [str(name) for name in links if name not in known and name not in every]:
         raise UnknownName("links", "a link", unknown, tuple(dict.fromkeys((*known, *hand.fingertips))))
     tip_of = {link: hand.fingertips[i] for i in hand.tips.numbers for link in hand.tip_links(i)}
@@ -75,10 +77,6 @@ def contact_body_names(hand: HandModel) -> tuple[str, ...]:
     return tuple(dict.fromkeys([*hand.fingertips, *hand.description.links_with(COLLISION)]))
 
 
-def _link_names(hand: HandModel) -> list[str]:
-    return [f.name for f in hand.description.model.frames if f.type == pin.FrameType.BODY and f.name != "universe"]
-
-
 def _all_contact_bodies(hand: HandModel) -> dict[str, ContactBody]:
     """All bodies of the hand that may touch, by name.
 
@@ -87,9 +85,9 @@ def _all_contact_bodies(hand: HandModel) -> dict[str, ContactBody]:
     found, covered = dict[str, ContactBody](), set[str]()
     for i, name in enumerate(hand.fingertips):
         if hand.tip_kind(i):
-            own = hand.tips.places[i]
-            pad = hand.pads.blocks[i]
-            found[name] = ContactBody(name, own, hand.tips.support[i], hand.tip_shapes(i), pad)
+            found[name] = ContactBody(
+                name, hand.tips.places[i], hand.tips.support[i], hand.tip_shapes(i), hand.pads.blocks[i]
+            )
         covered |= hand.tip_links(i)
     model = hand.description.model
     for number, shapes in _link_shapes(hand.description, hand.in_parts_of):
@@ -97,8 +95,11 @@ def _all_contact_bodies(hand: HandModel) -> dict[str, ContactBody]:
         if shapes and frame.name not in covered and frame.name not in hand.fingertips:
             # a fingertip with a radius takes the place of its link's geometry
             place = TipPlacement(number, int(frame.parentJoint), pin.SE3(frame.placement))
+            support = np.zeros((1, model.nv))
+            moving = (model.joints[j] for j in model.supports[frame.parentJoint] if j)
+            support[0, [joint.idx_v for joint in moving if joint.nv]] = 1.0
             pad = hand.pads.link_pad(frame.name)
-            found[frame.name] = ContactBody(frame.name, place, _joint_support(model, frame), shapes, pad)
+            found[frame.name] = ContactBody(frame.name, place, read_only(support), shapes, pad)
     return found
 
 
@@ -121,23 +122,13 @@ def _link_shapes(description: RobotDescription, parted: frozenset[str]) -> tuple
     return tuple((frame, tuple(shapes)) for frame, shapes in found.items())
 
 
-def _joint_support(model: Any, frame: Any) -> Array:
-    row = np.zeros((1, model.nv))
-    for joint in model.supports[frame.parentJoint]:
-        if joint and model.joints[joint].nv:
-            row[0, model.joints[joint].idx_v] = 1.0
-    return read_only(row)
-
-
 # ----------------------------------------------------------------
 # The hand that touches an object where its links are: each contact is a site, a place on a link with its own shape.
 
 
 MAX_CONTACTS = 100  # sites of one grasp
-_SAME_CONTACT_DISTANCE, _SAME_NORMAL_COSINE = (
-    1.5e-3,
-    0.98,
-)  # [m], cosine of normals: nearer and more alike, two contacts of what moves as one are one
+# [m], cosine of normals: nearer and more alike, two contacts of what moves as one are one
+_SAME_CONTACT_DISTANCE, _SAME_NORMAL_COSINE = 1.5e-3, 0.98
 _MAX_START_DEPTH = 5e-3  # [m] deeper in the object a link cannot begin
 
 PostureT = TypeVar("PostureT", bound=HandPosture)
@@ -171,15 +162,10 @@ def touch_with_links(state: PostureT, obj: Object, links: Any, max_gap: float) -
         raise NotReached("links", expected + "hand first, or closing_torque= here does", least)
     made = make_contact_hand(state.hand, near)
     if not (isinstance(links, str) and links == ALL_LINKS):
-        made = made.with_parts(may_touch=_body_links(state.hand, among))
+        hand, names = state.hand, {body.name for body in among}
+        tips = [i for i in hand.tips.numbers if hand.fingertips[i] in names]
+        made = made.with_parts(may_touch=frozenset(names.union(*(hand.tip_links(i) for i in tips))))
     return type(state)(made, state.q)
-
-
-def _body_links(hand: HandModel, among: Iterable[ContactBody]) -> frozenset[str]:
-    """The names of the links that these stand for."""
-    names = {toucher.name for toucher in among}
-    tips = [i for i in hand.tips.numbers if hand.fingertips[i] in names]
-    return frozenset(names.union(*(hand.tip_links(i) for i in tips)))
 
 
 def find_link_contacts(
@@ -197,12 +183,16 @@ def find_link_contacts(
             if gap > reach:
                 continue
             deepest = min(deepest, (toucher.name, gap), key=lambda one: one[1])
-            others = tuple(found)
+            others = tuple([other for other in found if other.link.place.joint == toucher.place.joint])
             for made, gap in find_contact_patch(shape, p, R, obj):
                 there = nearest_proximity((made,), p, R, obj)
-                site = LinkContact(toucher, made, there.position, there.normal, gap)
-                if gap <= reach and not any(_is_same_contact(site, other) for other in others):
-                    found.append(site)
+                is_known = any(
+                    np.linalg.norm(there.position - other.position) <= _SAME_CONTACT_DISTANCE
+                    and there.normal @ other.normal >= _SAME_NORMAL_COSINE
+                    for other in others
+                )
+                if gap <= reach and not is_known:
+                    found.append(LinkContact(toucher, made, there.position, there.normal, gap))
     if len(found) > MAX_CONTACTS:
         expected = f"at most {MAX_CONTACTS} contacts (name fewer links, or use coarser collision geometry)"
         raise InputError("links", expected, f"{len(found)} places that touch")
@@ -238,14 +228,6 @@ def body_frames(state: HandPosture, among: Iterable[ContactBody]) -> list[tuple[
     return out
 
 
-def _is_same_contact(site: LinkContact, other: LinkContact) -> bool:
-    near = (
-        np.linalg.norm(site.position - other.position) <= _SAME_CONTACT_DISTANCE
-        and site.normal @ other.normal >= _SAME_NORMAL_COSINE
-    )
-    return bool(near and site.link.place.joint == other.link.place.joint)
-
-
 def check_outside(argument: str, link: str, gap: float) -> None:
     """Raises InputError where the link whose gap [m] is the least of all is deep inside the object."""
     if gap < -_MAX_START_DEPTH:
@@ -259,23 +241,23 @@ def check_outside(argument: str, link: str, gap: float) -> None:
 
 def make_contact_hand(hand: HandModel, near: list[LinkContact]) -> HandModel:
     """The hand with these sites as its fingertips, named by their links and numbered where a link has several."""
-    model, counts = hand.model, dict[str, int]()
-    for site in near:
-        counts[site.link.name] = counts.get(site.link.name, 0) + 1
-    seen, names, frames, places, shapes = dict[str, int](), [], [], [], []
+    model, counts, seen = hand.model, Counter(site.link.name for site in near), Counter[str]()
+    names, frames, places, shapes = [], [], [], []
     taken = {frame.name for frame in model.frames}
     for site in near:
         link = site.link.name
-        seen[link] = seen.get(link, 0) + 1
+        seen[link] += 1
         names.append(f"{link} {seen[link]}" if counts[link] > 1 else link)
-        about = site.shape.middle
-        shapes.append((_shift_shape(site.shape, -about),))
+        about, shape = site.shape.middle, site.shape
+        at = read_only(shape.translation - about)
+        face = None if shape.face is None else shape.face._replace(centre=read_only(shape.face.centre - about))
+        central = shape.radius is not None and not at.any()
+        shapes.append((replace(shape, translation=at, face=face, is_central=central),))
         place = site.link.place.placement * pin.SE3(np.eye(3), about.copy())
         marked = names[-1] if names[-1] not in taken else f"{names[-1]} (contact)"
         carrier = site.link.place
-        frames.append(
-            int(model.addFrame(pin.Frame(marked, carrier.joint, carrier.link, place, pin.FrameType.OP_FRAME)))
-        )
+        frame = pin.Frame(marked, carrier.joint, carrier.link, place, pin.FrameType.OP_FRAME)
+        frames.append(int(model.addFrame(frame)))
         places.append(TipPlacement(carrier.link, carrier.joint, place))
     support = np.array([site.link.support for site in near]).reshape(len(near), 1, -1)
     tips = TipFrames(tuple(names), tuple(frames), tuple(places), support)
@@ -289,13 +271,6 @@ def make_contact_hand(hand: HandModel, near: list[LinkContact]) -> HandModel:
         own_tips=hand.fingertips,
         _geometry=TipGeometry.from_shapes(hand.description, tips, shapes),
     )
-
-
-def _shift_shape(shape: TipShape, by: Array) -> TipShape:
-    """The shape in a frame that stands elsewhere in the same axes."""
-    at = read_only(shape.translation + by)
-    face = None if shape.face is None else shape.face._replace(centre=read_only(shape.face.centre + by))
-    return replace(shape, translation=at, face=face, is_central=shape.radius is not None and not at.any())
 
 
 def expand_link_values(argument: str, value: Any, hand: HandModel) -> Any:

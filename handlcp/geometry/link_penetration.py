@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -69,20 +70,16 @@ def find_penetrating_links(posture: HandPosture, obj: Object, tips: tuple[int, .
         depth = _largest_depth(*link.net, R, p, obj)
         own = carried.get(link.joint, ())
         if depth > 0.0 and own:
-            depth -= max(0.0, *(-_tip_gap(posture, tip, obj) for tip in own))
+            deepest = 0.0
+            for tip in own:
+                with contextlib.suppress(InputError):  # nothing is known of its shape
+                    at, turn = posture.tip_positions[tip], posture.tip_rotations[tip]
+                    deepest = max(deepest, -nearest_proximity(hand.tip_shapes(tip), at, turn, obj).gap)
+            depth -= deepest
         if depth > 0.0:
             left_out = hand.may_touch is not None and link.name not in hand.may_touch
             found.append(LinkPenetration(link.name, depth, hand.fingertips[own[0]] if own else None, left_out))
     return tuple(sorted(found, key=lambda one: -one.depth))
-
-
-def _tip_gap(posture: HandPosture, tip: int, obj: Object) -> float:
-    """Signed distance of a fingertip [m]; 0 where nothing is known of its shape."""
-    try:
-        shapes = posture.hand.tip_shapes(tip)
-        return nearest_proximity(shapes, posture.tip_positions[tip], posture.tip_rotations[tip], obj).gap
-    except InputError:
-        return 0.0
 
 
 def _largest_depth(points: Array, radii: Array, R: Array, p: Array, obj: Object) -> float:
@@ -102,13 +99,14 @@ def _largest_depth(points: Array, radii: Array, R: Array, p: Array, obj: Object)
     least = np.argsort(rough)[: np.count_nonzero(rough < 0.0)]
     if not len(least):
         return 0.0
-    few = np.unique(
-        np.concatenate([least[:: max(1, len(least) // _MAX_MEASURED_POINTS)], least[:_MAX_MEASURED_POINTS]])
-    )
+    some = least[:: max(1, len(least) // _MAX_MEASURED_POINTS)]
+    few = np.unique(np.concatenate([some, least[:_MAX_MEASURED_POINTS]]))
     at = x[few] @ Q.T + q
     if (nearby := obj.closest_all(at)) is not None:
         return float((radii[few] - nearby[0]).max())
-    return max(-_ball_gap(x, float(r), obj) for x, r in zip(at, radii[few], strict=True))
+    tiny = 1e-6  # a ball without any radius is none
+    balls = [make_sphere_tip(float(r) + tiny) for r in radii[few]]
+    return max(-(nearest_proximity(b, x, _IDENTITY, obj).gap + tiny) for b, x in zip(balls, at, strict=True))
 
 
 @kernel
@@ -176,13 +174,6 @@ def _rough_distances(x: Array, obj: Object) -> Array:
     return _box_distances(abs(x - 0.5 * (low + high)) - 0.5 * (high - low))
 
 
-def _mesh_corners(obj: Object) -> Array:
-    """(m, 3) of a mesh, or of its hull, in its own frame."""
-    if obj.triangles is not None:
-        return obj.triangles.reshape(-1, 3)
-    return np.array(obj.geometry.points(), dtype=float)
-
-
 def bounding_ball(obj: Object) -> tuple[Array, float]:
     """Centre (3,) and radius [m] of a ball that holds the object."""
     place = obj.placement
@@ -194,15 +185,10 @@ def bounding_ball(obj: Object) -> tuple[Array, float]:
         return place.translation, float(np.hypot(obj.radius, 0.5 * obj.length))
     if isinstance(obj, Ellipsoid):
         return place.translation, float(obj.radii.max())
-    corners = _mesh_corners(obj)
+    points = obj.geometry.points() if obj.triangles is None else obj.triangles
+    corners = np.array(points, dtype=float).reshape(-1, 3)
     middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
     return place.act(middle), float(np.linalg.norm(corners - middle, axis=1).max())
-
-
-def _ball_gap(point: Array, radius: float, obj: Object) -> float:
-    """Signed distance of a ball at a point (3,) [m]."""
-    tiny = 1e-6  # a ball without any radius is none
-    return nearest_proximity(make_sphere_tip(radius + tiny), point, _IDENTITY, obj).gap + tiny
 
 
 # ----------------------------------------------------------------
@@ -239,9 +225,8 @@ def _group_alike(found: list[LinkPenetration]) -> list[list[LinkPenetration]]:
     """Those that one sentence is about, together."""
     groups = dict[tuple[bool, bool, bool], list[LinkPenetration]]()
     for one in found:
-        groups.setdefault((one.tip is not None, not one.is_impossible, one.left_out and one.tip is None), []).append(
-            one
-        )
+        key = one.tip is not None, not one.is_impossible, one.left_out and one.tip is None
+        groups.setdefault(key, []).append(one)
     return [groups[key] for key in sorted(groups)]
 
 

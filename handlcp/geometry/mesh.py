@@ -87,9 +87,7 @@ class ClosedSurface:
 
 
 def plane_distances(points: Array, normals: Array, offsets: Array) -> Array:
-    """(m,) how far points (m, 3) are beyond that of the planes n · x = offset, normals (k, 3), which they are furthest
-    beyond.
-    """
+    """(m,) how far points (m, 3) are beyond the farthest of the planes n · x = offset, normals (k, 3)."""
     out = np.empty(len(points))
     for k in range(0, len(points), _POINTS_PER_BATCH):
         out[k : k + _POINTS_PER_BATCH] = (points[k : k + _POINTS_PER_BATCH] @ normals.T - offsets).max(axis=1)
@@ -148,9 +146,8 @@ def _write_closest_on_hull(points: Array, faces: HullFaces, same: float, away: A
                 on_face = False
                 break
         if not on_face:
-            _nearest_triangle(
-                point, triangles, balls, visible[:count], x
-            )  # the nearest point lies on a face that is visible
+            # The nearest point lies on a face that is visible
+            _nearest_triangle(point, triangles, balls, visible[:count], x)
             away[m] = np.sqrt((point[0] - x[0]) ** 2 + (point[1] - x[1]) ** 2 + (point[2] - x[2]) ** 2)
             if away[m] > 0.0:
                 for a in range(3):
@@ -325,19 +322,15 @@ def _make_solid(triangles: Array, tree: Any, name: str) -> ObjectSolid:
     filled = float(around.computeVolume())
     convex = abs(abs(volume) - filled) <= CONVEXITY_TOLERANCE * filled
     if is_closed(triangles):
-        return ObjectSolid(
-            around if convex else tree, abs(volume), read_only(moment / volume), None if convex else triangles
-        )
+        whole, centre = around if convex else tree, read_only(moment / volume)
+        return ObjectSolid(whole, abs(volume), centre, None if convex else triangles)
     if convex:
         return ObjectSolid(around, filled, read_only(np.array(around.computeCOM()).reshape(3)))
     return ObjectSolid(tree, np.nan, read_only(moment / volume), triangles)
 
 
 def _enclosed_volume(triangles: Array) -> tuple[float, Array]:
-    """The volume [m³] that triangles enclose (< 0: they face inwards), and volume × centre (3,) [m⁴].
-
-    Both are sums of tetrahedra with the origin.
-    """
+    """Volume [m³] that triangles enclose (< 0: facing inwards), volume × centre (3,) [m⁴]; by tetrahedra."""
     a, b, c = triangles.transpose(1, 0, 2)
     volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
     return float(volumes.sum()), (volumes[:, None] * (a + b + c) / 4).sum(axis=0)

@@ -91,10 +91,7 @@ def _on_ball(radius: float, c: Array) -> tuple[float, Array, Array]:
 
 @kernel
 def _on_box(half: Array, c: Array) -> tuple[float, Array, Array]:
-    """Distance, nearest point and outward normal on a box.
-
-    A point outside is clamped to the box. One inside goes straight out through the nearest face.
-    """
+    """As `closest_on_surface`: clamped to the box, from inside straight out through the nearest face."""
     x, out = np.empty(3), np.zeros(3)
     beyond, face, nearest = 0.0, 0, -np.inf
     for a in range(3):
@@ -113,11 +110,7 @@ def _on_box(half: Array, c: Array) -> tuple[float, Array, Array]:
 
 @kernel
 def _on_cylinder(radius: float, half: float, c: Array) -> tuple[float, Array, Array]:
-    """Distance, nearest point and outward normal on a cylinder.
-
-    A point outside is clamped to the lateral surface and the ends. One inside goes straight out through the nearer of
-    the two.
-    """
+    """As `closest_on_surface`: clamped to the side and the ends, from inside straight out through the nearer one."""
     away = np.sqrt(c[0] ** 2 + c[1] ** 2)
     a, b = (c[0] / away, c[1] / away) if away > 0.0 else (1.0, 0.0)
     side = 1.0 if c[2] >= 0.0 else -1.0
@@ -155,10 +148,8 @@ def _on_ellipsoid(radii: Array, c: Array) -> tuple[float, Array, Array]:
 
 # ----------------------------------------------------------------
 
-_ROTATION_TOLERANCE, _EXACT_ROTATION_TOLERANCE = (
-    1e-4,
-    1e-14,
-)  # what a rotation rounded to a few digits may miss, and what float64 makes it miss
+# What a rotation rounded to a few digits may miss, and what float64 makes it miss
+_ROTATION_TOLERANCE, _EXACT_ROTATION_TOLERANCE = 1e-4, 1e-14
 _LAST_ROW = np.array([0.0, 0.0, 0.0, 1.0])
 
 OBJECT_WEIGHT = EffectDescription(
@@ -311,11 +302,8 @@ def read_placement(value: Any) -> Any:
     if value is None:
         return pin.SE3.Identity()
     expected = "a pin.SE3, a homogeneous matrix or a position: finite numbers"
-    a = (
-        value.homogeneous.copy()
-        if isinstance(value, pin.SE3)
-        else check_array("placement", value, (3,), (4, 4), what=expected)
-    )
+    is_pose = isinstance(value, pin.SE3)
+    a = value.homogeneous.copy() if is_pose else check_array("placement", value, (3,), (4, 4), what=expected)
     if a.shape == (3,):
         return pin.SE3(np.eye(3), a)
     if not np.isfinite(a).all():
@@ -325,12 +313,9 @@ def read_placement(value: Any) -> Any:
     R = a[:3, :3]
     miss = float(abs(R.T @ R - np.eye(3)).max())
     if miss > _ROTATION_TOLERANCE or np.linalg.det(R) < 0.0:
-        what = (
-            "a mirror"
-            if miss <= _ROTATION_TOLERANCE
-            else f"one that is {miss:.3g} off (a scale, or a matrix of another kind?)"
-        )
-        raise InputError("placement", "a rotation, orthonormal to 1e-4, and a position", what)
+        off = f"one that is {miss:.3g} off (a scale, or a matrix of another kind?)"
+        came = "a mirror" if miss <= _ROTATION_TOLERANCE else off
+        raise InputError("placement", "a rotation, orthonormal to 1e-4, and a position", came)
     if miss > _EXACT_ROTATION_TOLERANCE:
         U, _, V = np.linalg.svd(R)
         R = U @ V

@@ -134,7 +134,6 @@ class Mesh(Object):
 
 _MAX_OBJECT_WIDTH, _MAX_SIZE_RATIO = 5.0, 20.0  # [m], and times the hand's size: what is wider was not given in metres
 
-
 _MAX_OBJECT_MASS, _MAX_MASS_RATIO = 50.0, 50.0  # kg, and hands' own mass: what is heavier is given in grams
 
 

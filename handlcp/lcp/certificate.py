@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
@@ -129,17 +128,13 @@ class SearchResult:
     outcome : "solution" (certified), "none" (proved infeasible within the bounds) or "unknown" (work spent, or points
         refused: nothing is claimed).
     z : (n,) the solution in natural units, or None.
-    bound_z, bound_w : (n,) the box, natural units; infinite z, zero w on free rows.
-    seconds : wall time. pairs : how many there are. cuts : choices that the certifier refused.
+    bound_z : (n,) of the box, natural units; infinite on free rows. cuts : choices that the certifier refused.
     """
 
     outcome: SearchStatus
     z: Array | None
     bound_z: Array
-    bound_w: Array
-    seconds: float
-    pairs: int
-    cuts: int = 0
+    cuts: int
 
     @property
     def none_exists(self) -> bool:
@@ -163,7 +158,7 @@ def search_active_sets(
 
     Raises InputError for bounds that are not positive.
     """
-    s, start = problem.scaled, time.monotonic()
+    s = problem.scaled
     check_number("work", work, above=0.0)
     size = _DEFAULT_BOX * (1.0 + float(abs(s.q).max(initial=0.0)))
     Z, W = _box_bound("bound_z", bound_z, size, s.free, np.inf), _box_bound("bound_w", bound_w, size, s.free, 0.0)
@@ -174,7 +169,7 @@ def search_active_sets(
     z = next(filter(ok, near), None)
     outcome: SearchStatus = "solution" if z is not None else "none" if modes.is_none_proven else "unknown"
     z = z if z is None else read_only(z)
-    return SearchResult(outcome, z, Z, W, time.monotonic() - start, int((~s.free).sum()), modes.refused_count)
+    return SearchResult(outcome, z, Z, modes.refused_count)
 
 
 def _box_bound(name: str, value: Any, default: float, free: Bools, elsewhere: float) -> Array:

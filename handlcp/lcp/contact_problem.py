@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
@@ -250,10 +251,16 @@ def _face_normals(sets: FrictionSets, tangents: int) -> Array:
         return np.array([[1.0, -1.0]])
     if tangents == 3:
         return sets.normals.T
-    angles = 2 * np.pi * np.arange(sets.faces) / sets.faces
-    normals = np.vstack([np.cos(angles), np.sin(angles)])
-    normals[abs(normals) < 1e-15] = 0.0  # cos(π/2) and its like: an exact zero couples nothing
-    return normals
+    return ring_vectors(sets.faces, 0.0)
+
+
+@lru_cache(maxsize=256)
+def ring_vectors(m: int, shift: float) -> Array:
+    """(2, m) unit vectors all around, `shift` of a step on from x."""
+    a = 2 * np.pi * (np.arange(m) + shift) / m
+    ring = np.vstack([np.cos(a), np.sin(a)])
+    ring[abs(ring) < 1e-15] = 0.0  # cos(π/2) and its like: an exact zero couples nothing
+    return read_only(ring)
 
 
 def _eliminate_free(M: Array, q: Array, c: int) -> tuple[Array, Array, Array, Array, float]:

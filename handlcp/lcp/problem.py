@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -94,15 +94,13 @@ class Status(Enum):
 # The (mixed) linear complementarity problem as a value.
 
 
-class ScaledLCP:
-    """The problem in its natural units: M̂ (n, n), q̂ (n,), free (n,) and the `units` that lead back. See
-    `equilibrate`.
-    """
+class ScaledLCP(NamedTuple):
+    """The problem in its natural units, which `units` lead back from: M̂ (n, n), q̂ (n,), free (n,)."""
 
-    __slots__ = ("M", "free", "q", "units")
-
-    def __init__(self, M: Array, q: Array, free: Bools, units: Units) -> None:
-        self.M, self.q, self.free, self.units = M, q, free, units
+    M: Array
+    q: Array
+    free: Bools
+    units: Units
 
 
 @check_init_call()

@@ -8,7 +8,6 @@ on the own pyramid, and Newton's method from its answer, solve nearly all of wha
 
 from __future__ import annotations
 
-import itertools
 import math
 import time
 from collections.abc import Callable, Iterator
@@ -95,16 +94,15 @@ class Auto:
     def first(self, problem: LCP | ContactProblem, start: Array | None = None) -> tuple[str, Proposal]:
         """(method, candidate) of the first stage: most problems end here, before any list of stages is made."""
         if isinstance(problem, ContactProblem):
-            return FIRST_STAGE, Proposal(*self._newton_first(problem, start))
+            return FIRST_STAGE, self._newton_first(problem, start)
         if start is None and isinstance(problem, MultiplierLCP):
-            x, steps, words = self._newton_first(problem.contact, None)
-            return _FIRST_STAGE_ON_SET, Proposal(problem.lift(x), steps, words)
+            p = self._newton_first(problem.contact, None)
+            return _FIRST_STAGE_ON_SET, replace(p, z=problem.lift(p.z))
         return _NSNGRK_STAGE, _nsngrk(self.seed, 3 * problem.n).propose(problem.scaled, start)
 
-    def _newton_first(self, problem: ContactProblem, start: Array | None) -> tuple[Array, int, str]:
-        return solve_compiled(
-            problem, self.seed, problem.n, True, SOLVE_TOLERANCE, start
-        )  # as `NSNGRK` with so many steps
+    def _newton_first(self, problem: ContactProblem, start: Array | None) -> Proposal:
+        """As `NSNGRK` with as many steps as unknowns."""
+        return solve_compiled(problem, self.seed, problem.n, True, SOLVE_TOLERANCE, start)
 
     def others(self, problem: LCP | ContactProblem, start: Array | None = None) -> Iterator[tuple[str, Proposal]]:
         """(method, candidate) of the stages after the first, each computed when asked for."""
@@ -144,15 +142,8 @@ class Auto:
                 return (FIRST_STAGE, *rest)
             if not search:
                 return (FIRST_STAGE, "holdability", *rest)
-            return (
-                FIRST_STAGE,
-                "holdability",
-                BRIEF_SEARCH_STAGE,
-                *rest[:STAGES_BETWEEN_SEARCHES],
-                LONG_SEARCH_STAGE,
-                *rest[STAGES_BETWEEN_SEARCHES:],
-                *search,
-            )
+            between, after = rest[:STAGES_BETWEEN_SEARCHES], rest[STAGES_BETWEEN_SEARCHES:]
+            return FIRST_STAGE, "holdability", BRIEF_SEARCH_STAGE, *between, LONG_SEARCH_STAGE, *after, *search
         if not isinstance(problem, LCP):
             raise InputError("problem", "an LCP or a ContactProblem, such as grasp.problem()", type(problem).__name__)
         if isinstance(problem, MultiplierLCP):
@@ -179,7 +170,7 @@ class Auto:
     def _on_faces(self, problem: MultiplierLCP) -> Iterator[Stage]:
         def propose_lifted(run: Callable[[], Proposal | None]) -> Proposal | None:
             p = run()
-            return p if p is None else Proposal(problem.lift(p.z), p.iterations, p.outcome, p.history)
+            return p if p is None else replace(p, z=problem.lift(p.z))
 
         yield "Lemke", lambda: Lemke(seed=self.seed).propose(problem.scaled)
         for name, run in self._on_contacts(problem.contact):
@@ -226,11 +217,9 @@ class Auto:
             if not np.isfinite(where).all():
                 return None
             p = _FINE_NEWTON.propose_contact(problem, where)
-            return (
-                p
-                if has_converged(p) or not len(problem.blocks)
-                else propose_in_limit_units(_FINE_NEWTON, problem, where)
-            )
+            if has_converged(p) or not len(problem.blocks):
+                return p
+            return propose_in_limit_units(_FINE_NEWTON, problem, where)
 
         # A plane's interval, and contacts without friction, are the same with any faces
         flat = m == 2 or len(problem.blocks) == 0
@@ -307,12 +296,7 @@ def _solve(problem: LCP | ContactProblem, solver: AnySolver, start: Array | None
         start = check_array("start", start, (problem.n,)) / units.z
     trace: list[str] = []
     best: tuple[Array, Array, Status, float, Proposal] | None = None
-    chain = as_chain(solver)
-    if chain is None:
-        found = proposals(problem, solver, start)
-    else:
-        found = itertools.chain((chain.first(problem, start),), chain.others(problem, start))
-    for name, p in found:
+    for name, p in proposals(problem, solver, start):
         z, status, w, residual = certify_scaled(problem, p.z)
         trace.append(stage_line(name, p.outcome, p.iterations, residual))
         if best is None or residual < best[3]:

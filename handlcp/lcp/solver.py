@@ -9,7 +9,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from handlcp.check import Array, Bools, check_init_call, check_integer, check_number
+from handlcp.check import Array, check_init_call, check_integer, check_number
 from handlcp.errors import InputError
 from handlcp.lcp.contact_problem import ContactProblem, solve_packed, solve_sticking_packed
 from handlcp.lcp.kernels.dense import kernel, multiply_add
@@ -45,17 +45,10 @@ class ContactSolver(Protocol):
 _LEAST_LIMIT = 1e-9  # a weaker limit would put its rows beyond the rank tolerance
 
 
-def propose_compiled(
-    problem: ContactProblem, seed: int, most: int, polish: bool, tolerance: float, start: Array | None = None
-) -> Proposal:
-    """The candidate of `solve_compiled`."""
-    return Proposal(*solve_compiled(problem, seed, most, polish, tolerance, start))
-
-
 def solve_compiled(
     problem: ContactProblem, seed: int, most: int, polish: bool, tolerance: float, start: Array | None = None
-) -> tuple[Array, int, str]:
-    """(x, iterations, outcome) of a solve from `start` (n,), natural units; None: from the linear solution in which
+) -> Proposal:
+    """The candidate of a solve from `start` (n,), natural units; None: from the linear solution in which
     contacts with a gap are open and all others stick.
 
     seed : of the row sampling. most : Kaczmarz steps at most; 0: Newton's alone, whose steps are then what counts as
@@ -65,7 +58,7 @@ def solve_compiled(
     x = np.empty(problem.n) if start is None else np.array(start, dtype=float)
     aim = min(tolerance, SOLVE_TOLERANCE) * 1e-2 if polish else tolerance
     steps, newton, r = solve_packed(numbers, whole, x, start is None, seed, most, polish, aim)
-    return x, steps if most else newton, describe_outcome(r <= tolerance, steps, newton)
+    return Proposal(x, steps if most else newton, describe_outcome(r <= tolerance, steps, newton))
 
 
 def describe_outcome(solved: bool, kaczmarz: int, newton: int) -> str:
@@ -77,18 +70,8 @@ def describe_outcome(solved: bool, kaczmarz: int, newton: int) -> str:
 
 
 def has_converged(proposal: Proposal) -> bool:
-    """Whether `propose_compiled` reached the residual that it was asked for."""
+    """Whether `solve_compiled` reached the residual that it was asked for."""
     return proposal.outcome.startswith("converged")
-
-
-def solve_sticking_contacts(problem: ContactProblem, apart: Bools, slippery: Bools) -> Array:
-    """(n,) solution of the linear problem in which pairs stay at x_i = 0 where `apart` (n,), blocks carry no tangential
-    force where `slippery` (k,), and every other contact sticks.
-    """
-    numbers, whole = problem.packed_arrays
-    x = np.empty(problem.n)
-    solve_sticking_packed(numbers, whole, apart, slippery, x)
-    return x
 
 
 def scale_by_limits(problem: ContactProblem) -> tuple[ContactProblem, Array]:
@@ -138,7 +121,7 @@ class SemismoothNewton:
 
     def propose_contact(self, problem: ContactProblem, start: Array | None = None) -> Proposal:
         """Run from `start` (n,); None: from where every contact sticks that starts without a gap."""
-        return propose_compiled(problem, 0, 0, True, self.tol, start)
+        return solve_compiled(problem, 0, 0, True, self.tol, start)
 
 
 # ----------------------------------------------------------------
@@ -194,7 +177,7 @@ class NSNGRK:
 
     def propose_contact(self, problem: ContactProblem, start: Array | None = None) -> Proposal:
         """The same method on the rows of a contact problem, from `start` (n,); None: where every contact sticks."""
-        return propose_compiled(problem, self.seed, self.max_iterations, self.polish, self.tol, start)
+        return solve_compiled(problem, self.seed, self.max_iterations, self.polish, self.tol, start)
 
 
 @kernel
@@ -258,17 +241,18 @@ class OtherStarts:
 
     def propose_contact(self, problem: ContactProblem, start: Array | None = None) -> Proposal:
         """The first start that converges, else the last; a `start` (n,) is tried before all others."""
-        rng = np.random.default_rng(self.seed)
+        rng, (numbers, whole) = np.random.default_rng(self.seed), problem.packed_arrays
 
         def held_by_some(k: int) -> Array:
             # Every share of contacts apart is as likely as any other; in every second start nothing slips
             apart = rng.random(problem.n) < rng.random()
             slippery = rng.random(len(problem.blocks)) < (k % 2) * rng.random()
-            return solve_sticking_contacts(problem, apart, slippery)
+            x = np.empty(problem.n)
+            solve_sticking_packed(numbers, whole, apart, slippery, x)
+            return x
 
-        return self._first_converged(
-            lambda x: propose_compiled(problem, 0, 0, True, FINE_SOLVE_TOLERANCE, x), held_by_some, start
-        )
+        newton = partial(solve_compiled, problem, 0, 0, True, FINE_SOLVE_TOLERANCE)
+        return self._first_converged(newton, held_by_some, start)
 
     def propose(self, problem: ScaledLCP, start: Array | None = None) -> Proposal:
         """The same for a plain problem: the unknowns of a random active set start at 0.1 to 10, the others at 0."""

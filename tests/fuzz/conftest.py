@@ -11,9 +11,7 @@ def _compiled():
     contacts = [hl.Contact((-0.01, 0, 0), (1, 0, 0)), hl.Contact((0.01, 0, 0), (-1, 0, 0))]
     for squeeze in (1e-3, 1e-6):
         grasp = hl.Grasp(contacts, (0, 0, -1, 0, 0, 0), flexibility=1e-4, preload=squeeze)
-        hl.Grasp(
-            contacts, (0, 0, -1, 0, 0, 0), flexibility=1e-4, preload=1e-3, effects=[hl.TotalForceBound(50.0)]
-        ).solve(4)
+        grasp.replace(preload=1e-3, effects=[hl.TotalForceBound(50.0)]).solve(4)
         for faces in (4, "cone"):
             grasp.solve(faces, throw=False)
         hl.solve_lcp(grasp.problem(4), throw=False)

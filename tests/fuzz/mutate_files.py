@@ -21,6 +21,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from tests.fuzz.mutations import line_moved, line_twice, mutated, no_line, truncated
 from tests.fuzz.seed_files import bombs, write_seeds
 
 CHECKOUT = Path(__file__).parents[2]
@@ -57,10 +58,6 @@ def one_bit(rng, data):
     return data[:i] + bytes([data[i] ^ (1 << rng.randrange(8))]) + data[i + 1 :]
 
 
-def truncated(rng, data):
-    return data[: rng.randrange(len(data))]
-
-
 def without(rng, data):
     i = rng.randrange(len(data))
     return data[:i] + data[i + rng.choice([1, 2, 8, 64, 512]) :]
@@ -71,31 +68,13 @@ def twice(rng, data):
     return data[: i + n] + data[i : i + n] * rng.choice([1, 2, 50]) + data[i + n :]
 
 
-def lines_moved(rng, data):
-    lines = data.split(b"\n")
-    lines.insert(rng.randrange(len(lines)), lines.pop(rng.randrange(len(lines))))
-    return b"\n".join(lines)
-
-
-def line_twice(rng, data):
-    lines = data.split(b"\n")
-    lines.insert(rng.randrange(len(lines)), rng.choice(lines))
-    return b"\n".join(lines)
-
-
-def no_line(rng, data):
-    lines = data.split(b"\n")
-    del lines[rng.randrange(len(lines))]
-    return b"\n".join(lines)
-
-
 def noise(rng, data):
     i = rng.randrange(len(data))
     return data[:i] + rng.choice(MARKS) * rng.choice([1, 1, 1, 2000]) + data[i:]
 
 
 MUTATIONS = (one_number, one_number, one_number, one_word, one_word, one_byte, one_bit, one_bit, truncated, without,
-             twice, lines_moved, line_twice, no_line, noise)  # fmt: skip
+             twice, line_moved, line_twice, no_line, noise)  # fmt: skip
 
 
 @dataclass
@@ -125,12 +104,7 @@ def write_mutants(folder, count, seed):
     for i in range(max(0, count - len(made))):
         kind = kinds[i % len(kinds)]
         original = rng.choice(seeds[kind])
-        data = original.read_bytes()
-        for _ in range(rng.choice([1, 1, 2, 3])):
-            try:
-                data = rng.choice(MUTATIONS)(rng, data)
-            except (IndexError, ValueError):  # nothing left to mutate
-                break
+        data, _ = mutated(rng, original.read_bytes(), MUTATIONS)
         made.append((kind, _put(folder / f"{i:05d}_{original.name}", data, original)))
     return made, victim
 

@@ -14,10 +14,13 @@ PUSH = (1.0, 0, 0, 0, 0, 0)
 TENDONS = {"a": {"finger_1_proximal": 0.01}, "b": {"finger_1_distal": 0.01}}
 
 LAWS = ("AnisotropicCoulomb", "Coulomb", "Frictionless", "SoftFinger")
+PAGES = ("Envelope", "GraspSolution", "HandGraspSolution", "Loading", "Study")
+ONE_METHOD = {"methods": ["NSNGRK polished"], "faces": [8], "tolerances": [1e-9], "left_out": False, "repeats": 1}
 SHAPES = ("Box", "Cylinder", "Ellipsoid", "Mesh", "Sphere", "YCB")
 URDF = """<robot name="bar"><link name="palm"/><link name="bar"/><joint name="turn" type="revolute">
 <parent link="palm"/><child link="bar"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
 </robot>"""
+TIP = {"tip": ("bar", (0, 0, 0.05))}
 MJCF = """<mujoco><worldbody><body name="palm"><body name="bar"><joint name="turn" axis="0 1 0"/>
 <geom size=".01" pos="0 0 .05"/></body></body></worldbody></mujoco>"""
 
@@ -33,6 +36,10 @@ def cube_file():
 @cache
 def hand():
     return hl.example_hand("two_finger", joint_stiffness=6.0, torque_limits=3.0)
+
+
+def hands():
+    return {"one": hand(), "other": hand().scale_stiffness(2.0)}
 
 
 @cache
@@ -86,8 +93,7 @@ def study():
 
 @cache
 def cost():
-    few = {"methods": ["NSNGRK polished"], "faces": [8], "tolerances": [1e-9], "left_out": False, "repeats": 1}
-    return hl.accuracy_cost(pinch(), **few)
+    return hl.accuracy_cost(pinch(), **ONE_METHOD)
 
 
 def lcp():

@@ -10,7 +10,7 @@ import pytest
 import handlcp as hl
 from tests.fuzz.calls import fuzz, run, trials
 from tests.fuzz.public_calls import GIVEN, MADE_BY_USERS, calls
-from tests.fuzz.public_objects import MADE, URDF
+from tests.fuzz.public_objects import MADE, TIP, URDF
 
 SEED, MANY = 0, 250
 # Their objects take a second or more to make, or to be called; the command calls them, too
@@ -27,7 +27,7 @@ def own_folder(tmp_path, monkeypatch):
 
 
 def hand(**more):
-    return hl.Hand.from_urdf(URDF, {"tip": ("bar", (0, 0, 0.05))}, **({"joint_stiffness": 1.0} | more))
+    return hl.Hand.from_urdf(URDF, TIP, **({"joint_stiffness": 1.0} | more))
 
 
 def test_no_public_name_is_left_out():

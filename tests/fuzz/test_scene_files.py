@@ -12,6 +12,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.scene import read
+from tests.fuzz.mutations import line_moved, line_twice, mutated, no_line, truncated, with_one_of
 
 HARD = os.environ.get("HANDLCP_HARD") == "1"
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -72,31 +73,8 @@ def one_number(rng, text):
     return text[: m.start()] + x + text[m.end() :]
 
 
-def no_line(rng, text):
-    lines = text.splitlines()
-    del lines[rng.randrange(len(lines))]
-    return "\n".join(lines)
-
-
-def moved(rng, text):
-    lines = text.splitlines()
-    lines.insert(rng.randrange(len(lines)), lines.pop(rng.randrange(len(lines))))
-    return "\n".join(lines)
-
-
-def twice(rng, text):
-    lines = text.splitlines()
-    lines.insert(rng.randrange(len(lines)), rng.choice(lines))
-    return "\n".join(lines)
-
-
-def truncated(rng, text):
-    return text[: rng.randrange(len(text))]
-
-
 def noise(rng, text):
-    i = rng.randrange(len(text))
-    return text[:i] + rng.choice(["[", "]", "=", '"', "\x00", "#", "{", "\n", "é", "'''", "\\"]) + text[i:]
+    return with_one_of(rng, text, ["[", "]", "=", '"', "\x00", "#", "{", "\n", "é", "'''", "\\"])
 
 
 def misspelt(rng, text):
@@ -143,7 +121,8 @@ normal_N = 1.5
 """
 WRITTEN = {"contacts": CONTACTS, "laws": LAWS}
 EVERY = [*sorted(SCENES), *WRITTEN]
-MUTATIONS = (value, value, value, one_number, one_number, one_number, no_line, moved, twice, truncated, noise, misspelt)
+MUTATIONS = (value, value, value, one_number, one_number, one_number, no_line, line_moved, line_twice, truncated, noise,
+             misspelt)  # fmt: skip
 
 
 def mutants(example):
@@ -152,13 +131,7 @@ def mutants(example):
     count = (60 if example in WRITTEN else 12) * (20 if HARD else 1)
     rng = random.Random(f"{example}, 6")  # with which at least two of twelve are read
     for i in range(count):
-        text = original
-        for _ in range(rng.choice([1, 1, 2, 3])):
-            try:
-                text = rng.choice(MUTATIONS)(rng, text)
-            except (IndexError, ValueError):  # nothing left to mutate
-                break
-        yield i, text
+        yield i, mutated(rng, original, MUTATIONS)[0]
 
 
 @pytest.mark.parametrize("example", EVERY)

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.fuzz.mutations import mutated, truncated, with_one_of
 from tests.support.messages import without_compiling
 
 HARD = os.environ.get("HANDLCP_HARD") == "1"
@@ -25,10 +26,6 @@ VALUES = ["nan", "inf", "-inf", "1e400", "-1e300", "1e300", "0", "-1", "", " ", 
           "9" * 400, "٣", "true", "&lt;", "1;2", "+", "-", ".", "1e", "\u00a01"]  # fmt: skip
 ATTRIBUTE = re.compile(r'(\w+)="([^"]*)"')
 ELEMENT = re.compile(r"<(\w+)([^<>]*?)(/?)>")
-
-
-def truncated(rng, text):
-    return text[: rng.randrange(len(text))]
 
 
 def one_value(rng, text):
@@ -109,8 +106,7 @@ def mimicked(rng, text):
 
 
 def noise(rng, text):
-    i = rng.randrange(len(text))
-    return text[:i] + rng.choice(["<", ">", "&", '"', "\x00", "<!--", "-->", "<![CDATA[", "é", "&#0;"]) + text[i:]
+    return with_one_of(rng, text, ["<", ">", "&", '"', "\x00", "<!--", "-->", "<![CDATA[", "é", "&#0;"])
 
 
 MUTATIONS = (truncated, one_value, one_value, one_value, no_attribute, no_attribute, no_element, no_element,
@@ -144,15 +140,7 @@ def mutants(count):
     hands = [p.read_text() for p in sorted(SHIPPED.glob("*.urdf"))]
     rng = random.Random(0)
     for i in range(count):
-        text = rng.choice(hands)
-        done = []
-        for _ in range(rng.choice([1, 1, 2, 3])):
-            mutate = rng.choice(MUTATIONS)
-            try:
-                text = mutate(rng, text)
-                done.append(mutate.__name__)
-            except (IndexError, ValueError, ET.ParseError):  # nothing left to mutate
-                break
+        text, done = mutated(rng, rng.choice(hands), MUTATIONS)
         yield f"{i:05d}_{'_'.join(done)}", text
     yield from FIXED.items()
 

@@ -17,6 +17,11 @@ _FINGER = """
 """
 
 
+def along(stiffness):
+    """[N/m] of a tip along its normal, joint and pad."""
+    return 1.0 / (L * L / stiffness + PAD)
+
+
 def lever_hand(write, **more):
     """Two fingers, "left" at x = -10 mm and "right" at 10 mm; a positive angle moves a tip inwards by L times it."""
     sizes = {"length": L, "half": L / 2, "mass": MASS}

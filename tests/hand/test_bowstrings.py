@@ -21,10 +21,13 @@ FORK = f"""<robot name="fork"><link name="palm"/><link name="lever"/><link name=
 def fork(write, own):
     """A box between two tips of one lever, whose spring `own` [N·m/rad] balances the string in the posture zero."""
     string = hl.Route([hl.Site("palm", (-A * np.sin(LEAN), 0, -A * np.cos(LEAN))), hl.Site("lever", (0, 0, B))])
-    tendons = hl.Tendons({"string": string}, KT, own, pretension=T)
+    return boxed(write, hl.Tendons({"string": string}, KT, own, pretension=T), np.zeros(6))
+
+
+def boxed(write, tendons, wrench):
     hand = Hand.from_urdf(write(FORK), ["left", "right"], joint_stiffness=tendons, pad_flexibility=1e-6, tip_radius=R)
     box = hl.Box(0.02, placement=(0, 0, L))
-    return hand.at([0.0]).grasp(box, friction=hl.SoftFinger(0.8, 0.01), preload=2e-5, wrench=np.zeros(6))
+    return hand.at([0.0]).grasp(box, friction=hl.SoftFinger(0.8, 0.01), preload=2e-5, wrench=wrench)
 
 
 def arm(q):
@@ -49,10 +52,9 @@ def test_a_path_goes_as_the_string_says_where_the_spring_is_stiff_enough(write):
     np.testing.assert_allclose(steps.work[-1], steps.stored[-1], rtol=1e-3)
 
 
-@pytest.mark.parametrize("own", [1.105])
-def test_the_lever_gives_way_at_the_load_where_the_string_wins(write, own):
+def test_the_lever_gives_way_at_the_load_where_the_string_wins(write):
     """Stable in the posture zero, and unstable where the string is straight: the largest force on the way."""
-    q = np.linspace(0.0, LEAN, 100_001)
+    q, own = np.linspace(0.0, LEAN, 100_001), 1.105
     most = force(q, own).max()
     assert 0.0 < q[force(q, own).argmax()] < LEAN
     path = fork(write, own).follow((2.0 * most, 0, 0, 0, 0, 0), steps=20)
@@ -75,9 +77,7 @@ def on_pulley(write, side, shape="cylinder"):
     around = hl.Around("palm", ((0, 0, 0), (0.0, 1.0, 0.0)), ROUND, shape, side)
     ends = hl.Site("palm", (-A * np.sin(LEAN), 0, -A * np.cos(LEAN))), hl.Site("lever", (0, 0, B))
     tendons = hl.Tendons({"string": hl.Route([ends[0], around, ends[1]])}, KT, 1.4, pretension=6.0)
-    hand = Hand.from_urdf(write(FORK), ["left", "right"], joint_stiffness=tendons, pad_flexibility=1e-6, tip_radius=R)
-    box = hl.Box(0.02, placement=(0, 0, L))
-    return hand.at([0.0]).grasp(box, friction=hl.SoftFinger(0.8, 0.01), preload=2e-5, wrench=(14.0, 0, 0, 0, 0, 0))
+    return boxed(write, tendons, (14.0, 0, 0, 0, 0, 0))
 
 
 @pytest.mark.parametrize("shape", ["cylinder", "sphere"])

@@ -7,18 +7,13 @@ import handlcp as hl
 from handlcp.errors import InputError, UnknownName
 from handlcp.hand import Hand
 
-from .levers import PAD, L, lever_hand, lever_pinch
+from .levers import PAD, L, along, lever_hand, lever_pinch
 
 ARM, KT, OWN, GRIP = 0.01, 6e4, 4.0, 0.25  # m, N/m, N·m/rad, μθ
 SHUT, PULL = 0.05, 12.0  # rad commanded; N on the object
 K, LESS, MORE = OWN + KT * ARM**2, np.exp(-GRIP), np.exp(GRIP)
 ASIDE = [PULL, 0.0, 0.0, 0.0, 0.0, 0.0]
 ARMS = {f"{side}_flexor": {f"{side}_joint": ARM} for side in ("left", "right")}
-
-
-def along(stiffness):
-    """[N/m] of a tip along its normal, joint and pad."""
-    return 1.0 / (L * L / stiffness + PAD)
 
 
 def pinch(write, **tendons):
@@ -74,18 +69,16 @@ def chain(order=(1, 2, 3)):
     for s, axis, x in (("left", 1, -0.01), ("right", -1, 0.01)):
         for k in (1, 2, 3):
             parent = "palm" if k == 1 else f"{s}_{k - 1}"
-            parts.append(
-                PART.format(s=s, k=k, parent=parent, axis=axis, x=x if k == 1 else 0, z=0.0 if k == 1 else 0.03)
-            )
+            x, z = (x, 0.0) if k == 1 else (0, 0.03)
+            parts.append(PART.format(s=s, k=k, parent=parent, axis=axis, x=x, z=z))
         parts.append(END.format(s=s))
         arms[s] = {f"{s}_joint_{k}": float(RADII[k - 1]) for k in order}
         wraps[s] = {f"{s}_joint_{k}": float(WRAPS[k - 1]) for k in (1, 2, 3)}
     tendons = hl.Tendons(arms, 3e4, 0.5, friction=wraps)
     hand = Hand.from_urdf(CHAIN.format("".join(parts)), joint_stiffness=tendons, pad_flexibility=PAD)
     drawn = np.tile(RADII / RADII[0] * SHUT, 2)
-    contacts = [
-        hl.Contact((side * 0.01, 0, 0.03), (-side, 0, 0), hl.Coulomb(0.5), tangent=(0, 0, 1)) for side in (-1.0, 1.0)
-    ]
+    law, up = hl.Coulomb(0.5), (0, 0, 1)
+    contacts = [hl.Contact((side * 0.01, 0, 0.03), (-side, 0, 0), law, tangent=up) for side in (-1.0, 1.0)]
     return hand.at(np.zeros(6)).grasp(contacts, wrench=(0, 0, 0, 0, 0, 0), reference=(0, 0, 0.03), joint_offset=drawn)
 
 

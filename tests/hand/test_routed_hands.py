@@ -7,6 +7,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.hand import Hand
+from tests.support.hand import agrees_with_mujoco
 from tests.support.routed import KT, threes
 
 from .chains import A, chain_hand
@@ -69,18 +70,6 @@ def test_arms_are_those_of_the_posture_in_which_the_hand_stands(write):
         np.testing.assert_allclose(state.hand.joint_stiffness[0, 0], 1.0 + KT * arm**2, rtol=1e-12)
 
 
-def compared(grasp, near):
-    """Forces, joint torques and tensions at the end of the loading, beside MuJoCo."""
-    from handlcp.simulator import simulate
-
-    path, truth = grasp.follow(), simulate(grasp)
-    assert path.reached
-    assert truth.held
-    size, torque = np.abs(truth.forces_world).max(), np.abs(truth.torques).max()
-    np.testing.assert_allclose(path.solution.forces_world, truth.forces_world, atol=near * size)
-    np.testing.assert_allclose(path.steps.torques[-1], truth.torques, atol=near * torque)
-
-
 def test_what_posts_of_routes_take_is_dissipated(write):
     """Work is what is stored and what the pulleys take, the nearer the shorter the steps."""
     off = list[float]()
@@ -100,8 +89,7 @@ def test_iterates_are_about_as_many_as_where_arms_stay():
 
 def test_mujoco_has_the_same_forces_and_torques():
     """Spatial tendons, which only pull: an extensor goes slack under the load."""
-    pytest.importorskip("mujoco")
-    compared(threes(True, 2.0), 0.005)
+    agrees_with_mujoco(threes(True, 2.0), 0.005, torques=True)
 
 
 def finger(k, angle):
@@ -121,10 +109,9 @@ def finger(k, angle):
         tail += "</body>"
         for name in way:
             side = name.split()[1]
-            if j < (3 if name.startswith("long") else 1):
-                way[name] += (
-                    f'<geom geom="post {k} {j}" sidesite="beside {side} {k} {j}"/><site site="{side} {k} {j}"/>'
-                )
+            if j < 1 or name.startswith("long"):
+                around = f'<geom geom="post {k} {j}" sidesite="beside {side} {k} {j}"/>'
+                way[name] += f'{around}<site site="{side} {k} {j}"/>'
     roots = "".join(f'<site name="root {side} {k}" pos="{(1 - s * 0.18) * x} {(1 - s * 0.18) * y} -0.02"/>'
                     for side, s in sides.items())  # fmt: skip
     tendons = "".join(f'<spatial name="{name} {k}"><site site="root {name.split()[1]} {k}"/>{part}</spatial>'
@@ -156,5 +143,4 @@ def twenty():
 
 @pytest.mark.long
 def test_a_whole_hand_of_twenty_tendons_is_as_in_mujoco():
-    pytest.importorskip("mujoco")
-    compared(twenty(), 0.02)
+    agrees_with_mujoco(twenty(), 0.02, torques=True)

@@ -1,6 +1,7 @@
 """Shapes against closed forms and coal's yes or no: gaps, depths, reach, swept balls, convex parts."""
 
 import re
+from contextlib import nullcontext
 
 import coal
 import numpy as np
@@ -44,11 +45,14 @@ def _lathe(path, outline, sides):
     return path
 
 
+def _barrel(folder):
+    outline = [(0.0, -0.03), (0.015, -0.03), (0.02, 0.0), (0.012, 0.03), (0.0, 0.03)]
+    return _lathe(folder / "barrel.obj", outline, 24)
+
+
 def _pairs(seed, count, folder):
     """Tips and objects that overlap: cylinders and capsules against boxes, cylinders, ellipsoids and a mesh."""
-    rng = np.random.default_rng(seed)
-    barrel = _lathe(folder / "barrel.obj", [(0.0, -0.03), (0.015, -0.03), (0.02, 0.0), (0.012, 0.03), (0.0, 0.03)], 24)
-    made = 0
+    rng, barrel, made = np.random.default_rng(seed), _barrel(folder), 0
     while made < count:
         a, b, c = rng.uniform(0.005, 0.03, 3)
         placement = pin.SE3(_turn(rng), rng.normal(size=3) * 0.01)
@@ -102,10 +106,7 @@ def test_every_gap_is_the_shortest_way_in(tmp_path):
 def test_shapes_that_just_touch_have_a_gap_of_nothing_and_a_normal(tmp_path):
     """Also where coal's normal is off, or its distance -1.8e308: 10 µm along the normal they touch, 10 µm back not."""
     rng = np.random.default_rng(0)
-    barrel = _lathe(
-        tmp_path / "barrel.obj", [(0.0, -0.03), (0.015, -0.03), (0.02, 0.0), (0.012, 0.03), (0.0, 0.03)], 24
-    )
-    tips = Mesh(barrel, 1.0).geometry, coal.Cylinder(0.01, 0.03)
+    tips = Mesh(_barrel(tmp_path), 1.0).geometry, coal.Cylinder(0.01, 0.03)
     objects = Box((0.04, 0.05, 0.08)), Cylinder(0.03, 0.1), Ellipsoid((0.02, 0.03, 0.04))
     for k in range(120):
         tip, obj, R, p = tips[k % 2], objects[k % 3], _turn(rng), rng.normal(size=3)
@@ -262,11 +263,8 @@ REACHES = {
 @pytest.mark.parametrize("compiled", [True, False])
 def test_a_shape_reaches_as_far_as_its_closed_form_says(name, compiled):
     shape, reach = REACHES[name]
-    if compiled:
+    with nullcontext() if compiled else interpreted():
         points = support_points(shape, N)
-    else:
-        with interpreted():
-            points = support_points(shape, N)
     np.testing.assert_allclose((points * N).sum(axis=1), reach, atol=1e-14)
 
 
@@ -282,15 +280,12 @@ def test_how_far_a_point_is_beyond_a_hull_is_read_off_its_planes():
     shape, _ = REACHES["hull"]
     _, normals, offsets = hull_planes(shape)
     for point in 0.05 * N[:20]:
-        assert shape_distance_outside(shape, point) == pytest.approx(
-            float((normals @ point - offsets).max()), abs=1e-15
-        )
+        beyond = float((normals @ point - offsets).max())
+        assert shape_distance_outside(shape, point) == pytest.approx(beyond, abs=1e-15)
 
 
 # ---------------------------------------------------------------- swept balls: the nearest station beside a search
-OBJECTS = [
-    hl.Sphere(0.03), hl.Box((0.05, 0.04, 0.06)), hl.Cylinder(0.03, 0.08), hl.Ellipsoid((0.02, 0.03, 0.05)),
-]  # fmt: skip
+BALL, BOX, CAN, EGG = hl.Sphere(0.03), Box((0.05, 0.04, 0.06)), Cylinder(0.03, 0.08), Ellipsoid((0.02, 0.03, 0.05))
 
 
 def drawn(rng, lines):
@@ -302,7 +297,7 @@ def drawn(rng, lines):
     return 0.09 * way / np.linalg.norm(way), spans, rng.uniform(0.0, 0.01)
 
 
-@pytest.mark.parametrize("obj", OBJECTS, ids=lambda o: type(o).__name__)
+@pytest.mark.parametrize("obj", [BALL, BOX, CAN, EGG], ids=lambda o: type(o).__name__)
 @pytest.mark.parametrize("lines", [1, 2])
 def test_no_station_is_nearer_than_the_one_found(obj, lines):
     rng = np.random.default_rng(3)
@@ -310,13 +305,11 @@ def test_no_station_is_nearer_than_the_one_found(obj, lines):
         centre, spans, _ = drawn(rng, lines)
         found = obj.closest(swept_station(obj, centre, spans))[0]
         grid = np.linspace(-1.0, 1.0, 21)
-        every = [
-            obj.closest(centre + s * spans[0] + t * spans[1])[0] for s in grid for t in (grid if lines > 1 else (0.0,))
-        ]
-        assert found <= min(every) + 1e-9
+        every = [centre + s * spans[0] + t * spans[1] for s in grid for t in (grid if lines > 1 else (0.0,))]
+        assert found <= min(obj.closest(point)[0] for point in every) + 1e-9
 
 
-@pytest.mark.parametrize("obj", [OBJECTS[0], OBJECTS[2], OBJECTS[3]], ids=lambda o: type(o).__name__)
+@pytest.mark.parametrize("obj", [BALL, CAN, EGG], ids=lambda o: type(o).__name__)
 @pytest.mark.parametrize("lines", [0, 1, 2])
 def test_contacts_turn_and_shift_as_differences_of_them_do(obj, lines):
     rng = np.random.default_rng(5)

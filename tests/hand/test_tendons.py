@@ -11,23 +11,19 @@ from handlcp import Motor
 from handlcp.errors import InputError, UnknownName
 from handlcp.hand import HandGrasp, example_hand
 from handlcp.scene import read
-from tests.support.hand import tendons_of
+from tests.support.hand import agrees_with_mujoco, tendons_of
 
-from .levers import PAD, L, lever_hand, lever_pinch
+from .levers import PAD, L, along, lever_hand, lever_pinch
 
 ARM, KT, OWN = 0.01, 6e4, 4.0  # m, N/m, N·m/rad
 SHUT, PULL = 0.05, 8.0  # rad commanded; N on the object
 BOTH = OWN + 2 * KT * ARM**2  # N·m/rad of a joint with both tendons
 ONE = OWN + KT * ARM**2
 PRESSED = SHUT * L / (L * L / BOTH + PAD)  # N of each finger once the hand has closed
+CLOSED = (PRESSED * L + OWN * (SHUT - PRESSED * L / BOTH)) / ARM  # N of a flexor then
 ASIDE = [PULL, 0.0, 0.0, 0.0, 0.0, 0.0]
 WAYS = {"flexor": ARM, "extensor": -ARM}
 ARMS = {f"{side}_{way}": {f"{side}_joint": arm} for side in ("left", "right") for way, arm in WAYS.items()}
-
-
-def along(K):
-    """[N/m] of a tip along its normal, joint and pad."""
-    return 1.0 / (L * L / K + PAD)
 
 
 def pinch(write, pretension=0.0, shut=SHUT, **tendons):
@@ -71,8 +67,7 @@ def test_drives_let_no_tendon_go_below_its_pretension_while_they_close(write):
     """
     for pretension in (0.0, 3.0):
         end = pinch(write, pretension=pretension).follow(order="squeeze", geometry="fixed").last
-        made = (PRESSED * L + OWN * (SHUT - PRESSED * L / BOTH)) / ARM
-        np.testing.assert_allclose(end.pull.tension, pretension + made * np.array([1.0, 0.0] * 2), atol=1e-6)
+        np.testing.assert_allclose(end.pull.tension, pretension + CLOSED * np.array([1.0, 0.0] * 2), atol=1e-6)
 
 
 def test_a_flexor_that_works_against_a_spring_never_goes_slack(write):
@@ -97,24 +92,24 @@ def test_two_tendons_that_share_a_spring_go_slack_as_the_rest_allows(write):
     np.testing.assert_allclose(path.steps.displacement[-1, 0], PULL / (along(one) + along(both)), rtol=1e-8)
 
 
-def test_what_a_tendon_bears_ends_a_load_and_decides_a_verdict(write):
-    """The flexor behind the load takes F along(ONE) / (along(ONE) + along(BOTH)) of it at its tip, all but the share of
-    the joint's own spring.
+def load_of(more):
+    """[N] The load at which the flexor behind it pulls with so much more [N]: it takes F along(ONE) / (along(ONE) +
+    along(BOTH)) of a load at its tip, all but the share of the joint's own spring.
     """
-    closed = (PRESSED * L + OWN * (SHUT - PRESSED * L / BOTH)) / ARM
-    more = 10.0
-    taken = more * ARM * ONE / (KT * ARM**2) / L  # N at the tip
-    load = taken * (along(ONE) + along(BOTH)) / along(ONE)
-    limit = pinch(write, limits={"right_flexor": closed + more}).load_limit(ASIDE, geometry="fixed")
+    return more * ARM * ONE / (KT * ARM**2) / L * (along(ONE) + along(BOTH)) / along(ONE)
+
+
+def test_what_a_tendon_bears_ends_a_load_and_decides_a_verdict(write):
+    limit = pinch(write, limits={"right_flexor": CLOSED + 10.0}).load_limit(ASIDE, geometry="fixed")
     assert [(c.kind, c.who) for c in limit.binds] == [("tension", "right_flexor")]
-    np.testing.assert_allclose(limit.factor * PULL, load, rtol=1e-6)
+    np.testing.assert_allclose(limit.factor * PULL, load_of(10.0), rtol=1e-6)
     assert "right_flexor reaches the limit of its tension" in limit.why
-    verdict = pinch(write, limits=0.5 * closed).check()
+    verdict = pinch(write, limits=0.5 * CLOSED).check()
     assert verdict.word == "OVER LIMIT"
     (reason,) = verdict.about("tension_over_limit")
     assert [r["tendon"] for r in reason.values["tendons"]] == ["left_flexor", "right_flexor"]
     for r in reason.values["tendons"]:
-        np.testing.assert_allclose(r["tension_N"], closed, rtol=1e-4)
+        np.testing.assert_allclose(r["tension_N"], CLOSED, rtol=1e-4)
 
 
 LOAD = [2.0, 1.0, 0.0, 0.0, 0.02, 0.0]
@@ -131,15 +126,7 @@ def boxed(pretension, k=1e4):
 
 
 def test_mujoco_has_the_same_forces_and_tensions():
-    pytest.importorskip("mujoco")
-    from handlcp.simulator import simulate
-
-    grasp = boxed(1.0)
-    path, truth = grasp.follow(), simulate(grasp)
-    assert path.reached
-    assert truth.held
-    size = np.abs(truth.forces_world).max()
-    np.testing.assert_allclose(path.solution.forces_world, truth.forces_world, atol=0.02 * size)
+    agrees_with_mujoco(boxed(1.0), 0.02)
 
 
 def test_what_a_slack_tendon_falls_short_of_is_the_pretension_that_keeps_it_taut():
@@ -200,7 +187,6 @@ def test_a_hundredth_of_a_command_that_no_tendon_makes_is_a_doubt_and_more_decid
 
 # ---------------------------------------------------------------- motors that draw tendons in, against closed forms
 ROOT = Path(__file__).parents[2]
-CLOSED = (PRESSED * L + OWN * (SHUT - PRESSED * L / BOTH)) / ARM  # N of a flexor once the hand has closed
 THERMAL = 20.0  # s
 GEAR, SPOOL = 20.0, 0.005  # –, m
 FLEXORS = ["left_flexor", "right_flexor"]
@@ -224,14 +210,12 @@ def test_the_limit_of_a_tendon_is_the_smaller_of_what_it_bears_and_what_its_moto
 
 @pytest.mark.parametrize("more", [{}, {"friction": 3.0}, {"holding": CLOSED + 15.0}])
 def test_a_load_limit_is_where_the_tension_passes_what_the_motor_holds_for_good(write, more):
-    """The flexor behind the load takes F along(ONE) / (along(ONE) + along(BOTH)) at its tip, its own spring a share."""
     drive = motor(CLOSED + 10.0, 2.0 * CLOSED, **more)
     spare = drive.holds - CLOSED
     np.testing.assert_allclose(spare, {"friction": 13.0, "holding": 15.0}.get(next(iter(more), ""), 10.0))
-    load = spare * ARM * ONE / (KT * ARM**2) / L * (along(ONE) + along(BOTH)) / along(ONE)
     limit = pinch(write, motors={"right_flexor": drive}).load_limit(ASIDE, geometry="fixed")
     assert [(c.kind, c.who) for c in limit.binds] == [("tension", "right_flexor")]
-    np.testing.assert_allclose(limit.factor * PULL, load, rtol=1e-6)
+    np.testing.assert_allclose(limit.factor * PULL, load_of(spare), rtol=1e-6)
 
 
 # ---------------------------------------------------------------- what closing takes
@@ -431,9 +415,8 @@ def test_dry_friction_of_a_tendons_motor_takes_its_part_of_a_closing_torque():
     q = hand.close_on(ball)
     plain = hand.at(q).grasp(ball, closing_torque=0.3 - arm * rubs)
     driven = hand.replace(motors={f"to {joint}": motor(20.0, 40.0, friction=rubs) for joint in joints})
-    np.testing.assert_allclose(
-        driven.at(q).grasp(ball, closing_torque=0.3).joint_offset, plain.joint_offset, rtol=1e-12
-    )
+    closed = driven.at(q).grasp(ball, closing_torque=0.3)
+    np.testing.assert_allclose(closed.joint_offset, plain.joint_offset, rtol=1e-12)
     for torque, words in ((arm * rubs, "dry friction of its drive, 10, and at most"), (0.41, "peak.* 40 N in")):
         with pytest.raises(InputError, match=f"closing_torque: .*{words}.*to finger_1_"):
             driven.at(q).grasp(ball, closing_torque=torque)

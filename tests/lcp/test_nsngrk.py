@@ -1,12 +1,20 @@
-"""NSNGRK is the paper's Algorithm 2: subgradients, threshold, index set, sampling and step, checked one by one."""
+"""NSNGRK is the paper's Algorithm 2: subgradients, threshold, index set, sampling and step, checked one by one.
+
+AsPrinted is that algorithm to the letter: forward differences with h = 1e-6, then (20) to (22).
+"""
 
 import numpy as np
 import pytest
 
 import handlcp as hl
+from handlcp.studies.accuracy import AsPrinted
+from handlcp.studies.paper import example
 from tests.lcp.problems import random_p
 from tests.support.kernels import compiled
 from tests.support.lcp import Kaczmarz, uniform_numbers
+from tests.support.texts import says
+
+H = 1e-6
 
 
 def phi(M, q, free, z):
@@ -14,12 +22,17 @@ def phi(M, q, free, z):
     return np.where(free, w, np.hypot(z, w) - z - w)
 
 
-def jacobian(M, q, free, z):
-    """The paper's generalized Jacobian, equation (19), by central differences."""
-    h = 1e-6
-    return np.column_stack(
-        [(phi(M, q, free, z + h * e) - phi(M, q, free, z - h * e)) / (2 * h) for e in np.eye(len(q))]
-    )
+def jacobian(M, q, free, z, back=H):
+    """The paper's generalized Jacobian, equation (19), by differences from `back` before to H ahead."""
+    ways = np.eye(len(q))
+    return np.column_stack([(phi(M, q, free, z + H * e) - phi(M, q, free, z - back * e)) / (H + back) for e in ways])
+
+
+def projections(f, J, z):
+    """Where a step may lead from z: (20), on the rows of the set (22), with the thresholds (21)."""
+    g2 = (J * J).sum(1)
+    epsilon = 0.5 * ((f**2 / g2).max() / (f @ f)) + 0.5 / (J * J).sum()
+    return [z - f[i] / g2[i] * J[i] for i in np.flatnonzero(f**2 >= epsilon * (f @ f) * g2 * (1 - 1e-6))]
 
 
 def one_step(M, q, free, z, seed):
@@ -34,15 +47,21 @@ def test_a_step_projects_on_a_row_of_the_greedy_set(seed):
     M, q = random_p(rng, 9)
     free = rng.random(9) < 0.3
     z = rng.normal(size=9)
-    f, J = phi(M, q, free, z), jacobian(M, q, free, z)
-    g2 = (J * J).sum(1)
-    # thresholds (21) and set (22)
-    epsilon = 0.5 * ((f**2 / g2).max() / (f @ f)) + 0.5 / (J * J).sum()
-    U = np.flatnonzero(f**2 >= epsilon * (f @ f) * g2 * (1 - 1e-6))
     z1, w1, _ = one_step(M, q, free, z, seed)
-    targets = [z - f[i] / g2[i] * J[i] for i in U]  # equation (20)
+    targets = projections(phi(M, q, free, z), jacobian(M, q, free, z), z)
     assert min(abs(z1 - t).max() for t in targets) < 1e-6
     np.testing.assert_allclose(w1, M @ z1 + q, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_step_as_printed_projects_on_a_forward_difference_of_a_row_of_the_greedy_set(seed):
+    rng = np.random.default_rng(seed)
+    M, q = random_p(rng, 9)
+    p = hl.LCP(M, q, rng.random(9) < 0.3, units=hl.LCP(M, q).scaled.units).scaled
+    z = rng.normal(size=9)
+    targets = projections(phi(p.M, p.q, p.free, z), jacobian(p.M, p.q, p.free, z, back=0.0), z)
+    moved = AsPrinted(max_iterations=1, tol=1e-30, seed=seed).propose(p, z).z
+    assert min(abs(moved - t).max() for t in targets) < 1e-8  # two ways to round w differ by 1e-16 / h
 
 
 def test_rows_of_the_set_are_drawn_in_proportion_to_their_squared_residual():
@@ -109,3 +128,23 @@ def test_a_setting_of_another_number_type_compiles_nothing_anew(tol):
     before = compiled()
     hl.solve_lcp(p, hl.NSNGRK(tol=tol), throw=False)
     assert compiled() == before > 0
+
+
+# ---------------------------------------------------------------- as printed
+def test_as_printed_it_follows_the_analytic_method_until_the_differences_show():
+    p = hl.LCP(*random_p(np.random.default_rng(2), 12)).scaled
+    for steps, close in ((1, 1e-5), (10, 1e-4)):
+        a = AsPrinted(max_iterations=steps, tol=1e-30, seed=3).propose(p).z
+        b = hl.NSNGRK(max_iterations=steps, tol=1e-30, seed=3, polish=False).propose(p).z
+        assert 0 < abs(a - b).max() < close
+
+
+def test_where_both_of_a_pair_vanish_differences_stop_short_of_what_subgradients_reach():
+    p = example(3).grasp.problem(8).scaled
+    printed, ours = (s.propose(p) for s in (AsPrinted(1e-8, 60_000), hl.NSNGRK(1e-8, 60_000, polish=False)))
+    assert ours.outcome == "converged"
+    both = np.maximum(abs(ours.z), abs(p.M @ ours.z + p.q))
+    assert (both < 1e-7).sum() == 1, "one pair of zeros: there a difference over 1e-6 is no subgradient"
+    assert printed.iterations == 60_000
+    says(printed.outcome, "60000")
+    assert 1e-8 < np.linalg.norm(phi(p.M, p.q, p.free, printed.z)) < 10 * H

@@ -1,6 +1,7 @@
 """Doors into a hand: the URDFs that ship, how tips touch objects, how joints carry torques, how a finger curves."""
 
 import numpy as np
+import pytest
 
 import handlcp as hl
 from handlcp.actuation.tendon_stiffness import TendonStiffness
@@ -133,6 +134,21 @@ class _UnderLoad:
 
 
 # ---------------------------------------------------------------- torques
+def agrees_with_mujoco(grasp, near, torques=False):
+    """Forces, and joint torques, at the end of the loading are MuJoCo's to a share `near` of the largest."""
+    pytest.importorskip("mujoco")
+    from handlcp.simulator import simulate
+
+    path, truth = grasp.follow(), simulate(grasp)
+    assert path.reached
+    assert truth.held
+    size = np.abs(truth.forces_world).max()
+    np.testing.assert_allclose(path.solution.forces_world, truth.forces_world, atol=near * size)
+    if torques:
+        size = np.abs(truth.torques).max()
+        np.testing.assert_allclose(path.steps.torques[-1], truth.torques, atol=near * size)
+
+
 def torque_check_of(joints, torque, limits, known=None):
     """Torques beside limits, some of which may not be known; None: all are."""
     torque, limits = np.asarray(torque, float), np.asarray(limits, float)

@@ -100,12 +100,6 @@ def friction_laws() -> tuple[type[FrictionLaw], ...]:
     return tuple(_LAWS.values())
 
 
-def describe_laws() -> str:
-    """How to write each of them, for refusals."""
-    calls = [law.call for law in _LAWS.values()]
-    return f"{', '.join(calls[:-1])} or {calls[-1]}"
-
-
 # ----------------------------------------------------------------
 # Coulomb's law: dry friction, alike in all directions.
 #
@@ -276,7 +270,8 @@ def as_law(value: Any, argument: str = "friction", instead: str = "") -> Frictio
     try:
         mu = check_number(argument, value, minimum=0.0)
     except InputError:
-        expected = f"a coefficient ≥ 0, {describe_laws()}{instead}"
+        *calls, last = [law.call for law in _LAWS.values()]
+        expected = f"a coefficient ≥ 0, {', '.join(calls)} or {last}{instead}"
         raise InputError(argument, expected, shorten_repr(value)) from None
     if mu > _MAX_COEFFICIENT:
         expected = f"a coefficient of at most {_MAX_COEFFICIENT:g}, or Coulomb({mu:g}) where that is meant"

@@ -11,6 +11,7 @@ import numpy as np
 
 from handlcp.check import Array, check_array, check_init_call, check_integer, check_method_calls, read_only
 from handlcp.errors import InputError
+from handlcp.lcp.contact_problem import ring_vectors
 
 
 @check_init_call()
@@ -36,12 +37,12 @@ class Pyramid:
     @property
     def normals(self) -> Array:
         """(2, m) outward unit normals of the faces in the contact's x, y axes."""
-        return _ring_vectors(self.faces, 0.0)
+        return ring_vectors(self.faces, 0.0)
 
     @property
     def edges(self) -> Array:
         """(2, m) tangential force along the edges, as multiples of `limit`."""
-        return _ring_vectors(self.faces, 0.5) / math.cos(math.pi / self.faces)
+        return ring_vectors(self.faces, 0.5) / math.cos(math.pi / self.faces)
 
     @property
     def share(self) -> float:
@@ -81,14 +82,6 @@ class Interval:
 Section: TypeAlias = Pyramid | Cone | Interval
 
 MOST_FACES = 1024  # the pyramid is then within 5e-6 of the cone; the cone itself is cheaper from 8 faces on
-
-
-@lru_cache(maxsize=256)
-def _ring_vectors(m: int, shift: float) -> Array:
-    a = 2 * np.pi * (np.arange(m) + shift) / m
-    ring = np.vstack([np.cos(a), np.sin(a)])
-    ring[abs(ring) < 1e-15] = 0.0  # cos(π/2) and its like: an exact zero couples nothing
-    return read_only(ring)
 
 
 _pyramid = lru_cache(maxsize=64)(Pyramid)  # the same few are asked for again and again

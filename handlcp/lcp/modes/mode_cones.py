@@ -363,9 +363,7 @@ def _reflect(A: Array, f: int) -> tuple[Ints, int]:
 
 @kernel
 def write_free(w: FullEquations, r: ReducedEquations, codes: Ints, x: Array, y: Array, u: Array) -> None:
-    """Write the free unknowns u (f,) that go with forces x and motions y (n, 4), and the slips that the rows left out
-    give, into y.
-    """
+    """Write the free unknowns u (f,) of forces x and motions y (n, 4), and into y the slips that rows left out give."""
     n, f, rank = len(codes), len(u), len(r.taken)
     u[:] = 0.0
     for k in range(rank - 1, -1, -1):

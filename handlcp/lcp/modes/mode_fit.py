@@ -263,9 +263,7 @@ def _put_column(c: ModeCones, i: int, kind: int, of: Array, a: ActiveColumns) ->
 
 @kernel
 def _keep_positive(c: ModeCones, a: ActiveColumns) -> int:
-    """Keep of the generators to begin with those whose weights are positive in the best fit; the most negative goes
-    first. Returns multiply-adds spent.
-    """
+    """Keep of the first generators those of positive weight in the best fit; returns multiply-adds spent."""
     wanted, R = a.used[0], len(a.b)
     a.used[0] = 0
     for s in range(wanted):

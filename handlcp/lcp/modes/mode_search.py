@@ -116,10 +116,7 @@ def new_mode_node(w: FullEquations) -> ModeNode:
 def visit_nodes(
     t: ModeTree, w: FullEquations, normals: Array, claim: NonexistenceClaim, work: int, node: ModeNode
 ) -> int:
-    """Visit nodes until `work` multiply-adds are spent, none is left, or there is a candidate, in the node's x, y, u.
-
-    normals : as in `ContactProblem`.
-    """
+    """Visit nodes until `work` multiply-adds are spent, none is left, or the node's x, y, u are a candidate."""
     end = t.counts[4] + work
     codes, corners = node.codes, node.corners
     while t.counts[0] > 0:
@@ -319,11 +316,6 @@ class ModeSearch:
         return int(self._tree.counts[2])
 
     @property
-    def is_ended(self) -> bool:
-        """Whether nothing more will come, whatever the budget."""
-        return self.exhausted or self.refused_count > _OPTIONS.max_refused
-
-    @property
     def is_none_proven(self) -> bool:
         """Whether it is proven that there is no answer within the bounds, unless one was accepted."""
         return self.exhausted and not self.refused_count
@@ -342,17 +334,13 @@ class ModeSearch:
         end : of `time.monotonic`, if earlier.
         """
         visits = self._visits(work, end)
-        while not self.is_ended and (last := next(visits, None)) is not None:
+        while self.refused_count <= _OPTIONS.max_refused and (last := next(visits, None)) is not None:
             if last or self._early < _OPTIONS.max_early_candidates:
                 self._early += not last
                 yield self._unknowns()
 
     def each_choice(self, work: float) -> Iterator[Array]:
-        """One answer (n,) in natural units of each choice of modes that has any, until so many multiply-adds were spent
-        in all.
-
-        Where `exhausted`, the other choices are proven to have none within the bounds.
-        """
+        """One answer (n,) of each choice of modes that has any; where `exhausted`, others are proven to have none."""
         return (self._unknowns() for last in self._visits(work, math.inf) if last)
 
     def _visits(self, work: float, end: float) -> Iterator[bool]:
