@@ -165,9 +165,9 @@ def drive_origins(stiffness: Elasticity, joints: Sequence[str]) -> Iterator[Orig
     """Where the stiffness of joints (nv,) comes from, and what tendons bear."""
     number = "stiffness"
     if isinstance(stiffness, ServoStiffness):
-        servos, springs = stiffness.rows.any(axis=0).tolist(), stiffness.passive.any(axis=1).tolist()
-        by = [_STIFFNESS_SOURCES[both] for both in zip(servos, springs, strict=True)]
-        yield from _group_by_source(number, zip(joints, by, strict=True))
+        by = [(bool(stiffness.rows[:, j].any()), bool(own.any())) for j, own in enumerate(stiffness.passive)]
+        sources = [_STIFFNESS_SOURCES[both] for both in by]
+        yield from _group_by_source(number, zip(joints, sources, strict=True))
         return
     springs = ""
     if isinstance(stiffness, TendonStiffness):

@@ -183,7 +183,7 @@ def make_servo_stiffness(servos: Sequence[Servo], kinematics: Kinematics) -> Ser
     size = np.sqrt(np.diagonal(K))
     stiff, motions = np.linalg.eigh(K / np.outer(size, size))  # without units, so that hinges and slides compare
     free = abs(motions[:, stiff <= SEMIDEFINITE_TOLERANCE * stiff[-1]])
-    loose = (free > 1e-6).any(axis=1)  # joints that take part in a motion that nothing resists
+    loose = np.asarray((free > 1e-6).any(axis=1))  # joints that take part in a motion that nothing resists
     widened = tuple(i for i, row in enumerate(rows) if np.count_nonzero(row) > 1 and loose[row != 0.0].any())
     for i in widened:
         row = rows[i]
