@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, overload
 
 import numpy as np
 
 from handlcp import words
 from handlcp.actuation.joint_stiffness import Elasticity
-from handlcp.check import check_call, check_method_calls
-from handlcp.errors import HandLCPError, InputError, Unsupported
+from handlcp.check import Array, check_call, check_method_calls
+from handlcp.errors import HandLCPError, InputError
 from handlcp.grasp.solution.verdict import Reason
 from handlcp.record import Record
 from handlcp.robot.description import COLLISION, VISUAL, RobotDescription, read_robot
 from handlcp.robot.fingertip import choose_obvious_tips, find_tip_candidates
-from handlcp.robot.joint import SEVERITIES, SHARED_LIMIT, Doubt, read_joint_facts
+from handlcp.robot.joint import SEVERITIES, SHARED_LIMIT, Doubt
 from handlcp.robot.joint_audit import (
-    friction_doubts,
     joint_doubts,
-    one_sided_doubts,
+    motor_doubts,
     property_doubts,
     range_doubts,
     sag_doubts,
@@ -32,7 +32,7 @@ from handlcp.robot.joint_audit import (
 from handlcp.robot.kinematics import Kinematics
 from handlcp.robot.link_shape import shape_doubts
 from handlcp.robot.servo_stiffness import has_servos, read_file_stiffness
-from handlcp.robot.urdf import build_model, mesh_folders
+from handlcp.robot.urdf import build_model
 from handlcp.words import wrap_text
 
 # ----------------------------------------------------------------
@@ -43,13 +43,6 @@ _SEVERITY_HEADS = {
     "minor": "Minor: changes numbers",
     "information": "Information",
 }
-SERVO_DOUBT = Doubt(
-    "hand",
-    "joint stiffness is kp of the file's position actuators, often chosen for a simulation",
-    "joint_stiffness as measured: stiffness_from",
-    "minor",
-    "stiffness",
-)
 _SAID_ELSEWHERE = ("limit unknown", "geometry")  # a verdict has warnings of its own about these
 
 
@@ -112,41 +105,32 @@ def audit_urdf(path: Any, base: str | None = None, package_dirs: Any = None) -> 
     Raises URDFError for a file that is missing or not a URDF, UnknownName for an unknown base; Unsupported for an MJCF
     file without MuJoCo.
     """
-    root, file, found, meshes = read_robot("path", path, base, package_dirs=package_dirs)
-    name, folders = file.name if file is not None else root.get("name", ""), mesh_folders(package_dirs, file)
-    facts = read_joint_facts(root)
+    described, root, label = read_robot("path", path, base, package_dirs=package_dirs)
     try:
-        kinematics = Kinematics(build_model("path", root, name), facts)
+        kinematics = Kinematics(build_model("path", root, label), described.facts)
     except HandLCPError:  # what makes no hand has doubts, too
         kinematics = None
-    described = RobotDescription(name, kinematics and kinematics.model, facts, root, folders, (), found, meshes)
-    return make_audit(name, file_doubts(described, kinematics))
+    described = replace(described, model=kinematics and kinematics.model)
+    return make_audit(described.source, file_doubts(described, kinematics))
 
 
-def file_doubts(described: RobotDescription, kinematics: Kinematics | None) -> tuple[Doubt, ...]:
-    """Those about a file of which nothing else is known."""
-    return (*description_doubts(described, (), kinematics), *_file_stiffness_doubts(described, kinematics))
-
-
-def _file_stiffness_doubts(described: RobotDescription, kinematics: Kinematics | None) -> Iterator[Doubt]:
-    """Whether a file says how stiff its joints are, and whether it can be."""
-    sliding = [f.is_slide for f in described.facts] or [False]
-    unit = words.unit_of_joints(words.stiffness_unit, sliding)
-    advice = f"joint_stiffness: {unit}, a number, a mapping by joint name or a matrix"
+def file_doubts(described: RobotDescription, kinematics: Kinematics | None) -> Iterator[Doubt]:
+    """Those about a file of which nothing else is known; of its stiffness, whether the file says it, and it can be."""
+    yield from description_doubts(described, (), kinematics)
     try:
         stiffness = read_file_stiffness(described, kinematics) if kinematics is not None else None
     except InputError:
         stiffness = None
     if stiffness is None or kinematics is None:
+        unit = words.unit_of_joints(words.stiffness_unit, [f.is_slide for f in described.facts] or [False])
+        advice = f"joint_stiffness: {unit}, a number, a mapping by joint name or a matrix"
         yield Doubt("hand", "the file says nothing of joint stiffness", advice, "minor", "stiffness")
         return
-    yield SERVO_DOUBT
-    yield from slide_doubts(described.facts, _stiffness_by_joint(stiffness, kinematics.joint_names))
     found = choose_obvious_tips(find_tip_candidates(described))
     tips = [(c.name, kinematics.model.getFrameId(c.link), c.point) for c in found]
-    yield from sag_doubts(kinematics, tips, stiffness.contact_compliance(np.eye(kinematics.nv)))
     efforts = {f.name: f.effort for f in described.facts}
-    yield from spring_doubts(kinematics, stiffness, np.array([efforts[name] for name in kinematics.joint_names]))
+    limits = np.array([efforts[name] for name in kinematics.joint_names])
+    yield from _spring_number_doubts(kinematics, stiffness, tips, limits)
 
 
 def stiffness_doubts(hand: Any) -> Iterator[Doubt]:
@@ -157,22 +141,22 @@ def stiffness_doubts(hand: Any) -> Iterator[Doubt]:
         what = f"joint stiffness {where}: {hand.stiffness.stiffness_matrix[0, 0]:g} {unit} was passed for every joint"
         advice = "joint_stiffness as measured, by joint name or as a matrix"
         yield Doubt("hand", what, advice, "minor", "stiffness")
-    if hand.sliding:
-        yield from slide_doubts(hand.kinematics.facts, _stiffness_by_joint(hand.stiffness, hand.joint_names))
-    if hand.stiffness.is_from_file:
-        yield SERVO_DOUBT
-        tips = [(name, frame, None) for name, frame in zip(hand.fingertips, hand.tips.frames, strict=True)]
-        yield from sag_doubts(hand.kinematics, tips, hand.joint_compliance)
-        yield from spring_doubts(hand.kinematics, hand.stiffness, hand.torque_limits)
+    tips = [(name, frame, None) for name, frame in zip(hand.fingertips, hand.tips.frames, strict=True)]
+    yield from _spring_number_doubts(hand.kinematics, hand.stiffness, tips, hand.torque_limits)
 
 
-def _stiffness_by_joint(stiffness: Elasticity, joints: Sequence[str]) -> dict[str, float]:
-    """Joint → its stiffness; nothing of a transmission that leaves some loose."""
-    try:
-        own = np.diagonal(stiffness.stiffness_matrix)
-    except Unsupported:
-        return {}
-    return dict(zip(joints, own.tolist(), strict=True))
+def _spring_number_doubts(
+    kinematics: Kinematics, stiffness: Elasticity, tips: Sequence[tuple[str, int, Any]], limits: Array
+) -> Iterator[Doubt]:
+    """Of springs of slides; and of those that a file states, which are often chosen for a simulation. Arguments as of
+    `sag_doubts` and `spring_doubts`.
+    """
+    yield from slide_doubts(kinematics, stiffness)
+    if stiffness.is_from_file:
+        what = "joint stiffness is kp of the file's position actuators, often chosen for a simulation"
+        yield Doubt("hand", what, "joint_stiffness as measured: stiffness_from", "minor", "stiffness")
+        yield from sag_doubts(kinematics, tips, stiffness.contact_compliance(np.eye(kinematics.nv)))
+        yield from spring_doubts(kinematics, stiffness, limits)
 
 
 def description_doubts(
@@ -183,13 +167,19 @@ def description_doubts(
     limits_given : joints whose torque limit was passed; efforts don't count. kinematics : None where nothing but the
     file is known.
     """
-    joints = joint_doubts(described.facts, limits_given)
-    ranges = range_doubts(described.facts, kinematics)
-    stated, own = property_doubts(described.facts), [f for f in described.facts if f.name not in set(limits_given)]
-    unlike = (*friction_doubts(own), *one_sided_doubts(own), *unequal_doubts(own, described.servos, kinematics))
+    facts, given = described.facts, set(limits_given)
+    own = [f for f in facts if f.name not in given]
     free = {f.name for f in own}
     read = [d for d in described.doubts if d.about != SHARED_LIMIT or free.intersection(d.joint.split(", "))]
-    return (*joints, *ranges, *stated, *unlike, *read, *geometry_doubts(described))
+    return (
+        *joint_doubts(facts, given),
+        *range_doubts(facts, kinematics),
+        *property_doubts(facts),
+        *motor_doubts(own),
+        *unequal_doubts(own, described.servos, kinematics),
+        *read,
+        *geometry_doubts(described),
+    )
 
 
 def doubt_reasons(doubts: Iterable[Doubt]) -> Iterator[Reason]:
@@ -219,8 +209,10 @@ def geometry_doubts(described: RobotDescription) -> Iterator[Doubt]:
     elif bare := [name for name in seen if name not in solid]:
         what = "without collision geometry: not checked to be outside the object"
         yield Doubt(", ".join(bare), what, _GEOMETRY_ADVICE, "minor", "geometry")
+    root = ET.Element("robot") if described.root is None else described.root
     for kind, severity in ((COLLISION, "serious"), (VISUAL, "information")):
-        if missing := _missing_meshes(described, kind):
+        meshes = [mesh for mesh in root.iterfind(f"link/{kind}/geometry/mesh") if not described.has_mesh(mesh)]
+        if missing := list(dict.fromkeys(mesh.get("filename", "") for mesh in meshes)):
             what = f"mesh files of {kind} geometry are not found: {words.list_names(missing)}"
             yield Doubt("hand", what, "package_dirs with the folder that holds them", severity, "geometry")
     if described.model is not None:
@@ -229,18 +221,11 @@ def geometry_doubts(described: RobotDescription) -> Iterator[Doubt]:
 
 def tip_doubts(hand: Any) -> Iterator[Doubt]:
     """Of the fingertips of a hand: what contacts are found on."""
-    drawn = [name for i, name in enumerate(hand.fingertips) if hand.tip_kind(i) == VISUAL]
-    if drawn:
-        what = "nothing there collides, so contacts are found on what is drawn of it"
-        yield Doubt(", ".join(drawn), what, "tip_radius, or a file with collision geometry", "minor", "geometry")
-    bare = [name for i, name in enumerate(hand.fingertips) if hand.tip_kind(i) == ""]
-    if bare:
-        what = "its link has no geometry, so that no contact with an object can be found"
-        yield Doubt(", ".join(bare), what, "tip_radius", "serious", "geometry")
-
-
-def _missing_meshes(described: RobotDescription, kind: str) -> list[str]:
-    """Addresses of meshes that are not found."""
-    meshes = () if described.root is None else described.root.iterfind(f"link/{kind}/geometry/mesh")
-    missing = [mesh.get("filename", "") for mesh in meshes if not described.has_mesh(mesh)]
-    return list(dict.fromkeys(missing))
+    drawn = "nothing there collides, so contacts are found on what is drawn of it"
+    bare = "its link has no geometry, so that no contact with an object can be found"
+    for kind, what, advice, severity in (
+        (VISUAL, drawn, "tip_radius, or a file with collision geometry", "minor"),
+        ("", bare, "tip_radius", "serious"),
+    ):
+        if names := [name for i, name in enumerate(hand.fingertips) if hand.tip_kind(i) == kind]:
+            yield Doubt(", ".join(names), what, advice, severity, "geometry")

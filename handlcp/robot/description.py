@@ -5,9 +5,9 @@ from __future__ import annotations
 import copy
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping, Set
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import pinocchio as pin
 
@@ -147,10 +147,7 @@ class RobotDescription:
             return tuple(p for p in every if links is None or self.model.frames[p.frame].name in links)
         if self.is_mjcf:
             return compiled_shapes(self.root, self.model, self.meshes, kind, links)
-        return self._load_urdf_shapes(self.root, kind, links)
-
-    def _load_urdf_shapes(self, root: ET.Element, kind: str, links: Set[str] | None) -> tuple[LinkShape, ...]:
-        reduced = copy.deepcopy(root)
+        reduced = copy.deepcopy(self.root)
         for link in reduced.findall("link"):
             wanted = links is None or link.get("name") in links
             for element in [e for e in link if e.tag in _GEOMETRY_TYPES and not (wanted and e.tag == kind)]:
@@ -180,23 +177,7 @@ class RobotDescription:
 
 URDF_TAG, MJCF_TAG = "robot", "mujoco"  # tags of the first element
 _READERS = {URDF_TAG: "Hand.from_urdf", MJCF_TAG: "Hand.from_mjcf"}
-_STRING_LABEL = "the XML string"
 _MAX_PATH_LETTERS = 4096  # letters of a path: what is longer is no path, on any system
-
-
-class RobotFile(NamedTuple):
-    """A robot's file as it was read.
-
-    root : the <robot>.
-    path : None for a text.
-    doubts : what was read in a way worth knowing.
-    meshes : those that MuJoCo compiled.
-    """
-
-    root: ET.Element
-    path: Path | None
-    doubts: tuple[Doubt, ...]
-    meshes: Mapping[str, CompiledMesh]
 
 
 def read_robot(
@@ -205,8 +186,9 @@ def read_robot(
     base: str | None = None,
     kinds: tuple[str, ...] = (URDF_TAG, MJCF_TAG),
     package_dirs: Any = None,
-) -> RobotFile:
-    """The <robot> of a path, or of a string that starts with "<", below the link `base`.
+) -> tuple[RobotDescription, ET.Element, str]:
+    """What a path, or a string that starts with "<", says of the robot below the link `base`, without Pinocchio's
+    model; its <robot>; and what to call it in messages.
 
     kinds : formats that are welcome, by the tag of the first element. Raises URDFError for what is missing, unreadable,
     not XML, of another kind, or too large; UnknownName for the base; InputError; Unsupported without what reads it.
@@ -214,17 +196,22 @@ def read_robot(
     text, path = read_content(argument, source)
     if path is not None and path.suffix == ".xacro":
         text = expand_xacro(argument, path, text, package_folders(package_dirs, None))
-    shown = _STRING_LABEL if path is None else repr(str(path))
+    label = "the XML string" if path is None else str(path)
+    shown = label if path is None else repr(label)
     root = parse_xml(argument, text, shown, URDFError)
     if root.tag not in kinds:
-        raise URDFError(argument, _expected_kinds(kinds, root.tag), f"<{root.tag}> in {shown}")
+        hint = f" ({_READERS[root.tag]} reads <{root.tag}>)" if root.tag in _READERS else ""
+        expected = f"a {' or '.join(f'<{kind}>' for kind in kinds)} element at the top{hint}"
+        raise URDFError(argument, expected, f"<{root.tag}> in {shown}")
     if path is None and any("xacro" in tag for tag in {e.tag for e in root}):
         raise URDFError(argument, "a URDF, or the path of a xacro file, which is expanded", f"macros in {shown}")
     doubts, meshes = tuple[Doubt, ...](), dict[str, CompiledMesh]()
     if root.tag == MJCF_TAG:
         root, doubts, meshes = convert_to_urdf(text.decode() if path is None else "", path, base)
     root = check_robot(argument, root, base, shown)
-    return RobotFile(root, path, (*doubts, *several_robots_doubts(root)), meshes)
+    name, folders = root.get("name", "") if path is None else path.name, mesh_folders(package_dirs, path)
+    doubts = (*doubts, *several_robots_doubts(root))
+    return RobotDescription(name, None, read_joint_facts(root), root, folders, (), doubts, meshes), root, label
 
 
 def read_content(argument: str, source: Any) -> tuple[bytes, Path | None]:
@@ -267,13 +254,11 @@ def describe_xml(
     Raises URDFError, UnknownName, InputError, and Unsupported for an MJCF file without MuJoCo, a xacro file without
     xacrodoc.
     """
-    root, path, doubts, meshes = read_robot(argument, source, base, kinds, package_dirs)
-    folders = mesh_folders(package_dirs, path)
+    described, root, label = read_robot(argument, source, base, kinds, package_dirs)
     check_friction(argument, root)
-    model = build_model(argument, root, str(path) if path is not None else _STRING_LABEL)
+    model = build_model(argument, root, label)
     check_units(argument, model)
-    short = path.name if path is not None else str(model.name)
-    return RobotDescription(short, model, read_joint_facts(root), root, folders, (), doubts, meshes)
+    return replace(described, model=model)
 
 
 def describe_model(argument: str, source: Any) -> RobotDescription:
@@ -319,17 +304,14 @@ def several_robots_doubts(root: ET.Element) -> Iterator[Doubt]:
         seen.add(links[0])
         children = [(joint, joint_link(joint, "child")) for joint in below.get(links[0], ())]
         links = [child for joint, child in children if _is_movable(joint) or _count_chains(child, below)[0]]
-    robots = [name for name in links if _is_robot(name, below)]
+    robots = []
+    for name in links:
+        ends, longest = _count_chains(name, below)
+        if ends >= _MIN_CARRIED_FINGERS or longest >= _MIN_ARM_JOINTS - 1:  # one more moves this link itself
+            robots.append(name)
     if len(robots) > 1:
         what = f"the file holds several robots, which are read as one hand: {', '.join(robots)}"
         yield Doubt("hand", what, f"base={robots[0]!r}, or another link that carries one hand", "serious", "robots")
-
-
-def _is_robot(link: str, below: dict[str, list[ET.Element]]) -> bool:
-    ends, longest = _count_chains(link, below)
-    return (
-        ends >= _MIN_CARRIED_FINGERS or longest >= _MIN_ARM_JOINTS - 1
-    )  # the joint that moves this link itself is one more
 
 
 def _count_chains(link: str, below: dict[str, list[ET.Element]]) -> tuple[int, int]:

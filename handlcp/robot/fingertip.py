@@ -88,13 +88,16 @@ def find_tip_candidates(description: RobotDescription) -> tuple[FingertipCandida
     model = description.model
     inner = {int(model.parents[j]) for j in range(1, model.njoints)}
     ends = [j for j in range(1, model.njoints) if j not in inner and model.joints[j].nv]
-    called, bars = _frames_named_tip(model), find_linkage_bars(description)
-    out: list[FingertipCandidate] = []
-    for joint in sorted({*ends, *(model.frames[i].parentJoint for i in called)}):
-        names = [model.frames[i].name for i in called if model.frames[i].parentJoint == joint]
-        if names:
-            out += [FingertipCandidate(name, name, None, _tip_name_words(name), True, True) for name in names]
-        elif joint not in bars:
+    parents = {frame.parentFrame for frame in model.frames}
+    leaves = [f for i, f in enumerate(model.frames) if i not in parents and _is_tip_name(f.name)]
+    called = [f for f in leaves if any(model.joints[j].nv for j in model.supports[f.parentJoint] if j)]
+    bars, out = find_linkage_bars(description), list[FingertipCandidate]()
+    for joint in sorted({*ends, *(f.parentJoint for f in called)}):
+        names = [f.name for f in called if f.parentJoint == joint]
+        for name in names:
+            own = 'its name ends in "tip"' if name.lower().endswith("tip") else "its name says that it is a fingertip"
+            out.append(FingertipCandidate(name, name, None, own, True, True))
+        if not names and joint not in bars:
             out += _end_candidates(description, joint)
     return tuple(out)
 
@@ -110,22 +113,11 @@ def _is_tip_name(name: str) -> bool:
     return name.lower().endswith("tip")
 
 
-def _tip_name_words(name: str) -> str:
-    return 'its name ends in "tip"' if name.lower().endswith("tip") else "its name says that it is a fingertip"
-
-
 def choose_obvious_tips(found: Sequence[FingertipCandidate]) -> tuple[FingertipCandidate, ...]:
     """The fingertips that need no naming: those whose names say so; else all, if they are two to five and sure."""
     if called := [c for c in found if c.is_named_tip]:
         return tuple(called)
     return tuple(found) if _MIN_FINGERS <= len(found) <= _MAX_FINGERS and all(c.is_sure for c in found) else ()
-
-
-def _frames_named_tip(model: Any) -> list[int]:
-    """Leaf frames that a joint moves, and whose names say that they are fingertips."""
-    parents = {frame.parentFrame for frame in model.frames}
-    frames = [(i, f) for i, f in enumerate(model.frames) if i not in parents and _is_tip_name(f.name)]
-    return [i for i, f in frames if any(model.joints[j].nv for j in model.supports[f.parentJoint] if j)]
 
 
 def _end_candidates(description: RobotDescription, joint: int) -> list[FingertipCandidate]:
@@ -159,21 +151,14 @@ def _far_end_candidate(
         parts = description.load_shapes(kind, {frame.name})
     except HandLCPError:
         return FingertipCandidate(frame.name, frame.name, None, f"{last}; its meshes cannot be read", False)
-    origin = frame.placement.inverse().translation.copy()
-    axis = frame.placement.rotation.T @ _joint_axis(model.joints[joint])
-    point = find_far_end(parts, origin, axis)
+    subspace = np.asarray(getattr(model.joints[joint].createData(), "S", np.zeros((6, 1))), dtype=float).reshape(6, -1)
+    way = subspace[3:, 0] if subspace[3:, 0].any() else subspace[:3, 0]  # of the joint's axis, in its frame
+    point = find_far_end(parts, frame.placement.inverse().translation.copy(), frame.placement.rotation.T @ way)
     if point is None:
         return None
     x, y, z = (f"{1e3 * v:.1f}" for v in point)
     how = f"{last}; the point ({x}, {y}, {z}) mm is at the far end of its {kind} geometry"
     return FingertipCandidate(frame.name, frame.name, point, how, alone or kind == COLLISION)
-
-
-def _joint_axis(joint: Any) -> Array:
-    """(3,) direction of a joint's axis, in its frame."""
-    subspace = np.asarray(joint.createData().S if hasattr(joint.createData(), "S") else np.zeros((6, 1))).reshape(6, -1)
-    way = subspace[3:, 0] if subspace[3:, 0].any() else subspace[:3, 0]
-    return np.asarray(way, dtype=float)
 
 
 # ----------------------------------------------------------------
@@ -187,11 +172,8 @@ _MAX_POINT_DISTANCE = 1.0  # [m] a point from its link's frame
 
 @dataclass(frozen=True, slots=True)
 class TipPlacement:
-    """Where a fingertip sits on the robot.
-
-    link : number of the frame that was named.
-    joint : of the joint that carries it.
-    placement : of the tip in that joint's frame.
+    """Where a fingertip sits on the robot. link : number of the frame that was named. joint : of the joint that carries
+    it. placement : of the tip in that joint's frame.
     """
 
     link: int
@@ -232,15 +214,24 @@ def find_tips(model: Any, description: RobotDescription, fingertips: Any) -> Tip
     places, frames = list[TipPlacement](), list[int]()
     support = np.zeros((len(names), 1, model.nv))
     for (name, link, point), row in zip(named, support, strict=True):
-        frame = model.frames[last[link]]
-        _mark_moving_joints(model, frame, row)
-        if point is None and name == link:
-            at, number = frame.placement, last[link]
-        else:
+        frame, number = model.frames[last[link]], last[link]
+        carrier = int(frame.parentJoint)
+        for joint in model.supports[carrier]:
+            if joint and model.joints[joint].nv:
+                row[0, model.joints[joint].idx_v] = 1.0
+        if not row.any():
+            still = "what stands still, such as a palm, touches as environment= of the grasp"
+            came = f"{frame.name!r}, which is fixed to the base"
+            raise InputError("fingertips", f"frames that a joint moves ({still})", came)
+        at = frame.placement
+        if point is not None or name != link:  # a frame of its own
+            if not isinstance(name, str) or not name or (name in known and name != link):
+                came = f"{name!r}, which is another frame" if isinstance(name, str) and name else repr(name)
+                raise InputError("fingertips", "a name of its own for a point on a link", came)
             at = frame.placement * pin.SE3(np.eye(3), np.zeros(3) if point is None else np.array(point))
-            number = _add_tip_frame(model, name, frame, last[link], at, name in known and name != link)
+            number = int(model.addFrame(pin.Frame(name, carrier, number, at, pin.FrameType.OP_FRAME)))
         frames.append(number)
-        places.append(TipPlacement(last[link], int(frame.parentJoint), pin.SE3(at)))
+        places.append(TipPlacement(last[link], carrier, pin.SE3(at)))
     return TipFrames(names, tuple(frames), tuple(places), support)
 
 
@@ -265,40 +256,20 @@ def _read_named_tips(given: Any) -> list[tuple[Any, Any, Array | None]]:
         raise InputError("fingertips", _FINGERTIPS_EXPECTED, repr(given)[:80])
     else:
         pairs = [(one[0] if isinstance(one, tuple) and one else one, one) for one in given]
-    return [_read_tip(name, value) for name, value in pairs]
-
-
-def _read_tip(name: Any, value: Any) -> tuple[Any, Any, Array | None]:
-    if not isinstance(value, (tuple, list)):
-        return name, value, None
-    if len(value) != 2 or not isinstance(value[0], str):
-        raise InputError(
-            f"fingertips[{name!r}]", 'a link, or a link and a point on it, ("link", (x, y, z))', repr(value)[:80]
-        )
-    point = check_array(f"fingertips[{name!r}]", value[1], (3,), what="the point on the link [m], in the link's frame,")
-    if abs(point).max() > _MAX_POINT_DISTANCE:
-        expected = "a point on the link in metres (millimetres? divide by 1000)"
-        raise InputError(f"fingertips[{name!r}]", expected, f"{point.tolist()}")
-    return name, value[0], point
-
-
-def _mark_moving_joints(model: Any, frame: Any, row: Array) -> None:
-    """Mark the joints that move a frame. Raises InputError for none."""
-    for joint in model.supports[frame.parentJoint]:
-        if joint and model.joints[joint].nv:
-            row[0, model.joints[joint].idx_v] = 1.0
-    if not row.any():
-        came = f"{frame.name!r}, which is fixed to the base"
-        expected = "frames that a joint moves (what stands still, such as a palm, touches as environment= of the grasp)"
-        raise InputError("fingertips", expected, came)
-
-
-def _add_tip_frame(model: Any, name: Any, frame: Any, number: int, place: Any, taken: bool) -> int:
-    """The number of a new frame on a link. Raises InputError for a name that is none, or another frame's."""
-    if not isinstance(name, str) or not name or taken:
-        came = f"{name!r}, which is another frame" if taken else repr(name)
-        raise InputError("fingertips", "a name of its own for a point on a link", came)
-    return int(model.addFrame(pin.Frame(name, frame.parentJoint, number, place, pin.FrameType.OP_FRAME)))
+    found = list[tuple[Any, Any, Array | None]]()
+    for name, value in pairs:
+        if not isinstance(value, (tuple, list)):
+            found.append((name, value, None))
+            continue
+        argument = f"fingertips[{name!r}]"
+        if len(value) != 2 or not isinstance(value[0], str):
+            raise InputError(argument, 'a link, or a link and a point on it, ("link", (x, y, z))', repr(value)[:80])
+        point = check_array(argument, value[1], (3,), what="the point on the link [m], in the link's frame,")
+        if abs(point).max() > _MAX_POINT_DISTANCE:
+            expected = "a point on the link in metres (millimetres? divide by 1000)"
+            raise InputError(argument, expected, f"{point.tolist()}")
+        found.append((name, value[0], point))
+    return found
 
 
 # ----------------------------------------------------------------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from handlcp.actuation.joint_stiffness import Elasticity
 from handlcp.actuation.tendon_stiffness import TendonStiffness
-from handlcp.check import Array, check_call, check_method_calls
+from handlcp.check import check_call, check_method_calls
 from handlcp.errors import HandLCPError, InputError
 from handlcp.record import Record, pick_entries
 from handlcp.robot.audit import Audit, file_doubts, make_audit
@@ -29,16 +29,14 @@ from handlcp.robot.description_row import (
     TipRow,
     TouchRow,
     describe_shape,
+    drive_origins,
     file_origins,
     format_description,
     limit_origins,
     stated_rows,
-    stiffness_origins,
-    tendon_rows,
-    tension_origins,
 )
 from handlcp.robot.fingertip import FingertipCandidate, choose_obvious_tips, find_tip_candidates
-from handlcp.robot.joint import Coupling, read_torque_limits
+from handlcp.robot.joint import Coupling, TorqueLimits, read_torque_limits
 from handlcp.robot.kinematics import Kinematics
 from handlcp.robot.link_surface import surface_points
 from handlcp.robot.servo_stiffness import read_file_stiffness
@@ -50,21 +48,18 @@ def hand_extents(described: RobotDescription, kinematics: Kinematics) -> tuple[f
     """Extents along x, y, z in the neutral posture [m]: of the collision geometry, else of what is drawn, else of the
     links' frames.
     """
-    every = range(1, len(described.model.frames))
-    places, _ = kinematics.frames_at(kinematics.neutral, every)
+    places, _ = kinematics.frames_at(kinematics.neutral, range(1, len(described.model.frames)))
     points = [places[:, :3, 3]]
     for kind in (COLLISION, VISUAL):
         try:
-            parts = described.load_shapes(kind)
+            parts = [part for part in described.load_shapes(kind) if part.frame]
         except HandLCPError:  # its meshes are missing
             continue
-        for part in parts:
-            surface = surface_points([(part.shape, part.rotation, part.position)], corners=True)
-            if surface is not None and part.frame:
-                place = places[part.frame - 1]
-                points.append(surface @ place[:3, :3].T + place[:3, 3])
-        if len(points) > 1:
-            points = points[1:]
+        surfaces = [
+            (places[p.frame - 1], surface_points([(p.shape, p.rotation, p.position)], corners=True)) for p in parts
+        ]
+        if found := [at @ place[:3, :3].T + place[:3, 3] for place, at in surfaces if at is not None]:
+            points = found
             break
     x, y, z = np.ptp(np.concatenate(points), axis=0).tolist()
     return (x, y, z)
@@ -155,102 +150,54 @@ def describe_urdf(path: Any, base: str | None = None, package_dirs: Any = None) 
     """
     described = describe_xml("path", path, base, package_dirs)
     kinematics = Kinematics(described.model, described.facts)
+    joints, facts = kinematics.joint_names, {f.name: f for f in described.facts}
     found = find_tip_candidates(described)
     taken = {c.name for c in choose_obvious_tips(found)}
-    facts = {f.name: f for f in described.facts}
-    limits = read_torque_limits(None, kinematics.joint_names, facts)
     tips = tuple(_candidate_row(c, c.name in taken) for c in found)
     audit = make_audit(described.source, file_doubts(described, kinematics))
-    joints, origins = kinematics.joint_names, [*limit_origins(facts, kinematics.joint_names)]
     try:
         stiffness = read_file_stiffness(described, kinematics)
     except InputError:
-        origins += [OriginRow("stiffness", joints, NO_SOURCE)]
-        return _build_description(described, kinematics, tips, (), (limits.limits, limits.known), {}, audit, origins)
-    origins += [*_drive_origins(stiffness, joints)]
-    return _build_description(
-        described,
-        kinematics,
-        tips,
-        (),
-        (limits.limits, limits.known),
-        _joint_springs(stiffness, joints),
-        audit,
-        origins,
-        tendon_rows(stiffness, joints),
-    )
+        stiffness = None
+    drives = [OriginRow("stiffness", joints, NO_SOURCE)] if stiffness is None else drive_origins(stiffness, joints)
+    origins = [*limit_origins(facts, joints), *drives]
+    limits = read_torque_limits(None, joints, facts)
+    return _build_description(described, kinematics, tips, (), limits, stiffness, audit, origins)
 
 
 def describe_hand(hand: Any, touching: Iterable[Any]) -> HandDescription:
     """Of a hand; as a method, `hand.describe()`. touching : with name, shapes and pad, what may touch."""
-    described, model = hand.description, hand.kinematics.model
+    described, frames = hand.description, hand.kinematics.model.frames
     reasons = {(c.name, c.link): c for c in find_tip_candidates(described)}
     tips = []
     for name, place in zip(hand.fingertips, hand.tips.places, strict=True):
-        frame = model.frames[place.link]
+        frame = frames[place.link]
         at = (frame.placement.inverse() * place.placement).translation
         x, y, z = (round(float(v), 6) for v in at)
         point = (x, y, z) if np.linalg.norm(at) > 1e-9 else None
         known = reasons.pop((name, frame.name), None)
         same = known is not None and (known.point is None) == (point is None)
         tips.append(TipRow(name, frame.name, point, True, known.reason if known is not None and same else "named"))
-    rest = tuple(_candidate_row(c, False) for c in reasons.values() if c.link not in {t.link for t in tips})
-    springs = _joint_springs(hand.stiffness, hand.joint_names)
-    limits = hand.torques.limits, hand.torques.known
+    links = {t.link for t in tips}
+    tips += [_candidate_row(c, False) for c in reasons.values() if c.link not in links]
     rows = tuple(TouchRow(t.name, tuple(describe_shape(shape) for shape in t.shapes), t.pad) for t in touching)
     return _build_description(
-        described,
-        hand.kinematics,
-        (*tips, *rest),
-        rows,
-        limits,
-        springs,
-        hand.audit(),
-        [*_hand_origins(hand)],
-        tendon_rows(hand.stiffness, hand.joint_names),
+        described, hand.kinematics, tuple(tips), rows, hand.torques, hand.stiffness, hand.audit(), _hand_origins(hand)
     )
 
 
-def _build_description(
-    described: RobotDescription,
-    kinematics: Kinematics,
-    tips: tuple[TipRow, ...],
-    touching: tuple[TouchRow, ...],
-    limits: tuple[Array, Sequence[bool]],
-    springs: Mapping[str, float],
-    audit: Audit,
-    origins: Sequence[OriginRow],
-    tendons: tuple[TendonRow, ...] = (),
-) -> HandDescription:
-    model = described.model
-    shown = [t for t in tips if t.taken] or list(tips)
-    moved = _moved_tips(model, kinematics, shown)
-    kinds = {f.name: f.kind for f in described.facts}
-    rows = zip(kinematics.joint_names, kinematics.lower, kinematics.upper, *limits, strict=True)
-    joints = tuple(
-        JointRow(
-            name, kinds[name], float(low), float(high), float(most) if known else None, springs.get(name), moved[name]
-        )
-        for name, low, high, most, known in rows
-    )
-    mass = sum(float(inertia.mass) for inertia in model.inertias)
-    size = hand_extents(described, kinematics)
-    return HandDescription(
-        str(model.name),
-        described.source,
-        joints,
-        tips,
-        touching,
-        _coupling_rows(kinematics),
-        _coupling_chains(kinematics),
-        tendons,
-        _link_rows(described),
-        mass,
-        size,
-        (*file_origins(described, kinematics.joint_names), *origins),
-        tuple(stated_rows(described)),
-        audit,
-    )
+def _hand_origins(hand: Any) -> Iterator[OriginRow]:
+    """Of what a hand was given, or took from its file."""
+    facts, limits = {f.name: f for f in hand.description.facts}, hand.torques
+    yield from limit_origins(facts, hand.joint_names, limits.given, limits.drives)
+    yield from drive_origins(hand.stiffness, hand.joint_names)
+    soft = [bool(pad.any()) for pad in hand.pad_flexibility]
+    for some, source in ((True, GIVEN_SOURCE), (False, f"{DEFAULT_SOURCE}: rigid")):
+        yield OriginRow("pad", tuple(t for t, s in zip(hand.fingertips, soft, strict=True) if s is some), source)
+    shapes = {"radius": GIVEN_SOURCE, COLLISION: "collision geometry", VISUAL: "what is drawn", "": NO_SOURCE}
+    for kind, source in shapes.items():
+        tips = tuple(name for i, name in enumerate(hand.fingertips) if hand.tip_kind(i) == kind)
+        yield OriginRow("shape of a tip", tips, source)
 
 
 def _candidate_row(c: FingertipCandidate, taken: bool) -> TipRow:
@@ -258,61 +205,76 @@ def _candidate_row(c: FingertipCandidate, taken: bool) -> TipRow:
     return TipRow(c.name, c.link, point, taken, c.reason)
 
 
-def _joint_springs(stiffness: Elasticity, joints: Sequence[str]) -> dict[str, float]:
-    """The joints' own springs [N·m/rad]; none behind a transmission."""
-    if stiffness.is_transmission:
-        return {}
-    return dict(zip(joints, np.diagonal(stiffness.stiffness_matrix).tolist(), strict=True))
-
-
-def _drive_origins(stiffness: Elasticity, joints: Sequence[str]) -> Iterator[OriginRow]:
-    """Of stiffness, and of what tendons bear."""
+def _build_description(
+    described: RobotDescription,
+    kinematics: Kinematics,
+    tips: tuple[TipRow, ...],
+    touching: tuple[TouchRow, ...],
+    limits: TorqueLimits,
+    stiffness: Elasticity | None,
+    audit: Audit,
+    origins: Iterable[OriginRow],
+) -> HandDescription:
+    """What both have in common; `limits` and `stiffness` are those of the file, or of the hand."""
+    model, coupling, names = described.model, kinematics.all_joints, kinematics.joint_names
+    springs = dict[str, float]()  # none behind a transmission
+    if stiffness is not None and not stiffness.is_transmission:
+        springs = dict(zip(names, np.diagonal(stiffness.stiffness_matrix).tolist(), strict=True))
+    tendons = list[TendonRow]()
     if isinstance(stiffness, TendonStiffness):
-        yield from tension_origins(stiffness)
-    yield from stiffness_origins(stiffness, joints)
+        numbers = stiffness.arms.tolist(), stiffness.cables.limits.tolist(), stiffness.closing_tensions.tolist()
+        for name, arms, limit, closes in zip(stiffness.cables.names, *numbers, strict=True):
+            arms_by_joint = {joint: arm for joint, arm in zip(names, arms, strict=True) if arm}
+            tendons.append(TendonRow(name, arms_by_joint, *(None if np.isinf(x) else x for x in (limit, closes))))
+    moved = _moved_tips(model, coupling, kinematics.movable, [t for t in tips if t.taken] or tips)
+    kinds = {f.name: f.kind for f in described.facts}
+    numbers_by_joint = zip(names, kinematics.lower, kinematics.upper, limits.limits, limits.known, strict=True)
+    joints = [
+        JointRow(j, kinds[j], float(low), float(high), float(most) if known else None, springs.get(j), moved[j])
+        for j, low, high, most, known in numbers_by_joint
+    ]
+    couplings = list[CouplingRow]()
+    for name, row, offset in zip(kinematics.movable, coupling.C, coupling.offset.tolist(), strict=True):
+        if name not in names:
+            k = int(np.argmax(abs(row)))
+            couplings.append(CouplingRow(name, names[k], float(row[k]), offset))
+    solid, seen, masses = described.links_with(COLLISION), described.links_with(VISUAL), described.link_masses
+    links = list[LinkRow]()
+    for frame in model.frames:
+        if frame.type == pin.FrameType.BODY and frame.name != "universe":
+            geometry = COLLISION if frame.name in solid else VISUAL if frame.name in seen else ""
+            joint = model.names[frame.parentJoint] if frame.parentJoint else ""
+            links.append(LinkRow(frame.name, masses.get(frame.name, 0.0), joint, geometry))
+    return HandDescription(
+        str(model.name),
+        described.source,
+        tuple(joints),
+        tips,
+        touching,
+        tuple(couplings),
+        _coupling_chains(kinematics),
+        tuple(tendons),
+        tuple(links),
+        sum(float(inertia.mass) for inertia in model.inertias),
+        hand_extents(described, kinematics),
+        (*file_origins(described, names), *origins),
+        tuple(stated_rows(described)),
+        audit,
+    )
 
 
-def _hand_origins(hand: Any) -> Iterator[OriginRow]:
-    """Of what a hand was given, or took from its file."""
-    facts, limits = {f.name: f for f in hand.description.facts}, hand.torques
-    yield from limit_origins(facts, hand.joint_names, limits.given, limits.drives)
-    yield from _drive_origins(hand.stiffness, hand.joint_names)
-    soft = tuple(bool(pad.any()) for pad in hand.pad_flexibility)
-    for some, source in ((True, GIVEN_SOURCE), (False, f"{DEFAULT_SOURCE}: rigid")):
-        yield OriginRow("pad", tuple(t for t, s in zip(hand.fingertips, soft, strict=True) if s is some), source)
-    for kind, source in (
-        ("radius", GIVEN_SOURCE),
-        (COLLISION, "collision geometry"),
-        (VISUAL, "what is drawn"),
-        ("", NO_SOURCE),
-    ):
-        tips = tuple(name for i, name in enumerate(hand.fingertips) if hand.tip_kind(i) == kind)
-        yield OriginRow("shape of a tip", tips, source)
-
-
-def _moved_tips(model: Any, kinematics: Kinematics, tips: Iterable[TipRow]) -> dict[str, tuple[str, ...]]:
+def _moved_tips(
+    model: Any, coupling: Coupling, movable: Sequence[str], tips: Iterable[TipRow]
+) -> dict[str, tuple[str, ...]]:
     """Independent joint → fingertips that it moves, also through joints that follow it."""
-    coupling = kinematics.all_joints
-    masters = {
-        name: coupling.names[int(np.argmax(abs(row)))] for name, row in zip(kinematics.movable, coupling.C, strict=True)
-    }
+    masters = {name: coupling.names[int(abs(row).argmax())] for name, row in zip(movable, coupling.C, strict=True)}
     carrier = {f.name: int(f.parentJoint) for f in model.frames}
-    moved = {name: list[str]() for name in coupling.names}
+    moved: dict[str, dict[str, None]] = {name: {} for name in coupling.names}
     for tip in tips:
         for j in model.supports[carrier[tip.link]]:
-            if j and model.joints[j].nv and tip.name not in moved[masters[model.names[j]]]:
-                moved[masters[model.names[j]]].append(tip.name)
+            if j and model.joints[j].nv:
+                moved[masters[model.names[j]]][tip.name] = None
     return {name: tuple(these) for name, these in moved.items()}
-
-
-def _coupling_rows(kinematics: Kinematics) -> tuple[CouplingRow, ...]:
-    coupling: Coupling = kinematics.all_joints
-    rows = []
-    for name, row, offset in zip(kinematics.movable, coupling.C, coupling.offset, strict=True):
-        if name not in coupling.names:
-            k = int(np.argmax(abs(row)))
-            rows.append(CouplingRow(name, coupling.names[k], float(row[k]), float(offset)))
-    return tuple(rows)
 
 
 def _coupling_chains(kinematics: Kinematics) -> tuple[tuple[str, ...], ...]:
@@ -326,15 +288,3 @@ def _coupling_chains(kinematics: Kinematics) -> tuple[tuple[str, ...], ...]:
         if len(chain) > 2:
             found.append(tuple(chain))
     return tuple(found)
-
-
-def _link_rows(described: RobotDescription) -> tuple[LinkRow, ...]:
-    model = described.model
-    solid, seen, masses = described.links_with(COLLISION), described.links_with(VISUAL), described.link_masses
-    rows = []
-    for frame in model.frames:
-        if frame.type == pin.FrameType.BODY and frame.name != "universe":
-            kind = COLLISION if frame.name in solid else VISUAL if frame.name in seen else ""
-            joint = model.names[frame.parentJoint] if frame.parentJoint else ""
-            rows.append(LinkRow(frame.name, masses.get(frame.name, 0.0), joint, kind))
-    return tuple(rows)

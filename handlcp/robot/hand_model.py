@@ -82,28 +82,12 @@ class HandModel:
         torques: TorqueLimits,
         geometry: TipGeometry,
     ) -> None:
-        self.__dict__.update(
-            kinematics=kinematics,
-            tips=tips,
-            stiffness=stiffness,
-            pads=pads,
-            torques=torques,
-            _geometry=geometry,
-            name=str(kinematics.model.name),
-            source=geometry.description.source,
-            joint_names=kinematics.joint_names,
-            nv=kinematics.nv,
-            fingertips=tips.names,
-            lower=kinematics.lower,
-            upper=kinematics.upper,
-            neutral=kinematics.neutral,
-            torque_limits=torques.limits,
-            links_of_sites=None,
-            may_touch=None,
-            in_parts_of=frozenset(),
-            own_tips=(),
-            joint_friction=read_only(np.zeros(kinematics.nv)),
-        )
+        derived = {name: getattr(kinematics, name) for name in ("joint_names", "nv", "lower", "upper", "neutral")}
+        self.__dict__.update(derived, name=str(kinematics.model.name), fingertips=tips.names)
+        self.__dict__.update(kinematics=kinematics, tips=tips, stiffness=stiffness, pads=pads, torques=torques)
+        self.__dict__.update(_geometry=geometry, source=geometry.description.source, torque_limits=torques.limits)
+        self.__dict__.update(links_of_sites=None, may_touch=None, in_parts_of=frozenset(), own_tips=())
+        self.__dict__.update(joint_friction=read_only(np.zeros(kinematics.nv)))
 
     @property
     def model(self) -> Any:
@@ -214,9 +198,7 @@ class HandModel:
 
     def limited(self, torques: TorqueLimits) -> Self:
         """The same hand with other torque limits, in place of motors, whose dry friction stays."""
-        made = object.__new__(type(self))
-        rubs = self.dry_friction
-        made.__dict__.update(self.__dict__, torques=torques, torque_limits=torques.limits, joint_friction=rubs)
+        made = self.with_parts(torques=torques, torque_limits=torques.limits, joint_friction=self.dry_friction)
         made.__dict__.pop("doubts", None)
         return made
 

@@ -54,10 +54,8 @@ NO_PROPERTIES = JointProperties()
 
 
 class Servo(NamedTuple):
-    """A position actuator of the file.
-
-    kp [N·m/rad, N/m] : its stiffness, with its gear.
-    arms [1, 1/m] : how far it turns with each joint.
+    """A position actuator of the file. kp [N·m/rad, N/m] : its stiffness, with its gear. arms [1, 1/m] : how far it
+    turns with each joint.
     """
 
     name: str
@@ -66,20 +64,15 @@ class Servo(NamedTuple):
 
 
 def read_joint_properties(joint: ET.Element, reductions: dict[str, float]) -> JointProperties:
-    """Read the springs, friction and limits of a <joint>.
-
-    reductions : of all joints, by name.
-    """
-    spring, reach, limit = (joint.find(tag) for tag in ("passive", "reach", "limit"))
+    """Read the springs, friction and limits of a <joint>. reductions : of all joints, by name."""
+    spring, limit = joint.find("passive"), joint.find("limit")
+    friction = read_number(joint.find("dynamics"), "friction", 0.0, 0.0)
+    stiffness, rest, armature = (read_number(spring, word, 0.0, 0.0) for word in ("stiffness", "rest", "armature"))
+    soft = _read_pair(joint.find("safety_controller"), "soft_lower_limit", "soft_upper_limit")
+    reach = _read_pair(joint.find("reach"), "lower", "upper")
+    weaker = None if limit is None or limit.get("weaker") is None else read_number(limit, "weaker")
     return JointProperties(
-        read_number(joint.find("dynamics"), "friction", 0.0, 0.0),
-        read_number(spring, "stiffness", 0.0, 0.0),
-        read_number(spring, "rest", 0.0, 0.0),
-        read_number(spring, "armature", 0.0, 0.0),
-        _read_pair(joint.find("safety_controller"), "soft_lower_limit", "soft_upper_limit"),
-        reductions.get(joint.get("name", "")),
-        _read_pair(reach, "lower", "upper"),
-        None if limit is None or limit.get("weaker") is None else read_number(limit, "weaker"),
+        friction, stiffness, rest, armature, soft, reductions.get(joint.get("name", "")), reach, weaker
     )
 
 
@@ -134,15 +127,6 @@ def read_number(
         return float(element.get(attribute, default))
     except ValueError:
         return math.nan
-
-
-def read_vector(text: str) -> tuple[float, float, float]:
-    """Three numbers; NaN for a text that has others."""
-    try:
-        x, y, z = (float(v) for v in text.split())
-    except ValueError:
-        return (math.nan, math.nan, math.nan)
-    return (x, y, z)
 
 
 def _read_pair(element: ET.Element | None, low: str, high: str) -> tuple[float, float] | None:
@@ -214,18 +198,20 @@ def read_joint_facts(root: ET.Element) -> tuple[JointFacts, ...]:
         mimic = None
         if tag is not None:
             written = tag.get("joint", "")
-            master = _find_master(written, name, names, _ancestor_joints(joint, above))
+            master = _find_master(written, joint, names, above)
             mimic = Mimic(written, master, read_number(tag, "multiplier", 1.0), read_number(tag, "offset", 0.0))
-        lower, upper, effort = (
-            read_number(limit, "lower", 0.0),
-            read_number(limit, "upper", 0.0),
-            read_number(limit, "effort") or no_effort,
-        )
-        way = (1.0, 0.0, 0.0) if axis is None else read_vector(axis.get("xyz", "1 0 0"))
+        lower, upper = read_number(limit, "lower", 0.0), read_number(limit, "upper", 0.0)
+        effort = read_number(limit, "effort") or no_effort
+        try:
+            x, y, z = (1.0, 0.0, 0.0) if axis is None else (float(v) for v in axis.get("xyz", "1 0 0").split())
+        except ValueError:  # other than three numbers
+            x = y = z = math.nan
         mass = masses.get(joint_link(joint, "child"), math.nan)
         said = "" if limit is None else limit.get("said", "<limit effort>")
         stated = read_joint_properties(joint, gears)
-        found.append(JointFacts(name, joint.get("type", ""), lower, upper, effort, way, mimic, mass, said, stated))
+        found.append(
+            JointFacts(name, joint.get("type", ""), lower, upper, effort, (x, y, z), mimic, mass, said, stated)
+        )
     return tuple(found)
 
 
@@ -279,26 +265,21 @@ def resolve_mimics(names: tuple[str, ...], facts: tuple[JointFacts, ...]) -> Cou
     return Coupling(independent, read_only(C), read_only(offset))
 
 
-def _ancestor_joints(joint: ET.Element, above: Mapping[str, tuple[str, str]]) -> set[str]:
-    """Names of the joints between this one and the base. above : link name to its parent link and joint."""
-    found, link = set[str](), joint_link(joint, "parent")
-    while link in above and above[link][1] not in found:
-        link, name = above[link]
-        found.add(name)
-    return found
-
-
-def _find_master(written: str, name: str, names: Sequence[str], ancestors: set[str]) -> str | None:
+def _find_master(
+    written: str, joint: ET.Element, names: Sequence[str], above: Mapping[str, tuple[str, str]]
+) -> str | None:
     """The joint that a tag means. Copies of a hand with prefixed names often keep the old name in the tag
     ("Left_index_q2" mimics "index_q1"). It then means the one joint whose name ends with it; of several, the one
-    nearer to the base on the same finger.
+    nearer to the base on the same finger. above : link name to its parent link and joint.
     """
-    if written in names:
-        return written
-    if not written:
-        return None
-    ends = [other for other in names if other.endswith(written) and other != name]
+    if written in names or not written:
+        return written or None
+    ends = [other for other in names if other.endswith(written) and other != joint.get("name")]
     if len(ends) > 1:
+        ancestors, link = set[str](), joint_link(joint, "parent")
+        while link in above and above[link][1] not in ancestors:
+            link, name = above[link]
+            ancestors.add(name)
         ends = [other for other in ends if other in ancestors]
     return ends[0] if len(ends) == 1 else None
 
@@ -363,11 +344,8 @@ def read_ranges(names: Sequence[str], facts: Mapping[str, JointFacts], coupling:
 class TorqueLimits:
     """What torques the joints of a hand bear, and who says so.
 
-    limits (nv,) : what the joints hold for good [N·m], inf for none.
-    known : nv booleans.
-    given : the joints whose limit the user passed.
-    drives : motors, where joints have some.
-    without_motors : the limits without them, else None.
+    limits (nv,) : what the joints hold for good [N·m], inf for none. known : nv booleans. given : the joints whose
+    limit the user passed. drives : motors, where joints have some. without_motors : the limits without them, else None.
     """
 
     limits: Array
@@ -414,23 +392,15 @@ def read_torque_limits(
     Raises InputError for limits that are not positive, and for a limit by name of a joint that has a motor;
     UnknownName.
     """
-    bare = _passed_limits(value, joints, facts)
-    if (
-        drives is not None
-        and isinstance(value, Mapping)
-        and (both := [j for j in drives.motor_joints(joints) if j in value])
-    ):
-        raise InputError("torque_limits", "no limit of a joint with a motor, which gives it", ", ".join(both))
-    return bare.with_motors(drives, joints)
-
-
-def _passed_limits(value: Any, joints: Sequence[str], facts: Mapping[str, JointFacts]) -> TorqueLimits:
     passed = [] if value is None else TORQUE_LIMITS.read("torque_limits", value, joints).tolist()
-    every = dict(zip(joints, passed, strict=False))
-    given = {joint: every[joint] for joint in value} if isinstance(value, Mapping) else every
+    given = dict(zip(joints, passed, strict=False))
+    if isinstance(value, Mapping):
+        given = {joint: given[joint] for joint in value}
+        if both := [] if drives is None else [joint for joint in drives.motor_joints(joints) if joint in value]:
+            raise InputError("torque_limits", "no limit of a joint with a motor, which gives it", ", ".join(both))
     known = {joint: facts[joint].effort for joint in joints if 0 < facts[joint].effort < np.inf} | given
-    limits = np.array([known.get(joint, np.inf) for joint in joints])
-    return TorqueLimits(read_only(limits), tuple(joint in known for joint in joints), tuple(given))
+    limits = read_only(np.array([known.get(joint, np.inf) for joint in joints]))
+    return TorqueLimits(limits, tuple(joint in known for joint in joints), tuple(given)).with_motors(drives, joints)
 
 
 def read_joint_friction(value: Any, joints: Sequence[str], facts: Mapping[str, JointFacts]) -> Array:

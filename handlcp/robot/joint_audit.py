@@ -12,9 +12,10 @@ import numpy as np
 
 from handlcp import words
 from handlcp.actuation.joint_stiffness import Elasticity
-from handlcp.actuation.route import Pulley, Route, Site
+from handlcp.actuation.route import Pulley, Site
 from handlcp.actuation.tendon_stiffness import TendonStiffness
 from handlcp.check import Array
+from handlcp.errors import Unsupported
 from handlcp.robot.joint import Doubt, JointFacts, Servo
 from handlcp.robot.kinematics import Kinematics
 from handlcp.robot.mjcf_cable import spring_preload
@@ -37,7 +38,18 @@ def joint_doubts(facts: Sequence[JointFacts], limits_given: Iterable[str] = ()) 
     given = set(limits_given)
     yield from _effort_doubts([f for f in facts if f.mimic is None and f.name not in given])
     yield from _coupling_doubts(facts)
-    yield from _body_doubts(facts)
+    light = "a URDF with <inertial>; finger_weight=True counts this link as weightless"
+    massless = [f for f in facts if math.isnan(f.mass)]
+    yield from group_doubt(massless, "the link it moves has no <inertial>", light, about="mass")
+    weightless = [f for f in facts if f.mass <= 0]
+    yield from group_doubt(weightless, "the link it moves has a mass that is not positive", light, about="mass")
+    for f in facts:
+        length = 1.0 if f.axis is None else math.hypot(*f.axis)
+        if not 0 < length < math.inf:
+            what = "the axis is zero or no number: the joint moves nothing, or everything to NaN"
+            yield Doubt(f.name, what, "a URDF with a unit axis", "serious", "axis")
+        elif abs(length - 1) > 1e-3:
+            yield Doubt(f.name, f"the axis has the length {length:.4g}", "a URDF with a unit axis", "minor", "axis")
 
 
 def group_doubt(
@@ -49,81 +61,55 @@ def group_doubt(
 
 
 def _effort_doubts(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
-    unknown = ("serious", "limit unknown")
-    for these, what in (
-        ([f for f in facts if f.effort == 0], "effort limit is zero, read as unknown"),
-        ([f for f in facts if not math.isfinite(f.effort)], "effort limit is absent or infinite, read as unknown"),
-        ([f for f in facts if f.effort < 0], "effort limit is negative, read as unknown"),
+    """Of efforts that are unknown, and of numbers that are hardly those of a motor."""
+    for which, these in (
+        ("zero", [f for f in facts if f.effort == 0]),
+        ("absent or infinite", [f for f in facts if not math.isfinite(f.effort)]),
+        ("negative", [f for f in facts if f.effort < 0]),
     ):
-        yield from group_doubt(
-            these, what, f"torque_limits with {_actuator_words(these)} [{_effort_unit(these)}]", *unknown
-        )
-    yield from _placeholder_doubts(facts)
-
-
-def _effort_unit(facts: Sequence[JointFacts]) -> str:
-    """Of efforts of these joints."""
-    return words.unit_of_joints(words.effort_unit, [f.is_slide for f in facts] or [False])
-
-
-def _actuator_words(facts: Sequence[JointFacts]) -> str:
-    slide = bool(facts) and all(f.is_slide for f in facts)
-    return f"the actuator's {'force' if slide else 'torque'}"
-
-
-def _placeholder_doubts(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
-    """Of efforts that are numbers, but hardly those of a motor."""
+        size = "force" if all(f.is_slide for f in these) else "torque"
+        advice = f"torque_limits with the actuator's {size} [{_effort_unit(these)}]"
+        yield from group_doubt(these, f"effort limit is {which}, read as unknown", advice, "serious", "limit unknown")
     efforts, unit = {f.effort for f in facts}, _effort_unit(facts)
-    size = "force" if unit == "N" else "torque"
-    advice, serious = f"torque_limits with the {size} of each actuator [{unit}]", ("serious", "torque limit")
+    advice = f"torque_limits with the {'force' if unit == 'N' else 'torque'} of each actuator [{unit}]"
     if len(facts) > 1 and len(efforts) == 1 and efforts <= PLACEHOLDER_EFFORTS:
         what = f"every effort limit is {efforts.pop():g} {unit}: one round number for all joints is often a placeholder"
-        yield from group_doubt(facts, what, advice, *serious)
+        yield from group_doubt(facts, what, advice, "serious", "torque limit")
         return
-    large = [f for f in facts if (LARGEST_FORCE if f.is_slide else LARGEST_TORQUE) < f.effort < math.inf]
-    for effort, slides in dict.fromkeys((f.effort, f.is_slide) for f in large):
+    large = defaultdict[tuple[float, bool], list[JointFacts]](list)
+    for f in facts:
+        if (LARGEST_FORCE if f.is_slide else LARGEST_TORQUE) < f.effort < math.inf:
+            large[f.effort, f.is_slide].append(f)
+    for (effort, slides), these in large.items():
         what = f"an effort limit of {effort:g} {words.effort_unit(slides)} is more than the joint of a finger has"
-        yield from group_doubt([f for f in large if (f.effort, f.is_slide) == (effort, slides)], what, advice, *serious)
+        yield from group_doubt(these, what, advice, "serious", "torque limit")
     alike = len(facts) > 1 and len(efforts) == 1 and not large
     if alike and 0 < (effort := efforts.pop()) < math.inf:
         what = f"every effort limit is {effort:g} {unit}, though joints of a hand seldom have equal motors"
         yield from group_doubt(facts, what, advice, "minor", "torque limit")
 
 
+def _effort_unit(facts: Sequence[JointFacts]) -> str:
+    return words.unit_of_joints(words.effort_unit, [f.is_slide for f in facts] or [False])
+
+
 def _coupling_doubts(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
-    own = "torque limits and stiffness belong to the joint it follows"
     right = [f for f in facts if f.mimic is not None and f.mimic.master == f.mimic.written_master]
     what = "follow other joints, as their tags say, and are no joints of their own"
     advice = "torque limits and stiffness for the joints they follow; describe() lists the factors"
     yield from group_doubt(right, what, advice, "information", "coupling")
     for f in facts:
-        m = f.mimic
-        if m is None:
+        if (m := f.mimic) is None:
             continue
-        law = f"{m.multiplier:g} × {m.master} {m.offset:+g}"
         if m.master is None:
             what = f"mimics {m.written_master!r}, which is no movable joint"
             yield Doubt(f.name, what, "a URDF whose <mimic> names a joint", "serious", "coupling")
         elif m.master != m.written_master:
+            law = f"{m.multiplier:g} × {m.master} {m.offset:+g}"
             what = f"mimics {m.written_master!r}, which does not exist; read as {law}"
+            own = "torque limits and stiffness belong to the joint it follows"
             advice = f"a URDF that names {m.master!r}, if that is meant; {own}"
             yield Doubt(f.name, what, advice, "minor", "coupling")
-
-
-def _body_doubts(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
-    light = "a URDF with <inertial>; finger_weight=True counts this link as weightless"
-    for these, what in (
-        ([f for f in facts if math.isnan(f.mass)], "the link it moves has no <inertial>"),
-        ([f for f in facts if f.mass <= 0], "the link it moves has a mass that is not positive"),
-    ):
-        yield from group_doubt(these, what, light, "minor", "mass")
-    for f in facts:
-        length = 1.0 if f.axis is None else math.hypot(*f.axis)
-        if not 0 < length < math.inf:
-            what = "the axis is zero or no number: the joint moves nothing, or everything to NaN"
-            yield Doubt(f.name, what, "a URDF with a unit axis", "serious", "axis")
-        elif abs(length - 1) > 1e-3:
-            yield Doubt(f.name, f"the axis has the length {length:.4g}", "a URDF with a unit axis", "minor", "axis")
 
 
 # ----------------------------------------------------------------
@@ -135,8 +121,23 @@ _RANGE_ROUNDING = 1e-3  # of a joint's own range: less is rounding in the file
 def range_doubts(facts: Sequence[JointFacts], kinematics: Kinematics | None = None) -> Iterator[Doubt]:
     """Of ranges; without kinematics, nothing of what joints that follow do to them."""
     for f in facts:
-        if f.kind != "continuous":
-            yield from _range_limit_doubts(f)
+        severity = "serious"
+        if f.kind == "continuous":
+            continue
+        if math.isnan(f.lower) or math.isnan(f.upper):
+            what, advice = "position limits are absent or no numbers", "a URDF with <limit lower= upper=>"
+        elif f.lower > f.upper:
+            what = f"lower limit {f.lower:g} lies above the upper limit {f.upper:g}"
+            advice = "a URDF with its limits in order"
+        elif f.lower == f.upper:
+            what = f"the joint cannot move: both limits are {_format_range_end(f.lower)}"
+            advice, severity = "a URDF with a range, or a fixed joint", "serious" if f.mimic is None else "minor"
+        elif not f.lower <= 0 <= f.upper and f.mimic is None:
+            what = f"the neutral posture 0 lies outside the limits [{f.lower:g}, {f.upper:g}]"
+            advice, severity = "q0 inside the limits (hand.neutral is)", "information"
+        else:
+            continue
+        yield Doubt(f.name, what, advice, severity, "range")
     wide = (f for f in facts if f.kind == "revolute" and f.upper - f.lower >= 2 * math.pi)
     what = "the range is a full turn or more, wider than a finger's"
     yield from group_doubt(wide, what, "a URDF with the real limits", "minor", "range")
@@ -144,55 +145,31 @@ def range_doubts(facts: Sequence[JointFacts], kinematics: Kinematics | None = No
         yield from _narrowed_range_doubts(facts, kinematics)
 
 
-def _range_limit_doubts(f: JointFacts) -> Iterator[Doubt]:
-    severity = "serious"
-    if math.isnan(f.lower) or math.isnan(f.upper):
-        what, advice = "position limits are absent or no numbers", "a URDF with <limit lower= upper=>"
-    elif f.lower > f.upper:
-        what = f"lower limit {f.lower:g} lies above the upper limit {f.upper:g}"
-        advice = "a URDF with its limits in order"
-    elif f.lower == f.upper:
-        what = f"the joint cannot move: both limits are {_format_range_end(f.lower)}"
-        advice, severity = "a URDF with a range, or a fixed joint", "serious" if f.mimic is None else "minor"
-    elif not f.lower <= 0 <= f.upper and f.mimic is None:
-        what = f"the neutral posture 0 lies outside the limits [{f.lower:g}, {f.upper:g}]"
-        advice, severity = "q0 inside the limits (hand.neutral is)", "information"
-    else:
-        return
-    yield Doubt(f.name, what, advice, severity, "range")
-
-
 def _narrowed_range_doubts(facts: Sequence[JointFacts], kinematics: Kinematics) -> Iterator[Doubt]:
     """Of independent joints whose range is smaller than written, because a joint that follows reaches its end first."""
-    own = {f.name: f for f in facts}
+    own, advice = {f.name: f for f in facts}, "a URDF whose limits fit its <mimic> tags"
     for name, lower, upper in zip(kinematics.joint_names, kinematics.lower, kinematics.upper, strict=True):
         f = own[name]
         low, high = (f.lower, f.upper) if f.kind != "continuous" else (-math.inf, math.inf)
         if math.isnan(low) or math.isnan(high) or low > high:
             continue
+        rounding = _RANGE_ROUNDING * (high - low) if math.isfinite(high - low) else 0.0  # [rad, m]
         if lower > upper:
-            what = (
-                f"no position is within its own limits and those of the joints that follow it: "
-                f"{_list_followers(facts, name)}"
-            )
-            yield Doubt(name, what, "a URDF whose limits fit its <mimic> tags", "serious", "range")
-        elif lower > low + _range_tolerance(low, high) or upper < high - _range_tolerance(low, high):
+            followers = _list_followers(facts, name)
+            what = f"no position is within its own limits and those of the joints that follow it: {followers}"
+            yield Doubt(name, what, advice, "serious", "range")
+        elif lower > low + rounding or upper < high - rounding:
             by = f"by the limits of {_list_followers(facts, name)}"
             cut = f"its range [{low:.4g}, {high:.4g}] is narrowed to"
             what, severity = f"{cut} [{_format_range_end(lower)}, {_format_range_end(upper)}] {by}", "minor"
-            if upper - lower <= _range_tolerance(low, high):
+            if upper - lower <= rounding:
                 what, severity = f"it cannot move: {cut} {_format_range_end(lower)} {by}", "serious"
-            yield Doubt(name, what, "a URDF whose limits fit its <mimic> tags", severity, "range")
+            yield Doubt(name, what, advice, severity, "range")
 
 
 def _format_range_end(value: float) -> str:
     """An end of a range, without the sign of zero."""
     return f"{value + 0.0:.4g}"
-
-
-def _range_tolerance(low: float, high: float) -> float:
-    """What is more than rounding of a range [rad, m]."""
-    return _RANGE_ROUNDING * (high - low) if math.isfinite(high - low) else 0.0
 
 
 def _list_followers(facts: Sequence[JointFacts], master: str) -> str:
@@ -219,25 +196,21 @@ def tendon_doubts(hand: Any) -> Iterator[Doubt]:
     turns = np.array([name not in hand.sliding for name in hand.joint_names])
     arms = dict(zip(stiffness.names, abs(stiffness.arms), strict=True))
     longest = {name: float(row[turns].max(initial=0.0)) for name, row in arms.items()}
-    away = {name: _farthest_place(route) for name, route in stiffness.routes.items()}
-    advice = "Tendons in metres"
+    away = dict[str, float]()
+    for name, route in stiffness.routes.items():
+        places = [p for p in route.places if not isinstance(p, Pulley)]
+        points = [p.point if isinstance(p, Site) else p.placement[0] for p in places]
+        away[name] = float(np.linalg.norm(points, axis=1).max())
     for what, most, lengths in (
         ("a moment arm of {:.3g} m", _MAX_ARM, longest),
         ("a place {:.3g} m from the frame of its link", _MAX_PLACE_DISTANCE, away),
     ):
-        if long := [name for name, length in lengths.items() if length > most]:
-            said = f"{what.format(max(lengths[name] for name in long))}, as if millimetres were taken for metres"
-            yield Doubt(", ".join(long), said, advice, "serious", "tendon arms")
+        if long := {name: length for name, length in lengths.items() if length > most}:
+            said = f"{what.format(max(long.values()))}, as if millimetres were taken for metres"
+            yield Doubt(", ".join(long), said, "Tendons in metres", "serious", "tendon arms")
     if still := [name for name, row in arms.items() if not row.any()]:
         what = "moves no joint: all its moment arms are 0 in the neutral posture"
         yield Doubt(", ".join(still), what, "Tendons whose arms or routes reach over a joint", "minor", "tendon arms")
-
-
-def _farthest_place(route: Route) -> float:
-    """[m] The largest distance of a place from the frame of its link."""
-    places = [p for p in route.places if not isinstance(p, Pulley)]
-    points = [p.point if isinstance(p, Site) else p.placement[0] for p in places]
-    return float(np.linalg.norm(points, axis=1).max())
 
 
 # ----------------------------------------------------------------
@@ -261,70 +234,53 @@ _EQUAL_SHARE = 0.05  # of the larger number: less is rounding
 def property_doubts(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
     """Of soft limits and servos that leave out a part of the range, and numbers that cannot be."""
     for f in facts:
-        stated = f.properties
-        if _is_range_cut(f, stated.soft_limits):
-            assert stated.soft_limits is not None
-            what = f"its soft limits [{_format_pair(stated.soft_limits)}] are narrower than its range, which is used"
+        soft, servo, reduction = f.properties.soft_limits, f.properties.servo_range, f.properties.reduction
+        if soft is not None and _is_range_cut(f, *soft):
+            what = f"its soft limits [{soft[0]:.4g}, {soft[1]:.4g}] are narrower than its range, which is used"
             yield Doubt(f.name, what, "a URDF with the soft limits as <limit>, if they count", "minor", "range")
-        if _is_range_cut(f, stated.servo_range):
-            assert stated.servo_range is not None
-            what = (
-                f"its actuator is told no more than [{_format_pair(stated.servo_range)}]: the rest "
-                f"of its range is not reached"
-            )
+        if servo is not None and _is_range_cut(f, *servo):
+            told = f"its actuator is told no more than [{servo[0]:.4g}, {servo[1]:.4g}]"
+            what = f"{told}: the rest of its range is not reached"
             yield Doubt(f.name, what, "an MJCF file whose ctrlrange fits the range", "minor", "range")
-        if not 0.0 <= stated.friction < math.inf:
-            what = f"its dry friction is {stated.friction:g}, which is no number ≥ 0"
+        if not 0.0 <= f.properties.friction < math.inf:
+            what = f"its dry friction is {f.properties.friction:g}, which is no number ≥ 0"
             advice = f"a file with the friction of the drive [{words.effort_unit(f.is_slide)}]"
             yield Doubt(f.name, what, advice, "minor", "friction")
-        if stated.reduction is not None and not 0.0 < abs(stated.reduction) < math.inf:
-            said = "no number" if math.isnan(stated.reduction) else f"{stated.reduction:g}"
+        if reduction is not None and not 0.0 < abs(reduction) < math.inf:
+            said = "no number" if math.isnan(reduction) else f"{reduction:g}"
             what = f"the reduction of its transmission is {said}"
             yield Doubt(f.name, what, "a file with turns of the motor for one of the joint", "minor", "gear")
 
 
-def _is_range_cut(f: JointFacts, part: tuple[float, float] | None) -> bool:
+def _is_range_cut(f: JointFacts, lower: float, upper: float) -> bool:
     """Whether a part of a range is narrower; equal ends are no limits, but a form that was not filled in."""
-    if part is None or not part[0] < part[1] or not f.lower < f.upper or f.kind == "continuous":
+    if not lower < upper or not f.lower < f.upper or f.kind == "continuous":
         return False
-    return max(part[0] - f.lower, f.upper - part[1]) > _MIN_LEFT_OUT_SHARE * (f.upper - f.lower)
+    return max(lower - f.lower, f.upper - upper) > _MIN_LEFT_OUT_SHARE * (f.upper - f.lower)
 
 
-def _format_pair(pair: tuple[float, float]) -> str:
-    return f"{pair[0]:.4g}, {pair[1]:.4g}"
-
-
-def friction_doubts(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
-    """Of friction that takes much of what the motor has."""
-    high = [
-        f
-        for f in facts
-        if f.mimic is None and 0.0 < f.effort < math.inf and f.properties.friction > _MAX_FRICTION_SHARE * f.effort
-    ]
-    if high:
+def motor_doubts(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
+    """Of friction that takes much of what the motor has; and of joints that are driven to one side alone, or much
+    harder than to the other.
+    """
+    driven = [f for f in facts if f.mimic is None and f.effort < math.inf]
+    if high := [f for f in driven if f.effort > 0.0 and f.properties.friction > _MAX_FRICTION_SHARE * f.effort]:
         worst = max(f.properties.friction / f.effort for f in high)
         what = f"dry friction of the file takes up to {words.format_percent(worst)} of the effort limit"
-        yield Doubt(", ".join(f.name for f in high), what, "a file with measured friction", "minor", "friction")
-
-
-def one_sided_doubts(facts: Sequence[JointFacts]) -> Iterator[Doubt]:
-    """Of joints that are driven to one side alone, or much harder than to the other."""
-    alike = defaultdict[tuple[float, float, bool], list[str]](list)
-    for f in facts:
-        if (
-            f.mimic is None
-            and f.properties.weaker_effort is not None
-            and f.properties.weaker_effort < _MAX_WEAKER_SHARE * f.effort < math.inf
-        ):
-            alike[f.properties.weaker_effort, f.effort, f.is_slide].append(f.name)
-    for (weaker, effort, slides), names in alike.items():
+        yield from group_doubt(high, what, "a file with measured friction", "minor", "friction")
+    alike = defaultdict[tuple[float, float, bool], list[JointFacts]](list)
+    for f in driven:
+        weaker = f.properties.weaker_effort
+        if weaker is not None and weaker < _MAX_WEAKER_SHARE * f.effort:
+            alike[weaker, f.effort, f.is_slide].append(f)
+    for (weaker, effort, slides), these in alike.items():
         other = f"with {weaker:g} alone" if weaker else "not at all"
         what = (
             f"actuators of the file drive the joint with {effort:g} to one side and {other} to the other; the larger "
             "side is the limit for both, also where the joint closes to the other"
         )
         advice = f"torque_limits with what closes the hand [{words.effort_unit(slides)}]"
-        yield Doubt(", ".join(names), what, advice, "serious", "torque limit")
+        yield from group_doubt(these, what, advice, "serious", "torque limit")
 
 
 # ----------------------------------------------------------------
@@ -350,9 +306,10 @@ def unequal_doubts(
                 yield Doubt(f"{one}, {two}", said, f"{advice} by joint name", "minor", "unlike")
         for names in (*_group_like_names(values, _FINGER_WORD, 3), *_group_like_names(values, _NUMBER_WORD, 3)):
             odd = [n for n in names if sum(not _is_equal(values[n], values[m]) for m in names) == len(names) - 1]
-            if len(odd) == 1 and _is_only_odd(odd[0], names, values) and _is_side_by_side(names, kinematics):
-                usual = next(values[n] for n in names if n != odd[0])
-                said = f"{what} {values[odd[0]]:g}, where its like on other fingers have {usual:g}"
+            rest = [values[n] for n in names if n not in odd]
+            alike = all(_is_equal(rest[0], value) for value in rest)
+            if len(odd) == 1 and alike and _is_side_by_side(names, kinematics):
+                said = f"{what} {values[odd[0]]:g}, where its like on other fingers have {rest[0]:g}"
                 yield Doubt(odd[0], said, f"{advice} by joint name", "minor", "unlike")
 
 
@@ -367,11 +324,6 @@ def _group_like_names(values: Mapping[str, float], part: re.Pattern[str], least:
 
 def _is_equal(one: float, two: float) -> bool:
     return abs(one - two) <= _EQUAL_SHARE * max(abs(one), abs(two))
-
-
-def _is_only_odd(odd: str, names: Sequence[str], values: Mapping[str, float]) -> bool:
-    rest = [values[n] for n in names if n != odd]
-    return all(_is_equal(rest[0], value) for value in rest)
 
 
 def _is_side_by_side(names: Sequence[str], kinematics: Kinematics | None) -> bool:
@@ -392,11 +344,10 @@ def sag_doubts(kinematics: Kinematics, tips: Sequence[tuple[str, int, Any]], com
     """
     if not tips:
         return
-    model, q = kinematics.model, kinematics.neutral
+    model, q, C = kinematics.model, kinematics.neutral, kinematics.all_joints.C
     places, J = kinematics.frames_at(q, [frame for _, frame, _ in tips])
     J = J.copy()
     weight = np.column_stack([kinematics.gravity_torque(q, _GRAVITY * axis) for axis in np.eye(3)])
-    C = np.eye(kinematics.nv) if kinematics.coupling is None else kinematics.coupling
     support = np.zeros((len(tips), len(C)))
     for row, (_, frame, _) in zip(support, tips, strict=True):
         row[[model.joints[j].idx_v for j in model.supports[model.frames[frame].parentJoint] if j]] = 1.0
@@ -416,11 +367,15 @@ def sag_doubts(kinematics: Kinematics, tips: Sequence[tuple[str, int, Any]], com
         yield Doubt(", ".join(sags), what, "joint_stiffness as measured: stiffness_from", "minor", "stiffness")
 
 
-def slide_doubts(facts: Sequence[JointFacts], stiffness: Mapping[str, float]) -> Iterator[Doubt]:
-    """Of slides as soft as no drive is: numbers of N·m/rad for N/m. stiffness : of each joint, by name."""
-    slides = {f.name for f in facts if f.is_slide}
-    soft = {name: k for name, k in stiffness.items() if name in slides and 0.0 < k < MIN_SLIDE_STIFFNESS}
-    if soft:
+def slide_doubts(kinematics: Kinematics, stiffness: Elasticity) -> Iterator[Doubt]:
+    """Of slides as soft as no drive is: numbers of N·m/rad for N/m."""
+    slides = {f.name for f in kinematics.facts if f.is_slide}
+    try:
+        own = np.diagonal(stiffness.stiffness_matrix).tolist() if slides else []
+    except Unsupported:  # a transmission that leaves some joints loose
+        return
+    each = zip(kinematics.joint_names, own, strict=False)
+    if soft := {name: k for name, k in each if name in slides and 0.0 < k < MIN_SLIDE_STIFFNESS}:
         least = min(soft.values())
         what = (
             f"joint stiffness of {least:g} N/m lets a slide give way by {words.format_length(1.0 / least)} under 1 N, "

@@ -71,8 +71,7 @@ def compiled_shapes(
 
 
 def _make_coal_shape(shape: ET.Element, meshes: Mapping[str, CompiledMesh]) -> Any:
-    sizes = {word: read_numbers(shape.get(word, "0")) for word in ("radius", "length")}
-    radius, length = float(sizes["radius"][0]), float(sizes["length"][0])
+    radius, length = (float(read_numbers(shape.get(word, "0"))[0]) for word in ("radius", "length"))
     if shape.tag == "sphere":
         return coal.Sphere(radius)
     if shape.tag == "cylinder":
@@ -139,10 +138,8 @@ def check_units(argument: str, model: Any) -> None:
     """Raises URDFError for a robot that is wider than 20 m or heavier than 2 t, and says how to go on."""
     width = skeleton_width(model)
     if width > MAX_ROBOT_WIDTH:
-        expected = (
-            "lengths in metres (are they in millimetres? then multiply each xyz, size, radius and length by 0.001)"
-        )
-        raise URDFError(argument, expected, f"a robot {width:.3g} m wide")
+        advice = "are they in millimetres? then multiply each xyz, size, radius and length by 0.001"
+        raise URDFError(argument, f"lengths in metres ({advice})", f"a robot {width:.3g} m wide")
     mass = sum(float(inertia.mass) for inertia in model.inertias)
     if mass > MAX_ROBOT_MASS:
         expected = "masses in kilograms (are they in grams? then multiply each mass and inertia by 0.001)"
@@ -156,10 +153,8 @@ def check_units(argument: str, model: Any) -> None:
 class LinkSize(NamedTuple):
     """How large one link is, as its shapes say.
 
-    reach [m] : how far its shapes go from its frame, at most.
-    smallest_mesh [m] : the largest extent of its smallest mesh, inf without one.
-    has_farthest_mesh : whether a mesh reaches farthest.
-    is_moved : whether a joint moves it.
+    reach [m] : how far its shapes go from its frame, at most. smallest_mesh [m] : the largest extent of its smallest
+    mesh, inf without one. has_farthest_mesh : whether a mesh reaches farthest. is_moved : whether a joint moves it.
     """
 
     reach: float
@@ -178,12 +173,8 @@ def link_sizes(parts: Sequence[LinkShape], model: Any) -> dict[str, LinkSize]:
         width = float((high - low).max()) if mesh else np.inf
         last = found.get(frame.name, LinkSize(0.0, np.inf, False, frame.parentJoint > 0))
         farther = reach > last.reach
-        found[frame.name] = LinkSize(
-            max(reach, last.reach),
-            min(width, last.smallest_mesh),
-            mesh if farther else last.has_farthest_mesh,
-            last.is_moved,
-        )
+        meshed = mesh if farther else last.has_farthest_mesh
+        found[frame.name] = LinkSize(max(reach, last.reach), min(width, last.smallest_mesh), meshed, last.is_moved)
     return found
 
 
@@ -208,33 +199,19 @@ def check_shapes(sizes: Mapping[str, LinkSize], model: Any) -> None:
     width = skeleton_width(model)
     most = max(MAX_SHAPE_REACH, MAX_REACH_PER_SKELETON * width)
     if large := {name: size for name, size in sizes.items() if size.reach > most}:
-        raise URDFError(
-            "source", f"shapes of links in metres ({_likely_cause(large)})", _describe_too_large(large, width)
-        )
-
-
-def _likely_cause(large: Mapping[str, LinkSize]) -> str:
-    meshed = any(size.has_farthest_mesh for size in large.values())
-    return (
-        f"meshes drawn in millimetres take {_SCALE_ADVICE}"
-        if meshed
-        else "sizes in millimetres? multiply them by 0.001"
-    )
-
-
-def _describe_too_large(large: Mapping[str, LinkSize], width: float) -> str:
-    reach = max(size.reach for size in large.values())
-    names = words.list_names(list(large))
-    return f"{names} reaching {reach:.3g} m from the link's frame, on a skeleton {width:.2g} m wide"
+        drawn = f"meshes drawn in millimetres take {_SCALE_ADVICE}"
+        meshed = any(size.has_farthest_mesh for size in large.values())
+        cause = drawn if meshed else "sizes in millimetres? multiply them by 0.001"
+        reach = f"reaching {max(size.reach for size in large.values()):.3g} m from the link's frame"
+        came = f"{words.list_names(list(large))} {reach}, on a skeleton {width:.2g} m wide"
+        raise URDFError("source", f"shapes of links in metres ({cause})", came)
 
 
 def shape_doubts(sizes: Mapping[str, LinkSize], model: Any) -> Iterator[Doubt]:
     """Of shapes that are far too large for the robot, or of meshes that are far too small."""
     width = skeleton_width(model)
-    still, moved = (
-        max(MAX_SHAPE_REACH, MAX_REACH_PER_SKELETON * width),
-        max(MAX_MOVED_REACH, MAX_MOVED_PER_SKELETON * width),
-    )
+    still = max(MAX_SHAPE_REACH, MAX_REACH_PER_SKELETON * width)
+    moved = max(MAX_MOVED_REACH, MAX_MOVED_PER_SKELETON * width)
     if large := {name: s for name, s in sizes.items() if s.reach > (moved if s.is_moved else still)}:
         reach = max(size.reach for size in large.values())
         what = (

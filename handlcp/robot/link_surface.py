@@ -6,6 +6,7 @@ centre with a radius, and every other shape a net of points on its surface, at m
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -25,10 +26,8 @@ from handlcp.robot.description import COLLISION, RobotDescription
 # coal 3.0.3 refuses hulls with a vertex of 255 or more neighbours: the tip of a fine cone, and one corner of a lid with
 # as many corners, which is cut into triangles like a fan. It crashes the process on points of one plane.
 
-_MAX_NEIGHBOURS, _NEIGHBOURS_PER_CUT = (
-    250,
-    100,
-)  # neighbours that a vertex keeps, and how many those have that come in its place
+# Neighbours that a vertex keeps, and how many those have that come in its place
+_MAX_NEIGHBOURS, _NEIGHBOURS_PER_CUT = 250, 100
 _VERTEX_CUT_SHARE = 1e-6  # of the edges' lengths: how much of such a vertex is cut off
 _FLAT_WIDTH_RATIO = 1e-9  # of its width: a hull that is thinner is flat
 
@@ -115,7 +114,7 @@ def _order_around(to: Array, axis: Array) -> Ints:
     return np.argsort(np.arctan2(to @ np.cross(axis, x), to @ x * np.linalg.norm(axis)), kind="stable")
 
 
-# ----------------------------------------------------------------
+# ---------------------------------------------------------------- Points on the surfaces of links.
 
 POINT_SPACING = 2e-3  # [m] between points: on a ball of 25 mm a depth is then seen to 0.03 mm
 _MAX_EDGE_POINTS = 60  # points along the edge of a triangle, at most
@@ -130,17 +129,13 @@ _SPHERE_DIRECTIONS = np.array(
     [(np.cos(h) * np.cos(t), np.cos(h) * np.sin(t), np.sin(h)) for h in _LATITUDES for t in _LONGITUDES]
 )
 
-PointsAndRadii = tuple[Array, Array]  # (m, 3) positions, (m,) radii
-
 
 @dataclass(frozen=True, eq=False)
 class LinkSurface:
     """The collision shapes of one link.
 
-    frame : its number in Pinocchio's model.
-    joint : of the joint that carries it.
-    parts : coal's shapes, with rotation and position in the link's frame.
-    reach [m] : no part is farther from the frame's origin.
+    frame : its number in Pinocchio's model. joint : of the joint that carries it. parts : coal's shapes, with rotation
+    and position in the link's frame. reach [m] : no part is farther from the frame's origin.
     """
 
     name: str
@@ -150,11 +145,11 @@ class LinkSurface:
     reach: float
 
     @lazy_property
-    def net(self) -> PointsAndRadii:
+    def net(self) -> tuple[Array, Array]:
         """Points (m, 3) in the link's frame and radii (m,) : balls whose surfaces are, or lie on, the link's [m]."""
-        nets = [(x @ R.T + p, r) for shape, R, p in self.parts for x, r in _shape_points(shape)]
-        points, radii = (np.concatenate(both) for both in zip(*nets, strict=True))
-        return read_only(points), read_only(radii)
+        nets = [(_shape_points(shape), R, p) for shape, R, p in self.parts]
+        points = np.concatenate([x @ R.T + p for (x, _), R, p in nets])
+        return read_only(points), read_only(np.concatenate([radii for (_, radii), _, _ in nets]))
 
     def __getstate__(self) -> dict[str, Any]:
         """With the net in place of the shapes, some of which cannot be pickled."""
@@ -163,17 +158,16 @@ class LinkSurface:
 
 def link_surfaces(description: RobotDescription) -> tuple[LinkSurface, ...]:
     """All links with collision geometry. Raises URDFError for meshes that are missing or cannot be read."""
-    links: dict[int, list[tuple[Any, Array, Array]]] = {}
+    links = defaultdict[int, list[tuple[Any, Array, Array]]](list)
     for part in description.load_shapes(COLLISION):
         if isinstance(part.shape, _KNOWN_SHAPES):
-            links.setdefault(part.frame, []).append((part.shape, part.rotation, part.position))
-    return tuple([_make_link_surface(description.model, frame, parts) for frame, parts in sorted(links.items())])
-
-
-def _make_link_surface(model: Any, frame: int, parts: list[tuple[Any, Array, Array]]) -> LinkSurface:
-    known = model.frames[frame]
-    reach = max(float(np.linalg.norm(p)) + _bounding_radius(shape) for shape, _, p in parts)
-    return LinkSurface(known.name, frame, int(known.parentJoint), tuple(parts), reach)
+            links[part.frame].append((part.shape, part.rotation, part.position))
+    found = list[LinkSurface]()
+    for frame, parts in sorted(links.items()):
+        known = description.model.frames[frame]
+        reach = max(float(np.linalg.norm(p)) + _bounding_radius(shape) for shape, _, p in parts)
+        found.append(LinkSurface(known.name, frame, int(known.parentJoint), tuple(parts), reach))
+    return tuple(found)
 
 
 def _shape_triangles(shape: Any) -> Array:
@@ -197,19 +191,18 @@ def _bounding_radius(shape: Any) -> float:
     return float(shape.radius + getattr(shape, "halfLength", 0.0))
 
 
-def _shape_points(shape: Any) -> Iterator[PointsAndRadii]:
-    """Of a shape, in its own frame."""
+def _shape_points(shape: Any) -> tuple[Array, Array]:
+    """Points (m, 3) and radii (m,) of a shape, in its own frame."""
     if isinstance(shape, _MESH_SHAPES):
-        yield _with_zero_radii(_drop_duplicates(np.concatenate(list(_triangle_points(_shape_triangles(shape))))))
+        points = _drop_duplicates(np.concatenate(list(_triangle_points(_shape_triangles(shape)))))
     elif isinstance(shape, coal.Box):
-        yield _with_zero_radii(_box_points(2 * np.array(shape.halfSide).reshape(3)))
+        points = _box_points(2 * np.array(shape.halfSide).reshape(3))
     elif isinstance(shape, coal.Cylinder):
-        yield _with_zero_radii(_cylinder_points(shape.radius, 2 * shape.halfLength))
-    elif isinstance(shape, coal.Capsule):
-        z = _line_points(2 * shape.halfLength)
-        yield np.outer(z, (0.0, 0.0, 1.0)), np.full(len(z), shape.radius)
+        points = _cylinder_points(shape.radius, 2 * shape.halfLength)
     else:
-        yield np.zeros((1, 3)), np.array([shape.radius])
+        z = _line_points(2 * shape.halfLength) if isinstance(shape, coal.Capsule) else np.zeros(1)
+        return np.outer(z, (0.0, 0.0, 1.0)), np.full(len(z), shape.radius)
+    return points, np.zeros(len(points))
 
 
 def _drop_duplicates(points: Array) -> Array:
@@ -218,10 +211,6 @@ def _drop_duplicates(points: Array) -> Array:
     order = np.lexsort(places.T)
     new = np.append(True, (np.diff(places[order], axis=0) != 0.0).any(axis=1))
     return np.asarray(points[np.sort(order[new])])
-
-
-def _with_zero_radii(points: Array) -> PointsAndRadii:
-    return points, np.zeros(len(points))
 
 
 def _line_points(length: float) -> Array:
@@ -274,7 +263,8 @@ def surface_points(parts: Iterable[tuple[Any, Array, Array]], corners: bool = Fa
         if corners and isinstance(shape, _MESH_SHAPES):
             found.append(_shape_triangles(shape).reshape(-1, 3) @ R.T + p)
             continue
-        for x, radius in _shape_points(shape) if isinstance(shape, _KNOWN_SHAPES) else ():
+        if isinstance(shape, _KNOWN_SHAPES):
+            x, radius = _shape_points(shape)
             ways = _SPHERE_DIRECTIONS if radius.any() else np.zeros((1, 3))
             found.append((x + radius[:, None] * ways[:, None]).reshape(-1, 3) @ R.T + p)
     return np.concatenate(found) if found else None

@@ -21,6 +21,7 @@ from handlcp.check import Array
 from handlcp.errors import HandLCPError
 from handlcp.robot.description import COLLISION, VISUAL, RobotDescription
 from handlcp.robot.joint import movable_joints, read_ranges, resolve_mimics
+from handlcp.robot.link_shape import read_numbers
 from handlcp.robot.link_surface import surface_points
 
 _SAMPLED_POSTURES = 7
@@ -68,14 +69,12 @@ def _link_points(description: RobotDescription, data: Any, joint: int) -> Array:
             parts = description.load_shapes(kind, names & description.readable_links(kind))
         except HandLCPError:
             continue
-        found = list[Array]()
-        for part in parts:
-            points = surface_points([(part.shape, part.rotation, part.position)], corners=True)
-            if points is not None:
-                oMf = data.oMf[part.frame]
-                found.append(points @ oMf.rotation.T + oMf.translation)
-        if found:
-            return np.concatenate(found)
+        surfaces = [(p.frame, surface_points([(p.shape, p.rotation, p.position)], corners=True)) for p in parts]
+        placed = [
+            points @ data.oMf[i].rotation.T + data.oMf[i].translation for i, points in surfaces if points is not None
+        ]
+        if placed:
+            return np.concatenate(placed)
     return np.array([data.oMf[i].translation for i, f in enumerate(model.frames) if f.parentJoint == joint])
 
 
@@ -91,15 +90,14 @@ def _max_distance(points: Array, start: Array, end: Array) -> float:
 
 def _stated_pins(description: RobotDescription, ends: list[int]) -> Iterator[_Pin]:
     """Of <pin> tags, which constraints of an MJCF file become: both links may be the bar."""
-    model = description.model
-    root = description.root
+    model, root = description.model, description.root
     for tag in () if root is None else root.findall("pin"):
         names = tag.get("link", ""), tag.get("other", "")
         if not all(model.existFrame(name) for name in names):
             continue
-        one, two = (model.frames[model.getFrameId(name, pin.FrameType.BODY)] for name in names)
-        points = [np.array([float(x) for x in tag.get(word, "0 0 0").split()]) for word in ("at", "at_other")]
-        sides = [(int(f.parentJoint), f.placement.act(at)) for f, at in zip((one, two), points, strict=True)]
+        frames = [model.frames[model.getFrameId(name, pin.FrameType.BODY)] for name in names]
+        points = [read_numbers(tag.get(word, "0 0 0")) for word in ("at", "at_other")]
+        sides = [(int(f.parentJoint), f.placement.act(at)) for f, at in zip(frames, points, strict=True)]
         for (a, at_a), (b, at_b) in (sides, sides[::-1]):
             if a in ends and a != b:
                 yield _Pin(a, b, at_a, at_b)
@@ -120,25 +118,19 @@ def _coupled_pins(description: RobotDescription, ends: list[int]) -> Iterator[_P
     lower, upper = read_ranges(names, {f.name: f for f in description.facts}, coupling)
     owner = {model.getJointId(name): int(abs(row).argmax()) for name, row in zip(names, coupling.C, strict=True)}
     moved = {model.getJointId(f.name) for f in description.facts if f.mimic is not None}
+    chains = {j: {int(i) for i in model.supports[j] if i and model.joints[i].nv} for j in {*ends, *owner}}
     placed = dict[int, list[Any]]()
     for a in ends:
-        chain = set(_movable_chain(model, a))
         for b in owner:
-            other = set(_movable_chain(model, b))
-            apart = chain ^ other
+            apart = chains[a] ^ chains[b]
             masters = {owner[j] for j in apart}
-            if b in chain or a in other or len(masters) != 1 or not moved & apart:
+            if b in chains[a] or a in chains[b] or len(masters) != 1 or not moved & apart:
                 continue
             (k,) = masters
             if k not in placed:
                 placed[k] = _sample_placements(model, coupling, k, float(lower[k]), float(upper[k]))
             if (found := _locate_pin([p[a] for p in placed[k]], [p[b] for p in placed[k]])) is not None:
                 yield _Pin(a, b, *found)
-
-
-def _movable_chain(model: Any, joint: int) -> list[int]:
-    """The movable joints from the base to this one."""
-    return [int(j) for j in model.supports[joint] if j and model.joints[j].nv]
 
 
 def _sample_placements(model: Any, coupling: Any, k: int, low: float, high: float) -> list[Any]:
@@ -162,10 +154,5 @@ def _locate_pin(one: list[Any], two: list[Any]) -> tuple[Array, Array] | None:
     apart = np.concatenate([b.translation - a.translation for a, b in zip(one, two, strict=True)])
     v, w = np.split(np.linalg.lstsq(rows, apart)[0], 2)
     off = float(abs(rows @ np.concatenate([v, w]) - apart).max())
-    return (
-        (v, w)
-        if off < _PIN_TOLERANCE
-        and _MIN_PIN_DISTANCE < np.linalg.norm(v) < _MAX_PIN_DISTANCE
-        and np.linalg.norm(w) < _MAX_PIN_DISTANCE
-        else None
-    )
+    near = max(np.linalg.norm(v), np.linalg.norm(w)) < _MAX_PIN_DISTANCE
+    return (v, w) if off < _PIN_TOLERANCE and near and np.linalg.norm(v) > _MIN_PIN_DISTANCE else None

@@ -7,6 +7,7 @@ import re
 from collections import defaultdict, deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 from math import isfinite
 from pathlib import Path
 
@@ -20,17 +21,9 @@ MESH_FILE_EXPECTED = "an STL, OBJ, DAE or PLY file"
 # Nodes and geometries of a Collada scene, each counted as often as it stands there: 5 kB each
 _MAX_NODE_COPIES = 10_000
 _MATERIAL_LINE = re.compile(rb"^\s*mtllib\s+(.*?)\s*$", re.MULTILINE)
-_INTEGER_TAGS = ("p", "v", "h", "vcount", "int_array")  # elements of Collada whose text is whole numbers
-_REAL_TAGS = (
-    "float_array",
-    "matrix",
-    "rotate",
-    "translate",
-    "scale",
-    "lookat",
-    "skew",
-    "bind_shape_matrix",
-)  # and numbers
+# Elements of Collada whose text is whole numbers, and numbers
+_INTEGER_TAGS = ("p", "v", "h", "vcount", "int_array")
+_REAL_TAGS = ("float_array", "matrix", "rotate", "translate", "scale", "lookat", "skew", "bind_shape_matrix")
 _UNIT_RANGE = 1e-9, 1e3  # metres of one: from nanometres to kilometres
 _INSTANCE_TAGS = ("instance_node", "instance_geometry", "instance_controller")
 
@@ -139,9 +132,8 @@ class _ColladaScene(ElementCounter):
             else:
                 total[node] = 1 + len(self._contents[node]) + sum(total[n] for n in self._inner_nodes(node))
                 if total[node] > _MAX_NODE_COPIES:
-                    raise self.make_error(
-                        f"a Collada file of at most {_MAX_NODE_COPIES} nodes, copies counted", "with more"
-                    )
+                    expected = f"a Collada file of at most {_MAX_NODE_COPIES} nodes, copies counted"
+                    raise self.make_error(expected, "with more")
                 path.pop()
 
     def _inner_nodes(self, node: int) -> Iterator[int]:
@@ -154,24 +146,10 @@ class _ColladaScene(ElementCounter):
 # Whether a PLY file is what its header says. assimp takes its numbers at their word, and reads beyond its memory.
 
 
-_NUMBER_TYPES = {
-    "char": "i1",
-    "uchar": "u1",
-    "short": "i2",
-    "ushort": "u2",
-    "int": "i4",
-    "uint": "u4",
-    "float": "f4",
-    "double": "f8",
-    "int8": "i1",
-    "uint8": "u1",
-    "int16": "i2",
-    "uint16": "u2",
-    "int32": "i4",
-    "uint32": "u4",
-    "float32": "f4",
-    "float64": "f8",
-}
+_NUMBER_TYPES = dict.fromkeys(("char", "int8"), "i1") | dict.fromkeys(("uchar", "uint8"), "u1")
+_NUMBER_TYPES |= dict.fromkeys(("short", "int16"), "i2") | dict.fromkeys(("ushort", "uint16"), "u2")
+_NUMBER_TYPES |= dict.fromkeys(("int", "int32"), "i4") | dict.fromkeys(("uint", "uint32"), "u4")
+_NUMBER_TYPES |= dict.fromkeys(("float", "float32"), "f4") | dict.fromkeys(("double", "float64"), "f8")
 _INDEX_NAMES = ("vertex_indices", "vertex_index")
 _BYTE_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _MAX_FACE_CORNERS = 1000  # of a face
@@ -179,15 +157,18 @@ _MAX_FACE_CORNERS = 1000  # of a face
 
 @dataclass
 class _PlyElement:
-    """One element of the header of a PLY file.
-
-    name, count : such as vertex, 4.
-    properties : name, type of the numbers, type of how many of a list, or "".
+    """One element of the header of a PLY file, such as vertex, 4. properties : name, type of the numbers, type of how
+    many of a list, or "".
     """
 
     name: str
     count: int
     properties: list[tuple[str, str, str]] = field(default_factory=list)
+
+    @property
+    def has_lists(self) -> bool:
+        """Whether some property is a list."""
+        return any(lists for _, _, lists in self.properties)
 
 
 def is_ply(data: bytes) -> bool:
@@ -208,7 +189,7 @@ def _check_ply(data: bytes) -> None:
     vertices = next((element for element in elements if element.name == "vertex"), None)
     if vertices is None or not {"x", "y", "z"} <= {name for name, _, _ in vertices.properties}:
         raise ValueError("vertices")
-    if any(lists for _, _, lists in vertices.properties):
+    if vertices.has_lists:
         raise ValueError("lists of vertices")
     if order:
         _check_ply_binary(data[start:], order, elements, vertices.count)
@@ -243,30 +224,28 @@ def _check_ply_text(body: str, elements: Sequence[_PlyElement], vertices: int) -
     lines = body.replace("\r\n", "\n").rstrip("\n ").split("\n")
     if len(lines) != sum(element.count for element in elements):
         raise ValueError("lines")
-    at = 0
+    left = iter(lines)
     for element in elements:
-        for line in lines[at : at + element.count]:
-            words, k = line.split(" "), 0
-            words = [word for word in words if word]
+        for line in islice(left, element.count):
+            words = [word for word in line.split(" ") if word]
+            k = 0
             for name, _, lists in element.properties:
-                count = int(words[k]) if lists else 1
-                own = words[k + 1 : k + 1 + count] if lists else words[k : k + 1]
-                k += count + bool(lists)
-                if lists and not 0 <= count <= _MAX_FACE_CORNERS:
-                    raise ValueError("a list")
+                count = _check_count(int(words[k])) if lists else 1
+                k += bool(lists)
+                own = words[k : k + count]
+                k += count
                 if name in _INDEX_NAMES:
                     _check_corners([int(word) for word in own], vertices)
                 elif not all(isfinite(float(word)) for word in own):
                     raise ValueError("not finite")
             if k != len(words):
                 raise ValueError(line)
-        at += element.count
 
 
 def _check_ply_binary(body: bytes, order: str, elements: Sequence[_PlyElement], vertices: int) -> None:
     at = 0
     for element in elements:
-        if not any(lists for _, _, lists in element.properties):
+        if not element.has_lists:
             at += element.count * sum(np.dtype(kind).itemsize for _, kind, _ in element.properties)
             continue
         for _ in range(element.count):
@@ -275,20 +254,20 @@ def _check_ply_binary(body: bytes, order: str, elements: Sequence[_PlyElement], 
             for name, kind, lists in element.properties:
                 count = 1
                 if lists:
-                    count = int(_binary_integers(body, order + lists, 1, at)[0])
+                    count = _check_count(int(np.frombuffer(body, order + lists, 1, at)[0]))
                     at += np.dtype(lists).itemsize
-                    if not 0 <= count <= _MAX_FACE_CORNERS:
-                        raise ValueError("a list")
                 if name in _INDEX_NAMES:
-                    _check_corners(_binary_integers(body, order + kind, count, at), vertices)
+                    _check_corners([int(n) for n in np.frombuffer(body, order + kind, count, at)], vertices)
                 at += count * np.dtype(kind).itemsize
     if at != len(body):
         raise ValueError("length")
 
 
-def _binary_integers(body: bytes, kind: str, count: int, at: int) -> list[int]:
-    """Raises ValueError where there are fewer."""
-    return [int(number) for number in np.frombuffer(body, kind, count, at)]
+def _check_count(count: int) -> int:
+    """How many a list has."""
+    if not 0 <= count <= _MAX_FACE_CORNERS:
+        raise ValueError("a list")
+    return count
 
 
 def _check_corners(numbers: list[int], vertices: int) -> None:

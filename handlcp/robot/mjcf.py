@@ -87,9 +87,8 @@ def compile_mjcf(source: str, path: Path | None) -> Any:
             return read(source if path is None else str(path))
     except (ValueError, TypeError, RuntimeError, MemoryError, mujoco.FatalError) as error:
         shown = "the XML string" if path is None else repr(str(path))
-        raise URDFError(
-            "source", "an MJCF file that MuJoCo compiles", f"{shown}: {' '.join(str(error).split())}"
-        ) from None
+        came = f"{shown}: {' '.join(str(error).split())}"
+        raise URDFError("source", "an MJCF file that MuJoCo compiles", came) from None
 
 
 class _UrdfWriter:
@@ -97,7 +96,8 @@ class _UrdfWriter:
 
     def __init__(self, model: Any, base: str | None) -> None:
         self.model, self.doubts = model, list[Doubt]()
-        self.root = ET.Element("robot", name=_model_name(model), format="mjcf")
+        name = bytes(model.names).split(b"\0", 1)[0].decode(errors="replace") or "hand"
+        self.root = ET.Element("robot", name=name, format="mjcf")
         self.bodies = [model.body(i).name or f"body_{i}" for i in range(model.nbody)]
         owners = model.jnt_bodyid
         self.joints = [model.joint(j).name or f"{self.bodies[owners[j]]}_joint_{j}" for j in range(model.njnt)]
@@ -113,12 +113,14 @@ class _UrdfWriter:
         for b in range(self.model.nbody):
             if b not in self.scene.bodies:
                 self._write_body(b)
-        for s in range(self.model.nsite):
-            if int(self.model.site_bodyid[s]) not in self.scene.bodies:
-                self._write_site(s)
+        for s, b in enumerate(self.model.site_bodyid.tolist()):
+            name = self.model.site(s).name
+            if name and name not in self.bodies and b not in self.scene.bodies:
+                add_element(self.root, "link", name=name)
+                R = quaternion_rotation(self.model.site_quat[s])
+                self._add_joint(f"{name}_fixed", "fixed", self.bodies[b], name, R, self.model.site_pos[s])
         write_pins(self.root, self.model, self.bodies, self.scene.bodies)
-        servos = write_servos(self.root, self.model, self.joints)
-        self.doubts += write_cables(self.root, self.model, servos)
+        self.doubts += write_cables(self.root, self.model, write_servos(self.root, self.model, self.joints))
         return self.root, tuple(self.doubts)
 
     def _write_body(self, b: int) -> None:
@@ -137,7 +139,12 @@ class _UrdfWriter:
         link = add_element(self.root, "link", name=name)
         if model.body_mass[b] > 0:
             owner = link if carrier == name else next(e for e in self.root.findall("link") if e.get("name") == carrier)
-            self._write_inertia(owner, b, at if carrier != name else np.zeros(3))
+            inertial = add_element(owner, "inertial")
+            place = model.body_ipos[b] - (at if carrier != name else 0.0)
+            add_origin(inertial, quaternion_rotation(model.body_iquat[b]), place)
+            add_element(inertial, "mass", value=float(model.body_mass[b]))
+            xx, yy, zz = model.body_inertia[b].tolist()
+            add_element(inertial, "inertia", ixx=xx, ixy=0.0, ixz=0.0, iyy=yy, iyz=0.0, izz=zz)
         if b or not self.scene.has_ground:
             self.doubts += add_shapes(link, model, b)
 
@@ -156,7 +163,7 @@ class _UrdfWriter:
                 add_element(self.root, "link", name=link)
             above, R, p = link, np.eye(3), np.zeros(3)
         if above != self.bodies[b]:
-            self._write_fixed_joint(self.bodies[b], above, R, p - here)
+            self._add_joint(f"{self.bodies[b]}_fixed", "fixed", above, self.bodies[b], R, p - here)
 
     def _write_joint(self, j: int, above: str, below: str, R: Array, p: Array) -> None:
         model, name = self.model, self.joints[j]
@@ -164,21 +171,22 @@ class _UrdfWriter:
             raise URDFError("source", "joints of one degree of freedom (hinge, slide)", f"{name!r}, a ball joint")
         bounded, slides = bool(model.jnt_limited[j]), model.jnt_type[j] == 2
         kind = "prismatic" if slides else "revolute" if bounded else "continuous"
-        joint = add_element(self.root, "joint", name=name, type=kind)
-        add_element(joint, "parent", link=above)
-        add_element(joint, "child", link=below)
-        add_origin(joint, R, p)
+        joint = self._add_joint(name, kind, above, below, R, p)
         add_element(joint, "axis", xyz=model.jnt_axis[j])
-        known = np.isfinite(
-            self.effort[j]
-        )  # a URDF has no word for an effort that is not known: 0, see `read_joint_facts`
+        # A URDF has no word for an effort that is not known: 0, see `read_joint_facts`
+        known = np.isfinite(self.effort[j])
         limit = {"effort": float(self.effort[j]) if known else 0.0, "velocity": 0.0}
         if bounded or slides:
             low, high = model.jnt_range[j] if bounded else (-_UNBOUNDED_RANGE, _UNBOUNDED_RANGE)
             limit |= {"lower": float(low), "upper": float(high)}
         words = {"said": self.effort_said[j], "weaker": float(self.weaker[j])} if known else {}
         add_element(joint, "limit", **limit, **words)
-        write_joint_properties(joint, model, j)
+        # What resists the joint itself: friction as a URDF has it, spring, rest and armature in a tag of our own
+        dof, spring = int(model.jnt_dofadr[j]), float(np.ravel(model.jnt_stiffness[j])[0])
+        rest, armature = float(model.qpos_spring[model.jnt_qposadr[j]]), float(model.dof_armature[dof])
+        damping, friction = float(model.dof_damping[dof]), float(model.dof_frictionloss[dof])
+        add_element(joint, "dynamics", damping=damping, friction=friction)
+        add_element(joint, "passive", stiffness=spring, rest=rest, armature=armature)
         if j in self.reaches:
             low, high = self.reaches[j]
             add_element(joint, "reach", lower=low, upper=high)
@@ -186,30 +194,12 @@ class _UrdfWriter:
             master, factor, offset = self.follows[j]
             add_element(joint, "mimic", joint=self.joints[master], multiplier=factor, offset=offset)
 
-    def _write_fixed_joint(self, name: str, above: str, R: Array, p: Array) -> None:
-        joint = add_element(self.root, "joint", name=f"{name}_fixed", type="fixed")
+    def _add_joint(self, name: str, kind: str, above: str, below: str, R: Array, p: Array) -> ET.Element:
+        joint = add_element(self.root, "joint", name=name, type=kind)
         add_element(joint, "parent", link=above)
-        add_element(joint, "child", link=name)
+        add_element(joint, "child", link=below)
         add_origin(joint, R, p)
-
-    def _write_site(self, s: int) -> None:
-        name = self.model.site(s).name
-        if name and name not in self.bodies:
-            add_element(self.root, "link", name=name)
-            above = self.bodies[self.model.site_bodyid[s]]
-            self._write_fixed_joint(name, above, quaternion_rotation(self.model.site_quat[s]), self.model.site_pos[s])
-
-    def _write_inertia(self, link: ET.Element, b: int, shift: Array) -> None:
-        model = self.model
-        inertial = add_element(link, "inertial")
-        add_origin(inertial, quaternion_rotation(model.body_iquat[b]), model.body_ipos[b] - shift)
-        add_element(inertial, "mass", value=float(model.body_mass[b]))
-        xx, yy, zz = (float(x) for x in model.body_inertia[b])
-        add_element(inertial, "inertia", ixx=xx, ixy=0.0, ixz=0.0, iyy=yy, iyz=0.0, izz=zz)
-
-
-def _model_name(model: Any) -> str:
-    return bytes(model.names).split(b"\0", 1)[0].decode(errors="replace") or "hand"
+        return joint
 
 
 # ----------------------------------------------------------------
@@ -330,18 +320,13 @@ def write_servos(root: ET.Element, model: Any, names: list[str]) -> dict[int, fl
     """
     found = dict[int, float]()
     for a in range(model.nu):
-        kp, gear = -float(model.actuator_biasprm[a, 1]), float(model.actuator_gear[a, 0])
-        if (
-            int(model.actuator_gaintype[a]) != _FIXED_GAIN
-            or int(model.actuator_biastype[a]) != _AFFINE_BIAS
-            or kp <= 0.0
-        ):
-            continue
-        found[a] = kp * gear * gear
-        if arms := _actuator_arms(model, a):
-            servo = add_element(root, "servo", name=model.actuator(a).name or f"actuator {a}", kp=found[a])
-            for j, arm in arms.items():
-                add_element(servo, "arm", joint=names[j], per_rad=arm)
+        kp, gear = _read_servo(model, a)
+        if kp > 0.0 and int(model.actuator_gaintype[a]) == _FIXED_GAIN:
+            found[a] = kp * gear * gear
+            if arms := _actuator_arms(model, a):
+                servo = add_element(root, "servo", name=model.actuator(a).name or f"actuator {a}", kp=found[a])
+                for j, arm in arms.items():
+                    add_element(servo, "arm", joint=names[j], per_rad=arm)
     return found
 
 
@@ -349,32 +334,19 @@ def servo_ranges(model: Any) -> dict[int, tuple[float, float]]:
     """Joint → where its own servo can be told to go [rad, m]."""
     found = dict[int, tuple[float, float]]()
     for a in range(model.nu):
-        gain, kp, gear = (
-            float(x) for x in (model.actuator_gainprm[a, 0], -model.actuator_biasprm[a, 1], model.actuator_gear[a, 0])
-        )
-        own = (
-            int(model.actuator_trntype[a]) in (_DRIVES_JOINT, _DRIVES_JOINT_IN_PARENT)
-            and int(model.actuator_biastype[a]) == _AFFINE_BIAS
-        )
-        if own and kp > 0.0 and gear and model.actuator_ctrllimited[a]:
-            low, high = sorted(
-                (gain * u + float(model.actuator_biasprm[a, 0])) / (kp * gear) for u in model.actuator_ctrlrange[a]
-            )
+        kp, gear = _read_servo(model, a)
+        of_joint = int(model.actuator_trntype[a]) in (_DRIVES_JOINT, _DRIVES_JOINT_IN_PARENT)
+        if of_joint and kp > 0.0 and gear and model.actuator_ctrllimited[a]:
+            force = float(model.actuator_gainprm[a, 0]) * model.actuator_ctrlrange[a] + model.actuator_biasprm[a, 0]
+            low, high = sorted((force / (kp * gear)).tolist())
             found[int(model.actuator_trnid[a, 0])] = (low, high)
     return found
 
 
-def write_joint_properties(joint: ET.Element, model: Any, j: int) -> None:
-    """What resists the joint itself: friction as a URDF has it, spring, rest and armature in a tag of its own."""
-    dof, at = int(model.jnt_dofadr[j]), int(model.jnt_qposadr[j])
-    add_element(joint, "dynamics", damping=float(model.dof_damping[dof]), friction=float(model.dof_frictionloss[dof]))
-    add_element(
-        joint,
-        "passive",
-        stiffness=float(np.ravel(model.jnt_stiffness[j])[0]),
-        rest=float(model.qpos_spring[at]),
-        armature=float(model.dof_armature[dof]),
-    )
+def _read_servo(model: Any, a: int) -> tuple[float, float]:
+    """The stiffness kp of an actuator, 0 where it is no position servo, and its gear."""
+    is_servo = int(model.actuator_biastype[a]) == _AFFINE_BIAS
+    return -float(model.actuator_biasprm[a, 1]) if is_servo else 0.0, float(model.actuator_gear[a, 0])
 
 
 # ---------------------------------------------------------------- Joints that follow others.
@@ -404,9 +376,8 @@ def read_couplings(model: Any, names: list[str], scene: frozenset[int]) -> tuple
             follows[two] = (one, 1.0 / c1, -offset / c1)
         else:
             what = f"the constraint {name!r} is left out: {names[one]} and {names[two]} are coupled by others already"
-            doubts.append(
-                Doubt(f"{names[one]}, {names[two]}", what, "one coupling for each joint", "serious", "coupling")
-            )
+            both = f"{names[one]}, {names[two]}"
+            doubts.append(Doubt(both, what, "one coupling for each joint", "serious", "coupling"))
         if any(curved):
             what = f"follows {names[two]} along a curve, of which the straight part alone is read"
             doubts.append(Doubt(names[one], what, "a posture near the file's reference posture", "serious"))
@@ -416,13 +387,8 @@ def read_couplings(model: Any, names: list[str], scene: frozenset[int]) -> tuple
 def write_pins(root: ET.Element, model: Any, bodies: list[str], scene: frozenset[int]) -> None:
     """Write each constraint that connects two bodies in a point as a <pin>, with the point in the frame of each [m]."""
     for e in range(model.neq):
-        own = tied_bodies(model, e)
-        if (
-            int(model.eq_type[e]) != _CONNECTS_IN_POINT
-            or not model.eq_active0[e]
-            or len(own) != 2
-            or is_of_scene(model, e, scene)
-        ):
+        own, is_pin = tied_bodies(model, e), int(model.eq_type[e]) == _CONNECTS_IN_POINT and model.eq_active0[e]
+        if not is_pin or len(own) != 2 or is_of_scene(model, e, scene):
             continue
         if int(model.eq_objtype[e]) == _CONNECTS_BODIES:
             at, other = model.eq_data[e, :3], model.eq_data[e, 3:6]
@@ -459,7 +425,7 @@ def without_mujoco_log() -> Iterator[None]:
     with _LOG_LOCK:
         if _open_log_blocks == 0:
             _outer_handler = get_mju_user_warning()
-            set_mju_user_warning(_drop_warning)
+            set_mju_user_warning(lambda _: None)
         _open_log_blocks += 1
     try:
         yield
@@ -468,7 +434,3 @@ def without_mujoco_log() -> Iterator[None]:
             _open_log_blocks -= 1
             if _open_log_blocks == 0:
                 set_mju_user_warning(_outer_handler)
-
-
-def _drop_warning(_: str) -> None:
-    """Take a warning, and do nothing with it."""

@@ -8,6 +8,7 @@ with k and rest angle θ of each joint, and the coupling q_full = C q + c of joi
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -23,7 +24,7 @@ from handlcp.check import Array
 from handlcp.errors import InputError, Unsupported
 from handlcp.robot.joint import Doubt
 from handlcp.robot.kinematics import Kinematics
-from handlcp.robot.link_shape import quaternion_rotation
+from handlcp.robot.link_shape import quaternion_rotation, read_numbers
 from handlcp.robot.mjcf_shape import DRIVES_TENDON, add_element
 
 
@@ -93,16 +94,8 @@ def write_cable(root: ET.Element, cable: FileCable) -> None:
             add_element(element, "site", link=place.link, point=place.point)
         else:
             (centre, axis), side = place.placement, {} if place.side is None else {"side": place.side}
-            add_element(
-                element,
-                "around",
-                link=place.link,
-                centre=centre,
-                axis=axis,
-                radius=place.radius,
-                shape=place.shape,
-                **side,
-            )
+            where, size = {"centre": centre, "axis": axis}, {"radius": place.radius, "shape": place.shape}
+            add_element(element, "around", link=place.link, **where, **size, **side)
 
 
 def read_cables(root: ET.Element) -> tuple[FileCable, ...]:
@@ -111,9 +104,8 @@ def read_cables(root: ET.Element) -> tuple[FileCable, ...]:
     for element in root.findall(CABLE_TAG):
         if all(place.get("link", "") in links for place in element if place.tag != "pulley"):
             kp, limit = (float(element.get(word, 0.0)) for word in ("kp", "limit"))
-            found.append(
-                FileCable(element.get("name", ""), kp, limit, Route([_read_place(place) for place in element]))
-            )
+            route = Route([_read_place(place) for place in element])
+            found.append(FileCable(element.get("name", ""), kp, limit, route))
     return tuple(found)
 
 
@@ -122,14 +114,10 @@ def _read_place(element: ET.Element) -> Site | Around | Pulley:
     if element.tag == "pulley":
         return Pulley(float(element.get("divisor", 1.0)))
     if element.tag == "site":
-        return Site(link, _read_point(element, "point"))
-    placement, side = (_read_point(element, "centre"), _read_point(element, "axis")), element.get("side")
+        return Site(link, read_numbers(element.get("point", "")))
+    placement, side = tuple(read_numbers(element.get(word, "")) for word in ("centre", "axis")), element.get("side")
     radius, shape = float(element.get("radius", 0.0)), element.get("shape", "")
-    return Around(link, placement, radius, shape, None if side is None else _read_point(element, "side"))
-
-
-def _read_point(element: ET.Element, word: str) -> Array:
-    return np.array([float(x) for x in element.get(word, "").split()])
+    return Around(link, placement, radius, shape, None if side is None else read_numbers(side))
 
 
 def make_cable_stiffness(cables: Sequence[FileCable], kinematics: Kinematics) -> TendonStiffness:
@@ -189,23 +177,17 @@ def _read_wrap(model: Any, w: int) -> Site | Around | Pulley:
     body = int(model.geom_bodyid[item])
     at = pin.SE3(quaternion_rotation(model.geom_quat[item]), model.geom_pos[item])
     shape = SPHERE if kind == _WRAP_SPHERE else CYLINDER
-    side = _read_side_site(model, int(model.wrap_prm[w]), body)
+    site, side = int(model.wrap_prm[w]), None
+    if site >= 0:
+        if int(model.site_bodyid[site]) != body:
+            name, link = _item_label(model.site(site), "site"), _body_link(model, body)
+            raise Unsupported(f"{name} is the side site of a geom on {link!r}, and on another body")
+        side = model.site_pos[site]
     try:
         return Around(_body_link(model, body), at, float(model.geom_size[item, 0]), shape, side)
     except Unsupported:
-        raise Unsupported(
-            f"{_item_label(model.geom(item), 'geom')}: its side site is inside, and the tendon with it"
-        ) from None
-
-
-def _read_side_site(model: Any, site: int, body: int) -> Any:
-    """(3,) a side site in the frame of the body that is wrapped [m]; None without one. Raises Unsupported."""
-    if site < 0:
-        return None
-    if int(model.site_bodyid[site]) != body:
-        name, link = _item_label(model.site(site), "site"), _body_link(model, body)
-        raise Unsupported(f"{name} is the side site of a geom on {link!r}, and on another body")
-    return model.site_pos[site]
+        geom = _item_label(model.geom(item), "geom")
+        raise Unsupported(f"{geom}: its side site is inside, and the tendon with it") from None
 
 
 def _body_link(model: Any, body: int) -> str:
@@ -233,21 +215,20 @@ def write_cables(root: ET.Element, model: Any, servos: dict[int, float]) -> Iter
 
     servos : number of the actuator → kp [N/m, N·m/rad], of all position actuators.
     """
-    drawn = dict[int, list[int]]()
+    drawn = defaultdict[int, list[int]](list)
     read, refused = read_routes(model)
-    of_tendons = [a for a in servos if int(model.actuator_trntype[a]) == DRIVES_TENDON]
-    for a in of_tendons:
-        drawn.setdefault(int(model.actuator_trnid[a, 0]), []).append(a)
+    for a in servos:
+        if int(model.actuator_trntype[a]) == DRIVES_TENDON:
+            drawn[int(model.actuator_trnid[a, 0])].append(a)
     names = {t: model.tendon(t).name or f"tendon {t}" for t in range(model.ntendon)}
     spatial = {t: actuators for t, actuators in drawn.items() if names[t] in read or names[t] in refused}
     alone = sum(len(actuators) for actuators in spatial.values()) == len(servos)
-    found = dict[tuple[str, str, str], list[str]]()
+    found = defaultdict[tuple[str, str, str], list[str]](list)
     for t, actuators in spatial.items():
-        who, limit, about = (
-            [model.actuator(a).name or f"actuator {a}" for a in actuators],
-            _pull_limit(model, actuators),
-            "",
-        )
+        limit, about = 0.0, SERVO_TOPIC  # [N] : the forces along the tendon that shorten it
+        for a in actuators:
+            ends = float(model.actuator_gear[a, 0]) * model.actuator_forcerange[a]
+            limit += -float(min(ends)) if model.actuator_forcelimited[a] else np.inf
         if not alone:
             why = ", beside servos of joints: their kp is not read"
         elif names[t] in refused:
@@ -257,9 +238,8 @@ def write_cables(root: ET.Element, model: Any, servos: dict[int, float]) -> Iter
         else:
             why, about = "; here each joint has a spring of its own", ROUTE_TOPIC
             write_cable(root, FileCable(names[t], sum(servos[a] for a in actuators), limit, read[names[t]]))
-        found.setdefault(
-            (why, about or SERVO_TOPIC, _TENDONS_ADVICE + (_SIGN_ADVICE if limit <= 0.0 else "")), []
-        ).extend(who)
+        advice = _TENDONS_ADVICE + (_SIGN_ADVICE if limit <= 0.0 else "")
+        found[why, about, advice] += [model.actuator(a).name or f"actuator {a}" for a in actuators]
     for (why, about, advice), who in found.items():
         what = f"servos ({words.list_names(who)}) act on tendons along a path in space{why}"
         yield Doubt("hand", what, advice, "minor", about)
@@ -281,12 +261,3 @@ def _tendon_property_doubts(model: Any, names: dict[int, str]) -> Iterator[Doubt
         if (k := float(np.ravel(model.tendon_stiffness[t])[0])) > 0.0:
             what = f"the tendon {names[t]!r} has a spring of its own of {k:g}, which is left out"
             yield Doubt("hand", what, "joint_stiffness with what that spring adds", "minor", "stiffness")
-
-
-def _pull_limit(model: Any, actuators: list[int]) -> float:
-    """[N] With which actuators draw a tendon in: their forces along it that shorten it."""
-    pull = 0.0
-    for a in actuators:
-        ends = float(model.actuator_gear[a, 0]) * model.actuator_forcerange[a]
-        pull += -float(min(ends)) if model.actuator_forcelimited[a] else np.inf
-    return pull

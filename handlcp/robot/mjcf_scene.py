@@ -20,11 +20,8 @@ _COUPLES_JOINTS = 2  # an equality; those before it are of bodies or sites
 
 
 class SceneParts(NamedTuple):
-    """What of an MJCF file is the scene's, and no part of the hand.
-
-    bodies : numbers of those that are left out.
-    has_ground : whether the shapes of the world are.
-    doubts : what is said of it.
+    """What of an MJCF file is the scene's, and no part of the hand. bodies : numbers of those that are left out.
+    has_ground : whether the shapes of the world are. doubts : what is said of it.
     """
 
     bodies: frozenset[int] = frozenset()
@@ -49,40 +46,33 @@ def find_scene_parts(model: Any, names: Sequence[str], base: str | None) -> Scen
     others = [b for b in dict.fromkeys(top.tolist()) if b and b not in hand]
     out = [b for b in others if ground or b in trees or _is_free(model, b)]
     skipped = frozenset(b for b in range(1, model.nbody) if int(top[b]) in out)
-    shapes = bool(ground and model.body_geomnum[0])
-    return SceneParts(skipped, ground, tuple(_left_out_doubts(model, names, out, trees, shapes)))
-
-
-def _left_out_doubts(model: Any, names: Sequence[str], out: Sequence[int], trees: Any, shapes: bool) -> Iterator[Doubt]:
     kinds = {
         "free to move": [b for b in out if b not in trees and _is_free(model, b)],
         "without a joint": [b for b in out if b not in trees and not _is_free(model, b)],
         "that no actuator drives": [b for b in out if b in trees],
     }
     said = [f"{words.list_names([names[b] for b in these])} ({why})" for why, these in kinds.items() if these]
-    if shapes:
-        said.append("the shapes of the world body")
-    if said:
-        what = f"parts of the scene are left out, with their mass: {'; '.join(said)}"
-        yield Doubt("hand", what, "base= with a body's name, to read another part of the file", "information", "scene")
+    said += ["the shapes of the world body"] if ground and model.body_geomnum[0] else []
+    what = f"parts of the scene are left out, with their mass: {'; '.join(said)}"
+    advice = "base= with a body's name, to read another part of the file"
+    doubts = (Doubt("hand", what, advice, "information", "scene"),) if said else ()
+    return SceneParts(skipped, ground, doubts)
 
 
 def _is_free(model: Any, body: int) -> bool:
     """Whether a body that the world carries floats, or is put anywhere by a simulation."""
     first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
-    return int(model.body_mocapid[body]) >= 0 or any(model.jnt_type[first + k] == _FREE_JOINT for k in range(count))
+    return int(model.body_mocapid[body]) >= 0 or _FREE_JOINT in model.jnt_type[first : first + count]
 
 
 def _count_chain_ends(model: Any, tree: int) -> int:
     """How many joints of a tree carry none."""
     carriers, last = set[int](), set[int]()
-    for j in range(model.njnt):
-        body = int(model.jnt_bodyid[j])
-        if int(model.body_rootid[body]) != tree or model.jnt_type[j] == _FREE_JOINT:
-            continue
-        last.add(body)
-        while (body := int(model.body_parentid[body])) > 0:
-            carriers.add(body)
+    for body in {int(b) for b, kind in zip(model.jnt_bodyid, model.jnt_type, strict=True) if kind != _FREE_JOINT}:
+        if int(model.body_rootid[body]) == tree:
+            last.add(body)
+            while (body := int(model.body_parentid[body])) > 0:
+                carriers.add(body)
     return len(last - carriers)
 
 
@@ -121,9 +111,7 @@ def _actuated_bodies(model: Any, a: int) -> Iterator[int]:
 
 def is_of_scene(model: Any, equality: int, bodies: frozenset[int]) -> bool:
     """Whether a constraint takes part in what is left out."""
-    if not bodies:
-        return False
-    return any(b in bodies for b in tied_bodies(model, equality))
+    return bool(bodies) and not bodies.isdisjoint(tied_bodies(model, equality))
 
 
 def tied_bodies(model: Any, equality: int) -> tuple[int, ...]:

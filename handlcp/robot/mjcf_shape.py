@@ -18,15 +18,11 @@ from handlcp.robot.link_shape import COMPILED_ATTRIBUTE, CompiledMesh, quaternio
 _EQUAL_CORNER_SHARE = 1e-5  # of a mesh's size: corners of a file and of the compiled model that are closer are the same
 
 
-def mesh_name(model: Any, mesh: int) -> str:
-    """Of a mesh, by its number."""
-    return str(model.mesh(mesh).name or f"mesh {mesh}")
-
-
-def mesh_path(model: Any, mesh: int) -> str:
-    """Where a mesh was read from; "" for one that is written inside the file."""
+def _name_and_path(model: Any, mesh: int) -> tuple[str, str]:
+    """Of a mesh, by its number; no path of one that is written inside the file."""
     start = int(model.mesh_pathadr[mesh])
-    return bytes(model.paths)[start:].split(b"\0", 1)[0].decode(errors="replace") if start >= 0 else ""
+    path = bytes(model.paths)[start:].split(b"\0", 1)[0].decode(errors="replace") if start >= 0 else ""
+    return str(model.mesh(mesh).name or f"mesh {mesh}"), path
 
 
 def compiled_meshes(model: Any, path: Path | None) -> tuple[dict[str, CompiledMesh], list[Doubt]]:
@@ -38,8 +34,8 @@ def compiled_meshes(model: Any, path: Path | None) -> tuple[dict[str, CompiledMe
     """
     found, partial = dict[str, CompiledMesh](), list[str]()
     for mesh in range(model.nmesh):
-        name, made = mesh_name(model, mesh), _compiled_mesh(model, mesh)
-        file = Path(mesh_path(model, mesh))
+        name, address = _name_and_path(model, mesh)
+        made, file = _compiled_mesh(model, mesh), Path(address)
         if file.suffix.lower() == ".obj" and _has_several_objects(file := (path or file).parent / file):
             whole = _read_whole_mesh(file, np.array(model.mesh_scale[mesh], dtype=float))
             if whole is not None and _has_corners(whole.corners, made.corners):
@@ -108,9 +104,10 @@ def add_shapes(link: ET.Element, model: Any, body: int) -> list[Doubt]:
     first = int(model.body_geomadr[body])
     for g in range(first, first + int(model.body_geomnum[body])):
         solid = bool(model.geom_contype[g] or model.geom_conaffinity[g])
+        drawn = not solid or int(model.geom_group[g]) < _DRAWN_GROUPS
         if int(model.geom_type[g]) in (_PLANE, _HFIELD) and not model.body_weldid[body]:
             continue  # the floor of a scene, no part of a hand
-        kinds = [kind for kind, wanted in (("collision", solid), ("visual", _is_drawn(model, g, solid))) if wanted]
+        kinds = [kind for kind, wanted in (("collision", solid), ("visual", drawn)) if wanted]
         written = [_write_geom(link, kind, model, g) for kind in kinds]
         if not all(written):
             left_out.append(model.geom(g).name or f"geom {g}")
@@ -120,14 +117,11 @@ def add_shapes(link: ET.Element, model: Any, body: int) -> list[Doubt]:
     return [Doubt(link.get("name", ""), what, "boxes, balls, cylinders, capsules or meshes", "minor")]
 
 
-def _is_drawn(model: Any, g: int, solid: bool) -> bool:
-    return not solid or int(model.geom_group[g]) < _DRAWN_GROUPS
-
-
 def _write_geom(link: ET.Element, kind: str, model: Any, g: int) -> bool:
     """One geom; False where there is no such shape in a URDF."""
     R, p, size = quaternion_rotation(model.geom_quat[g]), model.geom_pos[g], model.geom_size[g]
-    shape, colour = int(model.geom_type[g]), _geom_colour(model, g)
+    shape, material = int(model.geom_type[g]), int(model.geom_matid[g])
+    colour = np.asarray(model.geom_rgba[g] if material < 0 else model.mat_rgba[material], dtype=float)
     radius, half = float(size[0]), float(size[1])
     if shape == _SPHERE:
         _write_shape(link, kind, R, p, colour, "sphere", radius=radius)
@@ -137,21 +131,13 @@ def _write_geom(link: ET.Element, kind: str, model: Any, g: int) -> bool:
         _write_shape(link, kind, R, p, colour, "cylinder", radius=radius, length=2 * half)
         for end in (half, -half) if shape == _CAPSULE else ():  # a capsule is a cylinder between two balls
             _write_shape(link, kind, R, p + R[:, 2] * end, colour, "sphere", radius=radius)
-    elif shape == _MESH:
-        return _write_mesh(link, kind, model, g, R, p)
-    else:
-        return False
-    return True
-
-
-def _write_mesh(link: ET.Element, kind: str, model: Any, g: int, R: Array, p: Array) -> bool:
-    """A mesh in the axes in which the file places it."""
-    mesh = int(model.geom_dataid[g])
-    R = R @ quaternion_rotation(model.mesh_quat[mesh]).T
-    p = p - R @ model.mesh_pos[mesh]
-    name, file = mesh_name(model, mesh), mesh_path(model, mesh)
-    _write_shape(link, kind, R, p, _geom_colour(model, g), "mesh", filename=file or name, **{COMPILED_ATTRIBUTE: name})
-    return True
+    elif shape == _MESH:  # in the axes in which the file places it
+        mesh = int(model.geom_dataid[g])
+        R = R @ quaternion_rotation(model.mesh_quat[mesh]).T
+        name, file = _name_and_path(model, mesh)
+        named = {"filename": file or name, COMPILED_ATTRIBUTE: name}
+        _write_shape(link, kind, R, p - R @ model.mesh_pos[mesh], colour, "mesh", **named)
+    return shape in (_SPHERE, _BOX, _CYLINDER, _CAPSULE, _MESH)
 
 
 def soft_part_doubts(model: Any) -> list[Doubt]:
@@ -170,11 +156,6 @@ def _write_shape(link: ET.Element, kind: str, R: Array, p: Array, colour: Array,
     add_element(add_element(element, "geometry"), tag, **attributes)
     if kind == "visual":
         add_element(add_element(element, "material", name=""), "color", rgba=colour)
-
-
-def _geom_colour(model: Any, g: int) -> Array:
-    material = int(model.geom_matid[g])
-    return np.asarray(model.geom_rgba[g] if material < 0 else model.mat_rgba[material], dtype=float)
 
 
 def _format_value(value: Any) -> str:

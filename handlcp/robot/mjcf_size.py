@@ -57,9 +57,8 @@ class _ModelCount:
         self._shown, self._bytes = shown, size
         self._check_contents(root)
         if self._count_children(root) > MAX_BUILT_ELEMENTS:
-            raise self._refuse(
-                f"a model of at most {MAX_BUILT_ELEMENTS} elements, those of copies counted each time", "more"
-            )
+            expected = f"a model of at most {MAX_BUILT_ELEMENTS} elements, those of copies counted each time"
+            raise self._refuse(expected, "more")
 
     def _refuse(self, expected: str, came: str) -> URDFError:
         return URDFError(self._argument, expected, f"{self._shown}, with {came}")
@@ -93,11 +92,8 @@ class _ModelCount:
     def _count_included(self, element: ET.Element) -> float:
         """How much the file that an element names builds; 0 where there is none, which MuJoCo says."""
         name = element.get("file", "")
-        found = [
-            f
-            for folder in (self._folder, self._open_files[-1].parent if self._open_files else self._folder)
-            if name and _is_there(f := folder / name)
-        ]
+        folders = (self._folder, self._open_files[-1].parent if self._open_files else self._folder)
+        found = [folder / name for folder in folders if name and _is_there(folder / name)]
         if not found:
             return 0.0
         file = found[0].resolve()
@@ -122,22 +118,17 @@ class _ModelCount:
             if largest < math.inf and max(_attribute_numbers(text), default=0.0) > largest:
                 raise self._refuse(f"at most {largest} as {attribute} of <{element.tag}>", repr(text[:40]))
         if element.tag == "texture":
-            sides = [max(_attribute_numbers(element.get(name, "")), default=0.0) for name in ("width", "height")]
-            self._pixels += math.prod(sides) * (6 if element.get("type", "cube") != "2d" else 1)
+            sides = 6 if element.get("type", "cube") != "2d" else 1
+            self._pixels += sides * _largest_number(element, "width") * _largest_number(element, "height")
         if element.tag == "hfield":
-            sides = [max(_attribute_numbers(element.get(name, "")), default=0.0) for name in ("nrow", "ncol")]
-            self._heights += math.prod(sides)
+            self._heights += _largest_number(element, "nrow") * _largest_number(element, "ncol")
         if self._pixels > _MAX_PIXELS or self._heights > _MAX_HEIGHTS:
             raise self._refuse(f"textures of at most {_MAX_PIXELS} pixels, {_MAX_HEIGHTS} heights", "more")
         if element.tag == "lengthrange":
-            total, step = (
-                max(_attribute_numbers(element.get(name, "")), default=default)
-                for name, default in (("inttotal", 10.0), ("timestep", 0.01))
-            )
+            total, step = _largest_number(element, "inttotal", 10.0), _largest_number(element, "timestep", 0.01)
             if not 0.0 < total <= _MAX_LENGTHRANGE_STEPS * step:
-                raise self._refuse(
-                    f"a <lengthrange> of at most {_MAX_LENGTHRANGE_STEPS} steps", f"{total:g} s of {step:g} s"
-                )
+                expected = f"a <lengthrange> of at most {_MAX_LENGTHRANGE_STEPS} steps"
+                raise self._refuse(expected, f"{total:g} s of {step:g} s")
 
     def _check_file(self, name: str) -> None:
         """Raises URDFError for a mesh or picture that is too large, or is none."""
@@ -151,6 +142,10 @@ class _ModelCount:
 def _is_there(file: Path) -> bool:
     """Whether there is something of this name, a file or not."""
     return not (why := why_unreadable(file)) or why in ("is a folder", "is no file")
+
+
+def _largest_number(element: ET.Element, attribute: str, default: float = 0.0) -> float:
+    return max(_attribute_numbers(element.get(attribute, "")), default=default)
 
 
 def _attribute_numbers(text: str) -> Iterator[float]:

@@ -180,17 +180,13 @@ def make_servo_stiffness(servos: Sequence[Servo], kinematics: Kinematics) -> Ser
         what = "none" if len(bare) == coupling.C.shape[1] else f"none for {', '.join(bare)}"
         expected = f"{STIFFNESS_EXPECTED}, where the file has no position actuators that say it"
         raise InputError("joint_stiffness", expected, what)
-    loose = _find_loose_joints(K)
+    size = np.sqrt(np.diagonal(K))
+    stiff, motions = np.linalg.eigh(K / np.outer(size, size))  # without units, so that hinges and slides compare
+    free = abs(motions[:, stiff <= SEMIDEFINITE_TOLERANCE * stiff[-1]])
+    loose = np.asarray((free > 1e-6).any(axis=1))  # joints that take part in a motion that nothing resists
     widened = tuple(i for i, row in enumerate(rows) if np.count_nonzero(row) > 1 and loose[row != 0.0].any())
     for i in widened:
         row = rows[i]
         K += kp[i] * (np.diag(np.where(row != 0.0, row @ row, 0.0)) - np.outer(row, row))
     rest = rest_angles(kinematics)
     return ServoStiffness((K + K.T) / 2, rows, own, rest, tuple(servos[i].name for i in widened))
-
-
-def _find_loose_joints(K: Array) -> Array:
-    """(nv,) of joints that take part in a motion that nothing resists."""
-    size = np.sqrt(np.diagonal(K))
-    stiff, motions = np.linalg.eigh(K / np.outer(size, size))  # without units, so that hinges and slides compare
-    return np.asarray((abs(motions[:, stiff <= SEMIDEFINITE_TOLERANCE * stiff[-1]]) > 1e-6).any(axis=1))

@@ -40,14 +40,8 @@ _NUMBER_ATTRIBUTES = (
     ("box", "size", 3, 0.0),
     ("mesh", "scale", 3, -math.inf),
 )
-_KEPT_TAGS = (
-    "material",
-    "transmission",
-    "ros2_control",
-    "servo",
-    "cable",
-    "pin",
-)  # what stands beside links and joints
+# What stands beside links and joints
+_KEPT_TAGS = ("material", "transmission", "ros2_control", "servo", "cable", "pin")
 _STDERR_LOCK = threading.Lock()
 
 
@@ -219,9 +213,8 @@ def expand_xacro(argument: str, path: Path, text: bytes, folders: Sequence[Path]
             raise URDFError(argument, "a xacro file that can be expanded", shown[:400]) from None
         finally:
             library.xacro.init_stacks(None)
-    if not _ELEMENT_TAG.search(urdf) and (
-        macros := [name.decode(errors="replace") for name in _MACRO_TAG.findall(text)]
-    ):
+    macros = [name.decode(errors="replace") for name in _MACRO_TAG.findall(text)]
+    if macros and not _ELEMENT_TAG.search(urdf):
         came = f"{str(path)!r}, which defines macros ({words.list_names(macros)}) and calls none: it makes no link"
         raise URDFError(argument, "a xacro file that makes a robot, such as the one that includes this one", came)
     return urdf

@@ -16,14 +16,15 @@ from handlcp.robot.audit import doubt_reasons
 from tests.support.texts import says
 
 
-def joint(
-    name,
-    limit='<limit lower="-1" upper="1" effort="2" velocity="1"/>',
-    axis="0 0 1",
-    kind="revolute",
-    body='<inertial><mass value="1"/></inertial>',
-):
-    """A palm and one joint."""
+def limits(lower=-1, upper=1, effort="2"):
+    return f'<limit lower="{lower}" upper="{upper}" effort="{effort}" velocity="1"/>'
+
+
+LIMIT, BODY = limits(), '<inertial><mass value="1"/></inertial>'
+
+
+def joint(name, limit=LIMIT, axis="0 0 1", kind="revolute", body=BODY):
+    """One joint on a palm, and its link."""
     return (
         f'<link name="{name}_link">{body}</link><joint name="{name}" type="{kind}"><parent link="palm"/>'
         f'<child link="{name}_link"/><axis xyz="{axis}"/>{limit}</joint>'
@@ -78,13 +79,9 @@ def test_mimic_tags_are_reported_with_how_they_are_read():
 
 
 BROKEN = {
-    "zero": {"limit": '<limit lower="-1" upper="1" effort="0" velocity="1"/>'},
-    "endless": {"limit": '<limit lower="-1" upper="1" effort="inf" velocity="1"/>'},
-    "silent": {"limit": '<limit lower="-1" upper="1" velocity="1"/>'},
-    "crossed": {"limit": '<limit lower="1" upper="-1" effort="2" velocity="1"/>'},
-    "stuck": {"limit": '<limit lower="0" upper="0" effort="2" velocity="1"/>'},
-    "wide": {"limit": '<limit lower="-4" upper="4" effort="2" velocity="1"/>'},
-    "away": {"limit": '<limit lower="0.5" upper="1" effort="2" velocity="1"/>'},
+    "zero": {"limit": limits(effort=0)}, "endless": {"limit": limits(effort="inf")},
+    "silent": {"limit": '<limit lower="-1" upper="1" velocity="1"/>'}, "crossed": {"limit": limits(1, -1)},
+    "stuck": {"limit": limits(0, 0)}, "wide": {"limit": limits(-4, 4)}, "away": {"limit": limits(0.5, 1)},
     "flat": {"axis": "0 0 0"}, "odd": {"axis": "0 0 north"}, "long": {"axis": "0 0 3"}, "bare": {"body": ""},
     "light": {"body": '<inertial><mass value="0"/></inertial>'}, "round": {"limit": "", "kind": "continuous"},
 }  # fmt: skip
@@ -102,19 +99,14 @@ def test_each_kind_of_doubt(write):
 def test_placeholders_are_equal_and_round(write):
     """100 on every joint is a placeholder; 3.7 on every joint is a small doubt; 100 and 90, or one joint, are none."""
 
-    def limit(effort):
-        return f'<limit lower="-1" upper="1" effort="{effort}" velocity="1"/>'
-
     def doubts(*values):
-        found = audit(write, *(joint(f"j{i}", limit(v)) for i, v in enumerate(values)))
+        found = audit(write, *(joint(f"j{i}", limits(effort=v)) for i, v in enumerate(values)))
         return [(d.what, d.severity) for d in found if d.about == "torque limit" and "every" in d.what]
 
-    ((what, severity),) = doubts(100, 100)
-    says(what, "100 N·m")
-    assert severity == "serious"
-    ((what, severity),) = doubts(3.7, 3.7)
-    says(what, "3.7 N·m")
-    assert severity == "minor"
+    for effort, weight in ((100, "serious"), (3.7, "minor")):
+        ((what, severity),) = doubts(effort, effort)
+        says(what, f"{effort} N·m")
+        assert severity == weight
     for others in ((100, 90), (3.7, 3.8), (100,)):
         assert not doubts(*others), others
 
@@ -139,14 +131,13 @@ def test_a_verdict_warns_of_limits_that_no_motor_of_a_finger_has(write, efforts,
 
 
 # ---------------------------------------------------------------- how much a doubt weighs
-LEAD = '<limit lower="-1" upper="1" effort="0.5" velocity="1"/>'
-AFTER = '<limit lower="-0.5" upper="0.5" effort="0.2" velocity="1"/><mimic joint="lead" multiplier="2"/>'
+LEAD = limits(effort=0.5)
+AFTER = limits(-0.5, 0.5, 0.2) + '<mimic joint="lead" multiplier="2"/>'
 
 
 def test_the_most_serious_doubts_come_first(write):
     """Severities in order, in the sequence and in print, which says each heading once."""
-    wide = joint("wide", '<limit lower="-4" upper="4" effort="0.3" velocity="1"/>')
-    zero = joint("zero", '<limit lower="-1" upper="1" effort="0" velocity="1"/>')
+    wide, zero = joint("wide", limits(-4, 4, 0.3)), joint("zero", limits(effort=0))
     found = audit(write, wide, joint("lead", LEAD), joint("after", AFTER), zero)
     order = [d.severity for d in found]
     assert order == sorted(order, key=("serious", "minor", "information").index)
@@ -172,36 +163,27 @@ def test_ranges_that_a_follower_narrows_are_doubts(write, own, severity):
     """q_after = 2 q_lead in its own limits: they leave q_lead all of its range, half of it, or none."""
     lower, upper = own.split()
     after = AFTER.replace('"-0.5"', f'"{lower}"').replace('"0.5"', f'"{upper}"')
-    hand = Hand.from_urdf(
-        write(f'<robot name="r"><link name="palm"/>{joint("lead", LEAD)}{joint("after", after)}</robot>'),
-        ["lead_link"],
-        joint_stiffness=1.0,
-    )
+    text = f'<robot name="r"><link name="palm"/>{joint("lead", LEAD)}{joint("after", after)}</robot>'
+    hand = Hand.from_urdf(text, ["lead_link"], joint_stiffness=1.0)
     found = [d for d in hand.audit().about("lead") if d.about == "range"]
     assert [d.severity for d in found] == ([severity] if severity else [])
     if severity == "minor":
         says(found[0].what, "after", "-0.25, 0.25")
 
 
-def test_what_geometry_lacks_is_a_doubt(tmp_path):
+def test_what_geometry_lacks_is_a_doubt(write):
     """None at all: nobody sees links in the object. Of one link: that one. A mesh that is not there: which."""
     text = urdf("three_finger").read_text()
-    collision = re.compile(r"<collision.*?</collision>", re.S)
-
-    def doubts(changed):
-        file = tmp_path / "changed.urdf"
-        file.write_text(changed)
-        found = [d for d in audit_urdf(file) if d.about == "geometry"]
-        return {severity: [d.what for d in found if d.severity == severity] for severity in ("serious", "minor")}
-
-    assert doubts(text) == {"serious": [], "minor": []}
-    none = doubts(collision.sub("", text))
-    says(none["serious"][0], "collision")
-    one = doubts(collision.sub("", text, count=1))
-    says(one["minor"][0], "collision")
     mesh = '<collision><geometry><mesh filename="package://no/where.stl"/></geometry></collision>'
-    lost = doubts(collision.sub(mesh, text, count=1))
-    says(lost["serious"][0], "package://no/where.stl")
+
+    def doubts(shape="", count=0):
+        changed = write(re.sub(r"<collision.*?</collision>", shape, text, count=count, flags=re.S))
+        return {d.severity: d.what for d in reversed(audit_urdf(changed)) if d.about == "geometry"}
+
+    assert not {d.severity for d in audit_urdf(write(text)) if d.about == "geometry"} & {"serious", "minor"}
+    says(doubts()["serious"], "collision")
+    says(doubts(count=1)["minor"], "collision")
+    says(doubts(mesh, 1)["serious"], "package://no/where.stl")
 
 
 def test_serious_doubts_stand_beside_the_verdict(write):
@@ -260,19 +242,19 @@ def test_such_arms_are_a_warning_beside_a_verdict():
 
 
 # ---------------------------------------------------------------- hands whose joints slide: newtons and N/m in audits
+LINK = """<link name="{n}"><inertial><mass value="0.05"/><inertia ixx="1e-5" iyy="1e-5" izz="1e-5" ixy="0" ixz="0"
+iyz="0"/></inertial><collision><origin xyz="0 0 {z}"/><geometry><sphere radius="0.01"/></geometry></collision></link>"""
 SLIDE = """<joint name="{n}_slide" type="prismatic"><parent link="palm"/><child link="{n}"/>
-<origin xyz="{x} 0 0.05"/><axis xyz="{way} 0 0"/><limit lower="0" upper="0.04" effort="{effort}" velocity="1"/></joint>
-<link name="{n}"><inertial><mass value="0.05"/><inertia ixx="1e-5" iyy="1e-5" izz="1e-5" ixy="0" ixz="0" iyz="0"/>
-</inertial><collision><geometry><sphere radius="0.01"/></geometry></collision></link>"""
+<origin xyz="{x} 0 0.05"/><axis xyz="{way} 0 0"/><limit lower="0" upper="0.04" effort="{effort}" velocity="1"/>
+</joint>"""
 HINGE = """<joint name="h_hinge" type="revolute"><parent link="palm"/><child link="h"/><origin xyz="0 0.04 0"/>
-<axis xyz="1 0 0"/><limit lower="-0.5" upper="1.2" effort="0.8" velocity="1"/></joint><link name="h"><inertial>
-<mass value="0.05"/><inertia ixx="1e-5" iyy="1e-5" izz="1e-5" ixy="0" ixz="0" iyz="0"/></inertial><collision>
-<origin xyz="0 0 0.05"/><geometry><sphere radius="0.01"/></geometry></collision></link>"""
+<axis xyz="1 0 0"/><limit lower="-0.5" upper="1.2" effort="0.8" velocity="1"/></joint>""" + LINK.format(n="h", z=0.05)
 BOX = hl.Box(0.04, (0, 0, 0.05), mass=0.1)
 
 
 def text(effort=60.0, hinge=False):
-    slides = "".join(SLIDE.format(n=n, x=-0.04 * way, way=way, effort=effort) for n, way in (("l", 1), ("r", -1)))
+    slide = SLIDE + LINK.replace("{z}", "0")
+    slides = "".join(slide.format(n=n, x=-0.04 * way, way=way, effort=effort) for n, way in (("l", 1), ("r", -1)))
     palm = '<link name="palm"><collision><geometry><box size="0.1 0.02 0.01"/></geometry></collision></link>'
     return f'<robot name="slides">{palm}{slides}{HINGE if hinge else ""}</robot>'
 

@@ -55,10 +55,8 @@ def test_the_far_end_of_a_ball_is_its_middle():
 def test_a_link_that_its_joint_turns_about_its_length_ends_far_from_the_joint(turn):
     """A cylinder along x on a joint about x."""
     shape = '<origin xyz="0.03 0 0" rpy="0 1.5707963 0"/><geometry><cylinder radius="0.005" length="0.06"/></geometry>'
-    text = (
-        two(shape).replace('<axis xyz="0 1 0"/>', '<axis xyz="1 0 0"/>').replace("0.04 0 0", f'0.04 0 0" rpy="{turn}')
-    )
-    (place, _) = hand_of(text).tips.places
+    text = two(shape).replace('<axis xyz="0 1 0"/>', '<axis xyz="1 0 0"/>')
+    (place, _) = hand_of(text.replace("0.04 0 0", f'0.04 0 0" rpy="{turn}')).tips.places
     np.testing.assert_allclose(place.placement.translation, [0.055, 0, 0], atol=3e-4)
 
 
@@ -85,10 +83,8 @@ def test_a_marker_frame_is_taken_before_the_far_end():
 
 def test_only_frames_that_a_joint_moves_are_taken_for_fingertips():
     """A camera called a tip on the palm is none."""
-    camera = (
-        '<link name="camera_tip"/><joint name="c" type="fixed"><parent link="palm"/><child link="camera_tip"/></joint>'
-    )
-    assert hand_of(two(BOX, more=camera)).fingertips == ("f_2", "g_2")
+    fixed = '<joint name="c" type="fixed"><parent link="palm"/><child link="camera_tip"/></joint>'
+    assert hand_of(two(BOX, more=f'<link name="camera_tip"/>{fixed}')).fingertips == ("f_2", "g_2")
 
 
 @pytest.mark.parametrize("count", [1, 6])
@@ -114,12 +110,10 @@ def test_points_on_links_move_with_them():
     q = np.array([0.3, -0.4, 0.5, 0.6])
     frames = hand_of(two(BOX), ["f_2", "g_1"]).at(q)
     expected = frames.tip_positions[0] + frames.tip_rotations[0] @ point
-    listed, mapped = (
-        hand_of(two(BOX), [("f_2", point), "g_1"]),
-        hand_of(two(BOX), {"ring": ("f_2", point), "g_1": "g_1"}),
-    )
-    assert (listed.fingertips, mapped.fingertips) == (("f_2", "g_1"), ("ring", "g_1"))
-    for hand in (listed, mapped):
+    mapping = {"ring": ("f_2", point), "g_1": "g_1"}
+    for tips, names in (([("f_2", point), "g_1"], ("f_2", "g_1")), (mapping, ("ring", "g_1"))):
+        hand = hand_of(two(BOX), tips)
+        assert hand.fingertips == names
         np.testing.assert_allclose(hand.at(q).tip_positions[0], expected, atol=1e-15)
         np.testing.assert_allclose(hand.at(q).tip_rotations, frames.tip_rotations, atol=1e-15)
 
@@ -158,12 +152,9 @@ def test_bad_fingertips_are_named(tips, argument, message):
 
 
 # ---------------------------------------------------------------- replaced
+BY_NAME = {"f_a": 1.0, "f_b": 2.0, "g_a": 3.0, "g_b": 4.0}
 NEW = {
-    "joint_stiffness": [
-        2.0,
-        {"f_a": 1.0, "f_b": 2.0, "g_a": 3.0, "g_b": 4.0},
-        hl.Tendons({"t": {"f_a": 0.01}}, 1e3, 0.1),
-    ],
+    "joint_stiffness": [2.0, BY_NAME, hl.Tendons({"t": {"f_a": 0.01}}, 1e3, 0.1)],
     "pad_flexibility": [1e-4, [1e-4, 2e-4, 3e-4], {"f_2": 1e-3}],
     "torque_limits": [None, 0.3, {"g_b": 0.1}],
     "tip_radius": [None, 0.004, {"f_2": 0.003}],
@@ -229,9 +220,8 @@ def test_names_that_say_fingertip_are_taken(tip):
     """Beside bars, whose names do not."""
     hand = hl.Hand.from_urdf(gripper(tip=tip), joint_stiffness=3.0)
     assert hand.fingertips == (f"left{tip}", f"right{tip}")
-    assert [t.reason for t in hand.describe().fingertips] == [
-        'its name ends in "tip"' if tip.lower().endswith("tip") else "its name says that it is a fingertip"
-    ] * 2
+    reason = 'its name ends in "tip"' if tip.lower().endswith("tip") else "its name says that it is a fingertip"
+    assert [t.reason for t in hand.describe().fingertips] == [reason] * 2
 
 
 @pytest.mark.parametrize("name", ["_stipulated", "_pad_link"])
@@ -243,17 +233,15 @@ def test_names_that_only_hold_the_letters_are_not(name):
 
 def test_bars_of_a_linkage_are_no_fingertips():
     """A bar is pinned to the finger: its end is at one point of it in every posture."""
-    hand = hl.Hand.from_urdf(gripper(), joint_stiffness=3.0)
-    assert hand.fingertips == ("left_finger", "right_finger") == hl.Hand.from_urdf(
-        gripper(bars=False), joint_stiffness=3.0
-    ).fingertips  # fmt: skip
+    for bars in (True, False):
+        assert hand_of(gripper(bars=bars)).fingertips == ("left_finger", "right_finger")
 
 
 def test_a_third_finger_that_follows_is_one():
     """Not pinned to anything, although its joint follows the same motor as the others."""
     third = link("third", "palm", "0 0.05 0.02", 0.09, 0.7)
     text = gripper().replace("</robot>", third + "</robot>")
-    assert hl.Hand.from_urdf(text, joint_stiffness=3.0).fingertips == ("left_finger", "right_finger", "third")
+    assert hand_of(text).fingertips == ("left_finger", "right_finger", "third")
 
 
 LOOP = """<mujoco><worldbody><body name="palm"><geom type="box" size=".05 .02 .01"/>

