@@ -1,10 +1,10 @@
+from .accuracy.figure import draw_path_cost as draw_path_cost
 from .envelope.figure import draw_envelope as draw_envelope, draw_polar_envelope as draw_polar_envelope
 from .envelope.page import write_envelope_page as write_envelope_page
 from .load_limit_figure import draw_limit as draw_limit
 from .loading.figure import draw_loading as draw_loading, plot_solution as plot_solution
 from .output_file import draw_or_save as draw_or_save
 from .page.document import write_loading_page as write_loading_page, write_solution_page as write_solution_page
-from .path_cost_figure import draw_path_cost as draw_path_cost
 from .reliability_figure import draw_reliability as draw_reliability
 from .solution_output import (
     solution_html as solution_html,

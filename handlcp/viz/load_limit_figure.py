@@ -18,7 +18,7 @@ from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.path.events import Event, summary
 from handlcp.grasp.path.trajectory import used_on_path
 from handlcp.viz import terminal_table as tables
-from handlcp.viz.loading.curves import make_panels
+from handlcp.viz.loading.curves import PanelAxis, make_panels
 from handlcp.viz.loading.figure import EventMark, EventMarks, compose_panels
 from handlcp.viz.output_file import Figure
 from handlcp.viz.style import (
@@ -41,10 +41,11 @@ def format_load_size(wrench: Array, factor: float) -> str:
     if not np.isfinite(factor):
         return "no limit"
     force, torque = float(np.linalg.norm(wrench[:3])), float(np.linalg.norm(wrench[3:]))
-    parts = [words.format_force(factor * force)] * (force > 0.0) + [words.format_torque(factor * torque)] * (
-        torque > 0.0
-    )
-    return ", ".join(parts)
+    parts = [
+        words.format_force(factor * force) if force else "",
+        words.format_torque(factor * torque) if torque else "",
+    ]
+    return ", ".join(filter(None, parts))
 
 
 def format_load_direction(wrench: Array) -> str:
@@ -74,24 +75,15 @@ def limit_table(limits: Sequence[LoadLimit], title: str) -> Table:
     for limit in limits:
         held = limit.factor > 0.0
         first = format_load_size(limit.wrench, limit.first_slip) if held and limit.first_slip is not None else "–"
-        row = (
-            format_load_direction(limit.wrench),
-            first,
-            format_load_size(limit.wrench, limit.factor),
-            _describe_end(limit),
-        )
-        table.add_row(*map(Text, row), format_load_size(limit.wrench, limit.bound), style=None if held else "bold red")
+        ends = [describe_failures(limit.binds, brief=True)]
+        if (there := format_motion_at_limit(limit)) != "–":
+            ends.append(f"moved {there}")
+        if limit.lost is not None and limit.lost > limit.factor * (1.0 + _SAME_LOAD_TOLERANCE):
+            ends.append(f"lost at {format_load_size(limit.wrench, limit.lost)}")
+        most, bound = format_load_size(limit.wrench, limit.factor), format_load_size(limit.wrench, limit.bound)
+        row = format_load_direction(limit.wrench), first, most, "; ".join(ends)
+        table.add_row(*map(Text, row), bound, style=None if held else "bold red")
     return table
-
-
-def _describe_end(limit: LoadLimit) -> str:
-    """What gives out; how far the object has moved there, and where it is lost."""
-    parts = [describe_failures(limit.binds, brief=True)]
-    if (there := format_motion_at_limit(limit)) != "–":
-        parts.append(f"moved {there}")
-    if limit.lost is not None and limit.lost > limit.factor * (1.0 + _SAME_LOAD_TOLERANCE):
-        parts.append(f"lost at {format_load_size(limit.wrench, limit.lost)}")
-    return "; ".join(parts)
 
 
 def format_motion_at_limit(limit: LoadLimit) -> str:
@@ -100,42 +92,7 @@ def format_motion_at_limit(limit: LoadLimit) -> str:
     return f"{words.format_length(there[0].moved)}, {words.format_angle(there[0].turned)}" if there else "–"
 
 
-# ----------------------------------------------------------------
-# The axis of a load limit: the size of the load, from nothing to somewhat beyond the limit.
-
-_AXIS_LENGTH_FACTOR = 1.06  # of the limit: where the axis ends
-
-
-class LoadAxis:
-    """The axis of a load limit: sizes of the load [N], or [N·m] of a torque alone.
-
-    places (m,) : size of the load at each point of the path.
-    lost_at : size at the limit; None where there is none. lost_label : how that is marked.
-    size_per_factor : size of the load for a factor of 1.
-    end : size at which the axis ends.
-    """
-
-    def __init__(self, limit: LoadLimit) -> None:
-        force, torque = float(np.linalg.norm(limit.wrench[:3])), float(np.linalg.norm(limit.wrench[3:]))
-        self.size_per_factor, self._unit_name = (force, "N") if force > 0.0 else (torque, "N·m")
-        self.places: Array = self.size_per_factor * limit.path.factors
-        self.lost_at: float | None = self.size_per_factor * limit.factor if np.isfinite(limit.factor) else None
-        self.lost_label, self.end = "limit", _AXIS_LENGTH_FACTOR * float(self.places[-1]) or 1.0
-
-    def format_load(self, factor: float) -> str:
-        """Such as "2.54 N"."""
-        return f"{self.size_per_factor * factor:.4g} {self._unit_name}"
-
-    def draw_ticks(self, ax: Any, named: bool) -> None:
-        """Round sizes of the load, with their names below the lowest panel."""
-        from matplotlib.ticker import MaxNLocator
-
-        ax.set_xlim(0.0, self.end)
-        ax.xaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 2.5, 5, 10]))
-        ax.tick_params(labelbottom=named, labelsize=SMALL_SIZE)
-        if named:
-            what = "load beside the weight" if self._unit_name == "N" else "torque beside the weight"
-            ax.set_xlabel(f"{what} [{self._unit_name}]", fontsize=TEXT_SIZE, color=INK, weight="bold", labelpad=3)
+_AXIS_LENGTH_FACTOR = 1.06  # of the limit: where the axis of a figure ends
 
 
 def draw_limit(limit: LoadLimit, title: str = "") -> Figure:
@@ -148,21 +105,32 @@ def draw_limit(limit: LoadLimit, title: str = "") -> Figure:
     """
     if not len(limit.path.factors):
         raise Unsupported(f"there is no load to draw: {limit.why}; `grasp.follow().plot()` draws how it is lost")
-    axis, spec, path = LoadAxis(limit), limit.at_limit.spec, limit.path
+    spec, path = limit.at_limit.spec, limit.path
     assert spec is not None  # it was solved
+    force, torque = float(np.linalg.norm(limit.wrench[:3])), float(np.linalg.norm(limit.wrench[3:]))
+    size, unit, what = (force, "N", "load") if force > 0.0 else (torque, "N·m", "torque")  # of a factor of 1
+    end = _AXIS_LENGTH_FACTOR * float(size * path.factors[-1]) or 1.0
+
+    def draw_ticks(ax: Any, named: bool) -> None:
+        """Round sizes of the load, from nothing to somewhat beyond the limit."""
+        from matplotlib.ticker import MaxNLocator
+
+        ax.set_xlim(0.0, end)
+        ax.xaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 2.5, 5, 10]))
+        ax.tick_params(labelbottom=named, labelsize=SMALL_SIZE)
+        if named:
+            name = f"{what} beside the weight [{unit}]"
+            ax.set_xlabel(name, fontsize=TEXT_SIZE, color=INK, weight="bold", labelpad=3)
+
+    held_up_to = size * limit.factor if np.isfinite(limit.factor) else None
+    axis = PanelAxis(size * path.factors, held_up_to, "limit", end, draw_ticks)
     last = float(limit.path.factors[-1]) or 1.0
     until = max(last, limit.factor if np.isfinite(limit.factor) else last)
     events = [
         Event(e.kind, e.who, "load", e.factor / last, 0, e.moved, e.turned) for e in limit.events if e.factor <= until
     ]
-    told = summary(events, spec)
-    marks = EventMarks(
-        axis,
-        [
-            EventMark(axis.size_per_factor * last * s.share, axis.format_load(last * s.share), s.sentence, s.kind)
-            for s in told
-        ],
-    )
+    told = [(size * last * s.share, s) for s in summary(events, spec)]
+    marks = EventMarks(axis, [EventMark(load, f"{load:.4g} {unit}", s.sentence, s.kind) for load, s in told])
     scene = Grasp(spec).scene
     # The path does not know the moments of soft fingers
     used = None if scene.soft else used_on_path(scene, path.forces, np.zeros(path.forces.shape[:2]))

@@ -22,6 +22,7 @@ Figure = Any  # matplotlib's, which is imported only when something is drawn
 
 FILE_DPI = 160  # dots an inch
 _PICTURE_FORMATS, _PAGE_FORMATS = (".png", ".svg", ".pdf", ".jpg"), (".html", ".htm")
+_PAGE_EXPECTED = "the name of a file that ends in .html"
 
 
 def check_picture_path(path: Any) -> Path:
@@ -30,10 +31,8 @@ def check_picture_path(path: Any) -> Path:
     Raises InputError for an unknown format or a file that cannot be written; Unsupported without matplotlib.
     """
     new_figure()
-    file = as_path("plot", path, "a file name that ends in " + ", ".join(_PICTURE_FORMATS))
-    if file.suffix.lower() not in _PICTURE_FORMATS:
-        raise InputError("plot", "a file name that ends in " + ", ".join(_PICTURE_FORMATS), repr(str(path)))
-    return check_destination("plot", file)
+    expected = "a file name that ends in " + ", ".join(_PICTURE_FORMATS)
+    return _check_path("plot", path, expected, expected, _PICTURE_FORMATS)
 
 
 def new_figure(**style: Any) -> Figure:
@@ -87,10 +86,21 @@ def check_page_path(path: Any) -> Path:
     Raises InputError for another format, or a file that cannot be written; Unsupported without the viewer's package.
     """
     read_three_js()
-    file = as_path("page", path, "the name of a file that ends in .html")
-    if file.suffix.lower() not in _PAGE_FORMATS:
-        raise InputError("page", "a file name that ends in " + " or ".join(_PAGE_FORMATS), repr(str(path)))
-    return check_destination("page", file)
+    formats = "a file name that ends in " + " or ".join(_PAGE_FORMATS)
+    return _check_path("page", path, _PAGE_EXPECTED, formats, _PAGE_FORMATS)
+
+
+def check_report_path(path: Any) -> Path:
+    """The page without a viewer to write. Raises InputError as `check_page_path`."""
+    return _check_path("path", path, _PAGE_EXPECTED, _PAGE_EXPECTED, _PAGE_FORMATS)
+
+
+def _check_path(argument: str, path: Any, expected: str, formats: str, suffixes: tuple[str, ...]) -> Path:
+    """A file that can be written. expected, formats : what the error says of no path, and of another suffix."""
+    file = as_path(argument, path, expected)
+    if file.suffix.lower() not in suffixes:
+        raise InputError(argument, formats, repr(str(path)))
+    return check_destination(argument, file)
 
 
 # ----------------------------------------------------------------
@@ -115,6 +125,11 @@ def write_page(target: Path, frame: str, title: str, style: str, parts: Mapping[
     every = {"title": escape(title), "style": style, "made": f"handlcp {escape(VERSION)}", **parts}
     text = re.sub(r"\{\{(\w+)\}\}", lambda m: every[m[1]], frame)
     return write_file("page", target, text)
+
+
+def word_class(word: str) -> str:
+    """The class of the style sheet for a verdict's word."""
+    return {"HELD": "good", "UNDECIDED": "doubt"}.get(word, "bad")
 
 
 def script_data(found: Any) -> str:

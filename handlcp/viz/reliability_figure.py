@@ -18,6 +18,7 @@ from handlcp.viz.style import (
     SMALL_SIZE,
     TEXT_SIZE,
     TITLE_STYLE,
+    capitalise,
     set_number_ticks,
     shorten_names,
     style_panel,
@@ -25,7 +26,7 @@ from handlcp.viz.style import (
 )
 
 FIGURE_WIDTH, FIGURE_HEIGHT = 10.0, 4.6  # inches
-ORANGE = "#E69F00"  # of derivatives, beside the blue of samples
+ORANGE, DARK_ORANGE = "#E69F00", "#A86F00"  # of derivatives, beside the blue of samples: of bars, and of text
 MAX_INFLUENCE_ROWS = 8  # of what matters most
 MAX_NAME_LETTERS = 26  # of a name
 BIN_COUNT_RANGE = 12, 40  # the fewest and the most
@@ -39,8 +40,7 @@ def draw_reliability(found: Reliability, title: str = "") -> Figure:
     made = new_figure(figsize=(FIGURE_WIDTH, FIGURE_HEIGHT), dpi=100)
     title = textwrap.shorten(title, 95, placeholder=" …") or "How sure it is that the object is held"
     made.text(0.012, 0.975, title, color=INK, **TITLE_STYLE)
-    said = "; ".join(found.chances)
-    made.text(0.012, 0.895, f"{said[:1].upper()}{said[1:]}.", fontsize=TEXT_SIZE, color=INK, va="top")
+    made.text(0.012, 0.895, capitalise("; ".join(found.chances)), fontsize=TEXT_SIZE, color=INK, va="top")
     _draw_margins(made.add_axes((0.07, 0.18, 0.37, 0.57)), found)
     _draw_influences(made.add_axes((0.69, 0.18, 0.29, 0.57)), found)
     return made
@@ -48,22 +48,20 @@ def draw_reliability(found: Reliability, title: str = "") -> Figure:
 
 def _draw_margins(ax: Any, found: Reliability) -> None:
     """The histogram; samples without an answer are a bar of their own, left of all others."""
-    style_panel(
-        ax,
-        f"{found.samples:,} samples",
-        "margin: friction or torque left, whichever is less [%]",
-        "share of samples [%]",
-    )
+    across = "margin: friction or torque left, whichever is less [%]"
+    style_panel(ax, f"{found.samples:,} samples", across, "share of samples [%]")
     margin = 100 * found.margin[np.isfinite(found.margin)]
-    without = np.array(
-        [(found.codes[~np.isfinite(found.margin)] == code).sum() for code in (NOT_HELD_CODE, UNDECIDED_CODE)]
-    )
-    bars = [
-        (what, 100 * float(share), colour)
-        for what, share, colour in zip(("not held", "undecided"), without / found.samples, (RED, GREY), strict=True)
-        if share
-    ]
-    edges = _bin_edges(margin, found.samples)
+    without, bars = found.codes[~np.isfinite(found.margin)], list[tuple[str, float, str]]()
+    for what, code, colour in (("not held", NOT_HELD_CODE, RED), ("undecided", UNDECIDED_CODE, GREY)):
+        if (without == code).any():
+            bars.append((what, 100 * float((without == code).sum() / found.samples), colour))
+    # As wide as each other, and so few that chance moves none far from its neighbours; one of them begins at 0 if some
+    # margins are below it
+    bins = int(np.clip(round(2.0 * found.samples ** (1 / 3)), *BIN_COUNT_RANGE))  # Rice's rule
+    low, high = (float(margin.min()), float(margin.max())) if len(margin) else (0.0, 100.0)
+    low = 0.0 if 0.0 <= low < 25.0 else low
+    width = (max(high, low + 1.0, 1.0 if low < 0.0 else low) - low) / bins
+    edges = (np.floor(low / width) + np.arange(bins + 2)) * width
     low, width = float(edges[0]), float(edges[1] - edges[0])
     counts = 100 * np.histogram(margin, edges)[0] / found.samples
     colours = [BLUE if edge >= -1e-9 else RED for edge in edges[:-1]]
@@ -82,18 +80,6 @@ def _draw_margins(ax: Any, found: Reliability) -> None:
     set_number_ticks(ax.xaxis, [x for x in ax.get_xticks() if low <= x <= edges[-1]])  # what is not held has no margin
 
 
-def _bin_edges(margin: Any, samples: int) -> Any:
-    """Of bins as wide as each other, so few that chance moves none of them far from its neighbours; one of them begins
-    at 0 if some margins are below it.
-    """
-    bins = int(np.clip(round(2.0 * samples ** (1 / 3)), *BIN_COUNT_RANGE))  # Rice's rule
-    low, high = (float(margin.min()), float(margin.max())) if len(margin) else (0.0, 100.0)
-    low = 0.0 if 0.0 <= low < 25.0 else low
-    high = max(high, low + 1.0, 1.0 if low < 0.0 else low)
-    width = (high - low) / bins
-    return (np.floor(low / width) + np.arange(bins + 2)) * width
-
-
 def _draw_influences(ax: Any, found: Reliability) -> None:
     """Two bars for each value that varies, those that matter most on top."""
     rows = found.influences[:MAX_INFLUENCE_ROWS]
@@ -106,17 +92,13 @@ def _draw_influences(ax: Any, found: Reliability) -> None:
     y = np.arange(len(rows))[::-1]
     for values, away, colour in (([f.share for f in rows], 0.2, BLUE), ([f.linear for f in rows], -0.2, ORANGE)):
         ax.barh(y + away, 100 * np.nan_to_num(values), 0.36, color=colour)
-    names = shorten_names([f.name for f in rows], MAX_NAME_LETTERS)
-    ax.set_yticks(y, [f"{name}\n{spread}" for name, spread in zip(names, [f.said for f in rows], strict=True)])
+    short = shorten_names([f.name for f in rows], MAX_NAME_LETTERS)
+    ax.set_yticks(y, [f"{name}\n{f.said}" for name, f in zip(short, rows, strict=True)])
     ax.grid(visible=False, axis="y")
     ax.set_ylim(-0.6, len(rows) - 0.4)
     ax.set_xlim(0.0, None)
-    for x, name, colour in ((0.665, "by the samples", BLUE), (0.80, "by derivatives at the means", ORANGE)):
+    names = ((0.665, "by the samples", BLUE, BLUE), (0.80, "by derivatives at the means", ORANGE, DARK_ORANGE))
+    for x, name, colour, ink in names:
         ax.figure.text(x, 0.035, "■", ha="right", va="center", fontsize=SMALL_SIZE, color=colour)
-        ax.figure.text(x + 0.006, 0.035, name, va="center", fontsize=SMALL_SIZE, color=_text_colour(colour))
+        ax.figure.text(x + 0.006, 0.035, name, va="center", fontsize=SMALL_SIZE, color=ink)
     ax.tick_params(axis="y", colors=GREY)
-
-
-def _text_colour(colour: str) -> str:
-    """Dark enough for text."""
-    return "#A86F00" if colour == ORANGE else colour

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from html import escape
 from typing import Any
 
@@ -13,6 +14,7 @@ from handlcp.grasp.solution.solution import contact_text_table
 from handlcp.hand.hand_grasp import make_grasp
 from handlcp.record import columns_from_arrays, package_versions, pick_entries, rows_from_columns, to_plain
 from handlcp.viz.loading.curves import grasp_at_end, solution_at_end
+from handlcp.viz.style import BAD_COLOUR, WORD_COLOURS
 from handlcp.words import TextTable
 
 
@@ -118,8 +120,6 @@ def _torque_records(solution: GraspSolution) -> list[dict[str, Any]] | None:
 # A solution for notebooks: the verdict, the contacts and the joints as one piece of HTML with its style in it.
 
 
-_WORD_COLOURS = {"HELD": "#00734d", "UNDECIDED": "#8a6100"}  # the rest is red
-_BAD_COLOUR = "#b03a00"
 _CELL_STYLE = "padding:2px 10px 2px 0;border:none;background:none;white-space:nowrap"
 _HEAD_RULE_STYLE = "border-bottom:1px solid #8886"
 
@@ -130,23 +130,18 @@ def solution_html(solution: GraspSolution) -> str:
     Colours are readable on white and on black.
     """
     (word, text), *rest = solution.verdict.paragraphs
-    colour = _WORD_COLOURS.get(word, _BAD_COLOUR)
+    colour = WORD_COLOURS.get(word, BAD_COLOUR).lower()
     parts = [f'<p style="margin:0 0 6px"><b style="color:{colour}">{escape(word)}</b>: {escape(text)}.</p>']
     parts += [f'<p style="margin:0 0 6px"><b>{escape(head)}</b>: {escape(said)}.</p>' for head, said in rest]
     if solution.held:
-        parts.append(_table_with_bars(contact_text_table(solution), [""] * len(solution.names)))
+        parts.append(table_html(contact_text_table(solution)))
         if (check := getattr(solution, "torque_check", None)) is not None:
-            parts.append(_table_with_bars(check.table, [_torque_bar(r) for r in check]))
+            parts.append(table_html(check.table, [_torque_bar(r) for r in check]))
     return f'<div style="max-width:46em">{"".join(parts)}</div>'
 
 
-def table_html(table: TextTable) -> str:
-    """A text table as a table in HTML, for notebooks."""
-    return _table_with_bars(table, [""] * len(table.rows))
-
-
-def _table_with_bars(table: TextTable, bars: list[str]) -> str:
-    """Every column right or left as in print; bars : what stands behind each row."""
+def table_html(table: TextTable, bars: Sequence[str] = ()) -> str:
+    """A text table as a table in HTML, for notebooks; bars : what stands behind each row, none for none."""
     ways = ["right" if way == ">" else "left" for way in table.align]
     heads = "".join(
         f'<th style="{_CELL_STYLE};{_HEAD_RULE_STYLE};text-align:{way};font-weight:600;vertical-align:bottom">'
@@ -154,12 +149,13 @@ def _table_with_bars(table: TextTable, bars: list[str]) -> str:
         for head, way in zip(table.heads, ways, strict=True)
     )
     lines = []
-    for row, bar in zip(table.rows, bars, strict=True):
+    for row, bar in zip(table.rows, bars or [""] * len(table.rows), strict=True):
         cells = [
             f'<td style="{_CELL_STYLE};text-align:{way};font-variant-numeric:tabular-nums">{escape(cell)}</td>'
             for cell, way in zip(row, ways, strict=True)
         ]
-        lines.append(f"<tr>{''.join(cells[:-1])}{_cell_with_bar(cells[-1], bar)}</tr>")
+        last = cells[-1].replace('">', f'">{bar}', 1) if bar else cells[-1]  # the bar before its words
+        lines.append(f"<tr>{''.join(cells[:-1])}{last}</tr>")
     body = "".join(lines)
     return (
         '<table style="border-collapse:collapse;border:none;margin:0 0 8px;font-size:90%">'
@@ -167,17 +163,12 @@ def _table_with_bars(table: TextTable, bars: list[str]) -> str:
     )
 
 
-def _cell_with_bar(cell: str, bar: str) -> str:
-    """The last cell, its bar before its words."""
-    return cell.replace('">', f'">{bar}', 1) if bar else cell
-
-
 def _torque_bar(row: Any) -> str:
     """How much of its limit a joint uses; nothing where none is known."""
     if not (row.known and np.isfinite(row.limit)):
         return ""
     share = min(row.utilisation, 1.0)
-    colour = _BAD_COLOUR if row.over else "#2a78b8"
+    colour = BAD_COLOUR.lower() if row.over else "#2a78b8"
     return (
         '<span style="display:inline-block;width:60px;height:8px;background:#8883;margin-right:8px">'
         f'<span style="display:block;width:{60 * share:.0f}px;height:8px;background:{colour}"></span></span>'

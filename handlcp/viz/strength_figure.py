@@ -12,9 +12,9 @@ from handlcp.check import Array
 from handlcp.studies.envelope.direction import group_causes
 from handlcp.studies.envelope.result import describe_geometry, format_direction
 from handlcp.studies.grip_strength import Grip, SplitCylinder
-from handlcp.studies.payload import Orientation, Payload
+from handlcp.studies.payload import Payload
 from handlcp.viz.envelope.surface import assign_colours
-from handlcp.viz.output_file import Figure, new_figure
+from handlcp.viz.output_file import Figure
 from handlcp.viz.style import (
     BAD_COLOUR,
     BLUE,
@@ -26,20 +26,19 @@ from handlcp.viz.style import (
     RED,
     SMALL_SIZE,
     TEXT_SIZE,
+    capitalise,
     draw_sentences,
     draw_title,
     draw_word_and_sentence,
+    figure_below,
     shorten_names,
     spread_labels,
     style_panel,
     text_width,
 )
 
-PAYLOAD_WIDTH, BAR_ROW_HEIGHT, BAR_AXIS_HEIGHT = (
-    10.0,
-    0.42,
-    0.72,
-)  # inches: of the figure, of a bar with what is around it, below the bars
+# Inches: of the figure, of a bar with what is around it, below the bars, between heading and bars
+PAYLOAD_WIDTH, BAR_ROW_HEIGHT, BAR_AXIS_HEIGHT, BARS_GAP = 10.0, 0.42, 0.72, 0.12
 PANEL_RIGHT = 0.975  # of the panel, as a share of the width
 _NAME_WIDTHS = (0.06, 0.0085)  # of the width, left of the panel: always, and for each letter of a direction
 _AXIS_LENGTH_FACTOR = 1.25  # of the largest mass: where the axis ends
@@ -52,25 +51,19 @@ def draw_payload(found: Payload, title: str = "") -> Figure:
     """What `grasp.payload` returns: a bar for each direction, with its mass and what gives out. The dashed line is the
     object's own mass. Raises Unsupported without matplotlib.
     """
-    rows = found.by_orientation
-    draft = new_figure(figsize=(PAYLOAD_WIDTH, 6.0), dpi=100)
-    above = _draw_payload_heading(draft, found, title) + 0.12
-    tall = above + BAR_ROW_HEIGHT * len(rows) + BAR_AXIS_HEIGHT
-    made = new_figure(figsize=(PAYLOAD_WIDTH, tall), dpi=100)
-    _draw_payload_heading(made, found, title)
+    rows, colour = found.by_orientation, GOOD_COLOUR if found.mass > 0.0 else BAD_COLOUR
+    asked = f"{capitalise(found.asked)} {capitalise(describe_geometry(found))}"
+
+    def draw_heading(drawn: Figure) -> float:
+        y = draw_word_and_sentence(drawn, draw_title(drawn, title), "PAYLOAD", colour, f"{found.headline}.")
+        return draw_sentences(drawn, y, asked, GREY)
+
+    rooms = BARS_GAP, BAR_ROW_HEIGHT * len(rows), BAR_AXIS_HEIGHT
+    made, _, tall = figure_below(PAYLOAD_WIDTH, draw_heading, *rooms)
     left = _NAME_WIDTHS[0] + _NAME_WIDTHS[1] * max(len(format_direction(row.direction)) for row in rows)
     ax = made.add_axes((left, BAR_AXIS_HEIGHT / tall, PANEL_RIGHT - left, BAR_ROW_HEIGHT * len(rows) / tall))
     _draw_bars(ax, found)
     return made
-
-
-def _draw_payload_heading(drawn: Figure, found: Payload, title: str) -> float:
-    """Title, payload, what was asked; returns where that ends, in inches below the top."""
-    colour = GOOD_COLOUR if found.mass > 0.0 else BAD_COLOUR
-    y = draw_word_and_sentence(drawn, draw_title(drawn, title), "PAYLOAD", colour, f"{found.headline}.")
-    return draw_sentences(
-        drawn, y, " ".join([f"{text[:1].upper()}{text[1:]}." for text in (found.asked, describe_geometry(found))]), GREY
-    )
 
 
 def _draw_bars(ax: Any, found: Payload) -> None:
@@ -78,9 +71,8 @@ def _draw_bars(ax: Any, found: Payload) -> None:
     rows = found.by_orientation
     masses = np.array([row.mass for row in rows])
     end = _choose_axis_end(masses, found.object_mass)
-    sectors, number = group_causes(
-        [row.binds for row in rows], masses, np.full(len(rows), 1.0 / len(rows)), found.load.grasp.spec
-    )
+    shares, binds = np.full(len(rows), 1.0 / len(rows)), [row.binds for row in rows]
+    sectors, number = group_causes(binds, masses, shares, found.load.grasp.spec)
     keys, key = assign_colours(sectors)
     style_panel(ax, "", "mass that is held [kg]", "gravity along")
     y = np.arange(len(rows))[::-1]
@@ -90,14 +82,18 @@ def _draw_bars(ax: Any, found: Payload) -> None:
     ax.set_xlim(0.0, end)
     across = (ax.figure.bbox.width * ax.get_position().width) / end  # pixels for 1 kg
     for at, row, size in zip(y.tolist(), rows, shown.tolist(), strict=True):
-        text = textwrap.shorten(_bar_text(found, row), _MAX_BAR_LETTERS, placeholder=" …")
+        hand = found.moving(row).replace(" and the hand", ", hand")
+        text = f"{row.most} kg{hand}: {found.cause(row, _MAX_CAUSE_LETTERS)}"
+        text = textwrap.shorten(text, _MAX_BAR_LETTERS, placeholder=" …")
         long = text_width(ax.figure, text, fontsize=SMALL_SIZE) / across + 2.0 * _BAR_TEXT_GAP * end
         fits, ends = size + long < end, size if long < size else end
         box = {"boxstyle": "round,pad=0.18", "facecolor": "white", "edgecolor": "none", "alpha": 0.0 if fits else 0.85}
         x, ha = (size + _BAR_TEXT_GAP * end, "left") if fits else (ends - _BAR_TEXT_GAP * end, "right")
         ax.text(x, at, text, ha=ha, va="center", fontsize=SMALL_SIZE, color=INK, bbox=box)
-    for at in y[masses > end].tolist():  # goes on beyond the axis
-        _draw_bar_break(ax, end, at)
+    for at in y[masses > end].tolist():  # goes on beyond the axis: two slanted gaps
+        for share in (0.965, 0.98):
+            x = np.array([share - 0.004, share + 0.004]) * end
+            ax.plot(x, (at - 0.36, at + 0.36), color="white", linewidth=2.4, solid_capstyle="butt", zorder=2)
     if 0.0 < found.object_mass < end:
         ax.axvline(found.object_mass, color=INK, linewidth=1.0, linestyle=(0, (4, 2.5)), zorder=3)
         side = "left" if found.object_mass < 0.7 * end else "right"
@@ -109,13 +105,6 @@ def _draw_bars(ax: Any, found: Payload) -> None:
     ax.set_ylim(-0.5, len(rows) - 0.3)
 
 
-def _draw_bar_break(ax: Any, end: float, at: float) -> None:
-    """Two slanted gaps in a bar that ends farther than the axis."""
-    for share in (0.965, 0.98):
-        x = np.array([share - 0.004, share + 0.004]) * end
-        ax.plot(x, (at - 0.36, at + 0.36), color="white", linewidth=2.4, solid_capstyle="butt", zorder=2)
-
-
 def _choose_axis_end(masses: Any, own: float) -> float:
     """The mass at which the axis ends: beyond the largest one, unless that is far beyond all others."""
     known = np.sort(masses[np.isfinite(masses)])
@@ -125,12 +114,6 @@ def _choose_axis_end(masses: Any, own: float) -> float:
     return max(_AXIS_LENGTH_FACTOR * most, 1.1 * own) or 1.0
 
 
-def _bar_text(found: Payload, row: Orientation) -> str:
-    """Mass, how the hand moves, what gives out."""
-    says = found.cause(row, _MAX_CAUSE_LETTERS)
-    return f"{row.most} kg{found.moving(row).replace(' and the hand', ', hand')}: {says}"
-
-
 # ----------------------------------------------------------------
 # The figure of a split cylinder: its cross-section with contacts, forces and split, and the force over the angle.
 
@@ -138,11 +121,8 @@ def _bar_text(found: Payload, row: Orientation) -> str:
 SPLIT_WIDTH, PANEL_HEIGHT, PANEL_GAP = 10.0, 3.1, 0.55  # inches: of the figure, of a grasp's panels, below them
 _SECTION_WIDTH, _CURVE_LEFT = 0.44, 0.53  # shares of the width: of the cross-section, where the curve begins
 _SECTION_HALF_HEIGHT, _MAX_ARROW_LENGTH = 1.75, 0.6  # in radii: half of the panel's height; the longest arrow
-_LABEL_DISTANCE, _LABEL_HEIGHT, _MAX_NAME_LETTERS = (
-    1.72,
-    0.44,
-    15,
-)  # in radii: where labels stand, and their height; letters of a name
+_LABEL_DISTANCE, _LABEL_HEIGHT = 1.72, 0.44  # in radii: where labels stand, and their height
+_MAX_NAME_LETTERS = 15
 _MIN_DRAWN_SHARE = 1e-3  # of the largest force: a contact with less is not drawn
 _CURVE_POINTS = 721  # of the split
 _HALF_COLOURS = ("#F1F3F5", "#DFE4E8")
@@ -153,30 +133,23 @@ def draw_split_cylinder(found: SplitCylinder, title: str = "") -> Figure:
     measured across. Right, the force across the split as it is turned from there, which jumps where the split passes a
     contact. Raises Unsupported without matplotlib.
     """
-    draft = new_figure(figsize=(SPLIT_WIDTH, 6.0), dpi=100)
-    above = _draw_split_heading(draft, found, title)
+
+    def draw_heading(drawn: Figure) -> float:
+        y = draw_sentences(drawn, draw_title(drawn, title), capitalise(found.headline))
+        for kind, why in found.missing.items():
+            y = draw_sentences(drawn, y, f"No {kind} grasp: {why}.", GREY)
+        return y + 0.5 * LINE_HEIGHT
+
     row = LINE_HEIGHT + PANEL_HEIGHT + PANEL_GAP
-    tall = above + row * len(found.grips)
-    made = new_figure(figsize=(SPLIT_WIDTH, tall), dpi=100)
-    _draw_split_heading(made, found, title)
+    made, above, tall = figure_below(SPLIT_WIDTH, draw_heading, row * len(found.grips))
     for k, grip in enumerate(found.grips):
         top = above + k * row
         made.text(LEFT_MARGIN, 1.0 - top / tall, f"{grip}.", fontsize=TEXT_SIZE, color=INK, va="top", wrap=True)
         bottom = 1.0 - (top + LINE_HEIGHT + PANEL_HEIGHT) / tall
         _draw_cross_section(made.add_axes((LEFT_MARGIN, bottom, _SECTION_WIDTH, PANEL_HEIGHT / tall)), found, grip)
-        _draw_force_curve(
-            made.add_axes((_CURVE_LEFT, bottom + 0.1 / tall, 0.975 - _CURVE_LEFT, (PANEL_HEIGHT - 0.45) / tall)), grip
-        )
+        place = (_CURVE_LEFT, bottom + 0.1 / tall, PANEL_RIGHT - _CURVE_LEFT, (PANEL_HEIGHT - 0.45) / tall)
+        _draw_force_curve(made.add_axes(place), grip)
     return made
-
-
-def _draw_split_heading(drawn: Figure, found: SplitCylinder, title: str) -> float:
-    """Title, what was measured with, what is missing; returns where that ends, in inches below the top."""
-    text = f"{found.headline[:1].upper()}{found.headline[1:]}."
-    y = draw_sentences(drawn, draw_title(drawn, title), text)
-    for kind, why in found.missing.items():
-        y = draw_sentences(drawn, y, f"No {kind} grasp: {why}.", GREY)
-    return y + 0.5 * LINE_HEIGHT
 
 
 def _draw_cross_section(ax: Any, found: SplitCylinder, grip: Grip) -> None:
@@ -198,18 +171,14 @@ def _draw_cross_section(ax: Any, found: SplitCylinder, grip: Grip) -> None:
     tails = places - _MAX_ARROW_LENGTH * r * forces / long
     for p, tail in zip(places, tails, strict=True):
         ax.annotate("", xy=tuple(p), xytext=tuple(tail), arrowprops=style, zorder=4)
-    names = shorten_names(
-        [name for name, yes in zip(grip.solution.names, press.tolist(), strict=True) if yes], _MAX_NAME_LETTERS
-    )
+    names = shorten_names([grip.solution.names[i] for i in np.flatnonzero(press)], _MAX_NAME_LETTERS)
     texts = [f"{name}\n{words.format_force(float(np.linalg.norm(f)))}" for name, f in zip(names, forces, strict=True)]
     for side in (-1.0, 1.0):
         _draw_force_labels(ax, tails / r, texts, side, r)
     ax.axis("off")
     ax.set_aspect("equal")
-    ax.set_xlim(
-        -_SECTION_HALF_HEIGHT * r * SPLIT_WIDTH * _SECTION_WIDTH / PANEL_HEIGHT,
-        _SECTION_HALF_HEIGHT * r * SPLIT_WIDTH * _SECTION_WIDTH / PANEL_HEIGHT,
-    )
+    wide = _SECTION_HALF_HEIGHT * r * SPLIT_WIDTH * _SECTION_WIDTH / PANEL_HEIGHT
+    ax.set_xlim(-wide, wide)
     ax.set_ylim(-_SECTION_HALF_HEIGHT * r, _SECTION_HALF_HEIGHT * r)
 
 
@@ -217,9 +186,8 @@ def _draw_force_labels(ax: Any, tails: Array, texts: list[str], side: float, r: 
     """A column of what the arrows on one side (-1 left, 1 right) are, beside their tails (n, 2), in radii."""
     own = [k for k in np.argsort(tails[:, 1], kind="stable").tolist() if (tails[k, 0] > 0.0) == (side > 0.0)]
     wanted = [float(tails[k, 1]) - 0.5 * _LABEL_HEIGHT for k in own]
-    for k, low in zip(
-        own, spread_labels(wanted, [_LABEL_HEIGHT] * len(own), -_SECTION_HALF_HEIGHT, _SECTION_HALF_HEIGHT), strict=True
-    ):
+    lows = spread_labels(wanted, [_LABEL_HEIGHT] * len(own), -_SECTION_HALF_HEIGHT, _SECTION_HALF_HEIGHT)
+    for k, low in zip(own, lows, strict=True):
         x, y = side * _LABEL_DISTANCE * r, (low + 0.5 * _LABEL_HEIGHT) * r
         ax.plot((tails[k, 0] * r, x), (tails[k, 1] * r, y), color=GREY, linewidth=0.6, zorder=2)
         align = {"ha": "left" if side > 0.0 else "right", "va": "center"}

@@ -11,6 +11,7 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array
+from handlcp.viz.output_file import Figure, new_figure
 
 # ----------------------------------------------------------------
 # What the panels of a study have in common: frames, grids, ticks with units.
@@ -83,11 +84,9 @@ _WORD_PATTERN = re.compile(r"[^_\s./-]+[_\s./-]*|[_\s./-]+")  # of a name, with 
 INK, GREY = "#222222", "#5F5F5F"  # of text, and of text that matters less
 GOOD_COLOUR, DOUBT_COLOUR, BAD_COLOUR = "#00734D", "#8A6100", "#B03A00"  # of the word that says how it ends
 SENTENCE_STYLE: dict[str, Any] = {"fontsize": 10.5, "va": "top"}  # below a title
-LEFT_MARGIN, LINE_HEIGHT, MAX_LINE_LETTERS = (
-    0.018,
-    0.215,
-    150,
-)  # of a figure's width; inches from line to line; of a line at most
+WORD_COLOURS = {"HELD": GOOD_COLOUR, "UNDECIDED": DOUBT_COLOUR}  # of a verdict; the rest is red
+# Of a figure's width; inches from line to line; of a line at most
+LEFT_MARGIN, LINE_HEIGHT, MAX_LINE_LETTERS = 0.018, 0.215, 150
 _MIN_VISIBLE_TURN = 1e-4  # [rad] an object that turns less is not said to turn
 
 
@@ -108,10 +107,29 @@ def has_visible_turn(u: Array) -> bool:
     return bool(abs(u).max(initial=0.0) > _MIN_VISIBLE_TURN)
 
 
+def capitalise(text: str) -> str:
+    """The text as a sentence, with a capital and a full stop."""
+    return f"{text[:1].upper()}{text[1:]}."
+
+
+def figure_below(width: float, heading: Callable[[Figure], float], *rooms: float) -> tuple[Figure, float, float]:
+    """A figure with a heading and room below it: the figure, where the heading ends, and how tall it is [inches].
+
+    heading : draws it and returns where it ends. The height follows from its words, whose size is known once they are
+    written: so it is drawn on a draft first. width, rooms : [inches], one below the other.
+    """
+    above = heading(new_figure(figsize=(width, 8.0), dpi=100))
+    tall = sum(rooms, above)
+    made = new_figure(figsize=(width, tall), dpi=100)
+    heading(made)
+    return made, above, tall
+
+
 def draw_title(figure: Any, title: str) -> float:
-    """The title at the top of a figure; returns where it ends, in inches below the top."""
+    """The title at the top of a figure, in at most two lines; returns where it ends, in inches below the top."""
     inches, y = float(figure.get_size_inches()[1]), 0.17
-    for line in wrap_title(figure, title):
+    lines = wrap_to_width(figure, title, 110, 0.96, **TITLE_STYLE) if title else []
+    for line in _cut_lines(lines, _MAX_TITLE_LINES):
         figure.text(LEFT_MARGIN, 1.0 - y / inches, line, color=INK, **TITLE_STYLE)
         y += 0.30
     return y + 0.06 if title else y
@@ -123,7 +141,7 @@ def draw_word_and_sentence(
     """A bold word and the sentence that it begins, y inches below the top, on so many lines; returns where they end."""
     inches, head = float(figure.get_size_inches()[1]), f"{word}:"
     lines = wrap_to_width(figure, f"{head} {sentence}", MAX_LINE_LETTERS, 0.944, **SENTENCE_STYLE)
-    lines = lines if most is None or len(lines) <= most else [*lines[: most - 1], f"{lines[most - 1]} …"]
+    lines = lines if most is None else _cut_lines(lines, most)
     figure.text(LEFT_MARGIN, 1.0 - y / inches, head, weight="bold", color=colour, **SENTENCE_STYLE)
     indent = text_width(figure, f"{head} ", weight="bold", **SENTENCE_STYLE) / figure.bbox.width + 0.002
     lines[0] = lines[0].removeprefix(head).lstrip()
@@ -162,14 +180,9 @@ def wrap_to_width(figure: Any, text: str, letters: int, across: float, **style: 
     return lines
 
 
-def wrap_title(figure: Any, title: str) -> list[str]:
-    """The title in at most two lines as wide as the figure, written in `TITLE_STYLE`; none for ""."""
-    lines = wrap_to_width(figure, title, 110, 0.96, **TITLE_STYLE) if title else []
-    return (
-        lines
-        if len(lines) <= _MAX_TITLE_LINES
-        else [*lines[: _MAX_TITLE_LINES - 1], f"{lines[_MAX_TITLE_LINES - 1]} …"]
-    )
+def _cut_lines(lines: list[str], most: int) -> list[str]:
+    """At most so many lines, the last of which then ends with "…"."""
+    return lines if len(lines) <= most else [*lines[: most - 1], f"{lines[most - 1]} …"]
 
 
 def shorten_names(names: Sequence[str], letters: int) -> list[str]:

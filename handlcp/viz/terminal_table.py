@@ -16,11 +16,12 @@ from handlcp.contact.friction import Pyramid, limit_set
 from handlcp.grasp import Explanation, GraspSolution
 from handlcp.grasp.analysis.explanation import EffectDescription, EffectLine
 from handlcp.grasp.failure.failure_mode import is_exceeded
+from handlcp.grasp.model.status import SLIDING, STICKING, contact_statuses
 from handlcp.grasp.solution.solution import contact_text_table
 from handlcp.hand import Hand
 from handlcp.words import TextTable
 
-STATE_STYLES = {"sticking": "green", "sliding": "yellow", "separated": "dim"}
+STATUS_STYLES = {STICKING: "green", SLIDING: "yellow"}  # the rest is dim
 BAR_CELLS = 10  # cells of a full torque bar
 SAVING_SHARE = -0.02  # an effect with a share of the time below this saves time
 
@@ -57,9 +58,11 @@ def contact_table(solution: GraspSolution, title: str = "Contacts", note: str = 
     """
     columns, notes = contact_text_table(solution), [_pyramid_note(solution), note]
     made = _table_with_heads(columns, title, "; ".join(n for n in notes if n))
-    for row, state in zip(columns.rows, solution.contact_state, strict=True):
+    for row, word, status in zip(
+        columns.rows, solution.contact_state, contact_statuses(solution.contact_state), strict=True
+    ):
         name, _, *values = row
-        made.add_row(Text(name), Text(state, style=STATE_STYLES.get(state, "dim")), *values)
+        made.add_row(Text(name), Text(word, style=STATUS_STYLES.get(status, "dim")), *values)
     return made
 
 

@@ -1,26 +1,16 @@
 """`handlcp accuracy` from the outside."""
 
 import csv
-import json
-import pathlib
+from functools import partial
 from itertools import pairwise
 
-import pytest
-from typer.testing import CliRunner
-
-from handlcp.cli import app
 from handlcp.studies.accuracy import METHODS
-from tests.support import patches
+from tests.support import command, patches
+from tests.support.command import CUBE, changed, strict
 from tests.support.messages import without_compiling
 from tests.support.texts import says
 
-ROOT = pathlib.Path(__file__).parents[2]
-CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
-
-
-def run(*arguments, width="80"):
-    words = [str(a) for a in ("accuracy", *arguments)]
-    return CliRunner().invoke(app, words, env={"COLUMNS": width, "NO_COLOR": "1"})
+run = partial(command.run, "accuracy")
 
 
 def test_a_scene_prints_tables_and_one_sentence_and_exits_0(tmp_path, monkeypatch):
@@ -41,7 +31,7 @@ def test_json_is_one_object_and_nothing_else(monkeypatch):
     patches.ticks_of_studies(monkeypatch, 2e-3)
     done = run(CUBE, "--seconds", "0.5", "--json")
     assert done.exit_code == 0, done.output
-    found = json.loads(done.stdout, parse_constant=lambda name: pytest.fail(f"{name} in JSON"))
+    found = strict(done.stdout)
     assert {r["method"] for r in found["rows"]} == set(METHODS)
     assert found["conditions"]["budget"] == 0.5
     assert "friction" in {e["effect"] for e in found["left_out"]}
@@ -49,14 +39,13 @@ def test_json_is_one_object_and_nothing_else(monkeypatch):
 
 
 def test_a_scene_that_does_not_hold_exits_1_and_says_why(tmp_path):
-    file = tmp_path / "scene.toml"
-    file.write_text(pathlib.Path(CUBE).read_text().replace("friction = 0.8", "friction = 0.01"))
+    file = changed(tmp_path, ("friction = 0.8", "friction = 0.01"))
     done = run(file, "--seconds", "1")
     assert done.exit_code == 1
     assert done.stdout == ""
     found = run(file, "--json")
     assert found.exit_code == 1
-    answer = json.loads(found.stdout)
+    answer = strict(found.stdout)
     assert answer["status"] == "NOT_HOLDABLE"
     said = " ".join(done.stderr.split())
     assert answer["diagnosis"] in said

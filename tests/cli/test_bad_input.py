@@ -4,13 +4,10 @@ import os
 import pathlib
 
 import pytest
-from typer.testing import CliRunner
 
-from handlcp.cli import app
 from handlcp.studies.envelope.question import EnvelopeQuestion
+from tests.support.command import CUBE, ROOT, run
 
-ROOT = pathlib.Path(__file__).parents[2]
-CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
 PAPER, PLANAR = ROOT / "examples" / "paper", ROOT / "examples" / "planar_ring.toml"
 TEXT = pathlib.Path(CUBE).read_text(encoding="utf-8")
 LONG, DIGITS = "a" * 5000, "9" * 5000
@@ -63,7 +60,6 @@ OPTIONS = {
     "a long table": ("accuracy", CUBE, "--csv", LONG),
     "a folder for a table": ("accuracy", CUBE, "--csv", "/"),
     "5000 faces": ("solve", CUBE, "--faces", DIGITS),
-    "an empty scene": ("solve", ""),
     "an empty page": ("solve", CUBE, "--page", ""),
     "no such hand": ("hands", "inspir"),
     "no such option": ("--foo",),
@@ -72,7 +68,7 @@ OPTIONS = {
 
 
 def refused(arguments):
-    done = CliRunner().invoke(app, [str(a) for a in arguments], env={"COLUMNS": "80", "NO_COLOR": "1"})
+    done = run(*arguments)
     assert done.exception is None or isinstance(done.exception, SystemExit), repr(done.exception)[:200]
     assert (done.exit_code, done.stdout) == (2, "")
     assert done.stderr.startswith("Error: ")
@@ -90,6 +86,7 @@ REFUSED = [
     (("solve", CUBE, "--accuracy", "0"), "accuracy"),
     (("solve", CUBE, "--accuracy", "1e-3", "--faces", "8"), "accuracy"),
     (("solve",), "scene"),
+    (("solve", ""), "which is empty"),
     (("audit", "nothing_here.urdf"), "nothing_here.urdf"),
     (("audit", CUBE), "path"),
     (("accuracy", CUBE, "--seconds", "0"), "seconds"),
@@ -153,10 +150,6 @@ def test_a_scene_file(name, tmp_path):
 @pytest.mark.parametrize("name", OPTIONS)
 def test_an_option(name):
     refused(OPTIONS[name])
-
-
-def test_an_empty_argument_is_called_empty():
-    assert "which is empty" in refused(("solve", ""))
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root reads everything")

@@ -2,28 +2,26 @@
 
 from __future__ import annotations
 
-import json
-import pathlib
 import re
 import subprocess
 import sys
 from collections import Counter
+from functools import partial
 from itertools import pairwise
 
 import pytest
 import typer
-from typer.testing import CliRunner
 
 import handlcp as hl
 from handlcp.cli import app
 from handlcp.hand.library import urdf
 from handlcp.studies.effect_catalogue import Cost, entries
-from tests.support import patches
+from tests.support import command, patches
+from tests.support.command import CUBE, ROOT, changed, strict
 from tests.support.messages import without_compiling
 from tests.support.texts import same, says, without_numbers
 
-ROOT = pathlib.Path(__file__).parents[2]
-CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
+run = partial(command.run, width="100")
 SMOOTH = """
 title = "No friction"
 [[contact]]
@@ -41,10 +39,6 @@ force_N = [0.0, 0.0, -1.0]
 """
 
 
-def run(*arguments, width="100"):
-    return CliRunner().invoke(app, [str(a) for a in arguments], env={"COLUMNS": width, "NO_COLOR": "1"})
-
-
 def scene(tmp_path, text):
     file = tmp_path / "scene.toml"
     file.write_text(text)
@@ -60,11 +54,6 @@ def heading_of(stdout):
     """The words over the first rule of the table of effects."""
     stdout = stdout[stdout.index("Effects") :]
     return next(" ".join(a.split()) for a, rule in pairwise(stdout.splitlines()) if set(rule.strip()) == {"─"})
-
-
-def strict(text):
-    """JSON without NaN or Infinity."""
-    return json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} in JSON"))
 
 
 def test_a_held_scene_prints_the_verdict_then_contacts_and_torques_and_exits_0():
@@ -107,8 +96,7 @@ def test_a_scene_that_does_not_hold_exits_1_and_says_which_way_the_object_goes(t
 
 
 def test_motors_that_are_too_weak_exit_1(tmp_path):
-    text = pathlib.Path(CUBE).read_text().replace("[object]", "torque_limits_Nm = 0.2\n[object]")
-    done = run("solve", scene(tmp_path, text))
+    done = run("solve", changed(tmp_path, ("[object]", "torque_limits_Nm = 0.2\n[object]")))
     assert done.exit_code == 1
     same("cli/test_cli: motors too weak", verdict_of(done.stdout, "OVER LIMIT"), "finger_2_proximal", "0.2 N·m")
     (row,) = (line for line in done.stdout.splitlines() if line.startswith(" finger_2_proximal"))
@@ -181,15 +169,14 @@ def test_effects_lists_every_effect_and_measures_when_asked(monkeypatch):
 
 
 def test_as_a_program_of_its_own():
-    done = subprocess.run(
-        [sys.executable, "-m", "handlcp", "solve", CUBE, "--json"], capture_output=True, text=True, cwd=ROOT
-    )
+    def program(*arguments):
+        return subprocess.run([sys.executable, "-m", "handlcp", *arguments], capture_output=True, text=True, cwd=ROOT)
+
+    done = program("solve", CUBE, "--json")
     assert done.returncode == 0, done.stderr
     assert without_compiling(done.stderr) == ""
     assert strict(done.stdout)["verdict"]["ok"] is True
-    bad = subprocess.run(
-        [sys.executable, "-m", "handlcp", "solve", "no.toml"], capture_output=True, text=True, cwd=ROOT
-    )
+    bad = program("solve", "no.toml")
     assert (bad.returncode, bad.stdout) == (2, "")
     assert "Traceback" not in bad.stderr
 
@@ -217,7 +204,7 @@ def words(text) -> Counter:
 
 
 def printed(arguments, columns):
-    done = CliRunner().invoke(app, list(arguments), env={"COLUMNS": columns, "NO_COLOR": "1"})
+    done = run(*arguments, width=columns)
     assert done.exception is None or isinstance(done.exception, SystemExit)
     return done.stdout
 
@@ -240,7 +227,7 @@ def test_no_unit_in_a_help_text_is_taken_for_markup_and_left_out():
 
 
 def test_a_scene_that_fails_is_told_what_would_hold_it(tmp_path):
-    file = scene(tmp_path, pathlib.Path(CUBE).read_text(encoding="utf-8").replace("squeeze_m = 0.005", ""))
+    file = changed(tmp_path, ("squeeze_m = 0.005", ""))
     done = run("solve", file, "--suggest")
     assert done.exit_code == 1
     said = " ".join(done.stdout.partition("Suggestions:")[2].split())

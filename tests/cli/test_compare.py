@@ -7,9 +7,8 @@ import pathlib
 import re
 
 import pytest
-from typer.testing import CliRunner
 
-from handlcp.cli import app
+from tests.support.command import run
 
 pytest.importorskip("mujoco")
 
@@ -33,7 +32,7 @@ JOINTS = [f"finger_{i}_{part}" for i in (1, 2, 3) for part in ("proximal", "dist
 def compared(folder, offset, *words):
     file = folder / "cube.toml"
     file.write_text(CUBE % ", ".join(f"{joint} = {offset}" for joint in JOINTS), encoding="utf-8")
-    return CliRunner().invoke(app, ["compare", str(file), "--seconds", "0.5", *words])
+    return run("compare", file, "--seconds", "0.5", *words, width=None)
 
 
 def test_it_prints_both_and_how_far_they_are_apart(tmp_path: pathlib.Path):

@@ -2,16 +2,12 @@
 
 import pathlib
 import sys
+from functools import partial
 
-from typer.testing import CliRunner
+from tests.support import command
+from tests.support.command import CUBE
 
-from handlcp.cli import app
-
-ROOT = pathlib.Path(__file__).parents[2]
-
-
-def run(*arguments):
-    return CliRunner().invoke(app, ["demo", *map(str, arguments)], env={"COLUMNS": "80", "NO_COLOR": "1"})
+run = partial(command.run, "demo")
 
 
 def test_it_shows_a_verdict_a_picture_a_page_and_leaves_the_scene_to_go_on_from(tmp_path, monkeypatch):
@@ -21,7 +17,7 @@ def test_it_shows_a_verdict_a_picture_a_page_and_leaves_the_scene_to_go_on_from(
     assert "HELD: the joint closest to its limit is finger_2_proximal at 38 %" in done.stdout
     left = {file.name: file for file in (tmp_path / "handlcp_demo").iterdir()}
     assert set(left) == {"cube.toml", "cube.png", "cube.html"}
-    assert left["cube.toml"].read_bytes() == (ROOT / "examples" / "cube_three_fingers.toml").read_bytes()
+    assert left["cube.toml"].read_bytes() == pathlib.Path(CUBE).read_bytes()
     assert left["cube.png"].read_bytes()[:4] == b"\x89PNG"
     assert "<canvas" in left["cube.html"].read_text(encoding="utf-8")
     for file in left:
@@ -30,7 +26,7 @@ def test_it_shows_a_verdict_a_picture_a_page_and_leaves_the_scene_to_go_on_from(
 
 def test_a_scene_that_was_changed_is_kept_and_run(tmp_path):
     file = tmp_path / "cube.toml"
-    text = (ROOT / "examples" / "cube_three_fingers.toml").read_text(encoding="utf-8")
+    text = pathlib.Path(CUBE).read_text(encoding="utf-8")
     file.write_text(text.replace("mass_kg = 0.2", "mass_kg = 2.0"), encoding="utf-8")
     done = run(tmp_path)
     assert done.exit_code == 1

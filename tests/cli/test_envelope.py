@@ -1,22 +1,17 @@
 """`handlcp envelope` from the outside."""
 
 import json
-import pathlib
+from functools import partial
 
 import numpy as np
-from typer.testing import CliRunner
 
 import handlcp as hl
 from handlcp import scene as scenes
-from handlcp.cli import app
+from tests.support import command
+from tests.support.command import CUBE
 
-CUBE = str(pathlib.Path(__file__).parents[2] / "examples" / "cube_three_fingers.toml")
 FEW = ("--directions", "12", "--adaptive", "0", "--faces", "8", "--fixed")
-
-
-def run(*arguments):
-    words = ["envelope", *(str(a) for a in arguments)]
-    return CliRunner().invoke(app, words, env={"COLUMNS": "80", "NO_COLOR": "1"})
+run = partial(command.run, "envelope")
 
 
 def test_it_prints_what_the_envelope_says_writes_pictures_and_a_page_and_exits_0(tmp_path):

@@ -1,16 +1,16 @@
 """`handlcp evaluate` from the outside: hands by name, by file and from a scene, requirements, exit status."""
 
 import json
-import pathlib
+from functools import partial
 
 import pytest
-from typer.testing import CliRunner
 
 import handlcp as hl
-from handlcp.cli import app
+from tests.support import command
+from tests.support.command import CUBE, ROOT
 from tests.support.design import evaluated_by
 
-ROOT = pathlib.Path(__file__).parents[2]
+run = partial(command.run, "evaluate")
 URDF = ROOT / "urdf" / "three_finger.urdf"
 GIVEN = ("--joint-stiffness", 1.0, "--pad-flexibility", 1e-4, "--tip-radius", 0.008)
 BRIEF = 'tries = 4\n[objects.ball]\nshape = "sphere"\nradius_m = 0.03\nmass_kg = 0.1\n'
@@ -22,10 +22,6 @@ def brief(tmp_path):
     file = tmp_path / "brief.toml"
     file.write_text(BRIEF)
     return file
-
-
-def run(*arguments):
-    return CliRunner().invoke(app, ["evaluate", *map(str, arguments)], env={"COLUMNS": "80", "NO_COLOR": "1"})
 
 
 def test_what_is_printed_is_the_evaluation_of_the_hand_and_what_is_not_met(brief):
@@ -64,7 +60,7 @@ def test_a_hand_by_name_by_file_and_from_a_scene_is_the_same_hand(brief, tmp_pat
         (("nofile.urdf", "BRIEF"), "'nofile.urdf', which does not exist"),
         (("three_finger", "BRIEF", "--tip-radius", "-1"), "--tip-radius: expected"),
         (("BRIEF", "BRIEF"), "brief.toml"),
-        ((ROOT / "examples" / "cube_three_fingers.toml", "BRIEF", "--joint-stiffness", "2"), "beside a scene file"),
+        ((CUBE, "BRIEF", "--joint-stiffness", "2"), "beside a scene file"),
     ],
 )
 def test_bad_input_is_one_message_and_exit_status_2(arguments, says, brief):

@@ -1,41 +1,19 @@
 """`handlcp follow` from the outside."""
 
-import json
-import pathlib
+from functools import partial
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from handlcp import scene as scenes
-from handlcp.cli import app
+from tests.support import command
+from tests.support.command import CUBE, changed, strict
 from tests.support.messages import without_compiling
 from tests.support.show import events_in_short
 from tests.support.texts import same
 
-ROOT = pathlib.Path(__file__).parents[2]
-CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
 FEW = ("--steps", "8")
-
-
-def run(*arguments, width="80"):
-    words = ["follow", *(str(a) for a in arguments)]
-    return CliRunner().invoke(app, words, env={"COLUMNS": width, "NO_COLOR": "1"})
-
-
-def strict(text):
-    """JSON without NaN or Infinity."""
-    return json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} in JSON"))
-
-
-def changed(tmp_path, *changes, name="cube_three_fingers"):
-    text = (ROOT / "examples" / f"{name}.toml").read_text(encoding="utf-8")
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    file = tmp_path / "scene.toml"
-    file.write_text(text, encoding="utf-8")
-    return file
+run = partial(command.run, "follow")
 
 
 @pytest.fixture

@@ -6,11 +6,10 @@ import json
 from importlib.util import find_spec
 
 import pytest
-from typer.testing import CliRunner
 
 import handlcp as hl
-from handlcp.cli import app
 from handlcp.hand.library import allegro, psyonic, urdf
+from tests.support.command import run
 from tests.support.texts import says
 
 MJCF = """<mujoco model="claw"><worldbody>
@@ -18,10 +17,6 @@ MJCF = """<mujoco model="claw"><worldbody>
 <geom size="0.01 0.02" type="capsule" pos="0 0 0.03"/></body>
 <body name="r" pos="-0.02 0 0"><joint name="b" axis="0 1 0" range="-60 60" limited="true"/>
 <geom size="0.01 0.02" type="capsule" pos="0 0 0.03"/></body></worldbody></mujoco>"""
-
-
-def run(*arguments: object):
-    return CliRunner().invoke(app, [str(a) for a in arguments], env={"COLUMNS": "80", "TERM": "dumb"})
 
 
 def test_a_file_is_described():

@@ -1,24 +1,18 @@
 """`handlcp limits` from the outside."""
 
 import json
-import pathlib
+from functools import partial
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from handlcp import scene as scenes
-from handlcp.cli import app
+from tests.support import command
+from tests.support.command import CUBE, changed
 from tests.support.messages import without_compiling
 
-ROOT = pathlib.Path(__file__).parents[2]
-CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
 FAST = ("--fixed", "--faces", "8")
-
-
-def run(*arguments, width="80"):
-    words = ["limits", *(str(a) for a in arguments)]
-    return CliRunner().invoke(app, words, env={"COLUMNS": width, "NO_COLOR": "1"})
+run = partial(command.run, "limits")
 
 
 def limit(load, **more):
@@ -57,20 +51,16 @@ def test_a_wrench_and_a_tolerance_of_motion_reach_the_limit():
 
 
 def test_what_does_not_hold_its_weight_holds_no_load_and_exits_1(tmp_path):
-    file = tmp_path / "heavy.toml"
-    file.write_text(pathlib.Path(CUBE).read_text(encoding="utf-8").replace("mass_kg = 0.2", "mass_kg = 3.0"))
-    done = run(file, *FAST)
+    done = run(changed(tmp_path, ("mass_kg = 0.2", "mass_kg = 3.0")), *FAST)
     assert done.exit_code == 1
     assert "NOT HELD" in done.stdout
 
 
-@pytest.mark.parametrize("command", ["limits", "payload", "envelope"])
-def test_a_motion_is_in_metres_and_millimetres_are_asked_about(command):
-    help_ = " ".join(
-        CliRunner().invoke(app, [command, "--help"], env={"COLUMNS": "200", "NO_COLOR": "1"}).stdout.split()
-    )
+@pytest.mark.parametrize("name", ["limits", "payload", "envelope"])
+def test_a_motion_is_in_metres_and_millimetres_are_asked_about(name):
+    help_ = " ".join(command.run(name, "--help", width="200").stdout.split())
     assert "may move the object, in m, such as 0.002" in help_
-    done = CliRunner().invoke(app, [command, CUBE, "--motion", "2"])
+    done = command.run(name, CUBE, "--motion", "2", width=None)
     assert done.exit_code == 2
     assert done.stdout == ""
     assert "--motion: expected m, less than the size of the grasp" in done.stderr

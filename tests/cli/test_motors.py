@@ -1,21 +1,16 @@
 """`handlcp motors` from the outside."""
 
 import json
-import pathlib
+from functools import partial
 
 import pytest
-from typer.testing import CliRunner
 
-from handlcp.cli import app
+from tests.support import command
+from tests.support.command import CUBE, changed
 from tests.support.messages import without_compiling
 from tests.support.texts import same
 
-ROOT = pathlib.Path(__file__).parents[2]
-CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
-
-
-def run(*arguments, width="80"):
-    return CliRunner().invoke(app, ["motors", *arguments], env={"COLUMNS": width, "NO_COLOR": "1"})
+run = partial(command.run, "motors")
 
 
 def test_a_scene_gets_its_motors_within_80_columns_and_exits_0():
@@ -41,20 +36,14 @@ def test_loads_and_directions_of_gravity_are_named_in_json():
 
 @pytest.mark.long
 def test_a_load_that_no_grip_holds_exits_1_and_says_which(tmp_path):
-    text = pathlib.Path(CUBE).read_text(encoding="utf-8").replace("friction = 0.8", "friction = 0.01")
-    file = tmp_path / "slippery.toml"
-    file.write_text(text, encoding="utf-8")
-    done = run(str(file))
+    done = run(changed(tmp_path, ("friction = 0.8", "friction = 0.01")))
     assert done.exit_code == 1, done.output
     assert "NONE: No grip was found that holds the load × 1.5" in " ".join(done.stdout.split())
 
 
 def test_what_check_does_not_call_held_is_not_confirmed_and_exits_1(tmp_path):
-    text = pathlib.Path(CUBE).read_text(encoding="utf-8")
-    deep = text.replace("size_m = 0.05", "size_m = [0.05, 0.05, 0.13]").replace("0.0, 0.08]", "0.0, 0.05]")
-    file = tmp_path / "deep.toml"
-    file.write_text(deep, encoding="utf-8")
-    done = run(str(file))
+    deep = ("size_m = 0.05", "size_m = [0.05, 0.05, 0.13]"), ("0.0, 0.08]", "0.0, 0.05]")
+    done = run(changed(tmp_path, *deep))
     assert done.exit_code == 1, done.output
     said = " ".join(done.stdout.split())
     assert "NOT CONFIRMED: " in said
@@ -86,11 +75,8 @@ def test_tendons_with_motors_get_the_reductions_and_the_joints_that_they_move_no
     arms = ", ".join([f"pull_{k} = {{ finger_{k}_proximal = 0.012, finger_{k}_distal = 0.008 }}" for k in (1, 2, 3)])
     tendons = f"stiffness_N_per_m = 2e4\npassive_Nm_per_rad = 4.0\nmoment_arms_m = {{ {arms} }}\n"
     motors = "".join([f"[hand.tendons.motors.pull_{k}]\ncontinuous_Nm = 1\nreduction_N_per_Nm = 200\n" for k in (1, 2)])
-    text = pathlib.Path(CUBE).read_text(encoding="utf-8")
-    own = "joint_stiffness_Nm_per_rad = 6.0\n"
-    file = tmp_path / "pulled.toml"
-    file.write_text(text.replace(own, f"[hand.tendons]\n{tendons}{motors}", 1), encoding="utf-8")
-    done = run(str(file), "--motor", "0.01,0.03", "--efficiency", "0.7", "--json")
+    file = changed(tmp_path, ("joint_stiffness_Nm_per_rad = 6.0\n", f"[hand.tendons]\n{tendons}{motors}"))
+    done = run(file, "--motor", "0.01,0.03", "--efficiency", "0.7", "--json")
     assert done.exit_code == 0, done.output
     found = json.loads(done.stdout)
     assert found["reductions"][:4] == [None] * 4
@@ -98,7 +84,7 @@ def test_tendons_with_motors_get_the_reductions_and_the_joints_that_they_move_no
     for row, reduction in zip(found["tendons"], found["tendon_reductions"], strict=True):
         needs = max(row["peak_N"] / (0.7 * 0.03), row["continuous_N"] / (0.7 * 0.01))
         assert reduction == pytest.approx(needs, rel=1e-12)
-    said = run(str(file), "--motor", "0.01,0.03", "--efficiency", "0.7").stdout
+    said = run(file, "--motor", "0.01,0.03", "--efficiency", "0.7").stdout
     assert max(map(len, said.splitlines())) <= 80
     pull, _, gears = " ".join(said.split()).partition("Pull of the tendons")[2].partition("Reduction that the motor")
     at_joints, _, at_tendons = gears.partition("Reduction at each tendon")

@@ -1,20 +1,16 @@
 """`handlcp payload` from the outside."""
 
 import json
-import pathlib
+from functools import partial
 
 import pytest
-from typer.testing import CliRunner
 
 from handlcp import scene as scenes
-from handlcp.cli import app
+from tests.support import command
+from tests.support.command import CUBE
 
-CUBE = str(pathlib.Path(__file__).parents[2] / "examples" / "cube_three_fingers.toml")
 FAST = ("--fixed", "--faces", "8")
-
-
-def run(*arguments):
-    return CliRunner().invoke(app, ["payload", *map(str, arguments)], env={"COLUMNS": "80", "NO_COLOR": "1"})
+run = partial(command.run, "payload")
 
 
 @pytest.mark.parametrize(("arguments", "asked"), [((), (6, 0.0)), (("--any", "--acceleration", 2.0), ("any", 2.0))])

@@ -1,21 +1,14 @@
 """`handlcp reliability` from the outside."""
 
 import json
-import pathlib
+from functools import partial
 
-from typer.testing import CliRunner
-
-from handlcp.cli import app
 from handlcp.grasp import parameters
+from tests.support import command
+from tests.support.command import CUBE
 from tests.support.messages import without_compiling
 
-ROOT = pathlib.Path(__file__).parents[2]
-CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
-
-
-def run(*arguments):
-    words = [str(a) for a in ("reliability", *arguments)]
-    return CliRunner().invoke(app, words, env={"COLUMNS": "80", "NO_COLOR": "1"})
+run = partial(command.run, "reliability")
 
 
 def test_a_scene_prints_its_chances_the_worst_sample_and_what_matters(tmp_path):

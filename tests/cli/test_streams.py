@@ -11,10 +11,9 @@ import pytest
 from typer.testing import CliRunner
 
 from handlcp.cli import app
+from tests.support.command import CUBE, ROOT
 from tests.support.processes import hears_ctrl_c
 
-ROOT = pathlib.Path(__file__).parents[2]
-CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
 FULL = pathlib.Path("/dev/full")
 HANDLCP = [sys.executable, "-m", "handlcp"]
 posix = pytest.mark.skipif(os.name != "posix", reason="signals and devices of POSIX")

@@ -1,16 +1,14 @@
 """`handlcp sweep` from the outside: hands from numbers and from files, names with a star, the table, exit status."""
 
 import json
-import pathlib
 
 import pytest
-from typer.testing import CliRunner
 
 import handlcp as hl
-from handlcp.cli import app
 from handlcp.design.sweep.study_file import HandFrom
+from tests.support import command
 
-URDF = pathlib.Path(__file__).parents[2] / "urdf" / "three_finger.urdf"
+URDF = command.ROOT / "urdf" / "three_finger.urdf"
 BRIEF = 'tries = 6\n[objects.ball]\nshape = "sphere"\nradius_m = 0.03\nmass_kg = 0.1\n'
 STUDY = """
 brief = "brief.toml"
@@ -31,8 +29,7 @@ palm_radius = { low = 0.04, high = 0.045 }
 def run(folder, text, *options):
     (folder / "brief.toml").write_text(BRIEF)
     (folder / "study.toml").write_text(text)
-    arguments = ["sweep", str(folder / "study.toml"), "--serial", *options]
-    return CliRunner().invoke(app, arguments, env={"COLUMNS": "80", "NO_COLOR": "1"})
+    return command.run("sweep", folder / "study.toml", "--serial", *options)
 
 
 def test_the_best_are_printed_and_the_table_is_written(tmp_path):

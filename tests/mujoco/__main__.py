@@ -14,7 +14,7 @@ from statistics import median
 os.environ.setdefault("HANDLCP_KERNELS", "compiled")
 
 from tests.mujoco import closing, limits as load_limits, power
-from tests.mujoco.case import limit_error, misses
+from tests.mujoco.case import chosen, limit_error, misses
 from tests.mujoco.cases import CASES
 
 HEAD = (
@@ -36,16 +36,11 @@ def row(case, found):
     return f"{case.name:44s} {case.hand:13s} {both:6s}{errors}{moves}{limit}{times}"
 
 
-def chosen(words):
-    """Cases whose names hold one of the words; all without words."""
-    return [case for case in CASES if not words or any(word in case.name for word in words)]
-
-
 def main(words):
     """Print the table and what it comes to; how many cases miss."""
     missed, forces, ratios, limits = 0, [], [], []
     print(HEAD, flush=True)
-    for case in chosen(words):
+    for case in chosen(CASES, words):
         found = case.run()
         wrong = misses(case, found)
         missed += bool(wrong)

@@ -5,13 +5,13 @@ They are kept as numbers, so that what MuJoCo said of them stays comparable whil
 
 from __future__ import annotations
 
-import json
 import pathlib
 from typing import Any
 
 import numpy as np
 
 import handlcp as hl
+from tests.mujoco.case import write_rows
 
 FILE = pathlib.Path(__file__).with_name("grasps.json")
 HANDS: dict[str, dict[str, Any]] = {
@@ -45,8 +45,7 @@ def main():
                 "rotation": np.round(at.rotation, 12).tolist(), "position": np.round(at.translation, 9).tolist(),
             }  # fmt: skip
             print(name, thing, found[0].verdict.word, found[0].margin, flush=True)
-    text = ",\n".join(f"{json.dumps(key)}: {json.dumps(row)}" for key, row in rows.items())
-    FILE.write_text(f"{{\n{text}\n}}\n", encoding="utf-8")
+    write_rows(FILE, rows)
 
 
 if __name__ == "__main__":

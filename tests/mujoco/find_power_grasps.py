@@ -6,10 +6,9 @@ What holds its own weight there is kept, two of each hand and object at most, as
 
 from __future__ import annotations
 
-import json
 import pathlib
 import sys
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -17,6 +16,7 @@ import trimesh
 
 import handlcp as hl
 from handlcp.errors import HandLCPError
+from tests.mujoco.case import read_rows, write_rows
 from tests.support.hand import link_gap
 
 FILE = pathlib.Path(__file__).with_name("power_grasps.json")
@@ -108,7 +108,7 @@ def made(row):
 
 def main(names):
     """Find and write them."""
-    rows: dict[str, Any] = json.loads(FILE.read_text(encoding="utf-8")) if FILE.exists() else {}
+    rows = read_rows(FILE)
     for name in names or list(PALMS):
         rows = {key: row for key, row in rows.items() if row["hand"] != name}
         hand = a_hand(name)
@@ -123,8 +123,7 @@ def main(names):
                 print(name, what, row["contacts"], flush=True)
                 if count == EACH:
                     break
-        text = ",\n".join(f"{json.dumps(key)}: {json.dumps(row)}" for key, row in rows.items())
-        FILE.write_text(f"{{\n{text}\n}}\n", encoding="utf-8")
+        write_rows(FILE, rows)
 
 
 def tried(hand, name, what, random):

@@ -6,10 +6,8 @@ A grasp is HELD without load. Grasps of the shipped hands are those of `cases`; 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -17,7 +15,7 @@ import pinocchio as pin
 
 import handlcp as hl
 from tests.mujoco import find_grasps
-from tests.mujoco.case import closing
+from tests.mujoco.case import closing, read_rows
 from tests.mujoco.cases import CAN, UP, three, two
 
 LEVER = 0.02  # [m] a random load has this much torque for each newton
@@ -60,14 +58,9 @@ def in_five(obj, depth):
     return closing(hand.at(hand.close_on(obj)).grasp(obj, hl.Coulomb(0.6), gravity=UP), depth)
 
 
-@cache
-def _found():
-    return json.loads(find_grasps.FILE.read_text(encoding="utf-8"))
-
-
 def found(hand, thing, squeeze=1.0):
     """A grasp of `grasps.json`, squeezed so many times as much."""
-    row = _found()[f"{hand} {thing}"]
+    row = read_rows(find_grasps.FILE)[f"{hand} {thing}"]
     obj = find_grasps.OBJECTS[thing](pin.SE3(np.array(row["rotation"]), np.array(row["position"])))
     state = find_grasps.hand(hand).at(row["q"])
     return state.grasp(obj, hl.Coulomb(find_grasps.MU), joint_offset=squeeze * np.array(row["offset"]))

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import json
 import pathlib
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -14,6 +13,7 @@ import mujoco
 import numpy as np
 
 from handlcp.simulator import SimulatorSettings
+from tests.mujoco.case import read_rows, write_rows
 
 FILE = pathlib.Path(__file__).with_name("limits.json")
 SHARES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98)  # of the load, where motion is kept
@@ -81,20 +81,13 @@ class Truth:
 
 def stored():
     """By the titles of the cases; nothing without the file."""
-    return {title: Truth.read(row) for title, row in _rows().items()}
+    return {title: Truth.read(row) for title, row in read_rows(FILE).items()}
 
 
 def store(title, truth):
     """Put one row into the file."""
-    rows = dict(sorted((_rows() | {title: truth.row()}).items()))
-    head = {"mujoco": mujoco.__version__, "settings": asdict(SimulatorSettings())}
-    lines = ",\n".join(f"{json.dumps(key)}: {json.dumps(row)}" for key, row in rows.items())
-    FILE.write_text(f'{{"made_with": {json.dumps(head)},\n"rows": {{\n{lines}\n}}}}\n', encoding="utf-8")
-
-
-def _rows():
-    rows: dict[str, Any] = json.loads(FILE.read_text(encoding="utf-8"))["rows"] if FILE.exists() else {}
-    return rows
+    rows = dict(sorted((read_rows(FILE) | {title: truth.row()}).items()))
+    write_rows(FILE, rows, {"mujoco": mujoco.__version__, "settings": asdict(SimulatorSettings())})
 
 
 def _number(value, digits=8):

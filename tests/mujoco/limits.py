@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.simulator import simulate_limit
+from tests.mujoco.case import chosen
 from tests.mujoco.limit_cases import CASES, LimitCase
 from tests.mujoco.limit_truth import Truth, store, stored
 
@@ -153,7 +154,7 @@ def main(words):
         return write(words[1:])
     from_file = words[:1] == ["--stored"]
     rows = stored() if from_file else {}
-    cases = chosen(words[1:] if from_file else words)
+    cases = chosen(CASES, words[1:] if from_file else words)
     print(HEAD, flush=True)
     found = list[Compared]()
     for case in cases:
@@ -187,14 +188,9 @@ def summary(found):
 
 def write(words):
     """Compute rows with MuJoCo and put them into the file, one by one; 0."""
-    for case in chosen(words):
+    for case in chosen(CASES, words):
         truth = theirs(case)
         store(case.title, truth)
         numbers = f"lost {truth.factor:8.4f} jump {truth.jump:8.4f} {truth.seconds:6.1f} s"
         print(f"{case.title:48s} {numbers} {truth.joint}", flush=True)
     return 0
-
-
-def chosen(words):
-    """Cases whose titles hold one of the words; all without words."""
-    return [c for c in CASES if not words or any(word in c.title for word in words)]

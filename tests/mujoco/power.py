@@ -19,7 +19,6 @@ nothing beyond.
 
 from __future__ import annotations
 
-import json
 import pathlib
 from dataclasses import dataclass, replace
 from time import perf_counter
@@ -30,6 +29,7 @@ import numpy as np
 
 from handlcp.simulator import SimulatorSettings, simulate_limit
 from tests.mujoco import power_pads
+from tests.mujoco.case import chosen, read_rows, write_rows
 from tests.mujoco.find_power_grasps import FILE, made
 from tests.mujoco.limit_truth import Truth
 
@@ -67,17 +67,12 @@ class PowerCase:
 
     def make(self):
         """The grasp."""
-        return made(_grasps()[self.grasp])
-
-
-def _grasps():
-    rows: dict[str, Any] = json.loads(FILE.read_text(encoding="utf-8"))
-    return rows
+        return made(read_rows(FILE)[self.grasp])
 
 
 def _cases():
     """Each grasp pulled one way, all ways in turn; then the next way, and so on."""
-    ways, names = list(WAYS), list(_grasps())
+    ways, names = list(WAYS), list(read_rows(FILE))
     return tuple(PowerCase(name, ways[(i + k) % len(ways)]) for k in range(len(ways)) for i, name in enumerate(names))
 
 
@@ -167,17 +162,13 @@ def _ends(limit):
 
 def stored():
     """By the titles of the cases; nothing without the file."""
-    rows = json.loads(ROWS.read_text(encoding="utf-8"))["rows"] if ROWS.exists() else {}
-    return {title: Row.read(row) for title, row in rows.items()}
+    return {title: Row.read(row) for title, row in read_rows(ROWS).items()}
 
 
 def store(title, row):
     """Put one row into the file."""
-    rows = json.loads(ROWS.read_text(encoding="utf-8"))["rows"] if ROWS.exists() else {}
-    rows = dict(sorted((rows | {title: row.as_json()}).items()))
-    lines = ",\n".join(f"{json.dumps(key)}: {json.dumps(one)}" for key, one in rows.items())
-    head = json.dumps({"mujoco": mujoco.__version__})
-    ROWS.write_text(f'{{"made_with": {head},\n"rows": {{\n{lines}\n}}}}\n', encoding="utf-8")
+    rows = dict(sorted((read_rows(ROWS) | {title: row.as_json()}).items()))
+    write_rows(ROWS, rows, {"mujoco": mujoco.__version__})
 
 
 # ----------------------------------------------------------------
@@ -258,7 +249,7 @@ def main(words):
         return write(words[1:], words[0])
     rows, found = stored(), list[Compared]()
     print(HEAD, flush=True)
-    for case in chosen(words):
+    for case in chosen(CASES, words):
         if case.title in rows:
             found.append(compared(case, rows[case.title]))
             print(found[-1], flush=True)
@@ -292,7 +283,7 @@ def summary(found):
 
 def write(words, how):
     """Compute rows with MuJoCo and put them into the file, one by one; 0."""
-    for case in chosen(words):
+    for case in chosen(CASES, words):
         row = stored().get(case.title)
         if how == "--slow":
             if row is None or not any(w.startswith("loss") for w in compared(case, row).wrong):
@@ -307,8 +298,3 @@ def write(words, how):
         numbers = f"lost {truth.factor:8.4f} jump {truth.jump:8.4f} slow {row.slow:8.4f} {truth.seconds:6.1f} s"
         print(f"{case.title:32s} {numbers}", flush=True)
     return 0
-
-
-def chosen(words):
-    """Cases whose titles hold one of the words; all without words."""
-    return [case for case in CASES if not words or any(word in case.title for word in words)]

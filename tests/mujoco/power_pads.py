@@ -10,14 +10,14 @@ such grasps are named where their forces are outside.
 
 from __future__ import annotations
 
-import json
 import pathlib
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from handlcp.simulator.object_body import pad_name
 from handlcp.simulator.simulation_run import SimulationRun
+from tests.mujoco.case import read_rows, write_rows
 from tests.mujoco.find_power_grasps import FILE as GRASPS, made
 
 FILE = pathlib.Path(__file__).with_name("power_pads.json")
@@ -76,13 +76,12 @@ def outside(grasp, forces):
 
 def stored():
     """Forces by the titles of grasps; nothing without the file."""
-    rows: dict[str, Any] = json.loads(FILE.read_text(encoding="utf-8")) if FILE.exists() else {}
-    return rows
+    return read_rows(FILE)
 
 
 def summary(grasps):
     """Print how many of the grasps are inside; whether all are of those that are stored."""
-    rows, known = stored(), json.loads(GRASPS.read_text(encoding="utf-8"))
+    rows, known = stored(), read_rows(GRASPS)
     found = {name: outside(made(known[name]), np.array(rows[name])) for name in grasps if name in rows}
     if not found:
         print("pads within a factor of two: none stored")
@@ -103,16 +102,14 @@ def summary(grasps):
 
 def main(words):
     """Compute them with MuJoCo, for the grasps whose titles hold one of the words, and put them into the file; 0."""
-    known = json.loads(GRASPS.read_text(encoding="utf-8"))
+    known = read_rows(GRASPS)
     for name in known:
         if words and not any(word in name for word in words):
             continue
         forces = theirs(made(known[name]), SEED)
         found = {} if forces is None else {name: np.round(forces, 5).tolist()}
         others = {title: row for title, row in stored().items() if title != name}
-        rows = dict(sorted((others | found).items()))
-        text = ",\n".join(f"{json.dumps(key)}: {json.dumps(row)}" for key, row in rows.items())
-        FILE.write_text(f"{{\n{text}\n}}\n", encoding="utf-8")
+        write_rows(FILE, dict(sorted((others | found).items())))
         said = "lost" if forces is None else f"largest {np.linalg.norm(forces, axis=1).max():.3f} N"
         print(f"{name:32s} {said}", flush=True)
     return 0

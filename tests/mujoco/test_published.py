@@ -10,6 +10,7 @@ import mujoco
 import handlcp as hl
 from handlcp.simulator import SimulatorSettings, simulate_limit
 from handlcp.studies.published.lift_and_shake import SHAKE_ACCELERATION, shake_grasp
+from tests.mujoco.case import started
 from tests.support.published import gripper
 from tests.support.squeezed import MU, G
 
@@ -29,10 +30,7 @@ def test_a_finger_that_presses_has_the_levers_of_mujocos_jacobian():
     hand = hl.example_hand("three_finger", joint_stiffness=6.0)
     cube = hl.Box(0.05, placement=(0, 0, 0.08))
     grasp = hand.at(hand.close_on(cube)).grasp(cube)
-    xml, state = hl.to_mujoco(grasp)
-    model = mujoco.MjModel.from_xml_string(xml)
-    data = mujoco.MjData(model)
-    state.put(model, data, 0.0, 0.0)
+    model, data, _ = started(grasp)
     for row in hl.finger_strength(hand, postures={"on the cube": grasp.state.q}).rows:
         J, body = np.zeros((3, model.nv)), model.body(row.finger.replace("_tip", "_distal")).id
         mujoco.mj_jac(model, data, J, None, row.at, body)
@@ -61,10 +59,7 @@ def test_a_ball_that_is_really_shaken_moves_as_far_or_falls(tmp_path, share, hol
     ours = shake_grasp(grasp, "sphere", WIDE, DOWN)
     assert ours.held is holds
     still = SimulatorSettings(object_mass=mass, object_damping=0.5)
-    xml, state = hl.to_mujoco(grasp.replace(gravity=G * DOWN), settings=still)
-    model = mujoco.MjModel.from_xml_string(xml)
-    data = mujoco.MjData(model)
-    state.put(model, data, 0.0, 0.0)
+    model, data, state = started(grasp.replace(gravity=G * DOWN), settings=still)
     z = model.jnt_qposadr[model.joint("object z").id]
     path, step, before = list[float](), model.opt.timestep, 0.4
     while data.time < before + 1.5 / HERTZ and abs(data.qpos[z]) < WIDE:

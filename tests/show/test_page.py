@@ -2,7 +2,6 @@
 
 import base64
 import gzip
-import json
 import pathlib
 import re
 import sys
@@ -21,16 +20,10 @@ from handlcp.geometry import Sphere
 from handlcp.hand import example_hand
 from handlcp.scene import load
 from handlcp.viz.loading.curves import solution_at_end
-from tests.support.browser import opened
+from tests.support.browser import data_of, opened
 
 EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
 NASTY = "</script><script>document.documentElement.dataset.pwned=1</script>\"' & <img src=x onerror=dataset.pwned=1>"
-
-
-def data_of(file):
-    """What the page's viewer reads."""
-    source = file.read_text(encoding="utf-8")
-    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', source, re.S)[1])
 
 
 def points_of(data, layer, frame):

@@ -14,6 +14,7 @@ from handlcp.viz.picture.body import environment_bodies, stub_bodies
 from handlcp.viz.picture.camera import fill_triangles
 from handlcp.viz.picture.figure import draw_solution
 from handlcp.viz.picture.overlay import friction_cone_rim
+from tests.show.picture_cases import ring
 from tests.support import patches
 from tests.support.grasp import arrays
 from tests.support.show import save
@@ -24,13 +25,6 @@ EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
 
 def volume(t):
     return float(np.einsum("ij,ij->i", t[:, 0], np.cross(t[:, 1], t[:, 2])).sum() / 6)
-
-
-def contacts_only(friction=None, squeeze=3e-3, load=-1.0):
-    law = Coulomb(0.5) if friction is None else friction
-    angles = np.radians([0, 120, 240])
-    contacts = [Contact(0.03 * np.array([np.cos(a), np.sin(a), 0]), (-np.cos(a), -np.sin(a), 0), law) for a in angles]
-    return Grasp(contacts, (0, 0, load, 0, 0, 0), flexibility=1e-3, preload=squeeze)
 
 
 @pytest.mark.parametrize("name", ["cube_three_fingers", "planar_ring", "allegro_pinch"])
@@ -50,7 +44,7 @@ def test_a_picture_is_written_and_shows_something(name, tmp_path):
 
 
 def test_a_grasp_that_does_not_hold_shows_the_way_out(tmp_path):
-    grasp = contacts_only(Frictionless())
+    grasp = ring(3, Frictionless())
     s = grasp.solve(throw=False)
     assert not s.held
     image = imread(save(grasp, s, tmp_path / "a.png"))[..., :3]
@@ -59,7 +53,7 @@ def test_a_grasp_that_does_not_hold_shows_the_way_out(tmp_path):
 
 
 def test_a_format_or_place_that_cannot_be_written_is_refused(tmp_path):
-    grasp = contacts_only()
+    grasp = ring(3)
     s = grasp.solve()
     with pytest.raises(InputError, match=r"\.png, \.svg, \.pdf"):
         save(grasp, s, tmp_path / "a.doc")
@@ -69,7 +63,7 @@ def test_a_format_or_place_that_cannot_be_written_is_refused(tmp_path):
 
 
 def test_without_matplotlib_the_message_says_what_to_install(monkeypatch):
-    grasp = contacts_only()
+    grasp = ring(3)
     s = grasp.solve()
     patches.without_module(monkeypatch, "matplotlib")
     with pytest.raises(Unsupported, match="pip install 'matplotlib>="):
@@ -127,4 +121,4 @@ def test_contacts_in_one_plane_share_a_slab_below_it():
     assert volume(table.triangles) == pytest.approx((0.04 + size) ** 2 * 0.1 * size), "it winds outwards"
     assert wall.triangles[..., 0].min() == pytest.approx(0.02)
     assert len(stub_bodies(grasp)) == 1, "a rod for the finger alone"
-    assert environment_bodies(contacts_only()) == []
+    assert environment_bodies(ring(3)) == []

@@ -6,11 +6,11 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.patches import Polygon
-from matplotlib.text import Text
 
 from handlcp.viz.picture.figure import draw_solution
+from tests.show import figures
+from tests.show.figures import extents, over
 from tests.show.picture_cases import CASES, case
 from tests.support import patches
 
@@ -34,20 +34,7 @@ def coarse(monkeypatch):
 def drawn(name):
     grasp, solution, obj, title = case(name)
     figure = draw_solution(grasp, solution, obj, title)
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    return figure, canvas.get_renderer()
-
-
-def boxes(figure, renderer):
-    """(words, box in pixels) of everything that is written."""
-    shown = [*figure.texts, *figure.legends[0].get_texts(), *(t for ax in figure.axes for t in ax.texts)]
-    return [(t.get_text(), Text.get_window_extent(t, renderer)) for t in shown if t.get_text()]
-
-
-def over(a, b):
-    """How far two boxes overlap [pixels]."""
-    return min(min(a.x1, b.x1) - max(a.x0, b.x0), min(a.y1, b.y1) - max(a.y0, b.y0))
+    return figure, figures.drawn(figure)
 
 
 def lines_of_labels(ax):
@@ -72,13 +59,10 @@ def test_every_word_can_be_read_and_no_lines_cross(name):
 
 def words_stand_alone(figure, renderer):
     """On the page, and over nothing."""
-    written, page = boxes(figure, renderer), figure.bbox
+    shown = [*figure.texts, *figure.legends[0].get_texts(), *(t for ax in figure.axes for t in ax.texts)]
+    written = extents(shown, renderer)
     assert len(written) > 8
-    for words, box in written:
-        inside = page.x0 - 1 <= box.x0 and box.x1 <= page.x1 + 1 and page.y0 - 1 <= box.y0 and box.y1 <= page.y1 + 1
-        assert inside, f"{words!r} leaves the page"
-    for (words, a), (others, b) in combinations(written, 2):
-        assert over(a, b) < 3.0, f"{words!r} over {others!r}"
+    figures.words_stand_alone(written, figure.bbox)
     ax = figure.axes[0]
     arrows = [p.get_transform().transform(p.get_xy()) for p in ax.patches if isinstance(p, Polygon) and p.zorder >= 6]
     points = [ax.transData.transform(line.get_xydata())[0] for line in ax.lines if 7 <= line.get_zorder() < 8]
@@ -98,7 +82,7 @@ def lines_stand_alone(ax, renderer):
     for a, b in combinations(lines, 2):
         same_side = (a[1, 0] - a[0, 0]) * (b[1, 0] - b[0, 0]) > 0
         assert not (same_side and cross(a[1], a[2], b[1], b[2]))
-    for words, box in [(t.get_text(), Text.get_window_extent(t, renderer)) for t in ax.texts]:
+    for words, box in extents(ax.texts, renderer):
         for line in lines:
             along = np.linspace(0.02, 1.0, 60)[:, None]
             way = np.vstack([line[0] + along * (line[1] - line[0]), line[1] + along * (line[2] - line[1])])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 import subprocess
@@ -43,6 +44,12 @@ class Opened(HTMLParser):
         found = re.search(rf'<[^>]*\bid="{name}"[^>]*>', self.source)
         assert found, name
         return bool(re.search(r"\bhidden\b", found.group()))
+
+
+def data_of(page):
+    """What the viewer of a page reads."""
+    source = page.read_text(encoding="utf-8")
+    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', source, re.S)[1])
 
 
 def opened(page, folder, at=""):

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array
 from handlcp.errors import InputError
 from handlcp.studies.accuracy.cost import UNDETERMINED
-from handlcp.studies.accuracy.result import AccuracyCost, FaceLaw
+from handlcp.studies.accuracy.on_paths import FOLLOW, LIMIT, PathCost
+from handlcp.studies.accuracy.result import AccuracyCost
 from handlcp.viz.accuracy.time_panel import FLOOR, ROUNDING, time_panel
 from handlcp.viz.output_file import Figure, draw_or_save, new_figure
 from handlcp.viz.style import (
@@ -25,14 +25,17 @@ from handlcp.viz.style import (
     RED,
     SMALL_SIZE,
     TEXT_SIZE,
+    capitalise,
     set_error_ticks,
     set_number_ticks,
+    set_time_ticks,
     style_panel,
     write_in_middle,
 )
 
 WIDTH, ROW, FOOT = 9.5, 4.2, 0.42  # inches
-HEAD = 12.5  # points
+HEAD_STYLE: dict[str, Any] = {"fontsize": 12.5, "weight": "bold", "color": INK, "va": "top", "parse_math": False}
+NOTE_STYLE: dict[str, Any] = {"fontsize": SMALL_SIZE, "color": GREY, "va": "bottom"}
 
 Costs = AccuracyCost | tuple[str, AccuracyCost] | Sequence[tuple[str, AccuracyCost]]
 
@@ -53,9 +56,7 @@ def draw(costs: Costs) -> Figure:
     figure = new_figure(figsize=(WIDTH, inches), dpi=100)
     for k, (title, cost) in enumerate(scenes):
         top = inches - ROW * k
-        figure.text(
-            0.012, (top - 0.08) / inches, title, fontsize=HEAD, weight="bold", color=INK, va="top", parse_math=False
-        )
+        figure.text(0.012, (top - 0.08) / inches, title, **HEAD_STYLE)
         figure.text(0.012, (top - 0.36) / inches, f"{cost.summary}.", fontsize=TEXT_SIZE, color=INK, va="top")
         _row(figure, cost, (top - 3.72) / inches, 2.95 / inches)
     c = scenes[0][1].conditions
@@ -65,7 +66,7 @@ def draw(costs: Costs) -> Figure:
         "Errors are against the certified equilibrium on the exact cone. "
         f"handlcp {c.handlcp}, Python {c.python}, {c.machine}, {c.processors} processors, {c.date[:10]}."
     )
-    figure.text(0.012, 0.06 / inches, note, fontsize=SMALL_SIZE, color=GREY, va="bottom", linespacing=1.3)
+    figure.text(0.012, 0.06 / inches, note, linespacing=1.3, **NOTE_STYLE)
     return figure
 
 
@@ -128,7 +129,16 @@ def faces_panel(ax: Any, cost: AccuracyCost) -> None:
         write_in_middle(ax, "Faces make no\ndifference here:\neach pyramid is as\nexact as the cone.")
     else:
         if (law := cost.law()) is not None:
-            _guides(ax, law, faces, lowest / 1.5)
+            # Lines for 1/m and 1/m² from the start of the fitted law down, and the law's exponent
+            begin, low = law.factor * float(faces[0]) ** -law.exponent, lowest / 1.5
+            for power, dash in ((1, (0, (5, 2))), (2, (0, (1.2, 1.6)))):
+                label = f"∝ 1/m{'²' if power == 2 else ''}"
+                longest = float(faces[0]) * max(begin / low, 1.0) ** (1.0 / power)
+                ends = np.array([faces[0], min(float(faces[-1]), longest)])
+                heights = begin * (ends / faces[0]) ** -power
+                ax.plot(ends, heights, color=GUIDE, linewidth=1.2, linestyle=dash, label=label)
+            fit, at = f"fitted: 1/m$^{{{law.exponent:.1f}}}$", {"transform": ax.transAxes, "ha": "right", "va": "top"}
+            ax.text(0.985, 0.97, fit, fontsize=SMALL_SIZE, color=BLUE, **at)
         if any(r.section == "exact" and r.status == "certified" for r in cost.rows):
             power = int(np.floor(np.log10(max(cost.reference.residual, FLOOR))))
             words = f"exact cone: 10$^{{{power}}}$"
@@ -136,18 +146,6 @@ def faces_panel(ax: Any, cost: AccuracyCost) -> None:
     ax.legend(loc="upper right" if lowest < ROUNDING else "lower left", fontsize=SMALL_SIZE, **LEGEND)
     set_number_ticks(ax.xaxis, [m for m in (4, 8, 16, 32, 64, 128, 256, 512, 1024) if m in faces] or faces)
     set_error_ticks(ax)
-
-
-def _guides(ax: Any, law: FaceLaw, faces: Array, low: float) -> None:
-    """Lines for 1/m and 1/m² from the start of the fitted law down to an error `low`, and the law's exponent."""
-    begin = law.factor * float(faces[0]) ** -law.exponent
-    for power, dash in ((1, (0, (5, 2))), (2, (0, (1.2, 1.6)))):
-        label = f"∝ 1/m{'²' if power == 2 else ''}"
-        last = min(float(faces[-1]), float(faces[0]) * (begin / low) ** (1.0 / power)) if begin > low else faces[0]
-        ends = np.array([faces[0], last])
-        ax.plot(ends, begin * (ends / faces[0]) ** -power, color=GUIDE, linewidth=1.2, linestyle=dash, label=label)
-    fit = f"fitted: 1/m$^{{{law.exponent:.1f}}}$"
-    ax.text(0.985, 0.97, fit, transform=ax.transAxes, fontsize=SMALL_SIZE, color=BLUE, ha="right", va="top")
 
 
 # ----------------------------------------------------------------
@@ -197,3 +195,47 @@ def left_out_panel(ax: Any, cost: AccuracyCost) -> None:
         spacing = {"handletextpad": 0.0, "columnspacing": 0.6, "borderaxespad": 0.0}
         place = {"loc": "lower left", "bbox_to_anchor": (-0.05, 0.07 if dagger else 0.0)}
         ax.legend(ncols=3, fontsize=SMALL_SIZE, frameon=False, **place, **spacing)
+
+
+# ----------------------------------------------------------------
+# What accuracy costs on a path: error against time for each question, and its estimate.
+
+PATH_WIDTH, PATH_HEIGHT = 10.0, 4.6  # inches
+PATH_PANELS = (
+    (FOLLOW, "follow: forces at the end", "error, of the largest force", BLUE),
+    (LIMIT, "load_limit: the factor", "error, of the factor", RED),
+)
+
+
+def draw_path_cost(cost: PathCost, title: str = "") -> Figure:
+    """Draw both panels of error against time. Raises Unsupported without matplotlib."""
+    made = new_figure(figsize=(PATH_WIDTH, PATH_HEIGHT), dpi=100)
+    made.text(0.012, 0.975, title, **HEAD_STYLE)
+    made.text(0.012, 0.905, capitalise(cost.summary), fontsize=TEXT_SIZE, color=INK, va="top")
+    for k, (question, name, error, colour) in enumerate(PATH_PANELS):
+        ax, rows = made.add_axes((0.085 + 0.5 * k, 0.19, 0.4, 0.58)), cost.of(question)
+        style_panel(ax, name, "time of one call", error)
+        ax.set_xscale("log")
+        ax.set_yscale("log")
+        seconds = np.array([r.seconds for r in rows])
+        off, estimate = np.array([(max(r.error, 1e-16), np.maximum(r.estimate, 1e-16)) for r in rows]).T
+        ax.plot(seconds, estimate, color=colour, linewidth=1.2, linestyle=(0, (4, 2.5)), alpha=0.8)
+        ax.plot(seconds, off, "o-", color=colour, linewidth=1.5, markersize=5.5, markeredgecolor="white")
+        first, end, last = float(seconds.min()) / 2.0, float(seconds.max()) * 1.6, 0.0
+        for row, x, y in zip(rows, seconds, off, strict=True):
+            if x < last * (end / first) ** 0.06:  # no room for another number
+                continue
+            last = x
+            style = {"fontsize": SMALL_SIZE, "color": INK, "ha": "right", "va": "top"}
+            ax.annotate(f"{row.steps}", (x, y), (-3, -5), textcoords="offset points", **style)
+        ax.set_xlim(first, end)
+        both = np.concatenate([off, estimate[np.isfinite(estimate)]])
+        ax.set_ylim(float(both.min()) / 4.0, float(both.max()) * 2.5)
+        set_time_ticks(ax)
+        set_error_ticks(ax)
+    note = (
+        "Full: against the finest steps. Dashed: the estimate beside the answer, 1.5 × the change since half as many. "
+        "Numbers: steps taken."
+    )
+    made.text(0.012, 0.02, note, **NOTE_STYLE)
+    return made

@@ -168,6 +168,7 @@ SIZES = {"*": 15.0, "X": 7.5, "P": 7.0}  # of the markers that would look small 
 
 
 def time_panel(ax: Any, cost: AccuracyCost) -> None:
+    """All settings as points; each method's best ones as a line, with the quartiles of their times."""
     style_panel(ax, "Force error against time", "time of one call", "force error, of the largest force")
     ax.set_xscale("log")
     ax.set_yscale("function", functions=(_stretch, _shrink))
@@ -178,8 +179,14 @@ def time_panel(ax: Any, cost: AccuracyCost) -> None:
             colour, marker = STYLE.get(method, ("#4D4D4D", "o"))
             every = _points([r for r in shown if r.method == method])
             ax.plot(*every.T, marker, color=colour, markersize=2.6, alpha=0.35, markeredgewidth=0, zorder=3)
-            _curve(ax, front, colour, marker)
-            curves.append(CurveLabel(method, colour, _points(front)))
+            best = _points(front)
+            quartiles = np.array([(r.seconds_low or 0, r.seconds_high or 0) for r in front])
+            spread = abs(quartiles - best[:, :1]).T
+            ax.errorbar(*best.T, xerr=spread, fmt="none", ecolor=colour, elinewidth=0.9, zorder=4)
+            above = 5.5 if marker == "P" else 5  # crosses on top
+            look = {"marker": marker, "markersize": SIZES.get(marker, 5.5), "markeredgecolor": "white"}
+            ax.plot(*best.T, "-", color=colour, linewidth=1.5, zorder=above, markeredgewidth=0.7, **look)
+            curves.append(CurveLabel(method, colour, best))
     if not curves:
         return write_in_middle(ax, "nothing ran within the budget")
     times, errors = _points(shown).T
@@ -187,9 +194,8 @@ def time_panel(ax: Any, cost: AccuracyCost) -> None:
     ax.set_ylim(FLOOR / 8, min(max(20.0, 4.0 * float(errors.max())), 1e3))
     ax.axhspan(FLOOR / 8, ROUNDING, color="#F0F0F0", zorder=0)
     ax.axhline(COARSE, color="#B5B5B5", linewidth=0.8, linestyle=(0, (1, 2)), zorder=1)
-    ax.text(
-        0.985, 0.02, "rounding", transform=ax.transAxes, fontsize=SMALL_SIZE, color="#666666", ha="right", va="bottom"
-    )
+    corner = {"transform": ax.transAxes, "ha": "right", "va": "bottom"}
+    ax.text(0.985, 0.02, "rounding", fontsize=SMALL_SIZE, color="#666666", **corner)
     set_time_ticks(ax)
     set_error_ticks(ax)
     exact = [c for c in curves if len(c.points) == 1 and c.points[0, 1] == FLOOR]
@@ -197,15 +203,6 @@ def time_panel(ax: Any, cost: AccuracyCost) -> None:
     written = ladder(ax, exact, SMALL_SIZE, curved)
     ends = [(t, e) for r, (_, e) in zip(shown, _points(shown), strict=True) for t in (r.seconds_low, r.seconds_high)]
     write(ax, curved, SMALL_SIZE, np.array(ends, dtype=float), written)
-
-
-def _curve(ax: Any, front: Sequence[Row], colour: str, marker: str) -> None:
-    """A method's best settings, with the quartiles of their times."""
-    best = _points(front)
-    quartiles = np.array([(r.seconds_low or 0, r.seconds_high or 0) for r in front])
-    ax.errorbar(*best.T, xerr=abs(quartiles - best[:, :1]).T, fmt="none", ecolor=colour, elinewidth=0.9, zorder=4)
-    look = {"marker": marker, "markersize": SIZES.get(marker, 5.5), "markeredgecolor": "white", "markeredgewidth": 0.7}
-    ax.plot(*best.T, "-", color=colour, linewidth=1.5, zorder=5.5 if marker == "P" else 5, **look)  # crosses on top
 
 
 def _stretch(error: Array) -> Array:

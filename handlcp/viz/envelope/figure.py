@@ -27,7 +27,7 @@ from handlcp.viz.envelope.surface import (
     cut_by_plane,
     make_surface,
 )
-from handlcp.viz.output_file import Figure, new_figure
+from handlcp.viz.output_file import Figure
 from handlcp.viz.picture.body import Body
 from handlcp.viz.picture.camera import Camera, ViewLimits
 from handlcp.viz.picture.content import PictureContent
@@ -40,8 +40,10 @@ from handlcp.viz.style import (
     LEFT_MARGIN,
     SMALL_SIZE,
     TEXT_SIZE,
+    capitalise,
     draw_sentences,
     draw_title,
+    figure_below,
     hex_to_rgb,
     text_width,
 )
@@ -63,34 +65,26 @@ def draw_envelope_heading(figure: Any, env: Envelope, title: str) -> float:
 
 def envelope_sentences(env: Envelope) -> list[str]:
     """The weakest direction, what compliance gives away, what stays where it is."""
-    return [
-        f"{text[:1].upper()}{text[1:]}."
-        for text in (envelope_headline(env), describe_compliance(env), describe_geometry(env))
-        if text
-    ]
-
-
-def legend_lines(env: Envelope, s: EnvelopeSurface, bound: str) -> list[tuple[str, str, str]]:
-    """(kind, colour, text) of each line; kind: "patch", or how the bound is drawn."""
-    found = []
-    for key in s.keys:
-        least = "" if key.colour == NO_CAUSE_COLOUR else f", {key.least:.3g} {env.unit}".rstrip() + " and more"
-        least = ", drawn as far as the bound" if np.isnan(key.least) else least
-        found.append(("patch", key.colour, f"{key.says}: {words.format_percent(key.share)}{least}"))
-    if s.has_visible_bound:
-        found.append((bound, INK, "without compliance: friction and torque limits alone"))
-    return found
+    told = envelope_headline(env), describe_compliance(env), describe_geometry(env)
+    return [capitalise(text) for text in told if text]
 
 
 class CauseLegend:
     """The colours of an envelope with their causes, written in two columns.
 
     bound : how the limit without compliance is drawn, "line" or "dashed".
+    lines : (kind, colour, text) of each; kind: "patch", or how the bound is drawn.
     height : inches that the legend takes, with its heading.
     """
 
     def __init__(self, env: Envelope, s: EnvelopeSurface, bound: str = "dashed") -> None:
-        self.lines = legend_lines(env, s, bound)
+        self.lines = list[tuple[str, str, str]]()
+        for key in s.keys:
+            least = "" if key.colour == NO_CAUSE_COLOUR else f", {key.least:.3g} {env.unit}".rstrip() + " and more"
+            least = ", drawn as far as the bound" if np.isnan(key.least) else least
+            self.lines.append(("patch", key.colour, f"{key.says}: {words.format_percent(key.share)}{least}"))
+        if s.has_visible_bound:
+            self.lines.append((bound, INK, "without compliance: friction and torque limits alone"))
         cut = f"{s.reach:.3g} {env.unit}".rstrip()
         self.note = f"Cut at {cut}: what reaches farther is drawn there." if s.cut else ""
         self.rows = (len(self.lines) + 1) // 2
@@ -105,10 +99,8 @@ class CauseLegend:
         style: dict[str, Any] = {"fontsize": SMALL_SIZE, "va": "center"}
         figure.text(LEFT_MARGIN, 1.0 - (top + 0.1) / tall, LEGEND_TITLE, weight="bold", color=INK, **style)
         for k, (kind, colour, text) in enumerate(self.lines):
-            x, y = (
-                LEFT_MARGIN + LEGEND_COLUMN * (k // self.rows),
-                1.0 - (top + 0.34 + LEGEND_ROW * (k % self.rows)) / tall,
-            )
+            column, row = divmod(k, self.rows)
+            x, y = LEFT_MARGIN + LEGEND_COLUMN * column, 1.0 - (top + 0.34 + LEGEND_ROW * row) / tall
             if kind == "patch":
                 look: dict[str, Any] = {"facecolor": colour, "edgecolor": "#55555566", "linewidth": 0.5}
                 mark: Any = Rectangle((x, y - 0.06 / tall), 0.24 / wide, 0.12 / tall, **look)
@@ -148,11 +140,8 @@ def draw_polar_envelope(env: Envelope, title: str = "") -> Figure:
     planes = [env.plane] if env.plane is not None else [np.eye(3)[list(axes)] for axes in ((0, 1), (1, 2), (0, 2))]
     side = SINGLE_PANEL_SIDE if len(planes) == 1 else PANEL_SIDE
     legend = CauseLegend(env, s)
-    draft = new_figure(figsize=(POLAR_WIDTH, 8.0), dpi=100)
-    above = draw_envelope_heading(draft, env, title)
-    tall = above + side + 0.15 + legend.height
-    figure = new_figure(figsize=(POLAR_WIDTH, tall), dpi=100)
-    draw_envelope_heading(figure, env, title)
+    rooms = side, 0.15, legend.height
+    figure, above, tall = figure_below(POLAR_WIDTH, lambda drawn: draw_envelope_heading(drawn, env, title), *rooms)
     for k, axes in enumerate(planes):
         left = (POLAR_WIDTH - len(planes) * side) / 2 + k * side
         ax = figure.add_axes((left / POLAR_WIDTH, 1.0 - (above + side + 0.1) / tall, side / POLAR_WIDTH, side / tall))
@@ -251,10 +240,9 @@ def draw_envelope(env: Envelope, title: str = "") -> Figure:
         return draw_polar_envelope(env, title)
     s = make_surface(env)
     legend = CauseLegend(env, s, "line")
-    above = draw_envelope_heading(new_figure(figsize=(PICTURE_WIDTH, 8.0), dpi=100), env, title) + 0.32
-    tall = above + PANEL_HEIGHT + 0.12 + legend.height
-    drawn = new_figure(figsize=(PICTURE_WIDTH, tall), dpi=100)
-    draw_envelope_heading(drawn, env, title)
+    rooms = 0.32, PANEL_HEIGHT, 0.12, legend.height
+    drawn, above, tall = figure_below(PICTURE_WIDTH, lambda figure: draw_envelope_heading(figure, env, title), *rooms)
+    above += 0.32
     shown = PictureContent(env.grasp, env.grasp.solve(throw=False), None)
     camera = shown.camera
     behind = Camera(camera.axes * np.array([[-1.0], [1.0], [-1.0]]))
@@ -329,15 +317,8 @@ def _draw_axes(ax: Any, camera: Camera, s: EnvelopeSurface, before: Any) -> None
         ax.plot(*flat.T, color=GREY, linewidth=1.0, zorder=3.5)
         if seen[-1] and np.linalg.norm(camera.project(way)) > 0.2:
             end = camera.project(1.13 * s.reach * way)
-            style = {
-                "fontsize": SMALL_SIZE,
-                "weight": "bold",
-                "color": GREY,
-                "ha": "center",
-                "va": "center",
-                "zorder": 8,
-            }
-            ax.text(*end, format_direction(way), **style).set_path_effects([halo])
+            style = {"weight": "bold", "color": GREY, "ha": "center", "va": "center", "zorder": 8}
+            ax.text(*end, format_direction(way), fontsize=SMALL_SIZE, **style).set_path_effects([halo])
 
 
 def _draw_weakest(ax: Any, camera: Camera, env: Envelope, s: EnvelopeSurface, before: Any) -> None:
@@ -349,19 +330,12 @@ def _draw_weakest(ax: Any, camera: Camera, env: Envelope, s: EnvelopeSurface, be
     if before(point[None] * 1.02)[0, 0] > 0.03 * s.reach or not 0.0 < w.factor < np.inf:
         return
     at = camera.project(point)
-    ax.plot(
-        *at, "o", markersize=6.5, markerfacecolor=WEAKEST_COLOUR, markeredgecolor="white", markeredgewidth=1.0, zorder=9
-    )
+    look = {"markerfacecolor": WEAKEST_COLOUR, "markeredgecolor": "white", "markeredgewidth": 1.0}
+    ax.plot(*at, "o", markersize=6.5, zorder=9, **look)
     away = 1.0 if at[0] >= 0 else -1.0
     end = np.array([away * 0.62 * s.reach, at[1] + 0.45 * s.reach * (1.0 if at[1] >= 0 else -1.0)])
     ax.plot([at[0], end[0]], [at[1], end[1]], color=WEAKEST_COLOUR, linewidth=0.9, zorder=8.5)
-    style: dict[str, Any] = {
-        "fontsize": SMALL_SIZE,
-        "color": WEAKEST_COLOUR,
-        "weight": "bold",
-        "va": "center",
-        "zorder": 9,
-    }
+    style: dict[str, Any] = {"color": WEAKEST_COLOUR, "weight": "bold", "va": "center", "zorder": 9}
     says = f"weakest\n{format_factor(env, w.factor).partition(' (')[0]}"
-    text = ax.text(*end, says, ha="left" if away > 0 else "right", **style)
+    text = ax.text(*end, says, fontsize=SMALL_SIZE, ha="left" if away > 0 else "right", **style)
     text.set_path_effects([patheffects.withStroke(linewidth=2.5, foreground="white")])

@@ -15,8 +15,8 @@ from handlcp.studies.envelope import Envelope, Extreme
 from handlcp.studies.envelope.result import format_direction, format_factor
 from handlcp.viz.envelope.figure import envelope_sentences
 from handlcp.viz.envelope.surface import EnvelopeSurface, border_lines, bound_lines, make_surface
-from handlcp.viz.output_file import check_page_path, read_web_files
-from handlcp.viz.page.document import PageTexts, legend_layers, solid_data, view_data, write_viewer_page
+from handlcp.viz.output_file import check_page_path
+from handlcp.viz.page.document import legend_layers, read_page_texts, solid_data, view_data, write_viewer_page
 from handlcp.viz.page.frame import PageFrames, snapshot_of_solution
 from handlcp.viz.page.mesh import MeshPack, drawing_notes, make_parts
 from handlcp.viz.picture import camera
@@ -52,20 +52,16 @@ def choose_view_axes(point: Array, axes: Array, up: Array, centre: Array, solids
         height = np.arcsin(np.clip(towards @ up, -1.0, 1.0))
         return float(abs(height - usual) + 0.5 * np.arccos(np.clip(towards @ way, -1.0, 1.0)))
 
-    for towards in sorted([t for tilt in np.radians(_VIEW_TILTS) for t in _tilted_directions(way, tilt)], key=unlike):
+    aside = np.cross(way, np.eye(3)[int(abs(way).argmin())])
+    aside /= np.linalg.norm(aside)
+    turns = 2.0 * np.pi * np.arange(_VIEWS_AROUND) / _VIEWS_AROUND
+    around = [np.cos(turn) * aside + np.sin(turn) * np.cross(way, aside) for turn in turns]
+    tilted = [np.cos(tilt) * way + np.sin(tilt) * a for tilt in np.radians(_VIEW_TILTS) for a in around]
+    for towards in sorted(tilted, key=unlike):
         here = _upright_axes(towards, up)
         if here[2] @ way > 0.5 and not _is_hidden(centre + _OCCLUSION_MARGIN * point, here[2], solids):
             return here
     return _upright_axes(way, up)
-
-
-def _tilted_directions(way: Array, tilt: float) -> list[Array]:
-    """Unit vectors at this angle from a way, all around it."""
-    other = np.eye(3)[int(abs(way).argmin())]
-    a = np.cross(way, other) / np.linalg.norm(np.cross(way, other))
-    b = np.cross(way, a)
-    turns = 2.0 * np.pi * np.arange(_VIEWS_AROUND) / _VIEWS_AROUND
-    return [np.cos(tilt) * way + np.sin(tilt) * (np.cos(t) * a + np.sin(t) * b) for t in turns]
 
 
 def _upright_axes(towards: Array, up: Array) -> Array:
@@ -73,9 +69,8 @@ def _upright_axes(towards: Array, up: Array) -> Array:
     flat: Array = towards - (towards @ up) * up
     size = float(np.linalg.norm(flat))
     level = flat / size if size > 1e-9 else np.eye(3)[int(abs(up).argmin())]
-    angle = np.clip(
-        np.arcsin(np.clip(towards @ up, -1.0, 1.0)), -np.radians(_MAX_ELEVATION), np.radians(_MAX_ELEVATION)
-    )
+    steepest = np.radians(_MAX_ELEVATION)
+    angle = np.clip(np.arcsin(np.clip(towards @ up, -1.0, 1.0)), -steepest, steepest)
     return camera.camera_against(np.cos(angle) * level + np.sin(angle) * up, up).axes
 
 
@@ -97,8 +92,6 @@ def _is_hidden(point: Array, towards: Array, triangles: Array) -> bool:
 
 # ----------------------------------------------------------------
 
-_OWN_FILES = ("stage.html", "tables.html", "envelope.css", "ball.js", "envelope.js")
-_SHARED_FILES = ("solids.js", "marks.js", "labels.js", "view.js", "panel.js")
 _SURFACE_REACH = 2.2  # of the surface, in sizes of the grasp
 _LOAD_NOTES = {
     "force": "How large a force on the object the grasp holds, in each direction.",
@@ -118,8 +111,7 @@ def write_envelope_page(env: Envelope, path: Any, title: str = "") -> Path:
     target = check_page_path(path)
     if not len(env.triangles):
         raise InputError("directions", "directions all around, for a page", f"{len(env.factors)} that do not lie so")
-    stage, tables, style, *scripts = read_web_files(*_OWN_FILES, package="handlcp.viz.envelope")
-    own = PageTexts(stage, tables, style, [*read_web_files(*_SHARED_FILES), *scripts, *read_web_files("opened.js")])
+    own = read_page_texts("handlcp.viz.envelope", "envelope.css", "ball.js", "envelope.js")
     items = "".join(f"<li>{escape(line)}</li>" for line in envelope_sentences(env))
     return write_viewer_page(target, title, f'<ul class="reasons">{items}</ul>', _envelope_data(env), own)
 

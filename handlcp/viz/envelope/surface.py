@@ -54,7 +54,11 @@ def assign_colours(causes: Sequence[Sector]) -> tuple[tuple[ColourKey, ...], Int
     used = dict[str, int]()
     found, rest = list[ColourKey](), list[int]()
     for k, cause in enumerate(causes):
-        colour = NO_CAUSE_COLOUR if not cause.binds else _next_shade(cause.binds[0].kind, used)
+        colour: str | None = NO_CAUSE_COLOUR
+        if cause.binds:  # the next shade of its hue, where some are left
+            kind = cause.binds[0].kind
+            used[kind] = used.get(kind, -1) + 1
+            colour = next(iter(CAUSE_SHADES[kind][used[kind] :]), None)
         if colour is None or (len(found) == MAX_COLOURED_CAUSES and len(causes) > MAX_COLOURED_CAUSES + 1):
             rest.append(k)
         else:
@@ -68,13 +72,6 @@ def assign_colours(causes: Sequence[Sector]) -> tuple[tuple[ColourKey, ...], Int
     for j, key in enumerate(found):
         number[list(key.causes)] = j
     return tuple(found), number
-
-
-def _next_shade(kind: str, used: dict[str, int]) -> str | None:
-    """The next shade of a hue; None where all have been given away."""
-    shades = CAUSE_SHADES[kind]
-    k = used[kind] = used.get(kind, -1) + 1
-    return shades[k] if k < len(shades) else None
 
 
 # ----------------------------------------------------------------

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -88,7 +88,8 @@ class Panel:
 
 
 def make_panels(spec: GraspSpec, forces: Array, used: Array | None, displacement: Array, torques: Array) -> list[Panel]:
-    """Normal forces, friction, motion and turn of the object, joint torques: those that this grasp has.
+    """Normal forces, friction, motion and turn of the object along the world's axes, joint torques: those that this
+    grasp has.
 
     forces (m, n, 3) [N], displacement (m, 6) [m, rad], torques (m, nv) [N·m] : at m places. used (m, n) : shares of the
     friction limits; None: not known, and no friction is shown.
@@ -100,7 +101,12 @@ def make_panels(spec: GraspSpec, forces: Array, used: Array | None, displacement
     out = [Panel("Normal force [N]", _make_curves(names, colours, forces[:, :, 2]), every)]
     if used is not None and (scene.mu > 0).any():
         out.append(Panel("Friction [% of its limit]", _make_curves(names, colours, 100.0 * used), every, 100.0))
-    out += _make_motion_panels(displacement)
+    along, move, turn = (RED, GREEN, BLUE), displacement[:, :3], displacement[:, 3:]
+    unit = words.choose_length_unit(move.ravel().tolist())
+    title = f"Motion of the object [{unit.name}]"
+    out.append(Panel(title, _make_curves("xyz", along, move / unit.size), "x, y, z"))
+    if has_visible_turn(turn):
+        out.append(Panel("Turn of the object [°]", _make_curves("xyz", along, np.degrees(turn)), "x, y, z"))
     if mechanism is not None:
         out.append(_make_torque_panel(mechanism.names, torques, mechanism.limits))
     return out
@@ -108,15 +114,6 @@ def make_panels(spec: GraspSpec, forces: Array, used: Array | None, displacement
 
 def _make_curves(names: Sequence[str], colours: Sequence[str], values: Array) -> tuple[Curve, ...]:
     return tuple([Curve(*each) for each in zip(names, colours, values.T, strict=True)])
-
-
-def _make_motion_panels(displacement: Array) -> Iterator[Panel]:
-    """Of the object since the start, along the world's axes; and its turn, where it turns."""
-    colours, move, turn = (RED, GREEN, BLUE), displacement[:, :3], displacement[:, 3:]
-    unit = words.choose_length_unit(move.ravel().tolist())
-    yield Panel(f"Motion of the object [{unit.name}]", _make_curves("xyz", colours, move / unit.size), "x, y, z")
-    if has_visible_turn(turn):
-        yield Panel("Turn of the object [°]", _make_curves("xyz", colours, np.degrees(turn)), "x, y, z")
 
 
 def _make_torque_panel(names: Sequence[str], torques: Array, limits: Array) -> Panel:
@@ -144,63 +141,46 @@ _CROWDED_STAGES = 5  # stages from which on only their ends have a tick
 _MAX_QUARTERED_STAGES = 2  # stages up to which every quarter has one
 
 
-class PanelAxis(Protocol):
+@dataclass(frozen=True, slots=True)
+class PanelAxis:
     """What panels need of the axis along x, which begins at 0.
 
     places (m,) : place of each point of the curves.
-    lost_at : where the path ends before the axis does; None where it does not.
-    lost_label : how that is marked.
+    lost_at : where the path ends before the axis does; None where it does not. lost_label : how that is marked.
     end : where the axis ends.
+    draw_ticks : draws ticks into axes, with their names below them if the second argument says so.
     """
 
     places: Array
     lost_at: float | None
     lost_label: str
     end: float
-
-    def draw_ticks(self, ax: Any, named: bool) -> None:
-        """Ticks along x, with their names below them if asked for."""
+    draw_ticks: Callable[[Any, bool], None]
 
 
-class StageAxis:
-    """The axis of a loading: stage k lies from k to k + 1.
+def stage_axis(loading: Loading) -> PanelAxis:
+    """The axis of a loading: stage k lies from k to k + 1."""
+    stages, n = loading.stages, len(loading.stages)
 
-    places (m,) : place of each step.
-    lost_at : where the object is lost; None where it is not.
-    lost_label : how that is marked.
-    end : where the last stage ends.
-    """
-
-    def __init__(self, loading: Loading) -> None:
-        self.stages = loading.stages
-        self.places: Array = loading.steps.stage + loading.steps.share
-        lost = [e.number + e.share for e in loading.events if e.kind == "lost"]
-        self.lost_at: float | None = lost[0] if lost else None
-        self.lost_label, self.end = "lost", float(len(self.stages))
-
-    def draw_ticks(self, ax: Any, named: bool) -> None:
-        """Shares of the stages along x, with their names below them if asked for."""
+    def draw_ticks(ax: Any, named: bool) -> None:
         from matplotlib.ticker import FixedFormatter, FixedLocator
 
-        n = len(self.stages)
         shares = (0.25, 0.5, 0.75) if n <= _MAX_QUARTERED_STAGES else (0.5,) if n < _CROWDED_STAGES else ()
         places = [0.0, *(k + share for k in range(n) for share in (*shares, 1.0))]
-        ax.set_xlim(0.0, self.end)
+        texts = ["0", *([f"{100 * share:.0f} %" for share in shares] + ["100 %"]) * n]
+        ax.set_xlim(0.0, n)
         ax.xaxis.set_major_locator(FixedLocator(places))
-        ax.xaxis.set_major_formatter(FixedFormatter([_format_stage_share(x) for x in places]))
+        ax.xaxis.set_major_formatter(FixedFormatter(texts))
         ax.tick_params(labelbottom=named, labelsize=SMALL_SIZE)
         for k in range(1, n):
             ax.axvline(k, color="#9A9A9A", linewidth=0.9, zorder=1.5)
-        for k, name in enumerate(self.stages if named else ()):
+        for k, name in enumerate(stages if named else ()):
             style = {"fontsize": TEXT_SIZE, "weight": "bold", "color": INK, "ha": "center", "va": "top"}
             across = (ax.transAxes.inverted().transform(ax.transData.transform((k + 0.5, 0.0))))[0]
             ax.annotate(name, (across, 0.0), (0.0, -19.0), "axes fraction", textcoords="offset points", **style)
 
-
-def _format_stage_share(x: float) -> str:
-    """Of the stage that ends or goes on there."""
-    share = x % 1.0
-    return "0" if x == 0.0 else "100 %" if share == 0.0 else f"{100 * share:.0f} %"
+    lost_at = next((e.number + e.share for e in loading.events if e.kind == "lost"), None)
+    return PanelAxis(loading.steps.stage + loading.steps.share, lost_at, "lost", float(n), draw_ticks)
 
 
 # ----------------------------------------------------------------
@@ -213,7 +193,8 @@ LABEL_GAP = 0.12  # inches from the panel to the names
 
 
 def draw_panel(ax: Any, axis: PanelAxis, panel: Panel, last: bool) -> None:
-    """Draw the curves of one panel, the line of its limit, and the names of the curves at the right edge.
+    """Draw the curves of one panel with room around them, the line of its limit, and the names of the curves at the
+    right edge; zero is always shown.
 
     last : whether it is the lowest panel, below which the stages have their names.
     """
@@ -223,14 +204,6 @@ def draw_panel(ax: Any, axis: PanelAxis, panel: Panel, last: bool) -> None:
         ax.plot(axis.places, c.values, color=c.colour, linewidth=1.6 if c.name else 0.9, zorder=3 if c.name else 2.5)
         if np.isfinite(c.values[-1]):
             ax.plot(axis.places[-1:], c.values[-1:], "o", color=c.colour, markersize=3.2, clip_on=False, zorder=5)
-    _set_value_range(ax, panel)
-    if panel.limit is not None:
-        ax.axhline(panel.limit, color=INK, linewidth=1.0, linestyle=(0, (4, 2.5)), zorder=1.7)
-    _draw_labels(ax, axis, _curve_labels(ax, panel))
-
-
-def _set_value_range(ax: Any, panel: Panel) -> None:
-    """Room above and below the curves; zero is always shown."""
     also = [0.0] if panel.limit is None else [0.0, panel.limit]
     every = np.concatenate([*(c.values for c in panel.curves), also])
     low, high = float(np.nanmin(every)), float(np.nanmax(every))
@@ -239,6 +212,9 @@ def _set_value_range(ax: Any, panel: Panel) -> None:
     span = high - low
     ax.set_ylim(low - (0.08 * span if low < 0.0 else 0.0), high + 0.08 * span)
     ax.ticklabel_format(axis="y", style="plain", useOffset=False)
+    if panel.limit is not None:
+        ax.axhline(panel.limit, color=INK, linewidth=1.0, linestyle=(0, (4, 2.5)), zorder=1.7)
+    _draw_labels(ax, axis, _curve_labels(ax, panel))
 
 
 CurveEndLabel = tuple[float, str, str]  # height of the curve's end as a share of the panel's, name, colour
@@ -254,7 +230,7 @@ def _curve_labels(ax: Any, panel: Panel) -> list[CurveEndLabel]:
         if not c.name or not np.isfinite(c.values[-1]):
             continue
         for group in groups:
-            if _are_same_curve(group[0].values, c.values, SAME_CURVE_TOLERANCE * (high - low)):
+            if np.allclose(group[0].values, c.values, 0.0, SAME_CURVE_TOLERANCE * (high - low), equal_nan=True):
                 group.append(c)
                 break
         else:
@@ -267,11 +243,6 @@ def _curve_labels(ax: Any, panel: Panel) -> list[CurveEndLabel]:
         top = group[-1]  # the curve that is drawn over the others
         out.append((float((top.values[-1] - low) / (high - low)), name, top.colour))
     return sorted(out, key=lambda label: round(label[0], 3))
-
-
-def _are_same_curve(a: Array, b: Array, near: float) -> bool:
-    both = np.isfinite(a) & np.isfinite(b)
-    return bool((np.isfinite(a) == np.isfinite(b)).all() and (abs(a - b)[both] <= near).all())
 
 
 def _draw_labels(ax: Any, axis: PanelAxis, labels: list[CurveEndLabel]) -> None:

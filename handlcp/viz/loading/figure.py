@@ -19,16 +19,16 @@ from handlcp.viz import terminal_table as tables
 from handlcp.viz.loading.curves import (
     Panel,
     PanelAxis,
-    StageAxis,
     draw_panel,
     grasp_at_end,
     make_panels,
     solution_at_end,
+    stage_axis,
 )
 from handlcp.viz.output_file import Figure, draw_or_save, new_figure
 from handlcp.viz.picture.content import PictureContent
 from handlcp.viz.picture.figure import PICTURE_HEIGHT, PICTURE_WIDTH, compose_picture, draw_solution
-from handlcp.viz.picture.panel import WORD_COLOURS, draw_verdict_headline as verdict_head
+from handlcp.viz.picture.panel import draw_verdict_headline as verdict_head
 from handlcp.viz.solution_output import grasp_of_solution
 from handlcp.viz.style import (
     BAD_COLOUR,
@@ -39,10 +39,12 @@ from handlcp.viz.style import (
     RED,
     SMALL_SIZE,
     TEXT_SIZE,
+    WORD_COLOURS,
     describe_motion,
     draw_sentences,
     draw_title,
     draw_word_and_sentence,
+    figure_below,
     spread_labels,
     text_width,
 )
@@ -53,11 +55,8 @@ from handlcp.viz.style import (
 def draw_loading_headline(figure: Any, loading: Loading, title: str, below: str = "") -> float:
     """Title, the loading's word, and why; returns where that ends, in inches below the top. below : a further line."""
     colour = WORD_COLOURS.get(loading.word, BAD_COLOUR)
-    return draw_sentences(
-        figure,
-        draw_word_and_sentence(figure, draw_title(figure, title), loading.word, colour, f"{loading.sentence}."),
-        below,
-    )
+    y = draw_word_and_sentence(figure, draw_title(figure, title), loading.word, colour, f"{loading.sentence}.")
+    return draw_sentences(figure, y, below)
 
 
 # ----------------------------------------------------------------
@@ -104,12 +103,10 @@ def draw_end_picture(loading: Loading, title: str = "", obj: Any = None) -> Figu
     drawn = new_figure(figsize=(PICTURE_WIDTH, PICTURE_HEIGHT))
     what = "the end" if loading.reached else "the last step"
     stays = "" if loading.state is not None else ", which is not drawn: the contacts stay where they were"
-    top = draw_loading_headline(
-        drawn, loading, title, f"Drawn is {what}. The object has {describe_motion(loading.displacement)}{stays}."
-    )
-    shown = PictureContent(
-        grasp_at_end(loading), solution_at_end(loading), loading.object or obj, around=Grasp(loading.steps.grasp.spec)
-    )
+    below = f"Drawn is {what}. The object has {describe_motion(loading.displacement)}{stays}."
+    top = draw_loading_headline(drawn, loading, title, below)
+    around = Grasp(loading.steps.grasp.spec)
+    shown = PictureContent(grasp_at_end(loading), solution_at_end(loading), loading.object or obj, around)
     compose_picture(drawn, shown, 1.0 - (top + HEADLINE_GAP) / PICTURE_HEIGHT)
     return drawn
 
@@ -199,12 +196,8 @@ class EventMarks:
     """
 
     def __init__(self, axis: PanelAxis, told: Sequence[EventMark]) -> None:
-        self.axis, self.events, self.unlisted_count = (
-            axis,
-            told[:MAX_LISTED_EVENTS],
-            max(len(told) - MAX_LISTED_EVENTS, 0),
-        )
-        self.places = [s.place for s in self.events]
+        self.axis, self.events = axis, told[:MAX_LISTED_EVENTS]
+        self.unlisted_count = len(told) - len(self.events)
         self.sentences = [textwrap.wrap(s.sentence, MAX_EVENT_LETTERS) for s in self.events]
         self.rows = sum(map(len, self.sentences)) + (self.unlisted_count > 0)
         self.head = NUMBER_LIFT + 0.5 * NUMBER_SPACING if self.rows or axis.lost_at is not None else 0.0
@@ -215,8 +208,8 @@ class EventMarks:
         if self.axis.lost_at is not None:
             ax.axvspan(self.axis.lost_at, self.axis.end, color=LOST_SHADE, linewidth=0, zorder=0.2)
             ax.axvline(self.axis.lost_at, color=LOST_COLOUR, linewidth=1.8, zorder=4)
-        for x, s in zip(self.places, self.events, strict=True):
-            ax.axvline(x, color=_event_colour(s), linewidth=0.9, linestyle=(0, (3, 2)), zorder=1.8)
+        for s in self.events:
+            ax.axvline(s.place, color=_event_colour(s), linewidth=0.9, linestyle=(0, (3, 2)), zorder=1.8)
         if first and self.head:
             ax.set_title(ax.get_title("left"), loc="left", pad=72 * self.head + 3, **PANEL_TITLE_STYLE)
             self._draw_numbers(ax)
@@ -226,17 +219,13 @@ class EventMarks:
         box = ax.get_window_extent()
         inches = box.width / ax.figure.dpi
         high = 1.0 + NUMBER_LIFT * ax.figure.dpi / box.height
-        wanted = [
-            (float(x), str(k), _event_colour(s))
-            for k, (x, s) in enumerate(zip(self.places, self.events, strict=True), 1)
-        ]
+        wanted = [(float(s.place), str(k), _event_colour(s)) for k, s in enumerate(self.events, 1)]
         if self.axis.lost_at is not None:
             wanted.append((self.axis.lost_at, self.axis.lost_label, LOST_COLOUR))
-        room = [
-            (0.42 if name == self.axis.lost_label else NUMBER_SPACING) * self.axis.end / inches for _, name, _ in wanted
-        ]
+        end, lost = self.axis.end, self.axis.lost_label
+        room = [(0.42 if name == lost else NUMBER_SPACING) * end / inches for _, name, _ in wanted]
         begin = [x - size / 2 for (x, _, _), size in zip(wanted, room, strict=True)]
-        places = spread_labels(begin, room, -0.1 * self.axis.end / inches, self.axis.end * (1.0 + 0.2 / inches))
+        places = spread_labels(begin, room, -0.1 * end / inches, end * (1.0 + 0.2 / inches))
         across = ax.get_xaxis_transform()
         for (x, name, colour), low, size in zip(wanted, places, room, strict=True):
             at = low + size / 2
@@ -248,21 +237,18 @@ class EventMarks:
         if not self.rows:
             return
         tall = float(figure.get_size_inches()[1])
-        column = (
-            0.05 + max(text_width(figure, s.place_text, fontsize=SMALL_SIZE) for s in self.events) / figure.bbox.width
-        )
+        widest = max(text_width(figure, s.place_text, fontsize=SMALL_SIZE) for s in self.events)
+        column = 0.05 + widest / figure.bbox.width
         y = top + 0.5 * LIST_ROW
+        style: dict[str, Any] = {"fontsize": SMALL_SIZE, "va": "center", "color": INK}
         for k, s in enumerate(self.events, 1):
-            style: dict[str, Any] = {"fontsize": SMALL_SIZE, "va": "center", "color": INK}
             figure.text(0.029, 1.0 - y / tall, str(k), **_disc_style(str(k), _event_colour(s)))
             figure.text(0.046, 1.0 - y / tall, s.place_text, **style)
             for line in self.sentences[k - 1]:
                 figure.text(0.012 + column, 1.0 - y / tall, line, **style)
                 y += LIST_ROW
         if self.unlisted_count:
-            figure.text(
-                0.046, 1.0 - y / tall, f"… and {self.unlisted_count} more", fontsize=SMALL_SIZE, va="center", color=GREY
-            )
+            figure.text(0.046, 1.0 - y / tall, f"… and {self.unlisted_count} more", **style | {"color": GREY})
 
 
 def _event_colour(s: EventMark) -> str:
@@ -294,7 +280,7 @@ def draw_loading(loading: Loading, title: str = "") -> Figure:
     of their limits. Lines with a number are events, listed at the bottom. What lies behind the load that loses the
     object is shaded.
     """
-    axis, steps = StageAxis(loading), loading.steps
+    axis, steps = stage_axis(loading), loading.steps
     shown = make_panels(steps.grasp.spec, steps.forces, steps.friction_used, steps.displacement, steps.torques)
     marks = EventMarks(axis, [EventMark(s.number + s.share, s.where, s.sentence, s.kind) for s in loading.summary])
     return compose_panels(axis, shown, marks, lambda drawn: draw_loading_headline(drawn, loading, title))
@@ -304,12 +290,10 @@ def compose_panels(
     axis: PanelAxis, shown: Sequence[Panel], marks: EventMarks, head: Callable[[Figure], float]
 ) -> Figure:
     """Panels one below the other under a head, which says where it ends, in inches; and the list of the marks."""
-    # The height follows from the words, whose size is known once they are written
-    draft = new_figure(figsize=(FIGURE_WIDTH, 8.0), dpi=100)
-    above = head(draft) + HEADING_GAP + marks.head
-    inches = above + len(shown) * (PANEL_HEIGHT + PANEL_GAP) - PANEL_GAP + TICKS_HEIGHT + marks.height
-    drawn = new_figure(figsize=(FIGURE_WIDTH, inches), dpi=100)
-    head(drawn)
+    panels = len(shown) * (PANEL_HEIGHT + PANEL_GAP)
+    rooms = HEADING_GAP, marks.head, panels, -PANEL_GAP, TICKS_HEIGHT, marks.height
+    drawn, above, inches = figure_below(FIGURE_WIDTH, head, *rooms)
+    above = above + HEADING_GAP + marks.head
     for k, panel in enumerate(shown):
         bottom = 1.0 - (above + PANEL_HEIGHT) / inches
         ax = drawn.add_axes((PANELS_LEFT, bottom, PANELS_WIDTH, PANEL_HEIGHT / inches))

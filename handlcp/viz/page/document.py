@@ -11,17 +11,32 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp import words
-from handlcp.check import Array, check_call
+from handlcp.check import check_call
 from handlcp.errors import InputError, shorten_repr
 from handlcp.geometry.distance import outermost_points, spread_directions
 from handlcp.geometry.object import Object
 from handlcp.grasp import Grasp, GraspSolution, Loading, Verdict
+from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING, UNKNOWN
 from handlcp.grasp.path.events import summary
 from handlcp.hand.hand_grasp import make_grasp
 from handlcp.record import to_plain
 from handlcp.viz.loading.figure import describe_object_motion
-from handlcp.viz.output_file import check_page_path, read_three_js, read_web_files, script_data, write_page
-from handlcp.viz.page.frame import PageFrames, Snapshot, choose_steps, snapshot_of_solution, snapshots_of_loading
+from handlcp.viz.output_file import (
+    check_page_path,
+    read_three_js,
+    read_web_files,
+    script_data,
+    word_class,
+    write_page,
+)
+from handlcp.viz.page.frame import (
+    PageFrames,
+    Snapshot,
+    choose_steps,
+    snapshot_of_solution,
+    snapshots_of_loading,
+    status_word,
+)
 from handlcp.viz.page.mesh import NO_JOINT, MeshPack, PagePart, drawing_notes, make_parts
 from handlcp.viz.picture.body import HAND_COLOUR, Body, convex_hull, place_triangles
 from handlcp.viz.picture.camera import choose_camera
@@ -30,7 +45,7 @@ from handlcp.viz.picture.content import (
     LOAD_COLOUR,
     MIN_DRAWN_MOMENT,
     SLIP_COLOUR,
-    STATE_COLOURS,
+    STATUS_COLOURS,
     UNKNOWN_COLOUR,
     PictureContent,
 )
@@ -46,14 +61,20 @@ def page_data(
 ) -> dict[str, Any]:
     """What the viewer reads; numbers are in SI units, vectors in world axes.
 
-    drawn : what a picture of the grasp shows. shown : one solve, then the steps. path, escape : as `path_data`
-    and `escape_data` have them. meshes : where solids go, of a page of several grasps, which packs them itself.
+    drawn : what a picture of the grasp shows. shown : one solve, then the steps. path : as `path_data` has it.
+    escape : the motion in which the object escapes; None where none is known.
+    meshes : where solids go, of a page of several grasps, which packs them itself.
     """
     grasp = drawn.grasp
     scene, state = grasp.scene, getattr(grasp, "state", None)
-    hand = None if state is None else state.hand
+    joints = []  # with None for a limit that is not known
+    if state is not None and any(s.torques is not None for s in shown):
+        limits = np.where(np.isfinite(state.hand.torque_limits), state.hand.torque_limits, np.nan).tolist()
+        joints = [{"name": n, "limit": x} for n, x in zip(state.hand.joint_names, limits, strict=True)]
     frames = PageFrames(shown, grasp)
     own, parts, told = meshes or MeshPack(), make_parts(drawn), frames.to_list()
+    # First comes the end of the loading, which the verdict is about; else the one solve
+    one_solve = path is None or (path["first"] == 1 and escape is not None)
     return {
         "size": scene.units.length_unit,
         "planar": scene.plane is not None,
@@ -65,10 +86,9 @@ def page_data(
         "frames": told,
         "columns": frames.columns,
         "contacts": _contact_data(grasp),
-        "joints": _joint_data(shown, hand),
+        "joints": joints,
         "colours": {
-            **STATE_COLOURS,
-            "": UNKNOWN_COLOUR,
+            **{status_word(status): colour for status, colour in STATUS_COLOURS.items()},
             "load": LOAD_COLOUR,
             "slip": SLIP_COLOUR,
             "escape": ESCAPE_COLOUR,
@@ -76,7 +96,7 @@ def page_data(
         "legend": _legend_lines(drawn, parts, shown, frames, escape is not None),
         "path": path,
         "escape": escape,
-        "first": _first_frame(told, path, escape),
+        "first": 0 if one_solve else len(told) - 1,
         "notes": drawing_notes(drawn, parts),
     }
 
@@ -85,36 +105,18 @@ def path_data(loading: Loading, first: int) -> dict[str, Any]:
     """Stages and events beside the slider. first : number of the frame of the first step."""
     steps, kept = loading.steps, np.array(choose_steps(loading))
     stage, share = steps.stage[kept], steps.share[kept]
-    told = [
-        {
-            "frame": first + _step_at(stage, share, s.number, s.share),
-            "where": s.where,
-            "says": s.sentence,
-            "lost": False,
-        }
-        for s in summary(loading.events, steps.grasp.spec)
-    ]
+    told = list[dict[str, Any]]()
+    for s in summary(loading.events, steps.grasp.spec):
+        frame = first + _step_at(stage, share, s.number, s.share)
+        told.append({"frame": frame, "where": s.where, "says": s.sentence, "lost": False})
     if not loading.reached:
         at = words.format_percent(loading.lost_at or 0.0)
         why = loading.why.removeprefix(f"lost in stage {loading.lost_stage!r} at {at}: ")
-        end = {"frame": first + len(kept) - 1, "where": f"{loading.lost_stage}, {at}", "says": f"lost: {why}"}
-        told.append(end | {"lost": True})
+        where, end = f"{loading.lost_stage}, {at}", first + len(kept) - 1
+        told.append({"frame": end, "where": where, "says": f"lost: {why}", "lost": True})
     ends = [first + _step_at(stage, share, k, 1.0) for k in range(len(loading.stages))]
     stages = [{"name": n, "end": e} for n, e in zip(loading.stages, ends, strict=True)]
     return {"first": first, "stages": stages, "events": told, "held": loading.held}
-
-
-def escape_data(drawn: PictureContent) -> dict[str, Any] | None:
-    """The motion in which the object escapes; None where none is known."""
-    if drawn.escape_motion is None:
-        return None
-    move, turn = drawn.escape_motion
-    return {"at": drawn.acts_at, "move": move, "turn": turn}
-
-
-def _first_frame(frames: Sequence[Any], path: dict[str, Any] | None, escape: dict[str, Any] | None) -> int:
-    """The frame that is shown first: the end of the loading, which the verdict is about; else the one solve."""
-    return 0 if path is None or (path["first"] == 1 and escape is not None) else len(frames) - 1
 
 
 def _step_at(stage: Any, share: Any, number: int, where: float) -> int:
@@ -140,30 +142,21 @@ def _contact_data(grasp: Grasp) -> list[dict[str, Any]]:
     return found
 
 
-def _joint_data(shown: Sequence[Snapshot], hand: Any) -> list[dict[str, Any]]:
-    """Names and limits of the joints: None for one that is not known; no joints where there are no torques."""
-    if hand is None or all(s.torques is None for s in shown):
-        return []
-    limits = np.where(np.isfinite(hand.torque_limits), hand.torque_limits, np.nan)
-    return [{"name": n, "limit": x} for n, x in zip(hand.joint_names, limits.tolist(), strict=True)]
-
-
 def view_data(drawn: PictureContent, parts: Sequence[PagePart], joints: list[list[float]] | None) -> dict[str, Any]:
     """The direction of the pictures; up: the axis about which the view turns. joints : their poses at first."""
     moved = [pin.XYZQUATToSE3(np.array(m)) for m in joints or ()]
-    hulls = [(p, _coarse_hull(p.triangles)) for p in parts]
-    bodies = [(p, Body(h if p.joint == NO_JOINT else place_triangles(h, moved[p.joint]), p.colour)) for p, h in hulls]
-    hiding = [body for p, body in bodies if p.layer != "object"]
-    glass = next((body for p, body in bodies if p.layer == "object"), None)
+    hiding, glass = list[Body](), None
+    for p in parts:
+        hull = convex_hull(outermost_points(p.triangles.reshape(-1, 3), spread_directions(60, 0.5)))
+        coarse = p.triangles if hull is None else hull  # these lie in a plane
+        body = Body(coarse if p.joint == NO_JOINT else place_triangles(coarse, moved[p.joint]), p.colour)
+        if p.layer == "object":
+            glass = body
+        else:
+            hiding.append(body)
     camera = choose_camera(drawn.grasp, hiding, glass, drawn.screen_marks())
     axis = int(np.argmax(abs(camera.axes[1])))
     return {"axes": camera.axes, "up": np.eye(3)[axis] * np.sign(camera.axes[1][axis])}
-
-
-def _coarse_hull(triangles: Array) -> Array:
-    """(k, 3, 3) a convex hull of the outermost points in 60 directions; the triangles where these lie in a plane."""
-    made = convex_hull(outermost_points(triangles.reshape(-1, 3), spread_directions(60, 0.5)))
-    return triangles if made is None else made
 
 
 def legend_layers(parts: Sequence[PagePart], names: dict[str, str]) -> list[Any]:
@@ -177,9 +170,8 @@ def _legend_lines(
     drawn: PictureContent, parts: Sequence[PagePart], shown: Sequence[Snapshot], frames: PageFrames, escapes: bool
 ) -> list[Any]:
     """Lines of (layer, kind, colour, text); each layer can be switched off."""
-    grasp = drawn.grasp
-    who = grasp.spec.who
-    states = {state for s in shown for state in s.states}
+    grasp, who = drawn.grasp, drawn.grasp.spec.who
+    statuses = {status for s in shown for status in s.statuses}
     deep, links = words.format_length(max(drawn.links_inside.values(), default=0.0)), list(drawn.links_inside)
     inside = f"inside the object: {f'{links[0]},' if len(links) == 1 else f'{len(links)} links, up to'} {deep}"
     names = {
@@ -190,14 +182,14 @@ def _legend_lines(
     out = legend_layers(parts, names)
     if (grasp.scene.mu > 0).any():
         sense = "friction cones, to the forces’ scale: an arrow at the rim slides"
-        out.append(["cones", "cone", STATE_COLOURS["sticking"], sense if states != {""} else "friction cones"])
-    for state in ("sticking", "sliding"):
-        if state in states:
-            out.append(["forces", "arrow", STATE_COLOURS[state], f"{who} force, {state}"])
-    if "separated" in states:
-        out.append(["forces", "dot", STATE_COLOURS["separated"], f"{who} that does not touch"])
+        out.append(["cones", "cone", STATUS_COLOURS[STICKING], sense if statuses != {UNKNOWN} else "friction cones"])
+    for status in (STICKING, SLIDING):
+        if status in statuses:
+            out.append(["forces", "arrow", STATUS_COLOURS[status], f"{who} force, {status_word(status)}"])
+    if SEPARATED in statuses:
+        out.append(["forces", "dot", STATUS_COLOURS[SEPARATED], f"{who} that does not touch"])
     if frames.has_moments:
-        out.append(["forces", "turn", STATE_COLOURS["sticking"], f"moment of a {who} about its normal"])
+        out.append(["forces", "turn", STATUS_COLOURS[STICKING], f"moment of a {who} about its normal"])
     if any(s.load.any() for s in shown):
         out.append(["load", "arrow", LOAD_COLOUR, "load on the object, weight included"])
     if any(float(np.linalg.norm(s.moment)) > MIN_DRAWN_MOMENT for s in shown):
@@ -205,12 +197,9 @@ def _legend_lines(
     if frames.slip_factor:
         times = frames.slip_factor
         text = f"× {times:g}" if times >= 1 else f"÷ {1 / times:g}"
-        far = (
-            f" (it slides up to {words.format_length(frames.largest_slide)})"
-            if frames.largest_slide > words.NEGLIGIBLE_LENGTH
-            else ""
-        )
-        out.append(["slips", "arrow", SLIP_COLOUR, f"slip of the object, {text}{far}"])
+        if frames.largest_slide > words.NEGLIGIBLE_LENGTH:
+            text += f" (it slides up to {words.format_length(frames.largest_slide)})"
+        out.append(["slips", "arrow", SLIP_COLOUR, f"slip of the object, {text}"])
     if escapes:
         out.append(["escape", "dashed", ESCAPE_COLOUR, "the way the object escapes"])
     out.append(["labels", "text", UNKNOWN_COLOUR, "names; normal force + friction"])
@@ -221,7 +210,7 @@ def _legend_lines(
 # The page: one HTML file that needs nothing else, and asks the network for nothing; what it says in words.
 
 
-_GRASP_SCRIPTS = ("solids.js", "marks.js", "labels.js", "view.js", "panel.js", "player.js", "page.js", "opened.js")
+_FIRST_SCRIPTS, _LAST_SCRIPT = ("solids.js", "marks.js", "labels.js", "view.js", "panel.js"), "opened.js"
 _DATA_DIGITS = 6
 
 
@@ -264,11 +253,14 @@ def write_grasp_page(
     said = solution.verdict if verdict is None else verdict
     drawn = PictureContent(grasp, solution, obj, verdict=said)
     told = _verdict_html(said) if verdict is not None or loading is None else _loading_html(loading)
-    shown, steps = [snapshot_of_solution(grasp, solution, drawn.acts_at)], None
+    shown, steps, way_out = [snapshot_of_solution(grasp, solution, drawn.acts_at)], None, None
+    if drawn.escape_motion is not None:
+        move, turn = drawn.escape_motion
+        way_out = {"at": drawn.acts_at, "move": move, "turn": turn}
     if loading is not None:
         steps = path_data(loading, 1)
         shown += snapshots_of_loading(loading, drawn.acts_at, getattr(grasp, "state", None))
-    return write_viewer_page(target, title, told, page_data(drawn, shown, steps, escape_data(drawn)))
+    return write_viewer_page(target, title, told, page_data(drawn, shown, steps, way_out))
 
 
 @check_call()
@@ -303,6 +295,13 @@ class PageTexts(NamedTuple):
     scripts: Sequence[str]
 
 
+def read_page_texts(package: str, style: str | None, *scripts: str) -> PageTexts:
+    """The texts in the folder `web` of a kind of page, its scripts between those that all pages have."""
+    stage, tables, *own = read_web_files("stage.html", "tables.html", *scripts, package=package)
+    css = "" if style is None else read_web_files(style, package=package)[0]
+    return PageTexts(stage, tables, css, [*read_web_files(*_FIRST_SCRIPTS), *own, *read_web_files(_LAST_SCRIPT)])
+
+
 def write_viewer_page(
     target: Path, title: str, said: str, found: Mapping[str, Any], own: PageTexts | None = None
 ) -> Path:
@@ -314,9 +313,7 @@ def write_viewer_page(
 
     Raises InputError for a file that cannot be written.
     """
-    if own is None:
-        stage, tables = read_web_files("stage.html", "tables.html")
-        own = PageTexts(stage, tables, "", read_web_files(*_GRASP_SCRIPTS))
+    own = own or read_page_texts("handlcp.viz.page", None, "player.js", "page.js")
     parts = {
         "heading": f"<h1>{escape(title)}</h1>" if title else "",
         "stage": own.stage,
@@ -345,34 +342,26 @@ def _round_numbers(value: Any) -> Any:
 # ----------------------------------------------------------------
 # What a page says in words, as HTML: every text is escaped.
 
-_WORD_CLASSES = {"HELD": "good", "UNDECIDED": "doubt"}  # the rest is bad
 _SEVERITY_HEADS = {"warning": "Warning", "advice": "Advice"}
 
 
 def _verdict_html(v: Verdict) -> str:
     """A verdict as HTML: its word and its reasons."""
-    return _reasons_html(
-        v.word, ((_SEVERITY_HEADS.get(r.severity, ""), r.severity, f"{r.sentence}.") for r in v.reasons)
-    )
+    lines = ((_SEVERITY_HEADS.get(r.severity, ""), r.severity, f"{r.sentence}.") for r in v.reasons)
+    return _reasons_html(v.word, lines)
 
 
 def _loading_html(loading: Loading) -> str:
     """Whether the object is held, and how far it has moved; what happens on the way is beside the slider."""
-    return _reasons_html(
-        loading.word, (("", "decides", f"{loading.sentence}."), ("", "note", f"{describe_object_motion(loading)}."))
-    )
+    lines = ("", "decides", f"{loading.sentence}."), ("", "note", f"{describe_object_motion(loading)}.")
+    return _reasons_html(loading.word, lines)
 
 
 def _reasons_html(word: str, lines: Iterable[tuple[str, str, str]]) -> str:
     """A word and a list of sentences as HTML. lines : (head, severity, sentence) of each."""
-    items = "".join(
-        f'<li class="{escape(severity)}">{f"<b>{head}:</b> " if head else ""}{escape(_capitalise(text))}</li>'
-        for head, severity, text in lines
-    )
-    return f'<p class="word {_WORD_CLASSES.get(word, "bad")}">{escape(word)}</p><ul class="reasons">{items}</ul>'
-
-
-def _capitalise(text: str) -> str:
-    """As a sentence begins, unless it begins with a name that is written otherwise."""
-    first = text.split(" ", 1)[0]
-    return text[:1].upper() + text[1:] if first.isalpha() else text
+    items = ""
+    for head, severity, text in lines:
+        if text.split(" ", 1)[0].isalpha():  # else it begins with a name that is written otherwise
+            text = text[:1].upper() + text[1:]
+        items += f'<li class="{escape(severity)}">{f"<b>{head}:</b> " if head else ""}{escape(text)}</li>'
+    return f'<p class="word {word_class(word)}">{escape(word)}</p><ul class="reasons">{items}</ul>'

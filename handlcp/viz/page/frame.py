@@ -12,7 +12,16 @@ import pinocchio as pin
 from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp import Grasp, GraspSolution, Loading
-from handlcp.grasp.model.status import contact_words
+from handlcp.grasp.model.status import (
+    SEPARATED,
+    SLIDING,
+    STICKING,
+    UNKNOWN,
+    ContactStatus,
+    contact_statuses,
+    contact_words,
+    shown_statuses,
+)
 from handlcp.grasp.solution.verdict import friction_used
 from handlcp.viz.picture.content import MAX_ARROW_LENGTH, MIN_DRAWN_MOMENT
 from handlcp.viz.picture.overlay import nice_number
@@ -35,7 +44,7 @@ class Snapshot:
     slip (n, 2) : of the object along the tangents [m]; never NaN.
     gap (n,) : along the normals [m]; never NaN.
     friction_share (n,) : share of the friction limit; NaN for none.
-    states (n,) : "sticking", "sliding", "separated"; "" without an answer.
+    statuses (n,) : STICKING, SLIDING or SEPARATED; UNKNOWN without an answer.
     load (3,), moment (3,) : on the object [N, N·m] at the point acts_at (3,) [m], weights included.
     torques (nv,) : of the joints [N·m]; None without a hand.
     q (nv,) : posture of the joints [rad, m]; None without a hand.
@@ -52,7 +61,7 @@ class Snapshot:
     slip: Array
     gap: Array
     friction_share: Array
-    states: tuple[str, ...]
+    statuses: tuple[ContactStatus, ...]
     load: Array
     moment: Array
     acts_at: Array
@@ -74,7 +83,7 @@ def snapshot_of_solution(grasp: Grasp, s: GraspSolution, acts_at: Array) -> Snap
     forces = s.forces if held else np.zeros((n, 3))
     state = getattr(grasp, "state", None)
     slip = s.slip if held else np.zeros((n, 2))
-    slides = np.array([word == "sliding" for word in s.contact_state])
+    statuses = contact_statuses(s.contact_state) if held else (UNKNOWN,) * n
     return Snapshot(
         label="all at once",
         positions=scene.positions,
@@ -84,14 +93,14 @@ def snapshot_of_solution(grasp: Grasp, s: GraspSolution, acts_at: Array) -> Snap
         slip=slip,
         gap=s.gap if held else none,
         friction_share=friction_used(grasp.scene, forces, torsion),
-        states=s.contact_state if held else ("",) * n,
+        statuses=statuses,
         load=scene.force,
         moment=scene.moment - np.cross(acts_at, scene.force),
         acts_at=acts_at,
         torques=getattr(s, "torques", None) if held else None,
         q=None if state is None else state.q,
         object=pin.SE3.Identity(),
-        slide_length=np.hypot(*slip.T) * slides,
+        slide_length=np.hypot(*slip.T) * [status == SLIDING for status in statuses],
         friction_text=tuple([f"μ = {c.mu:g}" if c.mu else "frictionless" for c in grasp.contacts]),
     )
 
@@ -116,12 +125,11 @@ def snapshots_of_loading(loading: Loading, acts_at: Array, posture: Any) -> list
         R = pin.exp3(u[3:])
         moved = pin.SE3(R, reference + u[:3] - R @ reference)
         at, force = moved.act(acts_at), state.loads.force
-        q = None
-        if posture is not None:
-            q = state.where.q if follows else posture.q
+        stage = f"{loading.stages[int(steps.stage[k])]}, {words.format_percent(float(steps.share[k]))}"
+        q = None if posture is None else state.where.q if follows else posture.q
         found.append(
             Snapshot(
-                label=_step_label(loading, k),
+                label=stage if k else "before anything is loaded",
                 positions=state.iterate.positions,
                 axes=state.iterate.frames,
                 forces=state.read.forces,
@@ -129,7 +137,7 @@ def snapshots_of_loading(loading: Loading, acts_at: Array, posture: Any) -> list
                 slip=steps.slid_from[k],
                 gap=steps.gap[k],
                 friction_share=used[k],
-                states=contact_words(state.kinds),
+                statuses=shown_statuses(state.kinds),
                 load=force,
                 moment=state.loads.moment - np.cross(at, force),
                 acts_at=at,
@@ -142,17 +150,9 @@ def snapshots_of_loading(loading: Loading, acts_at: Array, posture: Any) -> list
     return found
 
 
-def _step_label(loading: Loading, step: int) -> str:
-    """Such as "load, 46 %"."""
-    stage, share = int(loading.steps.stage[step]), float(loading.steps.share[step])
-    if step == 0:
-        return "before anything is loaded"
-    return f"{loading.stages[stage]}, {words.format_percent(share)}"
-
-
 # ----------------------------------------------------------------
 
-_STATE_WORDS = {"sticking": "sticks", "sliding": "slides", "separated": "open"}
+_STATUS_WORDS = {STICKING: "sticks", SLIDING: "slides", SEPARATED: "open"}
 
 
 class PageFrames:
@@ -169,9 +169,12 @@ class PageFrames:
         self._kinematics: Any = None if state is None else state.hand.kinematics
         strongest = max(float(np.linalg.norm(s.forces, axis=1).max(initial=0.0)) for s in shown)
         # A load that nothing balances is often far larger than the forces of the steps
-        loads = max((0.6 if s.states[0] or len(shown) == 1 else 0.25) * float(np.linalg.norm(s.load)) for s in shown)
+        loads = max(
+            (0.6 if s.statuses[0] != UNKNOWN or len(shown) == 1 else 0.25) * float(np.linalg.norm(s.load))
+            for s in shown
+        )
         self.per_newton = MAX_ARROW_LENGTH * size / (max(strongest, loads) or 1.0)
-        slips = [float(np.hypot(*s.slip[i])) for s in shown for i, state in enumerate(s.states) if state == "sliding"]
+        slips = [float(np.hypot(*s.slip[i])) for s in shown for i, now in enumerate(s.statuses) if now == SLIDING]
         largest = max(slips, default=0.0)
         self.largest_slide = float(shown[-1].slide_length.max(initial=0.0))
         self.slip_factor = nice_number(0.45 * size / largest) if largest > words.NEGLIGIBLE_LENGTH else 0.0
@@ -192,25 +195,25 @@ class PageFrames:
         return [self._frame_data(s) for s in self.shown]
 
     def _frame_data(self, s: Snapshot) -> dict[str, Any]:
-        torque = float(np.linalg.norm(s.moment))
+        size, torque, poses = float(np.linalg.norm(s.load)), float(np.linalg.norm(s.moment)), None
+        if s.q is not None:  # of all joints of the model, the base first
+            pin.forwardKinematics(self._kinematics.model, self._data, self._kinematics.configuration(s.q))
+            poses = [_pose_data(m) for m in self._data.oMi]
+        turns = torque > MIN_DRAWN_MOMENT
+        says = [words.format_force(size)] * (size > 0.0) + [words.format_torque(torque)] * turns
         return {
             "label": s.label,
-            "joints": None if s.q is None else self._joint_poses(s.q),
+            "joints": poses,
             "object": _pose_data(s.object),
             "contacts": [self._contact_data(s, i) for i in range(len(s.positions))],
             "load": {
                 "at": s.acts_at,
                 "force": s.load,
-                "moment": s.moment if torque > MIN_DRAWN_MOMENT else np.zeros(3),
-                "says": self._load_text(s.load, torque),
+                "moment": s.moment if turns else np.zeros(3),
+                "says": " and ".join(says),
             },
             "torques": s.torques,
         }
-
-    def _joint_poses(self, q: Array) -> list[list[float]]:
-        """Poses of all joints of the model, the base first."""
-        pin.forwardKinematics(self._kinematics.model, self._data, self._kinematics.configuration(q))
-        return [_pose_data(m) for m in self._data.oMi]
 
     def _contact_data(self, s: Snapshot, i: int) -> dict[str, Any]:
         moment = float(s.torsion[i])
@@ -218,7 +221,7 @@ class PageFrames:
         return {
             "at": s.positions[i],
             "axes": R.T,
-            "state": s.states[i],
+            "state": status_word(s.statuses[i]),
             "force": R @ s.forces[i],
             "normal": float(s.forces[i, 2]),
             "moment": moment if abs(moment) > MIN_DRAWN_MOMENT else 0.0,
@@ -229,39 +232,31 @@ class PageFrames:
 
     def _contact_text(self, s: Snapshot, i: int) -> str:
         """Below the contact's name in the picture."""
-        state, moment = s.states[i], abs(float(s.torsion[i]))
-        if state == "":
+        status, moment = s.statuses[i], abs(float(s.torsion[i]))
+        if status == UNKNOWN:
             return s.friction_text[i]
-        if state == "separated":
+        if status == SEPARATED:
             gap = float(s.gap[i])
             return f"open, {words.format_length(gap)}" if gap > words.NEGLIGIBLE_LENGTH else "open"
         turned = f", {words.format_torque(moment)}" if moment > MIN_DRAWN_MOMENT else ""
         x, y, normal = s.forces[i].tolist()
-        return f"{words.format_contact_force(normal, float(np.hypot(x, y)))}{turned}, {_STATE_WORDS[state]}"
+        return f"{words.format_contact_force(normal, float(np.hypot(x, y)))}{turned}, {_STATUS_WORDS[status]}"
 
     def _table_row(self, s: Snapshot, i: int) -> list[str]:
         """Of the table of contacts, without the name."""
         x, y, z = s.forces[i].tolist()
         moment = [_format_number(1e3 * float(s.torsion[i]))] if self.has_moments else []
         slip, gap = self._slip_unit(float(s.slide_length[i])), self._gap_unit(float(s.gap[i]))
-        if s.states[i] == "":
+        if s.statuses[i] == UNKNOWN:
             return ["–"] * (6 + len(moment))
-        friction = _format_number(float(np.hypot(x, y)))
-        return [
-            _STATE_WORDS[s.states[i]],
-            _format_number(z),
-            friction,
-            *moment,
-            words.format_percent(float(s.friction_share[i])),
-            slip,
-            gap,
-        ]
+        normal, friction = _format_number(z), _format_number(float(np.hypot(x, y)))
+        share = words.format_percent(float(s.friction_share[i]))
+        return [_STATUS_WORDS[s.statuses[i]], normal, friction, *moment, share, slip, gap]
 
-    @staticmethod
-    def _load_text(force: Array, torque: float) -> str:
-        size = float(np.linalg.norm(force))
-        parts = [words.format_force(size)] if size > 0.0 else []
-        return " and ".join([*parts, *([words.format_torque(torque)] if torque > MIN_DRAWN_MOMENT else [])])
+
+def status_word(status: ContactStatus) -> str:
+    """The word by which the viewer knows a status; "" for UNKNOWN."""
+    return "" if status == UNKNOWN else contact_words((status,))[0]
 
 
 def _pose_data(m: Any) -> list[float]:

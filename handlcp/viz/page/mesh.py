@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from handlcp.check import Array, Ints
+from handlcp.check import Array
 from handlcp.hand import HandState
 from handlcp.viz.picture.body import Body, Colour, environment_bodies
 from handlcp.viz.picture.content import PictureContent
@@ -84,11 +84,12 @@ def make_parts(shown: PictureContent) -> list[PagePart]:
     table = environment_bodies(shown.grasp)
     hand = shown.solids[: len(shown.solids) - len(table)]
     state = getattr(shown.grasp, "state", None)
-    found = (
-        [_make_part(b, "hand") for b in hand] if state is None else list(_link_parts(state, hand, shown.tip_triangles))
-    )
+    if state is None:
+        found = [_make_part(b, "hand") for b in hand]
+    else:
+        found = list(_link_parts(state, hand, shown.tip_triangles))
     found = _limit_triangles(found) + [_make_part(b, "environment") for b in table]
-    return found + _limit_triangles([_make_part(shown.object_body, "object")] if shown.object_body is not None else [])
+    return found + _limit_triangles([_make_part(b, "object") for b in (shown.object_body,) if b is not None])
 
 
 def drawing_notes(shown: PictureContent, parts: Sequence[PagePart]) -> list[str]:
@@ -176,7 +177,13 @@ class MeshPack:
         low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
         size = high - low
         grid = np.round((triangles - low) * (_GRID_STEPS / np.where(size > 0.0, size, 1.0))).astype(np.uint16)
-        points, corners = _share_corners(grid.reshape(-1, 3))
+        # Points in the order in which corners first name them
+        keys = (grid.reshape(-1, 3).astype(np.uint64) << np.array([32, 16, 0], dtype=np.uint64)).sum(axis=1)
+        _, first, corner = np.unique(keys, return_index=True, return_inverse=True)
+        order = np.argsort(first)
+        points, corners = grid.reshape(-1, 3)[first[order]], np.argsort(order)[corner].reshape(-1, 3)
+        a, b, c = corners.T
+        corners = corners[(a != b) & (b != c) & (c != a)]
         wide = len(points) > _MAX_SHORT_INDEX
         packed = corners.astype("<u4" if wide else "<u2")
         return {
@@ -197,15 +204,3 @@ class MeshPack:
             self._offsets[data] = len(self._bytes)
             self._bytes += data + bytes(-len(data) % 4)
         return self._offsets[data]
-
-
-def _share_corners(grid: Array) -> tuple[Array, Ints]:
-    """Points (k, 3) in the order in which (3m, 3) corners first name them, and their numbers (m, 3)."""
-    keys = (grid.astype(np.uint64) << np.array([32, 16, 0], dtype=np.uint64)).sum(axis=1)
-    _, first, corner = np.unique(keys, return_index=True, return_inverse=True)
-    order = np.argsort(first)
-    rank = np.empty_like(order)
-    rank[order] = np.arange(len(order))
-    corners = rank[corner].reshape(-1, 3)
-    a, b, c = corners.T
-    return grid[first[order]], corners[(a != b) & (b != c) & (c != a)]

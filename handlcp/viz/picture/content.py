@@ -12,22 +12,21 @@ import pinocchio as pin
 from handlcp import words
 from handlcp.check import Array, Bools
 from handlcp.grasp import Grasp, GraspSolution, Verdict
+from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING, UNKNOWN, contact_statuses
 from handlcp.viz.picture.body import environment_bodies, hand_bodies, object_body, stub_bodies, undrawn_tip_shapes
 from handlcp.viz.picture.camera import Camera, ScreenMarks, choose_camera
 from handlcp.viz.picture.overlay import RotationArc, friction_cone_rim, nice_number
 from handlcp.viz.style import BLUE, PURPLE, RED
 
-STATE_COLOURS = {"sticking": BLUE, "sliding": RED, "separated": "#6E6E6E"}
 UNKNOWN_COLOUR, LOAD_COLOUR, SLIP_COLOUR, ESCAPE_COLOUR = "#6E6E6E", "#1A1A1A", PURPLE, RED
+STATUS_COLOURS = {STICKING: BLUE, SLIDING: RED, SEPARATED: "#6E6E6E", UNKNOWN: UNKNOWN_COLOUR}
 MAX_ARROW_LENGTH = 0.8  # the longest force arrow, in sizes of the grasp
 MIN_DRAWN_MOMENT = 5e-6  # [N·m] moments below are neither drawn nor written
 MAX_CONTACTS_WITH_CONES = 16  # contacts from which on no friction cones are drawn
 _VISIBLE_MOTION_RANGE = (0.04, 1.5)  # motions of the object that are drawn to scale, in sizes of the grasp
 _ARROW_POINTS = 5  # points along an arrow
-_MAX_SOLID_DEPTH, _MAX_OBJECT_DEPTH = (
-    0.4,
-    0.1,
-)  # sizes of the grasp: fingertips hide the contacts that they make, and the object's rim others
+# Sizes of the grasp: fingertips hide the contacts that they make, and the object's rim others
+_MAX_SOLID_DEPTH, _MAX_OBJECT_DEPTH = 0.4, 0.1
 _MIN_ESCAPE_SHARE = 0.05  # of the escape's speed: what is less of a shift or of a turn is not drawn
 
 
@@ -38,7 +37,7 @@ class PictureContent:
         where it stands before it moves.
     solids : opaque bodies.
     object_body : the translucent object; None where it is not known.
-    contact_colours (n,) : of the contacts, by their state.
+    statuses (n,) : what each contact does; UNKNOWN without an equilibrium. contact_colours (n,) : by these.
     tip_triangles : shapes of fingertips that touch where nothing is drawn.
     links_inside : names of links inside the object, and how deep they are [m].
     per_newton : length of a force arrow [m/N].
@@ -66,7 +65,8 @@ class PictureContent:
         self.grasp, self.solution, scene, s = grasp, solution, grasp.scene, solution
         self.size = size = scene.units.length_unit
         self._collect_bodies(obj, around, s.verdict if verdict is None else verdict)
-        self.contact_colours = [STATE_COLOURS[state] if s.held else UNKNOWN_COLOUR for state in s.contact_state]
+        self.statuses = contact_statuses(s.contact_state) if s.held else (UNKNOWN,) * scene.n
+        self.contact_colours = [STATUS_COLOURS[status] for status in self.statuses]
         self.load_size = float(np.linalg.norm(scene.force))
         known = obj is not None or getattr(grasp, "target", None) is not None
         self.acts_at = grasp.reference if known else self._choose_load_point()
@@ -75,9 +75,8 @@ class PictureContent:
         strongest = float(np.linalg.norm(forces, axis=1).max(initial=0.0))
         self.per_newton = MAX_ARROW_LENGTH * size / (max(strongest, 0.6 * self.load_size) or 1.0)
         self.force_arrows, self.load_arrow = forces * self.per_newton, scene.force * self.per_newton
-        self.torque_arc = _make_arc(
-            self.acts_at, self.load_torque, 0.36 * size, max(1e-9, 1e-6 * self.load_size * size)
-        )
+        least = max(1e-9, 1e-6 * self.load_size * size)
+        self.torque_arc = _make_arc(self.acts_at, self.load_torque, 0.36 * size, least)
         self.moment_arcs = self._make_moment_arcs()
         self.escape_arrow, self.escape_arc = self._make_escape_marks()
         self.slip_arrows, self.slip_factor = self._make_slip_arrows()
@@ -90,11 +89,8 @@ class PictureContent:
         found = [link for reason in verdict.about("link_inside") for link in reason.values.get("links", ())]
         self.links_inside = {str(link["link"]): float(link["depth_m"]) for link in found}
         self.tip_triangles = undrawn_tip_shapes(grasp, hand)
-        hand = (
-            [replace(b, is_marked=b.link in self.links_inside) for b in hand]
-            if state is not None
-            else stub_bodies(grasp)
-        )
+        hand = [replace(b, is_marked=b.link in self.links_inside) for b in hand]
+        hand = stub_bodies(grasp) if state is None else hand
         self.solids = [*hand, *environment_bodies(grasp if around is None else around)]
         self.object_body = object_body(grasp, obj)
 
@@ -173,16 +169,12 @@ class PictureContent:
     @property
     def sliding_contacts(self) -> list[int]:
         """Contacts that slide, in an equilibrium."""
-        return [i for i, state in enumerate(self.solution.contact_state) if state == "sliding" and self.solution.held]
+        return [i for i, status in enumerate(self.statuses) if status == SLIDING]
 
     @cached_property
     def drawn_contacts(self) -> list[int]:
         """Contacts that are drawn: all, but of those on links the ones that press. Many never touch."""
-        press = [
-            not self.grasp.spec.links or not self.solution.held or state != "separated"
-            for state in self.solution.contact_state
-        ]
-        return np.flatnonzero(press).tolist()
+        return [i for i, status in enumerate(self.statuses) if status != SEPARATED or not self.grasp.spec.links]
 
     def screen_marks(self) -> ScreenMarks:
         """What should lie apart in the picture."""
@@ -197,20 +189,13 @@ class PictureContent:
     def extent_points(self) -> Array:
         """(k, 3) points that the picture must contain: arrows, arcs, cones, fingertips."""
         scene = self.grasp.scene
-        points = [
-            scene.positions,
-            scene.positions + self.force_arrows,
-            self.acts_at + self.load_arrow,
-            self.acts_at + self.escape_arrow,
-        ]
+        points = [scene.positions, scene.positions + self.force_arrows]
+        points += [self.acts_at + self.load_arrow, self.acts_at + self.escape_arrow]
         points += [self.cone_rim(i) for i in range(scene.n) if self.cone_height(i) > 0.0]
-        points += [
-            t.extent_points() for t in (self.torque_arc, self.escape_arc, *self.moment_arcs.values()) if t is not None
-        ]
+        arcs = self.torque_arc, self.escape_arc, *self.moment_arcs.values()
+        points += [arc.extent_points() for arc in arcs if arc is not None]
         points += [scene.positions[i] + slip for i, slip in self.slip_arrows.items()]
-        points += [
-            t.reshape(-1, 3) for t in ([] if self.moved_object is None else [self.moved_object]) + self.tip_triangles
-        ]
+        points += [t.reshape(-1, 3) for t in (self.moved_object, *self.tip_triangles) if t is not None]
         return np.vstack(points)
 
     def are_hidden(self, before: Array) -> Bools:
@@ -220,16 +205,14 @@ class PictureContent:
         known = (
             self.object_body is not None and self.object_body.label == "object"
         )  # the hull of the contacts hides none
-        return np.asarray(
-            (before > self.size * np.array([_MAX_SOLID_DEPTH, _MAX_OBJECT_DEPTH if known else np.inf])).any(axis=1)
-        )
+        most = self.size * np.array([_MAX_SOLID_DEPTH, _MAX_OBJECT_DEPTH if known else np.inf])
+        return np.asarray((before > most).any(axis=1))
 
     def cone_rim(self, i: int) -> Array:
         """(k, 3) of a contact's friction cone."""
-        scene = self.grasp.scene
-        return friction_cone_rim(
-            scene.positions[i], scene.frames[i], self.cone_height(i), float(scene.mu[i]), scene.plane is not None
-        )
+        scene, height = self.grasp.scene, self.cone_height(i)
+        mu, planar = float(scene.mu[i]), scene.plane is not None
+        return friction_cone_rim(scene.positions[i], scene.frames[i], height, mu, planar)
 
     def cone_height(self, i: int) -> float:
         """Height of a friction cone [m], whose rim is the friction limit of the drawn force; 0: no cone."""

@@ -170,42 +170,27 @@ def draw_comparable_pictures(grasps: list[Candidate | None]) -> list[bytes]:
 
     The side is that from which most of the first is seen. Raises Unsupported without matplotlib.
     """
-    every = [None if one is None else _candidate_content(one) for one in grasps]
+    every = [None if c is None else PictureContent(c.grasp, c.solution, None, verdict=c.verdict) for c in grasps]
     known = [shown for shown in every if shown is not None]
     if not known:
         return [b""] * len(grasps)
-    camera, newton = known[0].camera, min(shown.per_newton for shown in known)
-    frames = [
-        fit_view(camera, s.solids, s.object_body, s.extent_points(), (SHEET_CELL, SHEET_CELL), _CELL_MARGIN)
-        for s in known
-    ]
+    camera, newton, cell = known[0].camera, min(shown.per_newton for shown in known), (SHEET_CELL, SHEET_CELL)
+    views = [fit_view(camera, s.solids, s.object_body, s.extent_points(), cell, _CELL_MARGIN) for s in known]
+    inch = max(view.inch for view in views)
     found = list[bytes]()
     for shown in every:
-        figure, made = new_figure(figsize=(SHEET_CELL, SHEET_CELL)), io.BytesIO()
+        figure, made = new_figure(figsize=cell), io.BytesIO()
         if shown is not None:
             ax = figure.add_axes((0.0, 0.0, 1.0, 1.0))
             ax.axis("off")
-            _draw_small_picture(ax, shown, CELL_DPI, camera, max(f.inch for f in frames), newton / shown.per_newton)
+            share, reach = newton / shown.per_newton, shown.extent_points()
+            over, _, hidden = draw_bodies(ax, shown, reach, cell, _CELL_MARGIN, CELL_DPI, camera, inch)
+            if shown.load_size > 0:
+                over.draw_arrow(shown.acts_at, share * shown.load_arrow, LOAD_COLOUR, 1.6)
+            for i in shown.drawn_contacts:
+                p, colour = shown.grasp.scene.positions[i], shown.contact_colours[i]
+                over.draw_arrow(p, share * shown.force_arrows[i], colour, 1.6)
+                over.draw_contact_point(p, colour, bool(hidden[i]))
             figure.savefig(made, dpi=CELL_DPI, facecolor="white", format="png")
         found.append(made.getvalue())
     return found
-
-
-def _candidate_content(candidate: Candidate) -> PictureContent:
-    return PictureContent(candidate.grasp, candidate.solution, None, verdict=candidate.verdict)
-
-
-def _draw_small_picture(ax: Any, shown: PictureContent, dpi: float, camera: Camera, least: float, share: float) -> None:
-    """Draw a small picture without numbers: hand, object and forces.
-
-    camera, least : as of `draw_bodies`. share : factor on the lengths of arrows.
-    """
-    over, _, hidden = draw_bodies(
-        ax, shown, shown.extent_points(), (SHEET_CELL, SHEET_CELL), _CELL_MARGIN, dpi, camera, least
-    )
-    if shown.load_size > 0:
-        over.draw_arrow(shown.acts_at, share * shown.load_arrow, LOAD_COLOUR, 1.6)
-    for i in shown.drawn_contacts:
-        p, force = shown.grasp.scene.positions[i], share * shown.force_arrows[i]
-        over.draw_arrow(p, force, shown.contact_colours[i], 1.6)
-        over.draw_contact_point(p, shown.contact_colours[i], bool(hidden[i]))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -51,9 +52,8 @@ class RotationArc:
         if abs(along) < _MIN_ARC_COSINE:
             across = axis - along * sight
             across /= np.linalg.norm(across)
-            axis = (
-                np.sqrt(1 - _MIN_ARC_COSINE**2) * across + (_MIN_ARC_COSINE if along >= 0 else -_MIN_ARC_COSINE) * sight
-            )
+            cosine = _MIN_ARC_COSINE if along >= 0 else -_MIN_ARC_COSINE
+            axis = np.sqrt(1 - cosine**2) * across + cosine * sight
         x, y, _ = contact_frame(axis, camera.axes[0] if abs(axis @ camera.axes[0]) < 0.9 else camera.axes[1]).T
         sweep = np.radians(_MIN_SWEEP + (_MAX_SWEEP - _MIN_SWEEP) * self.share)
         a = np.pi / 2 + np.linspace(-sweep / 2, sweep / 2, _ARC_POINTS)
@@ -122,6 +122,7 @@ class Overlay:
     def draw_arc(self, turn: RotationArc, colour: str, width: float = 1.0, dashed: bool = False) -> None:
         """An arc about an axis, with its head at the end."""
         from matplotlib import patheffects
+        from matplotlib.patches import Polygon
 
         points = turn.screen_points(self.camera)
         head = min(0.15 * self.inch * width, 0.5 * turn.radius)
@@ -131,17 +132,12 @@ class Overlay:
         dash: Any = (0, (1.6, 0.9)) if dashed else "-"
         line = {"linewidth": 2.2 * width, "linestyle": dash, "solid_capstyle": "butt", "path_effects": casing}
         self.ax.plot(*points[: last + 1].T, color=colour, zorder=6, **line)
-        self._draw_arrow_head(points[last], points[-1], head, colour)
-
-    def _draw_arrow_head(self, a: Array, b: Array, length: float, colour: str) -> None:
-        """A triangle whose tip is b, seen from a."""
-        from matplotlib.patches import Polygon
-
-        x = (b - a) / max(float(np.linalg.norm(b - a)), 1e-300)
+        tip, way = points[-1], points[-1] - points[last]
+        x = way / max(float(np.linalg.norm(way)), 1e-300)
         y = np.array([-x[1], x[0]])
-        points = np.array([b, b - length * x + 0.42 * length * y, b - length * x - 0.42 * length * y])
+        corners = np.array([tip, tip - head * x + 0.42 * head * y, tip - head * x - 0.42 * head * y])
         style = {"facecolor": colour, "edgecolor": "white", "linewidth": 0.7, "joinstyle": "round"}
-        self.ax.add_patch(Polygon(points, closed=True, zorder=6.1, **style))
+        self.ax.add_patch(Polygon(corners, closed=True, zorder=6.1, **style))
 
     def draw_contact_point(self, point: Array, colour: str, hollow: bool = False) -> None:
         """Draw the point of a contact (3,) [m]. hollow : whether a surface hides it."""
@@ -162,10 +158,8 @@ class Overlay:
         """Dashed lines (k, 2, 3) in space."""
         from matplotlib.collections import LineCollection
 
-        ends = self.camera.project(lines)
-        self.ax.add_collection(
-            LineCollection(list(ends), colors=colour, linewidths=1.0, linestyles=[(0, (4, 2))], zorder=2.8)
-        )
+        style: dict[str, Any] = {"colors": colour, "linewidths": 1.0, "linestyles": [(0, (4, 2))], "zorder": 2.8}
+        self.ax.add_collection(LineCollection(list(self.camera.project(lines)), **style))
 
     def draw_triad(self, corner: Array) -> None:
         """The world's axes as the camera sees them, from a screen point."""
@@ -292,11 +286,10 @@ def _uncross_lines(order: list[int], heights: Sequence[float], ends: Sequence[Ar
     order, changed = list(order), True
     while changed:
         changed = False
-        for i in range(len(order)):
-            for j in range(i + 1, len(order)):
-                lines = [(np.array([x, heights[k]]), ends[order[k]]) for k in (i, j)]
-                if _do_lines_cross(*lines[0], *lines[1]):
-                    order[i], order[j], changed = order[j], order[i], True
+        for i, j in combinations(range(len(order)), 2):
+            lines = [(np.array([x, heights[k]]), ends[order[k]]) for k in (i, j)]
+            if _do_lines_cross(*lines[0], *lines[1]):
+                order[i], order[j], changed = order[j], order[i], True
     return order
 
 

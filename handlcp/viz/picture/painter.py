@@ -7,6 +7,7 @@ meet. So the solids become an image here, and matplotlib draws everything else o
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -16,21 +17,21 @@ from handlcp.viz.picture.body import Body
 from handlcp.viz.picture.camera import Camera, ViewLimits, blank_image, fill_triangles
 from handlcp.viz.style import RED, hex_to_rgb
 
-LIGHT_DIRECTION = np.array([-0.45, 0.65, 0.62]) / np.linalg.norm(
-    [-0.45, 0.65, 0.62]
-)  # screen axes: from the upper left
+LIGHT_DIRECTION = np.array([-0.45, 0.65, 0.62])  # screen axes: from the upper left
+LIGHT_DIRECTION /= np.linalg.norm(LIGHT_DIRECTION)
 CREASE_COSINE = np.cos(np.radians(28.0))  # edges of the object sharper than this are drawn
 OBJECT_OPACITY = 0.40  # opacity of the object
 CONTOUR_BRIGHTNESS = 0.55  # brightness of the lines around solids
 SAMPLES_PER_PIXEL = 2  # samples per pixel and direction
 MARK_OPACITY, STRIPE_OPACITY = 0.22, 0.75  # opacity of the mark on links inside the object, and of its stripes
 MARK_COLOUR = np.array(hex_to_rgb(RED))
-_AHEAD, _BEHIND, _ALL = slice(1, None), slice(None, -1), slice(None)
 # Samples of an image, and those beside them in each of four ways
-_NEIGHBOURS = tuple(
-    (a, b)
-    for one, two in (((_AHEAD, _ALL), (_BEHIND, _ALL)), ((_ALL, _AHEAD), (_ALL, _BEHIND)))
-    for a, b in ((one, two), (two, one))
+_AHEAD, _BEHIND = np.s_[1:], np.s_[:-1]
+_NEIGHBOURS = (
+    (_AHEAD, _BEHIND),
+    (_BEHIND, _AHEAD),
+    (np.s_[:, 1:], np.s_[:, :-1]),
+    (np.s_[:, :-1], np.s_[:, 1:]),
 )
 STRIPE_SPACING = 12 * SAMPLES_PER_PIXEL  # samples from one stripe of hatching to the next
 
@@ -67,20 +68,13 @@ def paint_bodies(
     if marked := [page(b.triangles) for b in solids if b.is_marked]:
         back = np.full((h, w), -np.inf)
         if glass is not None:
-            fill_triangles(
-                np.empty_like(colour), back, page(glass.triangles) * (1, 1, -1), np.zeros((len(glass.triangles), 3))
-            )
+            behind = page(glass.triangles) * (1, 1, -1)
+            fill_triangles(np.empty_like(colour), back, behind, np.zeros((len(behind), 3)))
         _mark_bodies(colour, solid, (solid < near) & (solid > -back), np.concatenate(marked))
     if frame.is_cut:
         _fade_edges(colour, frame)
-    small = (
-        sum(
-            colour[i::SAMPLES_PER_PIXEL, j::SAMPLES_PER_PIXEL]
-            for i in range(SAMPLES_PER_PIXEL)
-            for j in range(SAMPLES_PER_PIXEL)
-        )
-        / SAMPLES_PER_PIXEL**2
-    )
+    places = product(range(SAMPLES_PER_PIXEL), repeat=2)
+    small = sum(colour[i::SAMPLES_PER_PIXEL, j::SAMPLES_PER_PIXEL] for i, j in places) / SAMPLES_PER_PIXEL**2
     ax.imshow(small, extent=frame.box, origin="lower", interpolation="antialiased", zorder=1, aspect="auto")
     ax.axis("off")
     ax.set_xlim(x0, x1)
@@ -102,10 +96,8 @@ def _mark_bodies(colour: Array, depth: Array, inside: Bools, triangles: Array) -
     fill_triangles(np.empty_like(colour), own, triangles, np.zeros((len(triangles), 3)))
     seen = np.isfinite(own) & (own >= depth)
     row, column = np.indices(depth.shape)
-    for where, share in (
-        (seen, MARK_OPACITY),
-        (seen & inside & ((row + column) % STRIPE_SPACING < STRIPE_SPACING / 3), STRIPE_OPACITY),
-    ):
+    stripes = seen & inside & ((row + column) % STRIPE_SPACING < STRIPE_SPACING / 3)
+    for where, share in ((seen, MARK_OPACITY), (stripes, STRIPE_OPACITY)):
         colour[where] = (1 - share) * colour[where] + share * MARK_COLOUR
 
 

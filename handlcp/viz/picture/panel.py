@@ -10,24 +10,24 @@ import numpy as np
 
 from handlcp import words
 from handlcp.grasp import Verdict
+from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING, UNKNOWN, ContactStatus, contact_words
 from handlcp.viz.picture.content import (
     ESCAPE_COLOUR,
     LOAD_COLOUR,
     MIN_DRAWN_MOMENT,
     SLIP_COLOUR,
-    STATE_COLOURS,
+    STATUS_COLOURS,
     UNKNOWN_COLOUR,
     PictureContent,
 )
 from handlcp.viz.style import (
     BAD_COLOUR,
     BLUE,
-    DOUBT_COLOUR,
-    GOOD_COLOUR,
     GREY,
     INK,
     LEFT_MARGIN,
     RED,
+    WORD_COLOURS,
     describe_motion,
     draw_title,
     draw_word_and_sentence,
@@ -44,7 +44,6 @@ MAX_BAR_LETTERS = 31  # that fit a bar's width: joint and share, bold, at full s
 MIN_NAME_LETTERS = 20  # letters of a joint's name that are always shown
 _MAX_PEAK_RATIO = 2.0  # times what is held for good: how far the peak of a motor is drawn
 _UNIT_PATTERN = re.compile(r"(\d) (?=\S)")  # between a number and its unit
-WORD_COLOURS = {"HELD": GOOD_COLOUR, "UNDECIDED": DOUBT_COLOUR}  # the rest is red
 
 
 def draw_verdict_headline(figure: Any, v: Verdict, title: str, drawn: str) -> float:
@@ -52,9 +51,8 @@ def draw_verdict_headline(figure: Any, v: Verdict, title: str, drawn: str) -> fl
     begin, as a share of the height.
     """
     reason = f"{v.reasons[0].sentence}." if v.reasons else ""
-    y = draw_word_and_sentence(
-        figure, draw_title(figure, title), v.word, WORD_COLOURS.get(v.word, BAD_COLOUR), reason, most=4
-    )
+    colour = WORD_COLOURS.get(v.word, BAD_COLOUR)
+    y = draw_word_and_sentence(figure, draw_title(figure, title), v.word, colour, reason, most=4)
     tall = float(figure.get_size_inches()[1])
     figure.text(LEFT_MARGIN, 1.0 - (y + 0.01) / tall, drawn, color=GREY, fontsize=9.5, va="top")
     return 1.0 - (y + 0.31) / tall
@@ -171,30 +169,30 @@ def make_label_texts(shown: PictureContent, room: int) -> list[LabelText]:
     """One label for each contact; where there is no room for so many, one for all contacts of a name and a state, the
     largest such groups first, or of a link and a state.
     """
-    names, states = shown.solution.names, shown.solution.contact_state
+    names = shown.solution.names
     single = {i: ((i,), names[i], _contact_detail(shown, i)) for i in shown.drawn_contacts}
-    groups, links = dict[tuple[str, str], list[int]](), shown.grasp.spec.links
+    groups, links = dict[tuple[str, ContactStatus], list[int]](), shown.grasp.spec.links
     for i in shown.drawn_contacts:
         alike = links.get(names[i], names[i]) if links else _NUMBER_PATTERN.sub("", names[i])
-        groups.setdefault((alike, states[i] if shown.solution.held else ""), []).append(i)
+        groups.setdefault((alike, shown.statuses[i]), []).append(i)
     out, count = list[LabelText](), len(shown.drawn_contacts)
-    for (stem, state), members in sorted(groups.items(), key=lambda group: -len(group[1])):
+    for (stem, status), members in sorted(groups.items(), key=lambda group: -len(group[1])):
         if len(members) > 1 and (count > room or (links and len(shown.drawn_contacts) > room)):
             count -= len(members) - 1
-            out.append((tuple(members), f"{stem}: {len(members)} contacts", _group_detail(shown, members, state)))
+            out.append((tuple(members), f"{stem}: {len(members)} contacts", _group_detail(shown, members, status)))
         else:
             out += [single[i] for i in members]
     return sorted(out)
 
 
-def _group_detail(shown: PictureContent, members: Sequence[int], state: str) -> str:
+def _group_detail(shown: PictureContent, members: Sequence[int], status: ContactStatus) -> str:
     """What a label of several contacts says below its name."""
-    if state in ("", "separated"):
-        return "let go" if state else ""
+    if status in (UNKNOWN, SEPARATED):
+        return "let go" if status == SEPARATED else ""
     forces = shown.solution.normal_force[list(members)]
     low, high = words.format_force(float(forces.min())), words.format_force(float(forces.max()))
     each = f"{low} each" if low == high else f"{low.removesuffix(' N')} to {high}"
-    return f"{each}, {'stick' if state == 'sticking' else 'slide'}"
+    return f"{each}, {'stick' if status == STICKING else 'slide'}"
 
 
 def _contact_detail(shown: PictureContent, i: int) -> str:
@@ -202,14 +200,14 @@ def _contact_detail(shown: PictureContent, i: int) -> str:
     s = shown.solution
     if not s.held:
         return f"μ = {shown.grasp.contacts[i].mu:g}" if shown.grasp.contacts[i].mu else "frictionless"
-    if s.contact_state[i] == "separated":
+    if shown.statuses[i] == SEPARATED:
         return f"lets go, gap {words.format_length(float(s.gap[i]))}"
     normal, friction = float(s.normal_force[i]), float(np.linalg.norm(s.tangential_force[i]))
     push = words.format_contact_force(normal, friction)
     # A moment is written in place of the state, which the colour shows: a longer line would shrink the picture
     if s.torsion is not None and abs(s.torsion[i]) > MIN_DRAWN_MOMENT:
         return f"{push}, {words.format_torque(abs(float(s.torsion[i])))}"
-    return f"{push}, {'sticks' if s.contact_state[i] == 'sticking' else 'slides'}"
+    return f"{push}, {'sticks' if shown.statuses[i] == STICKING else 'slides'}"
 
 
 def legend_entries(shown: PictureContent, unseen: UndrawnParts, hidden: bool) -> list[LegendEntry]:
@@ -217,25 +215,17 @@ def legend_entries(shown: PictureContent, unseen: UndrawnParts, hidden: bool) ->
 
     unseen : what is too small to draw. hidden : whether a contact point is behind object or hand.
     """
-    return [
-        *_body_entries(shown),
-        *_contact_entries(shown, hidden),
-        *_load_entries(shown, unseen.load),
-        *_motion_entries(shown, unseen.slips),
-    ]
+    return [*_solid_entries(shown), *_contact_entries(shown, hidden), *_motion_entries(shown, unseen)]
 
 
-def _body_entries(shown: PictureContent) -> Iterator[LegendEntry]:
+def _solid_entries(shown: PictureContent) -> Iterator[LegendEntry]:
     if shown.object_body is not None:
         yield "patch", "#C08A2B", shown.object_body.label
     if shown.links_inside:
         most, names = words.format_length(max(shown.links_inside.values())), list(shown.links_inside)
         who = names[0] if len(names) == 1 else f"{len(names)} links"
-        yield (
-            "hatch",
-            STATE_COLOURS["sliding"],
-            f"inside the object: {who}, {'' if len(names) == 1 else 'up to '}{most}",
-        )
+        depth = most if len(names) == 1 else f"up to {most}"
+        yield "hatch", STATUS_COLOURS[SLIDING], f"inside the object: {who}, {depth}"
     if shown.tip_triangles:
         which = "link's" if shown.grasp.spec.links else "fingertip"
         yield "outline", LOAD_COLOUR, f"{which} shape that finds the contact"
@@ -244,37 +234,32 @@ def _body_entries(shown: PictureContent) -> Iterator[LegendEntry]:
 def _contact_entries(shown: PictureContent, hidden: bool) -> Iterator[LegendEntry]:
     s, scene = shown.solution, shown.grasp.scene
     who = shown.grasp.spec.who
-    for state in ("sticking", "sliding"):
-        if s.held and state in s.contact_state:
-            yield "line", STATE_COLOURS[state], f"{who} force, {state}"
-    if s.held and "separated" in [s.contact_state[i] for i in shown.drawn_contacts]:
-        yield "dot", STATE_COLOURS["separated"], f"{who} that lets go"
+    for status, word in zip((STICKING, SLIDING), contact_words((STICKING, SLIDING)), strict=True):
+        if status in shown.statuses:
+            yield "line", STATUS_COLOURS[status], f"{who} force, {word}"
+    if SEPARATED in [shown.statuses[i] for i in shown.drawn_contacts]:
+        yield "dot", STATUS_COLOURS[SEPARATED], f"{who} that lets go"
     if hidden:
         yield "ring", UNKNOWN_COLOUR, "contact seen through object or hand"
     if any(shown.cone_height(i) > 0.0 for i in range(scene.n)):
         sense = "moments take their part of it" if s.torsion is not None else "an arrow at its rim slides"
         text = f"friction cone, to the forces' scale:\n{sense}" if s.held else "friction cone"
-        yield "cone", STATE_COLOURS["sticking"] if s.held else UNKNOWN_COLOUR, text
+        yield "cone", STATUS_COLOURS[STICKING if s.held else UNKNOWN], text
     if s.held and scene.frictional:
         yield "none", UNKNOWN_COLOUR, "labels: normal force + friction"
     if shown.moment_arcs:
-        yield "turn", STATE_COLOURS["sticking"], f"moment of a {who} about its normal, longer for larger"
+        yield "turn", STATUS_COLOURS[STICKING], f"moment of a {who} about its normal, longer for larger"
 
 
-def _load_entries(shown: PictureContent, unseen: bool) -> Iterator[LegendEntry]:
+def _motion_entries(shown: PictureContent, undrawn: UndrawnParts) -> Iterator[LegendEntry]:
+    """The load, and how the object moves."""
+    s, unseen = shown.solution, undrawn.slips
     if shown.load_size > 0:
         much = words.format_force(shown.load_size)
-        yield "line", LOAD_COLOUR, f"load on the object, {much}{', too small to draw' if unseen else ''}"
+        yield "line", LOAD_COLOUR, f"load on the object, {much}{', too small to draw' if undrawn.load else ''}"
     if shown.torque_arc is not None:
-        yield (
-            "turn",
-            LOAD_COLOUR,
-            f"torque on the object, {words.format_torque(float(np.linalg.norm(shown.load_torque)))}",
-        )
-
-
-def _motion_entries(shown: PictureContent, unseen: Sequence[int]) -> Iterator[LegendEntry]:
-    s = shown.solution
+        torque = words.format_torque(float(np.linalg.norm(shown.load_torque)))
+        yield "turn", LOAD_COLOUR, f"torque on the object, {torque}"
     largest = max((float(np.hypot(*s.slip[i])) for i in shown.slip_arrows), default=0.0)
     if any(i not in unseen for i in shown.slip_arrows):
         factor = shown.slip_factor
@@ -289,8 +274,5 @@ def _motion_entries(shown: PictureContent, unseen: Sequence[int]) -> Iterator[Le
     if shown.escape_arrow.any():
         yield "dashed", ESCAPE_COLOUR, "the way the object escapes"
     if shown.escape_arc is not None:
-        yield (
-            "turn",
-            ESCAPE_COLOUR,
-            "the way the object turns out" if not shown.escape_arrow.any() else "and turns as it escapes",
-        )
+        alone = not shown.escape_arrow.any()
+        yield "turn", ESCAPE_COLOUR, "the way the object turns out" if alone else "and turns as it escapes"

@@ -15,33 +15,26 @@ from handlcp.check import check_call
 from handlcp.contact.friction import as_law
 from handlcp.design.brief import Brief
 from handlcp.design.evaluate import evaluate
-from handlcp.design.evaluation import Evaluation, ObjectCase, format_held
-from handlcp.errors import InputError, as_path
+from handlcp.design.evaluation import Evaluation, format_held
+from handlcp.errors import InputError
 from handlcp.geometry import YCB, Box, Cylinder, Ellipsoid, Object, Sphere
 from handlcp.hand import Hand
 from handlcp.hand.vary.hand_shape import AXIS, LENGTH, POSITION
 from handlcp.hand.vary.vary import hand_numbers, number_unit
 from handlcp.progress import track_progress
-from handlcp.viz.output_file import image_html, new_figure, read_web_files, write_page
+from handlcp.viz.output_file import (
+    check_report_path,
+    image_html,
+    new_figure,
+    read_web_files,
+    word_class,
+    write_page,
+)
 from handlcp.viz.picture.figure import draw_comparable_pictures
-from handlcp.write_file import check_destination
 
 _MISSING_CELL = "–"
 _COMPARED_DIGITS = 9  # to which numbers are the same
 ComparedValue = tuple[Any, str]  # what is compared, and how it is shown
-
-
-def compare_numbers(hands: Mapping[str, Hand]) -> list[tuple[str, ...]]:
-    """A row for each number in which hands differ, with its value in each; names with the same values share a row."""
-    facts = [dict(_hand_numbers(hand)) for hand in hands.values()]
-    rows = dict[tuple[str, ...], list[str]]()
-    for name in dict.fromkeys(name for found in facts for name in found):
-        values = [found.get(name) for found in facts]
-        if len({None if value is None else value[0] for value in values}) > 1:
-            of, _, what = name.rpartition(".")
-            cells = tuple([_MISSING_CELL if value is None else value[1] for value in values])
-            rows.setdefault((what, *cells), []).append(of)
-    return [(f"{what.replace('_', ' ')} of {words.list_names(of)}", *cells) for (what, *cells), of in rows.items()]
 
 
 def _hand_numbers(hand: Hand) -> Iterator[tuple[str, ComparedValue]]:
@@ -98,9 +91,11 @@ def describe_brief(brief: Brief) -> list[str]:
     if brief.acceleration:
         said.append(f"The hand speeds up by {brief.acceleration:g} m/s²")
     for name, load in brief.loads.items():
-        size = f"{_format_with_unit(load[:3], 'N')}{_format_torque_part(load[3:])}"
+        size = _format_with_unit(load[:3], "N")
+        size += f" and {_format_with_unit(load[3:], 'N·m')}" if np.any(load[3:]) else ""
         said.append(f"Load “{name}”: {size} beside the weight, the hand upright")
-    said.append(f"Friction: {_describe_friction(brief)}")
+    law = as_law(brief.friction)
+    said.append(f"Friction: {f'coefficient {law.mu:g}' if type(law).__name__ == 'Coulomb' else repr(law)}")
     said.append(f"The weight, and each load, is to be held {brief.safety:g} times")
     if brief.motion is not None:
         said.append(f"An object may move {words.format_length(brief.motion)} under it")
@@ -130,18 +125,9 @@ def _format_with_unit(vector: Any, unit: str) -> str:
     return f"({', '.join(f'{x:g}' for x in vector)}) {unit}"
 
 
-def _format_torque_part(torque: Any) -> str:
-    return f" and {_format_with_unit(torque, 'N·m')}" if np.any(torque) else ""
-
-
-def _describe_friction(brief: Brief) -> str:
-    law = as_law(brief.friction)
-    return f"coefficient {law.mu:g}" if type(law).__name__ == "Coulomb" else repr(law)
-
-
 def compare_hands(hands: Mapping[str, Hand]) -> list[tuple[str, ...]]:
     """What differs in all: joints, fingertips, mass, size; then a row for each number, by its name for `vary`, in which
-    hands differ, and for how joints stand and turn, with its value in each hand.
+    hands differ, and for how joints stand and turn, with its value in each hand; names with the same values share one.
     """
     described = [hand.describe() for hand in hands.values()]
     more = [
@@ -150,7 +136,15 @@ def compare_hands(hands: Mapping[str, Hand]) -> list[tuple[str, ...]]:
         ("mass", *[f"{d.mass:.3g} kg" for d in described]),
         ("size", *[" × ".join(f"{1e3 * x:.0f}" for x in d.size) + " mm" for d in described]),
     ]
-    return [*[row for row in more if len(set(row[1:])) > 1], *compare_numbers(hands)]
+    facts, alike = [dict(_hand_numbers(hand)) for hand in hands.values()], dict[tuple[str, ...], list[str]]()
+    for name in dict.fromkeys(name for found in facts for name in found):
+        values = [found.get(name) for found in facts]
+        if len({None if value is None else value[0] for value in values}) > 1:
+            of, _, what = name.rpartition(".")
+            cells = tuple([_MISSING_CELL if value is None else value[1] for value in values])
+            alike.setdefault((what, *cells), []).append(of)
+    rows = [(f"{what.replace('_', ' ')} of {words.list_names(of)}", *cells) for (what, *cells), of in alike.items()]
+    return [*[row for row in more if len(set(row[1:])) > 1], *rows]
 
 
 def describe_better_hands(found: Mapping[str, Evaluation]) -> list[str]:
@@ -187,7 +181,6 @@ def mark_best(values: Sequence[float], more: bool) -> list[bool]:
 # The page of several hands beside each other: pictures of the same side and scale, numbers, and what differs.
 
 
-_HELD_WORD, _UNDECIDED_WORD = "HELD", "UNDECIDED"
 # Of each object: attribute of its case, its words, unit, and whether more is better
 _OBJECT_NUMBERS = (
     ("payload", "payload", "kg", True),
@@ -209,7 +202,7 @@ def report(hands: Any, brief: Brief, path: Any) -> Path:
     named = _name_hands(hands)
     if not isinstance(brief, Brief):
         raise InputError("brief", "a Brief", repr(brief)[:80])
-    target = _check_report_path(path)
+    target = check_report_path(path)
     new_figure()  # whether matplotlib is there
     found = dict[str, Evaluation]()
     with track_progress("hands", len(named)) as done:
@@ -217,7 +210,16 @@ def report(hands: Any, brief: Brief, path: Any) -> Path:
             found[name] = evaluate(hand, brief)
             done(1)
     frame, style = read_web_files("report.html", "report.css", package="handlcp.viz.report")
-    return write_page(target, frame, " beside ".join(named), style, _page_parts(named, brief, found))
+    heads, differ = ("", *named), [(row, [False] * len(row)) for row in compare_hands(named)]
+    parts = {
+        "verdicts": "".join(_hand_summary_html(name, done) for name, done in found.items()),
+        "better": _list_items_html(describe_better_hands(found)),
+        "asked": _list_items_html(describe_brief(brief)),
+        "pictures": _pictures_html(brief, found),
+        "numbers": _table_html(heads, _number_rows(brief, found)),
+        "differ": _table_html(heads, differ) if differ else "<p>Nothing.</p>",
+    }
+    return write_page(target, frame, " beside ".join(named), style, parts)
 
 
 def _name_hands(hands: Any) -> dict[str, Hand]:
@@ -235,28 +237,6 @@ def _name_hands(hands: Any) -> dict[str, Hand]:
         if not isinstance(hand, Hand):
             raise InputError(f"hands[{key!r}]", "a Hand", repr(hand)[:80])
     return named
-
-
-def _check_report_path(path: Any) -> Path:
-    file = as_path("path", path, "the name of a file that ends in .html")
-    if file.suffix.lower() not in (".html", ".htm"):
-        raise InputError("path", "the name of a file that ends in .html", repr(str(path)))
-    return check_destination("path", file)
-
-
-def _page_parts(hands: Mapping[str, Hand], brief: Brief, found: Mapping[str, Evaluation]) -> dict[str, str]:
-    """The parts of the report's page, as HTML."""
-    differ = compare_hands(hands)
-    return {
-        "verdicts": "".join(_hand_summary_html(name, done) for name, done in found.items()),
-        "better": _list_items_html(describe_better_hands(found)),
-        "asked": _list_items_html(describe_brief(brief)),
-        "pictures": _pictures_html(brief, found),
-        "numbers": _table_html(("", *hands), _number_rows(brief, found)),
-        "differ": _table_html(("", *hands), [(row, [False] * len(row)) for row in differ])
-        if differ
-        else "<p>Nothing.</p>",
-    }
 
 
 def _list_items_html(sentences: Iterable[str]) -> str:
@@ -278,8 +258,7 @@ def _format_cause(what: str) -> str:
 
 
 def _word_html(word: str) -> str:
-    kind = {_HELD_WORD: "good", _UNDECIDED_WORD: "doubt"}.get(word, "bad")
-    return f'<span class="word {kind}">{escape(word)}</span>'
+    return f'<span class="word {word_class(word)}">{escape(word)}</span>'
 
 
 def _pictures_html(brief: Brief, found: Mapping[str, Evaluation]) -> str:
@@ -288,15 +267,13 @@ def _pictures_html(brief: Brief, found: Mapping[str, Evaluation]) -> str:
     for name in brief.objects:
         cases = [done.cases[name] for done in found.values()]
         drawn = draw_comparable_pictures([case.candidate for case in cases])
-        cells = [_picture_html(hand, name, case, png) for hand, case, png in zip(found, cases, drawn, strict=True)]
-        rows.append(f'<h3>{escape(name)}</h3><div class="beside">{"".join(cells)}</div>')
+        cells = ""
+        for hand, case, png in zip(found, cases, drawn, strict=True):
+            picture = image_html(png, f"{name} in {hand}") if png else '<p class="none">no grasp</p>'
+            says = escape(f"{hand}: first gives out: {_format_cause(case.gives_out)}")
+            cells += f"<figure>{picture}<figcaption>{_word_html(case.word)} {says}</figcaption></figure>"
+        rows.append(f'<h3>{escape(name)}</h3><div class="beside">{cells}</div>')
     return "".join(rows)
-
-
-def _picture_html(hand: str, name: str, case: ObjectCase, png: bytes) -> str:
-    drawn = image_html(png, f"{name} in {hand}") if png else '<p class="none">no grasp</p>'
-    says = f"{hand}: first gives out: {_format_cause(case.gives_out)}"
-    return f"<figure>{drawn}<figcaption>{_word_html(case.word)} {escape(says)}</figcaption></figure>"
 
 
 def _number_rows(brief: Brief, found: Mapping[str, Evaluation]) -> list[tuple[Sequence[str], list[bool]]]:

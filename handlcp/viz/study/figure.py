@@ -60,36 +60,31 @@ def parameter_label(name: str) -> tuple[str, str]:
     return (name.rpartition("_")[0], unit) if unit else (name, "")
 
 
-def unit_coordinates(study: Study) -> Array:
-    """(n, d) unit coordinates of the designs."""
-    space, names = study.space, study.names
-    rows = zip(*[study.columns[name] for name in names], strict=True) if len(study) else ()
-    return np.array([space.unit(dict(zip(names, row, strict=True))) for row in rows]).reshape(len(study), len(space))
+def check_two_columns(by: Sequence[str]) -> Sequence[str]:
+    """The two columns of a front. Raises InputError for other than two."""
+    by = check_sequence("by", by, "two columns")
+    if len(by) != 2:
+        raise InputError("by", "two columns", f"{len(by)}")
+    return by
 
 
 def parameter_ticks(entry: Any) -> tuple[list[float], list[str]]:
     """Where along a free parameter's unit coordinate which value stands: ends and middle, or the choices."""
     if isinstance(entry, Choices):
         at = range(len(entry.values)) if len(entry.values) <= _MAX_CHOICE_TICKS else (0, len(entry.values) - 1)
-        return [entry.coordinate_of_choice(i) for i in at], [_format_choice(entry.values[i]) for i in at]
+        said = [f"{value:.3g}" if isinstance(value, float) else str(value) for value in entry.values]
+        short = [text if len(text) <= 12 else f"{text[:11]}…" for text in said]
+        return [entry.coordinate_of_choice(i) for i in at], [short[i] for i in at]
     where = [0.0, 0.5, 1.0]
     return where, [f"{entry.value_at(u):.3g}" for u in where]
-
-
-def _format_choice(value: Any) -> str:
-    text = f"{value:.3g}" if isinstance(value, float) else str(value)
-    return text if len(text) <= 12 else f"{text[:11]}…"
 
 
 # ----------------------------------------------------------------
 # The figure of a sweep: its front, its designs as lines across all parameters, and the main effects of these.
 
 
-FIGURE_WIDTH, FRONT_ROW_HEIGHT, EFFECT_ROW_HEIGHT = (
-    12.0,
-    3.9,
-    2.1,
-)  # inches: of the figure, height of the first row of panels, of each further one
+# Inches: of the figure, height of the first row of panels, of each further one
+FIGURE_WIDTH, FRONT_ROW_HEIGHT, EFFECT_ROW_HEIGHT = 12.0, 3.9, 2.1
 EFFECTS_PER_ROW = 4  # main effects in a row
 _MAX_DESIGN_LINES = 1500  # designs that are drawn as lines, the front always
 _MAX_NUMBERED_DESIGNS = 12  # designs on the front that have their numbers beside them
@@ -104,16 +99,16 @@ def draw_study(study: Study, title: str, by: Sequence[str]) -> Figure:
 
     Raises InputError, UnknownName; Unsupported without matplotlib.
     """
-    by = check_sequence("by", by, "two columns")
-    if len(by) != 2:
-        raise InputError("by", "two columns", f"{len(by)}")
+    by = check_two_columns(by)
     new_figure()
     wanted, front = study.wanted(*by), study.pareto(*by)
     known = np.isfinite(wanted).all(axis=1)
     if not known.any():
         raise InputError("study", f"designs of which {' and '.join(by)} are known", repr(study))
     on = np.isin(study.columns["design"], front.columns["design"]) & known
-    cube, free = unit_coordinates(study), study.space.free
+    free, names = study.space.free, study.names
+    points = (dict(zip(names, row, strict=True)) for row in zip(*[study.columns[name] for name in names], strict=True))
+    cube = np.array([study.space.unit(point) for point in points]).reshape(len(study), len(study.space))
     rows = -(-len(free) // EFFECTS_PER_ROW)
     tall = 1.1 + FRONT_ROW_HEIGHT + rows * EFFECT_ROW_HEIGHT
     made = new_figure(figsize=(FIGURE_WIDTH, tall), dpi=100)
@@ -136,10 +131,8 @@ def _describe_front(study: Study, front: Study, by: Sequence[str]) -> str:
     head = study.counts
     if not len(front):
         return f"{head}. There is no front: no design holds all that the brief asks."
-    better = " and ".join(
-        f"{'less' if one.startswith('-') else 'more'} {column_label(one).partition(' [')[0]}" for one in by
-    )
-    return f"{head}. No design has both {better} than any of the {len(front)} on the front."
+    better = [f"{'less' if one.startswith('-') else 'more'} {column_label(one).partition(' [')[0]}" for one in by]
+    return f"{head}. No design has both {' and '.join(better)} than any of the {len(front)} on the front."
 
 
 def _undo_minus(wanted: Array, by: Sequence[str]) -> Array:
@@ -177,11 +170,7 @@ def _draw_design_lines(ax: Any, study: Study, cube: Array, wanted: Array, on: Bo
     shares = (plain - low) / np.where(high > low, high - low, 1.0)
     values = np.column_stack([cube, shares])
     others = np.flatnonzero(known & ~on)
-    others = (
-        others[np.linspace(0, len(others) - 1, min(len(others), _MAX_DESIGN_LINES)).astype(int)]
-        if len(others)
-        else others
-    )
+    others = others[np.linspace(0, len(others) - 1, min(len(others), _MAX_DESIGN_LINES)).astype(int)]
     at, across = np.arange(values.shape[1]), shares[:, 0]
     colours = LinearSegmentedColormap.from_list("front", ["#E69F00", RED, "#A0307A", BLUE])
 

@@ -9,30 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import check_integer, check_sequence
+from handlcp.check import check_integer
 from handlcp.design.evaluation import Evaluation
 from handlcp.design.study import Study
 from handlcp.errors import InputError
-from handlcp.viz.output_file import check_page_path, read_web_files
-from handlcp.viz.page.document import PageTexts, page_data, write_viewer_page
+from handlcp.viz.output_file import check_page_path
+from handlcp.viz.page.document import page_data, read_page_texts, write_viewer_page
 from handlcp.viz.page.frame import snapshot_of_solution
 from handlcp.viz.page.mesh import MeshPack
 from handlcp.viz.picture.content import PictureContent
-from handlcp.viz.study.figure import column_label, parameter_label
+from handlcp.viz.study.figure import check_two_columns, column_label, parameter_label
 
-_OWN_FILES = ("stage.html", "tables.html", "study.css", "chart.js", "study.js")
-_SHARED_FILES = ("solids.js", "marks.js", "labels.js", "view.js", "panel.js")
 _MAX_POINTS = 4000  # designs that are points, besides the front
-_SHOWN_NUMBERS = (
-    "payload_kg",
-    "factor",
-    "force_N",
-    "torque_Nm",
-    "torque_used",
-    "motion_m",
-    "gives_out",
-    "worst_object",
-)
+_SHOWN_NUMBERS = "payload_kg", "factor", "force_N", "torque_Nm", "torque_used", "motion_m", "gives_out", "worst_object"
 
 
 def write_study_page(study: Study, path: Any, title: str, by: Sequence[str], most: int) -> Path:
@@ -45,36 +34,33 @@ def write_study_page(study: Study, path: Any, title: str, by: Sequence[str], mos
     its hands are made, or without a grasp on its front; UnknownName; Unsupported without trimesh.
     """
     target = check_page_path(path)
-    by = check_sequence("by", by, "two columns")
-    if len(by) != 2:
-        raise InputError("by", "two columns", f"{len(by)}")
+    by = check_two_columns(by)
     front = study.pareto(*by) if study.pareto(*by) else study.pareto(*by, held=False)
-    shown = _thin_front(front, check_integer("most", most, 1))
+    shown, most = front, check_integer("most", most, 1)
+    if len(front) > most:  # evenly along it, with its ends
+        shown = front.some(np.unique(np.linspace(0, len(front) - 1, most).round().astype(int)).tolist())
     pairs = zip(shown, shown.evaluations(), strict=True)
     meshes = MeshPack()
     designs = [made for row, found in pairs if (made := _design_data(study, row, found, meshes)) is not None]
     if not designs:
         raise InputError("study", "a design on its front that holds an object", repr(study))
-    stage, tables, style, *scripts = read_web_files(*_OWN_FILES, package="handlcp.viz.study")
-    own = PageTexts(stage, tables, style, [*read_web_files(*_SHARED_FILES), *scripts, *read_web_files("opened.js")])
+    own = read_page_texts("handlcp.viz.study", "study.css", "chart.js", "study.js")
+    notes = ["The hand grasps the object that is held worst; the numbers are of all objects."]
+    if not any(front.columns["holds"]):
+        notes.append("No design holds all that the brief asks: the front is that of designs that do not.")
+    if len(shown) < len(front):
+        notes.append(f"Of the {len(front)} designs on the front {len(shown)} can be clicked, evenly along it.")
     found = {
         "designs": designs,
         "packed": meshes.to_base64(),
         "points": _point_data(study, front, by),
         "axes": [column_label(one) for one in by],
-        "notes": _page_notes(front, shown),
+        "notes": notes,
         "colours": {},
         "frames": [],
     }
     head = str(study).partition("\n\n")[0].replace("\n", " ")
     return write_viewer_page(target, title or "Designs", f"<p>{escape(head)}</p>", found, own)
-
-
-def _thin_front(front: Study, most: int) -> Study:
-    """At most so many designs, evenly along the front, with its ends."""
-    if len(front) <= most:
-        return front
-    return front.some(np.unique(np.linspace(0, len(front) - 1, most).round().astype(int)).tolist())
 
 
 def _point_data(study: Study, front: Study, by: Sequence[str]) -> dict[str, Any]:
@@ -118,13 +104,3 @@ def _parameter_text(name: str) -> str:
     """A parameter with its unit."""
     called, unit = parameter_label(name)
     return f"{called} [{unit}]" if unit else called
-
-
-def _page_notes(front: Study, shown: Study) -> list[str]:
-    """What a reader should know."""
-    notes = ["The hand grasps the object that is held worst; the numbers are of all objects."]
-    if not any(front.columns["holds"]):
-        notes.append("No design holds all that the brief asks: the front is that of designs that do not.")
-    if len(shown) < len(front):
-        notes.append(f"Of the {len(front)} designs on the front {len(shown)} can be clicked, evenly along it.")
-    return notes
