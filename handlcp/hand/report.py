@@ -15,8 +15,8 @@ from handlcp.geometry.link_penetration import find_impossible_links, posture_rea
 from handlcp.geometry.object import Object, describe_missing_weight
 from handlcp.grasp.effects.joint_offset import find_command
 from handlcp.grasp.failure.failure_mode import FailureMode
+from handlcp.grasp.failure.reason import Reason, make_reason
 from handlcp.grasp.model.request import GraspSpec
-from handlcp.grasp.solution.verdict import Reason
 from handlcp.hand.explanation_lines import ExplanationLine, explanation_lines
 from handlcp.hand.squeeze import reach_reasons, start_penetration_reasons
 from handlcp.hand.torque_check import (
@@ -70,12 +70,12 @@ class HandReport:
         yield from self.start_inside_reasons(spec)
         yield from reach_reasons(spec)
         if (command := find_command(spec.effects)) is not None and command.keeps:
-            yield Reason("object_kept", "note", "the object is kept in place until the hand has closed")
+            yield make_reason("object_kept", "note")
         if command is not None:
             hand = self.mechanism.posture.hand
             yield from unmade_reasons(self.mechanism.names, hand.stiffness, command.command, hand.sliding)
         if text := describe_missing_weight(spec, self.mechanism.weight_of_object(spec.reference)):
-            yield Reason("weight_left_out", "note", text)
+            yield make_reason("weight_left_out", "note", text=text)
 
     def start_inside_reasons(self, spec: GraspSpec) -> Iterator[Reason]:
         """Links that the object begins inside, before the hand closes."""

@@ -21,9 +21,9 @@ from handlcp.grasp.effects.joint_offset import (
     find_command,
     replace_command,
 )
+from handlcp.grasp.failure.reason import Reason, make_reason
 from handlcp.grasp.model.request import GraspSpec
-from handlcp.grasp.solution.verdict import Reason
-from handlcp.words import format_length, join_names
+from handlcp.words import format_length
 
 # ----------------------------------------------------------------
 # What is asked of fingertips and no command of the joints makes, and a squeeze that goes on from an earlier one.
@@ -66,7 +66,7 @@ def reach_reasons(spec: GraspSpec) -> Iterator[Reason]:
             "what": reach.what, "unit": reach.unit, "fingers": reach.names, "asked": reach.asked.tolist(),
             "missing": reach.missing.tolist(), "share": reach.share.tolist(),
         }  # fmt: skip
-        yield Reason("out_of_reach", "warning", str(reach), values)
+        yield make_reason("out_of_reach", "warning", values, reach=reach)
 
 
 def start_penetration(spec: GraspSpec) -> Array:
@@ -104,9 +104,8 @@ def start_link_depths(spec: GraspSpec) -> dict[str, float]:
 def start_penetration_reasons(spec: GraspSpec) -> Iterator[Reason]:
     """A warning where the object begins inside links: how deep in which."""
     if depths := start_link_depths(spec):
-        where = join_names([f"{format_length(depth)} inside {link}" for link, depth in depths.items()])
         links = [{"link": link, "depth_m": depth} for link, depth in depths.items()]
-        yield Reason("link_inside", "warning", f"the object begins {where}: move it out by as much", {"links": links})
+        yield make_reason("link_inside", "warning", {"links": links})
 
 
 def move_out_of_link(spec: GraspSpec) -> tuple[str, float, GraspSpec] | None:

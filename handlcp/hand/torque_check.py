@@ -17,8 +17,8 @@ from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.errors import UnknownName
 from handlcp.grasp.failure.failure_mode import TENSION, TORQUE, FailureMode, is_exceeded, largest_share_index
 from handlcp.grasp.failure.failure_text import describe_torque_excess
-from handlcp.grasp.solution.force_bounds import find_torque_bounds, format_span, is_apart, torque_shares
-from handlcp.grasp.solution.verdict import Reason
+from handlcp.grasp.failure.reason import Reason, make_reason
+from handlcp.grasp.solution.force_bounds import find_torque_bounds, is_apart, torque_shares
 from handlcp.record import Record
 from handlcp.words import TextTable, wrap_text
 
@@ -265,13 +265,11 @@ class EffortKind(NamedTuple):
 
     member : one of them.
     code : of a `FailureMode`, and of reasons.
-    weak_part : what cannot bear it.
     effort, limit : keys of numbers.
     """
 
     member: str
     code: str
-    weak_part: str
     effort: str
     limit: str
 
@@ -279,9 +277,13 @@ class EffortKind(NamedTuple):
         """The values of a reason about one joint or tendon."""
         return {self.member: name, self.effort: effort, self.limit: limit}
 
+    def row_values(self, r: TorqueRow) -> dict[str, Any]:
+        """The same of a row of a check."""
+        return self.reason_values(r.joint, r.torque, r.limit) | {"utilisation": r.utilisation}
 
-JOINT_EFFORT = EffortKind("joint", TORQUE, "motors", "torque_Nm", "limit_Nm")
-TENDON_EFFORT = EffortKind("tendon", TENSION, "tendons", "tension_N", "limit_N")
+
+JOINT_EFFORT = EffortKind("joint", TORQUE, "torque_Nm", "limit_Nm")
+TENDON_EFFORT = EffortKind("tendon", TENSION, "tension_N", "limit_N")
 
 
 def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
@@ -292,56 +294,41 @@ def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
         nearest = check[check.binding]
         yield _nearest_limit_reason(JOINT_EFFORT, nearest, "" if np.isfinite(nearest.limit) else check.unlimited)
     if check.yielding:
-        text = f"{words.list_names(check.yielding)} {'yield' if len(check.yielding) > 1 else 'yields'} at the limit"
-        yield Reason("torque", "note", text, {"yielding": check.yielding})
+        yield make_reason("torque", "note", {"yielding": check.yielding})
     if check.unknown:
-        text = f"torque limits not known, torques not judged: {words.list_names(check.unknown)}"
-        yield Reason("limit_unknown", "warning", text, {"joints": check.unknown})
+        yield make_reason("limit_unknown", "warning", {"joints": check.unknown})
 
 
 def tension_reasons(stiffness: TendonStiffness, tension: Array) -> Iterator[Reason]:
     """What tendons say that pull with tension (t,) [N]: those over their limit, or the nearest to it."""
-    rows = _tendon_rows(stiffness, tension)
-    if over := tuple([row for row in rows if row.over]):
-        yield _over_limit_reason(TENDON_EFFORT, over)
-    elif any(np.isfinite(row.limit) for row in rows):
-        yield _nearest_limit_reason(
-            TENDON_EFFORT, rows[largest_share_index(np.array([row.utilisation for row in rows]))]
-        )
-
-
-def _tendon_rows(stiffness: TendonStiffness, tension: Array) -> tuple[TorqueRow, ...]:
-    """Tendon by tendon; with a motor where that holds less for good than the tendon bears, and the tendon bears it."""
     cables, drives, rows = stiffness.cables, stiffness.drives, list[TorqueRow]()
     motors = (None,) * len(tension) if drives is None else drives.motors
     each = zip(cables.names, tension.tolist(), stiffness.strength.tolist(), cables.limits.tolist(), motors, strict=True)
-    for name, t, bears, limit, motor in each:
+    for name, t, bears, limit, motor in each:  # a motor counts that holds less for good than the tendon bears
         breaks = limit >= bears or bool(is_exceeded(t / bears))
         most = bears if breaks else limit
         rows.append(TorqueRow(name, t, most, t / most, True, "N", None if breaks else motor))
-    return tuple(rows)
+    if over := [row for row in rows if row.over]:
+        yield _over_limit_reason(TENDON_EFFORT, over)
+    elif any(np.isfinite(row.limit) for row in rows):
+        nearest = largest_share_index(np.array([row.utilisation for row in rows]))
+        yield _nearest_limit_reason(TENDON_EFFORT, rows[nearest])
 
 
 def _over_limit_reason(kind: EffortKind, rows: Sequence[TorqueRow]) -> Reason:
     """Of those over their limits: for a while, where motors hold all of them at their peak, or not at all."""
-    values = {f"{kind.member}s": [_row_values(kind, r) for r in rows]}
+    values: dict[str, Any] = {f"{kind.member}s": [kind.row_values(r) for r in rows]}
     if any(r.lasts == 0.0 for r in rows):
-        needs = [f"{r.joint} needs {_format_effort(kind, r.unit, abs(r.torque), r.limit)}" for r in rows]
-        text = f"the contacts could hold the object, the {kind.weak_part} cannot: {words.list_names(needs)}"
-        return Reason(f"{kind.code}_over_limit", "decides", text, values)
-    needs = [f"{r.joint} gives {words.format_percent(r.motor.share(r.torque))} of continuous" for r in rows if r.motor]
+        needs = [(r.joint, abs(r.torque), r.limit, r.unit) for r in rows]
+        return make_reason(f"{kind.code}_over_limit", "decides", values, rows=needs)
     known = [r.lasts for r in rows if r.lasts is not None]
-    least = "not for longer than the motor's thermal time"
-    if len(known) == len(rows):
-        least = f"begun cold, the first motor overheats after {words.format_duration(min(known))}"
-    text = f"the hand holds the object, but not for good: {words.list_names(needs)}; {least}"
-    return Reason("overheats", "decides", text, values | {"lasts_s": min(known) if len(known) == len(rows) else None})
+    values["lasts_s"] = min(known) if len(known) == len(rows) else None
+    shares = [(r.joint, r.motor.share(r.torque)) for r in rows if r.motor]
+    return make_reason("overheats", "decides", values, shares=shares)
 
 
 def _nearest_limit_reason(kind: EffortKind, r: TorqueRow, unlimited: str = "") -> Reason:
-    of = f"{words.format_effort(r.limit, r.unit)}{f' {r.held_by}' if r.held_by else ''}"
-    text = f"the {kind.member} closest to its limit is {r.joint} at {words.format_percent(r.utilisation)} of {of}"
-    return Reason(kind.code, "note", unlimited or text, _row_values(kind, r))
+    return make_reason(kind.code, "note", kind.row_values(r), unit=r.unit, held_by=r.held_by, unlimited=unlimited)
 
 
 def unmade_reasons(
@@ -353,22 +340,17 @@ def unmade_reasons(
     left = stiffness.unmade_torque(command)
     if not left.any():
         return
-    needs = [(name, t) for name, t in zip(names, left.tolist(), strict=True) if t]
-    asked = stiffness.command_torque(command)
-    share = float(abs(left).max() / abs(asked).max())
-    text = "no actuators make this command: it takes others"
+    which, asked = np.flatnonzero(left), stiffness.command_torque(command)
+    share, takes = float(abs(left).max() / abs(asked).max()), "actuators"
     if isinstance(stiffness, TendonStiffness):
         arms = stiffness.arms.T
         missing = abs(arms @ np.linalg.lstsq(arms, asked)[0] - asked).max()  # if tendons could push, too
-        which = "more tendons" if missing > _MAX_UNMADE_SHARE * abs(asked).max() else "tendons that pull the other way"
-        text = f"no tendons make this command by pulling: it takes {which}"
-    listed = words.list_names(
-        [f"{name} with {words.format_effort(t, words.effort_unit(name in sliding))}" for name, t in needs]
-    )
-    values = {"joints": [name for name, _ in needs], "torques_Nm": [t for _, t in needs], "share": share}
-    yield Reason(
-        "command_not_made", "decides" if share > _MAX_UNMADE_SHARE else "warning", f"{text} to turn {listed}", values
-    )
+        takes = "tendons" if missing > _MAX_UNMADE_SHARE * abs(asked).max() else "opposite tendons"
+    joints = [names[k] for k in which]
+    values = {"joints": joints, "torques_Nm": left[which].tolist(), "share": share}
+    units = [words.effort_unit(name in sliding) for name in joints]
+    severity = "decides" if share > _MAX_UNMADE_SHARE else "warning"
+    yield make_reason("command_not_made", severity, values, takes=takes, units=units)
 
 
 def closing_reasons(
@@ -377,29 +359,17 @@ def closing_reasons(
     """Of joints or tendons that closing took more of than their motors give; beyond : of other kinds, too. sliding :
     names of joints that slide.
     """
-    if its := [c for c in beyond if c.kind == kind.code]:
-        at = [names.index(c.who) for c in its]
-        closes = (drives.closing_limits if kind is TENDON_EFFORT else drives.peak_limits(np.full(len(names), np.inf)))[
-            at
-        ]
-        taken = closes * np.array([1.0 - c.margin for c in its])
-        both = list(zip([c.who for c in its], taken.tolist(), closes.tolist(), strict=True))
-        needs = [
-            f"{name} needs {_format_effort(kind, words.effort_unit(name in sliding), *each)}" for name, *each in both
-        ]
-        rubs = " less dry friction" if kind is TENDON_EFFORT and drives.friction[at].any() else ""
-        text = f"closing takes more than the motors give (peak{rubs}): {words.list_names(needs)}"
-        values = {f"{kind.member}s": [kind.reason_values(*each) for each in both]}
-        yield Reason("closing_over_peak", "decides", text, values)
-
-
-def _format_effort(kind: EffortKind, unit: str, effort: float, limit: float) -> str:
-    """Such as "0.21 N·m of 0.2 N·m"."""
-    return " of ".join(words.format_efforts((effort, limit), "N" if kind is TENDON_EFFORT else unit))
-
-
-def _row_values(kind: EffortKind, r: TorqueRow) -> dict[str, Any]:
-    return kind.reason_values(r.joint, r.torque, r.limit) | {"utilisation": r.utilisation}
+    its = [c for c in beyond if c.kind == kind.code]
+    if not its:
+        return
+    at, tendons = [names.index(c.who) for c in its], kind is TENDON_EFFORT
+    most = (drives.closing_limits if tendons else drives.peak_limits(np.full(len(names), np.inf)))[at].tolist()
+    rows = [
+        (c.who, limit * (1.0 - c.margin), limit, words.effort_unit(tendons or c.who in sliding))
+        for c, limit in zip(its, most, strict=True)
+    ]
+    values = {f"{kind.member}s": [kind.reason_values(name, taken, limit) for name, taken, limit, _ in rows]}
+    yield make_reason("closing_over_peak", "decides", values, rows=rows, rubs=tendons and drives.friction[at].any())
 
 
 # ----------------------------------------------------------------
@@ -421,28 +391,17 @@ def open_torque_reasons(s: Any) -> Iterator[Reason]:
         ]
     }
     if not open_.any():
-        yield Reason("torques_open", "note", "the forces that are open change no joint's torque", values)
+        yield make_reason("torques_open", "note", values, joint=None)
         return
     least, most = bounds.T
     doubtful = np.flatnonzero(is_exceeded(most) & ~is_exceeded(least))
     if len(doubtful):
         k = doubtful[largest_share_index(most[doubtful])]
-        text = f"{check.joints[k]} may carry {_format_limit_share(*bounds[k].tolist())}"
-        if more := len(doubtful) - 1:
-            others = "1 more joint may need more than its" if more == 1 else f"{more} more may need more than their"
-            text = f"{text}, and {others} limit{'s' if more > 1 else ''}"
-        yield Reason("torques_open", "warning", f"{text}: no statics can tell", values)
+        said = {"joint": check.joints[k], "least": float(least[k]), "most": float(most[k]), "more": len(doubtful) - 1}
+        yield make_reason("torques_open", "warning", values, **said)
     elif not is_exceeded(most).any():
         k = largest_share_index(most)
-        share = words.format_percent(most[k])
-        text = f"whatever the forces that are open are, no joint needs more than {share} of its limit"
-        yield Reason("torques_open", "note", f"{text} ({check.joints[k]})", values)
-
-
-def _format_limit_share(least: float, most: float) -> str:
-    if np.isfinite(most):
-        return f"{format_span(least, most)} of its limit"
-    return f"{words.format_percent(least)} of its limit, or any amount more"
+        yield make_reason("torques_open", "note", values, joint=check.joints[k], most=most[k], more=None)
 
 
 # ----------------------------------------------------------------
@@ -508,16 +467,10 @@ def motor_pull_reasons(
     """
     if short := pulling.weakest_joints(shares):
         asked = abs(pulling.closing_torque)
-        both = [(joints[k], (float(shares[k] * asked[k]), float(asked[k]))) for k in short]
-        units = {joint: words.effort_unit(joint in sliding) for joint, _ in both}
-        needs = [f"{joint} {' of '.join(words.format_efforts(each, units[joint]))}" for joint, each in both]
-        text = f"where the hand has closed, fingers pull with less than the closing torque: {words.list_names(needs)}"
-        if beyond := [joints[k] for k in np.flatnonzero(shares > MAX_TORQUE_SHARE).tolist()]:
-            whose = "its" if len(beyond) == 1 else "their"
-            text += f"; turning on, they would drive {words.list_names(beyond)} farther beyond {whose} closing torque"
-        elif stuck:
-            text += "; no state was found in which they press harder, and what stops them is not known"
-        values = [
-            {"joint": joints[k], "torque_Nm": float(shares[k] * asked[k]), "asked_Nm": float(asked[k])} for k in short
+        rows = [
+            (joints[k], float(shares[k] * asked[k]), float(asked[k]), words.effort_unit(joints[k] in sliding))
+            for k in short
         ]
-        yield Reason("closing_torque", "warning", text, {"joints": values})
+        values = [{"joint": joint, "torque_Nm": torque, "asked_Nm": most} for joint, torque, most, _ in rows]
+        beyond = [joints[k] for k in np.flatnonzero(shares > MAX_TORQUE_SHARE).tolist()]
+        yield make_reason("closing_torque", "warning", {"joints": values}, rows=rows, beyond=beyond, stuck=stuck)

@@ -30,8 +30,8 @@ NAN = float("nan")
         (dict(position=P, normal=N, tangent=(1, 0)), "tangent"),
         (dict(position=P, normal=N, friction=-0.5), "friction"),
         (dict(position=P, normal=N, friction="rubber"), "friction"),
-        (dict(position=P, normal=N, name=3), "name"),
-    ],
+        (dict(position=P, normal=N, name=3), "name")
+    ]
 )  # fmt: skip
 def test_contacts(arguments, name):
     with pytest.raises(hl.InputError) as e:
@@ -74,8 +74,8 @@ def test_friction(mu):
         (dict(plane=(0, 0, 1)), "plane"),
         (dict(plane=(2, 0, 0)), "plane"),
         (dict(plane=(1, 0, 0), wrench=(1, 0, 0, 0, 0, 0)), "wrench"),
-        (dict(plane=(1, 0, 0), wrench=(1, 0, 0)), "wrench"),
-    ],
+        (dict(plane=(1, 0, 0), wrench=(1, 0, 0)), "wrench")
+    ]
 )  # fmt: skip
 def test_grasps(change, name):
     good = dict(contacts=TWO, wrench=(0, 0, -1, 0, 0, 0), flexibility=1e-4)

@@ -71,7 +71,7 @@ def test_units(forces, softer):
     g = power_grasp(17, 1, STRONG)
     other = replace(
         g, stiffness=g.stiffness / softer, pads=g.pads * softer, command=g.command * softer * forces,
-        wrench=g.wrench * forces,
+        wrench=g.wrench * forces
     )  # fmt: skip
     agree(g.factored().solve(), other.factored().solve(), forces=forces, motions=softer * forces)
 

@@ -55,15 +55,7 @@ class Margins(Record):
     not. length : that moments are divided by [m]; None: that of the grasp.
     """
 
-    entries = (
-        "held = solution.held",
-        "safety",
-        "friction",
-        "torque",
-        "force_closure",
-        "form_closure",
-        "wrench_space",
-    )
+    entries = ("held = solution.held", "safety", "friction", "torque", "force_closure", "form_closure", "wrench_space")
 
     spec: GraspSpec
     section: Section

@@ -105,11 +105,7 @@ def _test_closure(F: Array, W: Array) -> tuple[Array | None, Array | None]:
         if a.min() > 0.0:
             return F @ (a / a.sum()), None
     lp = linprog(
-        -(W / size).sum(axis=1),
-        A_ub=-(W / size).T,
-        b_ub=np.zeros(g),
-        bounds=[(-1.0, 1.0)] * dof,
-        method="highs",
+        -(W / size).sum(axis=1), A_ub=-(W / size).T, b_ub=np.zeros(g), bounds=[(-1.0, 1.0)] * dof, method="highs"
     )
     if lp.x is not None:
         t = lp.x / (np.sqrt(lp.x @ lp.x) or 1.0)

@@ -29,6 +29,7 @@ from handlcp.grasp.derivatives.parameter.parameter import (
 )
 from handlcp.grasp.effects.joint_offset import describe_missing_squeeze
 from handlcp.grasp.failure.failure_mode import find_exceeded, state_limits
+from handlcp.grasp.failure.reason import Reason, make_reason
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.path.advance import PATIENT, Patience
@@ -38,7 +39,6 @@ from handlcp.grasp.solution.verdict import (
     HELD,
     OVER_LIMIT,
     UNDECIDED,
-    Reason,
     Verdict,
     equilibrium_reason,
     make_verdict,
@@ -79,14 +79,10 @@ def other_equilibria(
         if found.held and (found.uniqueness is None or found.uniqueness.forces_determined):
             differ = float(np.linalg.norm(found.forces - solution.forces, axis=1).max()) / (size or 1.0)
             near, far = near if solution_motions(found).too_large else max(near, differ), max(far, differ)
-    lists = "(grasp.equilibria() lists them)"
     if near > _OTHER_FORCE_SHARE:
-        by = words.format_percent(near)
-        text = f"friction can hold the object in other ways, too, with forces that differ by {by} {lists}"
-        yield Reason("others", "note", text, {"forces_differ": near})
+        yield make_reason("others", "note", {"forces_differ": near}, far=False)
     elif far > _OTHER_FORCE_SHARE:
-        text = f"the equations have other answers, too, with motions too large for them {lists}"
-        yield Reason("others", "note", text, {"forces_differ": far})
+        yield make_reason("others", "note", {"forces_differ": far}, far=True)
 
 
 def _nearby(spec: GraspSpec) -> Iterator[GraspSpec]:
@@ -133,12 +129,11 @@ def advice_reasons(
         judgements = ((t, judged(t.spec)) for t in _trials_that_hold(trials, section, order))
         if (helps := next(((t, verdict) for t, verdict in judgements if verdict.ok), None)) is not None:
             trial, verdict = helps
-            values = {"change": trial.change, "value": trial.value}
-            yield Reason("advice", "advice", f"{trial.text} would hold it{within}{_describe_snap(verdict)}", values)
+            values, snap = {"change": trial.change, "value": trial.value}, _describe_snap(verdict)
+            yield make_reason("advice", "advice", values, text=trial.text, within=within, snap=snap)
             found = True
     if tried and not found and not kinds:
-        text = f"nothing that was tried would hold it{within}, not even {words.join_alternatives(tried)}"
-        yield Reason("advice", "advice", text, {"tried": tried})
+        yield make_reason("advice", "advice", {"tried": tried}, within=within)
 
 
 def _describe_snap(verdict: Verdict) -> str:
@@ -245,7 +240,6 @@ def _suggestion(r: Reason) -> Suggestion:
 # Which another number of steps contradicts
 _PATH_CODES = "no_squeeze", "lost", "slides_through", "no_equilibrium", "not_holdable"
 _QUICK_CHAIN = Auto(search_seconds=0.0)
-_ONE_SOLVE = "one solve, with squeeze and load at once in this posture"
 STEPS_PER_STAGE = 8  # of a stage; where something happens there are more
 _MAX_DOUBLINGS = 2  # how often the number of steps is doubled, where fewer steps end differently
 
@@ -277,13 +271,11 @@ def judge_grasp(
     try:
         path, agree = follow_until_agreed(spec, section, order, patience)
     except Unsupported as why:
-        unfollowed = Reason("not_followed", "warning", f"the loading was not followed: {why}")
-        return make_verdict([*solution.verdict.reasons, unfollowed])
+        return make_verdict([*solution.verdict.reasons, make_reason("not_followed", "warning", why=why)])
     reasons = [*_reasons(spec, scene, section, solution, path)]
     if not agree:
-        text = "fewer and more steps of loading end differently: one says that it holds, another that it does not"
-        reasons.append(Reason("steps_differ", "decides", text))
         reasons = [r for r in reasons if r.code not in _PATH_CODES]
+        reasons.append(make_reason("steps_differ", "decides"))
     return make_verdict(reasons, path)
 
 
@@ -320,7 +312,7 @@ def _reasons(
     spec: GraspSpec, scene: Scene, section: Section, solution: GraspSolution, path: Loading
 ) -> Iterator[Reason]:
     if path.outcome.is_given_up:
-        yield Reason("follow_stopped", "decides", f"the loading was {path.why}")
+        yield make_reason("follow_stopped", "decides", why=path.why)
         return
     if path.held:
         yield from reached_reasons(spec, scene, path)
@@ -328,22 +320,16 @@ def _reasons(
             yield from comparison_reasons(solution, path)
             yield from other_equilibria(spec, scene, section, solution, path.solution)
         elif solution.status is not Status.UNDECIDED:
-            text = f"{_ONE_SOLVE}, finds no equilibrium: the grasp holds as it moves"
-            yield Reason("only_followed", "warning", text, {"status": solution.status.name})
+            yield make_reason("only_followed", "warning", {"status": solution.status.name})
         return
     if solution.status is not Status.NOT_HOLDABLE and (text := describe_missing_squeeze(spec)):
-        yield Reason("no_squeeze", "decides", text)
+        yield make_reason("no_squeeze", "decides", text=text)
     if solution.status in (Status.NO_EQUILIBRIUM, Status.NOT_HOLDABLE):
-        yield equilibrium_reason(solution.status, _without_advice(solution).diagnosis)
+        yield equilibrium_reason(solution.status, replace(solution, advise=None).diagnosis)
     yield slides_reason(path) if path.reached else lost_reason(path)
     if spec.mechanism is not None:
         yield from spec.mechanism.report.command_reasons(spec)
     yield from place_reasons(spec, path)
     yield from rigid_reasons(spec)
     if solution.held:
-        text = f"{_ONE_SOLVE}, finds an equilibrium, which this loading does not reach"
-        yield Reason("followed_forces", "note", text)
-
-
-def _without_advice(solution: GraspSolution) -> GraspSolution:
-    return replace(solution, advise=None)
+        yield make_reason("followed_forces", "note")
