@@ -346,7 +346,7 @@ def unmade_reasons(
         arms = stiffness.arms.T
         missing = abs(arms @ np.linalg.lstsq(arms, asked)[0] - asked).max()  # if tendons could push, too
         takes = "tendons" if missing > _MAX_UNMADE_SHARE * abs(asked).max() else "opposite tendons"
-    joints = [names[k] for k in which]
+    joints = [names[k] for k in which.tolist()]
     values = {"joints": joints, "torques_Nm": left[which].tolist(), "share": share}
     units = [words.effort_unit(name in sliding) for name in joints]
     severity = "decides" if share > _MAX_UNMADE_SHARE else "warning"
@@ -369,7 +369,8 @@ def closing_reasons(
         for c, limit in zip(its, most, strict=True)
     ]
     values = {f"{kind.member}s": [kind.reason_values(name, taken, limit) for name, taken, limit, _ in rows]}
-    yield make_reason("closing_over_peak", "decides", values, rows=rows, rubs=tendons and drives.friction[at].any())
+    rubs = tendons and bool(drives.friction[at].any())
+    yield make_reason("closing_over_peak", "decides", values, rows=rows, rubs=rubs)
 
 
 # ----------------------------------------------------------------

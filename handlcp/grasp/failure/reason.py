@@ -167,13 +167,11 @@ def describe_large_motion(v: Values) -> str:
     return f"{', '.join(parts)}: the equations are of small motions, and {off}"
 
 
-def _describe_loose(v: Values) -> str:
-    given = "the smallest motion" if v["smallest"] else "what the loading led to"
-    k = v["directions"]
-    return f"the object can move freely in {k} direction{'s' if k > 1 else ''}; {given} is given"
-
-
-def _describe_open_forces(v: Values) -> str:
+def _describe_open(v: Values) -> str:
+    """Of forces, or of motions in some directions, of which the smallest, or those of a loading, are given."""
+    if k := v.get("directions"):
+        given = "the smallest motion" if v["smallest"] else "what the loading led to"
+        return f"the object can move freely in {k} direction{'s' if k > 1 else ''}; {given} is given"
     given = "the smallest" if v["smallest"] else "those that the loading led to"
     return f"other forces satisfy the same conditions; {given} are given"
 
@@ -223,10 +221,6 @@ def _describe_followed_forces(v: Values) -> str:
     return f"{_ONE_SOLVE}, is off by {off_by}"
 
 
-def _describe_slack(v: Values) -> str:
-    return f"{words.list_names(v['tendons'])} {_agree(v['tendons'], 'hangs', 'hang')} slack at the end"
-
-
 def _describe_advice(v: Values) -> str:
     """With the change in words, " within the torque limits" where there are any, and how the object snaps then."""
     if "tried" in v:
@@ -246,8 +240,10 @@ def _list_efforts(rows: Sequence[tuple[str, float, float, str]], needs: str = "n
 
 
 def _describe_over_limit(v: Values) -> str:
-    weak = "motors" if "joints" in v else "tendons"
-    return f"the contacts could hold the object, the {weak} cannot: {_list_efforts(v['rows'])}"
+    needs = _list_efforts(v["rows"])
+    if "rubs" in v:  # whether dry friction takes some of what the motors give while the hand closes
+        return f"closing takes more than the motors give (peak{' less dry friction' * v['rubs']}): {needs}"
+    return f"the contacts could hold the object, the {'motors' if 'joints' in v else 'tendons'} cannot: {needs}"
 
 
 def _describe_overheating(v: Values) -> str:
@@ -283,11 +279,6 @@ _UNMADE_COMMANDS = {
     "tendons": "no tendons make this command by pulling: it takes more tendons",
     "opposite tendons": "no tendons make this command by pulling: it takes tendons that pull the other way",
 }
-
-
-def _describe_closing_peak(v: Values) -> str:
-    rubs = " less dry friction" if v["rubs"] else ""
-    return f"closing takes more than the motors give (peak{rubs}): {_list_efforts(v['rows'])}"
 
 
 def _describe_closing_torque(v: Values) -> str:
@@ -355,10 +346,10 @@ _SENTENCES: dict[str, str | Callable[[Values], str]] = {
     "limit_doubtful": "{doubt}",
     "tension_over_limit": _describe_over_limit,
     "tension": _describe_nearest_limit,
-    "slack": _describe_slack,
+    "slack": lambda v: f"{words.list_names(v['tendons'])} {_agree(v['tendons'], 'hangs', 'hang')} slack at the end",
     "closing_torque": _describe_closing_torque,
     "overheats": _describe_overheating,
-    "closing_over_peak": _describe_closing_peak,
+    "closing_over_peak": _describe_over_limit,
     "limit_shared": "{doubt}",
     "hand_doubtful": "{doubt}",
     "unplaced": "{why}",
@@ -374,8 +365,8 @@ _SENTENCES: dict[str, str | Callable[[Values], str]] = {
     "no_load": "no load: no weight acts on the object, and no wrench was given",
     "weight_left_out": "{text}",
     "friction": _describe_friction,
-    "forces_open": _describe_open_forces,
-    "loose": _describe_loose,
+    "forces_open": _describe_open,
+    "loose": _describe_open,
     "others": _describe_others,
     "snaps": "{event}: where it comes to rest depends on how fast and how evenly the hand closes",
     "not_followed": "the loading was not followed: {why}",

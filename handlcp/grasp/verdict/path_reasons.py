@@ -113,7 +113,11 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
         yield from () if mechanism is None else mechanism.report.open_reasons(end)
         yield from open_reasons(end.uniqueness)
     if not path.steps.geometry.follows:
-        yield from large_motion_reasons(_path_motions(path, scene, slid))
+        u, size = path.displacement, scene.units.length_unit
+        shift, turn = (float(np.linalg.norm(part)) for part in (u[:3], u[3:]))
+        squeeze = -float(scene.motions_to_contact_axes(scene.offset)[2 : 3 * scene.n : 3].min(initial=0.0))
+        slip = max(slid.values(), default=0.0)
+        yield from large_motion_reasons(MotionSizes(max(shift, turn * size), turn, slip, squeeze, size))
 
 
 def place_reasons(spec: GraspSpec, path: Loading) -> Iterator[Reason]:
@@ -156,10 +160,3 @@ def _slid_distances(path: Loading, size: float) -> tuple[dict[str, float], dict[
     least = np.where(slides[-1], words.NEGLIGIBLE_LENGTH, _NAMED_SLIDE * size)
     far = {n: float(d) for n, d, some in zip(names, way, least, strict=True) if d > some}
     return far, {n: float(a) for n, a in zip(names, turn, strict=True) if a > _NAMED_TWIST} if soft else {}
-
-
-def _path_motions(path: Loading, scene: Scene, slid: dict[str, float]) -> MotionSizes:
-    u, size = path.displacement, scene.units.length_unit
-    shift, turn = (float(np.linalg.norm(part)) for part in (u[:3], u[3:]))
-    squeeze = -float(scene.motions_to_contact_axes(scene.offset)[2 : 3 * scene.n : 3].min(initial=0.0))
-    return MotionSizes(max(shift, turn * size), turn, max(slid.values(), default=0.0), squeeze, size)
