@@ -111,21 +111,6 @@ def test_effects_beside_a_factor(effect):
     agree(a.solve(), b.solve())
 
 
-@pytest.mark.parametrize(
-    ("jacobian", "root", "pads", "named"),
-    [
-        (np.ones((4, 2)), np.eye(2), np.zeros((1, 3, 3)), "Flexibility.jacobian"),
-        (np.ones((3, 2)), np.eye(3), np.zeros((1, 3, 3)), "Flexibility.root"),
-        (np.ones((3, 2)), np.eye(2), np.zeros((2, 3, 3)), "Flexibility.pads"),
-        (np.ones((3, 2)), np.eye(2), -np.ones((1, 3, 3)), "Flexibility.pads"),
-        (np.full((3, 2), np.nan), np.eye(2), np.zeros((1, 3, 3)), "Flexibility.jacobian"),
-    ],
-)
-def test_what_a_flexibility_refuses(jacobian, root, pads, named):
-    with pytest.raises(InputError, match=named):
-        hl.Flexibility(jacobian, root, pads)
-
-
 def test_a_flexibility_of_other_contacts_is_refused():
     g, other = power_grasp(12, 2, STRONG), power_grasp(10, 2, STRONG)
     with pytest.raises(InputError, match="flexibility"):
