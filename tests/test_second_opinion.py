@@ -14,7 +14,7 @@ ASIDE = (1e-3, 2e-3, 0, 0, 0, 0)
 SETS = {
     "none": (Smooth(), 2), "interval": (Interval(0.7), 2), "disc": (Ball(0.7), 2), "ball": (Ball(0.7), 3),
     "3 sides": (Polygon(0.7, 3), 2), "8 sides": (Polygon(0.7, 8), 2), "polyhedron of 4": (polyhedron(0.7, 4), 3),
-    "polyhedron of 8": (polyhedron(0.7, 8), 3), "polyhedron of 13": (polyhedron(0.7, 13), 3),
+    "polyhedron of 8": (polyhedron(0.7, 8), 3), "polyhedron of 13": (polyhedron(0.7, 13), 3)
 }  # fmt: skip
 
 

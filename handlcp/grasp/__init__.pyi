@@ -27,6 +27,7 @@ from .effects.known_force import (
     wrench_from_fingertip_forces as wrench_from_fingertip_forces,
 )
 from .failure.failure_mode import Bind as Bind
+from .failure.reason import Reason as Reason
 from .grasp import Grasp as Grasp
 from .limits.result import LimitEvent as LimitEvent, LimitPath as LimitPath, LoadLimit as LoadLimit
 from .margins.margins import Least as Least, Margins as Margins
@@ -42,7 +43,7 @@ from .path.state import Stage as Stage
 from .solution.force_bounds import ForceBounds as ForceBounds
 from .solution.solution import Accuracy as Accuracy, GraspSolution as GraspSolution
 from .solution.uniqueness import Uniqueness as Uniqueness
-from .solution.verdict import Reason as Reason, Verdict as Verdict
+from .solution.verdict import Verdict as Verdict
 from .verify.certifier import Residuals as Residuals
 
 AnisotropicCoulomb = _friction.AnisotropicCoulomb

@@ -18,10 +18,10 @@ from handlcp.geometry.link_penetration import find_impossible_links, posture_rea
 from handlcp.geometry.object import Object, describe_missing_weight
 from handlcp.grasp.effects.joint_offset import find_command
 from handlcp.grasp.failure.failure_mode import TENSION, TORQUE, FailureMode, is_exceeded, largest_share_index
+from handlcp.grasp.failure.reason import Reason, make_reason
 from handlcp.grasp.model.effect import FOLLOWED_LOADINGS
 from handlcp.grasp.model.request import GraspSpec
-from handlcp.grasp.solution.force_bounds import find_torque_bounds, format_span, is_apart, torque_shares
-from handlcp.grasp.solution.verdict import Reason
+from handlcp.grasp.solution.force_bounds import find_torque_bounds, is_apart, torque_shares
 from handlcp.hand.squeeze import find_unreachable, start_link_depths
 from handlcp.hand.torque_check import MAX_TORQUE_SHARE, TorqueCheck, TorqueRow
 from handlcp.robot.audit import doubt_reasons
@@ -68,26 +68,18 @@ class HandReport:
             if yes
         ]
         if not open_.any():
-            text = "the forces that are open change no joint's torque"
-            yield Reason("torques_open", "note", text, {"joints": joints})
+            yield make_reason("torques_open", "note", {"joints": joints}, joint=None)
             return
         least, most = bounds.T
         doubtful = np.flatnonzero(is_exceeded(most) & ~is_exceeded(least))
         if len(doubtful):
             k = doubtful[largest_share_index(most[doubtful])]
-            span = f"{format_span(least[k], most[k])} of its limit"
-            if np.isinf(most[k]):
-                span = f"{words.format_percent(least[k])} of its limit, or any amount more"
-            text = f"{check.joints[k]} may carry {span}"
-            if more := len(doubtful) - 1:
-                others = "1 more joint may need more than its" if more == 1 else f"{more} more may need more than their"
-                text = f"{text}, and {others} limit{'s' if more > 1 else ''}"
-            yield Reason("torques_open", "warning", f"{text}: no statics can tell", {"joints": joints})
+            said = {"joint": check.joints[k], "least": float(least[k]), "most": float(most[k])}
+            yield make_reason("torques_open", "warning", {"joints": joints}, **said, more=len(doubtful) - 1)
         elif not is_exceeded(most).any():
             k = largest_share_index(most)
-            share = words.format_percent(most[k])
-            text = f"whatever the forces that are open are, no joint needs more than {share} of its limit"
-            yield Reason("torques_open", "note", f"{text} ({check.joints[k]})", {"joints": joints})
+            said = {"joint": check.joints[k], "most": float(most[k])}
+            yield make_reason("torques_open", "note", {"joints": joints}, **said, more=None)
 
     def command_reasons(self, spec: GraspSpec) -> Iterator[Reason]:
         """What of a squeeze no command of the joints makes; the weight, where the load leaves it out."""
@@ -97,21 +89,19 @@ class HandReport:
                 "what": reach.what, "unit": reach.unit, "fingers": reach.names, "asked": reach.asked.tolist(),
                 "missing": reach.missing.tolist(), "share": reach.share.tolist(),
             }  # fmt: skip
-            yield Reason("out_of_reach", "warning", str(reach), values)
+            yield make_reason("out_of_reach", "warning", values, reach=reach)
         if (command := find_command(spec.effects)) is not None and command.keeps:
-            yield Reason("object_kept", "note", "the object is kept in place until the hand has closed")
+            yield make_reason("object_kept", "note")
         if command is not None:
             yield from self._unmade_reasons(command.command)
         if text := describe_missing_weight(spec, self.mechanism.weight_of_object(spec.reference)):
-            yield Reason("weight_left_out", "note", text)
+            yield make_reason("weight_left_out", "note", text=text)
 
     def start_inside_reasons(self, spec: GraspSpec) -> Iterator[Reason]:
         """A warning where the object begins inside links, before the hand closes: how deep in which."""
         if depths := start_link_depths(spec):
-            where = words.join_names([f"{words.format_length(depth)} inside {link}" for link, depth in depths.items()])
             links = [{"link": link, "depth_m": depth} for link, depth in depths.items()]
-            text = f"the object begins {where}: move it out by as much"
-            yield Reason("link_inside", "warning", text, {"links": links})
+            yield make_reason("link_inside", "warning", {"links": links})
 
     def _unmade_reasons(self, command: Array) -> Iterator[Reason]:
         """What no tendons or servos make of a command (nv,) [rad, m]: more than a hundredth of it decides."""
@@ -119,20 +109,16 @@ class HandReport:
         left = stiffness.unmade_torque(command)
         if not left.any():
             return
-        needs = [(name, t) for name, t in zip(self.mechanism.names, left.tolist(), strict=True) if t]
-        asked = stiffness.command_torque(command)
-        share = float(abs(left).max() / abs(asked).max())
-        text = "no actuators make this command: it takes others"
+        which, asked = np.flatnonzero(left), stiffness.command_torque(command)
+        share, takes = float(abs(left).max() / abs(asked).max()), "actuators"
         if isinstance(stiffness, TendonStiffness):
             arms = stiffness.arms.T
             missing = abs(arms @ np.linalg.lstsq(arms, asked)[0] - asked).max()  # if tendons could push, too
-            pushed = missing <= _MAX_UNMADE_SHARE * abs(asked).max()
-            which = "tendons that pull the other way" if pushed else "more tendons"
-            text = f"no tendons make this command by pulling: it takes {which}"
-        listed = words.list_names([f"{name} with {words.format_effort(t, self._unit(name))}" for name, t in needs])
+            takes = "tendons" if missing > _MAX_UNMADE_SHARE * abs(asked).max() else "opposite tendons"
+        joints = [self.mechanism.names[k] for k in which.tolist()]
+        values = {"joints": joints, "torques_Nm": left[which].tolist(), "share": share}
         severity = "decides" if share > _MAX_UNMADE_SHARE else "warning"
-        values = {"joints": [name for name, _ in needs], "torques_Nm": [t for _, t in needs], "share": share}
-        yield Reason("command_not_made", severity, f"{text} to turn {listed}", values)
+        yield make_reason("command_not_made", severity, values, takes=takes, units=list(map(self._unit, joints)))
 
     def end_reasons(self, torque: Array, yielded: Array, place: tuple[Any, Any]) -> Iterator[Reason]:
         """What a loading's end says: torques (nv,), how far joints yield (nv,), and `place_at` there."""
@@ -178,14 +164,10 @@ class HandReport:
             taken = most[at] * np.array([1.0 - c.margin for c in its])
             both = list(zip([c.who for c in its], taken.tolist(), most[at].tolist(), strict=True))
             is_tendon = kind is _TENDON_EFFORT
-            needs = [
-                f"{name} needs {' of '.join(words.format_efforts(each, 'N' if is_tendon else self._unit(name)))}"
-                for name, *each in both
-            ]
-            rubs = " less dry friction" if is_tendon and drives.friction[at].any() else ""
-            text = f"closing takes more than the motors give (peak{rubs}): {words.list_names(needs)}"
             values = {f"{kind.member}s": [kind.reason_values(*each) for each in both]}
-            yield Reason("closing_over_peak", "decides", text, values)
+            rows = [(*each, "N" if is_tendon else self._unit(each[0])) for each in both]
+            rubs = is_tendon and bool(drives.friction[at].any())
+            yield make_reason("closing_over_peak", "decides", values, rows=rows, rubs=rubs)
 
     def pulling_reasons(self, spec: GraspSpec, torque: Array) -> Iterator[Reason]:
         """Of fingers that pull with less than asked for, at torques (nv,) [N·m] where the hand has closed: they meet
@@ -198,15 +180,11 @@ class HandReport:
         short = [(joints[k], float(shares[k] * asked[k]), float(asked[k])) for k in pulling.weakest_joints(shares)]
         if not short:
             return
-        needs = [f"{joint} {' of '.join(words.format_efforts(each, self._unit(joint)))}" for joint, *each in short]
-        text = f"where the hand has closed, fingers pull with less than the closing torque: {words.list_names(needs)}"
-        if beyond := [joints[k] for k in np.flatnonzero(shares > MAX_TORQUE_SHARE).tolist()]:
-            whose = "its" if len(beyond) == 1 else "their"
-            text += f"; turning on, they would drive {words.list_names(beyond)} farther beyond {whose} closing torque"
-        elif spec.asked.closed.stuck:  # steps of closing found no state in which they do
-            text += "; no state was found in which they press harder, and what stops them is not known"
+        beyond = [joints[k] for k in np.flatnonzero(shares > MAX_TORQUE_SHARE).tolist()]
+        rows = [(*each, self._unit(each[0])) for each in short]
         values = [dict(zip(("joint", "torque_Nm", "asked_Nm"), each, strict=True)) for each in short]
-        yield Reason("closing_torque", "warning", text, {"joints": values})
+        stuck = spec.asked.closed.stuck
+        yield make_reason("closing_torque", "warning", {"joints": values}, rows=rows, beyond=beyond, stuck=stuck)
 
     # ---- places
     def place_reasons(self, posture: HandPosture | None, obj: Object | None, when: str) -> Iterator[Reason]:
@@ -284,13 +262,11 @@ class HandReport:
 class _EffortKind(NamedTuple):
     """What efforts are of, joints or tendons, and the words and keys for them.
 
-    member : one of them. code : of a `FailureMode`, and of reasons. weak_part : what cannot bear it. effort, limit :
-    keys of numbers.
+    member : one of them. code : of a `FailureMode`, and of reasons. effort, limit : keys of numbers.
     """
 
     member: str
     code: str
-    weak_part: str
     effort: str
     limit: str
 
@@ -299,8 +275,8 @@ class _EffortKind(NamedTuple):
         return {self.member: name, self.effort: effort, self.limit: limit}
 
 
-_JOINT_EFFORT = _EffortKind("joint", TORQUE, "motors", "torque_Nm", "limit_Nm")
-_TENDON_EFFORT = _EffortKind("tendon", TENSION, "tendons", "tension_N", "limit_N")
+_JOINT_EFFORT = _EffortKind("joint", TORQUE, "torque_Nm", "limit_Nm")
+_TENDON_EFFORT = _EffortKind("tendon", TENSION, "tension_N", "limit_N")
 
 
 def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
@@ -309,11 +285,9 @@ def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
     unlimited = check.unlimited if nearest is not None and np.isinf(nearest.limit) else ""
     yield from _limit_reasons(_JOINT_EFFORT, check.over, nearest, unlimited)
     if check.yielding:
-        text = f"{words.list_names(check.yielding)} {'yield' if len(check.yielding) > 1 else 'yields'} at the limit"
-        yield Reason("torque", "note", text, {"yielding": check.yielding})
+        yield make_reason("torque", "note", {"yielding": check.yielding})
     if check.unknown:
-        text = f"torque limits not known, torques not judged: {words.list_names(check.unknown)}"
-        yield Reason("limit_unknown", "warning", text, {"joints": check.unknown})
+        yield make_reason("limit_unknown", "warning", {"joints": check.unknown})
 
 
 def _limit_reasons(
@@ -327,23 +301,15 @@ def _limit_reasons(
         return kind.reason_values(r.joint, r.torque, r.limit) | {"utilisation": r.utilisation}
 
     if not over:
-        if nearest is not None:
-            of = f"{words.format_effort(nearest.limit, nearest.unit)}{f' {nearest.held_by}' if nearest.held_by else ''}"
-            share = words.format_percent(nearest.utilisation)
-            text = f"the {kind.member} closest to its limit is {nearest.joint} at {share} of {of}"
-            yield Reason(kind.code, "note", unlimited or text, values_of(nearest))
+        if (r := nearest) is not None:
+            yield make_reason(kind.code, "note", values_of(r), unit=r.unit, held_by=r.held_by, unlimited=unlimited)
         return
     values: dict[str, Any] = {f"{kind.member}s": [values_of(r) for r in over]}
     if any(r.lasts == 0.0 for r in over):
-        needs = [f"{r.joint} needs {' of '.join(words.format_efforts((abs(r.torque), r.limit), r.unit))}" for r in over]
-        text = f"the contacts could hold the object, the {kind.weak_part} cannot: {words.list_names(needs)}"
-        yield Reason(f"{kind.code}_over_limit", "decides", text, values)
+        rows = [(r.joint, abs(r.torque), r.limit, r.unit) for r in over]
+        yield make_reason(f"{kind.code}_over_limit", "decides", values, rows=rows)
         return
-    needs = [f"{r.joint} gives {words.format_percent(r.motor.share(r.torque))} of continuous" for r in over if r.motor]
     known = [r.lasts for r in over if r.lasts is not None]
-    values["lasts_s"], least = None, "not for longer than the motor's thermal time"
-    if len(known) == len(over):
-        values["lasts_s"] = min(known)
-        least = f"begun cold, the first motor overheats after {words.format_duration(min(known))}"
-    text = f"the hand holds the object, but not for good: {words.list_names(needs)}; {least}"
-    yield Reason("overheats", "decides", text, values)
+    values["lasts_s"] = min(known) if len(known) == len(over) else None
+    shares = [(r.joint, r.motor.share(r.torque)) for r in over if r.motor]
+    yield make_reason("overheats", "decides", values, shares=shares)

@@ -14,7 +14,7 @@ from handlcp import words
 from handlcp.actuation.joint_stiffness import Elasticity
 from handlcp.check import Array, check_call, check_method_calls
 from handlcp.errors import HandLCPError, InputError
-from handlcp.grasp.solution.verdict import Reason
+from handlcp.grasp.failure.reason import Reason, make_reason
 from handlcp.record import Record
 from handlcp.robot.description import COLLISION, VISUAL, RobotDescription, read_robot
 from handlcp.robot.fingertip import choose_obvious_tips, find_tip_candidates
@@ -191,7 +191,8 @@ def doubt_reasons(doubts: Iterable[Doubt]) -> Iterator[Reason]:
             continue
         joints = d.joint.split(", ")
         code = {"torque limit": "limit_doubtful", SHARED_LIMIT: "limit_shared"}.get(d.about, "hand_doubtful")
-        yield Reason(code, "decides" if d.about == SHARED_LIMIT else "warning", d.sentence, {"joints": joints})
+        severity = "decides" if d.about == SHARED_LIMIT else "warning"
+        yield make_reason(code, severity, {"joints": joints}, doubt=d.sentence)
 
 
 # ----------------------------------------------------------------

@@ -39,28 +39,21 @@ def test_a_beam_on_three_rigid_supports(at):
     assert b.wider == ()
 
 
+@pytest.mark.parametrize("faces", [8, "cone"])
 @pytest.mark.parametrize("mu", [0.3, 0.9, 1.2])
-def test_a_ball_in_a_rigid_groove_is_wedged_within_friction(mu):
-    """N (1 + t) = W / √2 with the friction t N upwards or downwards, |t| ≤ μ; from μ = 1 on nothing bounds it."""
-    q = np.sqrt(0.5)
-    contacts = [hl.Contact((x, -q), (-x, q), hl.Coulomb(mu)) for x in (-q, q)]
-    b = hl.Grasp(contacts, (0, -W, 0)).solve().force_bounds()
-    most = W * q / (1.0 - mu) if mu < 1.0 else np.inf
-    np.testing.assert_allclose(b.normal, [[W * q / (1.0 + mu), most]] * 2, **EXACT)
-    assert b.open == ("finger 1", "finger 2")
-    if mu == 0.9:
-        says(str(b), "3.72")
-
-
-@pytest.mark.parametrize("mu", [0.3, 0.9, 1.2])
-def test_a_ball_in_a_rigid_groove_in_space(mu):
-    """The same on the exact cone: what two points leave open is the force along the line between them."""
-    q = np.sqrt(0.5)
-    contacts = [hl.Contact((x, 0, -q), (-x, 0, q), hl.Coulomb(mu)) for x in (-q, q)]
-    b = hl.Grasp(contacts, (0, 0, -W, 0, 0, 0)).solve("cone").force_bounds()
+def test_a_ball_in_a_rigid_groove_is_wedged_within_friction(mu, faces):
+    """N (1 + t) = W / √2 with the friction t N upwards or downwards, |t| ≤ μ; from μ = 1 on nothing bounds it. In
+    space, on the exact cone, what two points leave open is the force along the line between them.
+    """
+    q, plane = np.sqrt(0.5), [0, 2] if faces == 8 else [0, 1, 2]
+    contacts = [hl.Contact(np.array((x, 0, -q))[plane], np.array((-x, 0, q))[plane], hl.Coulomb(mu)) for x in (-q, q)]
+    b = hl.Grasp(contacts, (0, -W, 0) if faces == 8 else (0, 0, -W, 0, 0, 0)).solve(faces).force_bounds()
     most = W * q / (1.0 - mu) if mu < 1.0 else np.inf
     np.testing.assert_allclose(b.normal, [[W * q / (1.0 + mu), most]] * 2, **EXACT)
     assert b.gap < 1e-9
+    assert b.open == ("finger 1", "finger 2")
+    if (mu, faces) == (0.9, 8):
+        says(str(b), "3.72")
 
 
 def test_a_box_that_is_wedged_between_two_walls_may_press_with_any_force():

@@ -30,19 +30,13 @@ NAN = float("nan")
         (dict(position=P, normal=N, tangent=(1, 0)), "tangent"),
         (dict(position=P, normal=N, friction=-0.5), "friction"),
         (dict(position=P, normal=N, friction="rubber"), "friction"),
-        (dict(position=P, normal=N, name=3), "name"),
-    ],
+        (dict(position=P, normal=N, name=3), "name")
+    ]
 )  # fmt: skip
 def test_contacts(arguments, name):
     with pytest.raises(hl.InputError) as e:
         hl.Contact(**arguments)
     assert e.value.argument == name
-
-
-@pytest.mark.parametrize("mu", [-0.1, NAN, float("inf"), "0.5", None, True])
-def test_friction(mu):
-    with pytest.raises(hl.InputError, match=r"Coulomb\.mu"):
-        hl.Coulomb(mu)
 
 
 @pytest.mark.parametrize(
@@ -74,8 +68,8 @@ def test_friction(mu):
         (dict(plane=(0, 0, 1)), "plane"),
         (dict(plane=(2, 0, 0)), "plane"),
         (dict(plane=(1, 0, 0), wrench=(1, 0, 0, 0, 0, 0)), "wrench"),
-        (dict(plane=(1, 0, 0), wrench=(1, 0, 0)), "wrench"),
-    ],
+        (dict(plane=(1, 0, 0), wrench=(1, 0, 0)), "wrench")
+    ]
 )  # fmt: skip
 def test_grasps(change, name):
     good = dict(contacts=TWO, wrench=(0, 0, -1, 0, 0, 0), flexibility=1e-4)
@@ -97,28 +91,41 @@ def test_forces_above_the_reference_turn_about_it():
         says(caught.value.expected, "0.1 m")
 
 
-@pytest.mark.parametrize("faces", [2, 0, -8, 8.0, "eight", True])
-def test_faces(faces):
-    with pytest.raises(hl.InputError, match="faces"):
-        pinch().solve(faces)
+ONES, NOTHING = np.ones((3, 2)), np.zeros((1, 3, 3))
+
+
+@pytest.mark.parametrize(
+    ("make", "values", "named"),
+    [
+        (hl.Coulomb, [(-0.1,), (NAN,), (float("inf"),), ("0.5",), (None,), (True,)], r"Coulomb\.mu"),
+        (lambda faces: pinch().solve(faces), [(2,), (0,), (-8,), (8.0,), ("eight",), (True,)], "faces"),
+        (hl.TotalForceBound, [(0,), (-1,), (NAN,), ("x",)], "TotalForceBound"),
+        (hl.FingerForceBound, [(0.0,), (-1.0,), (NAN,), ("a",), (None,)], r"FingerForceBound\.limits"),
+        (hl.FingerForceBound, [([1.0, 0.0],), ([1.0, "a"],), ([[1.0]],)], r"FingerForceBound\.limits"),
+        (hl.PrescribedForce, [(-1, N), (0, (0, 1)), (0.5, N), (0, (0, 0, NAN))], "PrescribedForce"),
+        (hl.SoftFinger, [(-0.1, 0.1), (0.0, 0.1)], "mu"),
+        (hl.SoftFinger, [(0.5, NAN)], "mu_torsion"),
+        (hl.SoftFinger, [(0.5, 0.1, -1.0)], "torsional_flexibility"),
+        (hl.KnownForce, [(0, (None, None, None))], r"KnownForce\.force"),
+        (hl.KnownForce, [(0, (None, None, -1.0))], r"KnownForce\.force\[2\]"),
+        (hl.KnownForce, [(0, (1.0, NAN, None))], r"KnownForce\.force\[1\]"),
+        (hl.KnownForce, [(-1, (1.0, None, None))], r"KnownForce\.contact"),
+        (hl.Flexibility, [(np.ones((4, 2)), np.eye(2), NOTHING)], "Flexibility.jacobian"),
+        (hl.Flexibility, [(np.full((3, 2), NAN), np.eye(2), NOTHING)], "Flexibility.jacobian"),
+        (hl.Flexibility, [(ONES, np.eye(3), NOTHING)], "Flexibility.root"),
+        (hl.Flexibility, [(ONES, np.eye(2), np.zeros((2, 3, 3))), (ONES, np.eye(2), NOTHING - 1)], "Flexibility.pads"),
+    ],
+)
+def test_what_laws_effects_and_flexibilities_refuse(make, values, named):
+    for value in values:
+        with pytest.raises(hl.InputError, match=named):
+            make(*value)
 
 
 def test_a_solver_that_knows_no_cones_says_so():
     with pytest.raises(hl.Unsupported) as caught:
         pinch().solve("cone", hl.Lemke())
     says(str(caught.value), "Lemke")
-
-
-@pytest.mark.parametrize("limit", [0, -1, NAN, "x"])
-def test_bounds(limit):
-    with pytest.raises(hl.InputError, match="TotalForceBound"):
-        hl.TotalForceBound(limit)
-
-
-@pytest.mark.parametrize("arguments", [(-1, (0, 0, 1)), (0, (0, 1)), (0.5, (0, 0, 1)), (0, (0, 0, NAN))])
-def test_prescribed_forces(arguments):
-    with pytest.raises(hl.InputError, match="PrescribedForce"):
-        hl.PrescribedForce(*arguments)
 
 
 def test_results_and_contacts_are_read_only():

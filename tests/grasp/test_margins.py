@@ -63,7 +63,7 @@ def test_there_is_no_number_without_friction_without_force_and_without_an_answer
     apart = hl.Grasp(
         [hl.Contact((s * 0.02, 0, 0), (-s, 0, 0), hl.Coulomb(MU)) for s in (-1.0, 1.0)]
         + [hl.Contact((0, 0.02, 0), (0, -1, 0), hl.Coulomb(MU))],
-        flexibility=E, offset=[(0, 0, -PUSH * E), (0, 0, -PUSH * E), (0, 0, 1e-3)],
+        flexibility=E, offset=[(0, 0, -PUSH * E), (0, 0, -PUSH * E), (0, 0, 1e-3)]
     ).solve()  # fmt: skip
     assert apart.contact_state[2] == "separated"
     assert np.isnan(apart.friction_used).tolist() == [False, False, True]

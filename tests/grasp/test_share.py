@@ -67,7 +67,7 @@ def resting():
 
 SCENES = {
     "pinch": pinch, "cube": cube_example, "plane": flat, "effects": loaded, "sliding": sliding, "hand": heavy,
-    "patches": soft_patches, "limited": limited, "given": given, "resting": resting,
+    "patches": soft_patches, "limited": limited, "given": given, "resting": resting
 }  # fmt: skip
 ALWAYS = {"object balance", "unilateral contact"}
 

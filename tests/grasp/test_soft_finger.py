@@ -149,20 +149,6 @@ def test_the_nearest_point_of_a_polyhedron_is_feasible_and_what_is_left_lies_in_
             assert ((s - p) @ (corner - p[:, None])).max() < 1e-9
 
 
-@pytest.mark.parametrize(
-    ("law", "argument"),
-    [
-        ((-0.1, 0.1), "mu"),
-        ((0.5, np.nan), "mu_torsion"),
-        ((0.0, 0.1), "mu"),
-        ((0.5, 0.1, -1.0), "torsional_flexibility"),
-    ],
-)
-def test_bad_numbers_are_refused_by_name(law, argument):
-    with pytest.raises(hl.InputError, match=argument):
-        hl.SoftFinger(*law)
-
-
 def test_on_the_ellipsoid_no_equilibrium_is_proven_with_the_squeeze_that_would_help():
     s = pinch(wrench=(0, 0, -5, 0.12, 0, 0)).solve("cone", throw=False)
     assert s.status is hl.Status.NO_EQUILIBRIUM

@@ -10,14 +10,7 @@ from tests.grasp.scenes import pinch, ring
 from tests.grasp.test_uniqueness import hook
 from tests.support import patches
 from tests.support.grasp import arrays, candidate, residuals
-from tests.support.search import (
-    active_sets,
-    choices_of_modes,
-    members_of_modes,
-    overload,
-    saturation,
-    searched,
-)
+from tests.support.search import active_sets, choices_of_modes, members_of_modes, overload, saturation, searched
 from tests.support.texts import says, without_numbers
 
 C = 1e-4  # m/N

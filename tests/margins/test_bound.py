@@ -38,7 +38,7 @@ def limited(wrench, forces_of, room, wrenches, base):
     for w in wrenches:
         lp = linprog(
             np.append(np.zeros(edges.shape[1]), -1.0), A_ub=np.column_stack([rows @ edges, np.zeros(len(rows))]),
-            b_ub=room, A_eq=np.column_stack([columns, w]), b_eq=-np.asarray(base), method="highs",
+            b_ub=room, A_eq=np.column_stack([columns, w]), b_eq=-np.asarray(base), method="highs"
         )  # fmt: skip
         best.append(np.inf if lp.status == 3 else lp.x[-1])
     return np.array(best)
@@ -305,13 +305,7 @@ def test_it_is_a_table(cube):
     assert frame.loc["friction", "who"] == m.friction.who
 
 
-@pytest.mark.parametrize(
-    ("given", "name"),
-    [
-        ({"length": "long"}, "length"),
-        ({"solution": 3}, "solution"),
-    ],
-)
+@pytest.mark.parametrize(("given", "name"), [({"length": "long"}, "length"), ({"solution": 3}, "solution")])
 def test_what_makes_no_sense_is_refused(given, name):
     with pytest.raises(hl.InputError) as caught:
         loaded_pinch().margins(**given)

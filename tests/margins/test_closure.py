@@ -61,14 +61,21 @@ def rates(g, closure):
 
 
 # ---------------------------------------------------------------- form closure
-def test_four_contacts_that_turn_a_square_both_ways_leave_it_no_motion():
-    g = grasp(*square(0.005))
+@pytest.mark.parametrize("body", [square(0.005), located()], ids=["square", "cube"])
+def test_contacts_that_turn_a_square_both_ways_or_locate_a_cube_leave_no_motion_and_none_of_them_can_be_spared(body):
+    points, normals = body
+    g = grasp(points, normals)
     found = g.margins().form_closure
     assert found.closed
     assert found.motion is None
     assert (found.forces[:, 2] > 0).all()
     assert found.forces[:, 2].sum() == pytest.approx(1.0)
     assert wrenches_of(g, found) == pytest.approx(np.zeros(6), abs=1e-12)
+    for left_out in range(len(points)):
+        g = grasp(*([x for k, x in enumerate(of) if k != left_out] for of in body))
+        found = g.margins().form_closure
+        assert found.closed is False
+        assert (rates(g, found)[:, 2] >= -1e-9).all()  # nothing is pushed into
 
 
 def test_four_contacts_through_one_point_leave_it_a_turn():
@@ -80,33 +87,6 @@ def test_four_contacts_through_one_point_leave_it_a_turn():
     assert "turns about" in found.sentence
 
 
-@pytest.mark.parametrize("left_out", range(4))
-def test_three_contacts_of_a_plane_are_too_few(left_out):
-    points, normals = square(0.005)
-    keep = [k for k in range(4) if k != left_out]
-    g = grasp([points[k] for k in keep], [normals[k] for k in keep])
-    found = g.margins().form_closure
-    assert found.closed is False
-    assert (rates(g, found)[:, 2] >= -1e-9).all()  # nothing is pushed into
-
-
-def test_a_cube_on_three_two_one_locators_and_a_clamp_has_form_closure():
-    g = grasp(*located())
-    found = g.margins().form_closure
-    assert found.closed
-    assert wrenches_of(g, found) == pytest.approx(np.zeros(6), abs=1e-12)
-
-
-@pytest.mark.parametrize("left_out", range(7))
-def test_six_contacts_of_a_body_are_too_few(left_out):
-    points, normals = located()
-    keep = [k for k in range(7) if k != left_out]
-    g = grasp([points[k] for k in keep], [normals[k] for k in keep])
-    found = g.margins().form_closure
-    assert found.closed is False
-    assert (rates(g, found)[:, 2] >= -1e-9).all()
-
-
 def test_without_friction_force_closure_is_form_closure():
     for g in (grasp(*square(0.005)), grasp(*square(0.0)), grasp(*located())):
         m = g.margins()
@@ -114,18 +94,14 @@ def test_without_friction_force_closure_is_form_closure():
 
 
 # ---------------------------------------------------------------- force closure
-@pytest.mark.parametrize("angle", [-0.45, 0.0, 0.46, 0.47, 0.8])
-def test_two_fingers_of_a_plane_have_it_where_their_line_lies_in_both_cones(angle):
-    """Nguyen's rule; atan 0.5 = 0.4636."""
-    found = tilted(angle, hl.Coulomb(0.5), planar=True).margins().force_closure
-    assert found.closed is bool(abs(np.tan(angle)) < 0.5)
+NGUYEN = [(a, hl.Coulomb(0.5), True) for a in (-0.45, 0.0, 0.46, 0.47, 0.8)]
+MURRAY = [(a, hl.SoftFinger(0.5, 0.002), False) for a in (-0.46, 0.0, 0.455, 0.475)]
 
 
-@pytest.mark.parametrize("angle", [-0.46, 0.0, 0.455, 0.475])
-def test_two_soft_fingers_have_it_where_their_line_lies_in_both_cones(angle):
-    """Murray, Li & Sastry, theorem 5.7."""
-    found = tilted(angle, hl.SoftFinger(0.5, 0.002), planar=False).margins().force_closure
-    assert found.closed is bool(abs(np.tan(angle)) < 0.5)
+@pytest.mark.parametrize(("angle", "law", "planar"), NGUYEN + MURRAY)
+def test_two_fingers_have_it_where_their_line_lies_in_both_cones(angle, law, planar):
+    """In a plane, Nguyen's rule; soft fingers, Murray, Li & Sastry, theorem 5.7. atan 0.5 = 0.4636."""
+    assert tilted(angle, law, planar).margins().force_closure.closed is bool(abs(np.tan(angle)) < 0.5)
 
 
 def test_of_all_motions_that_are_left_the_plainest_one_is_told():

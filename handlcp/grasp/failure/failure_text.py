@@ -161,7 +161,13 @@ def describe_failures(causes: Sequence[FailureMode], spec: GraspSpec | None = No
     kinds = dict[str, list[str]]()
     for c in causes:
         kinds.setdefault(c.kind, []).append(c.who)
-    return "; ".join([_describe_kind(kind, who, spec, brief) for kind, who in kinds.items()])
+    parts = []
+    for kind, who in kinds.items():
+        names = describe_names(who, spec, TORQUE if kind == RANGE else kind)
+        if brief and len(who) > 1 and names == words.join_names(who):
+            names = f"{who[0]} and {len(who) - 1} more"
+        parts.append(_OBJECT_PHRASES.get(kind) or f"{names} {_FAILURE_PHRASES[kind][len(who) > 1]}")
+    return "; ".join(parts)
 
 
 def explain_limit(
@@ -240,13 +246,3 @@ def describe_load(load: Array) -> str:
             if not (text := of(size)).startswith("0 "):  # beside the rest of the load
                 parts.append(f"{text}{where}")
     return " and ".join(parts)
-
-
-def _describe_kind(kind: str, who: list[str], spec: GraspSpec | None, brief: bool) -> str:
-    if kind in _OBJECT_PHRASES:
-        return _OBJECT_PHRASES[kind]
-    several = len(who) > 1
-    names = describe_names(who, spec, TORQUE if kind == RANGE else kind)
-    if brief and several and names == words.join_names(who):
-        names = f"{who[0]} and {len(who) - 1} more"
-    return f"{names} {_FAILURE_PHRASES[kind][several]}"

@@ -55,15 +55,7 @@ class Margins(Record):
     not. length : that moments are divided by [m]; None: that of the grasp.
     """
 
-    entries = (
-        "held = solution.held",
-        "safety",
-        "friction",
-        "torque",
-        "force_closure",
-        "form_closure",
-        "wrench_space",
-    )
+    entries = ("held = solution.held", "safety", "friction", "torque", "force_closure", "form_closure", "wrench_space")
 
     spec: GraspSpec
     section: Section
@@ -157,8 +149,11 @@ class Margins(Record):
 
     def __str__(self) -> str:
         space, rows = self.wrench_space, list[tuple[str, ...]]()
-        if self.friction is not None:
-            rows.append(_friction_row(self.friction))
+        if (least := self.friction) is not None:
+            slides = least.share < _SLIDING_SHARE
+            left, share = (0.0, 0.0) if slides else (least.amount, least.share)
+            who = f"{least.who}: slides already" if slides else least.who
+            rows.append(("friction", words.format_force(left), words.format_percent(share), who))
         if self.torque is not None:
             t = self.torque
             rows.append(("torque", words.format_effort(t.amount, t.unit), words.format_percent(t.share), t.who))
@@ -189,13 +184,6 @@ def make_margins(spec: GraspSpec, scene: Scene, section: Section, solution: Any,
         raise InputError("solution", "a solution of this grasp, or None", repr(solution)[:80])
     L = None if length is None else check_number("length", length, above=0.0)
     return Margins(spec, section, solution, L, scene)
-
-
-def _friction_row(left: Least) -> tuple[str, ...]:
-    """A row; nothing is left where the contact slides."""
-    if left.share < _SLIDING_SHARE:
-        return ("friction", words.format_force(0.0), words.format_percent(0.0), f"{left.who}: slides already")
-    return ("friction", words.format_force(left.amount), words.format_percent(left.share), left.who)
 
 
 def _wrap_whole(text: str) -> str:

@@ -88,7 +88,12 @@ def _test_closure(F: Array, W: Array) -> tuple[Array | None, Array | None]:
     u, s, _ = np.linalg.svd(np.hstack([W, few]), full_matrices=False)
     rank = int((s > RANK_TOLERANCE * s.max(initial=0.0)).sum())
     if rank < dof:
-        return None, _plain_motion(u[:, rank:])
+        # Which basis of all motions that are left a decomposition finds says nothing: the one nearest to a translation
+        # along an axis or to a turn about one
+        free = u[:, rank:]
+        near = (free * free).sum(axis=1)  # how much of each axis they hold: its cosine, squared
+        t = free @ free[int(np.argmax(near >= near.max() - _STRICT_SHARE))]
+        return None, np.asarray(t / np.sqrt(t @ t))
     g, size = W.shape[1], np.sqrt((W * W).sum(axis=0))
     # The widest least share s: a = s + b, b ≥ 0, W a = 0, mean of a is one
     lp = scipy.optimize.linprog(
@@ -104,11 +109,7 @@ def _test_closure(F: Array, W: Array) -> tuple[Array | None, Array | None]:
         if a.min() > 0.0:
             return F @ (a / a.sum()), None
     lp = scipy.optimize.linprog(
-        -(W / size).sum(axis=1),
-        A_ub=-(W / size).T,
-        b_ub=np.zeros(g),
-        bounds=[(-1.0, 1.0)] * dof,
-        method="highs",
+        -(W / size).sum(axis=1), A_ub=-(W / size).T, b_ub=np.zeros(g), bounds=[(-1.0, 1.0)] * dof, method="highs"
     )
     if lp.x is not None:
         t = lp.x / (np.sqrt(lp.x @ lp.x) or 1.0)
@@ -116,15 +117,6 @@ def _test_closure(F: Array, W: Array) -> tuple[Array | None, Array | None]:
         if work.max(initial=0.0) > _STRICT_SHARE and work.min(initial=0.0) > -CERTIFY_TOLERANCE:
             return None, t
     return None, None
-
-
-def _plain_motion(free: Array) -> Array:
-    """(dof,) of all motions that columns (dof, k) span, the one nearest to a translation along an axis or to a turn
-    about one: which basis a decomposition happens to find says nothing.
-    """
-    near = (free * free).sum(axis=1)  # how much of each axis they hold: its cosine, squared
-    t = free @ free[int(np.argmax(near >= near.max() - _STRICT_SHARE))]
-    return np.asarray(t / np.sqrt(t @ t))
 
 
 def _make_closure(spec: GraspSpec, scene: Scene, kind: str, forces: Array | None, motion: Array | None) -> Closure:

@@ -18,6 +18,7 @@ from handlcp.check import Array, Bools, check_array, read_only
 from handlcp.contact.friction import Cone, Pyramid, limit_set
 from handlcp.errors import InputError, Unsupported
 from handlcp.grasp.effects.joint_torque import TorqueSaturation
+from handlcp.grasp.failure.reason import format_span
 from handlcp.grasp.model.mechanism import read_joints
 from handlcp.grasp.model.status import SEPARATED, SLIDING, contact_statuses
 from handlcp.grasp.solution.state_family import (
@@ -285,14 +286,6 @@ def torque_shares(torques: Array, limit: Array) -> Array:
     least = np.where((low < 0.0) & (high > 0.0), 0.0, np.minimum(abs(low), abs(high)))
     both, limited = np.column_stack([least, np.maximum(abs(low), abs(high))]), np.isfinite(limit)[:, None]
     return read_only(np.where(limited, both, 0.0) / np.where(limited, limit[:, None], 1.0))
-
-
-def format_span(least: float, most: float) -> str:
-    """Of a limit, such as "40 to 120 %"."""
-    low, high = words.format_percent(least), words.format_percent(most)
-    if not np.isfinite(most):
-        return f"{low} to ∞" if np.isfinite(least) else "∞"
-    return low if low == high else f"{low.removesuffix(' %')} to {high}"
 
 
 # ----------------------------------------------------------------

@@ -15,6 +15,7 @@ from handlcp.check import Array, check_method_calls, freeze_arrays, read_only
 from handlcp.contact.friction import Pyramid, Section
 from handlcp.errors import InputError
 from handlcp.grasp.effects.joint_offset import describe_missing_squeeze
+from handlcp.grasp.failure.reason import describe_large_motion
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.status import contact_statuses
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from handlcp.grasp.derivatives.sensitivity import Sensitivity
     from handlcp.grasp.solution.force_bounds import ForceBounds
     from handlcp.grasp.solution.uniqueness import Uniqueness
-    from handlcp.grasp.solution.verdict import MotionSizes, Verdict
+    from handlcp.grasp.solution.verdict import Verdict
 
 # ----------------------------------------------------------------
 # What an answer looks like: a picture, plain data. Made by `handlcp.viz`, which stands above this room.
@@ -267,6 +268,7 @@ class GraspSolution(Record, DeferredFields):
     def diagnosis(self) -> str:
         """One sentence with the fingers' names: what slides, what is loose, how the object escapes, what would help."""
         from handlcp.grasp.solution.diagnosis import UNDECIDED_SENTENCE, DiagnosisText
+        from handlcp.grasp.solution.verdict import solution_motions
 
         if self.scene is None or self.reference is None:
             return self.status.meaning
@@ -274,11 +276,10 @@ class GraspSolution(Record, DeferredFields):
         who = "finger" if self.spec is None else self.spec.who
         say = DiagnosisText(self.names, self.scene.positions, self.reference, self.scene.environment, faces, who)
         if self.held:
-            text, moved = (
-                say.describe_held(self.forces, contact_statuses(self.contact_state), self.uniqueness),
-                self._motions,
-            )
-            return f"{text}; but {moved.sentence}" if moved is not None and moved.too_large else text
+            text = say.describe_held(self.forces, contact_statuses(self.contact_state), self.uniqueness)
+            if self.spec is not None and (moved := solution_motions(self)).too_large:
+                return f"{text}; but {describe_large_motion(moved.values)}"
+            return text
         if self.status is Status.NO_EQUILIBRIUM:
             squeeze = self.scene.offset[2 : 3 * self.scene.n : 3]
             if self.spec is not None and describe_missing_squeeze(self.spec):
@@ -295,13 +296,6 @@ class GraspSolution(Record, DeferredFields):
 
         mechanism = None if self.spec is None else self.spec.mechanism
         return make_verdict((*(() if mechanism is None else mechanism.report.reasons(self)), *solution_reasons(self)))
-
-    @property
-    def _motions(self) -> MotionSizes | None:
-        """How far an answer goes beyond small motions; None where it is not known what was solved."""
-        from handlcp.grasp.solution.verdict import solution_motions
-
-        return None if self.spec is None else solution_motions(self)
 
     @property
     def normal_force(self) -> Array:

@@ -161,7 +161,12 @@ def _make_family(kept: KeptStates, way: _StateChoice, ranges: FactorRanges | Non
     flat, curved = _ConditionRows(N.shape[1]), list[tuple[int, Array, Array]]()
     _add_contacts(flat, kept, way, wider, laws.K, N)
     _add_friction(flat, curved, kept, way, wider, ranges, N)
-    _add_limits(flat, kept, way, N)
+    c = kept.scene.components
+    for j, row in enumerate(kept.limited.rows):
+        if way.gives[j] or way.loose[j]:
+            flat.add(N[[c + kept.scene.dof + j]], kept.limited.motion[[j]])
+        if not way.gives[j] or way.loose[j]:
+            flat.add(-row[None] @ N[:c], kept.limited.slack[[j]], float(abs(row).max(initial=0.0)) or 1.0)
     if ranges is not None:
         _add_pads(flat, kept, way, pads, ranges, N)
     every = [-row for row in flat.rows] + [block for _, block, _ in curved]
@@ -306,16 +311,6 @@ def _add_friction(
             flat.add(faces @ R[t] - limits[i] * R[z], faces @ r[t] - limits[i] * r[z])
 
 
-def _add_limits(flat: _ConditionRows, kept: KeptStates, way: _StateChoice, N: Array) -> None:
-    c, limits = kept.scene.components, kept.limited
-    at = c + kept.scene.dof
-    for j, row in enumerate(limits.rows):
-        if way.gives[j] or way.loose[j]:
-            flat.add(N[[at + j]], limits.motion[[j]])
-        if not way.gives[j] or way.loose[j]:
-            flat.add(-row[None] @ N[:c], limits.slack[[j]], float(abs(row).max(initial=0.0)) or 1.0)
-
-
 def _add_pads(
     flat: _ConditionRows, kept: KeptStates, way: _StateChoice, pads: Array, ranges: FactorRanges, N: Array
 ) -> None:
@@ -324,7 +319,9 @@ def _add_pads(
     first, limits = len(N) - 3 * scene.n, ranges.friction[1] * scene.friction_coefficients(kept.section)
     for i in np.flatnonzero(pads.any(axis=(1, 2)) & (way.kind != SEPARATED)).tolist():
         t, z = _tangents(scene, i), 3 * i + 2
-        reach = limits[i] * _tangential_reach(kept.section, len(t))
+        reach = limits[i]  # the largest tangential force per newton of normal force
+        if t and not isinstance(kept.section, Cone):
+            reach *= float(np.linalg.norm(limit_set(kept.section, len(t)).vertices, axis=0).max())
         for j in (z, *[j for j in t if j < 3 * scene.n]):
             P = pads[i, j - 3 * i]
             most = 0.5 * (b - a) * (abs(P[2]) + reach * float(np.linalg.norm(P[:2])))
@@ -334,13 +331,6 @@ def _add_pads(
             for sign in (1.0, -1.0):
                 row, room = most * N[z] - sign * N[first + j], most * kept.forces[z] - sign * now
                 flat.add(row[None], np.array([room]), most)
-
-
-def _tangential_reach(section: Section, tangents: int) -> float:
-    """The largest tangential force per newton of normal force and of the distance of the set's faces."""
-    if not tangents or isinstance(section, Cone):
-        return 1.0
-    return float(np.linalg.norm(limit_set(section, tangents).vertices, axis=0).max())
 
 
 def own_flexibility(s: Any) -> Array:

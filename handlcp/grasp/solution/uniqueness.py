@@ -55,7 +55,9 @@ def free_branches(
             continue
         _, free = least_norm_solutions(A, np.zeros((len(A), 0)), RANK_TOLERANCE)
         # Directions of multipliers alone move nothing: dropped, and the rest made orthonormal in (r, u)
-        basis, multipliers = _orthonormal(np.vstack([free[:moves], free[moves:][active]]), moves)
+        U, s, Wt = np.linalg.svd(free[:moves], full_matrices=False)
+        own = s > 1e-9
+        basis, multipliers = U[:, own], free[moves:][active] @ Wt[own].T / s[own]
         resting = np.flatnonzero(states.kind == RESTING)
         if (len(resting) or limited.resting.any()) and basis.shape[1]:
             nothing = np.zeros(scene.components)
@@ -80,14 +82,6 @@ def resting_choices(scene: Scene, kind: Ints) -> list[Ints]:
         choice[resting] = np.where(pattern, closed[resting], SEPARATED)
         out.append(choice)
     return out
-
-
-def _orthonormal(columns: Array, k: int) -> tuple[Array, Array]:
-    """An orthonormal basis of the first k rows, and the other rows that go with it."""
-    U, s, Wt = np.linalg.svd(columns[:k], full_matrices=False)
-    kept = s > 1e-9
-    basis = U[:, kept]
-    return basis, columns[k:] @ Wt[kept].T / s[kept] if len(columns) > k else np.empty((0, basis.shape[1]))
 
 
 def _cone_span(D: Array) -> Array:
@@ -220,9 +214,7 @@ def minimum_norm_candidate(
     x0 = np.concatenate([forces, scene.natural_twist(candidate.twist)])
     best, extra, limited = x0, candidate.extra, limits_at_answer(scene, effects, candidate)
     for branch in branches:
-        B = np.where(
-            abs(branch.basis) > _ROUNDING_SHARE, branch.basis, 0.0
-        )  # between rigid bodies any motion would count
+        B = np.where(abs(branch.basis) > _ROUNDING_SHARE, branch.basis, 0.0)  # between rigid bodies all motion counts
         rows, now = state_inequalities(scene, section, branch.kind, states, forces, moved, np.arange(scene.n))
         # With y = c + Bᵀx₀: min ‖y‖ subject to A y ≥ h. Rounding must neither shut out the present member (now ≥ 0)
         # nor make a condition of a row that these directions do not touch.
@@ -230,20 +222,16 @@ def minimum_norm_candidate(
         A, size = np.vstack([rows @ B, D]), np.append(abs(rows).max(axis=1), np.ones(len(D)))
         touched = abs(A).max(axis=1) > 1e-10 * size
         A, h = A[touched], np.maximum(np.append(now, slack)[touched], 0.0)
-        y = _least_distance(A, A @ (B.T @ x0) - h)
-        if y is None:
-            continue
+        # The smallest y with A y ≥ h, if any
+        h, y = A @ (B.T @ x0) - h, np.zeros(A.shape[1])
+        if len(A):  # scipy's nnls crashes without columns
+            E, e = np.vstack([A.T, h]), np.append(np.zeros(A.shape[1]), 1.0)
+            left = e - E @ scipy.optimize.nnls(E, e)[0]
+            if not left[-1] > 0.0:
+                continue
+            y = -left[:-1] / left[-1]
         change = y - B.T @ x0
         x = x0 + B @ change
         if x @ x < best @ best:
             best, extra = x, limited.move_extra(scene, branch.active, branch.multipliers @ change)
     return SolverCandidate(best[:c] * units.force_unit, scene.twist(best[c:]), extra, candidate.soft)
-
-
-def _least_distance(A: Array, h: Array) -> Array | None:
-    """The smallest y with A y ≥ h; None: there is none."""
-    if not len(A):  # scipy's nnls crashes without columns
-        return np.zeros(A.shape[1])
-    E, e = np.vstack([A.T, h]), np.append(np.zeros(A.shape[1]), 1.0)
-    r = e - E @ scipy.optimize.nnls(E, e)[0]
-    return -r[:-1] / r[-1] if r[-1] > 0.0 else None

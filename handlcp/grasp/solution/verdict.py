@@ -1,35 +1,4 @@
-"""`Verdict`: does it hold? One word, and the reasons for it.
-
-| code | what it is about |
-| --- | --- |
-| `not_holdable`, `no_equilibrium` | no force within friction balances the load; no elastic equilibrium exists |
-| `no_squeeze` | nothing was said that closes the hand, and the load is not held without |
-| `lost` | the order of loading loses the object on its way |
-| `slides_through` | the object slides through, or snaps, on its way: how far it jumps is not for statics to say |
-| `steps_differ` | fewer and more steps of loading end differently |
-| `solver_stopped`, `follow_stopped` | a solver, or the loading in steps, ended without an answer |
-| `link_inside`, `joint_range` | a posture that the hand cannot take: a link inside the object, a joint past its range |
-| `large_motion`, `followed_forces` | motions, or forces, that the equations of small motions miss |
-| `torque_over_limit`, `torque`, `limit_unknown`, `limit_doubtful` | what the joints bear, and what is known of it |
-| `tension_over_limit`, `tension`, `slack` | what tendons bear, and which of them hang slack |
-| `closing_torque` | fingers that pull with less than was asked for, once the hand has closed |
-| `overheats`, `closing_over_peak` | what motors of joints or tendons hold for a while; what closing takes beyond peak |
-| `limit_shared` | limits of motors that are those of no joint alone: whether motors hold is not known |
-| `hand_doubtful` | a serious doubt of the hand's audit that is not about torque limits |
-| `unplaced` | a sample of a study that is no grasp, such as one with a contact past an edge |
-| `rigid_tips` | fingertips without pads, where that may be why the object is lost |
-| `torques_open` | between what and what torques are, where statics leaves forces open |
-| `command_not_made` | a command that tendons, which only pull, or servos make in part alone |
-| `out_of_reach` | a part of the squeeze that no command of the joints makes |
-| `effect`, `contacts`, `motion` | bounds reached; what slides or lets go; how the object moves |
-| `no_load` | neither a weight nor a wrench loads the object |
-| `weight_left_out` | `replace(wrench=...)` gave the whole load, without the object's weight |
-| `friction` | how much of their friction the contacts use that stick |
-| `forces_open`, `loose`, `others` | what the equations leave open |
-| `snaps` | the object leaves its place on the way, and comes to rest at another |
-| `not_followed`, `only_followed` | the order of loading was not followed; one solve and the steps disagree |
-| `advice` | a change that was tried, and holds; or that nothing tried does |
-"""
+"""`Verdict`: does it hold? One word, and the reasons for it."""
 
 from __future__ import annotations
 
@@ -39,9 +8,10 @@ from typing import Any, Self
 
 import numpy as np
 
-from handlcp import words
 from handlcp.check import Array, Bools, check_method_calls, read_only
 from handlcp.errors import RequirementNotMet
+from handlcp.grasp.effects import Effect
+from handlcp.grasp.failure.reason import Reason as Reason, make_reason
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING, ContactStatus, contact_statuses
@@ -78,21 +48,6 @@ _DECIDED_WORD = {
     "limit_shared": UNDECIDED,
 }
 _PARAGRAPH_HEADS = {"warning": "Warning", "advice": "Advice"}
-
-
-@dataclass(frozen=True, slots=True)
-class Reason:
-    """One reason of a verdict.
-
-    code : what it is about, see the top of this file. severity : "decides": with it the word cannot be HELD;
-    "warning": a doubt about the word; "note": what is so; "advice": what would help. sentence : without a full stop.
-    values : its numbers and names, SI units in the keys.
-    """
-
-    code: str
-    severity: str
-    sentence: str
-    values: Mapping[str, Any] = field(default_factory=dict)
 
 
 @check_method_calls
@@ -229,28 +184,18 @@ class MotionSizes:
         return bool(is_beyond_small_motions(self.share, self.adrift))
 
     @property
-    def sentence(self) -> str:
-        """What is large, and what that means for the forces; "" where nothing is."""
-        parts = []
-        if max(self.turn, self.move / self.size) > NOTICED_SHARE:
-            parts.append(f"the object moves {words.format_length(self.move)} and turns {words.format_angle(self.turn)}")
-        if self.slip > NOTICED_SHARE * self.size:
-            parts.append(f"a contact slips {words.format_length(self.slip)}")
-        if 0.1 * self.squeeze > NOTICED_SHARE * self.size:
-            parts.append(f"the fingers squeeze by {words.format_length(self.squeeze)}")
-        if 0.5 * self.yielded > NOTICED_SHARE:
-            parts.append(f"a joint yields by {words.format_angle(self.yielded)}")
-        if not parts:
-            return ""
-        if self.share >= MAX_FORCE_SHARE:
-            return f"{', '.join(parts)}: the equations of small motions say nothing about that"
-        if self.too_large:
-            way = "everything that closing presses on the object slides or lets go: where it ends one solve cannot tell"
-            return f"{', '.join(parts)}, and {way}; check() follows it"
-        return (
-            f"{', '.join(parts)}: the equations are of small motions, and forces may be off by about "
-            f"{words.format_percent(self.share)}"
-        )
+    def values(self) -> dict[str, Any]:
+        """What a reason says of them."""
+        return {
+            "move_m": self.move,
+            "turn_rad": self.turn,
+            "slip_m": self.slip,
+            "squeeze_m": self.squeeze,
+            "size_m": self.size,
+            "yield_rad": self.yielded,
+            "force_error": self.share,
+            "adrift": self.adrift,
+        }
 
 
 def solution_motions(s: Any) -> MotionSizes:
@@ -270,10 +215,7 @@ def solution_motions(s: Any) -> MotionSizes:
 
 
 # ----------------------------------------------------------------
-# Why an answer holds or does not, in reasons of a verdict: status, friction, motions that are not small.
-
-
-# ---------------------------------------------------------------- How much of its friction a contact uses.
+# How much of its friction a contact uses.
 #
 # used = |r̂_T| / (μ r_N)        margin = μ r_N - |r̂_T|
 #
@@ -311,10 +253,7 @@ def _friction_and_limit(scene: Scene, forces: Array, torsion: Array | None) -> t
 
 LITTLE_MARGIN_SHARE = 0.95  # of the friction limit: a contact that uses more has hardly any margin
 _UNNAMED_SHARE = 5e-4  # of the friction limit: less is not worth a word
-_STILL_DISTANCE = 1e-7  # [m] an object that moves less is not said to move
-_MAX_NAMED = 4  # contacts that are named one by one
 _TWIST_TOLERANCE = 1e-4  # [rad] a soft finger that turns less on the object is not said to twist
-_STATUS_CODES = {Status.NOT_HOLDABLE: "not_holdable", Status.NO_EQUILIBRIUM: "no_equilibrium"}
 
 
 def solution_reasons(s: Any) -> Iterator[Reason]:
@@ -322,12 +261,15 @@ def solution_reasons(s: Any) -> Iterator[Reason]:
     if not s.held:
         yield equilibrium_reason(s.status, s.diagnosis)
     elif s.spec is not None and s.scene is not None:
-        yield from no_load_reasons(s.spec)
-        for e in s.spec.effects:  # which bounds are reached, and how far they give way
-            for part in e.words(s.scene, s.names, s.extra):
-                yield Reason("effect", "note", part, {"effect": e.title})
-        yield _contact_reason(s)
-        yield from friction_reasons(s.names, s.friction_used, contact_statuses(s.contact_state))
+        yield from load_reasons(s.spec)
+        yield from effect_reasons(s.spec.effects, s)
+        slips, states = np.hypot(*s.slip.T).tolist(), contact_statuses(s.contact_state)
+        spins = np.zeros(len(slips)) if s.spin is None else abs(s.spin)
+        sliding = {n: d for n, state, d in zip(s.names, states, slips, strict=True) if state == SLIDING}
+        turns = {n: float(a) for n, a in zip(s.names, spins, strict=True) if a > _TWIST_TOLERANCE}
+        apart = [n for n, state in zip(s.names, states, strict=True) if state == SEPARATED]
+        yield contacts_reason(s.spec, sliding, turns, apart)
+        yield from friction_reasons(s.names, s.friction_used, states)
         yield motion_reason(s.object_displacement, s.scene.force, s.scene.units.length_unit)
         yield from open_reasons(s.uniqueness)
         yield from large_motion_reasons(solution_motions(s))
@@ -336,73 +278,30 @@ def solution_reasons(s: Any) -> Iterator[Reason]:
 def equilibrium_reason(status: Status, diagnosis: str) -> Reason:
     """Why there is no answer."""
     if status is Status.UNDECIDED:
-        why = "the solver stopped before it found an answer, which says nothing about the grasp"
-        return Reason("solver_stopped", "decides", f"{why}; try another seed or number of faces")
-    return Reason(_STATUS_CODES.get(status, "solver_stopped"), "decides", diagnosis, {"status": status.name})
+        return make_reason("solver_stopped", "decides")
+    code = "not_holdable" if status is Status.NOT_HOLDABLE else "no_equilibrium"
+    return make_reason(code, "decides", {"status": status.name}, diagnosis=diagnosis)
+
+
+def effect_reasons(effects: Iterable[Effect], s: Any) -> Iterator[Reason]:
+    """Which bounds of effects are reached at a solution, and how far they give way."""
+    for e in effects:
+        for part in e.words(s.scene, s.names, s.extra):
+            yield make_reason("effect", "note", {"effect": e.title}, text=part)
 
 
 def large_motion_reasons(found: MotionSizes) -> Iterator[Reason]:
     """Of motions that are too large for the equations of small ones."""
-    if text := found.sentence:
-        severity = "decides" if found.too_large else "warning"
-        values = {
-            "move_m": found.move,
-            "turn_rad": found.turn,
-            "slip_m": found.slip,
-            "squeeze_m": found.squeeze,
-            "size_m": found.size,
-            "yield_rad": found.yielded,
-            "force_error": found.share,
-            "adrift": found.adrift,
-        }
-        yield Reason("large_motion", severity, text, values)
-
-
-def _contact_reason(s: Any) -> Reason:
-    """What the contacts of a `GraspSolution` do."""
-    slips, states = np.hypot(*s.slip.T).tolist(), contact_statuses(s.contact_state)
-    spins = np.zeros(len(slips)) if s.spin is None else abs(s.spin)
-    sliding = {n: d for n, state, d in zip(s.names, states, slips, strict=True) if state == SLIDING}
-    turns = {n: float(a) for n, a in zip(s.names, spins, strict=True) if a > _TWIST_TOLERANCE}
-    apart = [n for n, state in zip(s.names, states, strict=True) if state == SEPARATED]
-    return contacts_reason(s.spec, sliding, turns, apart)
+    if found.share > NOTICED_SHARE:
+        yield make_reason("large_motion", "decides" if found.too_large else "warning", found.values)
 
 
 def contacts_reason(
     spec: GraspSpec, sliding: Mapping[str, float], turns: Mapping[str, float], apart: Sequence[str]
 ) -> Reason:
-    """Which contacts of a grasp slide [m], twist on the object [rad] or let go; "all stick" where none does."""
-    parts, who, count = [], f"{spec.who}s", spec.n
-    if sliding and len(sliding) == count > 1:
-        parts.append(f"all {who} slide, up to {words.format_length(max(sliding.values()))}")
-    elif sliding:
-        parts.append(
-            _describe_slides({n: d for n, d in sliding.items() if d > words.NEGLIGIBLE_LENGTH or not turns}, spec)
-        )
-    if turns and len(sliding) < max(count, 2):
-        parts.append(", ".join(f"{n} twists by {words.format_angle(a)} on the object" for n, a in turns.items()))
-    if apart:
-        gone = words.group_by_link(apart, spec.links) if len(apart) > _MAX_NAMED else apart
-        parts.append(f"{words.list_names(gone)} {'let' if len(apart) > 1 else 'lets'} go")
-    text = "; ".join(p for p in parts if p) or f"all {who} stick"
+    """Which contacts of a grasp slide [m], twist on the object [rad] or let go."""
     values = {"sliding_m": dict(sliding), "twisting_rad": dict(turns), "separated": list(apart)}
-    return Reason("contacts", "note", text, values)
-
-
-def _describe_slides(sliding: Mapping[str, float], spec: GraspSpec) -> str:
-    """How far each of a few contacts slides [m]; of many those of one link together, or how many there are."""
-    if len(sliding) <= _MAX_NAMED:
-        ways = words.format_lengths(sliding.values())
-        return ", ".join(f"{n} slides {way}" for n, way in zip(sliding, ways, strict=True))
-    farthest = dict[str, list[float]]()
-    for name, far in sliding.items():
-        farthest.setdefault(spec.links.get(name, name), []).append(far)
-    if len(farthest) > _MAX_NAMED:
-        most = max(sliding, key=lambda name: sliding[name])
-        return f"{len(sliding)} of {spec.n} {spec.who}s slide, up to {words.format_length(sliding[most])} ({most})"
-    ways = words.format_lengths([max(far) for far in farthest.values()])
-    named = zip(words.group_by_link(list(sliding), spec.links), farthest.values(), ways, strict=True)
-    return ", ".join(f"{who} {'slides' if len(far) == 1 else 'slide up to'} {way}" for who, far, way in named)
+    return make_reason("contacts", "note", values, who=spec.who, count=spec.n, links=spec.links)
 
 
 def friction_reasons(
@@ -413,46 +312,28 @@ def friction_reasons(
     """
     every = list(zip(names, used.tolist(), states, strict=True))
     sticks = [(x, n) for n, x, state in every if state == STICKING and x >= 0.0]
-    slides = [n for n, x, state in every if state == SLIDING and x > 0.0]
+    slides = any(state == SLIDING and x > 0.0 for _, x, state in every)
     values = {"used": {n: x for n, x, _ in every if np.isfinite(x)}}
     if not sticks and slides:
-        text = "friction is used up at every contact that pushes: nothing is left for a disturbance"
-        yield Reason("friction", "warning", text, values)
+        yield make_reason("friction", "warning", values, most=None)
     elif sticks and (most := max(x for x, _ in sticks)) > _UNNAMED_SHARE:
         who = next(n for x, n in sticks if x >= (1.0 - 1e-6) * most)  # the first of equals
-        others = "of those that stick " if slides else ""
-        text = f"friction {others}is used up to {words.format_percent(most)}{when} ({who})"
-        if most >= LITTLE_MARGIN_SHARE:
-            warning = f"{who} uses {words.format_percent(most)} of its friction: a little more load makes it slide"
-            yield Reason("friction", "warning", warning, values)
-        else:
-            yield Reason("friction", "note", text, values)
+        little = most >= LITTLE_MARGIN_SHARE
+        said = {"most": most, "finger": who, "some": slides, "little": little, "when": when}
+        yield make_reason("friction", "warning" if little else "note", values, **said)
 
 
 def motion_reason(displacement: Array, load: Array, size: float) -> Reason:
     """How far the object moves (6,), how much of that along the load (3,), and how far it turns; size of the grasp."""
-    u = displacement
-    move, turn = float(np.linalg.norm(u[:3])), float(np.linalg.norm(u[3:]))
-    strength, values = float(np.linalg.norm(load)), {"move_m": move, "turn_rad": turn}
-    if max(move, turn * size) < words.NEGLIGIBLE_LENGTH:
-        return Reason("motion", "note", "the object stays where it is", values)
-    if max(move, turn * size) < _STILL_DISTANCE:
-        return Reason("motion", "note", "the object does not move noticeably", values)
-    along = float(u[:3] @ load) / strength if strength > 0 else 0.0
-    moves, part = words.format_lengths([move, abs(along)])
-    text = f"the object moves {moves}"
-    if strength > 0:
-        way = "along" if along >= 0 else "against"
-        text += f" {way} the load" if part == moves else f", {part} of it {way} the load,"
-    text = f"{text} and turns {words.format_angle(turn)}" if turn > 1e-4 else text.removesuffix(",")
-    return Reason("motion", "note", text, values)
+    move, turn, strength = (float(np.linalg.norm(part)) for part in (displacement[:3], displacement[3:], load))
+    along = float(displacement[:3] @ load) / strength if strength > 0 else None
+    return make_reason("motion", "note", {"move_m": move, "turn_rad": turn}, along=along, size=size)
 
 
-def no_load_reasons(spec: Any) -> Iterator[Reason]:
+def load_reasons(spec: GraspSpec) -> Iterator[Reason]:
     """Of a grasp whose object nothing loads: a mass may have been forgotten."""
     if not spec.wrench.any():
-        text = "no load: no weight acts on the object, and no wrench was given"
-        yield Reason("no_load", "note", text)
+        yield make_reason("no_load", "note")
 
 
 def open_reasons(free: Uniqueness | None) -> Iterator[Reason]:
@@ -460,13 +341,8 @@ def open_reasons(free: Uniqueness | None) -> Iterator[Reason]:
     if free is None:
         return
     if not free.forces_determined:
-        given = "the smallest" if free.smallest else "those that the loading led to"
-        text = f"other forces satisfy the same conditions; {given} are given"
-        yield Reason("forces_open", "warning", text)
+        yield make_reason("forces_open", "warning", smallest=free.smallest)
     if k := free.loose_motions:
-        given = "the smallest motion is given" if free.smallest else "what the loading led to is given"
-        text = f"the object can move freely in {k} direction{'s' if k > 1 else ''}; {given}"
-        yield Reason("loose", "warning", text, {"directions": k})
+        yield make_reason("loose", "warning", {"directions": k}, smallest=free.smallest)
     if free.others:
-        text = "friction can hold the object in other ways, too; grasp.equilibria() lists them"
-        yield Reason("others", "warning", text)
+        yield make_reason("others", "warning")

@@ -29,6 +29,8 @@ from handlcp.grasp.derivatives.parameter.parameter import (
 )
 from handlcp.grasp.effects.joint_offset import describe_missing_squeeze
 from handlcp.grasp.failure.failure_mode import find_exceeded, state_limits
+from handlcp.grasp.failure.reason import Reason, make_reason
+from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.path.advance import PATIENT, Patience
@@ -38,7 +40,6 @@ from handlcp.grasp.solution.verdict import (
     HELD,
     OVER_LIMIT,
     UNDECIDED,
-    Reason,
     Verdict,
     equilibrium_reason,
     make_verdict,
@@ -61,7 +62,7 @@ _MAX_CONTACTS = 4  # with more, equilibria are too many to look for
 _LOAD_SHARES, _SQUEEZE_SHARES = (0.0, 0.5, 2.0), (0.5, 2.0)  # shares of the grasp's own
 _OTHER_FORCE_SHARE = 0.01  # of the largest force
 
-_NEARBY_CHAIN = Auto(search_seconds=0.0)
+_QUICK_CHAIN = Auto(search_seconds=0.0)
 
 
 def other_equilibria(
@@ -72,28 +73,19 @@ def other_equilibria(
         return
     size = float(np.linalg.norm(solution.forces, axis=1).max(initial=0.0))
     starts = [end] if end.held else []
-    starts += [s for s in (solve_spec(other, section, _NEARBY_CHAIN, proof=False) for other in _nearby(spec)) if s.held]
+    nearby = [spec.replace(wrench=read_only(share * spec.wrench)) for share in _LOAD_SHARES]
+    nearby += [spec.replace(offset=read_only(share * spec.offset)) for share in _SQUEEZE_SHARES]
+    starts += [s for s in (solve_spec(other, section, _QUICK_CHAIN, proof=False) for other in nearby) if s.held]
     near = far = 0.0  # by how much forces differ, where motions are small, and anywhere
     for start in starts:
-        found = solve_spec(spec, section, _NEARBY_CHAIN, start_values(start, scene), scene, proof=False)
+        found = solve_spec(spec, section, _QUICK_CHAIN, start_values(start, scene), scene, proof=False)
         if found.held and (found.uniqueness is None or found.uniqueness.forces_determined):
             differ = float(np.linalg.norm(found.forces - solution.forces, axis=1).max()) / (size or 1.0)
             near, far = near if solution_motions(found).too_large else max(near, differ), max(far, differ)
-    lists = "(grasp.equilibria() lists them)"
     if near > _OTHER_FORCE_SHARE:
-        by = words.format_percent(near)
-        text = f"friction can hold the object in other ways, too, with forces that differ by {by} {lists}"
-        yield Reason("others", "note", text, {"forces_differ": near})
+        yield make_reason("others", "note", {"forces_differ": near}, far=False)
     elif far > _OTHER_FORCE_SHARE:
-        text = f"the equations have other answers, too, with motions too large for them {lists}"
-        yield Reason("others", "note", text, {"forces_differ": far})
-
-
-def _nearby(spec: GraspSpec) -> Iterator[GraspSpec]:
-    for share in _LOAD_SHARES:
-        yield spec.replace(wrench=read_only(share * spec.wrench))
-    for share in _SQUEEZE_SHARES:
-        yield spec.replace(offset=read_only(share * spec.offset))
+        yield make_reason("others", "note", {"forces_differ": far}, far=True)
 
 
 # ----------------------------------------------------------------
@@ -127,44 +119,40 @@ def advice_reasons(
     limited = spec.mechanism is not None and bool(np.isfinite(spec.mechanism.limits).any())
     within, found, tried = " within the torque limits" if limited else "", False, list[str]()
     changes = [list(p.trials(spec, why)) for p in parameters_by_effort() if p.name in kinds or not kinds]
-    for trials in changes if kinds else (list(_move_out_trials(spec)), *changes, list(_shift_trials(spec))):
+    if spec.mechanism is not None and not kinds:
+        if (out := spec.mechanism.variation.move_object_out(spec)) is not None:
+            text, far, moved = out  # of the links that the object begins inside
+            changes.insert(0, [Trial("out", far, text, moved)])
+        changes.append(list(_shift_trials(spec, spec.mechanism)))
+    for trials in changes:
         if trials:
             tried.append(trials[-1].text)
         judgements = ((t, judged(t.spec)) for t in _trials_that_hold(trials, section, order))
         if (helps := next(((t, verdict) for t, verdict in judgements if verdict.ok), None)) is not None:
             trial, verdict = helps
+            events = () if verdict.loading is None else verdict.loading.events
+            snap = next((f", where {event.sentence}" for event in events if event.kind == "snaps"), "")
             values = {"change": trial.change, "value": trial.value}
-            yield Reason("advice", "advice", f"{trial.text} would hold it{within}{_describe_snap(verdict)}", values)
+            yield make_reason("advice", "advice", values, text=trial.text, within=within, snap=snap)
             found = True
     if tried and not found and not kinds:
-        text = f"nothing that was tried would hold it{within}, not even {words.join_alternatives(tried)}"
-        yield Reason("advice", "advice", text, {"tried": tried})
-
-
-def _describe_snap(verdict: Verdict) -> str:
-    """Where an object that is held has snapped to another place on the way, by how far."""
-    events = () if verdict.loading is None else verdict.loading.events
-    return next((f", where {event.sentence}" for event in events if event.kind == "snaps"), "")
+        yield make_reason("advice", "advice", {"tried": tried}, within=within)
 
 
 def _trials_that_hold(trials: list[Trial], section: Section, order: Any) -> Iterator[Trial]:
     """Those that hold to the end of the loading."""
     promising = [t for t in trials if _solves_within_limits(t.spec, section)]
-    few = promising if len(promising) <= _MAX_FOLLOWED else [promising[k] for k in _spread_indices(len(promising))]
-    for trial in few:
+    if (count := len(promising)) > _MAX_FOLLOWED:  # as many as are followed, the first and the last included
+        promising = [promising[round(k * (count - 1) / (_MAX_FOLLOWED - 1))] for k in range(_MAX_FOLLOWED)]
+    for trial in promising:
         report_progress(f"trying {trial.text}")
         if _holds_within_limits(trial.spec, section, order):
             yield trial
 
 
-def _spread_indices(count: int) -> list[int]:
-    """As many of them as are followed, the first and the last included."""
-    return [round(k * (count - 1) / (_MAX_FOLLOWED - 1)) for k in range(_MAX_FOLLOWED)]
-
-
 def _solves_within_limits(spec: GraspSpec, section: Section) -> bool:
     """Whether one solve finds an equilibrium within the torque limits."""
-    found = solve_spec(spec, section, Auto(search_seconds=0.0), proof=False)
+    found = solve_spec(spec, section, _QUICK_CHAIN, proof=False)
     check = getattr(found, "torque_check", None)
     return found.held and (check is None or not check.over)
 
@@ -180,30 +168,18 @@ def _holds_within_limits(spec: GraspSpec, section: Section, order: Any) -> bool:
     return not find_exceeded(state_limits(spec), path.last.efforts)
 
 
-def _move_out_trials(spec: GraspSpec) -> Iterator[Trial]:
-    """The object out of the links that it begins inside."""
-    if spec.mechanism is not None and (found := spec.mechanism.variation.move_object_out(spec)) is not None:
-        text, far, other = found
-        yield Trial("out", far, text, other)
-
-
-def _shift_trials(spec: GraspSpec) -> Iterator[Trial]:
+def _shift_trials(spec: GraspSpec, mechanism: Mechanism) -> Iterator[Trial]:
     """The object gripped elsewhere along the load."""
-    mechanism, load = spec.mechanism, spec.wrench[:3]
-    strength = float(np.linalg.norm(load))
-    if mechanism is None or strength == 0.0:
+    load = spec.wrench[:3]
+    if (strength := float(np.linalg.norm(load))) == 0.0:
         return
     for share in _SHIFT_SHARES:
         for way, name in ((1.0, "along"), (-1.0, "against")):
             far = round_two_digits(share * build_scene(spec).units.length_unit)
             other = mechanism.variation.regrip_shifted(spec, way * far * load / strength)
             if other is not None:
-                yield Trial(
-                    "grip",
-                    way * far,
-                    f"the object {words.format_length(far)} farther {name} the load in the hand",
-                    other,
-                )
+                text = f"the object {words.format_length(far)} farther {name} the load in the hand"
+                yield Trial("grip", way * far, text, other)
 
 
 # ----------------------------------------------------------------
@@ -221,22 +197,22 @@ def make_suggestions(
     if verdict.ok and solution.held:
         return effects
     advice = verdict.about("advice")
-    helps = tuple([_suggestion(r) for r in advice if "change" in r.values])
-    tried = tuple([text for r in advice for text in r.values.get("tried", ())])
+    helps, tried = [], tuple([text for r in advice for text in r.values.get("tried", ())])
+    for r in advice:
+        if (change := r.values.get("change")) is not None:
+            ask = _REQUESTS.get(change, f"{change} × {{:g}}").format(r.values["value"])
+            helps.append(Suggestion(change, np.inf, r.sentence, ask))
     return replace(effects, found=(*helps, *effects.found), word=verdict.word, tried=tried)
 
 
-def _suggestion(r: Reason) -> Suggestion:
-    change, value = r.values["change"], r.values["value"]
-    ask = {
-        "squeeze": f"squeeze or preload, {value:g} m more",
-        "less squeeze": f"squeeze or preload × {value:g}",
-        "friction": f"friction={value:g}",
-        "stiffness": f"joint_stiffness × {value:g}",
-        "grip": "another placement of the object",
-        "out": f"the object moved {value:g} m out of the hand",
-    }
-    return Suggestion(change, np.inf, r.sentence, ask.get(change, f"{change} × {value:g}"))
+_REQUESTS = {  # by what is changed
+    "squeeze": "squeeze or preload, {:g} m more",
+    "less squeeze": "squeeze or preload × {:g}",
+    "friction": "friction={:g}",
+    "stiffness": "joint_stiffness × {:g}",
+    "grip": "another placement of the object",
+    "out": "the object moved {:g} m out of the hand",
+}
 
 
 # ----------------------------------------------------------------
@@ -244,8 +220,6 @@ def _suggestion(r: Reason) -> Suggestion:
 
 # Which another number of steps contradicts
 _PATH_CODES = "no_squeeze", "lost", "slides_through", "no_equilibrium", "not_holdable"
-_QUICK_CHAIN = Auto(search_seconds=0.0)
-_ONE_SOLVE = "one solve, with squeeze and load at once in this posture"
 STEPS_PER_STAGE = 8  # of a stage; where something happens there are more
 _MAX_DOUBLINGS = 2  # how often the number of steps is doubled, where fewer steps end differently
 
@@ -277,13 +251,11 @@ def judge_grasp(
     try:
         path, agree = follow_until_agreed(spec, section, order, patience)
     except Unsupported as why:
-        unfollowed = Reason("not_followed", "warning", f"the loading was not followed: {why}")
-        return make_verdict([*solution.verdict.reasons, unfollowed])
+        return make_verdict([*solution.verdict.reasons, make_reason("not_followed", "warning", why=why)])
     reasons = [*_reasons(spec, scene, section, solution, path)]
     if not agree:
-        text = "fewer and more steps of loading end differently: one says that it holds, another that it does not"
-        reasons.append(Reason("steps_differ", "decides", text))
         reasons = [r for r in reasons if r.code not in _PATH_CODES]
+        reasons.append(make_reason("steps_differ", "decides"))
     return make_verdict(reasons, path)
 
 
@@ -294,13 +266,11 @@ def follow_until_agreed(
     doubled, up to twice. Where nothing slides and nothing happens, half as many steps are exact, and enough. Raises
     Unsupported.
     """
-    coarse, count = (
-        follow(spec, section, None, order, None, STEPS_PER_STAGE // 2, None, patience=patience),
-        STEPS_PER_STAGE,
-    )
-    if _sticks_throughout(coarse):
+    count = STEPS_PER_STAGE
+    coarse = follow(spec, section, None, order, None, count // 2, None, patience=patience)
+    if coarse.held and not coarse.events and not sliding(coarse):
         return coarse, True  # such steps are exact, however long
-    path = follow(spec, section, None, order, None, STEPS_PER_STAGE, None, patience=patience)
+    path = follow(spec, section, None, order, None, count, None, patience=patience)
     if path.outcome.is_given_up:
         return path, True
     for _ in range(_MAX_DOUBLINGS):
@@ -311,16 +281,11 @@ def follow_until_agreed(
     return path, coarse.held == path.held
 
 
-def _sticks_throughout(path: Loading) -> bool:
-    """Whether the end is reached, nothing slides on the way, and nothing else happens."""
-    return path.held and not path.events and not sliding(path)
-
-
 def _reasons(
     spec: GraspSpec, scene: Scene, section: Section, solution: GraspSolution, path: Loading
 ) -> Iterator[Reason]:
     if path.outcome.is_given_up:
-        yield Reason("follow_stopped", "decides", f"the loading was {path.why}")
+        yield make_reason("follow_stopped", "decides", why=path.why)
         return
     if path.held:
         yield from reached_reasons(spec, scene, path)
@@ -328,22 +293,16 @@ def _reasons(
             yield from comparison_reasons(solution, path)
             yield from other_equilibria(spec, scene, section, solution, path.solution)
         elif solution.status is not Status.UNDECIDED:
-            text = f"{_ONE_SOLVE}, finds no equilibrium: the grasp holds as it moves"
-            yield Reason("only_followed", "warning", text, {"status": solution.status.name})
+            yield make_reason("only_followed", "warning", {"status": solution.status.name})
         return
     if solution.status is not Status.NOT_HOLDABLE and (text := describe_missing_squeeze(spec)):
-        yield Reason("no_squeeze", "decides", text)
+        yield make_reason("no_squeeze", "decides", text=text)
     if solution.status in (Status.NO_EQUILIBRIUM, Status.NOT_HOLDABLE):
-        yield equilibrium_reason(solution.status, _without_advice(solution).diagnosis)
+        yield equilibrium_reason(solution.status, replace(solution, advise=None).diagnosis)
     yield slides_reason(path) if path.reached else lost_reason(path)
     if spec.mechanism is not None:
         yield from spec.mechanism.report.command_reasons(spec)
     yield from place_reasons(spec, path)
     yield from rigid_reasons(spec)
     if solution.held:
-        text = f"{_ONE_SOLVE}, finds an equilibrium, which this loading does not reach"
-        yield Reason("followed_forces", "note", text)
-
-
-def _without_advice(solution: GraspSolution) -> GraspSolution:
-    return replace(solution, advise=None)
+        yield make_reason("followed_forces", "note")

@@ -10,23 +10,22 @@ from handlcp import words
 from handlcp.check import Array
 from handlcp.grasp.failure.failure_mode import find_exceeded_closing
 from handlcp.grasp.failure.failure_text import describe_pad_depth
-from handlcp.grasp.model.mechanism import Cables
+from handlcp.grasp.failure.reason import Reason, make_reason
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.model.status import SEPARATED, SLIDING
 from handlcp.grasp.path.follow import Loading
 from handlcp.grasp.path.geometry import RIGID
-from handlcp.grasp.path.pull import Pull
 from handlcp.grasp.path.trajectory import closing_efforts
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solution.verdict import (
     MotionSizes,
-    Reason,
     contacts_reason,
+    effect_reasons,
     friction_reasons,
     large_motion_reasons,
+    load_reasons,
     motion_reason,
-    no_load_reasons,
     open_reasons,
 )
 from handlcp.tolerances import NOTICED_SHARE
@@ -42,13 +41,10 @@ _NAMED_TWIST = 1e-3  # [rad] the same of a soft finger's turn
 def lost_reason(path: Loading) -> Reason:
     """Where the object is lost, and why."""
     values = {"stage": path.lost_stage, "share": path.lost_at, "events": [str(e) for e in path.events]}
-    text = f"the object is {path.why}"
+    through = ""
     if (slides := path.slides) is not None and slides.share < _NEAR_LOSS_SHARE * (path.lost_at or 0.0):
-        values["slides_at"] = slides.share
-        text += (
-            f"; it slides through from {words.format_percent(slides.share)} of stage {path.stages[slides.stage]!r} on"
-        )
-    return Reason("lost", "decides", text, values)
+        values["slides_at"], through = slides.share, path.stages[slides.stage]
+    return make_reason("lost", "decides", values, why=path.why, through=through)
 
 
 def slides_reason(path: Loading) -> Reason:
@@ -58,14 +54,8 @@ def slides_reason(path: Loading) -> Reason:
     first = max(int((steps.stage < slides.stage).sum()) - 1, 0)  # before the stage
     moved = steps.geometry.between(steps.states[first].where.pose, steps.states[-1].where.pose)
     shift, turn = float(np.linalg.norm(moved[:3])), float(np.linalg.norm(moved[3:]))
-    at = f"from {words.format_percent(slides.share)} of stage {path.stages[slides.stage]!r} on"
-    far = f"{words.format_length(shift)} and {words.format_angle(turn)}"
-    end = f"loaded slowly it moves by {far} in all; a sudden load moves it farther"
-    text = f"the object slides through {at}: no finger that presses sticks any more; {end}"
-    if any(e.kind == "snaps" for e in path.events):
-        text = f"the object snaps {at}: it jumps to another place; {end}"
     values = {"stage": path.stages[slides.stage], "share": slides.share, "moved_m": shift, "turned_rad": turn}
-    return Reason("slides_through", "decides", text, values)
+    return make_reason("slides_through", "decides", values, jumps=any(e.kind == "snaps" for e in path.events))
 
 
 def rigid_reasons(spec: GraspSpec) -> Iterator[Reason]:
@@ -76,24 +66,24 @@ def rigid_reasons(spec: GraspSpec) -> Iterator[Reason]:
         return
     least = [np.linalg.eigvalsh(E[i : i + 3, i : i + 3])[0] for i in range(0, k, 3)]
     rigid = [name for name, e in zip(spec.names, least, strict=False) if e <= RIGID * float(E.diagonal().mean())]
-    who = f"{words.list_names(rigid)} {'have' if len(rigid) > 1 else 'has'}" if rigid else "the contacts have together"
-    text = f"{who} no pads: where joints do not give way nothing does, and small differences decide what slips"
-    yield Reason("rigid_tips", "warning", f"{text}; pass pad_flexibility, such as 1e-4 m/N for rubber")
+    yield make_reason("rigid_tips", "warning", names=rigid)
 
 
 def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Reason]:
     """Of a loading whose end is reached: torques and postures at its end, what slid, how far the object moved."""
     last, mechanism = path.last, spec.mechanism
-    yield from no_load_reasons(spec)
+    yield from load_reasons(spec)
     if mechanism is not None:
         before = [*mechanism.report.command_reasons(spec), *place_reasons(spec, path)]
         known = {_reason_key(reason) for reason in before}
         place = (path.state, path.object)
         found = mechanism.report.end_reasons(path.steps.torques[-1], last.yielded, place)
         yield from (r for r in found if _reason_key(r) not in known)
-        if mechanism.joint_model.cables is not None:
+        if (cables := mechanism.joint_model.cables) is not None:
             yield from mechanism.report.tension_reasons(last.pull.tension)
-            yield from _slack_reasons(mechanism.joint_model.cables, last.pull)
+            hangs = [name for name, slack in zip(cables.names, last.pull.slack.tolist(), strict=True) if slack]
+            if hangs:
+                yield make_reason("slack", "note", {"tendons": hangs})
         yield from mechanism.report.closing_reasons(
             find_exceeded_closing(mechanism, lambda: closing_efforts(path.steps.states))
         )
@@ -103,9 +93,7 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
         yield from before
     end = path.solution
     if end.held and end.scene is not None:
-        for e in spec.effects:
-            for part in e.words(end.scene, end.names, end.extra):
-                yield Reason("effect", "note", part, {"effect": e.title})
+        yield from effect_reasons(spec.effects, end)
     slid, turned = _slid_distances(path, scene.units.length_unit)
     came = (path.steps.forces[:, :, 2] > 0.0).any(axis=0) | (spec.offset[:, 2] <= _NEVER_TOUCHED_GAP)
     ends = zip(spec.names, last.kinds, came.tolist(), strict=True)
@@ -114,25 +102,22 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
     if end.held:
         yield from friction_reasons(spec.names, end.friction_used, last.kinds, " at the end" if slid else "")
     yield motion_reason(path.displacement, scene.force, scene.units.length_unit)
-    yield from _far_slide_reasons(slid, scene.units.length_unit)
+    if slid and slid[past := max(slid, key=lambda name: slid[name])] > _LEFT_PLACE_SHARE * scene.units.length_unit:
+        yield make_reason("contacts", "warning", {"finger": past, "slid_m": slid[past]})
     if (snap := next((e for e in path.events if e.kind == "snaps"), None)) is not None:
-        text = f"{snap}: where it comes to rest depends on how fast and how evenly the hand closes"
-        yield Reason("snaps", "warning", text, {"stage": snap.stage, "share": snap.share})
+        yield make_reason("snaps", "warning", {"stage": snap.stage, "share": snap.share}, event=snap)
     k = spec.of_hand
     if text := describe_pad_depth(last.where.give[:k], last.iterate.frames[:k, :, 2], spec.names):
-        yield Reason("pressed_in", "warning", text)
+        yield make_reason("pressed_in", "warning", text=text)
     if end.held:
         yield from () if mechanism is None else mechanism.report.open_reasons(end)
         yield from open_reasons(end.uniqueness)
     if not path.steps.geometry.follows:
-        yield from large_motion_reasons(_path_motions(path, scene, slid))
-
-
-def _slack_reasons(cables: Cables, pull: Pull) -> Iterator[Reason]:
-    """Of tendons that hang slack at the end."""
-    if hangs := [name for name, slack in zip(cables.names, pull.slack.tolist(), strict=True) if slack]:
-        text = f"{words.list_names(hangs)} {'hang' if len(hangs) > 1 else 'hangs'} slack at the end"
-        yield Reason("slack", "note", text, {"tendons": hangs})
+        u, size = path.displacement, scene.units.length_unit
+        shift, turn = (float(np.linalg.norm(part)) for part in (u[:3], u[3:]))
+        squeeze = -float(scene.motions_to_contact_axes(scene.offset)[2 : 3 * scene.n : 3].min(initial=0.0))
+        slip = max(slid.values(), default=0.0)
+        yield from large_motion_reasons(MotionSizes(max(shift, turn * size), turn, slip, squeeze, size))
 
 
 def place_reasons(spec: GraspSpec, path: Loading) -> Iterator[Reason]:
@@ -154,26 +139,13 @@ def comparison_reasons(solution: GraspSolution, path: Loading) -> Iterator[Reaso
     off = np.linalg.norm(there - here, axis=1)
     k = int(off.argmax())
     if size > 0.0 and (share := float(off[k]) / size) > NOTICED_SHARE:
-        name = solution.names[k]
-        off_by = f"{words.format_percent(share)} of the largest force ({name})"
-        text = f"one solve, with squeeze and load at once in this posture, is off by {off_by}"
-        yield Reason("followed_forces", "note", text, {"finger": name, "force_error": share})
+        yield make_reason("followed_forces", "note", {"finger": solution.names[k], "force_error": share})
 
 
 def _reason_key(r: Reason) -> tuple[object, ...]:
     """What tells reasons of two postures apart: with the same key they say the same of both."""
     links = tuple(sorted(str(link["link"]) for link in r.values.get("links", ())))
     return r.code, r.severity, r.values.get("joint"), links
-
-
-def _far_slide_reasons(slid: dict[str, float], size: float) -> Iterator[Reason]:
-    """Of an object that has slid so far past a finger that it rests somewhere else than where it was gripped."""
-    far = max(slid.values(), default=0.0)
-    if far > _LEFT_PLACE_SHARE * size:
-        name = next(n for n, d in slid.items() if d == far)
-        past = f"the object slides {words.format_length(far)} past {name}"
-        text = f"{past} before it comes to rest: it is held, but not where"
-        yield Reason("contacts", "warning", f"{text} the hand gripped it", {"finger": name, "slid_m": far})
 
 
 def _slid_distances(path: Loading, size: float) -> tuple[dict[str, float], dict[str, float]]:
@@ -188,10 +160,3 @@ def _slid_distances(path: Loading, size: float) -> tuple[dict[str, float], dict[
     least = np.where(slides[-1], words.NEGLIGIBLE_LENGTH, _NAMED_SLIDE * size)
     far = {n: float(d) for n, d, some in zip(names, way, least, strict=True) if d > some}
     return far, {n: float(a) for n, a in zip(names, turn, strict=True) if a > _NAMED_TWIST} if soft else {}
-
-
-def _path_motions(path: Loading, scene: Scene, slid: dict[str, float]) -> MotionSizes:
-    u, size = path.displacement, scene.units.length_unit
-    shift, turn = (float(np.linalg.norm(part)) for part in (u[:3], u[3:]))
-    squeeze = -float(scene.motions_to_contact_axes(scene.offset)[2 : 3 * scene.n : 3].min(initial=0.0))
-    return MotionSizes(max(shift, turn * size), turn, max(slid.values(), default=0.0), squeeze, size)

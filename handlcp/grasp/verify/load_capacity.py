@@ -35,22 +35,20 @@ def find_escape_twist(scene: Scene, section: Section) -> Array | None:
     found = find_escape(full_G, scene.natural.w, own, scene.friction_coefficients(section), section.faces, t)
     if found == BALANCED:
         return None
-    return escape_in_si(scene, t) if found == ESCAPES else _escape_vertex(scene, section)
-
-
-def escape_in_si(scene: Scene, t: Array) -> Array:
-    """(6,) the motion t (dof,), natural units, in SI, for one metre of travel."""
-    return read_only(scene.twist(t / float(np.sqrt(t @ t))) / scene.units.motion_unit)
-
-
-def _escape_vertex(scene: Scene, section: Section) -> Array | None:
-    """A linear program's vertex keeps every sign, but is an arbitrary one of the motions in which it escapes."""
+    if found == ESCAPES:
+        return escape_in_si(scene, t)
+    # A linear program's vertex keeps every sign, but is an arbitrary one of the motions in which it escapes
     load, (_, W) = scene.natural.w, edge_forces(scene, section)
     W = W if W.size else np.zeros((scene.dof, 1))
     lp = scipy.optimize.linprog(
         -load, A_ub=-W.T, b_ub=np.zeros(W.shape[1]), bounds=[(-1.0, 1.0)] * scene.dof, method="highs"
     )
     return escape_in_si(scene, lp.x) if lp.x is not None and is_escape(scene, section, lp.x) else None
+
+
+def escape_in_si(scene: Scene, t: Array) -> Array:
+    """(6,) the motion t (dof,), natural units, in SI, for one metre of travel."""
+    return read_only(scene.twist(t / float(np.sqrt(t @ t))) / scene.units.motion_unit)
 
 
 def is_escape(scene: Scene, section: Section, proof: Array, effects: tuple[Effect, ...] = ()) -> bool:
@@ -296,7 +294,9 @@ def build_capacity(scene: Scene, section: Section, effects: tuple[Effect, ...], 
     flat, owners, balls = friction_rows(scene, section, np.where(own >= 0, place[own], -1), len(index))
     beside = tuple([e for e in effects if not isinstance(e, TorqueSaturation)])
     rows, room, joint, effect = _limit_rows(scene, beside, torques)
-    equal = _equality_pairs(rows, room)
+    # Two rows that say that a force is what it is known to be: A_i = -A_j and b_i = -b_j, with j > i
+    each = np.arange(len(rows))
+    equal = (rows[:, None] == -rows[None]).all(axis=2) & (room[:, None] == -room[None]) & (each[:, None] < each)
     kept = ~equal.any(axis=0) & ~equal.any(axis=1)
     first = np.flatnonzero(equal.any(axis=1))
     k, cones = len(flat), [(d, len(part)) for d, (part, _) in sorted(balls.items())]
@@ -365,12 +365,3 @@ def _limit_rows(scene: Scene, effects: tuple[Effect, ...], torques: bool) -> tup
         joint = np.concatenate([joint, joints, joints])
         effect = np.append(effect, np.full(len(most), -1))
     return rows, room, joint, effect
-
-
-def _equality_pairs(rows: Array, room: Array) -> Array:
-    """Pairs of rows that say that a force is what it is known to be, (k, k) bool: A_i = -A_j and b_i = -b_j, with j
-    > i.
-    """
-    k = len(rows)
-    same = (rows[:, None] == -rows[None]).all(axis=2) & (room[:, None] == -room[None])
-    return np.asarray(same & (np.arange(k)[:, None] < np.arange(k)[None]))

@@ -57,10 +57,6 @@ class LoadFactors:
     forces: Array
     multipliers: Array
 
-    def set_rows(self, rows: Ints, other: LoadFactors) -> None:
-        self.factors[rows], self.gaps[rows] = other.factors, other.gaps
-        self.forces[rows], self.multipliers[rows] = other.forces, other.multipliers
-
 
 def balance_depth(capacity: Capacity, base: Array) -> float:
     """The largest t ≤ 1 such that forces with t of room to every limit balance base (dof,), in units of what the grasp
@@ -79,7 +75,7 @@ def balance_depth(capacity: Capacity, base: Array) -> float:
         (kept @ b / size)[None],
         np.concatenate([lid, room]),
         np.append(1.0, capacity.h / size)[None],
-        _with_half_line(cones),
+        ConeProduct(cones.linear + 1, cones.second_order),  # with the lid in front
     )
     found = solve_conic(program)
     return float(found.x[0, -1]) if found.status[0] == ENDED else -1.0
@@ -100,7 +96,9 @@ def largest_factors(capacity: Capacity, base: Array, wrenches: Array) -> LoadFac
     for _ in range(_MAX_UNIT_CHANGES):
         if not len(todo):
             break
-        out.set_rows(todo, _solve_programs(capacity, base, wrenches[todo], units[todo], kept, length[todo]))
+        found = _solve_programs(capacity, base, wrenches[todo], units[todo], kept, length[todo])
+        out.factors[todo], out.gaps[todo] = found.factors, found.gaps
+        out.forces[todo], out.multipliers[todo] = found.forces, found.multipliers
         share = out.factors[todo] * length[todo] / units[todo]
         far = np.isfinite(share) & ((share < _MIN_FACTOR) | (share > _MAX_FACTOR)) & (share > _ZERO_FACTOR)
         units[todo] *= np.where(far, share, 1.0)
@@ -123,7 +121,8 @@ def _solve_programs(
     up = np.append(np.zeros(m), 1.0)
     G = np.concatenate([-up[None], np.column_stack([capacity.G, np.zeros(len(capacity.h))])])
     h = np.column_stack([np.zeros(p), np.outer(1.0 / units, capacity.h)])
-    found = solve_conic(ConicPrograms(-up, whole, np.outer(1.0 / units, kept @ b), G, h, _with_half_line(cones)))
+    more = ConeProduct(cones.linear + 1, cones.second_order)  # with λ ≥ 0 in front
+    found = solve_conic(ConicPrograms(-up, whole, np.outer(1.0 / units, kept @ b), G, h, more))
     factors = np.where(found.status == ENDED, found.x[:, -1] * units / length, np.nan)
     factors[found.status == UNBOUNDED] = np.inf
     factors[found.status == NOTHING_FITS] = 0.0
@@ -151,11 +150,6 @@ def _bearing_size(capacity: Capacity, base: Array) -> float:
     numbers = np.concatenate([abs(capacity.h), abs(capacity.values), [np.sqrt(base @ base)]])
     numbers = numbers[numbers > 0.0]
     return float(np.exp(np.log(numbers).mean())) if len(numbers) else 1.0
-
-
-def _with_half_line(cones: ConeProduct) -> ConeProduct:
-    """With one half-line more, in front."""
-    return ConeProduct(cones.linear + 1, cones.second_order)
 
 
 # ----------------------------------------------------------------

@@ -15,8 +15,9 @@ from handlcp.check import Array, Ints, check_call, check_integer, check_method_c
 from handlcp.contact.friction import Pyramid, as_section
 from handlcp.errors import InputError
 from handlcp.grasp import GraspSolution, Verdict
+from handlcp.grasp.failure.reason import make_reason
 from handlcp.grasp.grasp import Grasp
-from handlcp.grasp.solution.verdict import Reason, solution_motions
+from handlcp.grasp.solution.verdict import solution_motions
 from handlcp.progress import Progress
 from handlcp.record import Record, make_data_frame
 from handlcp.studies.reliability.chance import Chance, Influence, estimate_chance, format_value, rank_influences
@@ -71,7 +72,7 @@ class Sample(Record):
     def verdict(self) -> Verdict:
         """As the sample was judged: of one solve, or of `grasp.check()`."""
         if self.why_not is not None:
-            return Verdict(self.word, (Reason("unplaced", "decides", self.why_not),))
+            return Verdict(self.word, (make_reason("unplaced", "decides", why=self.why_not),))
         if self.method.by == "check":
             return self.grasp.check(faces=self.method.faces, solution=self.solution)
         return self.solution.verdict
