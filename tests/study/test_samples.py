@@ -171,10 +171,7 @@ def test_slopes_are_the_derivatives_of_the_solution(nominal):
         "squeeze": 0.1 * slope(d.friction_margin_by_joint_offset @ command, d.forces_by_joint_offset[:, 2] @ command),
         f"stiffness {joint}": 0.1 * K * slope(d.friction_margin_by_stiffness[:, 0], d.forces_by_stiffness[:, 2, 0]),
         "position finger_2_tip x": 1e-3
-        * slope(
-            d.friction_margin_by_positions[:, 1] @ along,
-            d.forces_by_positions[:, 2, 1] @ along,
-        ),
+        * slope(d.friction_margin_by_positions[:, 1] @ along, d.forces_by_positions[:, 2, 1] @ along),
     }
     spread = {"friction": 0.1, "mass": 0.1, "squeeze": 0.1, "stiffness": {joint: 0.1},
               "positions": {"finger_2_tip": 1e-3}}  # fmt: skip
