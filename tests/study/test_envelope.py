@@ -292,26 +292,15 @@ def test_in_a_plane_directions_go_around_it():
 @pytest.mark.parametrize(
     ("asked", "argument"),
     [
-        ({"directions": 0}, "directions"),
-        ({"directions": "zx"}, "directions"),
-        ({"directions": [(0, 0, 0)]}, "directions"),
-        ({"directions": [(1, 0)]}, "directions"),
-        ({"directions": ("xy", 2)}, "directions"),
-        ({"directions": (0, 0, 0)}, "directions"),
-        ({"directions": np.zeros((0, 3))}, "directions"),
-        ({"of": "weight"}, "of"),
-        ({"of": "wrench"}, "of"),
-        ({"of": "torque", "directions": [(1, 0, 0, 0, 0, 0)]}, "of"),
-        ({"of": "torque", "at": (0, 0, 0)}, "at"),
-        ({"at": (0, 0)}, "at"),
-        ({"geometry": "loose"}, "geometry"),
-        ({"adaptive": -1}, "adaptive"),
-        ({"motion": 0.0}, "motion"),
-        ({"turn": -1.0}, "turn"),
-        ({"faces": 2}, "faces"),
-        ({"progress": 3}, "progress"),
+        ({"directions": 0}, "directions"), ({"directions": "zx"}, "directions"),
+        ({"directions": [(0, 0, 0)]}, "directions"), ({"directions": [(1, 0)]}, "directions"),
+        ({"directions": ("xy", 2)}, "directions"), ({"directions": (0, 0, 0)}, "directions"),
+        ({"directions": np.zeros((0, 3))}, "directions"), ({"of": "weight"}, "of"), ({"of": "wrench"}, "of"),
+        ({"of": "torque", "directions": [(1, 0, 0, 0, 0, 0)]}, "of"), ({"of": "torque", "at": (0, 0, 0)}, "at"),
+        ({"at": (0, 0)}, "at"), ({"geometry": "loose"}, "geometry"), ({"adaptive": -1}, "adaptive"),
+        ({"motion": 0.0}, "motion"), ({"turn": -1.0}, "turn"), ({"faces": 2}, "faces"), ({"progress": 3}, "progress"),
     ],
-)
+)  # fmt: skip
 def test_bad_input_is_named(asked, argument):
     with pytest.raises(hl.InputError, match=f"^{argument}"):
         hl.envelope(pinch(), **({"directions": 12} | asked))

@@ -14,13 +14,12 @@ from handlcp.grasp import Grasp
 from handlcp.grasp.model.validate import height_above, wrench
 from handlcp.grasp.path.follow import geometry_of
 from handlcp.progress import Progress
-from handlcp.studies.envelope.direction import DirectionGrid, DirectionRequest, read_directions
+from handlcp.studies.envelope.direction import BindingCauses, DirectionGrid, DirectionRequest, read_directions
 from handlcp.studies.envelope.question import (
     FIXED_GEOMETRY,
     FOLLOWED_GEOMETRY,
     FORCE,
     WRENCH,
-    BindingCauses,
     DirectionalLoad,
     EnvelopeQuestion,
     read_load,
@@ -85,9 +84,10 @@ def envelope(
     rounds = check_integer("adaptive", adaptive, 0, 12)
     section = as_section(faces, planar=grasp.scene.kind.planar)
     asked, load = _read_question(grasp, directions, of, at)
-    how = geometry or (
-        FOLLOWED_GEOMETRY if len(asked.grid.points) <= _MAX_FOLLOWED_DIRECTIONS and _is_quick(grasp) else FIXED_GEOMETRY
-    )
+    how = geometry or FIXED_GEOMETRY
+    if geometry is None and len(asked.grid.points) <= _MAX_FOLLOWED_DIRECTIONS:
+        moves = geometry_of(grasp.spec, None)
+        how = FOLLOWED_GEOMETRY if moves.follows and moves.quick else FIXED_GEOMETRY
     question = EnvelopeQuestion(load, section, how, far, wide, near)
     grid, (factors, binds, off) = asked.grid, question.find_factors(asked.grid.points, asked.wrenches, progress)
     room = round(_MAX_ADDED_SHARE * len(grid.points))
@@ -99,12 +99,6 @@ def envelope(
         more, why, apart = question.find_factors(grid.points[before:], None, progress)
         factors, binds, off, room = np.append(factors, more), (*binds, *why), np.append(off, apart), room - len(cut)
     return Envelope(question, grid, asked.wrenches, factors, binds, asked.plane, off)
-
-
-def _is_quick(grasp: Grasp) -> bool:
-    """Whether following the grasp's contacts takes little time."""
-    moves = geometry_of(grasp.spec, None)
-    return moves.follows and moves.quick
 
 
 def _read_question(grasp: Grasp, directions: Any, of: Any, at: Any) -> tuple[DirectionRequest, DirectionalLoad]:

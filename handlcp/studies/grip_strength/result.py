@@ -27,18 +27,9 @@ class Grip(Record):
     """
 
     entries = (
-        "kind",
-        "force_N",
-        "normal (3,)",
-        "largest_N",
-        "largest_normal (3,) = around.largest.1",
-        "least_N",
-        "least_normal (3,) = around.least.1",
-        "binds",
-        "says",
-        "word",
-        "normal_force_N",
-    )
+        "kind", "force_N", "normal (3,)", "largest_N", "largest_normal (3,) = around.largest.1", "least_N",
+        "least_normal (3,) = around.least.1", "binds", "says", "word", "normal_force_N",
+    )  # fmt: skip
 
     kind: str
     normal: Array

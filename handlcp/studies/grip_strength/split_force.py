@@ -57,7 +57,7 @@ class ContactsAroundAxis:
         size = float(np.linalg.norm(n))
         if not size > _ON_SPLIT_TOLERANCE * float(np.linalg.norm(normal)):
             raise InputError("normal", "a normal across the cylinder's axis", np.asarray(normal).tolist())
-        return float(self._split_vector(self._sides_of_split(n / size)) @ n / size)
+        return float(self._split_vector(n / size) @ n / size)
 
     def remove_axial_part(self, vectors: Array) -> Array:
         """(…, 3) without what they have along the axis."""
@@ -86,17 +86,11 @@ class ContactsAroundAxis:
         """The least force [N] over all splits through the axis, and its normal (3,); below 0 it tears."""
         return min(self._extreme_splits(-1.0), key=lambda one: one[0])
 
-    def _sides_of_split(self, n: Array) -> Array:
-        """(n,) 1 or -1 for each contact, 0 on the split."""
-        height, size = (
-            self.positions @ n,
-            float(np.linalg.norm(self.remove_axial_part(self.positions), axis=1).max(initial=0.0)),
-        )
-        return np.where(abs(height) <= _ON_SPLIT_TOLERANCE * size, 0.0, np.sign(height))
-
-    def _split_vector(self, side: Array) -> Array:
-        """The vector A (3,) [N] of the force F(n) = n·A across the split. side (n,) : of each contact, -1, 0 or 1."""
-        return np.asarray(-0.5 * side @ self.forces)
+    def _split_vector(self, n: Array) -> Array:
+        """The vector A (3,) [N] of the force F = n·A across the split with the unit normal n (3,) across the axis."""
+        height, arms = self.positions @ n, self.remove_axial_part(self.positions)
+        least = _ON_SPLIT_TOLERANCE * float(np.linalg.norm(arms, axis=1).max(initial=0.0))
+        return np.asarray(-0.5 * np.where(abs(height) <= least, 0.0, np.sign(height)) @ self.forces)
 
     def _extreme_splits(self, way: float) -> list[tuple[float, Array]]:
         """(force, normal) at the ends of every arc, and where the force is most (way 1) or least (-1) within it."""
@@ -106,7 +100,7 @@ class ContactsAroundAxis:
         found, least = list[tuple[float, Array]](), _MIN_FORCE_SHARE * float(abs(self.forces).max(initial=0.0))
         for a, b in zip(ends, np.append(ends[1:], ends[:1] + np.pi), strict=True):
             middle = 0.5 * (a + b)
-            borne = self._split_vector(self._sides_of_split(np.cos(middle) * x + np.sin(middle) * y))
+            borne = self._split_vector(np.cos(middle) * x + np.sin(middle) * y)
             best = float(np.arctan2(way * borne @ y, way * borne @ x))
             best += 2.0 * np.pi * round((middle - best) / (2.0 * np.pi))
             for angle in (a, b, *([best] if a < best < b else [])):

@@ -102,16 +102,9 @@ class Reliability(Record):
     """
 
     entries = (
-        "samples",
-        "seed",
-        "judged_by = method.by",
-        "counts",
-        "chance_held",
-        "chance_within_limits",
-        "worst",
-        "nearest_failure",
-        "influences",
-    )
+        "samples", "seed", "judged_by = method.by", "counts", "chance_held", "chance_within_limits", "worst",
+        "nearest_failure", "influences",
+    )  # fmt: skip
 
     chance_held: Chance
     chance_within_limits: Chance | None
