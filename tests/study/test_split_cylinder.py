@@ -8,7 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import handlcp as hl
 from handlcp.studies.grip_strength.measure import close_with_full_torque
-from handlcp.studies.grip_strength.split_force import ContactsAroundAxis
+from handlcp.studies.grip_strength.result import ContactsAroundAxis
 from tests.hand.levers import L, lever_hand, lever_pinch
 
 R, N, MU, K = 0.025, 3.0, 0.5, 1e-3  # radius [m], grip [N], friction, flexibility [m/N]

@@ -153,20 +153,15 @@ def make_columns(grasps: Sequence[Grasp], groups: Sequence[GraspGroup]) -> dict[
             put(joints, f"{name}.torque", g.at, g.torques[:, j])
             put(joints, f"{name}.utilisation", g.at, g.utilisation[:, j])
         if g.joints:
-            most[g.at], binding[g.at] = g.utilisation.max(axis=1), _binding_joints(g)
+            most[g.at] = largest = g.utilisation.max(axis=1)
+            which = (g.utilisation >= (largest - OVER_LIMIT_TOLERANCE * largest)[:, None]).argmax(axis=1)
+            who = np.array(g.joints, dtype=object)[which]
+            who[~(largest > 0.0)] = None
+            binding[g.at] = who
     if joints:
         joints["utilisation"] = most
         return {**fingers, **whole, **joints, "binding": binding.tolist()}
     return {**fingers, **whole}
-
-
-def _binding_joints(group: GraspGroup) -> Any:
-    """(k,) the joint with the highest utilisation; None where that is 0 or there is no answer."""
-    most = group.utilisation.max(axis=1)
-    which = (group.utilisation >= (most - OVER_LIMIT_TOLERANCE * most)[:, None]).argmax(axis=1)
-    names = np.array(group.joints, dtype=object)[which]
-    names[~(most > 0.0)] = None
-    return names
 
 
 # ----------------------------------------------------------------

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
@@ -239,16 +239,6 @@ class Compliance:
     median: float
     least: float
     number: int
-
-    @classmethod
-    def from_factors(cls, factors: Array, bound: Array, shares: Array) -> Self:
-        """Compare factors (m,) with those of the bound (m,). shares (m,) : of all directions, what each stands for."""
-        known = np.flatnonzero(np.isfinite(bound) & (bound > 0.0) & np.isfinite(factors))
-        if not len(known):
-            return cls(np.nan, np.nan, 0)
-        kept = factors[known] / bound[known]
-        least = int(kept.argmin())
-        return cls(weighted_median(kept, shares[known]), float(kept[least]), int(known[least]))
 
 
 # ----------------------------------------------------------------

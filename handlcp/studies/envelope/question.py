@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, Bools, check_array, read_only
+from handlcp.check import Array, Bools, check_array, check_number, read_only
 from handlcp.contact.friction import Section
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
@@ -111,7 +111,16 @@ class EnvelopeQuestion:
     geometry: str
     motion: float | None
     turn: float | None
-    accuracy: float | None = None
+    accuracy: float | None
+
+    @classmethod
+    def read(
+        cls, load: DirectionalLoad, section: Section, geometry: str, motion: Any, turn: Any, accuracy: Any
+    ) -> EnvelopeQuestion:
+        """The question with its limits checked: numbers above 0, or None. Raises InputError."""
+        asked = {"motion": motion, "turn": turn, "accuracy": accuracy}
+        far, wide, near = (None if x is None else check_number(name, x, above=0.0) for name, x in asked.items())
+        return cls(load, section, geometry, far, wide, near)
 
     def wrenches(self, directions: Array, given: Array | None) -> Array:
         """(m, 6) for a factor of 1. given : in place of those of the directions."""

@@ -14,7 +14,14 @@ from handlcp.grasp import Grasp
 from handlcp.grasp.failure.failure_text import NOTHING_FAILS, describe_failures
 from handlcp.lazy_property import lazy_property
 from handlcp.record import Record, make_data_frame, package_versions, pick_entries
-from handlcp.studies.envelope.direction import BindingCauses, Compliance, DirectionGrid, Sector, group_causes
+from handlcp.studies.envelope.direction import (
+    BindingCauses,
+    Compliance,
+    DirectionGrid,
+    Sector,
+    group_causes,
+    weighted_median,
+)
 from handlcp.studies.envelope.question import FOLLOWED_GEOMETRY, EnvelopeQuestion
 from handlcp.words import TextTable, wrap_text
 
@@ -271,7 +278,12 @@ class Envelope(Record):
         """What passive compliance leaves: factors as shares of `bound`, over the directions where that is finite. Their
         `median`; the `least`, and the `number` of its direction.
         """
-        return Compliance.from_factors(self.factors, self.bound, self.shares)
+        known = np.flatnonzero(np.isfinite(self.bound) & (self.bound > 0.0) & np.isfinite(self.factors))
+        if not len(known):
+            return Compliance(np.nan, np.nan, 0)
+        kept = self.factors[known] / self.bound[known]
+        least = int(kept.argmin())
+        return Compliance(weighted_median(kept, self.shares[known]), float(kept[least]), int(known[least]))
 
     @lazy_property
     def _grouped_causes(self) -> tuple[tuple[Sector, ...], Ints]:

@@ -31,8 +31,7 @@ from handlcp.hand.torque_check import MIN_TORQUE_SHARE
 from handlcp.lazy_property import lazy_property
 from handlcp.progress import track_progress
 from handlcp.robot.hand_model import HandModel
-from handlcp.studies.grip_strength.result import Grip, SplitCylinder
-from handlcp.studies.grip_strength.split_force import ContactsAroundAxis
+from handlcp.studies.grip_strength.result import ContactsAroundAxis, Grip, SplitCylinder
 
 _SQUEEZE_ORDER, _FULL_ORDER = ("squeeze",), ("squeeze", "load")
 _SEARCH_FACTOR = 1.25  # times the grip that small motions ask for: how far a path goes that looks for a limit
@@ -218,7 +217,7 @@ def _close_pinch(hand: Hand, cylinder: Cylinder, friction: Any, fingers: Sequenc
 def _close_power(hand: Hand, cylinder: Cylinder, friction: Any, placed: bool) -> FullTorqueGrasp:
     """All links that touch, every joint that bends closing with its torque limit. Raises NotReached, NoGraspFound."""
     if placed:
-        closing = {"links": "all", "closing_torque": hand.torques.peak_limits, "hold_object": True}
+        closing: dict[str, Any] = {"links": "all", "closing_torque": hand.torques.peak_limits, "hold_object": True}
         grasp = hand.at(hand.neutral).grasp(cylinder, friction, gravity=_NO_GRAVITY, **closing)
     else:
         found = find_grasp(hand, cylinder, kind=POWER, friction=friction, gravity=_NO_GRAVITY)

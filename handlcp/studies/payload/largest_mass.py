@@ -67,14 +67,11 @@ def find_payload(
     if geometry not in (None, FIXED_GEOMETRY, FOLLOWED_GEOMETRY):
         raise InputError("geometry", '"fixed", "followed" or None', repr(geometry)[:80])
     more = check_number("acceleration", acceleration, minimum=0.0)
-    far = None if motion is None else check_number("motion", motion, above=0.0)
-    wide = None if turn is None else check_number("turn", turn, above=0.0)
-    near = None if accuracy is None else check_number("accuracy", accuracy, above=0.0)
     section, moves = as_section(faces, planar=grasp.scene.kind.planar), geometry_of(grasp.spec, geometry)
     how = FOLLOWED_GEOMETRY if moves.follows else FIXED_GEOMETRY
     searched = FOLLOWED_GEOMETRY if moves.follows and (geometry == FOLLOWED_GEOMETRY or moves.quick) else FIXED_GEOMETRY
     load = read_load(_refer_to_mass_centre(grasp), GRAVITY, None)
-    question = EnvelopeQuestion(load, section, how, far, wide, near)
+    question = EnvelopeQuestion.read(load, section, how, motion, turn, accuracy)
     axes = _gravity_axes(grasp.spec.plane)
     ways, tried = axes, len(axes)
     if orientations == ANY:  # with the hand accelerating against gravity, which is worst

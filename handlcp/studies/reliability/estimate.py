@@ -242,9 +242,13 @@ class Reliability(Record):
         lines.append(wrap_text(f"{self.samples:,} samples: {counted}{self._describe_estimate}", "  "))
         if self.outcomes.far.any():
             lines.append(wrap_text(f"Advice: {self._follow_advice}", "  "))
+        units = {d.name: d.unit for d in self.placer.dimensions}
         for what, sample in (("worst", self.worst), ("nearest failure", self.nearest_failure)):
-            if sample is not None:
-                lines.append(wrap_text(f"{what}: {self._describe_sample(sample)}", "  "))
+            if sample is not None:  # with its values that matter most
+                names = [f.name for f in self.influences[:4]]
+                values = ", ".join([f"{name} {format_value(sample.values[name], units[name])}" for name in names])
+                text = f"{what}: sample {sample.number} ({values}): {sample.word}: {sample.cause}"
+                lines.append(wrap_text(text, "  "))
         more = len(self.influences) - _MAX_TABLE_ROWS
         left = [f"and {more} that matter less"] if more > 0 else []
         return "\n".join([*lines, "", str(self.table), *left, _MARGIN_NOTE])
@@ -271,13 +275,6 @@ class Reliability(Record):
         nominal = self.placer.grasp.solve(self.method.faces, throw=False)
         also = "; the grasp itself is one of these" if nominal.held and solution_motions(nominal).too_large else ""
         return f'by="check" follows each sample while it is squeezed and loaded; it is slower, so ask for fewer{also}'
-
-    def _describe_sample(self, sample: Sample) -> str:
-        """A sample in words, with its values that matter most."""
-        units = {d.name: d.unit for d in self.placer.dimensions}
-        first = [f.name for f in self.influences[:4]]
-        values = ", ".join([f"{name} {format_value(sample.values[name], units[name])}" for name in first])
-        return f"sample {sample.number} ({values}): {sample.word}: {sample.cause}"
 
 
 def _format_share(x: float) -> str:
@@ -356,9 +353,8 @@ def reliability(
     dimensions = read_spread(grasp, spread)
     of_numbers = any(d.parameter == HAND_NUMBER for d in dimensions)
     placer = (HandNumberPlacer if of_numbers else SamplePlacer)(grasp, dimensions)
-    blocks = make_blocks(
-        check_integer("seed", seed, 0), len(dimensions), check_integer("samples", samples, 4 * MIN_BLOCKS, 2**30)
-    )
+    seed, samples = check_integer("seed", seed, 0), check_integer("samples", samples, 4 * MIN_BLOCKS, 2**30)
+    blocks = make_blocks(seed, len(dimensions), samples)
     method = JudgingMethod(by, faces, check_workers(workers), check_integer("decide", decide, 0))
     asked = {"seed": blocks.seed, "samples": blocks.samples, "faces": str(section), "by": by, "decide": method.decide}
     question = make_question(grasp.spec, dimensions, **asked)
@@ -368,16 +364,10 @@ def reliability(
     matter = rank_influences(names, blocks.points(0, some), found.margin[:some], margin_slopes(placer, method))
     mechanism = grasp.spec.mechanism
     limited = mechanism is not None and bool(np.isfinite(mechanism.limits).any())
-    return Reliability(
-        chance_held=_chance_below(found, NOT_HELD_CODE, blocks.size, level),
-        chance_within_limits=_chance_below(found, OVER_LIMIT_CODE, blocks.size, level) if limited else None,
-        counts={word: int((found.codes == code).sum()) for code, word in enumerate(OUTCOME_WORDS)},
-        influences=tuple(matter),
-        outcomes=found,
-        blocks=blocks,
-        placer=placer,
-        method=method,
-    )
+    held = _chance_below(found, NOT_HELD_CODE, blocks.size, level)
+    within = _chance_below(found, OVER_LIMIT_CODE, blocks.size, level) if limited else None
+    counts = {word: int((found.codes == code).sum()) for code, word in enumerate(OUTCOME_WORDS)}
+    return Reliability(held, within, counts, tuple(matter), found, blocks, placer, method)
 
 
 def _chance_below(found: SampleOutcomes, worse: int, size: int, level: float) -> Chance:

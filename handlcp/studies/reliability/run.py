@@ -39,7 +39,7 @@ _FIELD_KINDS = {"codes": ("i", "integers"), "margin": ("f", "numbers")}
 def make_question(spec: GraspSpec, dimensions: Sequence[Dimension], **more: Any) -> dict[str, Any]:
     """What a run answers, in words and digests that differ where the answer may."""
     spread = [[d.name, d.parameter, d.index, d.distribution.fingerprint] for d in dimensions]
-    grasp = [spec.positions, spec.frames, spec.wrench, spec.reference, spec.flexibility, spec.offset]
+    grasp: list[Any] = [spec.positions, spec.frames, spec.wrench, spec.reference, spec.flexibility, spec.offset]
     grasp += [[c.friction for c in spec.contacts], spec.plane, spec.fingers, spec.names]
     for e in spec.effects:
         grasp += [type(e).__name__, *[x for pair in sorted(vars(e).items()) for x in pair]]

@@ -288,10 +288,10 @@ class SamplePlacer:
         model, posture, few, parts = hand.posture.hand, joints.postures[k], len(hand.tips), dict[str, Any]()
         if joints.springs is not None:
             springs, factors = model.stiffness, joints.springs[k]  # all alike for tendons and synergies
-            by_joint = isinstance(springs, JointStiffness) and not springs.is_transmission
-            parts["stiffness"] = (
-                springs.scale_by_joint(factors) if by_joint else springs.scale_stiffness(float(factors[0]))
-            )
+            if isinstance(springs, JointStiffness) and not springs.is_transmission:
+                parts["stiffness"] = springs.scale_by_joint(factors)
+            else:
+                parts["stiffness"] = springs.scale_stiffness(float(factors[0]))
         if joints.pads is not None:
             blocks = model.pads.blocks.copy()
             blocks[list(hand.tips)] *= joints.pads[k][:, None, None]
@@ -376,9 +376,9 @@ def slide_contacts(positions: Array, frames: Array, shifts: Array, obj: Object |
     turned = out[:k] - out[k:].reshape(m, k, 3)  # of the normals into the object
     past: Bools = np.zeros((m, k), bool)
     if obj.known[0] == BOX:  # on which no normal turns; on a cylinder none towards its axis
-        past = (abs(turned) > _NEW_FACE_TOLERANCE).any(axis=-1)
+        past = np.asarray((abs(turned) > _NEW_FACE_TOLERANCE).any(axis=-1))
     elif obj.known[0] == CYLINDER:
-        past = abs(turned @ obj.frame[0][:, 2]) > _NEW_FACE_TOLERANCE
+        past = np.asarray(abs(turned @ obj.frame[0][:, 2]) > _NEW_FACE_TOLERANCE)
     z = frames[:, :, 2] + np.where(past[..., None], 0.0, turned)
     z = z / np.sqrt((z * z).sum(axis=-1, keepdims=True))
     x = frames[:, :, 0] - z * (z * frames[:, :, 0]).sum(axis=-1, keepdims=True)
