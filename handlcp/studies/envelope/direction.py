@@ -269,22 +269,16 @@ def group_causes(
     all directions each stands for. spec : of the grasp.
     """
     keys = [frozenset(some) for some in binds]
-    first = dict[frozenset[FailureMode], int]()
-    for k, key in enumerate(keys):
-        first.setdefault(key, k)
-    number = {key: k for k, key in enumerate(first)}
+    number = {key: k for k, key in enumerate(dict.fromkeys(keys))}
     own = np.array([number[key] for key in keys], dtype=np.int64)
-    part = np.bincount(own, shares, len(first))
+    part = np.bincount(own, shares, len(number))
     order = np.argsort(-part, kind="stable")
-    rank = np.empty_like(order)
-    rank[order] = np.arange(len(order))
     found = []
     for k in order.tolist():
-        here = own == k
-        some = binds[int(np.flatnonzero(here)[0])]
-        middle = weighted_median(factors[here], shares[here])
+        here = np.flatnonzero(own == k)
+        some, middle = binds[int(here[0])], weighted_median(factors[here], shares[here])
         found.append(Sector(some, describe_failures(some, spec), float(part[k]), float(factors[here].min()), middle))
-    return tuple(found), rank[own]
+    return tuple(found), np.argsort(order)[own]
 
 
 def weighted_median(values: Array, shares: Array) -> float:

@@ -296,11 +296,8 @@ class SamplePlacer:
             blocks = model.pads.blocks.copy()
             blocks[list(hand.tips)] *= joints.pads[k][:, None, None]
             parts["pads"] = FingertipPads(blocks)
-        if parts:  # the same posture of a hand that differs in springs and pads alone
-            made = object.__new__(type(posture))
-            made.__dict__.update(posture.__dict__, hand=model.with_parts(**parts))
-            made.__dict__.pop("flexibility", None)  # of the other springs
-            posture = made
+        if parts:
+            posture = type(posture)(model.with_parts(**parts), posture.q)
         return replace(
             hand,
             posture=posture,
