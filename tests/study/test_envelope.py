@@ -8,8 +8,8 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull
 
 import handlcp as hl
-from tests.support.envelope import without_limits
 from tests.support.squeezed import MU, G, N, cube, flat_pinch, pinch
+from tests.support.study import without_limits
 from tests.support.texts import says
 
 

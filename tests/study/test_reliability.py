@@ -8,7 +8,7 @@ from scipy import stats
 
 import handlcp as hl
 from handlcp.studies.reliability.run import make_blocks
-from tests.support.reliability import chance, chance_in_two_looks, steps_of
+from tests.support.study import chance, chance_in_two_looks, steps_of
 
 C, SQUEEZE = 1e-3, 5e-3  # m/N, m: two fingers press with 5 N
 

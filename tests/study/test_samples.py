@@ -5,7 +5,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.robot.servo_stiffness import ServoStiffness
-from tests.support.reliability import grasp_with
+from tests.support.study import grasp_with
 
 HAND = hl.example_hand("three_finger", joint_stiffness=6.0)
 CUBE = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)

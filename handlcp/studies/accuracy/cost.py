@@ -24,7 +24,7 @@ from handlcp.hand import HandGrasp
 from handlcp.lcp import Auto
 from handlcp.lcp.compiler.compile_policy import compile_now
 from handlcp.studies.accuracy.measure import Bench, forces_determined
-from handlcp.studies.accuracy.methods import FACES, METHODS, TOLERANCES, Method, Setting, settings
+from handlcp.studies.accuracy.methods import METHODS, Method, Setting, settings
 from handlcp.studies.accuracy.result import CERTIFIED, NOT_RUN, OTHER, AccuracyCost, Conditions, LeftOut, Reference, Row
 from handlcp.version import VERSION
 
@@ -220,23 +220,24 @@ def _run(
 
 def _check_arguments(
     grasp: Any, methods: Any, faces: Any, tolerances: Any
-) -> tuple[tuple[Method, ...], tuple[tuple[int, ...], bool], tuple[tuple[float, ...], bool]]:
-    """(methods, faces, tolerances), the latter two with whether they were asked for."""
+) -> tuple[tuple[Method, ...], Sequence[int] | None, Sequence[float] | None]:
+    """(methods, faces, tolerances), the latter two None where they were not asked for."""
     if not isinstance(grasp, Grasp):
         raise InputError("grasp", "a Grasp, or a HandGrasp", type(grasp).__name__)
     names = tuple(METHODS) if methods is None else _several("methods", methods, "method names")
     if unknown := [str(n) for n in names if not isinstance(n, str) or n not in METHODS]:
         raise UnknownName("methods", "a method", unknown, METHODS)
-    sides = FACES if faces is None else _several("faces", faces, "numbers of faces")
-    tols = TOLERANCES if tolerances is None else _several("tolerances", tolerances, "tolerances")
-    sides = tuple(sorted({check_integer("faces", m, 3, MOST_FACES) for m in sides}))
-    tols = tuple(sorted({check_number("tolerances", t, above=0.0) for t in tols}, reverse=True))
+    if faces is not None:
+        given = _several("faces", faces, "numbers of faces")
+        faces = sorted({check_integer("faces", m, 3, MOST_FACES) for m in given})
+    if tolerances is not None:
+        given = _several("tolerances", tolerances, "tolerances")
+        tolerances = sorted({check_number("tolerances", t, above=0.0) for t in given}, reverse=True)
     if grasp.scene.soft:
         raise Unsupported("accuracy_cost compares methods that know no soft fingers")
     if any(isinstance(e, GeometricStiffness) for e in grasp.effects):
         raise InputError("grasp", "one with one flexibility for all forces", "GeometricStiffness among its effects")
-    chosen = tuple(m for m in METHODS.values() if m.name in names)
-    return chosen, (sides, faces is not None), (tols, tolerances is not None)
+    return tuple(m for m in METHODS.values() if m.name in names), faces, tolerances
 
 
 def _several(argument: str, value: Any, what: str) -> tuple[Any, ...]:
