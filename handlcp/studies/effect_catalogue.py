@@ -141,16 +141,11 @@ class EffectScene:
         return state.grasp(ball, **rest)
 
 
-def arguments(entry: EffectDescription) -> dict[str, Any]:
-    """The keyword arguments that `in_python` shows; the package wrote that text itself."""
-    names = {kind.__name__: kind for kind in mechanics.effect_kinds()}
-    names |= {name: getattr(room, name) for room in (mechanics, actuation, geometry, robots) for name in dir(room)}
-    return dict(eval(f"dict({entry.in_python})", names))
-
-
 def effect_scenes(entry: EffectDescription) -> tuple[EffectScene, EffectScene]:
     """The scene with the effect and without it: equal where the reference scene itself has it."""
-    asked = arguments(entry)
+    names = {kind.__name__: kind for kind in mechanics.effect_kinds()}
+    names |= {name: getattr(room, name) for room in (mechanics, actuation, geometry, robots) for name in dir(room)}
+    asked = dict(eval(f"dict({entry.in_python})", names))  # the package wrote that text itself
     posed = _PLAIN | {name: x for name, x in asked.items() if name in _SECTION}
     return EffectScene(posed | asked), EffectScene(posed)
 

@@ -229,9 +229,8 @@ def mark_of(printed: Number, ours: float, scale: float) -> Mark:
 def rows_of(table: PaperTable, grasp: Grasp, solution: GraspSolution, other: bool = False) -> tuple[PrintedRow, ...]:
     """All rows of a table. other : ours solves another problem, so nothing is marked right or wrong."""
     scene = grasp.scene
-    free = (
-        np.zeros((0, 6)) if solution.uniqueness is None else solution.uniqueness.directions
-    )  # how the object may move
+    unique = solution.uniqueness
+    free = np.zeros((0, 6)) if unique is None else unique.directions  # how the object may move
     moves = free[:, None, :3] + np.cross(free[:, None, 3:], scene.positions)
     slides = (scene.frames.transpose(0, 2, 1) @ moves[..., None])[..., :2, 0]
     loose_twist, loose_slip = ((abs(a) > 1e-6 * abs(free).max(initial=0.0)).any(axis=0) for a in (free, slides))
@@ -416,11 +415,10 @@ class TableComparison:
         forces miss.
         """
         if not self.table.golden:
-            missed = [
-                f"{m.equation} by {m} ({m.comment})".replace(" ()", "") for m in self.misses if not m.is_satisfied
-            ]
-            said = "not a solution of the paper's own model: misses " + "; ".join(missed)
-            return said if missed else "the printed forces satisfy the paper's own equations"
+            lost = [m for m in self.misses if not m.is_satisfied]
+            texts = [f"{m.equation} by {m} ({m.comment})".replace(" ()", "") for m in lost]
+            said = f"not a solution of the paper's own model: misses {'; '.join(texts)}"
+            return said if lost else "the printed forces satisfy the paper's own equations"
         if wrong := [f"{r.column} {r.place}" for r in self.golden_rows if r.mark not in REPRODUCED]:
             return f"NOT reproduced: {', '.join(wrong)}"
         counts = [sum(r.mark is m for r in self.golden_rows) for m in REPRODUCED]
@@ -436,25 +434,18 @@ class TableComparison:
     @property
     def remarks(self) -> tuple[str, ...]:
         """Misprints, and how far the object is free."""
-        said = (
-            f"misprint: force {r.finger} {r.axis} = {r.printed} reads {r.read} ({r.why})" for r in self.table.readings
-        )
-        free = ["the object may move without a change of forces; ours is the smallest motion"]
-        return (*said, *free[: any(r.mark is Mark.LOOSE for r in self.rows)])
+        text = "misprint: force {0.finger} {0.axis} = {0.printed} reads {0.read} ({0.why})"
+        said = [text.format(reading) for reading in self.table.readings]
+        if any(r.mark is Mark.LOOSE for r in self.rows):
+            said.append("the object may move without a change of forces; ours is the smallest motion")
+        return tuple(said)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, SI units, printed numbers as text."""
         ours = pick_entries(
-            self.solution,
-            "forces",
-            "slip",
-            "gap",
-            "object_displacement",
-            "states = contact_state",
-            "status",
-            "worst_residual = residuals.worst",
-            "loose_motions = uniqueness.loose_motions",
-        )
+            self.solution, "forces", "slip", "gap", "object_displacement", "states = contact_state", "status",
+            "worst_residual = residuals.worst", "loose_motions = uniqueness.loose_motions",
+        )  # fmt: skip
         row = "column", "place", "ours", "relative", "printed = printed.text"
         miss = "equation", "amount", "holds = is_satisfied", "comment", "share_of_largest_elastic_displacement = share"
         found = {"golden": bool(self.table.golden), "ours": ours | {"what": self.ours}}

@@ -19,7 +19,6 @@ from handlcp.contact.friction import Pyramid
 from handlcp.errors import InputError, NoGraspFound, Unsupported, shorten_repr, translate_arguments
 from handlcp.geometry.object import Object
 from handlcp.grasp.model.request import with_changes
-from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.hand.find.clear import Links, Place
 from handlcp.hand.find.touch import brought_together
 from handlcp.hand.hand import Hand, HandState
@@ -83,14 +82,9 @@ class Slopes(Record):
     """
 
     entries = (
-        "names",
-        "values (k,)",
-        "forces (n, 3, k)",
-        "normal_force (n, k)",
-        "torques (nv, k)",
-        "displacement (6, k)",
+        "names", "values (k,)", "forces (n, 3, k)", "normal_force (n, k)", "torques (nv, k)", "displacement (6, k)",
         "kinks",
-    )
+    )  # fmt: skip
 
     names: tuple[str, ...]
     values: Array
@@ -161,36 +155,19 @@ def _find_slope(grasp: HandGrasp, name: str, value: float, faces: Any) -> tuple[
         raise InputError("names", "numbers above 0 and finite", f"{name!r}, which is {value:g}")
 
     def answer_at(share: float) -> Array:
-        made = vary_grasp(grasp, {name: value * (1.0 + share)})
-        return _answer_row(made.solve(faces))
+        s = vary_grasp(grasp, {name: value * (1.0 + share)}).solve(faces)
+        torques: Any = getattr(s, "torques")  # noqa: B009  of a hand
+        return np.concatenate([s.forces_world.reshape(-1), s.normal_force, torques, s.object_displacement])
 
-    here, sides = (
-        answer_at(0.0),
-        {
-            share: answer_at(share)
-            for share in (_RELATIVE_STEP, -_RELATIVE_STEP, 0.5 * _RELATIVE_STEP, -0.5 * _RELATIVE_STEP)
-        },
-    )
-    wide, fine = ((sides[h] - sides[-h]) / (2.0 * h * value) for h in (_RELATIVE_STEP, 0.5 * _RELATIVE_STEP))
-    h = 0.5 * _RELATIVE_STEP
-    ahead, behind = (sides[h] - here) / (h * value), (here - sides[-h]) / (h * value)
-    parts = _row_parts(grasp)
-    least = [max(_part_norm(fine, p), _NEGLIGIBLE_SHARE * _part_norm(here, p) / value) for p in parts]
-    off = [max(_part_norm(wide - fine, p), _part_norm(ahead - behind, p)) for p in parts]
-    return fine, any(o > _KINK_TOLERANCE * size for o, size in zip(off, least, strict=True))
+    def sizes(row: Array) -> Array:
+        """(4,) of the forces, the torques, the shift and the turn in a row."""
+        parts = np.split(row, np.cumsum([4 * grasp.spec.n, len(grasp.state.hand.joint_names), 3]))
+        return np.array([np.linalg.norm(part) for part in parts])
 
-
-def _row_parts(grasp: HandGrasp) -> list[slice]:
-    """The parts of a row as `_answer_row` makes it: forces, torques, shift, turn."""
-    a = 4 * grasp.spec.n
-    b = a + len(grasp.state.hand.joint_names)
-    return [slice(0, a), slice(a, b), slice(b, b + 3), slice(b + 3, b + 6)]
-
-
-def _part_norm(row: Array, part: slice) -> float:
-    return float(np.linalg.norm(row[part]))
-
-
-def _answer_row(s: GraspSolution) -> Array:
-    torques: Any = getattr(s, "torques")  # noqa: B009  of a hand
-    return np.concatenate([s.forces_world.reshape(-1), s.normal_force, torques, s.object_displacement])
+    h, here = 0.5 * _RELATIVE_STEP, answer_at(0.0)
+    far_ahead, far_behind, ahead, behind = (answer_at(share) for share in (2.0 * h, -2.0 * h, h, -h))
+    wide, fine = (far_ahead - far_behind) / (4.0 * h * value), (ahead - behind) / (2.0 * h * value)
+    sides = (ahead - here) / (h * value), (here - behind) / (h * value)
+    least = np.maximum(sizes(fine), _NEGLIGIBLE_SHARE * sizes(here) / value)
+    off = np.maximum(sizes(wide - fine), sizes(sides[0] - sides[1]))
+    return fine, bool((off > _KINK_TOLERANCE * least).any())

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.studies.reliability import Reliability
-from handlcp.studies.reliability.estimate import NOT_HELD_CODE, UNDECIDED_CODE
+from handlcp.studies.reliability.outcome import NOT_HELD_CODE, UNDECIDED_CODE
 from handlcp.viz.output_file import Figure, new_figure
 from handlcp.viz.style import (
     BLUE,

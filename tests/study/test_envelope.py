@@ -8,8 +8,8 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull
 
 import handlcp as hl
-from tests.support.envelope import without_limits
-from tests.support.squeezed import MU, G, K, N, R, cube, pinch
+from tests.support.squeezed import MU, G, N, cube, flat_pinch, pinch
+from tests.support.study import without_limits
 from tests.support.texts import says
 
 
@@ -245,8 +245,7 @@ def test_no_direction_holds_more_than_its_bound():
 
 
 def test_wrenches_out_of_the_plane_of_a_planar_scene_are_refused():
-    left, right = hl.Contact((-R, 0), (1, 0), MU), hl.Contact((R, 0), (-1, 0), MU)
-    grasp = hl.Grasp([left, right], flexibility=K, preload=K * N)
+    grasp = flat_pinch()
     assert hl.envelope(grasp, [(0, 1.0, 0, 0, 0, 0)]).factors[0] == pytest.approx(2 * MU * N, rel=1e-6)
     with pytest.raises(hl.InputError, match="directions: expected forces in the plane"):
         hl.envelope(grasp, [(0, 1.0, 0, 0, 0, 0), (0, 0, 1.0, 0, 0, 0)])
@@ -275,43 +274,27 @@ def test_the_bound_of_torques_alone_is_the_force_polytope_of_the_finger():
 
 
 # ---------------------------------------------------------------- planar scenes, bad input
-def flat():
-    sides = [hl.Contact((-R, 0), (1, 0), MU), hl.Contact((R, 0), (-1, 0), MU)]
-    return hl.Grasp(sides, flexibility=K, preload=K * N)
-
-
 def test_in_a_plane_directions_go_around_it():
-    env = hl.envelope(flat(), 36)
+    env = hl.envelope(flat_pinch(), 36)
     assert (env.directions[:, 2] == 0).all()
     up = int(np.argmax(env.directions[:, 1]))
     assert env.factors[up] == pytest.approx(2 * MU * N, rel=1e-9)
-    about = hl.envelope(flat(), 36, of="torque")
+    about = hl.envelope(flat_pinch(), 36, of="torque")
     np.testing.assert_allclose(about.directions, [(0, 0, 1), (0, 0, -1)])
 
 
 @pytest.mark.parametrize(
     ("asked", "argument"),
     [
-        ({"directions": 0}, "directions"),
-        ({"directions": "zx"}, "directions"),
-        ({"directions": [(0, 0, 0)]}, "directions"),
-        ({"directions": [(1, 0)]}, "directions"),
-        ({"directions": ("xy", 2)}, "directions"),
-        ({"directions": (0, 0, 0)}, "directions"),
-        ({"directions": np.zeros((0, 3))}, "directions"),
-        ({"of": "weight"}, "of"),
-        ({"of": "wrench"}, "of"),
-        ({"of": "torque", "directions": [(1, 0, 0, 0, 0, 0)]}, "of"),
-        ({"of": "torque", "at": (0, 0, 0)}, "at"),
-        ({"at": (0, 0)}, "at"),
-        ({"geometry": "loose"}, "geometry"),
-        ({"adaptive": -1}, "adaptive"),
-        ({"motion": 0.0}, "motion"),
-        ({"turn": -1.0}, "turn"),
-        ({"faces": 2}, "faces"),
-        ({"progress": 3}, "progress"),
+        ({"directions": 0}, "directions"), ({"directions": "zx"}, "directions"),
+        ({"directions": [(0, 0, 0)]}, "directions"), ({"directions": [(1, 0)]}, "directions"),
+        ({"directions": ("xy", 2)}, "directions"), ({"directions": (0, 0, 0)}, "directions"),
+        ({"directions": np.zeros((0, 3))}, "directions"), ({"of": "weight"}, "of"), ({"of": "wrench"}, "of"),
+        ({"of": "torque", "directions": [(1, 0, 0, 0, 0, 0)]}, "of"), ({"of": "torque", "at": (0, 0, 0)}, "at"),
+        ({"at": (0, 0)}, "at"), ({"geometry": "loose"}, "geometry"), ({"adaptive": -1}, "adaptive"),
+        ({"motion": 0.0}, "motion"), ({"turn": -1.0}, "turn"), ({"faces": 2}, "faces"), ({"progress": 3}, "progress"),
     ],
-)
+)  # fmt: skip
 def test_bad_input_is_named(asked, argument):
     with pytest.raises(hl.InputError, match=f"^{argument}"):
         hl.envelope(pinch(), **({"directions": 12} | asked))

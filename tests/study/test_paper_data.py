@@ -68,15 +68,10 @@ def test_the_cube_weighs_five_newtons_at_its_centre(number: int) -> None:
 @pytest.mark.parametrize(
     ("text", "ours", "mark"),
     [
-        ("9.34263e-1", -0.9342634, Mark.DIGITS),
-        ("9.34263e-1", 0.9342640, Mark.LAST),
-        ("9.34263e-1", 0.9342646, Mark.NO),
-        ("0.00000e0", 1e-15, Mark.DIGITS),
-        ("8.88178e-16", 0.0, Mark.DIGITS),
-        ("2.45271e-6", -1e-12, Mark.RESIDUE),
-        ("0.00000e0", 1e-6, Mark.NO),
-        ("2.45271e-6", 1e-6, Mark.NO),
+        ("9.34263e-1", -0.9342634, Mark.DIGITS), ("9.34263e-1", 0.9342640, Mark.LAST),
+        ("9.34263e-1", 0.9342646, Mark.NO), ("0.00000e0", 1e-15, Mark.DIGITS), ("8.88178e-16", 0.0, Mark.DIGITS),
+        ("2.45271e-6", -1e-12, Mark.RESIDUE), ("0.00000e0", 1e-6, Mark.NO), ("2.45271e-6", 1e-6, Mark.NO),
     ],
-)
+)  # fmt: skip
 def test_digits_are_compared_as_printed(text: str, ours: float, mark: Mark) -> None:
     assert mark_of(Number.parse(text), ours, scale=4.0) is mark

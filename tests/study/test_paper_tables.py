@@ -3,17 +3,8 @@
 import numpy as np
 import pytest
 
-from handlcp.studies.paper import (
-    NUMBERS,
-    REPRODUCED,
-    Mark,
-    compare,
-    compatibility,
-    example,
-    friction_excess,
-    mark_of,
-    table,
-)
+from handlcp.studies import paper
+from handlcp.studies.paper import Mark, compare, example, table
 
 
 def misses(number, equation):
@@ -37,13 +28,6 @@ def test_golden_tables_of_a_loose_stop_rule_to_one_unit_of_the_last_digit(number
     assert (marks.count(Mark.LAST), marks.count(Mark.RESIDUE)) == (last, residue)
 
 
-@pytest.mark.parametrize("number", [k for k in NUMBERS if table(k).golden])
-def test_golden_fails_when_a_force_is_off(number):
-    c = compare(number)
-    row = max((r for r in c.golden_rows if r.column == "force"), key=lambda r: r.printed.value)
-    assert mark_of(row.printed, row.ours * (1 + 1e-5), row.printed.value) not in REPRODUCED
-
-
 @pytest.mark.parametrize("number", [4, 5, 7, 9, 10])
 def test_the_others_are_not_solutions_and_say_so(number):
     c = compare(number)
@@ -57,11 +41,11 @@ def test_the_others_are_not_solutions_and_say_so(number):
 def test_ours_satisfies_every_equation_that_printed_numbers_are_held_to(number):
     c = compare(number)
     grasp, faces, forces = c.example.grasp, table(number).faces, c.solution.forces
-    miss, size = compatibility(grasp, faces, forces)
+    miss, size = paper.compatibility(grasp, faces, forces)
     assert miss <= 1e-9 * size
     rough = np.array([contact.friction.mu > 0 for contact in grasp.contacts])
     rough[:1] &= table(number).example != 2  # its force is given
-    assert friction_excess(grasp, faces, forces)[rough].max() <= 1e-9 * abs(forces).max()
+    assert paper.friction_excess(grasp, faces, forces)[rough].max() <= 1e-9 * abs(forces).max()
 
 
 def test_table_4_misses_balance_and_friction():

@@ -6,15 +6,9 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from tests.support.squeezed import cube
 
 ASIDE = (0.3, 0.9, 0.3, 0, 0, 0)
-
-
-@cache
-def cube():
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
-    box = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
-    return hand.at(hand.close_on(box)).grasp(box, friction=0.8, squeeze=0.005)
 
 
 @cache
@@ -52,12 +46,10 @@ def test_in_one_posture_steps_come_near_the_limit_that_is_found_from_event_to_ev
 @pytest.mark.parametrize(
     ("asked", "named"),
     [
-        ({"times": (1,)}, "times"),
-        ({"times": (2, 1)}, "times"),
-        ({"repeats": 0}, "repeats"),
+        ({"times": (1,)}, "times"), ({"times": (2, 1)}, "times"), ({"repeats": 0}, "repeats"),
         ({"wrench": (0,) * 6}, "wrench"),
     ],
-)
+)  # fmt: skip
 def test_bad_input_is_named(asked, named):
     with pytest.raises(hl.InputError, match=named):
         hl.path_cost(cube(), **({"wrench": ASIDE} | asked))

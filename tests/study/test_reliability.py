@@ -1,12 +1,14 @@
 """The chance that a grasp holds: against closed forms, its interval against the truth, its samples one by one."""
 
+import io
+
 import numpy as np
 import pytest
 from scipy import stats
 
 import handlcp as hl
 from handlcp.studies.reliability.run import make_blocks
-from tests.support.reliability import chance, chance_in_two_looks, steps_of
+from tests.support.study import chance, chance_in_two_looks, steps_of
 
 C, SQUEEZE = 1e-3, 5e-3  # m/N, m: two fingers press with 5 N
 
@@ -33,15 +35,11 @@ def chance_that_a_pinch_holds(shares, newtons=3.0, mu=0.5):
 
 
 # ---------------------------------------------------------------- the estimate
-@pytest.mark.parametrize(
-    "shares",
-    [
-        {"friction": 0.3},
-        {"friction": 0.2, "load": 0.3},
-        {"friction": 0.2, "stiffness": 0.2, "load": 0.2, "squeeze": 0.3},
-    ],
-    ids=str,
-)
+ONE, TWO = {"friction": 0.3}, {"friction": 0.2, "load": 0.3}
+FOUR = {"friction": 0.2, "stiffness": 0.2, "load": 0.2, "squeeze": 0.3}
+
+
+@pytest.mark.parametrize("shares", [ONE, TWO, FOUR], ids=str)
 def test_the_chance_that_a_pinch_holds_is_that_of_its_closed_form(shares):
     found = hl.reliability(pinch(), shares, 2000, workers=1)
     truth = chance_that_a_pinch_holds(shares)
@@ -157,43 +155,67 @@ def test_a_run_that_was_interrupted_goes_on_and_ends_with_the_same_bits(tmp_path
         hl.reliability(pinch(), spread, 1000, progress=stop, resume=file, workers=1)
     assert told[-1] == (300, 1024)
     told.clear()
-    resumed = hl.reliability(
-        pinch(), spread, 1000, progress=lambda *now: told.append(now), resume=file, workers=1
-    )  # fmt: skip
-    assert told[0] == (300, 1024)
-    assert told[-1] == (1024, 1024)
+    resumed = hl.reliability(pinch(), spread, 1000, progress=lambda *now: told.append(now), resume=file, workers=1)
+    assert (told[0], told[-1]) == ((300, 1024), (1024, 1024))
     whole = hl.reliability(pinch(), spread, 1000, workers=1)
     assert resumed.to_dict() == whole.to_dict()
     np.testing.assert_array_equal(resumed.margin, whole.margin)
     assert [f.name for f in tmp_path.iterdir()] == ["run.npz"]  # nothing half written is left
 
 
+def keep_a_run(file):
+    """The file of a run that is done."""
+    hl.reliability(pinch(), {"friction": 0.3}, 64, resume=file)
+    return file
+
+
 @pytest.mark.parametrize(
-    ("changed", "what"),
-    [
-        (lambda: hl.reliability(pinch(load=3.1), {"friction": 0.3}, 64, resume=FILE), "another grasp"),
-        (lambda: hl.reliability(pinch(), {"friction": 0.31}, 64, resume=FILE), "another spread"),
-        (lambda: hl.reliability(pinch(), {"friction": 0.3}, 64, seed=1, resume=FILE), "another seed"),
-        (lambda: hl.reliability(pinch(), {"friction": 0.3}, 128, resume=FILE), "another samples"),
-    ],
-    ids=["grasp", "spread", "seed", "samples"],
+    ("load", "friction", "samples", "seed", "what"),
+    [(3.1, 0.3, 64, 0, "grasp"), (3, 0.31, 64, 0, "spread"), (3, 0.3, 64, 1, "seed"), (3, 0.3, 128, 0, "samples")],
 )
-def test_a_file_of_another_question_is_refused_by_name(changed, what, tmp_path, monkeypatch):
-    monkeypatch.setitem(globals(), "FILE", tmp_path / "run.npz")
-    hl.reliability(pinch(), {"friction": 0.3}, 64, resume=FILE)
-    with pytest.raises(hl.InputError, match=rf"resume: .*run\.npz' of {what}"):
-        changed()
+def test_a_file_of_another_question_is_refused_by_name(load, friction, samples, seed, what, tmp_path):
+    file = keep_a_run(tmp_path / "run.npz")
+    with pytest.raises(hl.InputError, match=rf"resume: .*run\.npz' of another {what}"):
+        hl.reliability(pinch(load=load), {"friction": friction}, samples, seed=seed, resume=file)
 
 
-FILE = None
+def one_array():
+    """What `np.save` writes."""
+    out = io.BytesIO()
+    np.save(out, np.zeros(3))
+    return out.getvalue()
 
 
-def test_a_file_of_no_run_is_refused(tmp_path):
-    file = tmp_path / "notes.npz"
-    file.write_text("no run")
+@pytest.mark.parametrize("content", [b"no run", one_array()], ids=["text", "one array"])
+def test_a_file_of_no_run_is_refused_and_stays(content, tmp_path):
+    file = tmp_path / "run.npz"
+    file.write_bytes(content)
     with pytest.raises(hl.InputError, match=r"resume: expected a file that an earlier run with resume= wrote"):
         hl.reliability(pinch(), {"friction": 0.3}, 64, resume=file)
-    assert file.read_text() == "no run"
+    assert file.read_bytes() == content
+
+
+TWICE = {"codes": np.zeros(128, int), "margin": np.ones(128)}
+TWICE |= dict.fromkeys(("again", "unplaced", "far"), np.zeros(128, bool))
+
+
+@pytest.mark.parametrize(
+    ("arrays", "fact"),
+    [
+        ({"codes": np.full(64, 4)}, "codes"), ({"codes": np.zeros(64)}, "codes"),
+        ({"codes": np.zeros((64, 1), int)}, "codes"), ({"margin": np.ones(63)}, "margin"),
+        ({"margin": np.full(64, "x")}, "margin"), ({"again": np.zeros(64)}, "again"),
+        ({"unplaced": np.zeros((2, 32), bool)}, "unplaced"), ({"codes": None}, "codes"),
+        ({"codes": np.array(3)}, "codes"), (TWICE, "128 samples that are done of 64"),
+    ],
+)  # fmt: skip
+def test_a_file_made_by_hand_is_refused_by_what_is_wrong(arrays, fact, tmp_path):
+    with np.load(keep_a_run(tmp_path / "run.npz")) as found:
+        kept = dict(found)
+    assert len(kept["codes"]) == 64
+    np.savez(tmp_path / "run.npz", **{key: x for key, x in (kept | arrays).items() if x is not None})
+    with pytest.raises(hl.InputError, match=rf"resume: .*run\.npz'.*{fact}"):
+        hl.reliability(pinch(), {"friction": 0.3}, 64, resume=tmp_path / "run.npz")
 
 
 # ---------------------------------------------------------------- one sample
@@ -238,22 +260,16 @@ def test_what_matters_most_comes_first_by_samples_and_by_derivatives():
 @pytest.mark.parametrize(
     ("spread", "match"),
     [
-        ({}, "at least one parameter"),
-        (0.1, "a mapping of what varies"),
+        ({}, "at least one parameter"), (0.1, "a mapping of what varies"),
         ({"frictoin": 0.1}, "did you mean 'friction'"),
         ({"friction": -0.1}, r"spread\['friction'\]: expected a finite number > 0"),
-        ({"friction": "much"}, "a frozen distribution"),
-        ({"friction": stats.norm}, "a frozen distribution"),
+        ({"friction": "much"}, "a frozen distribution"), ({"friction": stats.norm}, "a frozen distribution"),
         ({"friction": stats.norm(0.3, 0.1)}, "values of at least 0"),
-        ({"friction": stats.cauchy(5.0)}, "with a standard deviation"),
-        ({"friction": {"thumb": 0.1}}, "left"),
-        ({"mass": 0.1}, "an object with a mass"),
-        ({"pads": 0.1}, "of a hand"),
-        ({"posture": 0.1}, "of a hand"),
-        ({"stiffness": {"joint": 0.1}}, "of a hand"),
-        ({"positions": {"thumb": 0.1}}, "left"),
+        ({"friction": stats.cauchy(5.0)}, "with a standard deviation"), ({"friction": {"thumb": 0.1}}, "left"),
+        ({"mass": 0.1}, "an object with a mass"), ({"pads": 0.1}, "of a hand"), ({"posture": 0.1}, "of a hand"),
+        ({"stiffness": {"joint": 0.1}}, "of a hand"), ({"positions": {"thumb": 0.1}}, "left"),
     ],
-)
+)  # fmt: skip
 def test_a_spread_that_cannot_be_is_refused_by_name(spread, match):
     with pytest.raises(hl.InputError, match=match):
         hl.reliability(pinch(), spread, 64)
@@ -308,43 +324,6 @@ def test_a_contact_past_the_rim_of_a_cylinder_is_past_an_edge_and_one_around_its
     past = (abs(axial) > 0.025 + 1e-9).any(axis=1)
     assert 0 < past.sum() < len(past)
     assert set(sure.why_not) == set(np.flatnonzero(past))
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("codes", np.full(64, 4)), ("codes", np.zeros(64)), ("codes", np.zeros((64, 1), int)), ("margin", np.ones(63)),
-        ("margin", np.full(64, "x")), ("again", np.zeros(64)), ("unplaced", np.zeros((2, 32), bool)), ("codes", None),
-        ("codes", np.array(3)),
-    ],
-)  # fmt: skip
-def test_a_file_made_by_hand_is_refused_by_the_name_of_its_array(name, value, tmp_path):
-    file = tmp_path / "run.npz"
-    hl.reliability(pinch(), {"friction": 0.3}, 64, resume=file)
-    with np.load(file) as found:
-        kept = dict(found)
-    assert len(kept["codes"]) == 64
-    np.savez(file, **{key: x for key, x in (kept | {name: value}).items() if x is not None})
-    with pytest.raises(hl.InputError, match=rf"resume: .*run\.npz'.*{name}"):
-        hl.reliability(pinch(), {"friction": 0.3}, 64, resume=file)
-
-
-def test_a_file_with_more_samples_than_are_asked_for_is_refused(tmp_path):
-    file = tmp_path / "run.npz"
-    hl.reliability(pinch(), {"friction": 0.3}, 64, resume=file)
-    with np.load(file) as found:
-        kept = {key: x if key == "question" else np.tile(x, 2) for key, x in found.items()}
-    np.savez(file, **kept)
-    with pytest.raises(hl.InputError, match="128 samples that are done of 64"):
-        hl.reliability(pinch(), {"friction": 0.3}, 64, resume=file)
-
-
-def test_one_array_alone_is_no_file_of_a_run(tmp_path):
-    file = tmp_path / "run.npz"
-    with file.open("wb") as out:
-        np.save(out, np.zeros(3))
-    with pytest.raises(hl.InputError, match="resume: expected a file that an earlier run"):
-        hl.reliability(pinch(), {"friction": 0.3}, 64, resume=file)
 
 
 @pytest.mark.parametrize("spread", [{"friction": 1e6}, {"friction": {"left": 1e6}}, {"stiffness": 101.0}])

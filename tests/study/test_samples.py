@@ -5,7 +5,7 @@ import pytest
 
 import handlcp as hl
 from handlcp.robot.servo_stiffness import ServoStiffness
-from tests.support.reliability import grasp_with
+from tests.support.study import grasp_with
 
 HAND = hl.example_hand("three_finger", joint_stiffness=6.0)
 CUBE = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
@@ -84,9 +84,8 @@ def test_joints_that_stand_off_carry_the_fingertips_along():
 def test_contacts_slide_on_flat_faces_and_keep_their_normals(nominal):
     made = grasp_with(nominal, positions={"finger_1_tip": (2e-3, -1e-3)})
     R = nominal.frames[0]
-    np.testing.assert_allclose(
-        made.spec.positions[0], nominal.spec.positions[0] + R[:, :2] @ (2e-3, -1e-3), atol=1e-12
-    )  # fmt: skip
+    goal = nominal.spec.positions[0] + R[:, :2] @ (2e-3, -1e-3)
+    np.testing.assert_allclose(made.spec.positions[0], goal, atol=1e-12)
     np.testing.assert_array_equal(made.frames[0], R)
     np.testing.assert_array_equal(made.spec.positions[1:], nominal.spec.positions[1:])
     contacts = {tip: hl.Contact(p, F[:, 2], 0.8, tangent=F[:, 0])
@@ -124,9 +123,8 @@ def test_a_hand_with_tendons_takes_one_factor_for_all_its_springs_and_no_mapping
     coupled = HAND.replace(joint_stiffness=hl.Tendons(arms, 1e4, passive=5.0))
     one = grasp(coupled)
     stiffer = grasp_with(one, stiffness=1.5)
-    np.testing.assert_allclose(
-        stiffer.mechanism.compliance_factor, one.mechanism.compliance_factor / np.sqrt(1.5), rtol=1e-9, atol=1e-12
-    )
+    root = one.mechanism.compliance_factor / np.sqrt(1.5)
+    np.testing.assert_allclose(stiffer.mechanism.compliance_factor, root, rtol=1e-9, atol=1e-12)
     with pytest.raises(hl.InputError, match="tendons or synergies"):
         hl.reliability(one, {"stiffness": {HAND.joint_names[0]: 0.1}}, 64)
 
@@ -171,10 +169,7 @@ def test_slopes_are_the_derivatives_of_the_solution(nominal):
         "squeeze": 0.1 * slope(d.friction_margin_by_joint_offset @ command, d.forces_by_joint_offset[:, 2] @ command),
         f"stiffness {joint}": 0.1 * K * slope(d.friction_margin_by_stiffness[:, 0], d.forces_by_stiffness[:, 2, 0]),
         "position finger_2_tip x": 1e-3
-        * slope(
-            d.friction_margin_by_positions[:, 1] @ along,
-            d.forces_by_positions[:, 2, 1] @ along,
-        ),
+        * slope(d.friction_margin_by_positions[:, 1] @ along, d.forces_by_positions[:, 2, 1] @ along),
     }
     spread = {"friction": 0.1, "mass": 0.1, "squeeze": 0.1, "stiffness": {joint: 0.1},
               "positions": {"finger_2_tip": 1e-3}}  # fmt: skip

@@ -8,7 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import handlcp as hl
 from handlcp.studies.grip_strength.measure import close_with_full_torque
-from handlcp.studies.grip_strength.split_force import ContactsAroundAxis
+from handlcp.studies.grip_strength.result import ContactsAroundAxis
 from tests.hand.levers import L, lever_hand, lever_pinch
 
 R, N, MU, K = 0.025, 3.0, 0.5, 1e-3  # radius [m], grip [N], friction, flexibility [m/N]
@@ -19,7 +19,8 @@ def pressed(angles, load=(0, 0, 0)):
     """Contacts around the z axis that press with N each, under a force."""
     ways = [np.array([np.cos(a), np.sin(a), 0.0]) for a in np.radians(angles)]
     contacts = [hl.Contact(R * d, -d, MU) for d in ways]
-    return hl.Grasp(contacts, (*load, 0, 0, 0), flexibility=K, preload=K * N).solve()
+    solution = hl.Grasp(contacts, (*load, 0, 0, 0), flexibility=K, preload=K * N).solve()
+    return ContactsAroundAxis.from_solution(solution, Z, ORIGIN)
 
 
 def unit(degrees):
@@ -29,7 +30,7 @@ def unit(degrees):
 # ---------------------------------------------------------------- closed forms
 @pytest.mark.parametrize("turn", [0.0, 20.0, -75.0])
 def test_two_opposing_fingers_press_with_the_cosine_of_the_split(turn):
-    around = ContactsAroundAxis.from_solution(pressed([turn, turn + 180]), Z, ORIGIN)
+    around = pressed([turn, turn + 180])
     for off in (0, 30, -60, 89):
         assert around.split_force(unit(turn + off)) == pytest.approx(N * np.cos(np.radians(off)), abs=1e-9)
     assert around.largest[0] == pytest.approx(N, rel=1e-9)
@@ -40,7 +41,7 @@ def test_two_opposing_fingers_press_with_the_cosine_of_the_split(turn):
 
 def test_three_fingers_all_around_press_with_one_of_them_at_most():
     """One half has one finger; half of it has two others that lean by 60°. Turned by 30°, one touches the split."""
-    around = ContactsAroundAxis.from_solution(pressed([0, 120, 240]), Z, ORIGIN)
+    around = pressed([0, 120, 240])
     assert around.split_force(unit(0)) == pytest.approx(N, rel=1e-9)
     assert around.split_force(unit(30)) == pytest.approx(N * np.cos(np.radians(30)), rel=1e-9)
     assert around.largest[0] == pytest.approx(N, rel=1e-9)
@@ -49,11 +50,9 @@ def test_three_fingers_all_around_press_with_one_of_them_at_most():
 
 
 def test_a_thumb_against_two_fingers_is_measured_across_the_thumb():
-    around = ContactsAroundAxis.from_solution(pressed([180, 60, -60]), Z, ORIGIN)
+    around = pressed([180, 60, -60])
     assert around.split_force((1, 0, 0)) == pytest.approx(N, rel=1e-9)
-    narrow = ContactsAroundAxis.from_solution(
-        pressed([180, 20, -20]), Z, ORIGIN
-    )  # two press more than the thumb bears: they settle
+    narrow = pressed([180, 20, -20])  # two press more than the thumb bears: they settle
     thumb = float(np.linalg.norm(narrow.forces[0]))
     assert abs(narrow.closing_normal @ (1, 0, 0)) == pytest.approx(1.0)
     assert narrow.split_force(narrow.closing_normal) == pytest.approx(thumb, rel=1e-9)
@@ -61,7 +60,7 @@ def test_a_thumb_against_two_fingers_is_measured_across_the_thumb():
 
 def test_a_load_is_borne_half_by_half():
     """2 N along x: one finger has a newton more, the other one less; the halves are pressed as before."""
-    around = ContactsAroundAxis.from_solution(pressed([0, 180], (2.0, 0, 0)), Z, ORIGIN)
+    around = pressed([0, 180], (2.0, 0, 0))
     np.testing.assert_allclose(abs(around.forces[:, 0]), (N + 1.0, N - 1.0), rtol=1e-9)
     assert around.split_force((1, 0, 0)) == pytest.approx(N, rel=1e-9)
 
@@ -94,11 +93,11 @@ def test_no_split_of_a_scan_has_more_or_less(seed):
 
 
 def test_a_normal_along_the_axis_is_refused():
-    around = ContactsAroundAxis.from_solution(pressed([0, 180]), Z, ORIGIN)
+    around = pressed([0, 180])
     with pytest.raises(hl.InputError, match="normal"):
         around.split_force(Z)
     with pytest.raises(hl.InputError, match="axis"):
-        ContactsAroundAxis.from_solution(pressed([0, 180]), ORIGIN, ORIGIN)
+        ContactsAroundAxis.from_solution(of_hand("three_finger").pinch.solution, ORIGIN, ORIGIN)
 
 
 # ---------------------------------------------------------------- full torque
@@ -140,14 +139,12 @@ def test_a_motor_with_half_the_torque_presses_half_as_hard():
     hand = hl.example_hand("three_finger", joint_stiffness=200.0)  # stiff: the motions are small
     cylinder = hl.Cylinder(0.025, 0.15, mass=0.0)
     found = hl.find_grasp(hand, cylinder, gravity=(0, 0, 0), tries=6)[0]
-    grip, pressed = np.array(found.grasp.spec.asked.grip_force), []
+    grip, forces = np.array(found.grasp.spec.asked.grip_force), []
     for limits in (hand.torque_limits, 0.5 * hand.torque_limits):
         grasp = hand.replace(torque_limits=limits).at(found.q).grasp(found.object, gravity=(0, 0, 0), grip_force=grip)
-        solution = close_with_full_torque(
-            grasp, grip, float(grasp.solve().torque_check.utilisation.max())
-        ).path.solution
-        pressed.append(solution.normal_force.max())
-    assert pressed[1] == pytest.approx(0.5 * pressed[0], rel=0.02)
+        share = float(grasp.solve().torque_check.utilisation.max())
+        forces.append(close_with_full_torque(grasp, grip, share).path.solution.normal_force.max())
+    assert forces[1] == pytest.approx(0.5 * forces[0], rel=0.02)
 
 
 def test_bad_questions_are_refused():

@@ -17,6 +17,13 @@ def pinch():
 
 
 @cache
+def flat_pinch():
+    """The same in a plane."""
+    sides = [hl.Contact((-R, 0), (1, 0), MU), hl.Contact((R, 0), (-1, 0), MU)]
+    return hl.Grasp(sides, flexibility=K, preload=K * N)
+
+
+@cache
 def cube(**more):
     """A cube of 0.2 kg in three fingertips, squeezed by 5 mm."""
     hand = hl.example_hand("three_finger", joint_stiffness=6.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from operator import index
 from typing import Any, overload
 from weakref import WeakValueDictionary
@@ -43,35 +44,12 @@ class GraspGroup:
     torques: Array
     utilisation: Array
 
-    def set_solution(self, row: int, grasp: Grasp, solution: GraspSolution) -> None:
-        """Write what a solution says into a row."""
-        self.forces[row] = solution.forces
-        self.displacement[row] = solution.object_displacement
-        if (mechanism := grasp.spec.mechanism) is not None:
-            torques: Array = getattr(solution, "torques")  # noqa: B009  that of `mechanism.solution_class`, a subclass
-            self._put_torques(row, torques, mechanism.limits)
-
-    def set_answer(self, row: int, grasp: Grasp, answer: CompiledAnswer) -> None:
-        """The same from an answer of the first stage that leaves nothing free, where forces are scaled or joints bear
-        them; everything else is there already.
-        """
-        spec, scene = grasp.spec, grasp.scene
-        components, n = scene.forces_to_contact_axes(answer.components), scene.n
-        self.forces[row] = components[: 3 * n].reshape(-1, 3)
-        if (mechanism := spec.mechanism) is not None:
-            torsion = scene.scatter_torsion(components[3 * n :]) if scene.soft else None
-            joints = read_joints(mechanism, scene, spec.effects, self.forces[row], torsion, {})
-            self._put_torques(row, joints.torque, mechanism.limits)
-
-    def _put_torques(self, row: int, torques: Array, limits: Array) -> None:
-        self.torques[row] = torques
-        np.divide(abs(torques), limits, out=self.utilisation[row])
-
-    def seal(self) -> GraspGroup:
-        """The same with arrays that nobody writes to any more."""
-        for a in (self.forces, self.displacement, self.torques, self.utilisation):
-            read_only(a)
-        return self
+    def set_row(self, row: int, grasp: Grasp, forces: Array, torques: Array | None) -> None:
+        """Write forces (n, 3) and torques (nv,) into a row."""
+        self.forces[row] = forces
+        if torques is not None and (mechanism := grasp.spec.mechanism) is not None:
+            self.torques[row] = torques
+            np.divide(abs(torques), mechanism.limits, out=self.utilisation[row])
 
 
 def make_groups(
@@ -85,22 +63,26 @@ def make_groups(
     singles : solutions that are no rows of `answers`. look : the solution of each grasp, made when it is looked at:
     here, where an answer leaves something free.
     """
-    number, row, groups = _make_empty_groups(batch.grasps)
-    for k, solution in singles.items():
+    grasps = batch.grasps
+    number, row, groups = _make_empty_groups(grasps)
+    free = [k for found in answers for k in found.at[found.is_certified & ~found.is_unique].tolist()]
+    for k, solution in chain(singles.items(), ((k, look[k]) for k in free)):  # one at a time: a batch may be large
         if solution.held:
-            groups[number[k]].set_solution(row[k], batch.grasps[k], solution)
+            groups[number[k]].set_row(row[k], grasps[k], solution.forces, getattr(solution, "torques", None))
+            groups[number[k]].displacement[row[k]] = solution.object_displacement
     for found in answers:
         direct = found.is_unique
-        for k in found.at[found.is_certified & ~direct].tolist():
-            groups[number[k]].set_solution(row[k], batch.grasps[k], look[k])
         for g in np.unique(number[found.at[direct]]).tolist():
             some = np.flatnonzero(direct & (number[found.at] == g))
-            _put_answers(groups[g], row, batch.grasps, found, some)
-    return tuple([g.seal() for g in groups])
+            _put_answers(groups[g], row, grasps, found, some)
+    for group in groups:
+        for a in (group.forces, group.displacement, group.torques, group.utilisation):
+            read_only(a)
+    return tuple(groups)
 
 
 def _put_answers(group: GraspGroup, row: Ints, grasps: Sequence[Grasp], found: FirstStageAnswers, some: Ints) -> None:
-    """Write these rows of the answers into the group."""
+    """Write these rows of the answers, which leave nothing free, into the group."""
     at, n, kind = found.at[some], found.kind.scene_kind.n, found.kind
     places, members = row[at], [grasps[k] for k in at.tolist()]
     components, twist, centre = found.forces_and_twists(some)
@@ -108,8 +90,15 @@ def _put_answers(group: GraspGroup, row: Ints, grasps: Sequence[Grasp], found: F
     arm = np.concatenate([g.spec.reference for g in members]).reshape(-1, 3) - centre
     group.displacement[places] = shift_twists(twist, arm)
     for i, place, g in zip(some.tolist(), places.tolist(), members, strict=True):
-        if g.spec.mechanism is not None or g.scene.scale is not None:
-            group.set_answer(place, g, CompiledAnswer(kind, found.rows[i]))
+        spec, scene, torques = g.spec, g.scene, None
+        if spec.mechanism is None and scene.scale is None:
+            continue  # it is there already: no joint bears the forces, and they are not scaled
+        own = scene.forces_to_contact_axes(CompiledAnswer(kind, found.rows[i]).components)
+        forces = own[: 3 * n].reshape(-1, 3)
+        if spec.mechanism is not None:
+            torsion = scene.scatter_torsion(own[3 * n :]) if scene.soft else None
+            torques = read_joints(spec.mechanism, scene, spec.effects, forces, torsion, {}).torque
+        group.set_row(place, g, forces, torques)
 
 
 def _make_empty_groups(grasps: Sequence[Grasp]) -> tuple[Ints, Ints, list[GraspGroup]]:
@@ -151,7 +140,10 @@ def make_columns(grasps: Sequence[Grasp], groups: Sequence[GraspGroup]) -> dict[
         columns.setdefault(name, np.full(m, np.nan))[at] = values
 
     for g in groups:
-        for names, rows in _by_names(grasps, g).items():
+        by_names = dict[tuple[str, ...], list[int]]()  # rows by the names of their contacts
+        for row, k in enumerate(g.at.tolist()):
+            by_names.setdefault(grasps[k].spec.names, []).append(row)
+        for names, rows in by_names.items():
             for i, name in enumerate(number_duplicates(names)):
                 for a, axis in enumerate("xyz"):
                     put(fingers, f"{name}.force_{axis}", g.at[rows], g.forces[rows, i, a])
@@ -161,28 +153,15 @@ def make_columns(grasps: Sequence[Grasp], groups: Sequence[GraspGroup]) -> dict[
             put(joints, f"{name}.torque", g.at, g.torques[:, j])
             put(joints, f"{name}.utilisation", g.at, g.utilisation[:, j])
         if g.joints:
-            most[g.at], binding[g.at] = g.utilisation.max(axis=1), _binding_joints(g)
+            most[g.at] = largest = g.utilisation.max(axis=1)
+            which = (g.utilisation >= (largest - OVER_LIMIT_TOLERANCE * largest)[:, None]).argmax(axis=1)
+            who = np.array(g.joints, dtype=object)[which]
+            who[~(largest > 0.0)] = None
+            binding[g.at] = who
     if joints:
         joints["utilisation"] = most
         return {**fingers, **whole, **joints, "binding": binding.tolist()}
     return {**fingers, **whole}
-
-
-def _by_names(grasps: Sequence[Grasp], group: GraspGroup) -> dict[tuple[str, ...], list[int]]:
-    """Rows of the group by the names of their contacts."""
-    rows: dict[tuple[str, ...], list[int]] = {}
-    for row, k in enumerate(group.at.tolist()):
-        rows.setdefault(grasps[k].spec.names, []).append(row)
-    return rows
-
-
-def _binding_joints(group: GraspGroup) -> Any:
-    """(k,) the joint with the highest utilisation; None where that is 0 or there is no answer."""
-    most = group.utilisation.max(axis=1)
-    which = (group.utilisation >= (most - OVER_LIMIT_TOLERANCE * most)[:, None]).argmax(axis=1)
-    names = np.array(group.joints, dtype=object)[which]
-    names[~(most > 0.0)] = None
-    return names
 
 
 # ----------------------------------------------------------------

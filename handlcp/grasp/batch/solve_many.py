@@ -90,6 +90,13 @@ class ExecutorJobs(Generic[J]):
 # What the first stage leaves: each grasp through the later stages by itself, here or in another process.
 
 
+class SingleSolution(NamedTuple):
+    """A solution with the place of its grasp in the batch."""
+
+    at: int
+    solution: GraspSolution
+
+
 @dataclass(frozen=True, slots=True)
 class UnsolvedGrasps:
     """Grasps as they travel, in one pickle: what they share, such as their hand, is in it once, and a grasp made by
@@ -102,12 +109,13 @@ class UnsolvedGrasps:
     solver: AnySolver
     proof: bool
 
-
-def solve_one(batch: GraspBatch, k: int, row: Array | None) -> GraspSolution:
-    """The solution of grasp k. row : what its first stage came to, where that is known."""
-    g = batch.grasps[k]
-    scene = replace(g.scene)  # a solve hangs matrices on its scene: on one that goes, so that no batch piles them up
-    return restore_scene(batch, k, _solve_from_row(g.spec, scene, batch.section(k), batch.solver, batch.proof, row))
+    def solve(self, k: int, scene: Scene) -> GraspSolution:
+        """The solution of grasp k with its scene; from its row, what the first stage came to, where that is known."""
+        spec, section, row = self.specs[k], self.sections[k], self.rows[k]
+        if row is None:
+            return solve_spec(spec, section, self.solver, scene=scene, proof=self.proof)
+        first = CompiledAnswer(get_compiled_kind(scene, section), row)
+        return solve_in_stages(spec, scene, section, self.solver, proof=self.proof, first=first)
 
 
 def pack_unsolved(batch: GraspBatch, at: Sequence[int], rows: dict[int, Array]) -> UnsolvedGrasps:
@@ -119,26 +127,19 @@ def pack_unsolved(batch: GraspBatch, at: Sequence[int], rows: dict[int, Array]) 
 @compile_in_background()
 def solve_unsolved(left: UnsolvedGrasps) -> list[GraspSolution]:
     """The solutions, without their scenes, wherever the grasps were sent."""
-    every = zip(left.specs, left.sections, left.rows, strict=True)
-    return [
-        replace(_solve_from_row(s, build_scene(s), own, left.solver, left.proof, row), scene=None)
-        for s, own, row in every
-    ]
+    return [replace(left.solve(k, build_scene(spec)), scene=None) for k, spec in enumerate(left.specs)]
 
 
-def restore_scene(batch: GraspBatch, k: int, solution: GraspSolution) -> GraspSolution:
+def solve_one(batch: GraspBatch, k: int, rows: dict[int, Array]) -> SingleSolution:
+    """The solution of grasp k, from its row, which is taken out."""
+    scene = replace(batch.grasps[k].scene)  # a solve hangs matrices on it: on one that goes, no batch piles them up
+    return restore_scene(batch, k, pack_unsolved(batch, [k], rows).solve(0, scene))
+
+
+def restore_scene(batch: GraspBatch, k: int, solution: GraspSolution) -> SingleSolution:
     """A solution with the scene of its grasp, and advice that is worked out when it is asked for."""
     g = batch.grasps[k]
-    return attach_advice(replace(solution, scene=g.scene), g.spec, batch.section(k))
-
-
-def _solve_from_row(
-    spec: GraspSpec, scene: Scene, section: Section, solver: AnySolver, proof: bool, row: Array | None
-) -> GraspSolution:
-    if row is None:
-        return solve_spec(spec, section, solver, scene=scene, proof=proof)
-    first = CompiledAnswer(get_compiled_kind(scene, section), row)
-    return solve_in_stages(spec, scene, section, solver, proof=proof, first=first)
+    return SingleSolution(k, attach_advice(replace(solution, scene=g.scene), g.spec, batch.section(k)))
 
 
 # ----------------------------------------------------------------
@@ -161,13 +162,6 @@ _MAX_SHARD_BYTES = 2**22  # bytes of a shard in the first stage, most: Dask warn
 _MAX_BYTES_SENT = 2**28  # bytes of shards on their way: a batch of any size needs no more memory than that
 
 
-class SingleSolution(NamedTuple):
-    """A solution with the place of its grasp in the batch."""
-
-    at: int
-    solution: GraspSolution
-
-
 FoundSolutions = Iterator[FirstStageAnswers | SingleSolution]
 
 
@@ -183,13 +177,12 @@ def solve_on_cores(batch: GraspBatch, workers: int) -> FoundSolutions:
     queue, begun, done = deque(sorted([*left, *rows])), time.perf_counter(), 0
     while queue:
         k = queue.popleft()
-        yield SingleSolution(k, solve_one(batch, k, rows.pop(k, None)))
+        yield solve_one(batch, k, rows)
         done += 1
         spent = time.perf_counter() - begun
         if workers > 1 and spent >= _TRIAL_SECONDS and spent / done * len(queue) > _MIN_PROCESS_SECONDS:
-            yield from _with_processes(
-                batch, queue, rows, workers, max(1, min(_MAX_LATER_GRASPS, round(_SHARD_SECONDS * done / spent)))
-            )
+            size = max(1, min(_MAX_LATER_GRASPS, round(_SHARD_SECONDS * done / spent)))
+            yield from _with_processes(batch, queue, rows, workers, size)
 
 
 def _with_processes(
@@ -203,9 +196,9 @@ def _with_processes(
                 jobs.send(at, solve_unsolved, pack_unsolved(batch, at, rows))
             if queue:
                 k = queue.popleft()
-                yield SingleSolution(k, solve_one(batch, k, rows.pop(k, None)))
+                yield solve_one(batch, k, rows)
             for at, solutions in jobs.finished_results(wait=not queue):
-                yield from (SingleSolution(k, restore_scene(batch, k, s)) for k, s in zip(at, solutions, strict=True))
+                yield from (restore_scene(batch, k, s) for k, s in zip(at, solutions, strict=True))
 
 
 def solve_on_executor(batch: GraspBatch, executor: Executor) -> FoundSolutions:
@@ -214,9 +207,9 @@ def solve_on_executor(batch: GraspBatch, executor: Executor) -> FoundSolutions:
     rows: dict[int, Array] = {}
     share = -(-len(batch) // _MIN_SHARDS)
     most = min(_FIRST_SHARD_GRASPS[1], max(_FIRST_SHARD_GRASPS[0], share))
-    first = deque(
-        [s for own in kinds for s in split_members([own], min(most, _MAX_SHARD_BYTES // (8 * own.kind.scene_width)))]
-    )
+    first = deque[BatchMembers]()
+    for own in kinds:
+        first += split_members([own], min(most, _MAX_SHARD_BYTES // (8 * own.kind.scene_width)))
     later = deque(_split(left, share))
     with ExecutorJobs[BatchMembers | list[int]](executor) as jobs:
         while first or later or len(jobs):
@@ -235,7 +228,7 @@ def solve_on_executor(batch: GraspBatch, executor: Executor) -> FoundSolutions:
                     if len(kept.at):
                         yield kept
                 else:
-                    yield from (SingleSolution(k, restore_scene(batch, k, s)) for k, s in zip(job, result, strict=True))
+                    yield from (restore_scene(batch, k, s) for k, s in zip(job, result, strict=True))
 
 
 def _split(left: list[int], share: int) -> Iterator[list[int]]:

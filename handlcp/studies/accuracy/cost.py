@@ -15,7 +15,7 @@ import numpy as np
 from handlcp.check import Array, check_call, check_integer, check_number, check_sequence, read_only
 from handlcp.contact.friction.section import MOST_FACES
 from handlcp.errors import InputError, UnknownName, Unsupported
-from handlcp.grasp import Effect, GeometricStiffness, Grasp, GraspSolution
+from handlcp.grasp import Effect, GeometricStiffness, Grasp
 from handlcp.grasp.derivatives.parameter.friction import with_friction
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.effects.joint_torque import FingerWeight
@@ -23,8 +23,8 @@ from handlcp.grasp.model import validate
 from handlcp.hand import HandGrasp
 from handlcp.lcp import Auto
 from handlcp.lcp.compiler.compile_policy import compile_now
-from handlcp.studies.accuracy.measure import Bench, Errors
-from handlcp.studies.accuracy.methods import FACES, METHODS, TOLERANCES, Method, Setting, settings
+from handlcp.studies.accuracy.measure import Bench, forces_determined
+from handlcp.studies.accuracy.methods import METHODS, Method, Setting, settings
 from handlcp.studies.accuracy.result import CERTIFIED, NOT_RUN, OTHER, AccuracyCost, Conditions, LeftOut, Reference, Row
 from handlcp.version import VERSION
 
@@ -37,26 +37,19 @@ _SEARCH = 0.5  # seconds of search in scenes that may have no answer
 
 def variants(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
     """(effect, what is put in its place, the grasp without it) for each effect that this scene has."""
-    scene = grasp.scene
+    spec, k, effects = grasp.spec, grasp.spec.of_hand, grasp.spec.effects
     yield from _stiffer(grasp)
-    bare = _touching(grasp)
+    offset = read_only(np.concatenate([np.zeros((k, 3)), spec.offset[k:]]))
+    others = tuple([e for e in effects if not isinstance(e, JointOffset)])  # a command of the joints is a squeeze, too
+    bare = type(grasp)(spec.replace(offset=offset, effects=others))
     if bare.offset.tolist() != grasp.offset.tolist():
         yield "preload and gaps", "fingers that just touch", bare
-    if (scene.mu > 0).any():
-        yield "friction", "smooth fingertips", type(grasp)(with_friction(grasp.spec, 0.0))
-    effects = grasp.spec.effects
+    if (grasp.scene.mu > 0).any():
+        yield "friction", "smooth fingertips", type(grasp)(with_friction(spec, 0.0))
     for e in effects:
         if e.by_name or isinstance(e, FingerWeight):
             instead = "none" if e.by_name else "fingers without weight"
             yield e.title, instead, _with_effects(grasp, tuple(x for x in effects if x is not e))
-
-
-def _touching(grasp: Grasp) -> Grasp:
-    """The grasp without squeezes and gaps of its fingers; a command of the joints is a squeeze, too."""
-    spec, k = grasp.spec, grasp.spec.of_hand
-    offset = np.concatenate([np.zeros((k, 3)), spec.offset[k:]])
-    effects = tuple([e for e in spec.effects if not isinstance(e, JointOffset)])
-    return type(grasp)(spec.replace(offset=read_only(offset), effects=effects))
 
 
 def _stiffer(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
@@ -87,23 +80,25 @@ def _stiffer(grasp: Grasp) -> Iterator[tuple[str, str, Grasp]]:
             yield "fingertip pads", "joints that give way, hard fingertips", _with(grasp, joints + around)
         if joints.any():
             rest = "soft fingertips" if pads.any() else "rigid fingers"
-            yield "joint compliance", f"stiff joints, {rest}", _with(_without_sag(grasp), pads + around)
+            effects = [replace(e, sags=False) if isinstance(e, FingerWeight) else e for e in grasp.spec.effects]
+            stiff_hand = _with_effects(grasp, tuple(effects))
+            yield "joint compliance", f"stiff joints, {rest}", _with(stiff_hand, pads + around)
     elif E.any():
         yield "finger flexibility", "rigid fingers", _with(grasp, np.zeros_like(E))
 
 
-def compare(reference: GraspSolution, errors: Errors, effect: str, instead: str, without: Grasp) -> LeftOut:
+def compare(bench: Bench, effect: str, instead: str, without: Grasp) -> LeftOut:
     """Solve the grasp without the effect on the exact cone, and compare.
 
     The solve starts from the reference, so that it finds the nearest equilibrium should there be several.
     """
+    reference = bench.reference
     solution = without.solve("cone", Auto(search_seconds=_SEARCH), throw=False, start=reference)
     if not solution.held:
         return LeftOut(effect, instead, solution.status.name.lower().replace("_", " "))
-    determined = solution.uniqueness is None or solution.uniqueness.forces_determined
-    known = reference.uniqueness is None or reference.uniqueness.forces_determined
-    status = CERTIFIED if determined or not known else UNDETERMINED
-    return LeftOut(effect, instead, status, **errors(solution.forces, solution.slip, without))
+    known = forces_determined(solution) or not forces_determined(reference)
+    status = CERTIFIED if known else UNDETERMINED
+    return LeftOut(effect, instead, status, **bench.errors(solution.forces, solution.slip, without))
 
 
 def _with(grasp: Grasp, flexibility: Array) -> Grasp:
@@ -114,12 +109,6 @@ def _with(grasp: Grasp, flexibility: Array) -> Grasp:
 def _with_effects(grasp: Grasp, effects: tuple[Effect, ...]) -> Grasp:
     """The grasp with these effects, checked anew: some of them depend on the others."""
     return type(grasp)(grasp.spec.replace(effects=validate.effects(effects, grasp.spec)))
-
-
-def _without_sag(grasp: HandGrasp) -> Grasp:
-    """The grasp with joints that do not give way to the fingers' weight."""
-    held = tuple(replace(e, sags=False) if isinstance(e, FingerWeight) else e for e in grasp.spec.effects)
-    return _with_effects(grasp, held)
 
 
 # ----------------------------------------------------------------
@@ -182,7 +171,7 @@ def accuracy_cost(
         bench.run(own[0], 0.0, 1)
     for effect, instead, without in simpler:
         say(f"without {effect}")
-        effects.append(compare(exact, bench.errors, effect, instead, without))
+        effects.append(compare(bench, effect, instead, without))
     begun = time.perf_counter()
     for k, (method, own) in enumerate(plan.items()):
         left = max(begun + seconds - time.perf_counter(), 0.0)
@@ -191,7 +180,15 @@ def accuracy_cost(
     took = time.perf_counter() - begun
     machine, processors = f"{platform.system()} {platform.machine()}", os.cpu_count() or 1
     where = Conditions(VERSION, platform.python_version(), machine, processors, date, repeats, seed, seconds, took)
-    return AccuracyCost(_reference(exact, bench), tuple(rows), tuple(effects), where, _notes(exact, rows))
+    forces, slip = (tuple(map(tuple, a.tolist())) for a in (exact.forces, exact.slip))
+    torques = None if bench.torques is None else tuple(bench.torques.tolist())
+    known, residuals, notes = forces_determined(exact), exact.residuals, list[str]()
+    if not known:
+        notes.append("the scene does not determine its forces: errors are distances from the smallest that will do")
+    if any(r.status == OTHER for r in rows):
+        notes.append("the scene has more than one equilibrium, and some settings reach another than the reference")
+    reference = Reference(exact.names, forces, slip, torques, residuals.motion_scale, residuals.worst, known)
+    return AccuracyCost(reference, tuple(rows), tuple(effects), where, tuple(notes))
 
 
 def _run(
@@ -221,41 +218,26 @@ def _run(
         yield row
 
 
-def _reference(exact: GraspSolution, bench: Bench) -> Reference:
-    forces, slip = (tuple(map(tuple, a.tolist())) for a in (exact.forces, exact.slip))
-    torques = None if bench.errors.torques is None else tuple(bench.errors.torques.tolist())
-    known = exact.uniqueness is None or exact.uniqueness.forces_determined
-    return Reference(exact.names, forces, slip, torques, exact.residuals.motion_scale, exact.residuals.worst, known)
-
-
-def _notes(exact: GraspSolution, rows: Sequence[Row]) -> tuple[str, ...]:
-    notes = []
-    if exact.uniqueness is not None and not exact.uniqueness.forces_determined:
-        notes.append("the scene does not determine its forces: errors are distances from the smallest that will do")
-    if any(r.status == OTHER for r in rows):
-        notes.append("the scene has more than one equilibrium, and some settings reach another than the reference")
-    return tuple(notes)
-
-
 def _check_arguments(
     grasp: Any, methods: Any, faces: Any, tolerances: Any
-) -> tuple[tuple[Method, ...], tuple[tuple[int, ...], bool], tuple[tuple[float, ...], bool]]:
-    """(methods, faces, tolerances), the latter two with whether they were asked for."""
+) -> tuple[tuple[Method, ...], Sequence[int] | None, Sequence[float] | None]:
+    """(methods, faces, tolerances), the latter two None where they were not asked for."""
     if not isinstance(grasp, Grasp):
         raise InputError("grasp", "a Grasp, or a HandGrasp", type(grasp).__name__)
     names = tuple(METHODS) if methods is None else _several("methods", methods, "method names")
     if unknown := [str(n) for n in names if not isinstance(n, str) or n not in METHODS]:
         raise UnknownName("methods", "a method", unknown, METHODS)
-    sides = FACES if faces is None else _several("faces", faces, "numbers of faces")
-    tols = TOLERANCES if tolerances is None else _several("tolerances", tolerances, "tolerances")
-    sides = tuple(sorted({check_integer("faces", m, 3, MOST_FACES) for m in sides}))
-    tols = tuple(sorted({check_number("tolerances", t, above=0.0) for t in tols}, reverse=True))
+    if faces is not None:
+        given = _several("faces", faces, "numbers of faces")
+        faces = sorted({check_integer("faces", m, 3, MOST_FACES) for m in given})
+    if tolerances is not None:
+        given = _several("tolerances", tolerances, "tolerances")
+        tolerances = sorted({check_number("tolerances", t, above=0.0) for t in given}, reverse=True)
     if grasp.scene.soft:
         raise Unsupported("accuracy_cost compares methods that know no soft fingers")
     if any(isinstance(e, GeometricStiffness) for e in grasp.effects):
         raise InputError("grasp", "one with one flexibility for all forces", "GeometricStiffness among its effects")
-    chosen = tuple(m for m in METHODS.values() if m.name in names)
-    return chosen, (sides, faces is not None), (tols, tolerances is not None)
+    return tuple(m for m in METHODS.values() if m.name in names), faces, tolerances
 
 
 def _several(argument: str, value: Any, what: str) -> tuple[Any, ...]:

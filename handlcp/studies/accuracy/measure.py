@@ -26,34 +26,26 @@ _AMPLIFIED = 1e3  # a force error beyond so many times the residual suggests ano
 _SAME = 1e-6  # relative difference of forces up to which two answers are the same equilibrium
 
 
-class Errors:
-    """How far forces, slips and torques are from those of the reference."""
+class Bench:
+    """Runs settings on one grasp, and compares answers with the reference."""
 
-    def __init__(self, grasp: Grasp, reference: GraspSolution) -> None:
-        self.grasp, self.forces, self.slip = grasp, reference.forces, reference.slip
+    def __init__(self, grasp: Grasp, reference: GraspSolution, repeats: int, seed: int) -> None:
+        self.grasp, self.reference, self.repeats, self.seed = grasp, reference, repeats, seed
         self.torques = _torques(grasp, reference.forces)
-        self.motion_scale = reference.residuals.motion_scale
+        self._problems: dict[Any, Any] = {}
 
-    def __call__(self, forces: Array, slip: Array, grasp: Grasp | None = None) -> dict[str, float | None]:
-        """Compare forces and slip with the reference: force_error, slip_error, torque_error.
+    def errors(self, forces: Array, slip: Array, grasp: Grasp | None = None) -> dict[str, float | None]:
+        """How far forces and slip are from those of the reference: force_error, slip_error, torque_error.
 
         grasp : the one whose torques count; None: the reference's.
         """
-        torques = _torques(grasp or self.grasp, forces)
+        exact, torques = self.reference, _torques(grasp or self.grasp, forces)
         off = None if torques is None or self.torques is None else _share(torques - self.torques, self.torques)
         return {
-            "force_error": _share(np.linalg.norm(forces - self.forces, axis=1), np.linalg.norm(self.forces, axis=1)),
-            "slip_error": _share(np.linalg.norm(slip - self.slip, axis=1), np.array([self.motion_scale])),
+            "force_error": _share(np.linalg.norm(forces - exact.forces, axis=1), np.linalg.norm(exact.forces, axis=1)),
+            "slip_error": _share(np.linalg.norm(slip - exact.slip, axis=1), np.array([exact.residuals.motion_scale])),
             "torque_error": off,
         }
-
-
-class Bench:
-    """Runs settings on one grasp."""
-
-    def __init__(self, grasp: Grasp, reference: GraspSolution, repeats: int, seed: int) -> None:
-        self.grasp, self.errors, self.repeats, self.seed = grasp, Errors(grasp, reference), repeats, seed
-        self._problems: dict[Any, Any] = {}
 
     def unknowns(self, s: Setting) -> int:
         """Number of unknowns of the problem that the method gets."""
@@ -71,13 +63,14 @@ class Bench:
             run = solver.propose
         proposal, times = time_runs(lambda: subject, run, self.repeats, seconds)
         scene, candidate = self.grasp.scene, problem.candidate(proposal.z / units)
-        verdict = certify_candidate(
-            scene, problem.effects, as_section(s.faces_asked, scene.plane is not None), candidate
-        )
-        worst = verdict.residuals.worst
+        section, outcome = as_section(s.faces_asked, scene.plane is not None), proposal.outcome
+        verdict = certify_candidate(scene, problem.effects, section, candidate)
+        worst, said = verdict.residuals.worst, CERTIFIED
         slip = np.where(scene.force_unknown_mask[:, None], verdict.motion.reshape(-1, 3)[:, :2], 0.0)
-        said = _status_of_outcome(proposal.outcome) if worst > 0 and not verdict.residuals.passes else CERTIFIED
-        found = _times(times) | {"iterations": proposal.iterations, "outcome": proposal.outcome}
+        if worst > 0 and not verdict.residuals.passes:  # the certifier refuses it: why, by the method's own words
+            met = outcome.startswith(("converged", "complementary basis"))
+            said = SPENT if "spent" in outcome else LOOSE if met else FAILED
+        found = _times(times) | {"iterations": proposal.iterations, "outcome": outcome}
         return self._row(s, said, worst, candidate, slip, found)
 
     def _whole(self, s: Setting, seconds: float) -> Row:
@@ -113,7 +106,7 @@ class Bench:
         assert isinstance(problem, GraspContactProblem)  # soft fingers are refused where the study begins
         there = problem.candidate(SemismoothNewton().propose_contact(problem, problem.natural(candidate)).z)
         verdict = certify_candidate(scene, problem.effects, as_section("cone", scene.plane is not None), there)
-        off = self.errors(there.forces, self.errors.slip)["force_error"]
+        off = self.errors(there.forces, self.reference.slip)["force_error"]
         return verdict.residuals.passes and off is not None and off > _SAME
 
     def _problem(self, s: Setting) -> Any:
@@ -158,6 +151,11 @@ def time_runs(
     return result, times or [first]
 
 
+def forces_determined(solution: GraspSolution) -> bool:
+    """Whether the scene determines the forces, as far as is known."""
+    return solution.uniqueness is None or solution.uniqueness.forces_determined
+
+
 def _torques(grasp: Grasp, forces: Array) -> Array | None:
     """(nv,) Jᵀ f, with the fingers' own weight where it was asked for; None without a hand."""
     if not isinstance(grasp, HandGrasp):
@@ -168,13 +166,6 @@ def _torques(grasp: Grasp, forces: Array) -> Array | None:
 def _times(times: list[float]) -> dict[str, Any]:
     low, median, high = np.percentile(times, [25, 50, 75]).tolist()
     return {"seconds": median, "seconds_low": low, "seconds_high": high, "runs": len(times)}
-
-
-def _status_of_outcome(outcome: str) -> str:
-    """The status of an answer that the certifier refuses, from the method's own words."""
-    if "spent" in outcome:
-        return SPENT
-    return LOOSE if outcome.startswith(("converged", "complementary basis")) else FAILED
 
 
 def _share(difference: Array, size: Array) -> float | None:

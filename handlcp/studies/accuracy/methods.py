@@ -107,19 +107,15 @@ class Setting:
 
 
 def settings(
-    methods: Sequence[Method],
-    faces: tuple[tuple[int, ...], bool],
-    tolerances: tuple[tuple[float, ...], bool],
-    pyramids: bool,
+    methods: Sequence[Method], faces: Sequence[int] | None, tolerances: Sequence[float] | None, pyramids: bool
 ) -> dict[Method, tuple[Setting, ...]]:
     """The settings of each method, in the order in which to run them: not every pair, unless both lists are given.
 
-    faces, tolerances : each with whether it was asked for. pyramids : whether the scene has any; without them LCPs are
-    exact, too, and faces mean nothing.
+    faces, tolerances : None: the study's own. pyramids : whether the scene has any; without them LCPs are exact, too,
+    and faces mean nothing.
     """
-    (sides, wanted), (tols, asked) = faces, tolerances
+    sides, tols, swept = faces or FACES, tolerances or TOLERANCES, faces or _SWEPT
     tight = min((t for t in tols if t >= SOLVE_TOLERANCE), default=min(tols))
-    swept = sides if wanted else tuple(m for m in _SWEPT if m in sides)
     out: dict[Method, tuple[Setting, ...]] = {}
     for method in methods:
         if method.form == "grasp":
@@ -132,7 +128,7 @@ def settings(
         elif not method.tolerant:
             cells = [Setting(method, m, "inscribed", None) for m in sides]
         else:
-            few = tols if asked else (method.own or tight,)
+            few = tolerances or (method.own or tight,)
             cells = [Setting(method, m, "inscribed", t) for m in swept for t in tols]
             cells += [Setting(method, m, "inscribed", t) for m in sides for t in few]
         out[method] = tuple(dict.fromkeys(cells))

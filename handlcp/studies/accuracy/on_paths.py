@@ -98,26 +98,15 @@ class PathCost(Record):
 
     def __str__(self) -> str:
         """A table and the summary."""
-        rows = [
-            (
-                r.question,
-                f"× {r.times:g}",
-                f"{r.steps}",
-                _milliseconds(r.seconds),
-                share(r.error),
-                share(r.estimate) if np.isfinite(r.estimate) else "–",
-            )
-            for r in self.rows
-        ]
+        rows = []
+        for r in self.rows:
+            took = f"{1e3 * r.seconds:.0f}" if r.seconds >= 0.1 else f"{1e3 * r.seconds:.3g}"
+            estimate = share(r.estimate) if np.isfinite(r.estimate) else "–"
+            rows.append((r.question, f"× {r.times:g}", f"{r.steps}", took, share(r.error), estimate))
         heads = "question", "asked", "steps", "time\nms", "error", "estimate"
         table = TextTable(heads, tuple(rows), "<>>>>>")
         said = f"{self.summary[0].upper()}{self.summary[1:]}."
         return f"{table}\n\n{wrap_text(said, '')}"
-
-
-def _milliseconds(seconds: float) -> str:
-    """In three digits, or whole ones."""
-    return f"{1e3 * seconds:.0f}" if seconds >= 0.1 else f"{1e3 * seconds:.3g}"
 
 
 @check_call()

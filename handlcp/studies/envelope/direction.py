@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from handlcp.check import Array, Bools, Ints, check_array, check_integer, count_dimensions, read_only
+from handlcp.check import Array, Ints, check_array, check_integer, count_dimensions, read_only
 from handlcp.errors import InputError
 from handlcp.geometry.mesh import solid_angles
 from handlcp.grasp.failure.failure_mode import FailureMode
@@ -50,7 +50,11 @@ class DirectionGrid:
         if not len(self.cells):
             return np.full(m, 1.0 / max(m, 1))
         corners = self.points[self.cells]
-        size = _segment_angles(corners) if self.cells.shape[1] == 2 else abs(solid_angles(corners))
+        if self.cells.shape[1] == 2:
+            a, b = corners[:, 0], corners[:, 1]
+            size = 2.0 * np.arctan2(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
+        else:
+            size = abs(solid_angles(corners))
         each = np.repeat(size / self.cells.shape[1], self.cells.shape[1])
         return np.asarray(np.bincount(self.cells.ravel(), each, m) / size.sum())
 
@@ -62,19 +66,14 @@ class DirectionGrid:
         middle = self.points[cut].sum(axis=1)
         points = np.concatenate([self.points, middle / np.linalg.norm(middle, axis=1)[:, None]])
         new = {(int(a), int(b)): len(self.points) + k for k, (a, b) in enumerate(cut.tolist())}
-        width = self.cells.shape[1]
-        touched = self._cells_with_edges(cut)
-        parts = [part for cell in self.cells[touched].tolist() for part in _divide_cell(cell, new, points)]
-        cells = np.concatenate([self.cells[~touched], np.array(parts, dtype=np.int64).reshape(-1, width)])
+        whole, parts = list[list[int]](), list[list[int]]()
+        for cell in self.cells.tolist():
+            if any((min(a, b), max(a, b)) in new for a, b in zip(cell, cell[1:] + cell[:1], strict=True)):
+                parts += _divide_cell(cell, new, points)
+            else:
+                whole.append(cell)
+        cells = np.array(whole + parts, dtype=np.int64).reshape(-1, self.cells.shape[1])
         return DirectionGrid(read_only(points), cells)
-
-    def _cells_with_edges(self, cut: Ints) -> Bools:
-        """(k,) which cells have one of these edges."""
-        c, m = self.cells, len(self.points)
-        keys = np.sort(cut, axis=1) @ np.array([m, 1])
-        sides = [(0, 1)] if c.shape[1] == 2 else [(0, 1), (1, 2), (2, 0)]
-        own = [np.sort(c[:, list(side)], axis=1) @ np.array([m, 1]) for side in sides]
-        return np.asarray(np.isin(np.array(own), keys).any(axis=0))
 
 
 def sphere_grid(count: int) -> DirectionGrid:
@@ -144,20 +143,12 @@ def _divide_cell(cell: list[int], new: dict[tuple[int, int], int], points: Array
     return [[ab, b, bc], [a, ab, c], [ab, bc, c]]
 
 
-def _segment_angles(pairs: Array) -> Array:
-    """(k,) between the ends of segments (k, 2, 3)."""
-    a, b = pairs[:, 0], pairs[:, 1]
-    return np.asarray(2.0 * np.arctan2(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1)))
-
-
 # ----------------------------------------------------------------
 # Which directions are asked for: all around, around a plane, or these.
 
 _PLANE_AXES = {"xy": (0, 1), "yz": (1, 2), "xz": (0, 2)}
-_MAX_DIRECTIONS, _DIRECTIONS_IN_PLANE = (
-    200_000,
-    72,
-)  # directions; those around a plane where no number is said: one every 5°
+_MAX_DIRECTIONS = 200_000
+_DIRECTIONS_IN_PLANE = 72  # where no number is said: one every 5°
 _FORMS = """a number of directions all around, a plane such as "xy" or its normal (3,), a plane and a number such as \
 ("xy", 72), (m, 3) directions, or (m, 6) wrenches"""
 
@@ -197,9 +188,8 @@ def read_directions(asked: Any) -> DirectionRequest:
         raise InputError("directions", f"{_FORMS}; none of them zero", f"{len(given)} rows")
     if given.shape[1] == 6:
         still = read_only(np.zeros((len(given), 3)))
-        return DirectionRequest(
-            DirectionGrid(still, np.zeros((0, 3), dtype=np.int64)), wrenches=given, is_refinable=False
-        )
+        grid = DirectionGrid(still, np.zeros((0, 3), dtype=np.int64))
+        return DirectionRequest(grid, wrenches=given, is_refinable=False)
     points = given / np.linalg.norm(given, axis=1)[:, None]
     return DirectionRequest(DirectionGrid(read_only(points), _join_all_around(points)), is_refinable=False)
 
@@ -250,16 +240,6 @@ class Compliance:
     least: float
     number: int
 
-    @classmethod
-    def from_factors(cls, factors: Array, bound: Array, shares: Array) -> Self:
-        """Compare factors (m,) with those of the bound (m,). shares (m,) : of all directions, what each stands for."""
-        known = np.flatnonzero(np.isfinite(bound) & (bound > 0.0) & np.isfinite(factors))
-        if not len(known):
-            return cls(np.nan, np.nan, 0)
-        kept = factors[known] / bound[known]
-        least = int(kept.argmin())
-        return cls(weighted_median(kept, shares[known]), float(kept[least]), int(known[least]))
-
 
 # ----------------------------------------------------------------
 # What gives out first in each direction, in words and as shares of all directions.
@@ -289,22 +269,16 @@ def group_causes(
     all directions each stands for. spec : of the grasp.
     """
     keys = [frozenset(some) for some in binds]
-    first = dict[frozenset[FailureMode], int]()
-    for k, key in enumerate(keys):
-        first.setdefault(key, k)
-    number = {key: k for k, key in enumerate(first)}
+    number = {key: k for k, key in enumerate(dict.fromkeys(keys))}
     own = np.array([number[key] for key in keys], dtype=np.int64)
-    part = np.bincount(own, shares, len(first))
+    part = np.bincount(own, shares, len(number))
     order = np.argsort(-part, kind="stable")
-    rank = np.empty_like(order)
-    rank[order] = np.arange(len(order))
     found = []
     for k in order.tolist():
-        here = own == k
-        some = binds[int(np.flatnonzero(here)[0])]
-        middle = weighted_median(factors[here], shares[here])
+        here = np.flatnonzero(own == k)
+        some, middle = binds[int(here[0])], weighted_median(factors[here], shares[here])
         found.append(Sector(some, describe_failures(some, spec), float(part[k]), float(factors[here].min()), middle))
-    return tuple(found), rank[own]
+    return tuple(found), np.argsort(order)[own]
 
 
 def weighted_median(values: Array, shares: Array) -> float:

@@ -7,20 +7,19 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Ints, check_call, check_integer, check_number
+from handlcp.check import Ints, check_call, check_integer
 from handlcp.contact.friction import Pyramid, as_section
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
 from handlcp.grasp.model.validate import height_above, wrench
 from handlcp.grasp.path.follow import geometry_of
 from handlcp.progress import Progress
-from handlcp.studies.envelope.direction import DirectionGrid, DirectionRequest, read_directions
+from handlcp.studies.envelope.direction import BindingCauses, DirectionGrid, DirectionRequest, read_directions
 from handlcp.studies.envelope.question import (
     FIXED_GEOMETRY,
     FOLLOWED_GEOMETRY,
     FORCE,
     WRENCH,
-    BindingCauses,
     DirectionalLoad,
     EnvelopeQuestion,
     read_load,
@@ -79,16 +78,14 @@ def envelope(
         raise InputError("grasp", "a Grasp", repr(grasp)[:80])
     if geometry not in (None, FIXED_GEOMETRY, FOLLOWED_GEOMETRY):
         raise InputError("geometry", '"fixed", "followed" or None', repr(geometry)[:80])
-    far = None if motion is None else check_number("motion", motion, above=0.0)
-    wide = None if turn is None else check_number("turn", turn, above=0.0)
-    near = None if accuracy is None else check_number("accuracy", accuracy, above=0.0)
     rounds = check_integer("adaptive", adaptive, 0, 12)
     section = as_section(faces, planar=grasp.scene.kind.planar)
     asked, load = _read_question(grasp, directions, of, at)
-    how = geometry or (
-        FOLLOWED_GEOMETRY if len(asked.grid.points) <= _MAX_FOLLOWED_DIRECTIONS and _is_quick(grasp) else FIXED_GEOMETRY
-    )
-    question = EnvelopeQuestion(load, section, how, far, wide, near)
+    how = geometry or FIXED_GEOMETRY
+    if geometry is None and len(asked.grid.points) <= _MAX_FOLLOWED_DIRECTIONS:
+        moves = geometry_of(grasp.spec, None)
+        how = FOLLOWED_GEOMETRY if moves.follows and moves.quick else FIXED_GEOMETRY
+    question = EnvelopeQuestion.read(load, section, how, motion, turn, accuracy)
     grid, (factors, binds, off) = asked.grid, question.find_factors(asked.grid.points, asked.wrenches, progress)
     room = round(_MAX_ADDED_SHARE * len(grid.points))
     for _ in range(rounds if asked.is_refinable else 0):
@@ -99,12 +96,6 @@ def envelope(
         more, why, apart = question.find_factors(grid.points[before:], None, progress)
         factors, binds, off, room = np.append(factors, more), (*binds, *why), np.append(off, apart), room - len(cut)
     return Envelope(question, grid, asked.wrenches, factors, binds, asked.plane, off)
-
-
-def _is_quick(grasp: Grasp) -> bool:
-    """Whether following the grasp's contacts takes little time."""
-    moves = geometry_of(grasp.spec, None)
-    return moves.follows and moves.quick
 
 
 def _read_question(grasp: Grasp, directions: Any, of: Any, at: Any) -> tuple[DirectionRequest, DirectionalLoad]:

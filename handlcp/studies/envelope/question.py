@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from handlcp.check import Array, Bools, check_array, read_only
+from handlcp.check import Array, Bools, check_array, check_number, read_only
 from handlcp.contact.friction import Section
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
@@ -20,6 +20,7 @@ from handlcp.grasp.verify.static_load_bound import static_load_bounds
 from handlcp.hand import HandGrasp
 from handlcp.lcp.compiler.compile_policy import compile_in_background
 from handlcp.progress import Progress, track_progress
+from handlcp.studies.envelope.direction import BindingCauses
 
 # ----------------------------------------------------------------
 # What an envelope loads the object with: a force, a torque, its weight in any orientation of the hand, or wrenches.
@@ -87,17 +88,14 @@ def read_load(grasp: Grasp, of: Any, at: Any) -> DirectionalLoad:
         g = given or _STANDARD_GRAVITY
         point = point if target is None else target.center_of_mass
         grasp = grasp.replace(mass=0.0) if mass else grasp  # type: ignore[call-arg]  # it is a hand's
-    return DirectionalLoad(
-        of, grasp, read_only(np.array(point if of in (FORCE, GRAVITY) else np.full(3, np.nan))), g, mass
-    )
+    where = np.array(point) if of in (FORCE, GRAVITY) else np.full(3, np.nan)
+    return DirectionalLoad(of, grasp, read_only(where), g, mass)
 
 
 # ----------------------------------------------------------------
 
 FIXED_GEOMETRY, FOLLOWED_GEOMETRY = "fixed", "followed"
 _DIRECTIONS_PER_CALL = {FIXED_GEOMETRY: 64, FOLLOWED_GEOMETRY: 4}  # directions that are asked for at once
-
-BindingCauses = tuple[FailureMode, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +111,16 @@ class EnvelopeQuestion:
     geometry: str
     motion: float | None
     turn: float | None
-    accuracy: float | None = None
+    accuracy: float | None
+
+    @classmethod
+    def read(
+        cls, load: DirectionalLoad, section: Section, geometry: str, motion: Any, turn: Any, accuracy: Any
+    ) -> EnvelopeQuestion:
+        """The question with its limits checked: numbers above 0, or None. Raises InputError."""
+        asked = {"motion": motion, "turn": turn, "accuracy": accuracy}
+        far, wide, near = (None if x is None else check_number(name, x, above=0.0) for name, x in asked.items())
+        return cls(load, section, geometry, far, wide, near)
 
     def wrenches(self, directions: Array, given: Array | None) -> Array:
         """(m, 6) for a factor of 1. given : in place of those of the directions."""
@@ -130,19 +137,17 @@ class EnvelopeQuestion:
         """
         wrenches, m = self.wrenches(directions, given), len(directions)
         factors, binds, off = np.empty(m), list[BindingCauses]([()] * m), np.empty(m)
+        size, asked = _DIRECTIONS_PER_CALL[self.geometry], (self.motion, self.turn, self.accuracy)
         with track_progress("directions", m, progress) as done, compile_in_background(m):
             done(0)
             for spec, where in self.load.specs(directions):
                 every = np.flatnonzero(where)
-                for start in range(0, len(every), _DIRECTIONS_PER_CALL[self.geometry]):
-                    here = every[start : start + _DIRECTIONS_PER_CALL[self.geometry]]
-                    most = self.motion, self.turn
-                    found = limits_of(spec, self.section, wrenches[here], self.geometry, *most, self.accuracy)
+                for here in (every[start : start + size] for start in range(0, len(every), size)):
+                    found = limits_of(spec, self.section, wrenches[here], self.geometry, *asked)
                     factors[here], off[here] = found.factors, found.accuracy
                     for k, some in zip(here.tolist(), found.binds, strict=True):
                         binds[k] = some
-                    endless = here[np.isinf(found.factors)]
-                    if len(endless):
+                    if len(endless := here[np.isinf(found.factors)]):
                         known = static_load_bounds(spec, self.section, wrenches[endless]).factors
                         for k in endless[np.isfinite(known)].tolist():
                             factors[k], binds[k] = np.nan, (FailureMode(UNDECIDED, OBJECT),)

@@ -14,28 +14,20 @@ from handlcp.grasp import Grasp
 from handlcp.grasp.failure.failure_text import NOTHING_FAILS, describe_failures
 from handlcp.lazy_property import lazy_property
 from handlcp.record import Record, make_data_frame, package_versions, pick_entries
-from handlcp.studies.envelope.direction import Compliance, DirectionGrid, Sector, group_causes
-from handlcp.studies.envelope.question import FOLLOWED_GEOMETRY, BindingCauses, EnvelopeQuestion
+from handlcp.studies.envelope.direction import (
+    BindingCauses,
+    Compliance,
+    DirectionGrid,
+    Sector,
+    group_causes,
+    weighted_median,
+)
+from handlcp.studies.envelope.question import FOLLOWED_GEOMETRY, EnvelopeQuestion
 from handlcp.words import TextTable, wrap_text
 
 _MAX_TABLE_ROWS = 8  # causes of a table; the rest are one row
 _LOAD_NAMES = {"force": "a force", "torque": "a torque", "gravity": "gravity", "wrench": "the load"}
 _AXIS_NAMES = ("x", "y", "z")
-
-
-def format_envelope(env: Any) -> str:
-    """An envelope as the text that prints: see `Envelope.__str__`."""
-    if env.strongest.factor == 0.0:
-        return "\n".join([wrap_text(_describe_question(env), "  "), wrap_text(envelope_headline(env), "  ")])
-    told = (
-        _describe_question(env),
-        *_extreme_lines(env),
-        describe_compliance(env),
-        describe_geometry(env),
-        _describe_accuracy(env),
-    )
-    lines = [wrap_text(line, "  ") for line in told if line]
-    return "\n".join([*lines, "", str(_cause_table(env))])
 
 
 def envelope_headline(env: Any) -> str:
@@ -49,7 +41,9 @@ def envelope_headline(env: Any) -> str:
     if env.strongest.factor == 0.0:
         return f"the grasp does not hold without a load: {_describe_cause(env, w)}"
     but = f" but {left} that are undecided" if left else ""
-    held = f"the grasp holds {format_factor(env, w.factor)}{_describe_scope(env)}{but}"
+    around = " in every direction" if len(env.triangles) else ""
+    scope = around if env.plane is None else " in every direction of the plane"
+    held = f"the grasp holds {format_factor(env, w.factor)}{scope}{but}"
     return f"{held}; weakest {where}: {_describe_cause(env, w)}"
 
 
@@ -72,9 +66,8 @@ def _describe_accuracy(env: Any) -> str:
     k, m = int(off.argmax()), int((off <= asked).sum())
     few = "all" if m == len(off) else f"{m} of"
     text = f"estimated to be within {words.format_percent(asked)} in {few} {len(off)} directions"
-    return (
-        text if m == len(off) else f"{text}; off by {words.format_percent(float(off[k]))} {_describe_direction(env, k)}"
-    )
+    most = words.format_percent(float(off[k]))
+    return text if m == len(off) else f"{text}; off by {most} {_describe_direction(env, k)}"
 
 
 def format_factor(env: Any, factor: float) -> str:
@@ -105,11 +98,6 @@ def _describe_cause(env: Any, extreme: Any) -> str:
     return describe_failures(extreme.binds, env.grasp.spec)
 
 
-def _describe_scope(env: Any) -> str:
-    around = env.plane is None and len(env.triangles)
-    return " in every direction" if around else " in every direction of the plane" if env.plane is not None else ""
-
-
 def _describe_direction(env: Any, k: int) -> str:
     """Direction k of an envelope in words, such as "along +x"; of wrenches, which one."""
     return f"with wrench {k + 1}" if env.of == "wrench" else f"along {format_direction(env.directions[k])}"
@@ -127,14 +115,6 @@ def _describe_question(env: Any) -> str:
     return f"how much it holds: {what}, {m} {ways}{f' {around}' if around else ''}"
 
 
-def _extreme_lines(env: Any) -> list[str]:
-    w, s = env.weakest, env.strongest
-    return [
-        f"weakest: {format_factor(env, w.factor)} {_describe_direction(env, w.number)}: {_describe_cause(env, w)}",
-        f"strongest: {format_factor(env, s.factor)} {_describe_direction(env, s.number)}: {_describe_cause(env, s)}",
-    ]
-
-
 def describe_compliance(env: Any) -> str:
     """What passive compliance gives away, in words; "" where nothing is known of it."""
     c = env.compliance
@@ -147,11 +127,8 @@ def describe_compliance(env: Any) -> str:
         return f"in this posture, {text}"
     if c.least > 1.0 - 1e-6:
         return f"{text}; the compliant fingers hold all that these limits allow"
-    where, half, least = (
-        _describe_direction(env, c.number),
-        words.format_percent(c.median),
-        words.format_percent(c.least),
-    )
+    where = _describe_direction(env, c.number)
+    half, least = words.format_percent(c.median), words.format_percent(c.least)
     return (
         f"{text}; the compliant fingers do not create all of these forces: in half of the {ways} they hold at most "
         f"{half} of what the limits allow there, {where} only {least}"
@@ -163,22 +140,16 @@ def _cause_table(env: Any) -> TextTable:
     shown, rest = env.causes[:_MAX_TABLE_ROWS], env.causes[_MAX_TABLE_ROWS:]
     if len(rest) == 1:
         shown, rest = env.causes, ()
-    rows = [(c.says, words.format_percent(c.share), *_format_factors(env, c.least, c.median)) for c in shown]
+    found = [(c.says, c.share, c.least, c.median) for c in shown]
     if rest:
         least = min([c.least for c in rest], key=lambda x: (np.isnan(x), x))
-        rows.append(
-            (
-                f"{len(rest)} more",
-                words.format_percent(sum(c.share for c in rest)),
-                *_format_factors(env, least, np.nan),
-            )
-        )
+        found.append((f"{len(rest)} more", sum(c.share for c in rest), least, np.nan))
+    rows = []
+    for says, share, *factors in found:
+        texts = ["any" if np.isinf(x) else "" if np.isnan(x) else f"{x:.3g}" for x in factors]
+        rows.append((says, words.format_percent(share), *texts))
     unit = f"\n{env.unit}" if env.unit else ""
     return TextTable(("what gives out first", "directions", f"least{unit}", f"median{unit}"), tuple(rows), "<>>>")
-
-
-def _format_factors(env: Any, *values: float) -> list[str]:
-    return ["any" if np.isinf(x) else "" if np.isnan(x) else f"{x:.3g}" for x in values]
 
 
 # ----------------------------------------------------------------
@@ -295,27 +266,28 @@ class Envelope(Record):
         """(m,) number in `causes` of what gives out first in each direction."""
         return self._grouped_causes[1]
 
-    @property
+    @lazy_property
     def bound(self) -> Array:
         """The factors (m,) without compliance: as long as any forces within friction and torque limits balance the
         load, whether or not these fingers create them. Computed when it is first asked for.
         """
-        return self._bound_factors
+        return read_only(self.question.find_bound_factors(self.directions, self.given))
 
     @property
     def compliance(self) -> Compliance:
         """What passive compliance leaves: factors as shares of `bound`, over the directions where that is finite. Their
         `median`; the `least`, and the `number` of its direction.
         """
-        return Compliance.from_factors(self.factors, self.bound, self.shares)
+        known = np.flatnonzero(np.isfinite(self.bound) & (self.bound > 0.0) & np.isfinite(self.factors))
+        if not len(known):
+            return Compliance(np.nan, np.nan, 0)
+        kept = self.factors[known] / self.bound[known]
+        least = int(kept.argmin())
+        return Compliance(weighted_median(kept, self.shares[known]), float(kept[least]), int(known[least]))
 
     @lazy_property
     def _grouped_causes(self) -> tuple[tuple[Sector, ...], Ints]:
         return group_causes(self.binds, self.factors, self.shares, self.grasp.spec)
-
-    @lazy_property
-    def _bound_factors(self) -> Array:
-        return read_only(self.question.find_bound_factors(self.directions, self.given))
 
     def _extreme_at(self, k: int) -> Extreme:
         return Extreme(k, self.directions[k], float(self.factors[k]), self.binds[k])
@@ -374,28 +346,13 @@ class Envelope(Record):
     def _entry_lines(self) -> tuple[str, ...]:
         held = self.held_as
         return (
-            "of",
-            "geometry",
-            "at_m (3,) = question.load.at",
-            "object_mass_kg = question.load.mass",
-            "motion_m = question.motion",
-            "turn_rad = question.turn",
-            "accuracy_asked = question.accuracy",
-            "accuracy (m,)",
-            "plane (2, 3)",
-            "weakest",
-            "strongest",
-            "causes",
-            "share_of_bound.median = compliance.median",
-            "share_of_bound.least = compliance.least",
-            "directions (m, 3)",
-            "wrenches_N_Nm (m, 6)",
-            f"{held} (m,) = factors",
-            f"bound_{held} (m,) = bound",
-            "cause (m,)",
-            "share (m,) = shares",
-            "triangles (k, 3)",
-        )
+            "of", "geometry", "at_m (3,) = question.load.at", "object_mass_kg = question.load.mass",
+            "motion_m = question.motion", "turn_rad = question.turn", "accuracy_asked = question.accuracy",
+            "accuracy (m,)", "plane (2, 3)", "weakest", "strongest", "causes",
+            "share_of_bound.median = compliance.median", "share_of_bound.least = compliance.least",
+            "directions (m, 3)", "wrenches_N_Nm (m, 6)", f"{held} (m,) = factors", f"bound_{held} (m,) = bound",
+            "cause (m,)", "share (m,) = shares", "triangles (k, 3)",
+        )  # fmt: skip
 
     @property
     def held_as(self) -> str:
@@ -404,7 +361,17 @@ class Envelope(Record):
 
     def __str__(self) -> str:
         """What was asked, the weakest and the strongest direction, a table of what gives out first."""
-        return format_envelope(self)
+        w, s = self.weakest, self.strongest
+        if s.factor == 0.0:
+            return "\n".join([wrap_text(text, "  ") for text in (_describe_question(self), envelope_headline(self))])
+        ways = [
+            f"{how}: {format_factor(self, one.factor)} {_describe_direction(self, one.number)}: "
+            f"{_describe_cause(self, one)}"
+            for how, one in (("weakest", w), ("strongest", s))
+        ]
+        told = [_describe_question(self), *ways, describe_compliance(self), describe_geometry(self)]
+        lines = [wrap_text(line, "  ") for line in (*told, _describe_accuracy(self)) if line]
+        return "\n".join([*lines, "", str(_cause_table(self))])
 
     def __repr__(self) -> str:
         return f"Envelope(of={self.of!r}, {len(self.factors)} directions, weakest={self.weakest.factor:.6g})"

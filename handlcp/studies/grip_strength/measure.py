@@ -31,8 +31,7 @@ from handlcp.hand.torque_check import MIN_TORQUE_SHARE
 from handlcp.lazy_property import lazy_property
 from handlcp.progress import track_progress
 from handlcp.robot.hand_model import HandModel
-from handlcp.studies.grip_strength.result import Grip, SplitCylinder
-from handlcp.studies.grip_strength.split_force import ContactsAroundAxis
+from handlcp.studies.grip_strength.result import ContactsAroundAxis, Grip, SplitCylinder
 
 _SQUEEZE_ORDER, _FULL_ORDER = ("squeeze",), ("squeeze", "load")
 _SEARCH_FACTOR = 1.25  # times the grip that small motions ask for: how far a path goes that looks for a limit
@@ -63,10 +62,8 @@ class FullTorqueGrasp:
 
 def require_torque_limits(hand: HandModel) -> None:
     """Raises InputError unless the torque of every joint is limited."""
-    unknown = [
-        name for name, most in zip(hand.joint_names, hand.torques.peak_limits, strict=True) if not np.isfinite(most)
-    ]
-    if unknown:
+    limits = zip(hand.joint_names, hand.torques.peak_limits, strict=True)
+    if unknown := [name for name, most in limits if not np.isfinite(most)]:
         expected = "a hand with a torque limit for each joint: hand.replace(torque_limits=...)"
         raise InputError("hand", expected, f"none for {', '.join(unknown)}")
 
@@ -91,16 +88,15 @@ def close_with_full_torque(grasp: HandGrasp, force: Array, share: float) -> Full
     for _ in range(_MAX_ROUNDS):
         made = grasp.replace(grip_force=factor * force)
         path = made.follow(order=_FULL_ORDER)
-        most = _largest_limit_share(limits, path.last)
+        most = largest_limit_share(limits, path.last)
         if most <= 1.0:
             break
         factor *= (1.0 - _TORQUE_MARGIN) / most
     if ends:
         return FullTorqueGrasp(made, path, ends, describe_failures(ends, grasp.spec))
     if lost is None or lost.outcome.is_given_up:
-        return FullTorqueGrasp(
-            made, path, (FailureMode(UNDECIDED, OBJECT),), "a harder grip was not followed to its end"
-        )
+        says = "a harder grip was not followed to its end"
+        return FullTorqueGrasp(made, path, (FailureMode(UNDECIDED, OBJECT),), says)
     why = lost.why.partition(": ")[2] or lost.why
     return FullTorqueGrasp(made, path, (FailureMode(EQUILIBRIUM, OBJECT),), f"a harder grip is not held: {why}")
 
@@ -108,24 +104,20 @@ def close_with_full_torque(grasp: HandGrasp, force: Array, share: float) -> Full
 def _share_within_limits(limits: StateLimits, path: Loading) -> tuple[float, tuple[FailureMode, ...]]:
     """The share of the squeeze up to which no joint is beyond a limit, and what is at one; () where none is."""
     states, shares = path.steps.states, path.steps.share
-    most = np.array([_largest_limit_share(limits, state) for state in states])
+    most = np.array([largest_limit_share(limits, state) for state in states])
     over = np.flatnonzero(most > 1.0)
     if not len(over):
         return float(shares[-1]), ()
-    k = int(over[0])
-    if k == 0:
-        return 0.0, _binding_limits(limits, states[0])
-    part = (1.0 - most[k - 1]) / (most[k] - most[k - 1])
-    return float(shares[k - 1] + part * (shares[k] - shares[k - 1])), _binding_limits(limits, states[k])
+    k, share = int(over[0]), 0.0
+    if k > 0:
+        part = (1.0 - most[k - 1]) / (most[k] - most[k - 1])
+        share = float(shares[k - 1] + part * (shares[k] - shares[k - 1]))
+    return share, find_binding(limits, states[k].efforts, states[k].where.q, near=_BINDING_TOLERANCE)
 
 
-def _largest_limit_share(limits: StateLimits, state: State) -> float:
+def largest_limit_share(limits: StateLimits, state: State) -> float:
     """The largest share of a joint limit that is used in a state; 0 where none is known."""
     return float(np.nanmax(limit_shares(limits, state.efforts, state.where.q), initial=0.0))
-
-
-def _binding_limits(limits: StateLimits, state: State) -> tuple[FailureMode, ...]:
-    return find_binding(limits, state.efforts, state.where.q, near=_BINDING_TOLERANCE)
 
 
 # ----------------------------------------------------------------
@@ -185,12 +177,16 @@ def split_cylinder(
 
     def try_grip(kind: str, make: Callable[[], FullTorqueGrasp]) -> Grip | None:
         try:
-            return _make_grip(kind, make(), split)
+            one = make()
         except InputError:
             raise
         except HandLCPError as error:
             missing[kind] = str(error)
             return None
+        around, solution = _contacts_around_axis(one), one.path.solution
+        n = around.closing_normal if split is None else split
+        around.split_force(n)  # raises InputError for a normal along the axis
+        return Grip(kind, n, one.binds, one.says, one.verdict.word, one.grasp, solution, around)  # type: ignore[arg-type]  # a hand's
 
     with track_progress("closing the hand on a split cylinder"):
         pinch = try_grip(PINCH, lambda: _close_pinch(hand, cylinder, friction, fingers)) if PINCH in grasps else None
@@ -221,15 +217,8 @@ def _close_pinch(hand: Hand, cylinder: Cylinder, friction: Any, fingers: Sequenc
 def _close_power(hand: Hand, cylinder: Cylinder, friction: Any, placed: bool) -> FullTorqueGrasp:
     """All links that touch, every joint that bends closing with its torque limit. Raises NotReached, NoGraspFound."""
     if placed:
-        state = hand.at(hand.neutral)
-        grasp = state.grasp(
-            cylinder,
-            friction,
-            gravity=_NO_GRAVITY,
-            links="all",
-            closing_torque=hand.torques.peak_limits,
-            hold_object=True,
-        )
+        closing: dict[str, Any] = {"links": "all", "closing_torque": hand.torques.peak_limits, "hold_object": True}
+        grasp = hand.at(hand.neutral).grasp(cylinder, friction, gravity=_NO_GRAVITY, **closing)
     else:
         found = find_grasp(hand, cylinder, kind=POWER, friction=friction, gravity=_NO_GRAVITY)
         grasp = found[0].grasp.replace(closing_torque=hand.torques.peak_limits)
@@ -254,10 +243,3 @@ def _contacts_around_axis(one: FullTorqueGrasp) -> ContactsAroundAxis:
     assert target is not None  # the cylinder
     (axes, middle), (turned, moved) = target.frame, one.path.last.where.pose
     return ContactsAroundAxis.from_solution(one.path.solution, turned @ axes[:, 2], turned @ middle + moved)
-
-
-def _make_grip(kind: str, one: FullTorqueGrasp, normal: Any) -> Grip:
-    around, solution = _contacts_around_axis(one), one.path.solution
-    split = around.closing_normal if normal is None else normal
-    around.split_force(split)  # raises InputError for a normal along the axis
-    return Grip(kind, split, one.binds, one.says, one.verdict.word, one.grasp, solution, around)  # type: ignore[arg-type]  # a hand's

@@ -15,7 +15,7 @@ g. So over all directions of d and s together the least mass is that over v / |v
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -45,7 +45,7 @@ from handlcp.studies.envelope.question import (
     EnvelopeQuestion,
     read_load,
 )
-from handlcp.studies.payload.result import Orientation, Payload
+from handlcp.studies.payload.result import Orientation, Payload, mass_order
 
 ANY, SIX = "any", 6
 _IN_PLANE_TOLERANCE = 1e-9
@@ -67,27 +67,24 @@ def find_payload(
     if geometry not in (None, FIXED_GEOMETRY, FOLLOWED_GEOMETRY):
         raise InputError("geometry", '"fixed", "followed" or None', repr(geometry)[:80])
     more = check_number("acceleration", acceleration, minimum=0.0)
-    far = None if motion is None else check_number("motion", motion, above=0.0)
-    wide = None if turn is None else check_number("turn", turn, above=0.0)
-    near = None if accuracy is None else check_number("accuracy", accuracy, above=0.0)
     section, moves = as_section(faces, planar=grasp.scene.kind.planar), geometry_of(grasp.spec, geometry)
     how = FOLLOWED_GEOMETRY if moves.follows else FIXED_GEOMETRY
     searched = FOLLOWED_GEOMETRY if moves.follows and (geometry == FOLLOWED_GEOMETRY or moves.quick) else FIXED_GEOMETRY
-    question = _PayloadQuestion(
-        EnvelopeQuestion(read_load(_refer_to_mass_centre(grasp), GRAVITY, None), section, how, far, wide, near), more
-    )
+    load = read_load(_refer_to_mass_centre(grasp), GRAVITY, None)
+    question = EnvelopeQuestion.read(load, section, how, motion, turn, accuracy)
     axes = _gravity_axes(grasp.spec.plane)
     ways, tried = axes, len(axes)
-    if orientations == ANY:
+    if orientations == ANY:  # with the hand accelerating against gravity, which is worst
+        pulled = replace(question, geometry=searched, load=replace(load, gravity=load.gravity + more))
         with track_progress("directions"):
-            worst, tried = _find_worst_direction(question.with_acceleration(searched), grasp.spec.plane)
+            worst, tried = _find_worst_direction(pulled, grasp.spec.plane)
         ways = np.vstack([axes, worst])
+    rows = []
     with track_progress("orientations", len(ways)) as done:
-        rows = []
         for k, d in enumerate(ways):
-            rows.append(question.find_least_mass(d, axes if k < len(axes) else -d[None]))
+            rows.append(_find_least_mass(question, more, d, axes if k < len(axes) else -d[None]))
             done(1)
-    return Payload(tuple(rows), orientations, more, how, question.question.load, tried, searched)
+    return Payload(tuple(rows), orientations, more, how, load, tried, searched)
 
 
 def check_orientations(value: Any) -> None:
@@ -123,40 +120,17 @@ def _gravity_axes(plane: Array | None) -> Array:
 # One direction of gravity: the least mass over the ways that the hand accelerates.
 
 
-@dataclass(frozen=True, slots=True)
-class _PayloadQuestion:
-    """The question for the largest mass, with the hand accelerating.
-
-    question : the question that an envelope asks of gravity.
-    acceleration : a of the hand [m/s²], 0 at rest.
-    """
-
-    question: EnvelopeQuestion
-    acceleration: float
-
-    def with_acceleration(self, geometry: str) -> EnvelopeQuestion:
-        """The question in this geometry, the hand accelerating against gravity, which the factors are masses of."""
-        load = self.question.load
-        return replace(self.question, geometry=geometry, load=replace(load, gravity=load.gravity + self.acceleration))
-
-    def find_least_mass(self, d: Array, ways: Array) -> Orientation:
-        """The least mass with gravity along d (3,), while the hand accelerates along any of `ways` (k, 3)."""
-        return min(
-            [
-                self._make_orientation(d, *pull)
-                for pull in _accelerated_loads(self.question.load, d, self.acceleration, ways)
-            ],
-            key=_mass_order,
-        )
-
-    def _make_orientation(self, d: Array, s: Array, spec: GraspSpec, wrench: Array) -> Orientation:
-        q = self.question
+def _find_least_mass(q: EnvelopeQuestion, acceleration: float, d: Array, ways: Array) -> Orientation:
+    """The least mass with gravity along d (3,), while the hand accelerates [m/s²] along any of `ways` (k, 3)."""
+    rows = []
+    for s, spec, wrench in _accelerated_loads(q.load, d, acceleration, ways):
         limit = load_limit(spec, q.section, wrench, q.geometry, q.motion, q.turn, q.accuracy)
         mass, binds = limit.factor, limit.binds
         if np.isinf(mass) and np.isfinite(limit.bound):
             mass, binds = np.nan, (FailureMode(UNDECIDED, OBJECT),)
         says = (describe_missing_squeeze(spec) if mass < _NEGLIGIBLE_MASS else "") or describe_failures(binds, spec)
-        return Orientation(read_only(d.copy()), mass, binds, says, s, limit)
+        rows.append(Orientation(read_only(d.copy()), mass, binds, says, s, limit))
+    return min(rows, key=mass_order)
 
 
 def unit_mass_loads(grasp: Grasp, acceleration: float) -> list[tuple[GraspSpec, Array]]:
@@ -180,11 +154,6 @@ def _accelerated_loads(
             yield read_only(s), spec, pulled.wrenches(along)[0]
 
 
-def _mass_order(row: Orientation) -> tuple[int, float]:
-    """The least mass first; what is undecided after all masses, and before what nothing limits."""
-    return (1, 0.0) if np.isnan(row.mass) else (2, 0.0) if np.isinf(row.mass) else (0, row.mass)
-
-
 # ----------------------------------------------------------------
 # The worst direction of all: directions all around, then steps downhill from the lowest of them.
 #
@@ -201,11 +170,10 @@ _RING_DIRECTIONS = 6
 
 def _find_worst_direction(question: EnvelopeQuestion, plane: Array | None) -> tuple[Array, int]:
     """(3,) the direction of gravity with the least mass, and how many were tried."""
-    grid = (
-        sphere_grid(_SEARCH_DIRECTIONS[question.geometry])
-        if plane is None
-        else circle_grid(contact_frame(plane).T[:2], _CIRCLE_DIRECTIONS)
-    )
+    if plane is None:
+        grid = sphere_grid(_SEARCH_DIRECTIONS[question.geometry])
+    else:
+        grid = circle_grid(contact_frame(plane).T[:2], _CIRCLE_DIRECTIONS)
     masses = _held_masses(question, grid.points)
     edges, lower = grid.edges, np.ones(len(masses), dtype=bool)
     for a, b in (edges.T, edges.T[::-1]):
@@ -227,7 +195,13 @@ def _descend(
     """From a direction with its mass, to the lowest around it while one is lower, then in steps of half the angle."""
     tried = 0
     while step >= _MIN_DESCENT_STEP and 0.0 < mass < np.inf:
-        ring = _ring_around(d, step, plane)
+        if plane is None:  # evenly all around, at this angle; in a plane the two beside it
+            x, y = contact_frame(d).T[:2]
+            turns = 2.0 * np.pi * np.arange(_RING_DIRECTIONS) / _RING_DIRECTIONS
+            aside = np.outer(np.cos(turns), x) + np.outer(np.sin(turns), y)
+        else:
+            aside = np.cross(plane, d) * np.array([[1.0], [-1.0]])
+        ring = np.cos(step) * d + np.sin(step) * aside
         masses, tried = _held_masses(question, ring), tried + len(ring)
         k = int(masses.argmin())
         if masses[k] < (1.0 - _MIN_IMPROVEMENT) * mass:
@@ -235,17 +209,6 @@ def _descend(
         else:
             step *= 0.5
     return mass, d, tried
-
-
-def _ring_around(d: Array, step: float, plane: Array | None) -> Array:
-    """(k, 3) directions at this angle from d, evenly all around; in a plane the two beside it."""
-    x, y = contact_frame(d).T[:2]
-    turns = 2.0 * np.pi * np.arange(_RING_DIRECTIONS) / _RING_DIRECTIONS
-    aside = np.outer(np.cos(turns), x) + np.outer(np.sin(turns), y)
-    if plane is not None:
-        side = np.cross(plane, d)
-        aside = np.array([side, -side])
-    return np.asarray(np.cos(step) * d + np.sin(step) * aside)
 
 
 def _held_masses(question: EnvelopeQuestion, directions: Array) -> Array:

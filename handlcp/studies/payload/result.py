@@ -35,15 +35,9 @@ class Orientation(Record):
     """
 
     entries = (
-        "direction (3,)",
-        "mass_kg",
-        "binds",
-        "says",
-        "acceleration_m_per_s2 (3,)",
-        "first_slip_kg",
-        "slides_kg",
+        "direction (3,)", "mass_kg", "binds", "says", "acceleration_m_per_s2 (3,)", "first_slip_kg", "slides_kg",
         "lost_kg",
-    )
+    )  # fmt: skip
 
     direction: Array
     mass: float
@@ -78,6 +72,11 @@ class Orientation(Record):
         return self.limit.lost
 
 
+def mass_order(row: Orientation) -> float:
+    """The least mass first; what is undecided after all masses, and before what nothing limits."""
+    return float(np.nan_to_num(row.mass, nan=np.finfo(float).max, posinf=np.inf))
+
+
 @check_method_calls
 @dataclass(frozen=True, eq=False)
 class Payload(Record):
@@ -90,20 +89,9 @@ class Payload(Record):
     """
 
     entries = (
-        "mass_kg",
-        "binds",
-        "says",
-        "direction (3,)",
-        "orientations",
-        "acceleration_m_per_s2",
-        "geometry",
-        "object_mass_kg",
-        "at_m (3,)",
-        "tried",
-        "searched",
-        "warnings",
-        "by_orientation",
-    )
+        "mass_kg", "binds", "says", "direction (3,)", "orientations", "acceleration_m_per_s2", "geometry",
+        "object_mass_kg", "at_m (3,)", "tried", "searched", "warnings", "by_orientation",
+    )  # fmt: skip
 
     by_orientation: tuple[Orientation, ...]
     orientations: int | str
@@ -116,9 +104,7 @@ class Payload(Record):
     @property
     def worst(self) -> Orientation:
         """The row with the least mass."""
-        known = [np.inf if np.isnan(row.mass) else row.mass for row in self.by_orientation]
-        left = [row for row in self.by_orientation if np.isnan(row.mass)]
-        return left[0] if left and np.isinf(min(known)) else self.by_orientation[int(np.argmin(known))]
+        return min(self.by_orientation, key=mass_order)
 
     @property
     def mass(self) -> float:
@@ -184,11 +170,8 @@ class Payload(Record):
     def warnings(self) -> tuple[str, ...]:
         """In words, the links that the object begins inside, before the hand closes."""
         spec = self.load.grasp.spec
-        return (
-            ()
-            if spec.mechanism is None
-            else tuple([r.sentence for r in spec.mechanism.report.start_inside_reasons(spec)])
-        )
+        reasons = [] if spec.mechanism is None else spec.mechanism.report.start_inside_reasons(spec)
+        return tuple([r.sentence for r in reasons])
 
     def moving(self, row: Orientation) -> str:
         """In words, how the hand accelerates in a row; "" at rest."""
@@ -227,33 +210,24 @@ class Payload(Record):
 
     def _table(self) -> TextTable:
         """A row for each direction."""
-        moves = self.acceleration > 0.0
         heads = ["gravity: what gives out first", "first slip\nkg", "mass\nkg"]
         rows = []
         for row in self.by_orientation:
-            ways = (_format_acceleration(row),) if moves else ()
-            rows.append(
-                (
-                    f"{format_direction(row.direction)}: {self.cause(row, _MAX_CAUSE_LETTERS)}",
-                    *ways,
-                    _format_first_slip(row),
-                    row.most,
-                )
-            )
-        if moves:
+            what = f"{format_direction(row.direction)}: {self.cause(row, _MAX_CAUSE_LETTERS)}"
+            rows.append([what, _format_first_slip(row), row.most])
+            if self.acceleration:
+                rows[-1].insert(1, _format_acceleration(row))
+        if self.acceleration:
             heads.insert(1, "hand speeds\nup along")
-        return TextTable(tuple(heads), tuple(rows), "<<>>" if moves else "<>>")
+        return TextTable(tuple(heads), tuple(map(tuple, rows)), "<<>>" if self.acceleration else "<>>")
 
 
 def _format_first_slip(row: Orientation) -> str:
     """The mass with which a finger begins to slide, in words; "at once" where one slides as soon as there is any."""
     if row.first_slip is None or not row.mass > 0.0:
         return ""
-    return (
-        "at once"
-        if row.first_slip < _IMMEDIATE_SLIP_SHARE * (row.mass if row.mass < np.inf else 1.0)
-        else f"{row.first_slip:.3g}"
-    )
+    least = _IMMEDIATE_SLIP_SHARE * (row.mass if row.mass < np.inf else 1.0)
+    return "at once" if row.first_slip < least else f"{row.first_slip:.3g}"
 
 
 def _format_acceleration(row: Orientation) -> str:

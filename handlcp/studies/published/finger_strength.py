@@ -35,15 +35,8 @@ class FingerForce(Record):
     """
 
     entries = (
-        "finger",
-        "posture",
-        "force_N",
-        "direction (3,)",
-        "at_m (3,)",
-        "binds",
-        "torques_Nm (nv,)",
-        "q_rad (nv,)",
-    )
+        "finger", "posture", "force_N", "direction (3,)", "at_m (3,)", "binds", "torques_Nm (nv,)", "q_rad (nv,)",
+    )  # fmt: skip
 
     finger: str
     posture: str
@@ -142,14 +135,18 @@ def finger_strength(
         raise InputError("hand", "a Hand", repr(hand)[:80])
     tips = hand.tip_numbers("fingers", fingers)
     way = None if direction is None else check_unit_vector("direction", direction, (3,))
-    speed = _closing_speed(hand)
+    middle = hand.at(hand.neutral).tip_positions.mean(axis=0)
+    speed = bending_rates(hand, hand.neutral, Sphere(_CELL_EDGE, middle, mass=0.0))
     rows = list[FingerForce]()
     with track_progress("pressing on a load cell"):
-        for name, state in _read_postures(hand, postures).items():
+        for posture, state in _read_postures(hand, postures).items():
             for tip in tips:
-                rows.append(
-                    _press_on_cell(state, tip, name, _closing_direction(state, tip, speed) if way is None else way)
-                )
+                n, name = _closing_direction(state, tip, speed) if way is None else way, hand.fingertips[tip]
+                at, pull = _contact_point(state, tip, n), np.append(-n, np.zeros(3))
+                grasp = state.grasp({name: Contact(at, n, 0.0)}, gravity=np.zeros(3), wrench=pull, reference=at)
+                force, solution, binds = _find_largest_force(grasp)
+                q = read_only(state.q.copy())
+                rows.append(FingerForce(name, posture, force, n, at, binds, solution.torques, q))
     return FingerStrength(tuple(rows))
 
 
@@ -164,14 +161,8 @@ def _read_postures(hand: Hand, postures: Any) -> dict[str, HandState]:
     return {str(name): hand.at(q) for name, q in postures.items()}
 
 
-def _closing_speed(hand: Hand) -> Array:
-    """(nv,) how the joints that bend fingers turn, towards the middle of the fingertips of the neutral posture."""
-    middle = hand.at(hand.neutral).tip_positions.mean(axis=0)
-    return bending_rates(hand, hand.neutral, Sphere(_CELL_EDGE, middle, mass=0.0))
-
-
 def _closing_direction(state: HandState, tip: int, speed: Array) -> Array:
-    """(3,) the way of a tip when joints turn with speeds (nv,). Raises InputError."""
+    """(3,) the way of a tip when joints turn with speeds (nv,), as the hand closes. Raises InputError."""
     J = state.jacobian[3 * tip : 3 * tip + 3]
     way = J @ speed
     size = float(np.linalg.norm(way))
@@ -181,15 +172,6 @@ def _closing_direction(state: HandState, tip: int, speed: Array) -> Array:
     return read_only(way / size)
 
 
-def _press_on_cell(state: HandState, tip: int, posture: str, n: Array) -> FingerForce:
-    """Press a tip against a load cell whose axis is n (3,), world axes, up to the first limit of its joints."""
-    name, at = state.hand.fingertips[tip], _contact_point(state, tip, n)
-    contact = Contact(at, n, 0.0)
-    grasp = state.grasp({name: contact}, gravity=np.zeros(3), wrench=np.append(-n, np.zeros(3)), reference=at)
-    force, solution, binds = _find_largest_force(grasp)
-    return FingerForce(name, posture, force, n, at, binds, solution.torques, read_only(state.q.copy()))
-
-
 def _contact_point(state: HandState, tip: int, n: Array) -> Array:
     """(3,) the point with which a tip touches a plane that it meets along n; its origin where it has no shape."""
     p, R = state.tip_positions[tip], state.tip_rotations[tip]
@@ -197,12 +179,8 @@ def _contact_point(state: HandState, tip: int, n: Array) -> Array:
         shapes = state.hand.tip_shapes(tip)
     except URDFError:  # a link without geometry
         return read_only(p.copy())
-    cell = Box(
-        (_CELL_EDGE, _CELL_EDGE, _CELL_EDGE),
-        pin.SE3(contact_frame(n), p + (_CELL_DISTANCE + 0.5 * _CELL_EDGE) * n),
-        mass=0.0,
-    )
-    near = nearest_proximity(shapes, p, R, cell)
+    place = pin.SE3(contact_frame(n), p + (_CELL_DISTANCE + 0.5 * _CELL_EDGE) * n)
+    near = nearest_proximity(shapes, p, R, Box(_CELL_EDGE, place, mass=0.0))
     return read_only(near.position - near.gap * n)
 
 
@@ -213,20 +191,14 @@ def _find_largest_force(grasp: HandGrasp) -> tuple[float, HandGraspSolution, str
     force, one = 1.0, grasp.spec.wrench
     for _ in range(_MAX_ROUNDS):
         solution = grasp.replace(wrench=force * one).solve()
-        share, binds = _largest_limit_share(solution)
-        if share == 0.0:
+        check, effort = solution.torque_check, solution.effort
+        shares = dict(zip(check.joints, check.utilisation.tolist(), strict=True))
+        if effort is not None:
+            shares |= dict(zip(effort.names, effort.used.tolist(), strict=True))
+        binds = max(shares, key=lambda name: shares[name])
+        if shares[binds] == 0.0:
             return np.inf, solution, ""
-        if abs(share - 1.0) <= _LIMIT_TOLERANCE:
+        if abs(shares[binds] - 1.0) <= _LIMIT_TOLERANCE:
             break
-        force /= share
+        force /= shares[binds]
     return force, solution, binds
-
-
-def _largest_limit_share(solution: HandGraspSolution) -> tuple[float, str]:
-    """The largest share of a limit, of joints and tendons, and whose it is."""
-    check, effort = solution.torque_check, solution.effort
-    shares = dict(zip(check.joints, check.utilisation.tolist(), strict=True))
-    if effort is not None:
-        shares |= dict(zip(effort.names, effort.used.tolist(), strict=True))
-    who = max(shares, key=lambda name: shares[name])
-    return shares[who], who

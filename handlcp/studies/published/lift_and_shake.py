@@ -23,11 +23,15 @@ from handlcp.errors import HandLCPError, InputError
 from handlcp.geometry import Box, Object, Sphere
 from handlcp.geometry.shape import check_object_metres
 from handlcp.grasp import Loading, Stage, TorqueSaturation
-from handlcp.grasp.failure.failure_mode import StateLimits, is_exceeded, limit_shares, state_limits
+from handlcp.grasp.failure.failure_mode import is_exceeded, state_limits
 from handlcp.hand import Found, Hand, HandGrasp, find_grasp
 from handlcp.progress import track_progress
 from handlcp.record import Record
-from handlcp.studies.grip_strength.measure import close_with_full_torque, require_torque_limits
+from handlcp.studies.grip_strength.measure import (
+    close_with_full_torque,
+    largest_limit_share,
+    require_torque_limits,
+)
 from handlcp.studies.payload.result import format_mass
 from handlcp.words import wrap_text
 
@@ -56,18 +60,9 @@ class ShakenObject(Record):
     """
 
     entries = (
-        "shape",
-        "size_m",
-        "mass_kg",
-        "held",
-        "says",
-        "moved_m",
-        "allowed_m",
-        "used",
-        "mass_held_kg = most",
-        "period_s",
+        "shape", "size_m", "mass_kg", "held", "says", "moved_m", "allowed_m", "used", "mass_held_kg = most", "period_s",
         "normal_force_N",
-    )
+    )  # fmt: skip
 
     shape: str
     size: float
@@ -103,15 +98,9 @@ class LiftAndShake(Record):
     """
 
     entries = (
-        "source",
-        "passed",
-        "rated_payload_kg = rated",
-        "opening_m",
-        "acceleration_m_per_s2",
-        "sphere",
-        "cube",
+        "source", "passed", "rated_payload_kg = rated", "opening_m", "acceleration_m_per_s2", "sphere", "cube",
         "missing",
-    )
+    )  # fmt: skip
 
     rated: float
     opening: float
@@ -156,6 +145,7 @@ _TORQUE_MARGIN = 1e-6  # relative, by which it then stays below them
 
 LIFT_ACCELERATION = 4.0 * LIFT_HEIGHT / LIFT_TIME**2
 SHAKE_ACCELERATION = AMPLITUDE * (2.0 * np.pi * FREQUENCY) ** 2
+_LARGEST_PULL = _GRAVITY + SHAKE_ACCELERATION
 
 
 @check_call()
@@ -202,14 +192,8 @@ def lift_and_shake(
         for shape, obj in objects.items():
             rows[shape] = None
             try:
-                found = find_grasp(
-                    hand,
-                    obj,
-                    friction=friction,
-                    gravity=_SEARCH_WEIGHT_SHARE * (_GRAVITY + SHAKE_ACCELERATION) * down,
-                    fingers=fingers,
-                    tries=tries,
-                )
+                pull = _SEARCH_WEIGHT_SHARE * _LARGEST_PULL * down
+                found = find_grasp(hand, obj, friction=friction, gravity=pull, fingers=fingers, tries=tries)
                 rows[shape] = _choose_best_grasp(found, shape, size, down)
             except InputError:
                 raise
@@ -224,9 +208,7 @@ def _choose_best_grasp(found: Found, shape: str, size: float, down: Array) -> Sh
     for candidate in list(found)[:_MAX_GRASPS]:
         planned: Any = candidate.grasp.spec.asked
         grip, share = np.array(planned.grip_force), float(np.nanmax(candidate.solution.torque_check.utilisation))
-        grasp = close_with_full_torque(
-            candidate.grasp.replace(gravity=(_GRAVITY + SHAKE_ACCELERATION) * down), grip, share
-        ).grasp
+        grasp = close_with_full_torque(candidate.grasp.replace(gravity=_LARGEST_PULL * down), grip, share).grasp
         for _ in range(_MAX_ROUNDS):
             row = shake_grasp(grasp, shape, size, down)
             if not is_exceeded(row.used):
@@ -242,28 +224,32 @@ def _choose_best_grasp(found: Found, shape: str, size: float, down: Array) -> Sh
 def shake_grasp(grasp: HandGrasp, shape: str, size: float, down: Array) -> ShakenObject:
     """A grasp whose object has its largest weight, m (g + a), lifted and shaken."""
     loading = grasp.follow(order=make_stages())
-    limits, target = state_limits(grasp.spec, nominal=grasp.state.q), grasp.target
+    limits, target, steps = state_limits(grasp.spec, nominal=grasp.state.q), grasp.target, loading.steps
     assert target is not None  # it was placed
-    share = max(_largest_limit_share(limits, loading), 0.0)
-    moved = _largest_motion(loading)
-    says = loading.why
+    share = max([largest_limit_share(limits, state) for state in steps.states])
+    begins = int(np.flatnonzero(steps.stage == steps.stage.min())[-1]) if loading.stages[0] == "squeeze" else 0
+    shifts = steps.displacement[begins:, :3] - steps.displacement[begins, :3]  # since the hand has closed
+    moved, period, says = float(np.linalg.norm(shifts, axis=1).max()), np.nan, loading.why.rstrip(".")
+    if loading.held:  # as on a spring: 2π √(m c), with the compliance c along gravity
+        c = float(down @ loading.solution.sensitivity().displacement_by_wrench[:3, :3] @ down)
+        period = float(2.0 * np.pi * np.sqrt(target.mass * max(c, 0.0)))
     if loading.held and is_exceeded(share):
-        says = f"{says.rstrip('.')}, but a joint needs {share:.3g} times its limit"
+        says += f", but a joint needs {share:.3g} times its limit"
     elif loading.held and moved > ALLOWED_SLIP:
-        says = f"{says.rstrip('.')}, but the object slips too far"
-    pull = np.append((_GRAVITY + SHAKE_ACCELERATION) * down, np.zeros(3))
+        says += ", but the object slips too far"
+    pull = np.append(_LARGEST_PULL * down, np.zeros(3))
     limit = grasp.replace(mass=0.0, effects=(TorqueSaturation(),)).load_limit(pull)
     return ShakenObject(
         shape=shape,
         size=size,
         mass=target.mass,
         held=loading.held and moved <= ALLOWED_SLIP and not is_exceeded(share),
-        says=says.rstrip("."),
+        says=says,
         moved=moved,
         allowed=ALLOWED_SLIP,
         used=share,
         most=limit.factor,
-        period=_swing_period(loading, down, target.mass),
+        period=period,
         grasp=grasp,
         loading=loading,
     )
@@ -271,35 +257,9 @@ def shake_grasp(grasp: HandGrasp, shape: str, size: float, down: Array) -> Shake
 
 def make_stages() -> list[Any]:
     """Squeeze, lift, the largest weight and the least in turn, and the weight at rest; as shares of the largest."""
-    least, rest = (
-        (_GRAVITY - SHAKE_ACCELERATION) / (_GRAVITY + SHAKE_ACCELERATION),
-        _GRAVITY / (_GRAVITY + SHAKE_ACCELERATION),
-    )
-    found: list[Any] = [
-        "squeeze",
-        Stage("lift", weight=(_GRAVITY + LIFT_ACCELERATION) / (_GRAVITY + SHAKE_ACCELERATION)),
-    ]
+    ways = LIFT_ACCELERATION, -SHAKE_ACCELERATION, 0.0
+    lift, least, rest = ((_GRAVITY + a) / _LARGEST_PULL for a in ways)
+    found: list[Any] = ["squeeze", Stage("lift", weight=lift)]
     for k in range(1, round(FREQUENCY * SHAKE_TIME) + 1):
         found += [Stage(f"down {k}", weight=1.0), Stage(f"up {k}", weight=least)]
     return [*found, Stage("at rest", weight=rest)]
-
-
-def _largest_limit_share(limits: StateLimits, loading: Loading) -> float:
-    """The largest share of a limit on the path; 0 where there is none."""
-    states = loading.steps.states
-    return max([float(np.nanmax(limit_shares(limits, state.efforts, state.where.q), initial=0.0)) for state in states])
-
-
-def _largest_motion(loading: Loading) -> float:
-    """How far the object's centre goes from where it is once the hand has closed [m]."""
-    motion, stage = loading.steps.displacement[:, :3], loading.steps.stage
-    begins = int(np.flatnonzero(stage == stage.min())[-1]) if loading.stages[0] == "squeeze" else 0
-    return float(np.linalg.norm(motion[begins:] - motion[begins], axis=1).max())
-
-
-def _swing_period(loading: Loading, down: Array, mass: float) -> float:
-    """2π √(m c) of an object on a spring with the compliance c along gravity [s]; NaN where it is not held."""
-    if not loading.held:
-        return np.nan
-    c = float(down @ loading.solution.sensitivity().displacement_by_wrench[:3, :3] @ down)
-    return float(2.0 * np.pi * np.sqrt(mass * max(c, 0.0)))

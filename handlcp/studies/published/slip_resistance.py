@@ -31,15 +31,9 @@ class SlipResistance(Record):
     """
 
     entries = (
-        "source",
-        "force_N",
-        "slips",
-        "says",
-        "axis (3,)",
-        "first_slip_N",
-        "along_N = along.factor",
+        "source", "force_N", "slips", "says", "axis (3,)", "first_slip_N", "along_N = along.factor",
         "against_N = against.factor",
-    )
+    )  # fmt: skip
 
     axis: Array
     along: LoadLimit

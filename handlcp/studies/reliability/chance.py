@@ -9,7 +9,7 @@ import numpy as np
 from scipy import stats
 
 from handlcp import words
-from handlcp.check import Array, Bools, Ints
+from handlcp.check import Array, Bools
 
 # ----------------------------------------------------------------
 # What matters most: how the margin of the samples hangs on each value, and what its derivative at the means says.
@@ -64,23 +64,15 @@ def rank_influences(
     where nothing holds; slopes (d,).
     """
     y = stats.rankdata(np.where(np.isnan(margin), -np.inf, margin))
-    squares = np.nan_to_num(slopes**2)
-    known = np.isfinite(slopes).any()
+    squares, differ = np.nan_to_num(slopes**2), bool(np.ptp(y) > 0.0)
     linear = squares / squares.sum() if squares.sum() > 0.0 else squares
-    found = [
-        Influence(
-            *who, _rank_correlation(u, y), _first_order_index(u, y), float(slope), float(part) if known else np.nan
-        )
-        for who, u, slope, part in zip(names, points.T, slopes, linear, strict=True)
-    ]
+    if not np.isfinite(slopes).any():
+        linear = np.full(len(slopes), np.nan)
+    found = []
+    for who, u, slope, part in zip(names, points.T, slopes, linear, strict=True):
+        rank = float(np.corrcoef(stats.rankdata(u), y)[0, 1]) if differ else np.nan
+        found.append(Influence(*who, rank, _first_order_index(u, y), float(slope), float(part)))
     return sorted(found, key=lambda f: (-round(f.share, 3) if f.share == f.share else 0.0, -abs(f.rank)))
-
-
-def _rank_correlation(u: Array, y: Array) -> float:
-    x = stats.rankdata(u)
-    if np.ptp(y) == 0.0:
-        return np.nan
-    return float(np.corrcoef(x, y)[0, 1])
 
 
 def _first_order_index(u: Array, y: Array) -> float:
@@ -148,27 +140,23 @@ def estimate_chance(
     again : (looked at in full, good among them); they tell how many of those left are good, or open.
     """
     looked, found, doubtful = (int(some.sum()) for some in (*again, again[0] & open_))
-    alpha, share, unknown, low, high = 1.0 - level, 0.0, 1.0, 0.0, 1.0
+    alpha, share, unknown, low, high = 1.0 - level, 0.0, 1.0, 0.0, 0.0
     if left.any():
         inner, alpha = _SUBSET_ALPHA_SHARE * alpha, (1.0 - _SUBSET_ALPHA_SHARE) * alpha
+        low = clopper_pearson_interval(found, looked, inner)[0]
+        high = clopper_pearson_interval(found + doubtful, looked, inner)[1]
         if looked:
             share, unknown = found / looked, doubtful / looked
-        low, high = (
-            clopper_pearson_interval(found, looked, inner)[0],
-            clopper_pearson_interval(found + doubtful, looked, inner)[1],
-        )
-    else:
-        low = high = 0.0
-    value = float(np.mean(good + share * left))
-    down = student_interval(_block_means(good + low * left, size), size, alpha)[0]
-    up = student_interval(_block_means(good + high * left + open_, size), size, alpha)[1]
-    undecided = float(np.mean(open_ + unknown * left))
+    value, undecided = float(np.mean(good + share * left)), float(np.mean(open_ + unknown * left))
+    down = student_interval(good + low * left, size, alpha)[0]
+    up = student_interval(good + high * left + open_, size, alpha)[1]
     nothing = undecided >= 1.0 - _SHARE_ROUNDING
     return Chance(np.nan if nothing else value, min(down, value), max(up, value), level, undecided)
 
 
-def student_interval(shares: Array, size: int, alpha: float) -> tuple[float, float]:
-    """Both ends of the interval, from the shares (R,) of good samples of R ≥ 2 blocks of `size` samples each."""
+def student_interval(good: Array, size: int, alpha: float) -> tuple[float, float]:
+    """Both ends of the interval, from how good samples (N,) are, 0 to 1, in R ≥ 2 blocks of `size` each."""
+    shares = good.reshape(-1, size).mean(axis=1)
     count = len(shares)
     half = float(stats.t.ppf(1.0 - alpha / 2.0, count - 1)) * float(shares.std(ddof=1)) / math.sqrt(count)
     half += math.log(2.0 / alpha) / (count * size)
@@ -183,16 +171,10 @@ def clopper_pearson_interval(found: int, of: int, alpha: float) -> tuple[float, 
     return low, high
 
 
-def _block_means(values: Array | Ints, size: int) -> Array:
-    return np.asarray(np.asarray(values, dtype=float).reshape(-1, size).mean(axis=1))
-
-
 def format_chance(share: float, digits: int) -> str:
     """Without its sign; 0 and 100 are said of nothing else."""
     if share in (0.0, 1.0):
         return f"{100 * share:.0f}"
-    text = f"{100 * share:.{digits}f}"
-    least = 0.1**digits
-    return (
-        f"{least:.{digits}f}" if float(text) == 0.0 else f"{100 - least:.{digits}f}" if float(text) == 100.0 else text
-    )
+    text, least = f"{100 * share:.{digits}f}", 0.1**digits
+    kept = {0.0: f"{least:.{digits}f}", 100.0: f"{100 - least:.{digits}f}"}
+    return kept.get(float(text), text)

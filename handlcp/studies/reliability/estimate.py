@@ -21,7 +21,15 @@ from handlcp.grasp.solution.verdict import solution_motions
 from handlcp.progress import Progress
 from handlcp.record import Record, make_data_frame
 from handlcp.studies.reliability.chance import Chance, Influence, estimate_chance, format_value, rank_influences
-from handlcp.studies.reliability.outcome import CHECK, OUTCOME_WORDS, SOLVE, SampleOutcomes
+from handlcp.studies.reliability.outcome import (
+    CHECK,
+    NOT_HELD_CODE,
+    OUTCOME_WORDS,
+    OVER_LIMIT_CODE,
+    SOLVE,
+    UNDECIDED_CODE,
+    SampleOutcomes,
+)
 from handlcp.studies.reliability.run import (
     MIN_BLOCKS,
     JudgingMethod,
@@ -33,13 +41,12 @@ from handlcp.studies.reliability.run import (
     run_samples,
     sample_values,
 )
-from handlcp.studies.reliability.sample_placer import SamplePlacer, make_placer
-from handlcp.studies.reliability.spread import read_spread
+from handlcp.studies.reliability.sample_placer import HandNumberPlacer, SamplePlacer
+from handlcp.studies.reliability.spread import HAND_NUMBER, read_spread
 from handlcp.words import TextTable, wrap_text
 
 _MAX_TABLE_ROWS = 8  # of the printed table
 _MARGIN_NOTE = "margin: unused share of all friction or of a joint’s torque limit, the smaller"
-OVER_LIMIT_CODE, NOT_HELD_CODE, UNDECIDED_CODE = 1, 2, 3  # codes
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,16 +104,9 @@ class Reliability(Record):
     """
 
     entries = (
-        "samples",
-        "seed",
-        "judged_by = method.by",
-        "counts",
-        "chance_held",
-        "chance_within_limits",
-        "worst",
-        "nearest_failure",
-        "influences",
-    )
+        "samples", "seed", "judged_by = method.by", "counts", "chance_held", "chance_within_limits", "worst",
+        "nearest_failure", "influences",
+    )  # fmt: skip
 
     chance_held: Chance
     chance_within_limits: Chance | None
@@ -190,10 +190,8 @@ class Reliability(Record):
     @property
     def _worst_samples(self) -> Ints:
         """Samples with the worst word of all there are: not held, over a limit, undecided; () where all are held."""
-        for code in (NOT_HELD_CODE, OVER_LIMIT_CODE, UNDECIDED_CODE):
-            if (self.codes == code).any():
-                return np.flatnonzero(self.codes == code)
-        return np.zeros(0, np.int64)
+        found = [np.flatnonzero(self.codes == code) for code in (NOT_HELD_CODE, OVER_LIMIT_CODE, UNDECIDED_CODE)]
+        return next((some for some in found if len(some)), found[0])
 
     def _normal_scores(self, some: Ints) -> Array:
         """(k, d) how many standard deviations of a normal distribution the values of some samples are off."""
@@ -231,18 +229,11 @@ class Reliability(Record):
     def table(self) -> TextTable:
         """What matters most, from the samples and from the derivatives."""
         heads = ("what varies", "by", "samples:\nshare", "rank\ncorr.", "derivative:\nshare", "margin\nper sd")
-        some = self.influences[:_MAX_TABLE_ROWS]
-        rows = [
-            (
-                f.name,
-                f.said,
-                _format_share(f.share),
-                _format_rank(f.rank),
-                _format_share(f.linear),
-                _format_margin_change(f.slope),
-            )
-            for f in some
-        ]
+        rows = []
+        for f in self.influences[:_MAX_TABLE_ROWS]:
+            rank = f"{f.rank:+.2f}" if np.isfinite(f.rank) else "–"
+            slope = "–" if not np.isfinite(f.slope) else "0 %" if abs(f.slope) < 5e-6 else f"{100 * f.slope:+.2g} %"
+            rows.append((f.name, f.said, _format_share(f.share), rank, _format_share(f.linear), slope))
         return TextTable(heads, tuple(rows), "<>>>>>")
 
     def __str__(self) -> str:
@@ -251,9 +242,13 @@ class Reliability(Record):
         lines.append(wrap_text(f"{self.samples:,} samples: {counted}{self._describe_estimate}", "  "))
         if self.outcomes.far.any():
             lines.append(wrap_text(f"Advice: {self._follow_advice}", "  "))
+        units = {d.name: d.unit for d in self.placer.dimensions}
         for what, sample in (("worst", self.worst), ("nearest failure", self.nearest_failure)):
-            if sample is not None:
-                lines.append(wrap_text(f"{what}: {self._describe_sample(sample)}", "  "))
+            if sample is not None:  # with its values that matter most
+                names = [f.name for f in self.influences[:4]]
+                values = ", ".join([f"{name} {format_value(sample.values[name], units[name])}" for name in names])
+                text = f"{what}: sample {sample.number} ({values}): {sample.word}: {sample.cause}"
+                lines.append(wrap_text(text, "  "))
         more = len(self.influences) - _MAX_TABLE_ROWS
         left = [f"and {more} that matter less"] if more > 0 else []
         return "\n".join([*lines, "", str(self.table), *left, _MARGIN_NOTE])
@@ -281,25 +276,9 @@ class Reliability(Record):
         also = "; the grasp itself is one of these" if nominal.held and solution_motions(nominal).too_large else ""
         return f'by="check" follows each sample while it is squeezed and loaded; it is slower, so ask for fewer{also}'
 
-    def _describe_sample(self, sample: Sample) -> str:
-        """A sample in words, with its values that matter most."""
-        units = {d.name: d.unit for d in self.placer.dimensions}
-        first = [f.name for f in self.influences[:4]]
-        values = ", ".join([f"{name} {format_value(sample.values[name], units[name])}" for name in first])
-        return f"sample {sample.number} ({values}): {sample.word}: {sample.cause}"
-
 
 def _format_share(x: float) -> str:
     return words.format_percent(x if not x < 5e-4 else 0.0)
-
-
-def _format_margin_change(x: float) -> str:
-    """A change of the margin, in percent of the limit."""
-    return "–" if not np.isfinite(x) else "0 %" if abs(x) < 5e-6 else f"{100 * x:+.2g} %"
-
-
-def _format_rank(x: float) -> str:
-    return f"{x:+.2f}" if np.isfinite(x) else "–"
 
 
 # ----------------------------------------------------------------
@@ -371,48 +350,29 @@ def reliability(
     level = check_number("confidence", confidence, above=0.0)
     if level >= 1.0:
         raise InputError("confidence", "a number below 1", confidence)
-    placer = make_placer(grasp, read_spread(grasp, spread))
-    blocks = make_blocks(
-        check_integer("seed", seed, 0), len(placer.dimensions), check_integer("samples", samples, 4 * MIN_BLOCKS, 2**30)
-    )
+    dimensions = read_spread(grasp, spread)
+    of_numbers = any(d.parameter == HAND_NUMBER for d in dimensions)
+    placer = (HandNumberPlacer if of_numbers else SamplePlacer)(grasp, dimensions)
+    seed, samples = check_integer("seed", seed, 0), check_integer("samples", samples, 4 * MIN_BLOCKS, 2**30)
+    blocks = make_blocks(seed, len(dimensions), samples)
     method = JudgingMethod(by, faces, check_workers(workers), check_integer("decide", decide, 0))
-    question = make_question(
-        grasp.spec,
-        placer.dimensions,
-        seed=blocks.seed,
-        samples=blocks.samples,
-        faces=str(section),
-        by=by,
-        decide=method.decide,
-    )
+    asked = {"seed": blocks.seed, "samples": blocks.samples, "faces": str(section), "by": by, "decide": method.decide}
+    question = make_question(grasp.spec, dimensions, **asked)
     found = run_samples(placer, blocks, method, ResumeFile(resume, question), progress)
-    return _make_reliability(found, placer, blocks, method, level)
-
-
-def _make_reliability(
-    found: SampleOutcomes, placer: SamplePlacer, blocks: SobolBlocks, method: JudgingMethod, level: float
-) -> Reliability:
-    """What the outcomes of all samples say. level : confidence of the intervals."""
     some = min(blocks.samples, _MAX_RANKED_SAMPLES)
-    names = [(d.name, d.unit, d.distribution.sd) for d in placer.dimensions]
+    names = [(d.name, d.unit, d.distribution.sd) for d in dimensions]
     matter = rank_influences(names, blocks.points(0, some), found.margin[:some], margin_slopes(placer, method))
-    mechanism = placer.spec.mechanism
+    mechanism = grasp.spec.mechanism
     limited = mechanism is not None and bool(np.isfinite(mechanism.limits).any())
-    return Reliability(
-        chance_held=_chance_below(found, 2, blocks.size, level),
-        chance_within_limits=_chance_below(found, 1, blocks.size, level) if limited else None,
-        counts={word: int((found.codes == code).sum()) for code, word in enumerate(OUTCOME_WORDS)},
-        influences=tuple(matter),
-        outcomes=found,
-        blocks=blocks,
-        placer=placer,
-        method=method,
-    )
+    held = _chance_below(found, NOT_HELD_CODE, blocks.size, level)
+    within = _chance_below(found, OVER_LIMIT_CODE, blocks.size, level) if limited else None
+    counts = {word: int((found.codes == code).sum()) for code, word in enumerate(OUTCOME_WORDS)}
+    return Reliability(held, within, counts, tuple(matter), found, blocks, placer, method)
 
 
 def _chance_below(found: SampleOutcomes, worse: int, size: int, level: float) -> Chance:
     """The chance of a code below `worse`. size : samples of a block. level : confidence of the interval."""
-    good, unknown = found.codes < worse, found.codes == len(OUTCOME_WORDS) - 1
+    good, unknown = found.codes < worse, found.codes == UNDECIDED_CODE
     looked = ~found.again & ~found.unplaced & ~found.far
     left = unknown & looked if found.again.any() else np.zeros(len(good), bool)
     return estimate_chance(good, left, unknown & ~left, (found.again, found.again & good), size, level)

@@ -1,17 +1,23 @@
-"""`SamplePlacer`: the grasps of samples, as rows that are solved many at once, or as grasps."""
+"""`SamplePlacer`: the grasps of samples, as rows that are solved many at once, or as grasps.
+
+What was commanded stays, in metres and radians of the joints: softer springs press less. Contacts stay where they are
+on the object unless their positions vary. A joint that stands off by δq carries its fingertip along, by J δq, and its
+command with it: the object lies -J δq off the tip, as a gap or as more squeeze, and J is that of the posture q + δq.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from handlcp import words
-from handlcp.actuation.joint_stiffness import Elasticity, FingertipPads, JointStiffness
+from handlcp.actuation.joint_stiffness import FingertipPads, JointStiffness
 from handlcp.check import Array, Bools, read_only
 from handlcp.errors import NoGraspFound
+from handlcp.geometry.object import BOX, CYLINDER, Object
 from handlcp.grasp.derivatives.parameter.parameter import Samples
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.effects.joint_torque import FingerWeight
@@ -24,10 +30,58 @@ from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.robot.hand_model import HandPosture
 from handlcp.studies.perturbation import vary_grasp
-from handlcp.studies.reliability.sample_arrays import SampleArrays, SampleJoints, make_arrays, make_nominal
 from handlcp.studies.reliability.spread import HAND_NUMBER, Dimension, varying_parameters
 
-_ROW_EFFECTS = (JointOffset, FingerWeight)  # effects that `SamplePlacer.make_rows` adds to offsets itself
+_CHANGE_FLEXIBILITY = {"slides", "joints", "springs", "pads"}  # arrays of `Samples`
+
+
+@dataclass(frozen=True, slots=True)
+class SampleJoints:
+    """The joints of the hand in m samples.
+
+    postures (m,) : of the hand.
+    jacobian (m, 3n, nv) : of the contacts, contact axes [m/rad].
+    root (m, nv, a) : of the compliance, as in `Mechanism`.
+    stand_off (m, k, 3) : gaps and overlaps of the fingers [m], contact axes.
+    weight (m, nv) : torque that holds the fingers [N·m], 0 where it does not count.
+    springs (m, nv), pads (m, k) : factors; None: nominal.
+    """
+
+    postures: Sequence[HandPosture]
+    jacobian: Array
+    root: Array
+    stand_off: Array
+    weight: Array
+    springs: Array | None
+    pads: Array | None
+
+
+@dataclass(frozen=True, slots=True)
+class SampleArrays:
+    """m samples with n contacts, k of them fingers', SI, contact axes; what does not vary is broadcast.
+
+    samples : what they are made of.
+    positions (m, n, 3) : of the contacts [m], world axes.
+    frames (m, n, 3, 3) : contact axes in columns, world axes.
+    past_edge (m, k) : which fingers are past an edge of the object.
+    mu (m, n) : coefficients of friction.
+    wrench (m, 6) : on the object [N, N·m] about the reference, world axes.
+    flexibility (m, 3n, 3n) : [m/N], without what effects add.
+    offset (m, n, 3) : [m], without what effects add.
+    squeeze (m,), mass (m,) : factors.
+    """
+
+    samples: Samples
+    positions: Array
+    frames: Array
+    past_edge: Bools
+    mu: Array
+    wrench: Array
+    flexibility: Array
+    offset: Array
+    squeeze: Array
+    mass: Array
+    joints: SampleJoints | None
 
 
 class PlacedSample(NamedTuple):
@@ -42,26 +96,102 @@ class SamplePlacer:
 
     def __init__(self, grasp: Grasp, dimensions: Sequence[Dimension]) -> None:
         self.grasp, self.spec, self.dimensions = grasp, grasp.spec, tuple(dimensions)
-        self._nominal = make_nominal(self.spec)
+        hand, c = self.spec.mechanism, 3 * self.spec.of_hand
+        self._hand = hand if isinstance(hand, HandMechanism) else None
+        self._springs_are_joints, self._weight = False, np.zeros(6)
+        if self._hand is not None:  # a flexibility that was given is not that of the joints: a factor is one on all
+            made = finger_flexibility(replace(self._hand, jacobian=self._hand.jacobian[:c]))
+            self._springs_are_joints = bool(np.allclose(self.spec.flexibility[:c, :c], made, rtol=1e-12, atol=0.0))
+            self._weight = self._hand.weight_of_object(self.spec.reference)
 
+    # ---- as arrays
     def make_sample_arrays(self, values: Array) -> SampleArrays:
-        """What the parameters write, and all that follows from it."""
-        made, known = Samples(self.spec, len(values)), varying_parameters()
+        """What the parameters write, and all that the scenes of samples are made of."""
+        spec, m, k, known = self.spec, len(values), self.spec.of_hand, varying_parameters()
+        samples = Samples(spec, m)
         for d, column in zip(self.dimensions, values.T, strict=True):
-            known[d.parameter].write(made, d.index, column)
-        return make_arrays(self._nominal, made)
+            known[d.parameter].write(samples, d.index, column)
+        written = samples.written
+        mass, load, squeeze = (written.get(name, np.ones((m, 1)))[:, 0] for name in ("mass", "load", "squeeze"))
+        mu = written.get("friction", np.tile([c.mu for c in spec.contacts], (m, 1)))
+        positions, frames = (np.broadcast_to(a, (m, *a.shape)) for a in (spec.positions, spec.frames))
+        past = np.zeros((m, k), bool)
+        if "slides" in written:
+            target = None if self._hand is None or spec.planar else self._hand.target
+            positions, frames = positions.copy(), frames.copy()
+            own = slide_contacts(spec.positions[:k], spec.frames[:k], written["slides"], target)
+            positions[:, :k], frames[:, :k], past = own
+        joints = None if self._hand is None else self._make_joints(self._hand, samples, positions, frames)
+        offset = np.tile(spec.offset, (m, 1, 1))
+        if joints is not None and self._hand is not None and "joints" in written:
+            offset[:, :k] += joints.stand_off - self._hand.stand_off
+        offset[:, :k] *= np.where(offset[:, :k, 2:] < 0.0, squeeze[:, None, None], 1.0)
+        E = np.broadcast_to(spec.flexibility, (m, *spec.flexibility.shape))
+        if not self._springs_are_joints and "springs" in written:
+            E = E.copy()
+            E[:, : 3 * k, : 3 * k] /= written["springs"][:, :1, None]
+        elif self._springs_are_joints and joints is not None and written.keys() & _CHANGE_FLEXIBILITY:
+            E = E.copy()
+            E[:, : 3 * k, : 3 * k] = self._contact_flexibilities(joints, frames[:, :k])
+        wrench = mass[:, None] * self._weight + load[:, None] * (spec.wrench - self._weight)
+        return SampleArrays(samples, positions, frames, past, mu, wrench, E, offset, squeeze, mass, joints)
+
+    def _make_joints(self, hand: HandMechanism, samples: Samples, positions: Array, frames: Array) -> SampleJoints:
+        """Postures with their Jacobians, springs, and what the fingers stand off by."""
+        spec, m, k, nv, written = self.spec, samples.count, self.spec.of_hand, len(hand.names), samples.written
+        away, springs = written.get("joints"), written.get("springs") if self._springs_are_joints else None
+        points, axes = positions[:, :k], frames[:, :k].swapaxes(2, 3)
+        postures: Sequence[HandPosture] = [hand.posture] * m
+        stand_off = np.broadcast_to(hand.stand_off, (m, k, 3))
+        torque = next((e.torque for e in spec.effects if isinstance(e, FingerWeight)), np.zeros(nv))
+        weight = np.broadcast_to(torque, (m, nv))
+        J = np.broadcast_to(hand.jacobian, (m, *hand.jacobian.shape))
+        if away is not None or "slides" in written:
+            J = np.zeros((m, 3 * spec.n, nv))
+            if away is None:
+                moved = hand.posture.jacobian_at(points, hand.tips)
+            else:
+                postures = [type(hand.posture)(hand.posture.hand, hand.posture.q + off) for off in away]
+                moved = np.array([p.jacobian_at(x, hand.tips) for p, x in zip(postures, points, strict=True)])
+            J[:, : 3 * k] = (axes @ moved).reshape(m, 3 * k, nv)
+        if away is not None:
+            carried = (J[:, : 3 * k] @ away[:, :, None]).reshape(m, k, 3)
+            if spec.planar:
+                carried[:, :, 1] = 0.0
+            stand_off = stand_off - carried
+            if torque.any():
+                weight = np.array([p.gravity_torque(hand.gravity) for p in postures])
+        root = np.broadcast_to(hand.compliance_factor, (m, *hand.compliance_factor.shape))
+        if springs is not None:
+            root = root / np.sqrt(springs)[:, :, None]
+        return SampleJoints(postures, J, root, stand_off, weight, springs, written.get("pads"))
+
+    def _contact_flexibilities(self, joints: SampleJoints, frames: Array) -> Array:
+        """(m, 3k, 3k) E = J K⁻¹ Jᵀ + pads."""
+        assert self._hand is not None
+        m, k, tips, pads = *frames.shape[:2], list(self._hand.tips), self._hand.posture.hand.pads
+        through = joints.jacobian[:, : 3 * k] @ joints.root
+        E, blocks = through @ through.swapaxes(1, 2), np.broadcast_to(pads.blocks[tips], (m, k, 3, 3))
+        if not pads.isotropic:
+            turned = frames.swapaxes(2, 3) @ np.array([p.tip_rotations[tips] for p in joints.postures])
+            blocks = turned @ blocks @ turned.swapaxes(2, 3)
+        if joints.pads is not None:
+            blocks = blocks * joints.pads[:, :, None, None]
+        for i in range(k):
+            own = slice(3 * i, 3 * i + 3)
+            E[:, own, own] += blocks[:, i]
+        return np.asarray(0.5 * (E + E.swapaxes(1, 2)))
 
     # ---- as rows
     @property
     def has_row_form(self) -> bool:
         """Whether scenes follow from arrays alone: Coulomb's friction, and no effect but a command and a weight."""
         plain = self.grasp.scene.scale is None and all(c.plain for c in self.spec.contacts)
-        return plain and all(isinstance(e, _ROW_EFFECTS) for e in self.spec.effects)
+        return plain and all(isinstance(e, (JointOffset, FingerWeight)) for e in self.spec.effects)
 
     def make_rows(self, arrays: SampleArrays, kind: CompiledKind, share: float) -> Array:
         """(m, width) the scenes of samples whose kind is that of the grasp; share : of `Section`."""
-        spec, scene, m = self.spec, self.grasp.scene, len(arrays.mu)
-        force = arrays.wrench[:, :3]
+        scene, m, force = self.grasp.scene, len(arrays.mu), arrays.wrench[:, :3]
         return write_rows(
             m,
             kind.scene_width,
@@ -72,20 +202,16 @@ class SamplePlacer:
             prescribed=[scene.arrays.prescribed] * m,
             spin=np.zeros((m, 0)),
             force=force,
-            moment=arrays.wrench[:, 3:] + np.cross(spec.reference, force),
+            moment=arrays.wrench[:, 3:] + np.cross(self.spec.reference, force),
             freedom=[scene.freedom] * m,
             limits=arrays.mu * share,
         )
 
     def total_offsets(self, arrays: SampleArrays) -> Array:
-        """(m, 3n) with what effects add [m]."""
-        offset = arrays.offset.reshape(len(arrays.mu), -1)
-        if arrays.joints is None or not self.spec.effects:
+        """(m, 3n) with what commands and the fingers' weight add, -J δq and J K⁻¹ g [m]."""
+        offset, joints = arrays.offset.reshape(len(arrays.mu), -1), arrays.joints
+        if joints is None or not self.spec.effects:
             return offset
-        return np.asarray(offset + self._effect_offsets(arrays, arrays.joints))
-
-    def _effect_offsets(self, arrays: SampleArrays, joints: SampleJoints) -> Array:
-        """(m, 3n) what commands and the fingers' weight add to the offsets: -J δq and J K⁻¹ g."""
         moved = np.zeros(joints.weight.shape)
         for e in self.spec.effects:
             if isinstance(e, JointOffset):
@@ -95,7 +221,13 @@ class SamplePlacer:
         added = (joints.jacobian @ moved[:, :, None])[:, :, 0]
         if self.spec.planar:  # nothing opens across the plane
             added[:, 1::3] = 0.0
-        return np.asarray(added)
+        return np.asarray(offset + added)
+
+    # ---- as grasps
+    def place_samples(self, values: Array) -> list[PlacedSample]:
+        """The grasp of each sample with values (m, d), SI units."""
+        arrays = self.make_sample_arrays(values)
+        return [PlacedSample(self.make_grasp(arrays, k), self.why_unplaced(p)) for k, p in enumerate(arrays.past_edge)]
 
     def why_unplaced(self, past: Bools) -> str | None:
         """What is wrong with a sample, some of whose fingers (k,) are past an edge."""
@@ -104,151 +236,150 @@ class SamplePlacer:
         names = [self.spec.names[i] for i in np.flatnonzero(past)]
         return f"{words.list_names(names)} would be past an edge of the object, where a contact has no normal"
 
-    # ---- as grasps
-    def place_samples(self, values: Array) -> list[PlacedSample]:
-        """The grasp of each sample with values (m, d), SI units."""
-        arrays = self.make_sample_arrays(values)
-        return [
-            PlacedSample(self.make_grasp(arrays, k), self.why_unplaced(past)) for k, past in enumerate(arrays.past_edge)
-        ]
-
     def make_grasp(self, arrays: SampleArrays, k: int) -> Grasp:
         """That of sample k; where it is past an edge, with its nominal axes."""
-        spec = self._changed_spec(arrays, k)
+        spec, written = self.spec, arrays.samples.written.keys()
+        names = set[str]()
+        changes = dict[str, Any]()
+        if "slides" in written:
+            names |= {"positions", "frames"}
+        if written & {"mass", "load"}:
+            names |= {"wrench"}
+        if written & {"joints", "squeeze"}:
+            names |= {"offset"}
+            changes["effects"] = self._sample_effects(arrays, k)
+        if written & _CHANGE_FLEXIBILITY:
+            names |= {"flexibility"}
+        if written & {"friction", "slides"}:
+            changes["contacts"] = self._sample_contacts(arrays, k, "slides" in written)
+        if arrays.joints is not None and written & {*_CHANGE_FLEXIBILITY, "mass"}:
+            changes["mechanism"] = self._sample_mechanism(arrays, arrays.joints, k)
+        spec = spec.replace(**changes, **{name: read_only(getattr(arrays, name)[k].copy()) for name in names})
         for remade, factors in arrays.samples.remade:
             spec = remade(spec, float(factors[k]))
         return type(self.grasp)(spec)
 
-    def _changed_spec(self, arrays: SampleArrays, k: int) -> GraspSpec:
-        spec, written = self.spec, arrays.samples.written.keys()
-        changes: dict[str, Any] = {}
-        if "friction" in written or "slides" in written:
-            changes["contacts"] = self._sample_contacts(arrays, k, "slides" in written)
-        if "slides" in written:
-            changes |= {
-                "positions": read_only(arrays.positions[k].copy()),
-                "frames": read_only(arrays.frames[k].copy()),
-            }
-        if written & {"mass", "load"}:
-            changes["wrench"] = read_only(arrays.wrench[k].copy())
-        if written & {"joints", "squeeze"}:
-            changes["offset"] = read_only(arrays.offset[k].copy())
-        if written & {"slides", "joints", "springs", "pads"}:
-            changes["flexibility"] = read_only(arrays.flexibility[k].copy())
-        if arrays.joints is not None and written & {"slides", "joints", "springs", "pads", "mass"}:
-            hand = self._nominal.hand
-            assert hand is not None
-            changes["mechanism"] = _sample_mechanism(hand, arrays, arrays.joints, k)
-        if spec.effects and written & {"joints", "squeeze"}:
-            changes["effects"] = self._sample_effects(arrays, k)
-        return spec.replace(**changes)
-
     def _sample_effects(self, arrays: SampleArrays, k: int) -> tuple[Any, ...]:
         """With commands eased, and the fingers' weight of the sample's posture."""
-        found: list[Any] = []
+        found = list[Any]()
         for e in self.spec.effects:
             if isinstance(e, JointOffset) and arrays.squeeze[k] != 1.0:
-                found.append(replace(e, command=read_only(arrays.squeeze[k] * e.command), reach=None))
+                e = replace(e, command=read_only(arrays.squeeze[k] * e.command), reach=None)
             elif isinstance(e, FingerWeight) and arrays.joints is not None:
-                found.append(replace(e, torque=read_only(arrays.joints.weight[k].copy())))
-            else:
-                found.append(e)
+                e = replace(e, torque=read_only(arrays.joints.weight[k].copy()))
+            found.append(e)
         return tuple(found)
 
     def _sample_contacts(self, arrays: SampleArrays, k: int, slid: bool) -> tuple[Contact, ...]:
-        out, laws = [], dict[tuple[int, float], Any]()
+        found, laws = [], dict[tuple[int, float], Any]()
         for i, c in enumerate(self.spec.contacts):
-            mu, law = float(arrays.mu[k, i]), c.friction
+            mu, law, p, R = float(arrays.mu[k, i]), c.friction, c.position, c.rotation
             if mu != c.mu:  # one law for all contacts that share it
                 law = laws.setdefault((id(law), mu), law.with_mu(mu))
-            p, R = (c.position, c.rotation)
             if slid:
                 p, R = read_only(arrays.positions[k, i].copy()), read_only(arrays.frames[k, i].copy())
-            out.append(Contact.from_arrays(p, R, law, c.planar, c.name))
-        return tuple(out)
+            found.append(Contact.from_arrays(p, R, law, c.planar, c.name))
+        return tuple(found)
 
-
-def _sample_mechanism(hand: HandMechanism, arrays: SampleArrays, joints: SampleJoints, k: int) -> HandMechanism:
-    """The hand's mechanism in sample k, with its springs, pads and posture."""
-    model, posture, few, parts = hand.posture.hand, joints.postures[k], len(hand.tips), dict[str, Any]()
-    if joints.springs is not None:
-        parts["stiffness"] = _scale_springs(model.stiffness, joints.springs[k])
-    if joints.pads is not None:
-        blocks = model.pads.blocks.copy()
-        blocks[list(hand.tips)] *= joints.pads[k][:, None, None]
-        parts["pads"] = FingertipPads(blocks)
-    if parts:
-        posture = _posture_with_hand(posture, model.with_parts(**parts))
-    target = hand.target if hand.target is None else hand.target.weighing(float(arrays.mass[k]) * hand.target.mass)
-    return replace(
-        hand,
-        posture=posture,
-        jacobian=read_only(joints.jacobian[k].copy()),
-        compliance_factor=posture.hand.stiffness.compliance_factor,
-        positions=read_only(arrays.positions[k, :few].copy()),
-        frames=read_only(arrays.frames[k, :few].copy()),
-        target=target,
-        stand_off=read_only(joints.stand_off[k].copy()),
-    )
-
-
-def _scale_springs(springs: Elasticity, factors: Array) -> Elasticity:
-    """Springs that are stiffer by factors (nv,), which are all alike for tendons and synergies."""
-    if isinstance(springs, JointStiffness) and not springs.is_transmission:
-        return springs.scale_by_joint(factors)
-    return springs.scale_stiffness(float(factors[0]))
-
-
-def _posture_with_hand(old: HandPosture, hand: Any) -> HandPosture:
-    """The posture of a hand that differs in springs and pads alone."""
-    made = object.__new__(type(old))
-    made.__dict__.update(old.__dict__, hand=hand)
-    made.__dict__.pop("flexibility", None)  # of the other springs
-    return made
-
-
-# ----------------------------------------------------------------
-# Samples of a grasp whose hand varies by the names of `Hand.vary`: each is made anew, and all else varied after it.
+    def _sample_mechanism(self, arrays: SampleArrays, joints: SampleJoints, k: int) -> HandMechanism:
+        """The hand's mechanism in sample k, with its springs, pads and posture."""
+        hand = self._hand
+        assert hand is not None
+        model, posture, few, parts = hand.posture.hand, joints.postures[k], len(hand.tips), dict[str, Any]()
+        if joints.springs is not None:
+            springs, factors = model.stiffness, joints.springs[k]  # all alike for tendons and synergies
+            if isinstance(springs, JointStiffness) and not springs.is_transmission:
+                parts["stiffness"] = springs.scale_by_joint(factors)
+            else:
+                parts["stiffness"] = springs.scale_stiffness(float(factors[0]))
+        if joints.pads is not None:
+            blocks = model.pads.blocks.copy()
+            blocks[list(hand.tips)] *= joints.pads[k][:, None, None]
+            parts["pads"] = FingertipPads(blocks)
+        if parts:
+            posture = type(posture)(model.with_parts(**parts), posture.q)
+        return replace(
+            hand,
+            posture=posture,
+            jacobian=read_only(joints.jacobian[k].copy()),
+            compliance_factor=posture.hand.stiffness.compliance_factor,
+            positions=read_only(arrays.positions[k, :few].copy()),
+            frames=read_only(arrays.frames[k, :few].copy()),
+            target=None if hand.target is None else hand.target.weighing(float(arrays.mass[k]) * hand.target.mass),
+            stand_off=read_only(joints.stand_off[k].copy()),
+        )
 
 
 class HandNumberPlacer(SamplePlacer):
-    """Makes samples of a hand's grasp where some dimensions are numbers of the hand."""
-
-    def __init__(self, grasp: Grasp, dimensions: tuple[Dimension, ...]) -> None:
-        super().__init__(grasp, dimensions)
-        self._is_hand_number = np.array([d.parameter == HAND_NUMBER for d in dimensions])
-        self._other_dimensions = tuple([d for d in dimensions if d.parameter != HAND_NUMBER])
+    """Makes samples of a hand's grasp where some dimensions are numbers of the hand, by their names for `Hand.vary`:
+    each is made anew, and all else varied after it.
+    """
 
     def make_sample_arrays(self, values: Array) -> SampleArrays:
         """What others write, for what is read off arrays; the grasps themselves are made one by one."""
-        found = SamplePlacer(self.grasp, self._other_dimensions).make_sample_arrays(values[:, ~self._is_hand_number])
-        made = [self._vary_sample(row) for row in values]
+        is_number = np.array([d.parameter == HAND_NUMBER for d in self.dimensions])
+        others = [d for d in self.dimensions if d.parameter != HAND_NUMBER]
+        found = SamplePlacer(self.grasp, others).make_sample_arrays(values[:, ~is_number])
+        made = [self._vary_sample(row[is_number], others, row[~is_number]) for row in values]
 
         def spec_of_sample(_: GraspSpec, k: float) -> GraspSpec:
-            spec = made[int(k)]
-            return self.spec if spec is None else spec
+            return made[int(k)] or self.spec
 
         found.samples.remade.append((spec_of_sample, np.arange(len(values), dtype=float)))
         lost = np.array([spec is None for spec in made])
         return replace(found, past_edge=found.past_edge | lost[:, None])
 
-    def _vary_sample(self, row: Array) -> GraspSpec | None:
-        """The grasp of one sample with values row (d,); None where the fingertips do not come to touch."""
+    def _vary_sample(self, numbers: Array, others: Sequence[Dimension], rest: Array) -> GraspSpec | None:
+        """The grasp of one sample with these numbers of the hand, and the rest (d,) of the others' values; None where
+        the fingertips do not come to touch.
+        """
         assert isinstance(self.grasp, HandGrasp)
-        numbers = [d.name for d in self.dimensions if d.parameter == HAND_NUMBER]
+        names = [d.name for d in self.dimensions if d.parameter == HAND_NUMBER]
         try:
-            grasp = vary_grasp(self.grasp, dict(zip(numbers, row[self._is_hand_number].tolist(), strict=True)))
+            grasp = vary_grasp(self.grasp, dict(zip(names, numbers.tolist(), strict=True)))
         except NoGraspFound:
             return None
-        others = SamplePlacer(grasp, self._other_dimensions)
-        return others.make_grasp(others.make_sample_arrays(row[None, ~self._is_hand_number]), 0).spec
+        placer = SamplePlacer(grasp, others)
+        return placer.make_grasp(placer.make_sample_arrays(rest[None]), 0).spec
 
     def why_unplaced(self, past: Bools) -> str | None:
         """What is wrong with a sample."""
         return "the fingertips of such a hand do not come to touch the object again" if past.any() else None
 
 
-def make_placer(grasp: Grasp, dimensions: tuple[Dimension, ...]) -> SamplePlacer:
-    """What makes samples of these dimensions."""
-    by_number = any(d.parameter == HAND_NUMBER for d in dimensions)
-    return HandNumberPlacer(grasp, dimensions) if by_number else SamplePlacer(grasp, dimensions)
+# ----------------------------------------------------------------
+# Contacts slid along the object's surface, many at once.
+#
+# Past an edge of a box or a rim of a cylinder a contact has no normal: it is on two faces, and a fingertip rolls around
+# the edge. Such a contact keeps its axes, and is named as one that is past an edge.
+
+_NEW_FACE_TOLERANCE = 1e-6  # of a normal that has one direction on a whole face: more is another face
+
+
+def slide_contacts(positions: Array, frames: Array, shifts: Array, obj: Object | None) -> tuple[Array, Array, Bools]:
+    """Positions (m, k, 3) and frames (m, k, 3, 3) of k contacts after m shifts (m, k, 2) [m] along their tangents, and
+    which of them (m, k) are past an edge.
+
+    On a ball, a box, a cylinder or an ellipsoid a contact stays on the surface, and its normal turns with that. On
+    anything else, or without an object (None), it moves in its tangent plane, and keeps its normal.
+    """
+    m, k = len(shifts), len(positions)
+    goal = positions + np.einsum("kab,mkb->mka", frames[:, :, :2], shifts)
+    found = None if obj is None else obj.closest_all(np.concatenate([positions, goal.reshape(-1, 3)]))
+    if obj is None or obj.known is None or found is None:
+        return goal, np.broadcast_to(frames, (m, k, 3, 3)), np.zeros((m, k), bool)
+    _, on, out = found
+    moved = positions + (on[k:].reshape(m, k, 3) - on[:k])
+    turned = out[:k] - out[k:].reshape(m, k, 3)  # of the normals into the object
+    past: Bools = np.zeros((m, k), bool)
+    if obj.known[0] == BOX:  # on which no normal turns; on a cylinder none towards its axis
+        past = np.asarray((abs(turned) > _NEW_FACE_TOLERANCE).any(axis=-1))
+    elif obj.known[0] == CYLINDER:
+        past = np.asarray(abs(turned @ obj.frame[0][:, 2]) > _NEW_FACE_TOLERANCE)
+    z = frames[:, :, 2] + np.where(past[..., None], 0.0, turned)
+    z = z / np.sqrt((z * z).sum(axis=-1, keepdims=True))
+    x = frames[:, :, 0] - z * (z * frames[:, :, 0]).sum(axis=-1, keepdims=True)
+    x = x / np.sqrt((x * x).sum(axis=-1, keepdims=True))
+    made = np.stack([x, np.cross(z, x), z], axis=-1)
+    stays = (turned == 0.0).all(axis=-1) | past
+    return moved, np.where(stays[..., None, None], frames, made), past

@@ -159,15 +159,13 @@ def read_spread(grasp: Grasp, spread: Any) -> tuple[Dimension, ...]:
         if key in spread
         for e in p.entries(grasp.spec, f"spread[{key!r}]", spread[key])
     ]
-    return tuple([*found, *[_hand_number_dimension(grasp, name, spread[name]) for name in own]])
-
-
-def _hand_number_dimension(grasp: Grasp, name: str, given: Any) -> Dimension:
-    """A number of the hand, by its name for `Hand.vary`."""
-    assert isinstance(grasp, HandGrasp)
-    with translate_arguments({"changes": "spread"}):
-        mean = hand_number(grasp.state.hand, name)
-    return Dimension(name, HAND_NUMBER, (), read_distribution(f"spread[{name!r}]", given, mean, 0.0), number_unit(name))
+    for name in own:
+        assert isinstance(grasp, HandGrasp)
+        with translate_arguments({"changes": "spread"}):
+            mean = hand_number(grasp.state.hand, name)
+        law = read_distribution(f"spread[{name!r}]", spread[name], mean, 0.0)
+        found.append(Dimension(name, HAND_NUMBER, (), law, number_unit(name)))
+    return tuple(found)
 
 
 def varying_parameters() -> dict[str, Parameter]:
