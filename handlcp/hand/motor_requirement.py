@@ -19,7 +19,7 @@ from handlcp import words
 from handlcp.actuation.motor import Drives, Motor
 from handlcp.check import Array, Bools, check_array, check_keys, check_method_calls, check_number, read_only
 from handlcp.errors import InputError
-from handlcp.grasp.derivatives.parameter.stiffness import with_torque_limits
+from handlcp.grasp.derivatives.parameter.joint import with_torque_limits
 from handlcp.grasp.failure.failure_mode import is_exceeded
 from handlcp.grasp.failure.failure_text import describe_torque_excess
 from handlcp.grasp.model.request import GraspSpec, rebuild

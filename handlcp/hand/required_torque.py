@@ -16,7 +16,7 @@ from handlcp.contact.friction import Section
 from handlcp.grasp.analysis.required_value import Required, check_tolerance, find_least
 from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.derivatives.active_set import solve_without_slip
-from handlcp.grasp.derivatives.parameter.stiffness import with_torque_limits
+from handlcp.grasp.derivatives.parameter.joint import with_torque_limits
 from handlcp.grasp.design.required_value import (
     LOADING_ORDER,
     ChangedGrasp,

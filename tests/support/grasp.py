@@ -15,7 +15,7 @@ from handlcp.grasp.analysis import required_value as _required
 from handlcp.grasp.analysis.solve_to_accuracy import force_error
 from handlcp.grasp.assembly.problem import GraspContactProblem, SolverCandidate, asked_effects_with_rows, assemble
 from handlcp.grasp.batch.first_stage import scene_rows
-from handlcp.grasp.derivatives.parameter.friction import with_friction as _with_friction
+from handlcp.grasp.derivatives.parameter.contact import with_friction as _with_friction
 from handlcp.grasp.model import validate as _validate
 from handlcp.grasp.solution.diagnosis import DiagnosisText
 from handlcp.grasp.solve import compiled_answer as _first

@@ -114,7 +114,7 @@ def _with_gaps(s, parameter, index, name):
     _, change = s._rates_by(parameter)
     way = np.zeros(s.of("displacement", parameter).shape[1:])
     way[index] = 1.0
-    deeper = change.depth_change.rates.reshape(-1, *way.shape)[(slice(None), *index)]
+    deeper = change.rates.reshape(-1, *way.shape)[(slice(None), *index)]
     assert (deeper <= 1e-9).all() or (deeper >= -1e-9).all()
     both = s.along(parameter, way)
     return (both.behind if (deeper > 1e-9).any() else both.ahead)[name]

@@ -17,7 +17,7 @@ from handlcp.check import check_method_calls, check_number
 from handlcp.contact.friction import Section
 from handlcp.errors import InputError
 from handlcp.grasp.assembly.scene_builder import build_scene
-from handlcp.grasp.derivatives.parameter.friction import with_friction
+from handlcp.grasp.derivatives.parameter.contact import with_friction
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.solution.verdict import HELD
 from handlcp.grasp.solve.solve_spec import BRIEF_SEARCH_WORK, solve_spec

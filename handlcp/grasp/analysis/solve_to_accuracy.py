@@ -17,7 +17,7 @@ from handlcp.errors import NoSolutionFound, Unsupported
 from handlcp.grasp.assembly.problem import AnyProblem, GraspContactProblem, asked_effects_with_rows, solution_candidate
 from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.derivatives.active_set import LinearLaws, active_rows
-from handlcp.grasp.derivatives.parameter.squeeze import MAX_SQUEEZE_SHARE
+from handlcp.grasp.derivatives.parameter.load import MAX_SQUEEZE_SHARE
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.solution.solution import Accuracy, GraspSolution

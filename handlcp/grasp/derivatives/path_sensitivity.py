@@ -11,58 +11,24 @@ weaker it is. A common change of all fingers keeps the symmetry, and has a deriv
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from handlcp.check import Array, check_method_calls, check_number, read_only
 from handlcp.errors import UnknownName
-from handlcp.grasp.derivatives.parameter import find_parameter, parameters_by_effort, present_parameters
+from handlcp.grasp.derivatives.parameter import (
+    find_parameter,
+    find_present_parameter,
+    parameters_by_effort,
+    present_parameters,
+)
 from handlcp.grasp.derivatives.parameter.parameter import TABLE_SHARE
+from handlcp.grasp.derivatives.sensitivity import format_value
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.record import to_plain
 from handlcp.words import TextTable, first_largest_index, wrap_text
-
-# ----------------------------------------------------------------
-# What common changes of a grasp do to the end of a path, in a table, to first order.
-
-
-def path_table(s: Any, here: dict[str, Array]) -> str:
-    """The table of a `PathSensitivity`, each row with a tenth more of a parameter, of all fingers or joints
-    together.
-    """
-    rows, unclear = [], []
-    for p in parameters_by_effort():
-        if not p.common or p.name not in s.parameters or not (changes := s.of_share(p.name, TABLE_SHARE)):
-            continue
-        found = [_largest_change(here[name], change) for name, change in changes.items()]
-        rows.append((f"{p.common} +10 %", *(_format_number(x) for x in found)))
-        if not np.isfinite(found).all():
-            unclear.append(p.common)
-    now = [f"{abs(value).max(initial=0.0):.4g}" for value in here.values()]
-    heads = ("all fingers, all joints", *here)
-    lines = [str(TextTable(heads, (("now", *now), *rows), "<" + ">" * len(here)))]
-    if any(value.ndim for value in here.values()):
-        lines.append("Of each quantity its largest component, SI: its size, and the change of it.")
-    if unclear:
-        lines.append(wrap_text(f"–: no derivative, for the end jumps or has a corner there ({', '.join(unclear)})."))
-    return "\n".join(lines)
-
-
-def _largest_change(here: Array, change: Array) -> float:
-    """The change of the size of the largest component."""
-    if not here.size:
-        return 0.0
-    flat = here.reshape(-1)
-    k = first_largest_index(abs(flat))
-    return float(change.reshape(-1)[k] * (-1.0 if flat[k] < 0.0 else 1.0))
-
-
-def _format_number(x: float) -> str:
-    return "–" if not np.isfinite(x) else "0" if x == 0.0 else f"{x:+.3g}"
-
-
-# ----------------------------------------------------------------
 
 _MAX_SIDE_GAP = 0.1  # of the larger side: where they differ by more, there is no derivative
 # Of the largest entry of a quantity: entries that differ by less differ by the roughness of the path
@@ -146,36 +112,31 @@ class PathSensitivity:
         """By quantity, its change to first order when all entries of a parameter grow by a share of themselves; {}
         where they are all zero.
         """
-        share = check_number("share", share)
-        if parameter not in (names := [p.name for p in present_parameters(self._spec)]):
-            raise UnknownName("parameter", "a parameter", [str(parameter)], names)
-        of = find_parameter(parameter)
+        share, of = check_number("share", share), find_present_parameter(self._spec, parameter)
         sizes = of.values(self._spec)
         largest = float(abs(sizes).max(initial=0.0))
         if largest == 0.0:
             return {}
-        h = of.step * self._coarser
-        ahead, behind = (self._end(of.varied_all(self._spec, way * h * sizes / largest)) for way in (1, -1))
-        rates = {name: self._sides(name, ahead, behind, h).derivative for name in self._here}
-        return {name: share * largest * rate for name, rate in rates.items()}
+        found = self._two_sides(lambda h: of.varied_all(self._spec, h * sizes / largest), of.step)
+        return {name: share * largest * sides.derivative for name, sides in found.items()}
 
     def _differences(self, parameter: str) -> dict[str, TwoSidedDifferences]:
+        of = find_parameter(parameter.removeprefix(_ALL_PREFIX))
+        shape = of.shape(self._spec)
         if parameter.startswith(_ALL_PREFIX):
-            every = find_parameter(parameter.removeprefix(_ALL_PREFIX))
-            h, ones = every.step * self._coarser, np.ones(every.shape(self._spec))
-            ahead, behind = (self._end(every.varied_all(self._spec, way * h * ones)) for way in (1, -1))
-            return {of: self._sides(of, ahead, behind, h) for of in self._here}
-        one = find_parameter(parameter)
-        shape, h = one.shape(self._spec), one.step * self._coarser
-        columns: dict[str, list[TwoSidedDifferences]] = {name: [] for name in self._here}
-        for k in range(int(np.prod(shape))):
-            ahead, behind = (self._end(one.varied(self._spec, k, step)) for step in (h, -h))
-            for of, pairs in columns.items():
-                pairs.append(self._sides(of, ahead, behind, h))
-        return {
-            of: TwoSidedDifferences(*[_stack_columns(list(one), shape) for one in zip(*pairs, strict=True)])
-            for of, pairs in columns.items()
-        }
+            return self._two_sides(lambda h: of.varied_all(self._spec, h * np.ones(shape)), of.step)
+        columns = [self._two_sides(partial(of.varied, self._spec, k), of.step) for k in range(int(np.prod(shape)))]
+        found = {}
+        for name, here in self._here.items():
+            sides = [np.stack(side, axis=-1) for side in zip(*(column[name] for column in columns), strict=True)]
+            found[name] = TwoSidedDifferences(*[read_only(side.reshape(*here.shape, *shape)) for side in sides])
+        return found
+
+    def _two_sides(self, varied: Callable[[float], GraspSpec], step: float) -> dict[str, TwoSidedDifferences]:
+        """Of grasps with a parameter larger by steps of either sign."""
+        h = step * self._coarser
+        ahead, behind = self._end(varied(h)), self._end(varied(-h))
+        return {name: self._sides(name, ahead, behind, h) for name in self._here}
 
     def _sides(self, name: str, ahead: dict[str, Array], behind: dict[str, Array], h: float) -> TwoSidedDifferences:
         here = self._here[name]
@@ -196,7 +157,22 @@ class PathSensitivity:
 
     def __str__(self) -> str:
         """What a tenth more of each parameter, of all fingers or joints together, does to each quantity."""
-        return path_table(self, self._here)
+        here = self._here
+        cells, unclear = [("now", *(f"{abs(value).max(initial=0.0):.4g}" for value in here.values()))], []
+        for p in parameters_by_effort():
+            if p.common and p.name in self.parameters and (changes := self.of_share(p.name, TABLE_SHARE)):
+                found = [_largest_change(here[name], change) for name, change in changes.items()]
+                cells.append((f"{p.common} +10 %", *(format_value(x, "+.3g") for x in found)))
+                if not np.isfinite(found).all():
+                    unclear.append(p.common)
+        lines = [str(TextTable(("all fingers, all joints", *here), tuple(cells), "<" + ">" * len(here)))]
+        if any(value.ndim for value in here.values()):
+            lines.append("Of each quantity its largest component, SI: its size, and the change of it.")
+        if unclear:
+            lines.append(
+                wrap_text(f"–: no derivative, for the end jumps or has a corner there ({', '.join(unclear)}).")
+            )
+        return "\n".join(lines)
 
     def __repr__(self) -> str:
         return f"PathSensitivity(of={', '.join(self.quantities)})"
@@ -212,6 +188,9 @@ class PathSensitivity:
         return [*super().__dir__(), *(f"{q}_by_{p}" for q in self.quantities for p in self.parameters)]
 
 
-def _stack_columns(columns: list[Array], shape: tuple[int, ...]) -> Array:
-    whole = np.stack(columns, axis=-1)
-    return read_only(whole.reshape(*whole.shape[:-1], *shape))
+def _largest_change(here: Array, change: Array) -> float:
+    """The change of the size of the largest component."""
+    if not here.size:
+        return 0.0
+    k = first_largest_index(abs(here.reshape(-1)))
+    return float(change.reshape(-1)[k] * (-1.0 if here.reshape(-1)[k] < 0.0 else 1.0))

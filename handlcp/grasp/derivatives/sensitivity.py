@@ -10,78 +10,60 @@ import numpy as np
 
 from handlcp.check import Array, check_array, check_method_calls, read_only
 from handlcp.errors import InputError, UnknownName
-from handlcp.grasp.derivatives.linearisation_point import LawChange, LinearisationPoint, ResponseRates
+from handlcp.grasp.derivatives.linearisation import LawChange, LinearisationPoint
 from handlcp.grasp.derivatives.parameter import (
-    Shown,
-    find_parameter,
+    find_present_parameter,
     parameters,
     parameters_by_effort,
     present_parameters,
 )
-from handlcp.grasp.derivatives.parameter.posture import depth_change_at
-from handlcp.grasp.derivatives.response import DerivativeKink, LinearResponse
+from handlcp.grasp.derivatives.response import DerivativeKink, ResponseRates, find_kinks, find_rates, free_directions
+from handlcp.lazy_property import lazy_property
 from handlcp.record import Record, make_data_frame, to_plain
 from handlcp.tolerances import ACTIVE_TOLERANCE
 from handlcp.words import TextTable, first_largest_index, wrap_text
 
 # ----------------------------------------------------------------
-# Everything of an answer that can be differentiated, from the rates of its forces, motion and slips.
+# Everything of an answer that can be differentiated, from the rates of its forces, motion and slips: each (…, p).
 
 
-@dataclass(frozen=True, slots=True)
-class Quantity:
-    """A quantity of an answer, and how fast it changes.
-
-    unit : of the quantity.
-    rate : gives its rates (…, p).
-    joints : whether only a hand has it.
-    """
-
-    unit: str
-    rate: Callable[[LinearisationPoint, ResponseRates, LawChange], Array]
-    joints: bool = False
-
-
-def _by_point(answer: LinearisationPoint, by_component: Array) -> Array:
-    """(n, 3, p) of the contact points."""
+def _point_rates(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> Array:
+    """Forces (n, 3, p) of the contact points."""
     n = answer.scene.n
-    return by_component[: 3 * n].reshape(n, 3, -1)
+    return rates.forces[: 3 * n].reshape(n, 3, -1)
 
 
-def _by_soft_contact(answer: LinearisationPoint, by_component: Array) -> Array:
-    """(n, p) about the normals, 0 of contacts that bear no moment."""
-    out = np.zeros((answer.scene.n, by_component.shape[1]))
-    out[list(answer.scene.soft)] = by_component[3 * answer.scene.n :]
+def _torsion_rates(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> Array:
+    """Moments (n, p) about the normals, 0 of contacts that bear none."""
+    out = np.zeros((answer.scene.n, rates.forces.shape[1]))
+    out[list(answer.scene.soft)] = rates.forces[3 * answer.scene.n :]
     return out
 
 
-def _relative_motion(answer: LinearisationPoint, rates: ResponseRates) -> Array:
+def _motion_rates(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> Array:
     """(n, 3, p) motions of the object past the fingertips; 0 where a prescribed force makes the finger follow."""
-    points = _by_point(answer, rates.slip)
-    return points if all(answer.scene.force_unknown) else np.where(answer.force_unknown[:, None, None], points, 0.0)
+    n = answer.scene.n
+    return np.where(answer.scene.force_unknown_mask[:, None, None], rates.slip[: 3 * n].reshape(n, 3, -1), 0.0)
 
 
-def _torques(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> Array:
-    """Rates (nv, p) of the joint torques τ = Jᵀ r + …."""
+def _torque_rates(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> Array:
+    """Of the joint torques τ = Jᵀ r + … (nv, p)."""
     return np.asarray(answer.torque_rows.T @ rates.forces + change.torque)
 
 
-def _torque_margin(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> Array:
+def _torque_margin_rates(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> Array:
     """Limit less |τ|; NaN of a joint without a limit."""
-    mechanism = answer.spec.mechanism
-    limits = np.zeros(0) if mechanism is None else mechanism.limits
-    margin = change.torque_limits - np.sign(answer.joints.torque)[:, None] * _torques(answer, rates, change)
-    return np.where(np.isfinite(limits)[:, None], margin, np.nan)
+    assert answer.spec.mechanism is not None
+    used = np.sign(answer.joints.torque)[:, None] * _torque_rates(answer, rates, change)
+    return np.where(np.isfinite(answer.spec.mechanism.limits)[:, None], change.torque_limits - used, np.nan)
 
 
-def _friction_margin(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> Array:
+def _friction_margin_rates(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> Array:
     """μ r_N - |r̂_T|, of the exact law; NaN without friction. Without a tangential force any change takes from it."""
     scene, n = answer.scene, answer.scene.n
     lawful, out = rates.forces / answer.scale[:, None], np.full((n, rates.forces.shape[1]), np.nan)
     limits = answer.friction.limits
-    for i in range(n):
-        if scene.mu[i] <= 0.0:
-            continue
+    for i in np.flatnonzero(scene.mu > 0.0).tolist():
         own = [3 * i, 3 * i + 1, *([3 * n + scene.soft.index(i)] if i in scene.soft else [])]
         r, z = answer.law_forces[own], 3 * i + 2
         size = float(np.sqrt(r @ r))
@@ -91,16 +73,17 @@ def _friction_margin(answer: LinearisationPoint, rates: ResponseRates, change: L
     return out
 
 
-QUANTITIES = {
-    "forces": Quantity("N", lambda a, r, c: _by_point(a, r.forces)),
-    "torsion": Quantity("N·m", lambda a, r, c: _by_soft_contact(a, r.forces)),
-    "torques": Quantity("N·m", _torques, joints=True),
-    "slip": Quantity("m", lambda a, r, c: _relative_motion(a, r)[:, :2]),
-    "gap": Quantity("m", lambda a, r, c: _relative_motion(a, r)[:, 2]),
-    "displacement": Quantity("m, rad", lambda a, r, c: r.motion),
-    "friction_margin": Quantity("N", _friction_margin),
-    "torque_margin": Quantity("N·m", _torque_margin, joints=True),
+QUANTITIES: dict[str, Callable[[LinearisationPoint, ResponseRates, LawChange], Array]] = {
+    "forces": _point_rates,
+    "torsion": _torsion_rates,
+    "torques": _torque_rates,
+    "slip": lambda answer, rates, change: _motion_rates(answer, rates, change)[:, :2],
+    "gap": lambda answer, rates, change: _motion_rates(answer, rates, change)[:, 2],
+    "displacement": lambda answer, rates, change: rates.motion,
+    "friction_margin": _friction_margin_rates,
+    "torque_margin": _torque_margin_rates,
 }
+_JOINT_QUANTITIES = "torques", "torque_margin"  # of hands alone
 
 
 # ----------------------------------------------------------------
@@ -109,52 +92,39 @@ _FORCE_TOLERANCE = 1e-3  # of the largest force
 _COLUMN_ROUNDING = 1e-6  # of the largest number in a column
 
 
-def describe_sensitivity(s: Any, answer: LinearisationPoint) -> str:
+def describe_sensitivity(s: Sensitivity, answer: LinearisationPoint) -> str:
     """Of a `Sensitivity`, and where its derivatives have two sides or none."""
-    changes, least = _shown_changes(s, answer), _least_margin_contact(answer)
-    effects = [
-        np.array([_change_effect(s.along(parameter, way).ahead, answer, least) for _, way in row.ways])
-        for parameter, row in changes
-    ]
-    largest = np.nan_to_num(abs(np.concatenate(effects))).max(axis=0)
+    least, rows = _least_margin_contact(answer), []
+    for p in parameters_by_effort():  # those first that take the least effort to change
+        if (row := p.shown(answer)) is not None:
+            rates = [s.along(p.name, way).ahead for _, way in row.ways]
+            forces = max(np.nanmax(abs(rate["forces"]), initial=0.0) for rate in rates)
+            if not row.slight or forces > _FORCE_TOLERANCE * abs(answer.forces).max():
+                rows.append((row, np.array([_change_effect(rate, answer, least) for rate in rates])))
+    rows.sort(key=lambda one: len(one[0].ways) > 1)  # single contacts last
+    largest = np.nan_to_num(abs(np.concatenate([effects for _, effects in rows]))).max(axis=0)
     scale, cells = np.where(largest > 0.0, largest, 1.0), []
-    for (_, row), each in zip(changes, effects, strict=True):
+    for row, each in rows:
         most = first_largest_index((np.nan_to_num(abs(each)) / scale).sum(axis=1))  # all columns count alike
-        rounded = np.where(abs(each[most]) < _COLUMN_ROUNDING * scale, 0.0, each[most])
-        cells.append((row.text, row.ways[most][0], *_format_effect(rounded.tolist())))
+        *signed, moved = np.where(abs(each[most]) < _COLUMN_ROUNDING * scale, 0.0, each[most]).tolist()
+        numbers = [*(format_value(x, "+.3g") for x in signed), format_value(moved, ".3g")]
+        cells.append((row.text, row.ways[most][0], *numbers))
     torque = ("torque\nN·m",) if "torques" in s.quantities else ()
     heads = ("change", "where", "force\nN", "to spare\nN", *torque, "motion\nmm")
-    lines = [str(TextTable(heads, tuple(cells), "<<" + ">" * (len(heads) - 2)))]
-    lines.append(wrap_text(_legend(answer, least, bool(torque))))
+    spare = "no contact sticks with friction to spare"
+    if least is not None:
+        spare = f"the friction to spare at {answer.spec.names[least]}, of all that stick the nearest to sliding"
+    legend = (
+        f"Changes of the largest force, {spare}{', the largest torque' if torque else ''}, and how far the object"
+        " moves. The last two rows are one contact each, where the change does most."
+    )
+    lines = [str(TextTable(heads, tuple(cells), "<<" + ">" * (len(heads) - 2))), wrap_text(legend)]
     if kinks := [str(k) for k in s.kinks if not k.by]:  # of these rows
         lines.append(wrap_text(f"Two sides, of which this is one: {'; '.join(kinks)}.", "  "))
     if s.free:
         count = f"{s.free} direction{'s' if s.free > 1 else ''}"
         lines.append(wrap_text(f"Left free in {count}: – is what they change, or a change without an answer.", "  "))
     return "\n".join(lines)
-
-
-def _legend(answer: LinearisationPoint, least: int | None, torque: bool) -> str:
-    """What the columns are."""
-    spare = "no contact sticks with friction to spare"
-    if least is not None:
-        spare = f"the friction to spare at {answer.spec.names[least]}, of all that stick the nearest to sliding"
-    more = ", the largest torque" if torque else ""
-    single = "The last two rows are one contact each, where the change does most."
-    return f"Changes of the largest force, {spare}{more}, and how far the object moves. {single}"
-
-
-def _shown_changes(s: Any, answer: LinearisationPoint) -> list[tuple[str, Shown]]:
-    """(parameter, what of it is shown), those first that take the least effort to change; single contacts last."""
-    known = [(p.name, row) for p in parameters_by_effort() if (row := p.shown(answer)) is not None]
-    some = [(name, row) for name, row in known if not (row.slight and _is_nothing(s, answer, name, row))]
-    return sorted(some, key=lambda one: len(one[1].ways) > 1)
-
-
-def _is_nothing(s: Any, answer: LinearisationPoint, parameter: str, row: Shown) -> bool:
-    """Whether a change matters to no force."""
-    rates = [s.along(parameter, way).ahead["forces"] for _, way in row.ways]
-    return bool(np.nanmax(np.abs(rates), initial=0.0) <= _FORCE_TOLERANCE * abs(answer.forces).max())
 
 
 def _change_effect(rate: dict[str, Array], answer: LinearisationPoint, least: int | None) -> list[float]:
@@ -169,8 +139,7 @@ def _change_effect(rate: dict[str, Array], answer: LinearisationPoint, least: in
         torque = answer.joints.torque
         j = first_largest_index(abs(torque))
         found.append(float(np.sign(torque[j]) * rate["torques"][j]))
-    moved = rate["displacement"][:3]
-    return [*found, 1e3 * float(np.sqrt(moved @ moved))]
+    return [*found, 1e3 * float(np.linalg.norm(rate["displacement"][:3]))]
 
 
 def _least_margin_contact(answer: LinearisationPoint) -> int | None:
@@ -178,21 +147,15 @@ def _least_margin_contact(answer: LinearisationPoint) -> int | None:
     scene, lawful = answer.scene, answer.law_forces
     margins = np.full(scene.n, np.inf)
     for i in range(scene.n):
-        push = lawful[3 * i + 2]
-        own = [int(j) for j in scene.kind.contact_components[i, 1:] if j >= 0]
+        push, own = lawful[3 * i + 2], answer.tangential_components(i)
         spare = scene.mu[i] * push - float(np.sqrt(lawful[own] @ lawful[own]))
         if own and push > answer.force_tolerance and spare > answer.force_tolerance:
             margins[i] = spare
     return first_largest_index(-margins) if np.isfinite(margins).any() else None
 
 
-def _format_effect(effect: list[float]) -> list[str]:
-    """Three digits, all but the motion with a sign; – for what is no number."""
-    *signed, moved = effect
-    return [*(_format_value(x, "+.3g") for x in signed), _format_value(moved, ".3g")]
-
-
-def _format_value(x: float, form: str) -> str:
+def format_value(x: float, form: str) -> str:
+    """In this form; – for what is no number."""
     return "–" if not np.isfinite(x) else "0" if x == 0.0 else f"{x:{form}}"
 
 
@@ -240,7 +203,6 @@ class Sensitivity(Record):
 
     def __init__(self, answer: LinearisationPoint) -> None:
         self._answer = answer
-        self._response = LinearResponse.from_point(answer)
         self._rates: dict[str, tuple[ResponseRates, LawChange]] = {}
 
     @property
@@ -252,7 +214,7 @@ class Sensitivity(Record):
     def quantities(self) -> tuple[str, ...]:
         """What there are derivatives of."""
         hand = self._answer.spec.mechanism is not None
-        return tuple([name for name, q in QUANTITIES.items() if hand or not q.joints])
+        return tuple([name for name in QUANTITIES if hand or name not in _JOINT_QUANTITIES])
 
     @property
     def length_names(self) -> tuple[str, ...]:
@@ -260,24 +222,31 @@ class Sensitivity(Record):
         mechanism = self._answer.spec.mechanism
         return () if mechanism is None else mechanism.variation.lengths
 
+    @lazy_property
+    def _kinks(self) -> tuple[DerivativeKink, ...]:
+        """Where derivatives by any parameter have two sides."""
+        return find_kinks(self._answer)
+
     @property
     def kinks(self) -> tuple[DerivativeKink, ...]:
         """Where a derivative has two sides; () where nothing does."""
-        return (*self._response.kinks, *_touching_kinks(self._answer))
+        names, tips = self._answer.spec.names, self._answer.tip_depths
+        what, touching = "just touches where it was detected", tips.contacts[tips.touch].tolist()
+        return (*self._kinks, *(DerivativeKink(names[i], what, i, _REBUILT_PARAMETERS) for i in touching))
 
     @property
     def free(self) -> int:
         """In how many directions forces and motion are free, so that derivatives along them are NaN."""
-        return int(self._response.free.shape[1])
+        return int(free_directions(self._answer).shape[1])
 
     def of(self, quantity: str, parameter: str) -> Array:
         """The derivative, as the attribute `<quantity>_by_<parameter>`. Raises UnknownName, and Unsupported where a
         grasp has no such derivative.
         """
-        if quantity not in QUANTITIES or (QUANTITIES[quantity].joints and self._answer.spec.mechanism is None):
+        if quantity not in self.quantities:
             raise UnknownName("quantity", "a quantity", [str(quantity)], self.quantities)
         rates, change = self._rates_by(parameter)
-        found = QUANTITIES[quantity].rate(self._answer, rates, change.ahead)
+        found = QUANTITIES[quantity](self._answer, rates, change.ahead)
         return read_only(found.reshape(*found.shape[:-1], *self._shape(parameter)))
 
     def along(self, parameter: str, direction: Any) -> DirectionalDerivatives:
@@ -286,26 +255,21 @@ class Sensitivity(Record):
         """
         _, change = self._rates_by(parameter)
         way = check_array("direction", direction, self._shape(parameter)).reshape(-1)
-        ahead, behind = self._one_side(change.along_direction(way)), self._one_side(change.along_direction(-way))
+        ahead, behind = self._one_side(change.along(way)), self._one_side(change.along(-way))
         return DirectionalDerivatives(ahead, {name: read_only(-rate) for name, rate in behind.items()})
 
     def _one_side(self, change: LawChange) -> dict[str, Array]:
-        rates = self._response.rates_for(change)
-        return {name: read_only(QUANTITIES[name].rate(self._answer, rates, change)[..., 0]) for name in self.quantities}
+        rates = find_rates(self._answer, self._kinks, change)
+        return {name: read_only(QUANTITIES[name](self._answer, rates, change)[..., 0]) for name in self.quantities}
 
     def _shape(self, parameter: str) -> tuple[int, ...]:
-        return find_parameter(parameter).shape(self._answer.spec)
+        return find_present_parameter(self._answer.spec, parameter).shape(self._answer.spec)
 
     def _rates_by(self, parameter: str) -> tuple[ResponseRates, LawChange]:
-        if (known := self._rates.get(parameter)) is not None:
-            return known
-        spec = self._answer.spec
-        of = next((p for p in parameters() if p.name == parameter and 0 not in p.shape(spec)), None)
-        if of is None:
-            raise UnknownName("parameter", "a parameter", [str(parameter)], self.parameters)
-        change = of.change(self._answer)
-        known = self._rates[parameter] = self._response.rates_for(change.ahead), change
-        return known
+        if parameter not in self._rates:
+            change = find_present_parameter(self._answer.spec, parameter).change(self._answer)
+            self._rates[parameter] = find_rates(self._answer, self._kinks, change.ahead), change
+        return self._rates[parameter]
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain data, by name: nested lists, SI, None for what is not a finite number; and the kinks."""
@@ -342,21 +306,6 @@ class Sensitivity(Record):
         return [*super().__dir__(), *(f"{q}_by_{p}" for q in self.quantities for p in self.parameters)]
 
 
-def _touching_kinks(answer: LinearisationPoint) -> tuple[DerivativeKink, ...]:
-    """Fingertips that just touch, where that gives derivatives by posture and lengths two sides."""
-    deeper, mechanism = depth_change_at(answer), answer.spec.mechanism
-    found = None if mechanism is None else mechanism.variation.inside_depths(answer.spec)
-    if deeper is None or found is None:
-        return ()
-    some = [int(i) for i in deeper.contacts if found[1][i]]
-    return tuple(
-        [
-            DerivativeKink(answer.spec.names[i], "just touches where it was detected", i, _REBUILT_PARAMETERS)
-            for i in some
-        ]
-    )
-
-
 def make_sensitivity(solution: Any) -> Sensitivity:
     """Linearise a `GraspSolution` for its derivatives. Raises InputError for one that is not held, and so has no
     forces.
@@ -364,9 +313,7 @@ def make_sensitivity(solution: Any) -> Sensitivity:
     s = solution
     if not s.held or s.spec is None or s.scene is None or s.section is None:
         raise InputError("solution", "a solution that is held: others have no forces", s.status.name)
-    weak, slow = (
-        ACTIVE_TOLERANCE * s.residuals.force_scale,
-        ACTIVE_TOLERANCE * max(s.residuals.motion_scale, s.scene.units.motion_unit),
-    )
+    weak = ACTIVE_TOLERANCE * s.residuals.force_scale
+    slow = ACTIVE_TOLERANCE * max(s.residuals.motion_scale, s.scene.units.motion_unit)
     twist = s.object_displacement
     return Sensitivity(LinearisationPoint(s.spec, s.scene, s.section, s.forces, s.torsion, twist, s.extra, weak, slow))

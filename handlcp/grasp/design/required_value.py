@@ -23,7 +23,7 @@ from handlcp.grasp.analysis.required_value import (
 from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.derivatives.active_set import solve_without_slip
 from handlcp.grasp.derivatives.parameter import find_parameter
-from handlcp.grasp.derivatives.parameter.friction import with_friction
+from handlcp.grasp.derivatives.parameter.contact import with_friction
 from handlcp.grasp.failure.failure_mode import MOTION, OBJECT, FailureMode, find_exceeded, is_exceeded, state_limits
 from handlcp.grasp.failure.failure_text import describe_failures, describe_torque_excess
 from handlcp.grasp.model.contact import cross_rows

@@ -16,7 +16,7 @@ from handlcp.check import Array, check_call, check_integer, check_number, check_
 from handlcp.contact.friction.section import MOST_FACES
 from handlcp.errors import InputError, UnknownName, Unsupported
 from handlcp.grasp import Effect, GeometricStiffness, Grasp
-from handlcp.grasp.derivatives.parameter.friction import with_friction
+from handlcp.grasp.derivatives.parameter.contact import with_friction
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.effects.joint_torque import FingerWeight
 from handlcp.grasp.model import validate

@@ -100,7 +100,7 @@ class SamplePlacer:
         self._hand = hand if isinstance(hand, HandMechanism) else None
         self._springs_are_joints, self._weight = False, np.zeros(6)
         if self._hand is not None:  # a flexibility that was given is not that of the joints: a factor is one on all
-            made = finger_flexibility(replace(self._hand, jacobian=self._hand.jacobian[:c]))
+            made = replace(self._hand, jacobian=self._hand.jacobian[:c]).flexibility()
             self._springs_are_joints = bool(np.allclose(self.spec.flexibility[:c, :c], made, rtol=1e-12, atol=0.0))
             self._weight = self._hand.weight_of_object(self.spec.reference)
 

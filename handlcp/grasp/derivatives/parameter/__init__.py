@@ -1,8 +1,8 @@
-"""The numbers that a grasp is made of, one a file.
+"""The numbers that a grasp is made of, a class each.
 
 A parameter is found by its class (`parameter.py`): the files of this folder are imported, whatever their names, and
-each says everything about its parameter. Sensitivities, reliability, best change, advice and required values take
-parameters from here by name. Adding one is adding a file.
+each class says everything about its parameter. Sensitivities, reliability, best change, advice and required values take
+parameters from here by name. Adding one is adding a class.
 """
 
 from importlib import import_module
@@ -12,6 +12,7 @@ from handlcp.grasp.derivatives.parameter.parameter import (
     Parameter,
     Shown,
     find_parameter,
+    find_present_parameter,
     parameters,
     parameters_by_effort,
     present_parameters,
@@ -20,4 +21,7 @@ from handlcp.grasp.derivatives.parameter.parameter import (
 for _module in iter_modules(__path__):
     import_module(f"{__name__}.{_module.name}")
 
-__all__ = ["Parameter", "Shown", "find_parameter", "parameters", "parameters_by_effort", "present_parameters"]
+__all__ = [
+    "Parameter", "Shown", "find_parameter", "find_present_parameter", "parameters", "parameters_by_effort",
+    "present_parameters",
+]  # fmt: skip

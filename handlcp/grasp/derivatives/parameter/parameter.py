@@ -1,6 +1,4 @@
-"""`Parameter`: many grasps that differ from one in numbers, as arrays: what parameters write to, without making a grasp
-of each.
-"""
+"""`Parameter`: a number that a grasp is made of; `Samples`: arrays of many grasps that differ in such numbers."""
 
 from __future__ import annotations
 
@@ -14,13 +12,10 @@ import numpy as np
 
 from handlcp import words
 from handlcp.check import Array, Bools, check_keys, read_only
-from handlcp.errors import InputError, Unsupported
-from handlcp.grasp.assembly.scene_builder import build_scene
-from handlcp.grasp.derivatives.linearisation_point import LawChange, LinearisationPoint, zero_change
-from handlcp.grasp.effects.joint_torque import TorqueSaturation
-from handlcp.grasp.model.mechanism import read_joints
+from handlcp.errors import InputError, UnknownName
+from handlcp.grasp.derivatives.linearisation import LawChange, LinearisationPoint, difference_laws
+from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.request import GraspSpec
-from handlcp.grasp.model.scene import wrench_map
 
 
 @dataclass
@@ -60,63 +55,9 @@ class Samples:
 
 
 # ----------------------------------------------------------------
-# What any change of a grasp changes in the laws of an answer: central differences of its laws, not of its answer.
-#
-#     δv ≈ [v(p + h) - v(p - h)] / 2h,    forces, motion and contact states staying as they are
-#
-# What is differenced is smooth and costs no solve; with steps as the parameters have them, the error is about 1e-9 of
-# the largest change.
-
-
-def difference_laws(
-    answer: LinearisationPoint, count: int, h: float, made: Callable[[int, float], GraspSpec]
-) -> LawChange:
-    """Of the laws of grasps made(k, ±h)."""
-    change = zero_change(answer, count)
-    for k in range(count):
-        try:
-            ahead, behind = _evaluate_laws(answer, made(k, h)), _evaluate_laws(answer, made(k, -h))
-        except InputError:  # no such grasp, as where a link leaves the plane of a planar one
-            change.motion[:, k] = np.nan
-            continue
-        for column, a, b in zip(
-            (change.motion, change.balance, change.friction, change.torque), ahead, behind, strict=True
-        ):
-            column[:, k] = (a - b) / (2.0 * h)
-    return change
-
-
-def _evaluate_laws(answer: LinearisationPoint, spec: GraspSpec) -> tuple[Array, Array, Array, Array]:
-    """(v, b, μ, τ) of the answer's forces and motion in another grasp: motions (c,) in the laws' coordinates, the
-    wrench (6,) that is left over about the answer's reference, the sections' coefficients (n,), torques (nv,).
-    """
-    effects = []
-    for e in spec.effects:
-        made = e.under(spec, answer.forces, spec.effects) if e.depends_on_forces else e
-        if isinstance(made, str):
-            raise Unsupported(made)
-        effects.append(made)
-    spec = spec.replace(effects=tuple(effects))
-    scene, r = build_scene(spec), answer.law_forces
-    G = wrench_map(scene.positions, answer.spec.reference, scene.frames, scene.arrays.spin)
-    v = G.T @ answer.twist + scene.flexibility @ r + scene.offset
-    for e in spec.effects:
-        if (more := e.opening(scene, answer.extra)) is not None:
-            v = v + more
-    b = G @ r
-    b[:3] += scene.force
-    b[3:] += scene.moment - np.cross(answer.spec.reference, scene.force)
-    if spec.mechanism is None:
-        return v, b, scene.friction_coefficients(answer.section), np.zeros(0)
-    others = tuple([e for e in spec.effects if not isinstance(e, TorqueSaturation)])
-    torque = read_joints(spec.mechanism, scene, others, answer.forces, answer.torsion, answer.extra).torque
-    return v, b, scene.friction_coefficients(answer.section), torque
-
-
-# ----------------------------------------------------------------
 # What a parameter is: its name, shape and nominal values, and how a grasp changes with it.
 #
-# A parameter is one class in one file of this folder, found by its class: no other file needs a line for it. It says
+# A parameter is one class in a file of this folder, found by its class: no other file needs a line for it. It says
 #
 #     what it is                          `shape`, `values`, `without`
 #     the same grasp with other values    `varied`, `scaled`
@@ -236,9 +177,8 @@ class Parameter(ABC):
     # ---- what it changes in the laws of an answer
     def change(self, answer: LinearisationPoint) -> LawChange:
         """What each entry changes in the laws that an answer satisfies; here by central differences of these laws."""
-        spec = answer.spec
-        count = int(np.prod(self.shape(spec)))
-        return difference_laws(answer, count, self.step, lambda k, h: self.varied(spec, k, h))
+        count = int(np.prod(self.shape(answer.spec)))
+        return difference_laws(answer, count, self.step, lambda k, h: self.varied(answer.spec, k, h))
 
     # ---- what tables show of it
     def shown(self, answer: LinearisationPoint) -> Shown | None:
@@ -269,6 +209,14 @@ class Parameter(ABC):
         """(the change in words, the changed grasp) of a share such as 0.1 more or less of it; None: it has none."""
         return iter(())
 
+    def both_shares(
+        self, spec: GraspSpec, share: float, more: str, less: str
+    ) -> Iterator[tuple[str, GraspSpec | None]]:
+        """`shares` of a share more and of one less; the words for both have the share as {}."""
+        what = more, less
+        for text, factor in zip(what, (1.0 + share, 1.0 - share), strict=True):
+            yield text.format(words.format_percent(share)), self.scaled(spec, factor)
+
     def trials(self, spec: GraspSpec, why: str) -> Iterator[Trial]:
         """Changes that may make a grasp hold that does not, the smallest first; why : `MISSING_BALANCE`,
         `MISSING_FORCES`, `TORQUE`.
@@ -296,6 +244,14 @@ def find_parameter(name: str) -> Parameter:
     return next(p for p in parameters() if p.name == name)
 
 
+def find_present_parameter(spec: GraspSpec, name: str) -> Parameter:
+    """The one of this name, of those that a grasp has any entry of. Raises UnknownName."""
+    known = {p.name: p for p in present_parameters(spec)}
+    if name not in known:
+        raise UnknownName("parameter", "a parameter", [str(name)], tuple(known))
+    return known[name]
+
+
 @cache
 def _make_parameters(kinds: tuple[type[Parameter], ...]) -> tuple[Parameter, ...]:
     """One of each, in order."""
@@ -317,30 +273,29 @@ class JointParameter(Parameter):
         return (0 if spec.mechanism is None else len(spec.mechanism.names),)
 
 
-def factor_entries(of: str, argument: str, given: Any, names: Sequence[str], kind: str) -> Sequence[ParameterEntry]:
+def factor_entries(of: str, argument: str, given: Any, names: Sequence[str], kind: str) -> list[ParameterEntry]:
     """Factors about 1, never negative: one for all entries, or for a mapping one for each that it names; kind : of
     these names, such as "a joint".
     """
     if not isinstance(given, Mapping):
-        return (ParameterEntry(of, (), 1.0, 0.0, "×", given, argument),)
-    named = check_keys(argument, given, names, kind)
-    return [
-        ParameterEntry(f"{of} {name}", indices_named(names, name), 1.0, 0.0, "×", own, f"{argument}[{name!r}]")
-        for name, own in named.items()
-    ]
+        return [ParameterEntry(of, (), 1.0, 0.0, "×", given, argument)]
+    found = []
+    for name, own in check_keys(argument, given, names, kind).items():
+        at = tuple([i for i, other in enumerate(names) if other == name])
+        found.append(ParameterEntry(f"{of} {name}", at, 1.0, 0.0, "×", own, f"{argument}[{name!r}]"))
+    return found
 
 
-def indices_named(names: Sequence[str], name: str) -> tuple[int, ...]:
-    """All entries of this name."""
-    return tuple([i for i, other in enumerate(names) if other == name])
+def given_by_name(argument: str, given: Any, names: Sequence[str], kind: str) -> dict[str, Any]:
+    """What is given for each of these names, or for those that a mapping names; kind : as in `factor_entries`."""
+    return check_keys(argument, given, names, kind) if isinstance(given, Mapping) else dict.fromkeys(names, given)
 
 
-def scale_both_ways(
-    scaled: Callable[[float], GraspSpec | None], share: float, what: tuple[str, str]
-) -> Iterator[tuple[str, GraspSpec | None]]:
-    """`shares` of a share more and of one less; what : the words for both, with the share as {}."""
-    for text, factor in zip(what, (1.0 + share, 1.0 - share), strict=True):
-        yield text.format(words.format_percent(share)), scaled(factor)
+def require_hand(spec: GraspSpec, argument: str) -> Mechanism:
+    """The hand of a grasp. Raises InputError for a grasp without one."""
+    if spec.mechanism is None:
+        raise InputError(argument, "the grasp of a hand, made by hand.at(q).grasp(...)", "a grasp without one")
+    return spec.mechanism
 
 
 def with_larger_entry(values: Array, k: int, step: float) -> Array:

@@ -1,9 +1,4 @@
-"""`Stiffness`: the springs of the joints. A spring more at a joint pulls it to where it is commanded:
-
-    δv = -J C δK C τ = -J C e_j δ_j,    C = (K + K_g)⁻¹, δ_j how far joint j gives way
-
-In samples and as a share, a factor on them; without a hand, on the stiffness of the fingers.
-"""
+"""Parameters of the hand: the springs and torque limits of its joints, where they stand, and the ends of the links."""
 
 from __future__ import annotations
 
@@ -15,19 +10,20 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, Bools, read_only
 from handlcp.errors import InputError, Unsupported
-from handlcp.grasp.derivatives.linearisation_point import LawChange, LinearisationPoint, restrict_to_plane, zero_change
+from handlcp.grasp.derivatives.linearisation import LawChange, LinearisationPoint, difference_laws
 from handlcp.grasp.derivatives.parameter.parameter import (
     MISSING_FORCES,
     SHARE_WORDS,
     TABLE_SHARE,
-    ContactParameter,
     JointParameter,
+    Parameter,
     ParameterEntry,
     Samples,
     Shown,
     Trial,
     factor_entries,
-    scale_both_ways,
+    given_by_name,
+    require_hand,
     with_larger_entry,
 )
 from handlcp.grasp.model.request import GraspSpec
@@ -37,7 +33,12 @@ _TRIED_FACTORS = (2.0, 5.0, 10.0)  # times as stiff
 
 
 class Stiffness(JointParameter):
-    """(nv,) [N·m/rad]; derivatives [rad/(N·m)] raise Unsupported where the flexibility was given."""
+    """(nv,) [N·m/rad]; derivatives [rad/(N·m)] raise Unsupported where the flexibility was given. In samples and as a
+    share, a factor on all; without a hand, on the stiffness of the fingers. A spring more at a joint pulls it to where
+    it is commanded:
+
+        δv = -J C δK C τ = -J C e_j δ_j,    C = (K + K_g)⁻¹, δ_j how far joint j gives way
+    """
 
     name = "stiffness"
     order, effort, step, together, spread = 20, 2, 1e-4, True, "stiffness"
@@ -75,12 +76,10 @@ class Stiffness(JointParameter):
     def change(self, answer: LinearisationPoint) -> LawChange:
         if not answer.elastic_joints:
             raise Unsupported("a grasp whose flexibility was given has no derivative by the stiffness of joints")
-        J, give = answer.jacobian_rows, answer.compliance * answer.joints.deflection
-        change = zero_change(answer, J.shape[1])
-        change.motion[:] = -answer.scale[:, None] * (J @ give)
-        if answer.geometric_stiffness is not None:
-            change.torque[:] = answer.geometric_stiffness @ give
-        return restrict_to_plane(answer, change)
+        give, loaded = answer.compliance * answer.joints.deflection, answer.loaded_joints
+        torque = np.zeros(give.shape) if loaded is None else loaded.stiffness @ give
+        motion = -answer.scale[:, None] * (answer.jacobian_rows @ give)
+        return answer.law_change(len(give), motion=motion, torque=torque)
 
     def shown(self, answer: LinearisationPoint) -> Shown | None:
         if answer.spec.mechanism is None or not answer.elastic_joints:
@@ -93,7 +92,7 @@ class Stiffness(JointParameter):
             raise InputError(argument, "nothing: the fingers of this grasp are rigid", repr(given)[:80])
         if not isinstance(given, Mapping):
             return factor_entries("stiffness", argument, given, (), "")
-        mechanism = require_hand(spec, argument, given)
+        mechanism = require_hand(spec, argument)
         if not mechanism.variation.has_joint_springs:
             raise InputError(argument, "one number or distribution for a hand with tendons or synergies", "a mapping")
         return factor_entries("stiffness", argument, given, mechanism.names, "a joint")
@@ -104,7 +103,7 @@ class Stiffness(JointParameter):
 
     def shares(self, spec: GraspSpec, share: float) -> Iterator[tuple[str, GraspSpec | None]]:
         who = "fingers" if spec.mechanism is None else "joints"
-        yield from scale_both_ways(lambda f: self.scaled(spec, f), share, (who + " {} stiffer", who + " {} softer"))
+        return self.both_shares(spec, share, who + " {} stiffer", who + " {} softer")
 
     def trials(self, spec: GraspSpec, why: str) -> Iterator[Trial]:
         """Stiffer ones, where nothing creates the forces."""
@@ -112,67 +111,6 @@ class Stiffness(JointParameter):
         for factor in _TRIED_FACTORS if why == MISSING_FORCES else ():
             if (made := self.scaled(spec, factor)) is not None:
                 yield Trial("stiffness", factor, f"{who} {factor:g} × as stiff", made)
-
-
-def require_hand(spec: GraspSpec, argument: str, given: Any) -> Any:
-    """The hand of a grasp. Raises InputError for a grasp without one."""
-    if spec.mechanism is None:
-        expected = "the grasp of a hand, made by hand.at(q).grasp(...)"
-        raise InputError(argument, expected, "a grasp without one")
-    return spec.mechanism
-
-
-# ----------------------------------------------------------------
-# The flexibility of the fingertips' pads, the same more along all three axes: δv = S r.
-
-
-_MIN_PAD_SHARE = 1e-9  # of the flexibility: a pad softer by less is rounding
-
-
-class PadFlexibility(ContactParameter):
-    """The flexibility of the pad at each contact, (n,) [m/N]."""
-
-    name = "pads"
-    order, step, together, spread = 30, 1e-8, True, "pads"
-    common, uncertain = "flexibility of the pads", f"Of the fingertips' flexibility: {SHARE_WORDS}."
-
-    def values(self, spec: GraspSpec) -> Array:
-        """Of each contact without that of the joints, the mean over its axes."""
-        mechanism, axes = spec.mechanism, (0, 2) if spec.planar else (0, 1, 2)
-        own = np.diagonal(spec.flexibility)[: 3 * spec.n].reshape(spec.n, 3)
-        if mechanism is not None and mechanism.variation.has_joint_flexibility(spec):
-            through = mechanism.jacobian_rows(())[: 3 * spec.n] @ mechanism.compliance_factor
-            own = own - (through**2).sum(axis=1).reshape(spec.n, 3)
-        pads = own[:, axes].mean(axis=1)
-        return np.asarray(np.where(pads > _MIN_PAD_SHARE * abs(spec.flexibility).max(initial=0.0), pads, 0.0))
-
-    def varied(self, spec: GraspSpec, k: int, step: float) -> GraspSpec:
-        E = spec.flexibility
-        for a in (0, 2) if spec.planar else (0, 1, 2):
-            E = with_larger_entry(E, (3 * k + a) * (len(E) + 1), step)
-        mechanism = None if spec.mechanism is None else spec.mechanism.variation.with_softer_pad(k, step)
-        return spec.replace(flexibility=E, mechanism=mechanism)
-
-    def change(self, answer: LinearisationPoint) -> LawChange:
-        n = answer.scene.n
-        change, each = zero_change(answer, n), np.arange(3 * n)
-        change.motion[each, each // 3] = answer.scale[: 3 * n] * answer.forces.reshape(-1)
-        return restrict_to_plane(answer, change)
-
-    def shown(self, answer: LinearisationPoint) -> Shown | None:
-        pads, what = self.values(answer.spec), "flexibility" if answer.spec.mechanism is None else "pads"
-        return Shown(f"{what} 10 % softer", [("all fingers", TABLE_SHARE * pads)]) if pads.any() else None
-
-    def entries(self, spec: GraspSpec, argument: str, given: Any) -> Sequence[ParameterEntry]:
-        """Factors on the pads of a hand's fingertips."""
-        require_hand(spec, argument, given)
-        fingers = spec.names[: spec.of_hand]
-        if not self.values(spec)[: spec.of_hand].any():
-            raise InputError(argument, "nothing: the fingertips of this hand are rigid", repr(given)[:80])
-        return factor_entries("pads", argument, given, fingers, "a fingertip of this grasp")
-
-    def write(self, samples: Samples, at: tuple[int, ...], values: Array) -> None:
-        samples.times("pads", samples.spec.of_hand, at, values)
 
 
 # ----------------------------------------------------------------
@@ -204,9 +142,7 @@ class TorqueLimit(JointParameter):
 
     def change(self, answer: LinearisationPoint) -> LawChange:
         nv = answer.jacobian_rows.shape[1]
-        change = zero_change(answer, nv)
-        change.torque_limits[:] = np.eye(nv)
-        return change
+        return answer.law_change(nv, torque_limits=np.eye(nv))
 
     def shares(self, spec: GraspSpec, share: float) -> Iterator[tuple[str, GraspSpec | None]]:
         yield f"{words.format_percent(share)} more torque", self.scaled(spec, 1.0 + share)
@@ -217,3 +153,73 @@ def with_torque_limits(spec: GraspSpec, limits: Array) -> GraspSpec:
     assert spec.mechanism is not None
     made: GraspSpec = spec.mechanism.variation.with_torque_limits(spec, read_only(limits))
     return made
+
+
+# ----------------------------------------------------------------
+# Where the joints stand, and where the ends of the links are: the grasp is made again as it was asked for, contacts on
+# an object are detected anew, a squeeze is commanded anew. What that changes in the laws is differenced.
+#
+# How far a fingertip is inside the object is kept in these differences, and what its own change does is added on the
+# side where it grows: a fingertip that just touches has two sides (`LawChange.by_depth`).
+
+
+class _RebuiltParameter(Parameter):
+    """What a mechanism can vary (`GraspVariation.vary_parameter`)."""
+
+    def values(self, spec: GraspSpec) -> Array:
+        return np.zeros(self.shape(spec))
+
+    def varied(self, spec: GraspSpec, k: int, step: float) -> GraspSpec:
+        assert spec.mechanism is not None
+        made: GraspSpec = spec.mechanism.variation.vary_parameter(spec, self.name, k, step)
+        return made
+
+    def change(self, answer: LinearisationPoint) -> LawChange:
+        spec, tips, count = answer.spec, answer.tip_depths, int(np.prod(self.shape(answer.spec)))
+        gaps = np.full((2, len(tips.contacts), count), np.nan)
+
+        def vary_and_measure(k: int, step: float) -> GraspSpec:
+            assert spec.mechanism is not None
+            made: GraspSpec = spec.mechanism.variation.vary_parameter(spec, self.name, k, step, tips.inside)
+            if len(tips.contacts):
+                assert made.mechanism is not None
+                gaps[int(step > 0.0), :, k] = made.mechanism.variation.gaps()[tips.contacts]
+            return made
+
+        change = difference_laws(answer, count, self.step, vary_and_measure)
+        rates, by_depth, touch = (gaps[0] - gaps[1]) / (2.0 * self.step), tips.change.values, tips.touch
+        inside = by_depth[:, ~touch] @ rates[~touch]  # what takes these deeper counts on both sides
+        return LawChange(answer, change.values + inside, by_depth[:, touch], rates[touch])
+
+
+class JointPosture(JointParameter, _RebuiltParameter):
+    """The posture of the joints, (nv,) [rad, m]; derivatives by it are in [1/rad, 1/m].
+
+    In samples, how far the joints stand from where they are said to be; the fingertips go along.
+    """
+
+    name = "posture"
+    order, effort, spread = 110, 0, "posture"
+    uncertain = "Of each joint, in radians or metres."
+
+    def entries(self, spec: GraspSpec, argument: str, given: Any) -> Sequence[ParameterEntry]:
+        """Each joint, or those that a mapping names."""
+        joints = require_hand(spec, argument).names
+        return [
+            ParameterEntry(f"posture {name}", (joints.index(name),), None, -np.inf, "rad", own, f"{argument}[{name!r}]")
+            for name, own in given_by_name(argument, given, joints, "a joint").items()
+        ]
+
+    def write(self, samples: Samples, at: tuple[int, ...], values: Array) -> None:
+        assert samples.spec.mechanism is not None
+        samples.put("joints", 0.0, len(samples.spec.mechanism.names), at, values)
+
+
+class LinkLengths(_RebuiltParameter):
+    """(m, 3) [m] of `GraspVariation.lengths`; derivatives [1/m]."""
+
+    name = "lengths"
+    order, step = 120, 1e-7
+
+    def shape(self, spec: GraspSpec) -> tuple[int, ...]:
+        return (0 if spec.mechanism is None else len(spec.mechanism.variation.lengths), 3)
