@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import coal
 import numpy as np
+import scipy
 
 from handlcp.check import Array, read_only
 from handlcp.errors import Unsupported
@@ -215,8 +216,6 @@ def find_overlap(furthest: SupportPairs, near: Array, close: float, enough: floa
     against them. near (3,) : a unit normal to begin with, beside those of a grid. enough [m] : a depth which, proven to
     be the least, ends the search; the points are then only those that are furthest along the normal.
     """
-    from scipy.spatial import ConvexHull  # a tenth of a second that few contacts should pay
-
     count = _START_DIRECTIONS if np.isinf(enough) else _PROOF_DIRECTIONS
     n = np.concatenate([_nearby_directions(near), spread_directions(count)])
     first, second = furthest(n)
@@ -224,7 +223,7 @@ def find_overlap(furthest: SupportPairs, near: Array, close: float, enough: floa
     for step in range(_MAX_OVERLAP_STEPS):
         if not h.min() >= 0.0:  # or a position is no number
             return None
-        hull = ConvexHull(first - second)
+        hull = scipy.spatial.ConvexHull(first - second)
         inside = -hull.equations[:, 3]
         order = np.argsort(inside, kind="stable")
         n = hull.equations[order[:_FACES_PER_STEP], :3]
@@ -246,15 +245,13 @@ def find_separation(furthest: SupportPairs, near: Array, close: float) -> Overla
     """The distance as an overlap below zero, bounds no further apart than `close` [m]; None where they do not meet, as
     of shapes that touch. furthest, near : as in `find_overlap`.
     """
-    from scipy.optimize import nnls
-
     first, second = furthest(np.concatenate([_nearby_directions(near), spread_directions(_START_DIRECTIONS)]))
     for _ in range(_MAX_OVERLAP_STEPS):
         D = (second - first).T
         if not np.isfinite(D).all():
             return None
         size = max(float(np.sqrt((D**2).sum(axis=0)).min()), close)
-        share, _ = nnls(np.vstack([D / size, np.ones(D.shape[1])]), np.array([0.0, 0.0, 0.0, 1.0]))
+        share, _ = scipy.optimize.nnls(np.vstack([D / size, np.ones(D.shape[1])]), np.array([0.0, 0.0, 0.0, 1.0]))
         share /= share.sum()
         on, beside = share @ first, share @ second
         far = float(np.sqrt((beside - on) @ (beside - on)))

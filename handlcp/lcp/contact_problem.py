@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
+import scipy
 
 from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.lazy_property import lazy_property
@@ -235,12 +236,10 @@ class MultiplierLCP(LCP):
         contact, sets, at = self.contact, self._sets, self._multipliers.start
         z = lift_flat(contact.M, contact.q, x, self._place, contact.blocks, sets.faces, at, self._whole)
         if len(sets.normals) and (contact.blocks[:, 3] >= 0).any():
-            from scipy.optimize import nnls  # half a second of import that only soft contacts should pay
-
             slip = contact.M @ x + contact.q
             for block, faces in zip(contact.blocks, self.faces, strict=True):
                 if block[3] >= 0:
-                    z[at : at + faces] = nnls(sets.normals.T, -slip[block[1:]])[0]
+                    z[at : at + faces] = scipy.optimize.nnls(sets.normals.T, -slip[block[1:]])[0]
                 at += faces
         return z[: self.n]
 

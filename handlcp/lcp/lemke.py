@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 
 from handlcp.check import Array, Bools, Ints, check_init_call, check_integer, check_number, read_only
 from handlcp.lcp.kernels.dense import kernel
@@ -171,9 +172,9 @@ def _regularise_free(M: Array, free: Bools) -> tuple[Bools, tuple[Array, Array, 
         strength = size * other
         if strength.max(initial=0.0) <= RANK_TOLERANCE:  # as where nothing is singular, or no pair is left
             return swapped, (U, sv, Vt)
-        from scipy.linalg import qr  # a tenth of a second of import that only singular blocks should pay
-
-        _, _, order = qr(column * np.sqrt(strength / np.maximum(size**2, 1e-300)), mode="economic", pivoting=True)
+        _, _, order = scipy.linalg.qr(
+            column * np.sqrt(strength / np.maximum(size**2, 1e-300)), mode="economic", pivoting=True
+        )
         useful = [j for j in order[: int(null.sum())] if strength[j] > RANK_TOLERANCE]
         swapped[B[useful or [int(strength.argmax())]]] = True
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
+import scipy
 
 from handlcp.check import Array, Ints, read_only
 from handlcp.lcp.kernels.dense import kernel
@@ -78,14 +79,12 @@ class Cables(NamedTuple):
         known = np.isfinite(self.pretension)
         if (more >= 0.0)[known].all():
             return begun + more
-        from scipy.optimize import lsq_linear  # half a second of import that only antagonists should pay
-
         size = float(abs(self.arms).max())
         rows = np.vstack([_TORQUE_WEIGHT * self.arms.T / size, np.eye(len(known))])
         asked = np.append(_TORQUE_WEIGHT * torque / size, np.zeros(len(known)))
         for least in (np.zeros(len(known)), -begun):
             bounds = np.where(known, least, -np.inf), np.inf
-            more = lsq_linear(rows, asked, bounds, "bvls", _COST_TOLERANCE).x
+            more = scipy.optimize.lsq_linear(rows, asked, bounds, "bvls", _COST_TOLERANCE).x
             if abs(self.arms.T @ more - torque).max() <= _TORQUE_SHARE * abs(torque).max():
                 break
         return np.where(known, np.maximum(begun + more, 0.0), more)
