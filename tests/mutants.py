@@ -203,7 +203,7 @@ def main() -> int:
     asked = parser.parse_args()
     mutants = [Mutant(**row) for row in json.loads(FILE.read_text(encoding="utf-8"))]
     if asked.what == "pick":
-        rows = [m._asdict() for m in pick(ROOT, asked.seed, mutants)]
+        rows = [dict(room=m.room, file=m.file, old=m.old, new=m.new) for m in pick(ROOT, asked.seed, mutants)]
         FILE.write_text(json.dumps(rows, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
         return 0
     numbers = asked.only or list(range(len(mutants)))

@@ -296,7 +296,7 @@ class PageTexts(NamedTuple):
 
 
 def read_page_texts(package: str, style: str | None, *scripts: str) -> PageTexts:
-    """The texts in the folder `web` of a kind of page, its scripts between those that all pages have."""
+    """The texts in the folder "web" of a kind of page, its scripts between those that all pages have."""
     stage, tables, *own = read_web_files("stage.html", "tables.html", *scripts, package=package)
     css = "" if style is None else read_web_files(style, package=package)[0]
     return PageTexts(stage, tables, css, [*read_web_files(*_FIRST_SCRIPTS), *own, *read_web_files(_LAST_SCRIPT)])
