@@ -124,9 +124,7 @@ class TipMotions:
     commands: Array
 
     @classmethod
-    def from_jacobian(
-        cls, names: tuple[str, ...], jacobian: Array, commands: Array, planar: bool = False
-    ) -> TipMotions:
+    def from_jacobian(cls, names: tuple[str, ...], jacobian: Array, commands: Array, planar: bool) -> TipMotions:
         """Contacts after the fingers' are left out, and so are motions across the plane of a planar scene."""
         J = jacobian[: 3 * len(names)]
         if planar:
@@ -138,8 +136,7 @@ class TipMotions:
         """(nv,) the smallest δq that takes the tips deeper by depth (k,) along the normals, or nearest to that; for
         columns (k, m), columns.
         """
-        moves = self.jacobian @ self.commands
-        return np.asarray(self.commands @ _least_norm_solution(moves[2::3], depth, _min_tip_speed(moves)))
+        return self._smallest_command(depth, slice(2, None, 3))
 
     def tip_displacements(self, command: Array) -> Array:
         """(k, 3) how far each fingertip moves [m] under a command δq (nv,): J δq."""
@@ -147,8 +144,12 @@ class TipMotions:
 
     def command_for_motion(self, motions: Array) -> Array:
         """(nv,) the smallest δq with J δq = motion (3k,), or nearest to it; for columns (3k, m), columns."""
+        return self._smallest_command(motions, slice(None))
+
+    def _smallest_command(self, wanted: Array, components: slice) -> Array:
         moves = self.jacobian @ self.commands
-        return np.asarray(self.commands @ _least_norm_solution(moves, motions, _min_tip_speed(moves)))
+        least = MIN_REACH_SHARE * float(np.sqrt((moves * moves).sum(axis=1).max(initial=0.0)))  # slower is out of reach
+        return np.asarray(self.commands @ _least_norm_solution(moves[components], wanted, least))
 
     def unreachable_motion(self, motions: Array) -> Array:
         """The part of motions (3k,), or of each column (3k, m), that no command makes."""
@@ -157,15 +158,17 @@ class TipMotions:
     def preload_reach(self, motion: Array) -> CommandReach:
         """Of a motion (k, 3) of the tips that was given, not commanded."""
         beyond = self.unreachable_motion(motion.reshape(-1)).reshape(-1, 3)
-        size, left = np.sqrt((motion * motion).sum(axis=1)), np.sqrt((beyond * beyond).sum(axis=1))
-        return CommandReach(
-            "preload", self.names, read_only(size), read_only(left), read_only(np.zeros(len(size))), True
-        )
+        return self.reach("preload", np.linalg.norm(motion, axis=1), np.linalg.norm(beyond, axis=1))
 
     def overlap_reach(self, inside: Array) -> CommandReach:
         """Of tips that overlap the object by (k,) [m] in the posture."""
         left = abs(inside - self.tip_displacements(self.command_for_depth(inside))[:, 2])
-        return CommandReach("overlap", self.names, inside, read_only(left), read_only(np.zeros(len(left))), True)
+        return self.reach("overlap", inside, left)
+
+    def reach(self, what: str, asked: Array, missing: Array, sideways: Array | None = None) -> CommandReach:
+        """What is out of reach, (k,) each; sideways None : of what is carried all the same, a preload or an overlap."""
+        beside, carried = (np.zeros(len(asked)), True) if sideways is None else (sideways, False)
+        return CommandReach(what, self.names, read_only(asked), read_only(missing), read_only(beside), carried)
 
 
 def squeeze_command(tips: TipMotions, depth: Array, gaps: Array) -> tuple[Array, CommandReach]:
@@ -173,9 +176,8 @@ def squeeze_command(tips: TipMotions, depth: Array, gaps: Array) -> tuple[Array,
     wanted = depth + gaps
     command, from_touching = tips.command_for_depth(np.column_stack([wanted, depth])).T
     missing = abs(wanted - tips.tip_displacements(command)[:, 2])
-    whole = tips.tip_displacements(from_touching)
-    sideways = np.sqrt(whole[:, 0] ** 2 + whole[:, 1] ** 2)
-    return command, CommandReach("squeeze", tips.names, depth, read_only(missing), read_only(sideways), False)
+    sideways = np.linalg.norm(tips.tip_displacements(from_touching)[:, :2], axis=1)
+    return command, tips.reach("squeeze", depth, missing, sideways)
 
 
 class RigidFinger(InputError):
@@ -208,14 +210,8 @@ def grip_command(
     command = command + tips.command_for_motion(wanted - tips.jacobian @ command)
     left = tips.jacobian @ command - wanted
     reached = (r + np.linalg.pinv(E, rcond=1e-9, hermitian=True) @ left).reshape(-1, 3)
-    sideways = np.sqrt(reached[:, 0] ** 2 + reached[:, 1] ** 2)
-    missing = abs(force - reached[:, 2])
-    return command, CommandReach("grip force", tips.names, force, read_only(missing), read_only(sideways), False)
-
-
-def _min_tip_speed(moves: Array) -> float:
-    """The least speed of a tip that counts as within reach, where commands of length one move the tips by `moves`."""
-    return MIN_REACH_SHARE * float(np.sqrt((moves * moves).sum(axis=1).max(initial=0.0)))
+    sideways = np.linalg.norm(reached[:, :2], axis=1)
+    return command, tips.reach("grip force", force, abs(force - reached[:, 2]), sideways)
 
 
 def _least_norm_solution(A: Array, b: Array, bound: float) -> Array:
