@@ -30,11 +30,6 @@ def of(hand, obj, **more):
     return hand.at(hand.close_on(obj)).grasp(obj, STICKY, **more)
 
 
-@pytest.fixture
-def three():
-    return example_hand("three_finger", joint_stiffness=6.0)
-
-
 def leaning(write, degrees, **more):
     """The left lever, whose tip moves along x, against a wall whose normal leans out of the lever's plane."""
     t = np.radians(degrees)
