@@ -368,23 +368,18 @@ class Hand(HandModel):
         Positions outside the joint ranges are allowed, up to a quarter turn, or 0.1 m of a slide. Raises InputError,
         UnknownName.
         """
-        return HandState(self, self._check_near_range("q", self.kinematics.read_posture("q", q)))
-
-    def _check_near_range(self, argument: str, q: Array) -> Array:
-        """Return the posture (nv,) as it is. Raises InputError for the joint that is farthest past its range, if it
-        is too far.
-        """
+        q = self.kinematics.read_posture("q", q)
         slides = np.isin(self.joint_names, self.sliding)
         lower, upper = np.minimum(self.lower, self.upper), np.maximum(self.lower, self.upper)  # of reversed ones
         past = np.maximum(lower - q, q - upper) / np.where(slides, _MAX_PAST_SLIDE, _MAX_PAST_TURN)
-        k = int(past.argmax()) if len(past) else 0
+        k = int(past.argmax()) if len(past) else 0  # of the joint that is farthest past its range
         if not len(past) or past[k] <= 1.0:
-            return q
+            return HandState(self, q)
         low, high, name, at = lower[k], upper[k], self.joint_names[k], float(q[k])
         unit, (other, meant) = ("m", ("millimetres", at / 1e3)) if slides[k] else ("rad", ("degrees", radians(at)))
         guess = f" ({other}? {meant:.4g} {unit})" if low - 1e-3 <= meant <= high + 1e-3 else ""
         expected = f"a position in its range, {low:.4g} to {high:.4g} {unit}, or near it"
-        raise InputError(f"{argument}[{name!r}]", expected, f"{at:g}{guess}")
+        raise InputError(f"q[{name!r}]", expected, f"{at:g}{guess}")
 
     def close_on(
         self,
