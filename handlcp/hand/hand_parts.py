@@ -70,8 +70,8 @@ def replace_parts(hand: HandModel, by_tip: Mapping[str, Any], given: Mapping[str
     if "joint_stiffness" in given:
         parts["stiffness"] = read_elasticity(given["joint_stiffness"], hand.kinematics, described, drives)
     elif "motors" in given:  # joints are as stiff as their motors say
-        springs = {} if drives is None else drives.stiffness(hand.joint_names)
-        parts["stiffness"] = with_motor_stiffness(hand.stiffness, springs, hand.joint_names)
+        of_motors = {} if drives is None else drives.stiffness(hand.joint_names)
+        parts["stiffness"] = with_motor_stiffness(hand.stiffness, of_motors, hand.joint_names)
     if "torque_limits" in given or "motors" in given:
         torques = _replaced_limits(hand, given, drives)
         parts |= {"torques": torques, "torque_limits": torques.limits}

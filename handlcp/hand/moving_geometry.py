@@ -110,10 +110,9 @@ class MovingHandGeometry(Geometry):
         old = self._first_frames if before is None else before.frames
         found = touch.positions, touch.normals, touch.gap, touch.turn, touch.shift
         if self.quick and isinstance(balls, SweptBallFinder):
-            objects: tuple[Any, Any, Any, Any, Any] = balls.kind, balls.sizes, balls.own, balls.at, balls.swept
             evaluate_ball_contacts(
-                placements, *moving, self._pads, self._around, *objects, R, t, at.give, old, places, turns, *found,
-                frames, el.P, el.J, el.turning,
+                placements, *moving, self._pads, self._around, balls.kind, balls.sizes, balls.own, balls.at,
+                balls.swept, R, t, at.give, old, places, turns, *found, frames, el.P, el.J, el.turning,
             )  # fmt: skip
         else:
             self._detect(at, placements, touch, turns)
