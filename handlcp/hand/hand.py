@@ -35,28 +35,12 @@ class HandState(HandPosture):
     """
 
     def grasp(
-        self,
-        target: Any,
-        friction: Any = None,
-        wrench: Any = None,
-        gravity: Any = DEFAULT_GRAVITY,
-        preload: Any = 0.0,
-        *,
-        offset: Any = None,
-        reference: Any = None,
-        fingers: Sequence[str] | None = None,
-        max_gap: Any = None,
-        effects: Iterable[Any] = (),
-        finger_weight: WeightGiven = False,
-        plane: Any = None,
-        squeeze: Any = None,
-        grip_force: Any = None,
-        joint_offset: Any = None,
-        environment: Any = None,
-        links: Any = "tips",
-        closing_torque: Any = None,
-        hold_object: bool = False,
-    ) -> HandGrasp:
+        self, target: Any, friction: Any = None, wrench: Any = None, gravity: Any = DEFAULT_GRAVITY, preload: Any = 0.0,
+        *, offset: Any = None, reference: Any = None, fingers: Sequence[str] | None = None, max_gap: Any = None,
+        effects: Iterable[Any] = (), finger_weight: WeightGiven = False, plane: Any = None, squeeze: Any = None,
+        grip_force: Any = None, joint_offset: Any = None, environment: Any = None, links: Any = "tips",
+        closing_torque: Any = None, hold_object: bool = False,
+    ) -> HandGrasp:  # fmt: skip
         """The grasp of an object from this posture.
 
         target : an object (Box, Sphere, Cylinder, Ellipsoid, Mesh): contacts, normals and gaps are detected. A
@@ -142,19 +126,10 @@ class Hand(HandModel):
     @classmethod
     @require_keyword("joint_stiffness", _STIFFNESS_EXPECTED, "motors")
     def from_urdf(
-        cls,
-        source: Any,
-        fingertips: Any = None,
-        *,
-        joint_stiffness: Any = ...,
-        pad_flexibility: Any = 0.0,
-        torque_limits: Any = None,
-        base: str | None = None,
-        tip_radius: Any = None,
-        package_dirs: Any = None,
-        motors: Any = None,
-        joint_friction: Any = None,
-    ) -> Self:
+        cls, source: Any, fingertips: Any = None, *, joint_stiffness: Any = ..., pad_flexibility: Any = 0.0,
+        torque_limits: Any = None, base: str | None = None, tip_radius: Any = None, package_dirs: Any = None,
+        motors: Any = None, joint_friction: Any = None,
+    ) -> Self:  # fmt: skip
         """Read a hand from a URDF, or a xacro file (pip install xacrodoc).
 
         source : path of the file, or of a URDF its text (a string that starts with "<").
@@ -196,19 +171,10 @@ class Hand(HandModel):
 
     @classmethod
     def from_mjcf(
-        cls,
-        source: Any,
-        fingertips: Any = None,
-        *,
-        joint_stiffness: Any = "file",
-        pad_flexibility: Any = 0.0,
-        torque_limits: Any = None,
-        base: str | None = None,
-        tip_radius: Any = None,
-        package_dirs: Any = None,
-        motors: Any = None,
-        joint_friction: Any = None,
-    ) -> Self:
+        cls, source: Any, fingertips: Any = None, *, joint_stiffness: Any = "file", pad_flexibility: Any = 0.0,
+        torque_limits: Any = None, base: str | None = None, tip_radius: Any = None, package_dirs: Any = None,
+        motors: Any = None, joint_friction: Any = None,
+    ) -> Self:  # fmt: skip
         """Read a hand from an MJCF file, MuJoCo's format; arguments as of `from_urdf`.
 
         Bodies and named sites are links. The world body is the base, and a free joint at the root is left out. Of a
@@ -231,17 +197,9 @@ class Hand(HandModel):
     @classmethod
     @require_keyword("joint_stiffness", _STIFFNESS_EXPECTED, "motors")
     def from_model(
-        cls,
-        model: Any,
-        fingertips: Any = None,
-        *,
-        joint_stiffness: Any = ...,
-        pad_flexibility: Any = 0.0,
-        torque_limits: Any = None,
-        tip_radius: Any = None,
-        motors: Any = None,
-        joint_friction: Any = None,
-    ) -> Self:
+        cls, model: Any, fingertips: Any = None, *, joint_stiffness: Any = ..., pad_flexibility: Any = 0.0,
+        torque_limits: Any = None, tip_radius: Any = None, motors: Any = None, joint_friction: Any = None,
+    ) -> Self:  # fmt: skip
         """A hand from a pinocchio.Model, or a pinocchio.RobotWrapper with its collision and visual geometry.
 
         Pinocchio does not know mimic joints unless the model has them as joints of their own kind, which are refused:
@@ -254,16 +212,9 @@ class Hand(HandModel):
 
     @classmethod
     def _from_description(
-        cls,
-        described: RobotDescription,
-        fingertips: Any,
-        stiffness: Any,
-        pads: Any,
-        limits: Any,
-        radius: Any,
-        motors: Any,
-        friction: Any,
-    ) -> Self:
+        cls, described: RobotDescription, fingertips: Any, stiffness: Any, pads: Any, limits: Any, radius: Any,
+        motors: Any, friction: Any,
+    ) -> Self:  # fmt: skip
         hand = cls(*read_hand_parts(described, fingertips, stiffness, pads, limits, radius, motors))
         hand.__dict__["_by_tip"] = deepcopy({"pads": pads, "radius": radius})
         return hand.with_parts(joint_friction=read_hand_friction(hand, friction))
@@ -277,16 +228,9 @@ class Hand(HandModel):
 
     @check_call()
     def replace(
-        self,
-        *,
-        joint_stiffness: Any = ...,
-        pad_flexibility: Any = ...,
-        torque_limits: Any = ...,
-        tip_radius: Any = ...,
-        fingertips: Any = ...,
-        motors: Any = ...,
-        joint_friction: Any = ...,
-    ) -> Self:
+        self, *, joint_stiffness: Any = ..., pad_flexibility: Any = ..., torque_limits: Any = ...,
+        tip_radius: Any = ..., fingertips: Any = ..., motors: Any = ..., joint_friction: Any = ...,
+    ) -> Self:  # fmt: skip
         """The same hand with other numbers, or other fingertips; arguments as of `from_urdf`, the rest stays.
 
         What is passed last counts: of joints that are given a torque limit the motors go, and a joint_stiffness counts
@@ -368,34 +312,23 @@ class Hand(HandModel):
         Positions outside the joint ranges are allowed, up to a quarter turn, or 0.1 m of a slide. Raises InputError,
         UnknownName.
         """
-        return HandState(self, self._check_near_range("q", self.kinematics.read_posture("q", q)))
-
-    def _check_near_range(self, argument: str, q: Array) -> Array:
-        """Return the posture (nv,) as it is. Raises InputError for the joint that is farthest past its range, if it
-        is too far.
-        """
+        q = self.kinematics.read_posture("q", q)
         slides = np.isin(self.joint_names, self.sliding)
         lower, upper = np.minimum(self.lower, self.upper), np.maximum(self.lower, self.upper)  # of reversed ones
         past = np.maximum(lower - q, q - upper) / np.where(slides, _MAX_PAST_SLIDE, _MAX_PAST_TURN)
-        k = int(past.argmax()) if len(past) else 0
+        k = int(past.argmax()) if len(past) else 0  # of the joint that is farthest past its range
         if not len(past) or past[k] <= 1.0:
-            return q
+            return HandState(self, q)
         low, high, name, at = lower[k], upper[k], self.joint_names[k], float(q[k])
         unit, (other, meant) = ("m", ("millimetres", at / 1e3)) if slides[k] else ("rad", ("degrees", radians(at)))
         guess = f" ({other}? {meant:.4g} {unit})" if low - 1e-3 <= meant <= high + 1e-3 else ""
         expected = f"a position in its range, {low:.4g} to {high:.4g} {unit}, or near it"
-        raise InputError(f"{argument}[{name!r}]", expected, f"{at:g}{guess}")
+        raise InputError(f"q[{name!r}]", expected, f"{at:g}{guess}")
 
     def close_on(
-        self,
-        obj: Object,
-        q0: Any = None,
-        *,
-        fingers: Sequence[str] | None = None,
-        squeeze: Any = 0.0,
-        tolerance: float = 1e-6,
-        wrap: Any = False,
-    ) -> Array:
+        self, obj: Object, q0: Any = None, *, fingers: Sequence[str] | None = None, squeeze: Any = 0.0,
+        tolerance: float = 1e-6, wrap: Any = False,
+    ) -> Array:  # fmt: skip
         """Flex each finger from q0 (None: `neutral`) until its tip touches the object: the posture (nv,) [rad, m],
         read-only.
 

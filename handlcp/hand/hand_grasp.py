@@ -165,9 +165,14 @@ class HandGrasp(Grasp):
         given = {name: value for name, value in locals().items() if name != "self"}
         made = type(self)(rebuild(self.spec, given, GraspRequest))
         if isinstance(asked := made.spec.asked, GraspRequest) and asked.flexibility is not None:
-            bent = is_force_dependent(made.spec)
-            if bent or (made.scene.soft and made.spec.flexibility[: 3 * made.spec.of_hand].any()):
-                _check_joint_flexibility(made.spec, "GeometricStiffness" if bent else "soft fingers")
+            E, bent = made.spec.flexibility, is_force_dependent(made.spec)
+            if bent or (made.scene.soft and E[: 3 * made.spec.of_hand].any()):
+                # Joints turn soft fingertips and bend under forces: E has to have their share
+                pads = np.linalg.eigvalsh(E - made.mechanism.contact_compliance(made.jacobian))
+                if pads[0] < -SEMIDEFINITE_TOLERANCE * float(abs(E).max(initial=0.0)):
+                    beside = "GeometricStiffness" if bent else "soft fingers"
+                    expected = f"that of the hand's joints, and what else gives way, beside {beside}"
+                    raise InputError("flexibility", expected, f"less than its joints have by up to {-pads[0]:.3g} m/N")
         return made
 
     @check_call("start")  # which may be of a stream
@@ -282,12 +287,3 @@ class HandGrasp(Grasp):
 def make_grasp(spec: GraspSpec) -> Grasp:
     """The grasp of a specification, a hand's where it has one."""
     return Grasp(spec) if spec.mechanism is None else HandGrasp(spec)
-
-
-def _check_joint_flexibility(spec: GraspSpec, beside: str) -> None:
-    """Raises InputError unless E has the joints' share, which turns soft fingertips and bends under forces."""
-    assert spec.mechanism is not None  # a hand's
-    pads = np.linalg.eigvalsh(spec.flexibility - spec.mechanism.contact_compliance(spec.mechanism.jacobian))
-    if pads[0] < -SEMIDEFINITE_TOLERANCE * float(abs(spec.flexibility).max(initial=0.0)):
-        expected = f"that of the hand's joints, and what else gives way, beside {beside}"
-        raise InputError("flexibility", expected, f"less than its joints have by up to {-pads[0]:.3g} m/N")

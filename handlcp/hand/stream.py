@@ -195,12 +195,9 @@ class GraspStream:
     """
 
     def __init__(
-        self,
-        grasp: Grasp,
-        faces: int | str | Pyramid = "cone",
-        seed: int = 0,
+        self, grasp: Grasp, faces: int | str | Pyramid = "cone", seed: int = 0,
         start: GraspSolution | GraspUpdate | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         if not isinstance(grasp, Grasp):
             raise InputError("grasp", "a Grasp", repr(grasp)[:80])
         if unknown := [
@@ -237,15 +234,9 @@ class GraspStream:
         self._compile()
 
     def update(
-        self,
-        q: Any = None,
-        *,
-        wrench: Any = None,
-        offset: Any = None,
-        positions: Any = None,
-        frames: Any = None,
+        self, q: Any = None, *, wrench: Any = None, offset: Any = None, positions: Any = None, frames: Any = None,
         joint_offset: Any = None,
-    ) -> GraspUpdate:
+    ) -> GraspUpdate:  # fmt: skip
         """The answer after a change; what is None stays as it was.
 
         q : (nv,) joint positions [rad, m], or a mapping by joint name. The contact points stay where they are, and so

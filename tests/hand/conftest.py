@@ -31,8 +31,8 @@ MIMIC = """
 
 
 @cache
-def _shared(name):
-    return example_hand(name)
+def _shared(name, **more):
+    return example_hand(name, **more)
 
 
 @pytest.fixture(params=HANDS)
@@ -45,6 +45,12 @@ def hand(request):
 def five():
     """The five-finger hand."""
     return _shared("five_finger")
+
+
+@pytest.fixture(scope="session")
+def three():
+    """The three-finger hand, with springs that hold a cube of 0.2 kg."""
+    return _shared("three_finger", joint_stiffness=6.0)
 
 
 @pytest.fixture

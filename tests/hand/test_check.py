@@ -83,12 +83,11 @@ def test_a_loading_that_cannot_be_followed_is_said(write):
     assert v.word == grasp.solve("cone").verdict.word
 
 
-def test_a_joint_that_the_squeeze_drives_past_its_range_is_named():
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
-    grasp = hand.at(hand.close_on(CUBE)).grasp(CUBE, hl.Coulomb(0.8), preload=20e-3)
+def test_a_joint_that_the_squeeze_drives_past_its_range_is_named(three):
+    grasp = three.at(three.close_on(CUBE)).grasp(CUBE, hl.Coulomb(0.8), preload=20e-3)
     assert not grasp.solve("cone").verdict.about("joint_range"), "not in this posture"
     end = grasp.follow().state.q
-    names, inside = np.array(hand.joint_names), (hand.lower <= end) & (end <= hand.upper)
+    names, inside = np.array(three.joint_names), (three.lower <= end) & (end <= three.upper)
     past = set(names[~inside].tolist())
     assert past
     assert {r.values["joint"] for r in grasp.check().about("joint_range")} == past
@@ -165,16 +164,15 @@ def test_a_soft_hand_is_told_how_much_stiffer_it_has_to_be():
     ],
     ids=lambda more: next(iter(more)),
 )
-def test_every_kind_of_grasp_can_be_checked(more):
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
-    grasp = hand.at(hand.close_on(CUBE)).grasp(CUBE, **({"friction": hl.Coulomb(0.8), "squeeze": 4e-3} | more))
+def test_every_kind_of_grasp_can_be_checked(three, more):
+    grasp = three.at(three.close_on(CUBE)).grasp(CUBE, **({"friction": hl.Coulomb(0.8), "squeeze": 4e-3} | more))
     v = grasp.check()
     assert v.word == "HELD"
     path = grasp.follow(steps=10)
     (motion,) = v.about("motion")
     assert motion.values["move_m"] == pytest.approx(np.linalg.norm(path.displacement[:3]), rel=1e-6)
     (torque,) = (r for r in v.about("torque") if "torque_Nm" in r.values)
-    k = hand.joint_names.index(torque.values["joint"])
+    k = three.joint_names.index(torque.values["joint"])
     assert torque.values["torque_Nm"] == pytest.approx(path.steps.torques[-1, k], rel=1e-6)
 
 

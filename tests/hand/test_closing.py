@@ -133,23 +133,21 @@ def test_a_strong_finger_stops_where_it_would_drive_a_weak_one_beyond_its_torque
     assert "drive finger_1" in beyond
 
 
-def test_fingers_that_are_not_asked_to_pull_stay_where_they_are():
-    hand = example_hand("three_finger", joint_stiffness=6.0)
+def test_fingers_that_are_not_asked_to_pull_stay_where_they_are(three):
     ball = hl.Sphere(0.03, (0.0, 0.0, 0.09), mass=0.1)
-    q = hand.close_on(ball)
-    alone = {name: 0.2 for name in hand.joint_names if "finger_3" not in name}
-    grasp = hand.at(q).grasp(ball, closing_torque=alone, hold_object=True)
+    q = three.close_on(ball)
+    alone = {name: 0.2 for name in three.joint_names if "finger_3" not in name}
+    grasp = three.at(q).grasp(ball, closing_torque=alone, hold_object=True)
     path = grasp.follow(order="squeeze")
     torques = abs(path.steps.torques[closed_at(path)]).reshape(3, 2)
     np.testing.assert_allclose(torques[:2].max(axis=1), 0.2, rtol=2e-3)
     assert not grasp.joint_offset[4:].any()
 
 
-def test_an_object_that_is_lost_when_it_is_let_go_is_lost_in_that_stage():
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+def test_an_object_that_is_lost_when_it_is_let_go_is_lost_in_that_stage(three):
     ball = hl.Sphere(0.035, (0.0, 0.0, 0.04), mass=0.3)
     one = dict.fromkeys(("finger_1_proximal", "finger_1_distal"), 0.3)  # it alone presses, and nothing presses back
-    path = hand.at(hand.neutral).grasp(ball, links="all", closing_torque=one, hold_object=True).follow()
+    path = three.at(three.neutral).grasp(ball, links="all", closing_torque=one, hold_object=True).follow()
     assert (path.lost_stage, path.lost_at) == ("let go", 0.0)
     assert "kept in place" not in path.why
 

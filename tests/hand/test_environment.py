@@ -164,12 +164,11 @@ def test_a_hand_and_a_table_share_the_weight_and_the_table_has_no_joints(held):
     says(line.why, "4", "7", "table 1")
 
 
-def test_fingers_that_only_press_leave_the_weight_to_a_rigid_table():
+def test_fingers_that_only_press_leave_the_weight_to_a_rigid_table(three):
     """Smooth fingers on upright flanks carry nothing: the table has all of the weight."""
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
     can = hl.Cylinder(0.025, 0.05, (0, 0, 0.08), 0.3)
     floor = hl.Table((0, 0, 0.055))
-    s = hand.at(hand.close_on(can)).grasp(can, hl.Frictionless(), preload=0.003, environment=floor).solve()
+    s = three.at(three.close_on(can)).grasp(can, hl.Frictionless(), preload=0.003, environment=floor).solve()
     np.testing.assert_allclose(s.forces_world[3:, 2].sum(), 0.3 * G, rtol=1e-9)
     assert not s.uniqueness.forces_determined
 
@@ -184,12 +183,11 @@ def test_given_contacts_take_an_environment_and_no_table(held):
     refused("environment", state.grasp, contacts, environment=table())
 
 
-def test_a_stream_begins_at_a_solution_where_it_finds_nothing_by_itself(held):
+def test_a_stream_begins_at_a_solution_where_it_finds_nothing_by_itself(three, held):
     """Without pads on a table a hundred times as stiff: from a solution on each answer is that of a single solve."""
     _, box = held
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
-    q = hand.close_on(box)
-    g = hand.at(q).grasp(box, hl.Coulomb(0.8), preload=0.003, environment=table(1e-5))
+    q = three.close_on(box)
+    g = three.at(q).grasp(box, hl.Coulomb(0.8), preload=0.003, environment=table(1e-5))
     assert not hl.GraspStream(g).update(q).held
     stream, rng = hl.GraspStream(g, start=g.solve()), np.random.default_rng(0)
     for _ in range(5):
@@ -199,7 +197,7 @@ def test_a_stream_begins_at_a_solution_where_it_finds_nothing_by_itself(held):
     assert not stream.update(wrench=(0, 0, 1e3, 0, 0, 0)).held, "nothing holds that"
     assert stream.update(wrench=(0, 0, -0.2 * G, 0, 0, 0)).held, "it begins at the solution again"
     assert pickle.loads(pickle.dumps(stream)).update(q).held
-    refused("start", hl.GraspStream, g, start=hand.at(q).grasp(box).solve(throw=False))
+    refused("start", hl.GraspStream, g, start=three.at(q).grasp(box).solve(throw=False))
 
 
 def test_a_stream_takes_arrays_of_fingers_and_leaves_the_table(held):

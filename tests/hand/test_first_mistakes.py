@@ -14,13 +14,8 @@ BOX = hl.Box(0.05, (0, 0, 0.08), 0.2)
 
 
 @pytest.fixture(scope="module")
-def hand():
-    return hl.example_hand("three_finger", joint_stiffness=6.0)
-
-
-@pytest.fixture(scope="module")
-def state(hand):
-    return hand.at(hand.close_on(BOX))
+def state(three):
+    return three.at(three.close_on(BOX))
 
 
 @pytest.fixture(scope="module")
@@ -36,20 +31,20 @@ def refused(call):
     return str(error.value)
 
 
-def test_a_mesh_that_is_no_object_yet_is_sent_to_mesh_from_everywhere(hand, state, cube):
+def test_a_mesh_that_is_no_object_yet_is_sent_to_mesh_from_everywhere(three, state, cube):
     grasp = state.grasp(BOX, 0.8)
     for call in (
-        lambda: hand.close_on(cube), lambda: state.grasp(cube), lambda: state.grasp(cube, friction=0.8),
-        lambda: grasp.replace(object=cube), lambda: hl.find_grasp(hand, cube),
-        lambda: hand.close_on(trimesh.Scene(cube)),
+        lambda: three.close_on(cube), lambda: state.grasp(cube), lambda: state.grasp(cube, friction=0.8),
+        lambda: grasp.replace(object=cube), lambda: hl.find_grasp(three, cube),
+        lambda: three.close_on(trimesh.Scene(cube)),
     ):  # fmt: skip
         assert "hl.Mesh(mesh, mass=...)" in refused(call)
 
 
 @pytest.mark.parametrize("squeeze", [4, {"finger_1_tip": 4}])
-def test_a_squeeze_in_millimetres_is_asked_about(hand, state, squeeze):
+def test_a_squeeze_in_millimetres_is_asked_about(three, state, squeeze):
     assert "millimetres" in refused(lambda: state.grasp(BOX, squeeze=squeeze))
-    assert "millimetres" in refused(lambda: hand.close_on(BOX, squeeze=squeeze))
+    assert "millimetres" in refused(lambda: three.close_on(BOX, squeeze=squeeze))
     assert state.grasp(BOX, grip_force=4).spec.effects  # newtons
 
 

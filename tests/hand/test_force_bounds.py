@@ -48,9 +48,8 @@ def test_joints_within_their_limits_whatever_the_forces_are(write):
 
 
 @pytest.mark.parametrize("faces", ["cone", 8])
-def test_where_forces_are_determined_a_verdict_says_what_it_said(faces):
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
-    grasp = hand.at(hand.close_on(BOX)).grasp(BOX, hl.Coulomb(0.8), squeeze=5e-3)
+def test_where_forces_are_determined_a_verdict_says_what_it_said(three, faces):
+    grasp = three.at(three.close_on(BOX)).grasp(BOX, hl.Coulomb(0.8), squeeze=5e-3)
     s: Any = grasp.solve(faces)
     assert not s.verdict.about("torques_open")
     b = s.force_bounds()
@@ -61,12 +60,11 @@ def test_where_forces_are_determined_a_verdict_says_what_it_said(faces):
     assert (wide.torques[:, 1] > s.torques).all()
 
 
-def test_springs_that_bear_the_open_forces_know_the_torques():
+def test_springs_that_bear_the_open_forces_know_the_torques(three):
     """Tips on a rigid table leave forces open; every joint has a spring, and its torque is that of its deflection."""
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
     can = hl.Cylinder(0.025, 0.05, (0, 0, 0.08), 0.3)
     floor = hl.Table((0, 0, 0.055))
-    grasp = hand.at(hand.close_on(can)).grasp(can, hl.Frictionless(), preload=0.003, environment=floor)
+    grasp = three.at(three.close_on(can)).grasp(can, hl.Frictionless(), preload=0.003, environment=floor)
     s: Any = grasp.solve()
     b = s.force_bounds()
     assert set(b.open) == {name for name in s.names if name.startswith("table")}
@@ -77,13 +75,12 @@ def test_springs_that_bear_the_open_forces_know_the_torques():
     says(reason(s).sentence, "joint's")
 
 
-def test_pads_of_other_softness_lie_inside():
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
-    q = hand.close_on(BOX)
+def test_pads_of_other_softness_lie_inside(three):
+    q = three.close_on(BOX)
 
     def solved(pads):
         other = hl.example_hand("three_finger", joint_stiffness=6.0, pad_flexibility=pads)
-        return other.at(q).grasp(BOX, hl.Coulomb(0.8), joint_offset=0.05 * np.ones(hand.nv)).solve()
+        return other.at(q).grasp(BOX, hl.Coulomb(0.8), joint_offset=0.05 * np.ones(three.nv)).solve()
 
     s = solved(1e-4)
     b, rng, seen = s.force_bounds(pads=(0.5, 2.0)), np.random.default_rng(0), 0

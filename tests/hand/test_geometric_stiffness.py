@@ -6,21 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from handlcp import (
-    Contact,
-    Coulomb,
-    GeometricStiffness,
-    Grasp,
-    GraspStream,
-    NoSolutionFound,
-    Sphere,
-    Status,
-    TorqueSaturation,
-    accuracy_cost,
-)
-from handlcp.errors import InputError, Unsupported
-from handlcp.hand import Hand, example_hand
-from handlcp.lcp import Auto
+import handlcp as hl
 from handlcp.scene import read
 from tests.support import patches
 from tests.support.grasp import arrays, at_centre, judged
@@ -32,14 +18,14 @@ from tests.support.texts import says, without_numbers
 from .conftest import MIMIC, inside
 from .levers import PAD, K, L, lever_hand, lever_pinch
 
-BALL = Sphere(0.03, (0, 0, 0.085), mass=0.2)
-QUICK = Auto(search_seconds=0)
-BENT = GeometricStiffness()
+BALL = hl.Sphere(0.03, (0, 0, 0.085), mass=0.2)
+QUICK = hl.Auto(search_seconds=0)
+BENT = hl.GeometricStiffness()
 
 
 def ball_grasp(stiffness=5.0, squeeze=3e-3, **more):
-    hand = example_hand("five_finger", joint_stiffness=stiffness)
-    plain = example_hand("five_finger", joint_stiffness=5.0)
+    hand = hl.example_hand("five_finger", joint_stiffness=stiffness)
+    plain = hl.example_hand("five_finger", joint_stiffness=5.0)
     return hand.at(plain.close_on(BALL, squeeze=squeeze)).grasp(BALL, **({"effects": [BENT]} | more))
 
 
@@ -76,7 +62,7 @@ def test_second_derivatives_are_those_of_central_differences(hand):
 def test_so_are_those_of_mimic_joints_and_slides(coupled, write):
     check_hessian(coupled, np.array([0.3, 0.7]))
     slide = MIMIC.replace('"k3" type="revolute"', '"k3" type="prismatic"')
-    check_hessian(Hand.from_urdf(write(re.sub("<mimic[^>]*/>", "", slide)), joint_stiffness=1.0), np.full(4, 0.2))
+    check_hessian(hl.Hand.from_urdf(write(re.sub("<mimic[^>]*/>", "", slide)), joint_stiffness=1.0), np.full(4, 0.2))
 
 
 # ---------------------------------------------------------------- springs that really turn
@@ -88,7 +74,7 @@ def test_one_link_has_the_tangent_stiffness_of_its_own_equilibria(write, force):
     J = L * np.array([np.cos(q), 0, -np.sin(q)])
     frame = np.column_stack([(0, 0, 1.0), (0, 1.0, 0), (-1.0, 0, 0)])
     state = hand.at([q, 0.0])
-    g = state.grasp([Contact(state.tip_positions[0], (-1, 0, 0), tangent=(0, 0, 1))], fingers=["left_tip"],
+    g = state.grasp([hl.Contact(state.tip_positions[0], (-1, 0, 0), tangent=(0, 0, 1))], fingers=["left_tip"],
                     effects=[BENT])  # fmt: skip
     np.testing.assert_allclose(g.frames[0], frame, atol=1e-15)
     r = (frame.T @ f)[None]
@@ -160,12 +146,12 @@ def test_a_finger_that_buckles_is_no_answer(write):
     for pull in (12.0, 9.9):
         g = lever_pinch(soft, force=(0, 0, -pull), preload=0.25, effects=[BENT])
         s = g.solve(solver=QUICK, throw=False)
-        assert s.status is Status.UNDECIDED
+        assert s.status is hl.Status.UNDECIDED
         assert np.isnan(s.forces).all()
         assert np.isnan(s.torques).all()
         says(without_numbers(s.trace[-1]), "geometric stiffness")
         assert ("left_joint, right_joint" in s.trace[-1]) == (pull > 10)
-        with pytest.raises(NoSolutionFound) as caught:
+        with pytest.raises(hl.NoSolutionFound) as caught:
             g.solve(solver=QUICK)
         assert s.trace[-1] in str(caught.value)
     assert lever_pinch(soft, force=(0, 0, -12.0), preload=0.25).solve().held, "without the effect nobody would know"
@@ -177,7 +163,7 @@ def test_forces_that_have_not_settled_are_no_answer(monkeypatch):
     assert g.solve().held
     patches.no_solve_takes_more_than(monkeypatch, 2)
     s = g.solve(throw=False)
-    assert s.status is Status.UNDECIDED
+    assert s.status is hl.Status.UNDECIDED
     says(s.trace[-1], "geometric stiffness", "2")
 
 
@@ -191,11 +177,11 @@ def test_no_proof_about_one_flexibility_is_passed_on(write):
     """What the unloaded fingers cannot do is not proven of the loaded ones; what no force can do still is."""
     hand = lever_hand(write)
     s = lever_pinch(hand, force=(0, 0, -1.0), preload=1e-6, effects=[BENT]).solve(throw=False)
-    assert lever_pinch(hand, force=(0, 0, -1.0), preload=1e-6).solve(throw=False).status is Status.NO_EQUILIBRIUM
-    assert (s.status, s.bounds, s.required_preload) == (Status.UNDECIDED, None, None)
-    smooth = [Contact((x, 0, L), (-np.sign(x), 0, 0), Coulomb(0.0)) for x in (-0.01, 0.01)]
+    assert lever_pinch(hand, force=(0, 0, -1.0), preload=1e-6).solve(throw=False).status is hl.Status.NO_EQUILIBRIUM
+    assert (s.status, s.bounds, s.required_preload) == (hl.Status.UNDECIDED, None, None)
+    smooth = [hl.Contact((x, 0, L), (-np.sign(x), 0, 0), hl.Coulomb(0.0)) for x in (-0.01, 0.01)]
     s = hand.at([0, 0]).grasp(smooth, wrench=(0, 0, -1, 0, 0, 0), preload=1e-2, effects=[BENT]).solve(throw=False)
-    assert s.status is Status.NOT_HOLDABLE
+    assert s.status is hl.Status.NOT_HOLDABLE
     assert s.certificate is not None
 
 
@@ -231,22 +217,22 @@ def test_what_finger_flexibility_changes_beside_it_is_measured(monkeypatch):
     patches.shares_of_a_quarter(monkeypatch)
     effects = {x.title: x for x in ball_grasp().explain(measure=True).effects}
     assert effects["finger flexibility"].share == 0.25, "at the answer and with its E, as without the effect"
-    assert effects[GeometricStiffness.title].cost == 0
+    assert effects[hl.GeometricStiffness.title].cost == 0
 
 
 def test_what_cannot_count_it_says_so(write):
     g = lever_pinch(lever_hand(write, torque_limits=0.6), preload=5e-3, effects=[BENT])
     for effect in (BENT, *g.effects):
-        refused("effects[0]", Grasp, g.contacts, match=r"hand\.at\(q\)\.grasp", effects=[effect])
-    with pytest.raises(InputError, match="GeometricStiffness"):
-        GraspStream(g)
-    with pytest.raises(InputError, match="accuracy"):
+        refused("effects[0]", hl.Grasp, g.contacts, match=r"hand\.at\(q\)\.grasp", effects=[effect])
+    with pytest.raises(hl.InputError, match="GeometricStiffness"):
+        hl.GraspStream(g)
+    with pytest.raises(hl.InputError, match="accuracy"):
         g.solve(accuracy=1e-3)
-    with pytest.raises(Unsupported, match="GeometricStiffness"):
+    with pytest.raises(hl.Unsupported, match="GeometricStiffness"):
         g.equilibria()
-    refused("grasp", accuracy_cost, g, match="GeometricStiffness")
-    with pytest.raises(InputError, match="torque saturation"):
-        lever_pinch(g.state.hand, effects=[TorqueSaturation(), BENT])
+    refused("grasp", hl.accuracy_cost, g, match="GeometricStiffness")
+    with pytest.raises(hl.InputError, match="torque saturation"):
+        lever_pinch(g.state.hand, effects=[hl.TorqueSaturation(), BENT])
 
 
 def test_a_scene_file_asks_for_it():
@@ -260,5 +246,5 @@ def test_a_scene_file_asks_for_it():
     assert "geometric stiffness" in read(text).solve().trace[-1]
     assert not read(text.replace("true", "false")).build().effects
     contact = "[[contact]]\nposition_m = [0, 0, 0]\nnormal = [0, 0, 1]\n[effects]\ngeometric_stiffness = true"
-    with pytest.raises(InputError, match=r"effects\.geometric_stiffness: .*\[hand\]"):
+    with pytest.raises(hl.InputError, match=r"effects\.geometric_stiffness: .*\[hand\]"):
         read(contact)

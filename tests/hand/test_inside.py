@@ -94,55 +94,50 @@ def around(ball):
         yield f"finger_{k + 1}_tip", hl.Contact(ball.center_of_mass - 0.03 * n, n, hl.Coulomb(0.8))
 
 
-def test_a_ball_deep_in_the_palm_is_not_called_held():
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+def test_a_ball_deep_in_the_palm_is_not_called_held(three):
     ball = hl.Sphere(0.03, (0.0, 0.0, 0.03 - 4.5e-3), mass=0.05)
-    known = hand.at(hand.neutral).grasp(dict(around(ball)), preload=1e-3, gravity=(0, 0, 0))
+    known = three.at(three.neutral).grasp(dict(around(ball)), preload=1e-3, gravity=(0, 0, 0))
     assert not known.solve().verdict.about("link_inside"), "contacts alone say nothing of the object's shape"
-    found = find_penetrating_links(hand.at(hand.neutral), ball, ())
+    found = find_penetrating_links(three.at(three.neutral), ball, ())
     assert [one.link for one in found] == ["palm"]
     assert found[0].depth == pytest.approx(4.5e-3, abs=5e-5)
 
 
-def test_links_other_than_the_tips_decide_the_verdict():
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+def test_links_other_than_the_tips_decide_the_verdict(three):
     box = hl.Box((0.05, 0.05, 0.13), (0.0, 0.0, 0.05), mass=0.1)  # down through the palm
-    v = hand.at(hand.close_on(box)).grasp(box, hl.Coulomb(0.8), preload=2e-3).solve().verdict
+    v = three.at(three.close_on(box)).grasp(box, hl.Coulomb(0.8), preload=2e-3).solve().verdict
     assert v.word == "UNDECIDED"
     decides = [r for r in v.about("link_inside") if r.severity == "decides"]
     same("hand/test_inside: the palm", "; ".join(r.sentence for r in decides), "palm")
     assert decides[0].values["links"][0]["depth_m"] == pytest.approx(0.015, abs=1e-4), "below the palm's top at z = 0"
 
 
-def test_a_fingertips_own_link_may_be_as_deep_as_its_tip():
+def test_a_fingertips_own_link_may_be_as_deep_as_its_tip(three):
     """Tips 3 mm inside a box are preloaded by 3 mm; their links are with them and not deeper."""
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
     box = hl.Box(0.05, (0.0, 0.0, 0.08), mass=0.1)
-    state = hand.at(hand.close_on(box, squeeze=3e-3))
+    state = three.at(three.close_on(box, squeeze=3e-3))
     assert not state.grasp(box, hl.Coulomb(0.8)).solve().verdict.about("link_inside")
     assert find_penetrating_links(state, box, ()), "without a tip that is meant to be there they are inside"
 
 
 @pytest.mark.parametrize(("past", "word", "severity"), [(0.01, "HELD", "warning"), (0.2, "UNDECIDED", "decides")])
-def test_a_joint_past_its_range_is_named(past, word, severity):
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
+def test_a_joint_past_its_range_is_named(three, past, word, severity):
     q = np.zeros(6)
     q[1] = -past  # the distal joints' ranges begin at 0
-    state = hand.at(q)
+    state = three.at(q)
     centre = state.tip_positions.mean(axis=0)
     contacts = [hl.Contact(p, (centre - p) / np.linalg.norm(centre - p), hl.Coulomb(0.8)) for p in state.tip_positions]
     v = state.grasp(contacts, preload=1e-3).solve().verdict
     (found,) = v.about("joint_range")
     assert (v.word, found.severity) == (word, severity)
-    assert found.values["joint"] == hand.joint_names[1] == "finger_1_distal"
+    assert found.values["joint"] == three.joint_names[1] == "finger_1_distal"
     says(found.sentence, "finger_1_distal")
 
 
-def test_a_can_with_links_of_fingers_inside_it_is_not_called_held():
+def test_a_can_with_links_of_fingers_inside_it_is_not_called_held(three):
     """A can of 40 mm between fingers whose axes stand on a circle of 45 mm and that are 7 mm thick: 2 mm too wide."""
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
     can = hl.Cylinder(0.04, 0.1, (0.0, 0.0, 0.05), mass=0.1)
-    state = hand.at(hand.close_on(can))
+    state = three.at(three.close_on(can))
     grasp = state.grasp(can, hl.Coulomb(0.8), squeeze=3e-3)
     one = grasp.solve("cone")
     assert one.held
@@ -155,10 +150,9 @@ def test_a_can_with_links_of_fingers_inside_it_is_not_called_held():
         assert all(link["depth_m"] == pytest.approx(2e-3, abs=3e-4) for link in deep), "they lean out a little"
 
 
-def test_a_link_that_the_loading_brings_into_the_object_is_said_to_be_there_at_its_end():
+def test_a_link_that_the_loading_brings_into_the_object_is_said_to_be_there_at_its_end(three):
     """The same ball deep in the palm, as the place where hand and object end."""
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
-    state = hand.at(hand.neutral)
+    state = three.at(three.neutral)
     ball = hl.Sphere(0.03, (0.0, 0.0, 0.03 - 4.5e-3), mass=0.05)
     mechanism = state.grasp(dict(around(ball)), preload=1e-3).spec.mechanism
     said = [r.sentence for r in mechanism.report.end_reasons(np.zeros(6), np.zeros(6), (state, ball))]

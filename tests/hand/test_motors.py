@@ -176,15 +176,14 @@ def test_motors_of_unknown_joints_and_what_is_no_motor_are_refused():
 
 # ---------------------------------------------------------------- which to buy
 @pytest.mark.long
-def test_a_brief_sizes_motors_by_what_is_held_and_by_the_peak_and_says_the_gear_of_one():
+def test_a_brief_sizes_motors_by_what_is_held_and_by_the_peak_and_says_the_gear_of_one(three):
     cube = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
     rubs = 0.02
-    hand = example_hand("three_finger", joint_stiffness=6.0)
-    plain = hand.at(hand.close_on(cube)).grasp(cube, friction=0.8).required_torque()
+    plain = three.at(three.close_on(cube)).grasp(cube, friction=0.8).required_torque()
     assert (plain.held <= plain.torque).all()
     np.testing.assert_allclose(plain.peak, plain.torque)
     np.testing.assert_allclose(plain.continuous, plain.held)
-    driven = hand.replace(motors=Motor(0.3, 0.6, friction=rubs))
+    driven = three.replace(motors=Motor(0.3, 0.6, friction=rubs))
     found = driven.at(driven.close_on(cube)).grasp(cube, friction=0.8).required_torque()
     np.testing.assert_allclose(found.peak, np.maximum(found.closing + rubs, found.torque - rubs), rtol=1e-12)
     np.testing.assert_allclose(found.continuous, np.maximum(found.held - rubs, 0.0), rtol=1e-12)
@@ -195,7 +194,7 @@ def test_a_brief_sizes_motors_by_what_is_held_and_by_the_peak_and_says_the_gear_
     bought = driven.replace(motors=dict(zip(driven.joint_names, geared, strict=True)))
     again = bought.at(bought.close_on(cube)).grasp(cube, friction=0.8, grip_force=found.grip)
     assert again.replace(mass=1.5 * 0.2).check().word == "HELD"
-    carried = hand.replace(motors=Motor(0.3, 0.6, holding=2.0))
+    carried = three.replace(motors=Motor(0.3, 0.6, holding=2.0))
     worm = carried.at(carried.close_on(cube)).grasp(cube, friction=0.8).required_torque()
     assert not worm.continuous.any()
 

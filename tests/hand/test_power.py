@@ -15,13 +15,8 @@ BALL = 0.0325
 
 
 @pytest.fixture(scope="module")
-def hand():
-    return hl.example_hand("three_finger", joint_stiffness=6.0)
-
-
-@pytest.fixture(scope="module")
-def found(hand):
-    return hl.find_grasp(hand, hl.Sphere(BALL, mass=0.2), kind="power", tries=12)
+def found(three):
+    return hl.find_grasp(three, hl.Sphere(BALL, mass=0.2), kind="power", tries=12)
 
 
 def test_two_links_of_fingers_or_more_touch_beside_the_palm(found):
@@ -79,12 +74,12 @@ def test_a_row_names_the_links_that_press_and_less_than_the_load_is_warned_of(fo
     assert "Warning: the best power grasp holds 0.5 N in the worst direction, less than its load of 1.96 N" in text
 
 
-def test_where_the_check_refuses_the_best_the_search_goes_on(hand, found, monkeypatch):
+def test_where_the_check_refuses_the_best_the_search_goes_on(three, found, monkeypatch):
     kind, best = type(found[0]), found[0].q.tolist()
     sure = kind.sure.fget
     monkeypatch.setattr(kind, "sure", property(lambda one: one.q.tolist() != best and sure(one)))
     monkeypatch.setattr(kind, "settles", False)
-    other = hl.find_grasp(hand, hl.Sphere(BALL, mass=0.2), kind="power", tries=12)
+    other = hl.find_grasp(three, hl.Sphere(BALL, mass=0.2), kind="power", tries=12)
     assert best not in [one.q.tolist() for one in other]
     assert other[0].verdict.ok
     assert not other[0].cradled
@@ -107,12 +102,12 @@ def test_an_object_that_snaps_is_held_where_twice_the_steps_lead_to_the_same_pla
 
 
 @pytest.mark.long
-def test_it_does_not_matter_where_the_frame_of_a_mesh_lies(hand):
+def test_it_does_not_matter_where_the_frame_of_a_mesh_lies(three):
     trimesh = pytest.importorskip("trimesh")
     shape = trimesh.creation.box((0.0525, 0.0625, 0.125))
-    plain = hl.find_grasp(hand, hl.Mesh(shape, mass=0.2), kind="power", tries=12)
+    plain = hl.find_grasp(three, hl.Mesh(shape, mass=0.2), kind="power", tries=12)
     moved = shape.copy().apply_translation((0.25, -0.5, 0.25))
-    other = hl.find_grasp(hand, hl.Mesh(moved, mass=0.2), kind="power", tries=12)
+    other = hl.find_grasp(three, hl.Mesh(moved, mass=0.2), kind="power", tries=12)
     np.testing.assert_allclose(other[0].q, plain[0].q, atol=1e-5)
     np.testing.assert_allclose(other[0].object.center_of_mass, plain[0].object.center_of_mass, atol=1e-5)
 
@@ -131,8 +126,8 @@ def test_a_hand_whose_fingers_bend_back_and_whose_thumb_opposes_them_holds_a_bal
 
 
 @pytest.mark.long
-def test_the_closing_torque_is_what_was_asked_for(hand):
-    weak = hl.find_grasp(hand, hl.Sphere(BALL, mass=0.05), kind="power", tries=6, closing_torque=0.1)
+def test_the_closing_torque_is_what_was_asked_for(three):
+    weak = hl.find_grasp(three, hl.Sphere(BALL, mass=0.05), kind="power", tries=6, closing_torque=0.1)
     steps = weak[0].grasp.follow(order="squeeze").steps
     assert abs(steps.pulled[np.flatnonzero(steps.stage == 0)[-1]]).max() == pytest.approx(0.1, rel=0.02)
 
@@ -146,9 +141,9 @@ def test_a_ball_that_only_lies_on_fingers_comes_last():
 
 
 @pytest.mark.parametrize("radius", [0.002, 0.3])
-def test_too_small_and_too_large_balls_are_not_found_and_the_error_says_so(hand, radius):
+def test_too_small_and_too_large_balls_are_not_found_and_the_error_says_so(three, radius):
     with pytest.raises(hl.NoGraspFound, match="by the whole hand"):
-        hl.find_grasp(hand, hl.Sphere(radius, mass=0.1), kind="power", tries=6)
+        hl.find_grasp(three, hl.Sphere(radius, mass=0.1), kind="power", tries=6)
 
 
 @pytest.fixture(scope="module")
@@ -158,16 +153,16 @@ def ring():
     return hl.Mesh(trimesh.creation.annulus(0.01, 0.03, 0.1, sections=12), mass=0.1)
 
 
-def test_a_mesh_that_is_not_convex_is_refused_without_its_parts_and_the_error_says_what_to_do(hand, ring, monkeypatch):
+def test_a_mesh_that_is_not_convex_is_refused_without_its_parts_and_the_error_says_what_to_do(three, ring, monkeypatch):
     monkeypatch.setattr(find_module, "has_coacd", lambda: False)
     with pytest.raises(hl.InputError, match=r"pip install 'coacd\S*'.*convex_hull"):
-        hl.find_grasp(hand, ring, kind="power")
+        hl.find_grasp(three, ring, kind="power")
 
 
 @pytest.mark.long
-def test_a_mesh_that_is_not_convex_is_held_by_its_parts(hand, ring):
+def test_a_mesh_that_is_not_convex_is_held_by_its_parts(three, ring):
     pytest.importorskip("coacd")
-    held = hl.find_grasp(hand, ring, kind="power", tries=4)[0]
+    held = hl.find_grasp(three, ring, kind="power", tries=4)[0]
     assert held.verdict.ok
     assert not held.cradled
 
@@ -181,19 +176,19 @@ def test_a_mesh_that_is_not_convex_is_held_by_its_parts(hand, ring):
         ({"kind": "pinch", "closing_torque": 0.1}, "closing_torque"),
     ],
 )
-def test_bad_input_is_refused(hand, wrong, said):
+def test_bad_input_is_refused(three, wrong, said):
     with pytest.raises(hl.InputError, match=said):
-        hl.find_grasp(hand, hl.Sphere(BALL), **wrong)
+        hl.find_grasp(three, hl.Sphere(BALL), **wrong)
 
 
 @pytest.mark.long
-def test_any_finds_both_kinds_the_best_first_and_held(hand, found):
-    both = hl.find_grasp(hand, hl.Sphere(BALL, mass=0.2), kind="any", tries=12)
+def test_any_finds_both_kinds_the_best_first_and_held(three, found):
+    both = hl.find_grasp(three, hl.Sphere(BALL, mass=0.2), kind="any", tries=12)
     assert {one.kind for one in both} == {"pinch", "power"}
     assert [one.rank for one in both] == sorted(one.rank for one in both)
     assert both[0].verdict.ok
     assert both[0].held_force == pytest.approx(found[0].held_force)
 
 
-def test_where_no_torque_closes_the_hand_no_grasp_is_found_and_no_search_ends_with_an_error(hand):
-    assert not hl.find_grasp(hand, hl.Sphere(BALL, mass=0.2), kind="power", tries=4, closing_torque=0.0, throw=False)
+def test_where_no_torque_closes_the_hand_no_grasp_is_found_and_no_search_ends_with_an_error(three):
+    assert not hl.find_grasp(three, hl.Sphere(BALL, mass=0.2), kind="power", tries=4, closing_torque=0.0, throw=False)

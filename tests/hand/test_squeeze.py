@@ -1,7 +1,5 @@
 """How hard a hand closes: commands of joints, of depths and of forces, and what of them no joint can make."""
 
-import pickle
-
 import numpy as np
 import pytest
 
@@ -32,11 +30,6 @@ def of(hand, obj, **more):
     return hand.at(hand.close_on(obj)).grasp(obj, STICKY, **more)
 
 
-@pytest.fixture
-def three():
-    return example_hand("three_finger", joint_stiffness=6.0)
-
-
 def leaning(write, degrees, **more):
     """The left lever, whose tip moves along x, against a wall whose normal leans out of the lever's plane."""
     t = np.radians(degrees)
@@ -53,16 +46,11 @@ def test_two_joints_press_on_a_wall_with_the_torques_of_that_force(write):
     J = np.array([[z, B * np.cos(q[0] + q[1])], [-x, -B * np.sin(q[0] + q[1])]])  # of x and z
     n = np.array([np.cos(0.2), np.sin(0.2)])
     wall = Contact((-0.01 + x, 0, z), (n[0], 0, n[1]), STICKY)
-    order = [hand.joint_names.index(f"left_{k}") for k in ("root", "end")]
-    at = hand.at(dict(zip(("left_root", "left_end", "right_root", "right_end"), q, strict=True)))
-    grasp = at.grasp({"left_tip": wall}, grip_force=4.0)
-    k = hand.joint_stiffness.diagonal()[order]
-    np.testing.assert_allclose(grasp.joint_offset[order], J.T @ n * 4.0 / k, rtol=1e-9)
-    # A squeeze is the smallest δq with n·J δq = s
-    g = J.T @ n
-    squeezed = grasp.replace(squeeze=1e-3)
-    np.testing.assert_allclose(squeezed.joint_offset[order], 1e-3 * g / (g @ g), rtol=1e-9)
-    assert not np.delete(squeezed.joint_offset, order).any()
+    assert hand.joint_names[:2] == ("left_root", "left_end")
+    grasp = hand.at(q).grasp({"left_tip": wall}, grip_force=4.0)
+    np.testing.assert_allclose(grasp.joint_offset[:2], J.T @ n * 4.0 / stiffness[:2], rtol=1e-9)
+    g, squeezed = J.T @ n, grasp.replace(squeeze=1e-3)  # the smallest δq with n·J δq = s
+    np.testing.assert_allclose(squeezed.joint_offset, [*1e-3 * g / (g @ g), 0.0, 0.0], rtol=1e-9)
     assert squeezed.out_of_reach == grasp.out_of_reach == ()
 
 
@@ -184,7 +172,6 @@ def test_tendons_command_what_drawing_them_in_does(three):
         assert abs(drawn).max() > 0
         (reach,) = grasp.out_of_reach
         assert reach.what.replace(" ", "_") in asked
-        assert (reach.missing[reach.missing > 0] > 0).all()
         assert (reach.share <= 1.0).all()
 
 
@@ -221,16 +208,9 @@ def test_advice_to_press_harder_says_with_how_many_newtons(three, force):
     assert said[0].startswith("500 % of the grip force (2.5 to 3 N) would hold it")
 
 
-def test_a_new_command_takes_the_place_of_the_old_one(three):
-    state = three.at(three.close_on(CUBE))
-    first = state.grasp(CUBE, squeeze=2e-3)
-    for change in ({"squeeze": 1e-3}, {"grip_force": 2.0}, {"joint_offset": [0.01] * 6}):
-        made, anew = first.replace(**change), state.grasp(CUBE, **change)
-        np.testing.assert_allclose(made.offset, anew.offset, atol=1e-15)
-        assert [str(r) for r in made.out_of_reach] == [str(r) for r in anew.out_of_reach]
+def test_a_preload_comes_beside_a_squeeze_and_another_squeeze_in_its_place(three):
+    first = three.at(three.close_on(CUBE)).grasp(CUBE, squeeze=2e-3)
     np.testing.assert_allclose(first.replace(squeeze=0.0).offset, 0.0, atol=2e-6)
-    lifted = pickle.loads(pickle.dumps(first)).replace(wrench=(0, 0, -1, 0, 0, 0))
-    np.testing.assert_array_equal(lifted.joint_offset, first.joint_offset)
     beside = first.replace(preload=1e-3)  # of tips without a gap, beside the command
     np.testing.assert_allclose(beside.offset[:, 2], -3e-3, atol=2e-6)
     np.testing.assert_allclose(beside.replace(squeeze=1e-3).offset[:, 2], -2e-3, atol=1e-12)
@@ -247,9 +227,17 @@ def test_a_stream_tells_gaps_from_preloads(three):
     np.testing.assert_allclose(wedge.share, [0, 0.5, 0.5], atol=1e-6)
 
 
+BAD_OFFSETS = [
+    ({"joint_offset": [0.1] * 5 + [np.nan]}, InputError, "joint_offset"),
+    ({"joint_offset": {"finger_1_distal": "a"}}, InputError, "joint_offset['finger_1_distal']"),
+    ({"joint_offset": {"thumb": 0.1}}, UnknownName, "joint_offset"),
+]
+
+
 @pytest.mark.parametrize(
     ("bad", "kind", "argument"),
     [
+        *BAD_OFFSETS,
         ({"squeeze": [1e-3, 1e-3, -1e-3]}, InputError, "squeeze"),
         ({"squeeze": {"thumb": 1e-3}}, UnknownName, "squeeze"),
         ({"squeeze": {"finger_1_tip": "a"}}, InputError, "squeeze['finger_1_tip']"),
@@ -262,6 +250,12 @@ def test_what_makes_no_sense_is_named(three, bad, kind, argument):
     state = three.at(three.close_on(CUBE))
     refused(argument, state.grasp, CUBE, error=kind, **bad)
     refused(argument, state.grasp(CUBE).replace, error=kind, **bad)
+
+
+@pytest.mark.parametrize(("bad", "kind", "argument"), BAD_OFFSETS)
+def test_a_stream_refuses_the_same_offsets(three, bad, kind, argument):
+    stream = GraspStream(three.at(three.close_on(CUBE)).grasp(CUBE, preload=1e-3))
+    refused(argument, stream.update, error=kind, **bad)
 
 
 # ---------------------------------------------------------------- squeeze given in joint space: its sign, its size
@@ -288,7 +282,7 @@ def test_one_joint_squeezes_both_and_moves_the_object(write):
 def test_replacing_keeps_it_or_changes_it(write):
     hand = lever_hand(write)
     g = lever_pinch(hand, joint_offset=[0.1, 0.1])
-    lifted = pickle.loads(pickle.dumps(g)).replace(wrench=(0, 0, -2, 0, 0, 0))
+    lifted = g.replace(wrench=(0, 0, -2, 0, 0, 0))
     np.testing.assert_allclose(lifted.solve().normal_force, L * 0.1 / C, **EXACT)
     more = g.replace(preload=1e-3)  # comes beside it, as in state.grasp
     np.testing.assert_allclose(more.offset, lever_pinch(hand, joint_offset=[0.1, 0.1], preload=1e-3).offset)
@@ -300,23 +294,6 @@ def test_replacing_keeps_it_or_changes_it(write):
     extra = lever_pinch(hand, joint_offset=[0.01, 0.01], force=(0, 0, -8.0)).required_preload()
     # Followed, the levers turn a little; by hand they do not
     np.testing.assert_allclose(extra.value, 8 / (2 * 0.5) * C - 0.01 * L, rtol=1e-2)
-
-
-@pytest.mark.parametrize(
-    ("bad", "kind", "argument"),
-    [
-        ([0.1, np.nan], InputError, "joint_offset"),
-        ({"left_joint": "a"}, InputError, "joint_offset['left_joint']"),
-        ({"thumb": 0.1}, UnknownName, "joint_offset"),
-    ],
-)
-def test_bad_commands_are_named(write, bad, kind, argument):
-    hand = lever_hand(write)
-    refused(argument, lever_pinch, hand, error=kind, joint_offset=bad)
-    g = lever_pinch(hand, preload=1e-3)
-    for change in (g.replace, lambda **more: GraspStream(g).update(**more)):
-        with pytest.raises(kind):
-            change(joint_offset=bad)
 
 
 SCENE = f"""
