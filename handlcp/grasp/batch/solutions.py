@@ -244,7 +244,8 @@ class Solutions(Record, Sequence[GraspSolution]):
         if len(joints) > 1 or () in joints:
             some = "not all grasps are of a hand" if () in joints else "the grasps are of hands with different joints"
             raise Unsupported(f"{asked}: {some}; {_MIXED_HINT}")
-        return getattr(self._arrays, asked)
+        found: Array = getattr(self._arrays, asked)
+        return found
 
     def to_dict(self) -> dict[str, Any]:
         """Columns for a data frame, m long each; `to_frame()` makes one.
