@@ -13,9 +13,14 @@ from tests.support.study import without_limits
 from tests.support.texts import says
 
 
+def fixed(directions, **more):
+    """The envelope of the cube in one posture, without more directions than these."""
+    return hl.envelope(cube(), directions, **({"geometry": "fixed", "faces": 8, "adaptive": 0} | more))
+
+
 @cache
-def of_cube(count, adaptive=0, of="force"):
-    return hl.envelope(cube(), geometry="fixed", directions=count, faces=8, adaptive=adaptive, of=of)
+def of_cube(count, adaptive=0):
+    return fixed(count, adaptive=adaptive)
 
 
 def kinds(binds):
@@ -59,7 +64,7 @@ def test_what_nothing_ever_limits_is_infinite_everywhere_it_is_told():
 def test_no_direction_holds_any_load_where_torque_limits_alone_end_it(monkeypatch, tmp_path):
     """A path that finds no limit is wrong there, and is not believed."""
     without_limits(monkeypatch)
-    env = hl.envelope(cube(), geometry="fixed", directions=12, faces=8, adaptive=0)
+    env = fixed(12)
     assert np.isnan(env.factors).all()
     assert {b.kind for binds in env.binds for b in binds} == {"undecided"}
     assert "any load" not in str(env)
@@ -89,12 +94,12 @@ def test_every_direction_is_the_limit_of_its_own_load():
 
 def test_a_hand_that_is_its_own_mirror_image_holds_as_much_on_both_sides():
     env = of_cube(42)
-    mirrored = hl.envelope(cube(), geometry="fixed", directions=env.directions * (1, -1, 1), faces=8)
+    mirrored = fixed(env.directions * (1, -1, 1))
     np.testing.assert_allclose(mirrored.factors, env.factors, rtol=1e-6)
 
 
 def test_a_torque_turns_about_its_direction():
-    env = hl.envelope(cube(), geometry="fixed", directions=[(0, 0, 2.0)], of="torque", faces=8)
+    env = fixed([(0, 0, 2.0)], of="torque")
     one = cube().load_limit((0, 0, 0, 0, 0, 1.0), geometry="fixed", faces=8)
     assert env.factors[0] == pytest.approx(one.factor, rel=1e-9)
     assert env.unit == "N·m"
@@ -130,7 +135,7 @@ def test_an_accuracy_is_reached_or_it_is_said_where_it_is_not():
 # ---------------------------------------------------------------- gravity
 def test_the_mass_that_is_held_is_that_of_a_limit_and_of_following_a_heavier_object():
     ways = [(0, 0, -1), (0, 0.6, 0.8)]
-    env = hl.envelope(cube(), geometry="fixed", directions=ways, of="gravity", faces=8)
+    env = fixed(ways, of="gravity")
     followed = 0
     for k, d in enumerate(env.directions):
         bare = cube().replace(mass=0.0)
@@ -171,7 +176,7 @@ def test_directions_are_added_in_the_middle_between_two_that_differ_and_nowhere_
 
 
 def test_the_border_between_two_causes_becomes_sharp():
-    env = hl.envelope(cube(), geometry="fixed", directions=("xz", 24), faces=8, adaptive=4)
+    env = fixed(("xz", 24), adaptive=4)
     order = np.argsort(np.arctan2(env.directions[:, 2], env.directions[:, 0]))
     apart = []
     for a, b in zip(order, np.roll(order, -1), strict=True):
@@ -219,15 +224,13 @@ def program(grasp, wrench, faces, torque=True):
 
 
 def test_the_bound_on_pyramids_is_that_of_a_linear_program():
-    env = hl.envelope(cube(), geometry="fixed", directions=12, faces=8, adaptive=0)
+    env = fixed(12)
     known = np.array([program(cube(), w, 8) for w in env.wrenches])
     np.testing.assert_allclose(env.bound, known, rtol=1e-6)
 
 
 def test_the_bound_on_the_cone_lies_between_a_fine_program_and_a_little_more():
-    env = hl.envelope(
-        cube(), geometry="fixed", directions=[(1, 0, 0), (-0.6, 0.8, 0), (0, 0, 1), (0.3, -0.4, -0.5)], of="torque"
-    )
+    env = fixed([(1, 0, 0), (-0.6, 0.8, 0), (0, 0, 1), (0.3, -0.4, -0.5)], of="torque", faces="cone")
     fine = np.array([program(cube(), w, 96) for w in env.wrenches])
     assert (env.bound >= fine * (1 - 1e-6)).all()
     assert (env.bound <= fine / np.cos(np.pi / 96) ** 2 * (1 + 1e-6)).all()

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import chain
 from operator import index
-from typing import Any, overload
+from typing import Any, NamedTuple, overload
 from weakref import WeakValueDictionary
 
 import numpy as np
@@ -28,92 +27,71 @@ from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 from handlcp.words import TextTable, number_duplicates, wrap_text
 
 
-@dataclass(frozen=True, slots=True)
-class GraspGroup:
-    """The k grasps of a batch with n contacts each and joints of the same names; NaN where one is not held.
+class BatchArrays(NamedTuple):
+    """What m solutions say; NaN where one is not held, and after its own contacts and joints where others have more.
 
-    at (k,) : their places in the batch. joints (nv,) : names, () without a hand.
-    forces (k, n, 3), displacement (k, 6), torques (k, nv) : as in the solutions. utilisation (k, nv) : |torque| over
+    counts (m,) : of the contacts. joints (m,) : names of the joints, () without a hand.
+    forces (m, n, 3), displacement (m, 6), torques (m, nv) : as in the solutions. utilisation (m, nv) : |torque| over
     limit.
     """
 
-    at: Ints
-    joints: tuple[str, ...]
+    counts: list[int]
+    joints: list[tuple[str, ...]]
     forces: Array
     displacement: Array
     torques: Array
     utilisation: Array
 
-    def set_row(self, row: int, grasp: Grasp, forces: Array, torques: Array | None) -> None:
-        """Write forces (n, 3) and torques (nv,) into a row."""
-        self.forces[row] = forces
-        if torques is not None and (mechanism := grasp.spec.mechanism) is not None:
-            self.torques[row] = torques
-            np.divide(abs(torques), mechanism.limits, out=self.utilisation[row])
 
-
-def make_groups(
+def make_arrays(
     batch: GraspBatch,
     answers: Sequence[FirstStageAnswers],
     singles: dict[int, GraspSolution],
     look: Sequence[GraspSolution],
-) -> tuple[GraspGroup, ...]:
-    """The grasps by how many contacts they have and by the names of their joints, one group at least.
+) -> BatchArrays:
+    """The arrays of a batch.
 
     singles : solutions that are no rows of `answers`. look : the solution of each grasp, made when it is looked at:
     here, where an answer leaves something free.
     """
-    grasps = batch.grasps
-    number, row, groups = _make_empty_groups(grasps)
+    grasps, m = batch.grasps, len(batch)
+    counts = [len(g.spec.contacts) for g in grasps]
+    joints = [() if g.spec.mechanism is None else g.spec.mechanism.names for g in grasps]
+    shapes = (max(counts, default=0), 3), (6,), (max(map(len, joints), default=0),)
+    forces, displacement, torques = (np.full((m, *shape), np.nan) for shape in shapes)
+    utilisation = torques.copy()
+
+    def write(k: int, own: Array, torque: Array | None) -> None:
+        """Write the forces (n, 3) and the torques (nv,) of grasp k."""
+        forces[k, : len(own)] = own
+        if torque is not None and (mechanism := grasps[k].spec.mechanism) is not None:
+            nv = len(torque)
+            torques[k, :nv] = torque
+            np.divide(abs(torque), mechanism.limits, out=utilisation[k, :nv])
+
     free = [k for found in answers for k in found.at[found.is_certified & ~found.is_unique].tolist()]
     for k, solution in chain(singles.items(), ((k, look[k]) for k in free)):  # one at a time: a batch may be large
         if solution.held:
-            groups[number[k]].set_row(row[k], grasps[k], solution.forces, getattr(solution, "torques", None))
-            groups[number[k]].displacement[row[k]] = solution.object_displacement
-    for found in answers:
-        direct = found.is_unique
-        for g in np.unique(number[found.at[direct]]).tolist():
-            some = np.flatnonzero(direct & (number[found.at] == g))
-            _put_answers(groups[g], row, grasps, found, some)
-    for group in groups:
-        for a in (group.forces, group.displacement, group.torques, group.utilisation):
-            read_only(a)
-    return tuple(groups)
-
-
-def _put_answers(group: GraspGroup, row: Ints, grasps: Sequence[Grasp], found: FirstStageAnswers, some: Ints) -> None:
-    """Write these rows of the answers, which leave nothing free, into the group."""
-    at, n, kind = found.at[some], found.kind.scene_kind.n, found.kind
-    places, members = row[at], [grasps[k] for k in at.tolist()]
-    components, twist, centre = found.forces_and_twists(some)
-    group.forces[places] = components[:, : 3 * n].reshape(-1, n, 3)
-    arm = np.concatenate([g.spec.reference for g in members]).reshape(-1, 3) - centre
-    group.displacement[places] = shift_twists(twist, arm)
-    for i, place, g in zip(some.tolist(), places.tolist(), members, strict=True):
-        spec, scene, torques = g.spec, g.scene, None
-        if spec.mechanism is None and scene.scale is None:
-            continue  # it is there already: no joint bears the forces, and they are not scaled
-        own = scene.forces_to_contact_axes(CompiledAnswer(kind, found.rows[i]).components)
-        forces = own[: 3 * n].reshape(-1, 3)
-        if spec.mechanism is not None:
-            torsion = scene.scatter_torsion(own[3 * n :]) if scene.soft else None
-            torques = read_joints(spec.mechanism, scene, spec.effects, forces, torsion, {}).torque
-        group.set_row(place, g, forces, torques)
-
-
-def _make_empty_groups(grasps: Sequence[Grasp]) -> tuple[Ints, Ints, list[GraspGroup]]:
-    """(m,) the number of each grasp's group, (m,) its row there, and the groups, full of NaN."""
-    keys: dict[tuple[int, tuple[str, ...]], list[int]] = {}
-    for k, g in enumerate(grasps):
-        spec = g.spec
-        keys.setdefault((len(spec.contacts), () if spec.mechanism is None else spec.mechanism.names), []).append(k)
-    number, row, groups = np.empty(len(grasps), np.int64), np.empty(len(grasps), np.int64), list[GraspGroup]()
-    for (n, joints), own in (keys or {(0, ()): list[int]()}).items():
-        at = np.array(own, dtype=np.int64)
-        number[at], row[at] = len(groups), np.arange(len(at))
-        shapes = ((n, 3), (6,), (len(joints),), (len(joints),))
-        groups.append(GraspGroup(at, joints, *[np.full((len(at), *shape), np.nan) for shape in shapes]))
-    return number, row, groups
+            write(k, solution.forces, getattr(solution, "torques", None))
+            displacement[k] = solution.object_displacement
+    for found in answers:  # that leave nothing free
+        some = np.flatnonzero(found.is_unique)
+        at, n, kind = found.at[some], found.kind.scene_kind.n, found.kind
+        components, twist, centre = found.forces_and_twists(some)
+        forces[at, :n] = components[:, : 3 * n].reshape(-1, n, 3)
+        arm = np.array([grasps[k].spec.reference for k in at.tolist()]).reshape(-1, 3) - centre
+        displacement[at] = shift_twists(twist, arm)
+        for i, k in zip(some.tolist(), at.tolist(), strict=True):
+            spec, scene, torque = grasps[k].spec, grasps[k].scene, None
+            if spec.mechanism is None and scene.scale is None:
+                continue  # it is there already: no joint bears the forces, and they are not scaled
+            whole = scene.forces_to_contact_axes(CompiledAnswer(kind, found.rows[i]).components)
+            own = whole[: 3 * n].reshape(-1, 3)
+            if spec.mechanism is not None:
+                torsion = scene.scatter_torsion(whole[3 * n :]) if scene.soft else None
+                torque = read_joints(spec.mechanism, scene, spec.effects, own, torsion, {}).torque
+            write(k, own, torque)
+    return BatchArrays(counts, joints, *map(read_only, (forces, displacement, torques, utilisation)))
 
 
 def shift_twists(twist: Array, arm: Array) -> Array:
@@ -128,36 +106,36 @@ def shift_twists(twist: Array, arm: Array) -> Array:
 _OBJECT_AXES = ("x", "y", "z", "rx", "ry", "rz")
 
 
-def make_columns(grasps: Sequence[Grasp], groups: Sequence[GraspGroup]) -> dict[str, Any]:
+def make_columns(grasps: Sequence[Grasp], arrays: BatchArrays) -> dict[str, Any]:
     """Columns of m rows each, by name, as `Solutions.to_dict` says; NaN where a grasp has no such number."""
     m = len(grasps)
-    fingers: dict[str, Array] = {}
-    whole = {f"object.{axis}": np.full(m, np.nan) for axis in _OBJECT_AXES}
-    joints: dict[str, Array] = {}
+    whole = {f"object.{axis}": arrays.displacement[:, a].copy() for a, axis in enumerate(_OBJECT_AXES)}
+    fingers, joints = dict[str, Array](), dict[str, Array]()
     most, binding = np.full(m, np.nan), np.full(m, None, dtype=object)
 
-    def put(columns: dict[str, Array], name: str, at: Any, values: Array) -> None:
+    def put(columns: dict[str, Array], name: str, at: list[int], values: Array) -> None:
         columns.setdefault(name, np.full(m, np.nan))[at] = values
 
-    for g in groups:
-        by_names = dict[tuple[str, ...], list[int]]()  # rows by the names of their contacts
-        for row, k in enumerate(g.at.tolist()):
-            by_names.setdefault(grasps[k].spec.names, []).append(row)
-        for names, rows in by_names.items():
+    # By the number of contacts and the names of the joints, then by the names of the contacts: which grasps
+    alike = dict[tuple[int, tuple[str, ...]], dict[tuple[str, ...], list[int]]]()
+    for k, (g, n, hand) in enumerate(zip(grasps, arrays.counts, arrays.joints, strict=True)):
+        alike.setdefault((n, hand), {}).setdefault(g.spec.names, []).append(k)
+    for (_, joint_names), by_names in alike.items():
+        for names, at in by_names.items():
             for i, name in enumerate(number_duplicates(names)):
                 for a, axis in enumerate("xyz"):
-                    put(fingers, f"{name}.force_{axis}", g.at[rows], g.forces[rows, i, a])
-        for a, axis in enumerate(_OBJECT_AXES):
-            put(whole, f"object.{axis}", g.at, g.displacement[:, a])
-        for j, name in enumerate(g.joints):
-            put(joints, f"{name}.torque", g.at, g.torques[:, j])
-            put(joints, f"{name}.utilisation", g.at, g.utilisation[:, j])
-        if g.joints:
-            most[g.at] = largest = g.utilisation.max(axis=1)
-            which = (g.utilisation >= (largest - OVER_LIMIT_TOLERANCE * largest)[:, None]).argmax(axis=1)
-            who = np.array(g.joints, dtype=object)[which]
+                    put(fingers, f"{name}.force_{axis}", at, arrays.forces[at, i, a])
+        at = [k for own in by_names.values() for k in own]
+        for j, name in enumerate(joint_names):
+            put(joints, f"{name}.torque", at, arrays.torques[at, j])
+            put(joints, f"{name}.utilisation", at, arrays.utilisation[at, j])
+        if joint_names:
+            used = arrays.utilisation[at, : len(joint_names)]
+            most[at] = largest = used.max(axis=1)
+            which = (used >= (largest - OVER_LIMIT_TOLERANCE * largest)[:, None]).argmax(axis=1)
+            who = np.array(joint_names, dtype=object)[which]
             who[~(largest > 0.0)] = None
-            binding[g.at] = who
+            binding[at] = who
     if joints:
         joints["utilisation"] = most
         return {**fingers, **whole, **joints, "binding": binding.tolist()}
@@ -241,33 +219,33 @@ class Solutions(Record, Sequence[GraspSolution]):
         """(m, n, 3) N, of each finger on the object in its contact axes. Raises Unsupported unless all grasps have n
         contacts; `to_dict` takes any.
         """
-        counts = {g.forces.shape[1] for g in self._groups}
+        counts = set(self._arrays.counts)
         if len(counts) > 1:
             raise Unsupported(f"forces: the grasps have from {min(counts)} to {max(counts)} contacts; {_MIXED_HINT}")
-        return self._over_all([g.forces for g in self._groups])
+        return self._arrays.forces
 
     @property
     def displacement(self) -> Array:
         """(m, 6) m and rad, small motion (linear, angular) of each object about its grasp's reference."""
-        return self._over_all([g.displacement for g in self._groups])
+        return self._arrays.displacement
 
     @property
     def torques(self) -> Array:
         """(m, nv) N·m, of the joints. Raises Unsupported unless all grasps are of hands with the same joints."""
-        self._one_hand("torques")
-        return self._over_all([g.torques for g in self._groups])
+        return self._of_one_hand("torques")
 
     @property
     def utilisation(self) -> Array:
         """(m, nv) |torque| / limit, 0 where there is no limit or none is known. Raises as `torques` does."""
-        self._one_hand("utilisation")
-        return self._over_all([g.utilisation for g in self._groups])
+        return self._of_one_hand("utilisation")
 
-    def _one_hand(self, asked: str) -> None:
-        joints = {g.joints for g in self._groups}
-        if len(joints) > 1 or (len(self) and () in joints):
+    def _of_one_hand(self, asked: str) -> Array:
+        joints = set(self._arrays.joints)
+        if len(joints) > 1 or () in joints:
             some = "not all grasps are of a hand" if () in joints else "the grasps are of hands with different joints"
             raise Unsupported(f"{asked}: {some}; {_MIXED_HINT}")
+        found: Array = getattr(self._arrays, asked)
+        return found
 
     def to_dict(self) -> dict[str, Any]:
         """Columns for a data frame, m long each; `to_frame()` makes one.
@@ -278,7 +256,7 @@ class Solutions(Record, Sequence[GraspSolution]):
         the joint that has it (None: no joint with a limit bears a torque, or there is no answer).
         Numbers are NaN where a grasp is not held, or has no finger or joint of that name.
         """
-        return {"status": self.status, "held": self.held, **make_columns(self._batch.grasps, self._groups)}
+        return {"status": self.status, "held": self.held, **make_columns(self._batch.grasps, self._arrays)}
 
     def to_frame(self) -> Any:
         """The same as a pandas table, a row for each grasp. Raises Unsupported without pandas."""
@@ -298,14 +276,5 @@ class Solutions(Record, Sequence[GraspSolution]):
         return wrap_text(f"{len(self)} grasps: {', '.join(f'{k} {name}' for name, k in counts.most_common())}", "  ")
 
     @lazy_property
-    def _groups(self) -> tuple[GraspGroup, ...]:
-        return make_groups(self._batch, self._answers, self._singles, self)
-
-    def _over_all(self, parts: list[Array]) -> Array:
-        """(m, …) from the arrays of the groups."""
-        if len(parts) == 1:
-            return parts[0]
-        out = np.full((len(self), *parts[0].shape[1:]), np.nan)
-        for group, part in zip(self._groups, parts, strict=True):
-            out[group.at] = part
-        return read_only(out)
+    def _arrays(self) -> BatchArrays:
+        return make_arrays(self._batch, self._answers, self._singles, self)

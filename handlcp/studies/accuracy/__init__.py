@@ -3,19 +3,6 @@
 from handlcp.studies.accuracy.as_printed import AsPrinted
 from handlcp.studies.accuracy.cost import accuracy_cost
 from handlcp.studies.accuracy.methods import METHODS
-from handlcp.studies.accuracy.on_paths import PathCost, PathRow, path_cost
-from handlcp.studies.accuracy.result import AccuracyCost, FaceLaw, LeftOut, Reference, Row
+from handlcp.studies.accuracy.result import AccuracyCost
 
-__all__ = [
-    "METHODS",
-    "AccuracyCost",
-    "AsPrinted",
-    "FaceLaw",
-    "LeftOut",
-    "PathCost",
-    "PathRow",
-    "Reference",
-    "Row",
-    "accuracy_cost",
-    "path_cost",
-]
+__all__ = ["METHODS", "AccuracyCost", "AsPrinted", "accuracy_cost"]

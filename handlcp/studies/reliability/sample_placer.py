@@ -32,7 +32,15 @@ from handlcp.robot.hand_model import HandPosture
 from handlcp.studies.perturbation import vary_grasp
 from handlcp.studies.reliability.spread import HAND_NUMBER, Dimension, varying_parameters
 
-_CHANGE_FLEXIBILITY = {"slides", "joints", "springs", "pads"}  # arrays of `Samples`
+# Which arrays of `Samples` change what of a specification
+_CHANGE_FLEXIBILITY = {"slides", "joints", "springs", "pads"}
+_CHANGE_ARRAYS = {
+    "positions": {"slides"},
+    "frames": {"slides"},
+    "wrench": {"mass", "load"},
+    "offset": {"joints", "squeeze"},
+    "flexibility": _CHANGE_FLEXIBILITY,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +134,7 @@ class SamplePlacer:
         if joints is not None and self._hand is not None and "joints" in written:
             offset[:, :k] += joints.stand_off - self._hand.stand_off
         offset[:, :k] *= np.where(offset[:, :k, 2:] < 0.0, squeeze[:, None, None], 1.0)
-        E = np.broadcast_to(spec.flexibility, (m, *spec.flexibility.shape))
+        E = np.broadcast_to(spec.flexibility, (m, 3 * spec.n, 3 * spec.n))
         if not self._springs_are_joints and "springs" in written:
             E = E.copy()
             E[:, : 3 * k, : 3 * k] /= written["springs"][:, :1, None]
@@ -239,22 +247,16 @@ class SamplePlacer:
     def make_grasp(self, arrays: SampleArrays, k: int) -> Grasp:
         """That of sample k; where it is past an edge, with its nominal axes."""
         spec, written = self.spec, arrays.samples.written.keys()
-        names = set[str]()
-        changes = dict[str, Any]()
-        if "slides" in written:
-            names |= {"positions", "frames"}
-        if written & {"mass", "load"}:
-            names |= {"wrench"}
+        changes: dict[str, Any] = {
+            name: read_only(getattr(arrays, name)[k].copy()) for name, by in _CHANGE_ARRAYS.items() if written & by
+        }
         if written & {"joints", "squeeze"}:
-            names |= {"offset"}
             changes["effects"] = self._sample_effects(arrays, k)
-        if written & _CHANGE_FLEXIBILITY:
-            names |= {"flexibility"}
         if written & {"friction", "slides"}:
             changes["contacts"] = self._sample_contacts(arrays, k, "slides" in written)
         if arrays.joints is not None and written & {*_CHANGE_FLEXIBILITY, "mass"}:
             changes["mechanism"] = self._sample_mechanism(arrays, arrays.joints, k)
-        spec = spec.replace(**changes, **{name: read_only(getattr(arrays, name)[k].copy()) for name in names})
+        spec = spec.replace(**changes)
         for remade, factors in arrays.samples.remade:
             spec = remade(spec, float(factors[k]))
         return type(self.grasp)(spec)
