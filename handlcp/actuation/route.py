@@ -104,7 +104,16 @@ class Around:
         object.__setattr__(self, "placement", _read_placement(self.placement, self.shape))
         if self.side is not None:
             object.__setattr__(self, "side", check_array("Around.side", self.side, (3,), what=_IN_LINK))
-            self._check_side()
+            centre, axis = self.placement
+            away = self.side - centre
+            if np.linalg.norm(away) < (1.0 - SURFACE_ROUNDING) * self.radius:
+                raise Unsupported(
+                    f"Around.side: {self.side.tolist()} is inside the {self.shape}, which asks for a cable through the "
+                    "inside; here cables go round the outside: move the side out"
+                )
+            if self.shape == CYLINDER and np.linalg.norm(np.cross(axis, away)) <= SURFACE_ROUNDING * self.radius:
+                came = f"{self.side.tolist()} on it"
+                raise InputError("Around.side", "a point beside the axis of the cylinder", came)
 
     def moved(self, point: Callable[[str, Array], Array]) -> Around:
         """The same body where the link's lengths are others; point : as of `Site.moved`."""
@@ -112,17 +121,6 @@ class Around:
         there = point(self.link, centre)
         side = None if self.side is None else self.side + (there - centre)
         return replace(self, placement=(there, axis), side=side)
-
-    def _check_side(self) -> None:
-        centre, axis = self.placement
-        away = self.side - centre
-        if np.linalg.norm(away) < (1.0 - SURFACE_ROUNDING) * self.radius:
-            raise Unsupported(
-                f"Around.side: {self.side.tolist()} is inside the {self.shape}, which asks for a cable through the "
-                "inside; here cables go round the outside: move the side out"
-            )
-        if self.shape == CYLINDER and np.linalg.norm(np.cross(axis, away)) <= SURFACE_ROUNDING * self.radius:
-            raise InputError("Around.side", "a point beside the axis of the cylinder", f"{self.side.tolist()} on it")
 
 
 # ---------------------------------------------------------------- Checks.
@@ -325,7 +323,7 @@ class BoundRoute:
         """Length, arms and wraps at q (nv,) [rad, m], or a mapping of joint names. Raises InputError: also where a site
         is inside a body that the cable goes round.
         """
-        (found, _), pieces = self.routes.evaluate(self._posture(q)), list[Piece]()
+        (found, _), pieces = self.routes.evaluate(self.routes.kinematics.read_posture("q", q)), list[Piece]()
         legs = zip(found.wrap_angles.tolist(), found.piece_ends, found.piece_arms, strict=True)
         for n, (turned, ends, arms) in enumerate(legs):
             pieces.append(Piece(ends[0], ends[1], read_only(arms[0]), 0.0, n))
@@ -341,11 +339,8 @@ class BoundRoute:
         It is -∂²L/∂q², with which the tension T of a tendon adds -T slope to the joints' stiffness. At a posture where
         a wrap comes or goes it is the mean over both sides.
         """
-        posed, first = self.routes.pose_links(self._posture(q)), np.zeros(1, dtype=np.int64)
-        return read_only(self.routes.moment_arm_stiffness(posed, first, np.ones(1)))
-
-    def _posture(self, q: Any) -> Array:
-        return self.routes.kinematics.read_posture("q", q)
+        posed = self.routes.pose_links(self.routes.kinematics.read_posture("q", q))
+        return read_only(self.routes.moment_arm_stiffness(posed, np.zeros(1, dtype=np.int64), np.ones(1)))
 
 
 def _pack_routes(routes: Sequence[Route], at: list[int], support: Array) -> PackedRoutes:

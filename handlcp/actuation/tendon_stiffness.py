@@ -246,7 +246,9 @@ class TendonPostureCache:
 
     def __init__(self, made: TendonModel, kinematics: Any) -> None:
         self.model, self.kinematics = made, kinematics
-        self._bound_routes = made.routing.bind_routes(kinematics, made.names)
+        routes = made.routing.routes
+        arguments = tuple([f"Tendons.moment_arms[{made.names[i]!r}]" for i in routes])
+        self._bound_routes = BoundRoutes(tuple(routes.values()), kinematics, arguments)
         self._lately = dict[bytes, RoutedStiffness]()
 
     def elasticity_at(self, q: Array) -> RoutedStiffness:

@@ -288,12 +288,16 @@ def test_arms_are_the_derivatives_of_the_length(write_hand, tip, n):
             np.testing.assert_allclose(bound.at(q).arms, differences(bound, q), atol=1e-9)
 
 
+OVER_MIMICS = Route([
+    Site("palm", (0.0, 0.03, 0.0)), Site("a", (0.02, 0.0, 0.01)),
+    Around("b", ((0.02, 0.0, 0.0), (0.0, 0.0, 1.0)), 0.004), Site("c", (0.02, 0.01, 0.0)),
+    Pulley(1.5), Site("c", (0.0, 0.0, 0.02)), Site("d", (0.03, 0.0, 0.0)),
+])  # fmt: skip
+
+
 def test_arms_of_joints_that_others_follow(coupled):
     """Mimic joints, a mimic of a mimic and a continuous joint: arms over the independent joints only."""
-    route = Route([Site("palm", (0.0, 0.03, 0.0)), Site("a", (0.02, 0.0, 0.01)),
-                   Around("b", ((0.02, 0.0, 0.0), (0.0, 0.0, 1.0)), 0.004), Site("c", (0.02, 0.01, 0.0)),
-                   Pulley(1.5), Site("c", (0.0, 0.0, 0.02)), Site("d", (0.03, 0.0, 0.0))])  # fmt: skip
-    bound = route.bound(coupled.kinematics)
+    bound = OVER_MIMICS.bound(coupled.kinematics)
     touched = 0
     for seed in range(5):
         q = inside(coupled, seed)
@@ -363,9 +367,8 @@ def test_a_site_inside_what_the_tendon_goes_round_is_named_with_its_posture(chai
 def test_a_tendon_of_an_mjcf_file_that_cannot_be_read_is_told_why():
     """A side site inside its geom, and one on another body; the rest is read, and sums of joint angles are left out."""
     mujoco = pytest.importorskip("mujoco")
-    bodies = finger("f", "0 0 0")[0].replace(
-        '<site name="f_in0"', '<site name="f_mid" pos="0.001 0 0"/><site name="f_in0"'
-    )
+    inside = '<site name="f_mid" pos="0.001 0 0"/>'
+    bodies = finger("f", "0 0 0")[0].replace('<site name="f_in0"', f'{inside}<site name="f_in0"')
     ends = '<site site="f_flexor_root"/>{}<site site="f_f0"/>'
     tendons = '<fixed name="sum"><joint joint="f_j0" coef="0.01"/></fixed>'
     for name, side in (("good", "f_in0"), ("through", "f_mid"), ("other", "f_in1")):
@@ -454,10 +457,7 @@ def test_how_arms_change_is_what_central_differences_of_them_say(coupled):
     for q in random_postures(hand, 3):
         for bound in alone(hand):
             np.testing.assert_allclose(bound.slope(q), by_differences(bound, q), atol=1e-9)
-    route = Route([Site("palm", (0.0, 0.03, 0.0)), Site("a", (0.02, 0.0, 0.01)),
-                   Around("b", ((0.02, 0.0, 0.0), (0.0, 0.0, 1.0)), 0.004), Site("c", (0.02, 0.01, 0.0)),
-                   Pulley(1.5), Site("c", (0.0, 0.0, 0.02)), Site("d", (0.03, 0.0, 0.0))])  # fmt: skip
-    bound = route.bound(coupled.kinematics)
+    bound = OVER_MIMICS.bound(coupled.kinematics)
     for seed in range(4):
         q = inside(coupled, seed)
         np.testing.assert_allclose(bound.slope(q), by_differences(bound, q), atol=1e-9)
