@@ -244,5 +244,5 @@ def check_driven_once(arms: Array, tendons: Drives | None, drives: Drives | None
     if tendons is None or drives is None:
         return
     drawn, own = (np.array([motor is not None for motor in every.motors]) for every in (tendons, drives))
-    if both := [joints[k] for k in np.flatnonzero(own & arms[drawn].any(axis=0))]:
+    if both := [joints[k] for k in np.flatnonzero(own & arms[drawn].any(axis=0)).tolist()]:
         raise InputError("motors", "no motor of a joint that a tendon with a motor moves", ", ".join(both))
