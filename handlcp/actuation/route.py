@@ -246,22 +246,14 @@ class TendonPath:
     pieces: tuple[Piece, ...]
 
 
-@dataclass(frozen=True, eq=False)
 class BoundRoutes:
-    """The routes of t tendons on the links of one hand. arguments : what errors call them. frames : numbers of
-    Pinocchio's frames of their links. Raises UnknownName.
-    """
+    """The routes of t tendons on the links of one hand. arguments : what errors call them. Raises UnknownName."""
 
-    routes: tuple[Route, ...]
-    kinematics: RouteKinematics
-    arguments: tuple[str, ...]
-    frames: tuple[int, ...] = field(init=False, repr=False)
-    strands: PackedRoutes = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        model, links = self.kinematics.model, list[str]()
+    def __init__(self, routes: tuple[Route, ...], kinematics: RouteKinematics, arguments: tuple[str, ...]) -> None:
+        self.routes, self.kinematics, self.arguments = routes, kinematics, arguments
+        model, links = kinematics.model, list[str]()
         numbers = {f.name: i for i, f in enumerate(model.frames) if f.name != "universe"}
-        for route, argument in zip(self.routes, self.arguments, strict=True):
+        for route, argument in zip(routes, arguments, strict=True):
             for i, place in enumerate(route.places):
                 links.append("" if isinstance(place, Pulley) else place.link)
                 if links[-1] and links[-1] not in numbers:
@@ -271,8 +263,8 @@ class BoundRoutes:
         support = np.zeros((len(on), model.nv))
         for row, frame in zip(support, on, strict=True):
             row[[model.joints[j].idx_v for j in model.supports[model.frames[frame].parentJoint] if j]] = 1.0
-        object.__setattr__(self, "frames", tuple(frames))
-        object.__setattr__(self, "strands", _pack_routes(self.routes, [frames.index(frame) for frame in on], support))
+        self.frames = tuple(frames)  # of Pinocchio, of the links
+        self.strands = _pack_routes(routes, [frames.index(frame) for frame in on], support)
 
     def pose_links(self, q: Array) -> CablePosture:
         """With joints at q (nv,)."""
