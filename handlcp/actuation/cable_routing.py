@@ -73,11 +73,6 @@ class CableRouting:
         """Along routes whose places are elsewhere on their links; point : as of `Site.moved`."""
         return replace(self, routes={i: route.moved(point) for i, route in self.routes.items()})
 
-    def bind_routes(self, kinematics: Any, names: Sequence[str]) -> BoundRoutes | None:
-        """The routes on the links of a hand. Raises UnknownName."""
-        named = tuple([f"Tendons.moment_arms[{names[i]!r}]" for i in self.routes])
-        return BoundRoutes(tuple(self.routes.values()), kinematics, named) if named else None
-
     def lay_out(self, bound: BoundRoutes | None, q: Array, given: Cables) -> Cables:
         """Cables with joints at q (nv,), from those with the arms that were given. Raises as `BoundRoutes.evaluate`."""
         if bound is None:

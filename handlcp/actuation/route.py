@@ -104,7 +104,16 @@ class Around:
         object.__setattr__(self, "placement", _read_placement(self.placement, self.shape))
         if self.side is not None:
             object.__setattr__(self, "side", check_array("Around.side", self.side, (3,), what=_IN_LINK))
-            self._check_side()
+            centre, axis = self.placement
+            away = self.side - centre
+            if np.linalg.norm(away) < (1.0 - SURFACE_ROUNDING) * self.radius:
+                raise Unsupported(
+                    f"Around.side: {self.side.tolist()} is inside the {self.shape}, which asks for a cable through the "
+                    "inside; here cables go round the outside: move the side out"
+                )
+            if self.shape == CYLINDER and np.linalg.norm(np.cross(axis, away)) <= SURFACE_ROUNDING * self.radius:
+                came = f"{self.side.tolist()} on it"
+                raise InputError("Around.side", "a point beside the axis of the cylinder", came)
 
     def moved(self, point: Callable[[str, Array], Array]) -> Around:
         """The same body where the link's lengths are others; point : as of `Site.moved`."""
@@ -112,17 +121,6 @@ class Around:
         there = point(self.link, centre)
         side = None if self.side is None else self.side + (there - centre)
         return replace(self, placement=(there, axis), side=side)
-
-    def _check_side(self) -> None:
-        centre, axis = self.placement
-        away = self.side - centre
-        if np.linalg.norm(away) < (1.0 - SURFACE_ROUNDING) * self.radius:
-            raise Unsupported(
-                f"Around.side: {self.side.tolist()} is inside the {self.shape}, which asks for a cable through the "
-                "inside; here cables go round the outside: move the side out"
-            )
-        if self.shape == CYLINDER and np.linalg.norm(np.cross(axis, away)) <= SURFACE_ROUNDING * self.radius:
-            raise InputError("Around.side", "a point beside the axis of the cylinder", f"{self.side.tolist()} on it")
 
 
 # ---------------------------------------------------------------- Checks.
@@ -248,22 +246,14 @@ class TendonPath:
     pieces: tuple[Piece, ...]
 
 
-@dataclass(frozen=True, eq=False)
 class BoundRoutes:
-    """The routes of t tendons on the links of one hand. arguments : what errors call them. frames : numbers of
-    Pinocchio's frames of their links. Raises UnknownName.
-    """
+    """The routes of t tendons on the links of one hand. arguments : what errors call them. Raises UnknownName."""
 
-    routes: tuple[Route, ...]
-    kinematics: RouteKinematics
-    arguments: tuple[str, ...]
-    frames: tuple[int, ...] = field(init=False, repr=False)
-    strands: PackedRoutes = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        model, links = self.kinematics.model, list[str]()
+    def __init__(self, routes: tuple[Route, ...], kinematics: RouteKinematics, arguments: tuple[str, ...]) -> None:
+        self.routes, self.kinematics, self.arguments = routes, kinematics, arguments
+        model, links = kinematics.model, list[str]()
         numbers = {f.name: i for i, f in enumerate(model.frames) if f.name != "universe"}
-        for route, argument in zip(self.routes, self.arguments, strict=True):
+        for route, argument in zip(routes, arguments, strict=True):
             for i, place in enumerate(route.places):
                 links.append("" if isinstance(place, Pulley) else place.link)
                 if links[-1] and links[-1] not in numbers:
@@ -273,8 +263,8 @@ class BoundRoutes:
         support = np.zeros((len(on), model.nv))
         for row, frame in zip(support, on, strict=True):
             row[[model.joints[j].idx_v for j in model.supports[model.frames[frame].parentJoint] if j]] = 1.0
-        object.__setattr__(self, "frames", tuple(frames))
-        object.__setattr__(self, "strands", _pack_routes(self.routes, [frames.index(frame) for frame in on], support))
+        self.frames = tuple(frames)  # of Pinocchio, of the links
+        self.strands = _pack_routes(routes, [frames.index(frame) for frame in on], support)
 
     def pose_links(self, q: Array) -> CablePosture:
         """With joints at q (nv,)."""
@@ -325,7 +315,7 @@ class BoundRoute:
         """Length, arms and wraps at q (nv,) [rad, m], or a mapping of joint names. Raises InputError: also where a site
         is inside a body that the cable goes round.
         """
-        (found, _), pieces = self.routes.evaluate(self._posture(q)), list[Piece]()
+        (found, _), pieces = self.routes.evaluate(self.routes.kinematics.read_posture("q", q)), list[Piece]()
         legs = zip(found.wrap_angles.tolist(), found.piece_ends, found.piece_arms, strict=True)
         for n, (turned, ends, arms) in enumerate(legs):
             pieces.append(Piece(ends[0], ends[1], read_only(arms[0]), 0.0, n))
@@ -341,11 +331,8 @@ class BoundRoute:
         It is -∂²L/∂q², with which the tension T of a tendon adds -T slope to the joints' stiffness. At a posture where
         a wrap comes or goes it is the mean over both sides.
         """
-        posed, first = self.routes.pose_links(self._posture(q)), np.zeros(1, dtype=np.int64)
-        return read_only(self.routes.moment_arm_stiffness(posed, first, np.ones(1)))
-
-    def _posture(self, q: Any) -> Array:
-        return self.routes.kinematics.read_posture("q", q)
+        posed = self.routes.pose_links(self.routes.kinematics.read_posture("q", q))
+        return read_only(self.routes.moment_arm_stiffness(posed, np.zeros(1, dtype=np.int64), np.ones(1)))
 
 
 def _pack_routes(routes: Sequence[Route], at: list[int], support: Array) -> PackedRoutes:

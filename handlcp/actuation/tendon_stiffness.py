@@ -201,18 +201,17 @@ class TendonStiffness(JointStiffness):
 class RoutedStiffness(TendonStiffness):
     """Of tendons that run along routes, in one posture."""
 
-    _model: TendonModel
     _cache: TendonPostureCache
     _q: Array
 
     @property
     def is_from_file(self) -> bool:
         """Whether a file says all that the tendons are made of."""
-        return self._model.is_from_file
+        return self._cache.model.is_from_file
 
     def as_from_file(self) -> RoutedStiffness:
         """The same, said by a file."""
-        return self.from_model(replace(self._model, is_from_file=True), self._cache.kinematics, self._q)
+        return self.from_model(replace(self._cache.model, is_from_file=True), self._cache.kinematics, self._q)
 
     @classmethod
     def from_model(cls, made: TendonModel, kinematics: Any, q: Array) -> RoutedStiffness:
@@ -222,22 +221,22 @@ class RoutedStiffness(TendonStiffness):
     @property
     def routes(self) -> dict[str, Route]:
         """Of the tendons that have one, by name."""
-        return {self._model.names[i]: route for i, route in self._model.routing.routes.items()}
+        return {self._cache.model.names[i]: route for i, route in self._cache.model.routing.routes.items()}
 
     def motored(self, motors: Mapping[str, Any] | None) -> RoutedStiffness:
         """The same with motors by tendon, None: without. Raises InputError, UnknownName."""
         drives = read_tendon_motors(motors, self.names, self.cables.pretension)
-        return self.from_model(replace(self._model, drives=drives), self._cache.kinematics, self._q)
+        return self.from_model(replace(self._cache.model, drives=drives), self._cache.kinematics, self._q)
 
     def in_posture(self, kinematics: Any, q: Array) -> RoutedStiffness:
         """In another posture, of a hand with these kinematics."""
         if kinematics is self._cache.kinematics:
             return self._cache.elasticity_at(q)
-        return self.from_model(self._model, kinematics, q)
+        return self.from_model(self._cache.model, kinematics, q)
 
     def remap_points(self, kinematics: Any, point: Callable[[str, Array], Array]) -> RoutedStiffness:
         """On links of other lengths, of a hand with these kinematics; point : where a point (3,) of a link is then."""
-        model = replace(self._model, routing=self._model.routing.remap_points(point))
+        model = replace(self._cache.model, routing=self._cache.model.routing.remap_points(point))
         return self.from_model(model, kinematics, self._q)
 
 
@@ -246,7 +245,9 @@ class TendonPostureCache:
 
     def __init__(self, made: TendonModel, kinematics: Any) -> None:
         self.model, self.kinematics = made, kinematics
-        self._bound_routes = made.routing.bind_routes(kinematics, made.names)
+        routes = made.routing.routes
+        arguments = tuple([f"Tendons.moment_arms[{made.names[i]!r}]" for i in routes])
+        self._bound_routes = BoundRoutes(tuple(routes.values()), kinematics, arguments)
         self._lately = dict[bytes, RoutedStiffness]()
 
     def elasticity_at(self, q: Array) -> RoutedStiffness:
@@ -256,7 +257,7 @@ class TendonPostureCache:
             if len(self._lately) >= _MAX_CACHED_POSTURES:
                 self._lately.clear()
             found = self._lately[key] = self.model.elasticity_at(RoutedStiffness, self._bound_routes, q, self.cables_at)
-            found._model, found._cache, found._q = self.model, self, q
+            found._cache, found._q = self, q
         return found
 
     def cables_at(self, q: Array) -> tuple[Cables, Array]:

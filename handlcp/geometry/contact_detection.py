@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -354,9 +355,8 @@ def find_tilted_points(
     x, n = tangent_in_frame(R, near.normal), near.normal
     axes = np.stack([x, cross_rows(n, x), n], axis=1)
     away = tilt_gap_change(max(shape_size(shape.geometry) for shape in shapes), angle)
-    turns = np.array([pin.exp3(angle * np.array([-b, a, 0.0])) for a, b in _TILT_DIRECTIONS])
     own, opposite = np.empty((8, 3)), np.empty((8, 3))
-    for k, turn in enumerate(axes @ turns @ axes.T):
+    for k, turn in enumerate(axes @ _tilt_rotations(angle) @ axes.T):
         lifted = near.tip_point - away * n
         there = nearest_proximity(shapes, lifted + turn @ (p - near.tip_point), turn @ R, obj)
         own[k] = near.tip_point + (there.tip_point - lifted) @ turn
@@ -367,6 +367,12 @@ def find_tilted_points(
 def tilt_gap_change(size: float, angle: float = TILT_ANGLE) -> float:
     """[m] By how much the gap of a shape of this size [m] changes as it is tilted, at most."""
     return 2.0 * angle * size
+
+
+@cache  # an eighth of the time of `find_tilted_points`
+def _tilt_rotations(angle: float) -> Array:
+    """(8, 3, 3) rotations by an angle [rad] that raise z in each of eight directions across it."""
+    return np.array([pin.exp3(angle * np.array([-b, a, 0.0])) for a, b in _TILT_DIRECTIONS])
 
 
 def tangent_in_frame(R: Array, normal: Array) -> Array:

@@ -156,10 +156,8 @@ def touch_with_links(state: PostureT, obj: Object, links: Any, max_gap: float) -
     near = find_link_contacts(state, among, obj, max_gap)
     if not near:
         least = nearest_links(body_gaps(state, among, obj))
-        expected = (
-            f"a link within max_gap = {max_gap * 1e3:g} mm of the object: hand.close_on(obj, wrap=True) closes the "
-        )
-        raise NotReached("links", expected + "hand first, or closing_torque= here does", least)
+        advice = "hand.close_on(obj, wrap=True) closes the hand first, or closing_torque= here does"
+        raise NotReached("links", f"a link within max_gap = {max_gap * 1e3:g} mm of the object: {advice}", least)
     made = make_contact_hand(state.hand, near)
     if not (isinstance(links, str) and links == ALL_LINKS):
         hand, names = state.hand, {body.name for body in among}

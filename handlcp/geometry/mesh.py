@@ -285,19 +285,31 @@ def load_mesh(source: Any, scale: Array | None) -> ObjectSolid:
     triangles = mesh_triangles(tree)
     if not len(triangles) or not np.isfinite(triangles).all():
         raise InputError("path", "a mesh of triangles with finite corners", f"{name}: {len(triangles)} triangles")
+    wide = float(np.ptp(triangles, axis=(0, 1)).max())
     if scale is None:
-        _check_mesh_metres(triangles, name, getattr(source, "units", None))
-    return _make_solid(triangles, tree, name)
-
-
-def _check_mesh_metres(triangles: Array, name: str, units: Any) -> None:
-    """Raises InputError for a mesh that is not in metres, or does not look like it."""
-    wide, expected = float(np.ptp(triangles, axis=(0, 1)).max()), "what makes metres of the mesh: 0.001 for millimetres"
-    if isinstance(units, str) and units.lower() not in _METRE_WORDS:
-        raise InputError("scale", expected, f"none, for {name} in units of {units!r}")
-    if wide > _MAX_MESH_WIDTH:
-        came = f"none, and {name} would be {wide:.3g} m wide: are these millimetres?"
-        raise InputError("scale", f"{expected}, 1 to keep it", came)
+        units, expected = getattr(source, "units", None), "what makes metres of the mesh: 0.001 for millimetres"
+        if isinstance(units, str) and units.lower() not in _METRE_WORDS:
+            raise InputError("scale", expected, f"none, for {name} in units of {units!r}")
+        if wide > _MAX_MESH_WIDTH:
+            came = f"none, and {name} would be {wide:.3g} m wide: are these millimetres?"
+            raise InputError("scale", f"{expected}, 1 to keep it", came)
+    # Tetrahedra with the origin; below 0 where triangles face inwards
+    a, b, c = triangles.transpose(1, 0, 2)
+    volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
+    volume = float(volumes.sum())
+    if abs(volume) <= _MIN_VOLUME_RATIO * wide**3:
+        raise InputError("path", "a closed mesh that encloses a volume", f"{name}: {volume:.3g} m³")
+    around = convex_hull(triangles.reshape(-1, 3))
+    if around is None:  # whatever it encloses, it has no thickness that counts
+        raise InputError("path", "a mesh that encloses a volume", f"{name}, which is flat")
+    filled = float(around.computeVolume())
+    convex = abs(abs(volume) - filled) <= CONVEXITY_TOLERANCE * filled
+    centre = read_only((volumes[:, None] * (a + b + c) / 4).sum(axis=0) / volume)
+    if is_closed(triangles):
+        return ObjectSolid(around if convex else tree, abs(volume), centre, None if convex else triangles)
+    if convex:
+        return ObjectSolid(around, filled, read_only(np.array(around.computeCOM()).reshape(3)))
+    return ObjectSolid(tree, np.nan, centre, triangles)
 
 
 def _read_mesh_file(path: Any, scale: Array | None) -> Any:
@@ -310,30 +322,6 @@ def _read_mesh_file(path: Any, scale: Array | None) -> Any:
     except (ValueError, RuntimeError, MemoryError) as error:
         lines = [line.removeprefix("message:").strip() for line in str(error).splitlines()[3:5]]
         raise InputError("path", "a mesh file that coal can load", f"{str(file)!r}: {' '.join(lines)}") from None
-
-
-def _make_solid(triangles: Array, tree: Any, name: str) -> ObjectSolid:
-    volume, moment = _enclosed_volume(triangles)
-    if abs(volume) <= _MIN_VOLUME_RATIO * float(np.ptp(triangles, axis=(0, 1)).max()) ** 3:
-        raise InputError("path", "a closed mesh that encloses a volume", f"{name}: {volume:.3g} m³")
-    around = convex_hull(triangles.reshape(-1, 3))
-    if around is None:  # whatever it encloses, it has no thickness that counts
-        raise InputError("path", "a mesh that encloses a volume", f"{name}, which is flat")
-    filled = float(around.computeVolume())
-    convex = abs(abs(volume) - filled) <= CONVEXITY_TOLERANCE * filled
-    if is_closed(triangles):
-        whole, centre = around if convex else tree, read_only(moment / volume)
-        return ObjectSolid(whole, abs(volume), centre, None if convex else triangles)
-    if convex:
-        return ObjectSolid(around, filled, read_only(np.array(around.computeCOM()).reshape(3)))
-    return ObjectSolid(tree, np.nan, read_only(moment / volume), triangles)
-
-
-def _enclosed_volume(triangles: Array) -> tuple[float, Array]:
-    """Volume [m³] that triangles enclose (< 0: facing inwards), volume × centre (3,) [m⁴]; by tetrahedra."""
-    a, b, c = triangles.transpose(1, 0, 2)
-    volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
-    return float(volumes.sum()), (volumes[:, None] * (a + b + c) / 4).sum(axis=0)
 
 
 def is_closed(triangles: Array) -> bool:

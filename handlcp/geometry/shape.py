@@ -193,8 +193,16 @@ class YCB(Mesh):
 
     def __init__(self, name: Any, placement: Any = None, mass: Any = None, *, density: Any = None) -> None:
         file = _find_scan(name)
+        try:
+            import trimesh
+        except ImportError:
+            raise missing_library("meshes of the YCB set need trimesh", "trimesh") from None
+        # The points that are furthest in many directions: a scan has thousands, and none is needed
+        far = outermost_points(np.asarray(trimesh.load_mesh(file).vertices, float), spread_directions(_HULL_DIRECTIONS))
         with tempfile.TemporaryDirectory() as folder:
-            super().__init__(_write_hull(file, Path(folder)), None, placement, mass, density=density)
+            hull = Path(folder, file.name)
+            trimesh.Trimesh(far - far.mean(axis=0)).convex_hull.export(hull)
+            super().__init__(hull, None, placement, mass, density=density)
         self.name = file.stem
         for slot, value in (("path", None), ("_args", (self.name,))):  # the hull's file is gone
             object.__setattr__(self, slot, value)
@@ -211,16 +219,3 @@ def _find_scan(name: Any) -> Path:
     if asked not in files and asked not in short:
         raise UnknownName("name", "an object of the YCB set", [str(name)], files)
     return files.get(asked) or short[asked]
-
-
-def _write_hull(file: Path, folder: Path) -> Path:
-    """The hull of the points that are furthest in many directions: a scan has thousands, and none is needed."""
-    try:
-        import trimesh
-    except ImportError:
-        raise missing_library("meshes of the YCB set need trimesh", "trimesh") from None
-    points = np.asarray(trimesh.load_mesh(file).vertices, dtype=float)
-    far = outermost_points(points, spread_directions(_HULL_DIRECTIONS))
-    hull = folder / file.name
-    trimesh.Trimesh(far - far.mean(axis=0)).convex_hull.export(hull)
-    return hull

@@ -37,21 +37,6 @@ _LYING_SINE = 0.2  # sine of the angle between a cylinder's axis and the plane's
 _HEIGHT_TOLERANCE = 1e-9  # times the object's size: smaller differences of height and distances from a line are zero
 
 
-def find_plane_contacts(obj: Object, point: Array, normal: Array, max_gap: float) -> tuple[Array, Array, float]:
-    """(m, 3) points of the object within `max_gap` [m] of the plane through `point` with this unit normal, on the side
-    of the object; their gaps (m,) [m], < 0 below the plane; and the smallest gap of the object, also where m is 0.
-    World axes. Raises InputError for an object of an unknown kind.
-    """
-    points = _extreme_points(obj, normal)
-    heights = (points - point) @ normal
-    near = heights <= max_gap
-    points, gaps = points[near], heights[near]
-    if len(points) > 1:
-        kept = _support_corners(points, gaps, normal)
-        points, gaps = points[kept], gaps[kept]
-    return points, gaps, float(heights.min())
-
-
 def rolling_point(obj: Object, normal: Array, near: Array) -> Array | None:
     """(3,) where a round object touches a plane with this unit normal, world axes; None for an object that stands on
     corners. near (3,) : where it touched before; of a cylinder it tells which rim.
@@ -210,10 +195,16 @@ class Table:
             expected = f"an object whose centre is on the side of the {self.name} that its normal points to"
             came = f"one {behind * 1e3:.3g} mm behind it: is the normal turned round?"
             raise InputError("environment", expected, came)
-        points, gaps, least = find_plane_contacts(obj, self.point, self.normal, self.max_gap)
-        if not len(points):
+        points = _extreme_points(obj, self.normal)
+        heights = (points - self.point) @ self.normal
+        near = heights <= self.max_gap
+        if not near.any():
             expected = f"an object within max_gap = {self.max_gap * 1e3:g} mm of the {self.name}"
-            raise NotReached("environment", expected, {self.name: least})
+            raise NotReached("environment", expected, {self.name: float(heights.min())})
+        points, gaps = points[near], heights[near]
+        if len(points) > 1:
+            kept = _support_corners(points, gaps, self.normal)
+            points, gaps = points[kept], gaps[kept]
         contacts = [Contact(p, self.normal, self.friction, None, f"{self.name} {k + 1}") for k, p in enumerate(points)]
         return Environment(contacts, self.flexibility, gaps)
 

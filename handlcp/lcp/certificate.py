@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
 import numpy as np
 import scipy
@@ -114,9 +114,6 @@ def farkas_vector(problem: LCP) -> Array | None:
 # beyond it.
 
 
-SearchStatus: TypeAlias = Literal["solution", "none", "unknown"]
-AcceptCandidate: TypeAlias = Callable[[Array], bool]
-
 _DEFAULT_BOX = 1e3  # of the default box, times 1 + max|q̂|
 _NO_BLOCKS, _NO_LIMITS = np.zeros((0, 4), np.int64), np.zeros(0)
 
@@ -131,15 +128,10 @@ class SearchResult:
     bound_z : (n,) of the box, natural units; infinite on free rows. cuts : choices that the certifier refused.
     """
 
-    outcome: SearchStatus
+    outcome: str
     z: Array | None
     bound_z: Array
     cuts: int
-
-    @property
-    def none_exists(self) -> bool:
-        """Whether it is proved that the box holds no solution."""
-        return self.outcome == "none"
 
 
 def search_active_sets(
@@ -147,7 +139,7 @@ def search_active_sets(
     bound_z: Any = None,
     bound_w: Any = None,
     work: float = 5e8,
-    accept: AcceptCandidate | None = None,
+    accept: Callable[[Array], bool] | None = None,
     end: float = math.inf,
 ) -> SearchResult:
     """Search for a solution, or for the proof that there is none with 0 ≤ z ≤ bound_z and 0 ≤ w ≤ bound_w.
@@ -167,7 +159,7 @@ def search_active_sets(
     modes = ModeSearch(pairs, Z, W)
     near = (c for x in modes.candidates(work, end) for c in (_solve_active_set(s, s.free | (x > 0.0)), x))
     z = next(filter(ok, near), None)
-    outcome: SearchStatus = "solution" if z is not None else "none" if modes.is_none_proven else "unknown"
+    outcome = "solution" if z is not None else "none" if modes.is_none_proven else "unknown"
     z = z if z is None else read_only(z)
     return SearchResult(outcome, z, Z, modes.refused_count)
 

@@ -264,26 +264,19 @@ def ring_vectors(m: int, shift: float) -> Array:
 
 def _eliminate_free(M: Array, q: Array, c: int) -> tuple[Array, Array, Array, Array, float]:
     """(S, s, X, x₀, rcond) of the module's docstring; without meaning where rcond, of F, is 0: F is singular."""
-    F = M[c:, c:]
-    rcond = _rcond(F)
-    if rcond == 0.0:
-        return M, q, F, q[c:], rcond
+    F, rcond = M[c:, c:], 1.0  # 1 / (‖F‖₁ ‖F⁻¹‖₁); 0 where F is singular, 1 where it has no rows
+    if len(F):
+        try:
+            inverse = np.linalg.inv(F)
+        except np.linalg.LinAlgError:
+            return M, q, F, q[c:], 0.0
+        with np.errstate(over="ignore", invalid="ignore"):
+            rcond = 1.0 / float(abs(F).sum(axis=0).max() * abs(inverse).sum(axis=0).max())
+    if not rcond > 0.0:
+        return M, q, F, q[c:], 0.0
     B: Array = np.linalg.solve(F, np.column_stack([M[c:, :c], q[c:]])).astype(float, copy=False)
     X, x0 = B[:, :-1], -B[:, -1]
     return M[:c, :c] - M[:c, c:] @ X, q[:c] + M[:c, c:] @ x0, X, x0, rcond
-
-
-def _rcond(F: Array) -> float:
-    """1 / (‖F‖₁ ‖F⁻¹‖₁); 0 where F is singular, 1 where it has no rows."""
-    if not len(F):
-        return 1.0
-    try:
-        inverse = np.linalg.inv(F)
-    except np.linalg.LinAlgError:
-        return 0.0
-    with np.errstate(over="ignore", invalid="ignore"):
-        rcond = 1.0 / float(abs(F).sum(axis=0).max() * abs(inverse).sum(axis=0).max())
-    return rcond if rcond == rcond else 0.0
 
 
 @kernel

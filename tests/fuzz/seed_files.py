@@ -6,6 +6,7 @@ import struct
 from pathlib import Path
 
 import numpy as np
+import trimesh
 
 ROOT = Path(__file__).parents[2]
 CORNERS = np.array([(0, 0, 0), (0.02, 0, 0), (0, 0.02, 0), (0, 0, 0.02)], dtype=float)
@@ -108,19 +109,11 @@ def collada(levels=0, copies=1, circle=False):
 
 def meshes():
     """Name → bytes of a tetrahedron in each format."""
-    facets = b"".join(struct.pack("<12fH", *(0.0,) * 3, *CORNERS[face].ravel(), 0) for face in FACES)
-    triangles = "".join(
-        "facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {x} {y} {z}\n" for x, y, z in CORNERS[face])
-        + "endloop\nendfacet\n" for face in FACES
-    )  # fmt: skip
-    obj = "mtllib tip.mtl\n" + "".join(f"v {x} {y} {z}\n" for x, y, z in CORNERS)
-    obj += "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in FACES)
-    ply = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-    ply += "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
-    ply += "".join(f"{x} {y} {z}\n" for x, y, z in CORNERS) + "".join(f"3 {a} {b} {c}\n" for a, b, c in FACES)
+    mesh = trimesh.Trimesh(CORNERS, FACES, process=False)
     return {
-        "tip.stl": bytes(80) + struct.pack("<I", 4) + facets, "text.stl": f"solid t\n{triangles}endsolid t\n".encode(),
-        "tip.obj": obj.encode(), "tip.mtl": b"newmtl m\n", "tip.dae": collada().encode(), "tip.ply": ply.encode(),
+        "tip.stl": mesh.export(file_type="stl"), "text.stl": mesh.export(file_type="stl_ascii").encode(),
+        "tip.obj": b"mtllib tip.mtl\n" + mesh.export(file_type="obj").encode(), "tip.mtl": b"newmtl m\n",
+        "tip.dae": collada().encode(), "tip.ply": mesh.export(file_type="ply", encoding="ascii"),
     }  # fmt: skip
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 import handlcp as hl
+from tests.fuzz.wrong_values import Odd
 
 HARD = os.environ.get("HANDLCP_HARD") == "1"
 many = settings(
@@ -19,13 +20,6 @@ many = settings(
     suppress_health_check=list(HealthCheck),
 )
 some = settings(many, max_examples=1000 if HARD else 40)
-
-
-class Odd:
-    """Converts to nothing."""
-
-    def __repr__(self):
-        return "Odd()"
 
 
 SIZES = [0.0, -0.0, 1.0, -1.0, 0.5, 1e-300, 1e300, -1e300, 1e-30, 1e30, 1e-9, 1e9, 5e-324, 1.7e308, 1e150, 1e-150]

@@ -52,33 +52,21 @@ def _egg(rng):
     return RADII * u, n / np.linalg.norm(n)
 
 
+def _written(path, mesh):
+    mesh.export(path, digits=17)
+    return path
+
+
 def box_file(folder, size=BOX):
     """A box as a mesh file (OBJ)."""
-    a, b, c = size
-    return _prism(folder / "box.obj", [(0, 0), (a, 0), (a, b), (0, b)], c, [(0, 1, 2), (0, 2, 3)], -size / 2)
+    return _written(folder / "box.obj", trimesh.creation.box(size))
 
 
 def angle_file(folder):
     """An L of unit squares, 10 mm each and 10 mm thick: a mesh that is not convex."""
-    corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
-    triangles = [(0, 1, 2), (0, 2, 3), (0, 3, 5), (3, 4, 5)]
-    return _prism(folder / "angle.obj", [(0.01 * x, 0.01 * y) for x, y in corners], 0.01, triangles, np.zeros(3))
-
-
-def _obj(path, corners, faces):
-    lines = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {a} {b} {c}" for a, b, c in faces]
-    path.write_text("\n".join(lines) + "\n")
-    return path
-
-
-def _prism(path, outline, height, lid, at):
-    n = len(outline)
-    corners = [np.array([x, y, z]) + at for z in (0.0, height) for x, y in outline]
-    faces = [(c, b, a) for a, b, c in lid] + [(a + n, b + n, c + n) for a, b, c in lid]
-    for i in range(n):
-        j = (i + 1) % n
-        faces += [(i, j, j + n), (i, j + n, i + n)]
-    return _obj(path, corners, np.add(faces, 1))
+    corners = 0.01 * np.array([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)])
+    triangles = np.array([(0, 1, 2), (0, 2, 3), (0, 3, 5), (3, 4, 5)])
+    return _written(folder / "angle.obj", trimesh.creation.extrude_triangulation(corners, triangles, 0.01))
 
 
 @pytest.mark.parametrize(
@@ -185,10 +173,10 @@ def _cells(path, faces):
     pushed off the origin; only the faces given.
     """
     corners = np.array([[0, 0, 0], [0.5, 0, 0], [0, 0.25, 0], [0, 0, 0.125]]) + np.array([1.0, 2.0, -0.5])
-    return _obj(path, corners, faces)
+    return _written(path, trimesh.Trimesh(corners, faces, process=False))
 
 
-TETRA = [(1, 3, 2), (1, 2, 4), (2, 3, 4), (1, 4, 3)]
+TETRA = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]
 
 
 def test_a_density_and_a_shape_make_a_mass(tmp_path):
@@ -215,7 +203,7 @@ def test_a_density_and_a_shape_make_a_mass(tmp_path):
 def test_a_mesh_with_holes_is_weighed_as_its_hull_if_convex_and_not_at_all_otherwise(tmp_path):
     """A lid left out in a plane through the origin costs the sum over triangles nothing; elsewhere it would."""
     corners = 0.25 * np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
-    hull = Mesh(_obj(tmp_path / "open.obj", corners, TETRA[1:]), density=600.0)
+    hull = Mesh(_written(tmp_path / "open.obj", trimesh.Trimesh(corners, TETRA[1:], process=False)), density=600.0)
     assert hull.convex
     assert hull.mass == pytest.approx(600.0 * 0.25**3 / 6, rel=1e-9)
     np.testing.assert_allclose(hull.center_of_mass, 0.25 / 4 * np.ones(3), rtol=1e-9)

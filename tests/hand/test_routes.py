@@ -30,9 +30,10 @@ def postures(hand, n):
     return np.random.default_rng(0).uniform(hand.lower, hand.upper, (n, hand.nv))
 
 
-def differences(bound, q, step=STEP):
-    """(nv,) -dL/dq by central differences."""
-    return np.array([(bound.at(q - d).length - bound.at(q + d).length) / (2 * step) for d in step * np.eye(len(q))])
+def differences(bound, q, of, step=STEP):
+    """(nv, …) how what the path has `of` name changes with the joints, by central differences."""
+    ends = [(getattr(bound.at(q + d), of), getattr(bound.at(q - d), of)) for d in step * np.eye(len(q))]
+    return np.array([(ahead - behind) / (2 * step) for ahead, behind in ends])
 
 
 # ---------------------------------------------------------------- closed forms
@@ -285,21 +286,25 @@ def test_arms_are_the_derivatives_of_the_length(write_hand, tip, n):
     for name, route in read.items():
         bound = route.bound(hand.kinematics, name)
         for q in postures(hand, 3):
-            np.testing.assert_allclose(bound.at(q).arms, differences(bound, q), atol=1e-9)
+            np.testing.assert_allclose(bound.at(q).arms, -differences(bound, q, "length"), atol=1e-9)
+
+
+OVER_MIMICS = Route([
+    Site("palm", (0.0, 0.03, 0.0)), Site("a", (0.02, 0.0, 0.01)),
+    Around("b", ((0.02, 0.0, 0.0), (0.0, 0.0, 1.0)), 0.004), Site("c", (0.02, 0.01, 0.0)),
+    Pulley(1.5), Site("c", (0.0, 0.0, 0.02)), Site("d", (0.03, 0.0, 0.0)),
+])  # fmt: skip
 
 
 def test_arms_of_joints_that_others_follow(coupled):
     """Mimic joints, a mimic of a mimic and a continuous joint: arms over the independent joints only."""
-    route = Route([Site("palm", (0.0, 0.03, 0.0)), Site("a", (0.02, 0.0, 0.01)),
-                   Around("b", ((0.02, 0.0, 0.0), (0.0, 0.0, 1.0)), 0.004), Site("c", (0.02, 0.01, 0.0)),
-                   Pulley(1.5), Site("c", (0.0, 0.0, 0.02)), Site("d", (0.03, 0.0, 0.0))])  # fmt: skip
-    bound = route.bound(coupled.kinematics)
+    bound = OVER_MIMICS.bound(coupled.kinematics)
     touched = 0
     for seed in range(5):
         q = inside(coupled, seed)
         path = bound.at(q)
         assert path.arms.shape == (2,)
-        np.testing.assert_allclose(path.arms, differences(bound, q), atol=1e-9)
+        np.testing.assert_allclose(path.arms, -differences(bound, q, "length"), atol=1e-9)
         np.testing.assert_allclose(np.sum([piece.arms for piece in path.pieces], axis=0), path.arms, atol=1e-15)
         touched += np.count_nonzero(path.angles)
     assert touched
@@ -363,9 +368,8 @@ def test_a_site_inside_what_the_tendon_goes_round_is_named_with_its_posture(chai
 def test_a_tendon_of_an_mjcf_file_that_cannot_be_read_is_told_why():
     """A side site inside its geom, and one on another body; the rest is read, and sums of joint angles are left out."""
     mujoco = pytest.importorskip("mujoco")
-    bodies = finger("f", "0 0 0")[0].replace(
-        '<site name="f_in0"', '<site name="f_mid" pos="0.001 0 0"/><site name="f_in0"'
-    )
+    inside = '<site name="f_mid" pos="0.001 0 0"/>'
+    bodies = finger("f", "0 0 0")[0].replace('<site name="f_in0"', f'{inside}<site name="f_in0"')
     ends = '<site site="f_flexor_root"/>{}<site site="f_f0"/>'
     tendons = '<fixed name="sum"><joint joint="f_j0" coef="0.01"/></fixed>'
     for name, side in (("good", "f_in0"), ("through", "f_mid"), ("other", "f_in1")):
@@ -444,23 +448,16 @@ def test_compiled_or_not_it_is_the_same():
             np.testing.assert_allclose(plain.angles, compiled.angles, atol=1e-14)
 
 
-def by_differences(bound, q, step=1e-6):
-    return np.array([(bound.at(q + d).arms - bound.at(q - d).arms) / (2 * step) for d in step * np.eye(len(q))])
-
-
 def test_how_arms_change_is_what_central_differences_of_them_say(coupled):
     """Also of joints that others follow."""
     hand = cabled()
     for q in random_postures(hand, 3):
         for bound in alone(hand):
-            np.testing.assert_allclose(bound.slope(q), by_differences(bound, q), atol=1e-9)
-    route = Route([Site("palm", (0.0, 0.03, 0.0)), Site("a", (0.02, 0.0, 0.01)),
-                   Around("b", ((0.02, 0.0, 0.0), (0.0, 0.0, 1.0)), 0.004), Site("c", (0.02, 0.01, 0.0)),
-                   Pulley(1.5), Site("c", (0.0, 0.0, 0.02)), Site("d", (0.03, 0.0, 0.0))])  # fmt: skip
-    bound = route.bound(coupled.kinematics)
+            np.testing.assert_allclose(bound.slope(q), differences(bound, q, "arms"), atol=1e-9)
+    bound = OVER_MIMICS.bound(coupled.kinematics)
     for seed in range(4):
         q = inside(coupled, seed)
-        np.testing.assert_allclose(bound.slope(q), by_differences(bound, q), atol=1e-9)
+        np.testing.assert_allclose(bound.slope(q), differences(bound, q, "arms"), atol=1e-9)
 
 
 def test_tensions_weigh_how_arms_change_and_rigid_joints_feel_none_of_it():

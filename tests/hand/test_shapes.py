@@ -7,8 +7,8 @@ import coal
 import numpy as np
 import pinocchio as pin
 import pytest
+import trimesh
 from hypothesis import example, given, settings, strategies as st
-from scipy.spatial import ConvexHull
 
 import handlcp as hl
 from handlcp.errors import InputError, Unsupported, URDFError
@@ -17,31 +17,17 @@ from handlcp.geometry.contact_detection import choose_corners as flat_corners
 from handlcp.geometry.distance import shape_distance_outside, signed_distance, support_points
 from handlcp.hand import Hand
 from handlcp.hand.library import urdf
-from handlcp.robot.link_surface import hull_planes
+from handlcp.robot.link_surface import convex_hull, hull_planes
+from tests.hard_cases.scenes import turn as random_turn
 from tests.support.hand import ball_near, shape_near, swept_contacts, swept_station
 from tests.support.kernels import interpreted
 
 CLEAR = 1e-5  # [m] of a move that parts shapes, or leaves them in touch
 
 
-def _turn(rng):
-    Q = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-    return np.asarray(Q * np.sign(np.linalg.det(Q)))
-
-
 def _lathe(path, outline, sides):
     """The solid that an outline of (radius, height) makes when turned about z, as an OBJ file; ends on the axis."""
-    a = 2 * np.pi * np.arange(sides) / sides
-    lines = [f"v 0 0 {z:.17g}" for r, z in outline if r == 0.0]
-    rings = [(r, z) for r, z in outline if r > 0.0]
-    lines += [f"v {r * np.cos(t):.17g} {r * np.sin(t):.17g} {z:.17g}" for r, z in rings for t in a]
-    for i in range(sides):
-        j = (i + 1) % sides
-        lines += [f"f 1 {3 + j} {3 + i}", f"f 2 {3 + (len(rings) - 1) * sides + i} {3 + (len(rings) - 1) * sides + j}"]
-        for k in range(len(rings) - 1):
-            low, high = 3 + k * sides, 3 + (k + 1) * sides
-            lines += [f"f {low + i} {low + j} {high + j}", f"f {low + i} {high + j} {high + i}"]
-    path.write_text("\n".join(lines) + "\n")
+    trimesh.creation.revolve(np.array(outline), sections=sides).export(path, digits=17)
     return path
 
 
@@ -55,7 +41,7 @@ def _pairs(seed, count, folder):
     rng, barrel, made = np.random.default_rng(seed), _barrel(folder), 0
     while made < count:
         a, b, c = rng.uniform(0.005, 0.03, 3)
-        placement = pin.SE3(_turn(rng), rng.normal(size=3) * 0.01)
+        placement = pin.SE3(random_turn(rng), rng.normal(size=3) * 0.01)
         tip = [coal.Cylinder(a, 2 * b), coal.Capsule(a, 2 * b), coal.Box(2 * a, 2 * b, 2 * c)][made % 3]
         sizes = rng.uniform(0.005, 0.03, 3)
         kinds = [
@@ -64,7 +50,7 @@ def _pairs(seed, count, folder):
             lambda s=sizes, P=placement: Ellipsoid(s, P),
             lambda P=placement: Mesh(barrel, 1.0, P),
         ]
-        obj, R = kinds[made % 4](), _turn(rng)
+        obj, R = kinds[made % 4](), random_turn(rng)
         if _touch(tip, R, np.zeros(3), obj):
             made += 1
             yield tip, R, np.zeros(3), obj
@@ -109,7 +95,7 @@ def test_shapes_that_just_touch_have_a_gap_of_nothing_and_a_normal(tmp_path):
     tips = Mesh(_barrel(tmp_path), 1.0).geometry, coal.Cylinder(0.01, 0.03)
     objects = Box((0.04, 0.05, 0.08)), Cylinder(0.03, 0.1), Ellipsoid((0.02, 0.03, 0.04))
     for k in range(120):
-        tip, obj, R, p = tips[k % 2], objects[k % 3], _turn(rng), rng.normal(size=3)
+        tip, obj, R, p = tips[k % 2], objects[k % 3], random_turn(rng), rng.normal(size=3)
         p *= 0.12 / np.linalg.norm(p)
         for _ in range(3):
             found = shape_near(tip, R, p, obj)
@@ -152,7 +138,7 @@ def test_a_cylinder_lying_in_a_slab_is_as_deep_as_its_radius_and_the_slab(shift)
     """A finger of radius 8 mm lies `shift` above the middle of a slab, 20 mm thick: out through the nearer side."""
     rng = np.random.default_rng(3)
     for _ in range(20):
-        Q, c = _turn(rng), rng.normal(size=3)
+        Q, c = random_turn(rng), rng.normal(size=3)
         lying = Q @ pin.exp3(np.array([np.pi / 2, 0.0, 0.0]))
         found = shape_near(coal.Cylinder(0.008, 0.03), lying, c + Q[:, 2] * shift, Box((0.2, 0.2, 0.02), pin.SE3(Q, c)))
         assert found.gap == pytest.approx(-(0.018 - abs(shift)), abs=1e-9)
@@ -163,7 +149,7 @@ def test_a_ball_leaves_a_box_through_the_nearest_face():
     """Closed form, whichever face, edge or corner is the nearest one; inside and outside."""
     rng, size, r = np.random.default_rng(4), np.array([0.04, 0.06, 0.1]), 0.005
     for _ in range(150):
-        P = pin.SE3(_turn(rng), rng.normal(size=3))
+        P = pin.SE3(random_turn(rng), rng.normal(size=3))
         x = rng.uniform(-1, 1, 3) * size
         over = abs(x) - size / 2
         expected = np.linalg.norm(np.maximum(over, 0.0)) if over.max() > 0 else over.max()
@@ -237,17 +223,6 @@ N /= np.linalg.norm(N, axis=1)[:, None]
 CLOUD = RNG.standard_normal((40, 3)) * (0.02, 0.03, 0.05)
 
 
-def _hull():
-    hull = ConvexHull(CLOUD)
-    points, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
-    for point in CLOUD:
-        points.append(point)
-    for (a, b, c), plane in zip(hull.simplices, hull.equations, strict=True):
-        out = np.cross(CLOUD[b] - CLOUD[a], CLOUD[c] - CLOUD[a]) @ plane[:3] > 0.0
-        triangles.append(coal.Triangle(*map(int, (a, b, c) if out else (a, c, b))))
-    return coal.Convex(points, triangles)
-
-
 ACROSS = np.hypot(N[:, 0], N[:, 1])
 REACHES = {
     "box": (coal.Box(0.02, 0.06, 0.1), abs(N) @ (0.01, 0.03, 0.05)),
@@ -255,7 +230,7 @@ REACHES = {
     "capsule": (coal.Capsule(0.01, 0.08), 0.01 + 0.04 * abs(N[:, 2])),
     "cylinder": (coal.Cylinder(0.02, 0.06), 0.02 * ACROSS + 0.03 * abs(N[:, 2])),
     "ellipsoid": (coal.Ellipsoid(0.01, 0.02, 0.03), np.linalg.norm(N * (0.01, 0.02, 0.03), axis=1)),
-    "hull": (_hull(), (N @ CLOUD.T).max(axis=1)),
+    "hull": (convex_hull(CLOUD), (N @ CLOUD.T).max(axis=1)),
 }
 
 
@@ -359,7 +334,6 @@ def test_points_that_are_wide_span_at_least_two_corners(seed, over, thin):
 # ---------------------------------------------------------------- convex parts of meshes that are not convex: of
 @pytest.fixture(scope="module")
 def ring():
-    trimesh = pytest.importorskip("trimesh")
     pytest.importorskip("coacd")
     return hl.Mesh(trimesh.creation.annulus(0.02, 0.03, 0.04, sections=24), mass=0.1)
 

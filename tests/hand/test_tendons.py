@@ -137,20 +137,6 @@ def test_what_a_slack_tendon_falls_short_of_is_the_pretension_that_keeps_it_taut
     assert [e for e in boxed(0.8 * missing).follow().events if e.kind == "slackens"]
 
 
-@pytest.mark.parametrize(
-    ("more", "error", "words"),
-    [
-        ({"pretension": -1.0}, InputError, "Tendons.pretension: expected a number ≥ 0"),
-        ({"pretension": {"thumb": 1.0}}, UnknownName, "thumb"),
-        ({"limits": {"left_flexor": -2.0}}, InputError, r"Tendons.limits\['left_flexor'\]"),
-        ({"limits": {"left_flexor": 2.0}, "pretension": 3.0}, InputError, "at least the pretension, 3 N"),
-    ],
-)
-def test_tendons_that_cannot_be_are_refused(more, error, words):
-    with pytest.raises(error, match=words):
-        hl.Tendons(ARMS, KT, OWN, **more)
-
-
 def test_a_command_against_the_way_of_every_tendon_is_not_called_held(write):
     arms = {f"{side}_extensor": {f"{side}_joint": -ARM} for side in ("left", "right")}
     grasp = lever_pinch(lever_hand(write, joint_stiffness=hl.Tendons(arms, KT, OWN)), joint_offset=[SHUT] * 2)
@@ -196,6 +182,24 @@ def motor(continuous, peak, **more):
     """Of so many newtons at its tendon, behind a gear and a spool."""
     N, share = GEAR / SPOOL, 0.8
     return Motor(continuous / (N * share), peak / (N * share), reduction=N, efficiency=share, **more)
+
+
+@pytest.mark.parametrize(
+    ("more", "error", "words"),
+    [
+        ({"pretension": -1.0}, InputError, "Tendons.pretension: expected a number ≥ 0"),
+        ({"pretension": {"thumb": 1.0}}, UnknownName, "thumb"),
+        ({"limits": {"left_flexor": -2.0}}, InputError, r"Tendons.limits\['left_flexor'\]"),
+        ({"limits": {"left_flexor": 2.0}, "pretension": 3.0}, InputError, "at least the pretension, 3 N"),
+        ({"motors": {"thumb": motor(1.0, 2.0)}}, UnknownName, r"Tendons.motors.*thumb"),
+        ({"motors": {"left_flexor": 3.0}}, InputError, r"Tendons.motors\['left_flexor'\]: expected a Motor"),
+        ({"motors": motor(1.0, 2.0, stiffness=5.0)}, InputError, "a Motor without stiffness: Tendons.stiffness says"),
+        ({"motors": motor(1.0, 5.0), "pretension": 3.0}, InputError, "makes and holds the pretension, 3 N.*holds 1 N"),
+    ],
+)
+def test_tendons_and_motors_that_cannot_be_are_refused(more, error, words):
+    with pytest.raises(error, match=words):
+        hl.Tendons(ARMS, KT, OWN, **more)
 
 
 # ---------------------------------------------------------------- what a tendon holds
@@ -338,21 +342,6 @@ def test_what_is_wrong_in_a_scene_file_is_named_by_its_key(table, key):
     with pytest.raises(InputError) as refused:
         read(scene(table)).build()
     assert refused.value.argument == key
-
-
-# ---------------------------------------------------------------- bad input
-@pytest.mark.parametrize(
-    ("more", "error", "words"),
-    [
-        ({"motors": {"thumb": motor(1.0, 2.0)}}, UnknownName, r"Tendons.motors.*thumb"),
-        ({"motors": {"left_flexor": 3.0}}, InputError, r"Tendons.motors\['left_flexor'\]: expected a Motor"),
-        ({"motors": motor(1.0, 2.0, stiffness=5.0)}, InputError, "a Motor without stiffness: Tendons.stiffness says"),
-        ({"motors": motor(1.0, 5.0), "pretension": 3.0}, InputError, "makes and holds the pretension, 3 N.*holds 1 N"),
-    ],
-)
-def test_motors_that_cannot_draw_their_tendons_are_refused(more, error, words):
-    with pytest.raises(error, match=words):
-        hl.Tendons(ARMS, KT, OWN, **more)
 
 
 def test_a_joint_has_one_drive():

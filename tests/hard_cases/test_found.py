@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from tests.hard_cases.scenes import turn
 
 
 def test_an_escape_without_friction_is_proven_when_generators_depend_on_each_other():
     """Four normals in a plane that meet in a point, a load out of that plane: the escape is that load's own part."""
     rng = np.random.default_rng([105, 13])
     n = int(rng.integers(2, 8))
-    Q = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-    Q *= np.sign(np.linalg.det(Q))
+    Q = turn(rng)
     t = 2 * np.pi * np.arange(n) / n
     out = np.column_stack([np.cos(t), np.sin(t), 0 * t]) @ Q.T
     w = np.r_[rng.uniform(0.1, 1) * Q[:, 2] + 0.1 * Q[:, 0], np.zeros(3)]

@@ -10,6 +10,7 @@ import pytest
 
 import handlcp as hl
 from tests.hard_cases.scenes import count
+from tests.lcp.problems import semidefinite
 from tests.oracle import every_solution
 
 ENOUGH = 1e-7
@@ -98,11 +99,6 @@ def built(rng, M, degenerate=0.3):
 def definite(rng, n):
     A, B = rng.normal(size=(2, n, n))
     return A @ A.T / n + 0.1 * np.eye(n) + B - B.T
-
-
-def semidefinite(rng, n):
-    A, B = rng.normal(size=(n, n // 2)), rng.normal(size=(n, n))
-    return A @ A.T + 0.3 * (B - B.T)
 
 
 def skew(rng, n):

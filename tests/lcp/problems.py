@@ -32,11 +32,15 @@ def random_p(rng, n):
     return A @ A.T / n + 0.1 * np.eye(n) + (B - B.T), rng.normal(size=n)
 
 
+def semidefinite(rng, n):
+    """Of half rank, and not symmetric."""
+    A, B = rng.normal(size=(n, n // 2)), rng.normal(size=(n, n))
+    return A @ A.T + 0.3 * (B - B.T)
+
+
 def random_psd(rng, n):
-    """A positive semidefinite problem of half rank with a solution by construction."""
-    A = rng.normal(size=(n, n // 2))
-    B = rng.normal(size=(n, n))
-    M = A @ A.T + 0.3 * (B - B.T)
+    """A positive semidefinite problem with a solution by construction."""
+    M = semidefinite(rng, n)
     on = rng.random(n) < 0.5
     z, w = np.where(on, rng.uniform(0.5, 2, n), 0), np.where(on, 0, rng.uniform(0.5, 2, n))
     return M, w - M @ z

@@ -18,13 +18,6 @@ ROOT = pathlib.Path(__file__).parents[2]
 PATIENCE = 60.0  # seconds, on a machine that does other things, too
 
 
-def run_small(kernel):
-    """(3,) what the small kernel writes."""
-    out = np.zeros(3)
-    kernel(np.eye(3), np.arange(3.0), np.ones(3), out)
-    return out
-
-
 def until(true):
     """Whether it becomes true within the patience."""
     end = time.monotonic() + PATIENCE
@@ -49,12 +42,12 @@ linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="asks /p
 def test_calls_go_on_as_python_until_another_process_has_compiled(tmp_path):
     with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, compile_in_background():
         kernel = k.anew(k.small())
-        interpreted = run_small(kernel)
+        interpreted = k.run_small(kernel)
         assert not k.is_compiled(kernel)
         assert beside.process is not None, "somebody was asked"
-        assert until(lambda: np.array_equal(run_small(kernel), interpreted) and k.is_compiled(kernel))
+        assert until(lambda: np.array_equal(k.run_small(kernel), interpreted) and k.is_compiled(kernel))
         assert k.loaded(kernel) == 1, "compiled there, not here"
-        assert np.array_equal(run_small(kernel), interpreted)
+        assert np.array_equal(k.run_small(kernel), interpreted)
         assert kernel.spent == 0.0, "nothing runs as Python any more"
 
 
@@ -62,25 +55,19 @@ def test_a_kernel_that_has_run_for_long_is_asked_for_without_a_word(tmp_path, ca
     with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside:
         kernel = k.anew(k.small())
         kernel.spent = 0.9
-        run_small(kernel)
+        k.run_small(kernel)
         assert beside.process is None
         kernel.spent = 1.5
-        run_small(kernel)
+        k.run_small(kernel)
         assert beside.process is not None
         assert not k.is_compiled(kernel)
     assert capfd.readouterr() == ("", "")
 
 
 def test_whoever_cannot_go_on_as_python_waits(tmp_path):
-    with (
-        k.cached_in(tmp_path),
-        k.automatic(),
-        k.compiler_beside() as beside,
-        compile_in_background(),
-        compile_now(),
-    ):
+    with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, compile_in_background(), compile_now():
         kernel = k.anew(k.small())
-        run_small(kernel)
+        k.run_small(kernel)
         assert k.is_compiled(kernel)
         assert k.loaded(kernel) == 0
         assert beside.process is None
@@ -96,7 +83,7 @@ def test_where_no_process_may_be_started_the_call_waits(tmp_path, monkeypatch, v
         folder = tmp_path / "file" / "below"
     with k.cached_in(folder), k.automatic(), k.compiler_beside(cores) as beside, compile_in_background():
         kernel = k.anew(k.small())
-        run_small(kernel)
+        k.run_small(kernel)
         assert k.is_compiled(kernel)
         assert beside.process is None
 
@@ -116,30 +103,30 @@ def test_where_the_other_process_fails_the_call_waits(tmp_path, monkeypatch):
     monkeypatch.setattr(k.background_compile, "_SERVER_PROGRAM", "raise SystemExit(1)")
     with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, compile_in_background():
         kernel = k.anew(k.small())
-        run_small(kernel)
+        k.run_small(kernel)
         assert not k.is_compiled(kernel)
         beside.process.wait(PATIENCE)
-        assert until(lambda: run_small(kernel).any() and k.is_compiled(kernel))
+        assert until(lambda: k.run_small(kernel).any() and k.is_compiled(kernel))
         assert k.loaded(kernel) == 0
 
 
 # ---------------------------------------------------------------- one at a time
 def test_one_process_compiles_for_a_folder_at_a_time(tmp_path):
     with k.cached_in(tmp_path), k.automatic(), k.compiler_beside() as beside, compile_in_background():
-        run_small(k.anew(k.small()))
+        k.run_small(k.anew(k.small()))
         assert until(k.is_locked)
         with k.compiler_beside() as second:
             kernel = k.anew(k.small())
-            run_small(kernel)
+            k.run_small(kernel)
             assert second.process is None
             assert not k.is_compiled(kernel)
         beside.process.kill()  # an owner that dies leaves the file, and no lock
         assert until(lambda: not k.is_locked())
         with k.compiler_beside() as third:
             kernel = k.anew(k.small())
-            run_small(kernel)
+            k.run_small(kernel)
             assert third.process is not None
-            assert until(lambda: run_small(kernel).any() and k.is_compiled(kernel))
+            assert until(lambda: k.run_small(kernel).any() and k.is_compiled(kernel))
 
 
 # ---------------------------------------------------------------- how it ends

@@ -18,13 +18,6 @@ from tests.support import kernels as k
 ROOT = pathlib.Path(__file__).parents[2]
 
 
-def run_small(kernel):
-    """(3,) what the small kernel writes."""
-    out = np.zeros(3)
-    kernel(np.eye(3), np.arange(3.0), np.ones(3), out)
-    return out
-
-
 def process(code, folder, **environment):
     """A new Python process with a cache of its own."""
     env = {n: v for n, v in os.environ.items() if n != "HANDLCP_KERNELS"}
@@ -66,12 +59,12 @@ def test_every_public_name_is_found_and_listed():
 def test_a_kernel_runs_as_python_until_compiling_pays(tmp_path):
     kernel = k.anew(k.small())
     with k.cached_in(tmp_path), k.automatic(), k.alone():
-        run_small(kernel)
-        run_small(kernel)
+        k.run_small(kernel)
+        k.run_small(kernel)
         assert not k.is_compiled(kernel)
         with k.impatient():
             kernel.spent = 1.0  # more than loading takes
-            np.testing.assert_array_equal(run_small(kernel), [1.0, 2.0, 3.0])
+            np.testing.assert_array_equal(k.run_small(kernel), [1.0, 2.0, 3.0])
         assert k.is_compiled(kernel)
 
 
@@ -79,7 +72,7 @@ def test_arguments_of_other_types_run_as_python_again(tmp_path):
     kernel = k.anew(k.small())
     with k.cached_in(tmp_path), k.automatic():
         with compile_now():
-            run_small(kernel)
+            k.run_small(kernel)
         assert len(kernel.jit.signatures) == 1
         out = np.zeros(3, np.float32)
         kernel(np.eye(3), np.ones(3), np.ones(3), out)
@@ -128,10 +121,10 @@ def test_at_once_compiles_at_the_first_call_where_there_are_many(tmp_path):
     few, many = k.anew(k.small()), k.anew(k.small())
     with k.cached_in(tmp_path), k.automatic():
         with compile_now(MANY_CALLS - 1):
-            run_small(few)
+            k.run_small(few)
         assert not k.is_compiled(few)
         with compile_now(MANY_CALLS), ThreadPoolExecutor(2) as pool:  # other threads, too
-            list(pool.map(lambda _: run_small(many), range(4)))
+            list(pool.map(lambda _: k.run_small(many), range(4)))
         assert len(many.jit.signatures) == 1
 
 
@@ -166,12 +159,12 @@ def test_a_second_process_loads_what_the_first_compiled(tmp_path):
         kernel = k.anew(k.small())
         with k.cached_in(tmp_path), k.automatic():
             with compile_now():
-                run_small(kernel)
+                k.run_small(kernel)
             assert k.loaded(kernel) == hits
     kernel = k.anew(k.small())
     with k.cached_in(tmp_path), k.automatic():
         kernel.spent = 1.0  # as Python, which is longer than loading takes
-        run_small(kernel)
+        k.run_small(kernel)
         assert k.loaded(kernel) == 1
 
 
@@ -182,7 +175,7 @@ def test_a_spoilt_file_is_compiled_anew_without_a_word(tmp_path, capfd, spoil):
     for hits in (0, 0, 1):
         kernel = k.anew(k.small())
         with k.cached_in(tmp_path), k.automatic(), compile_now():
-            np.testing.assert_array_equal(run_small(kernel), [1.0, 2.0, 3.0])
+            np.testing.assert_array_equal(k.run_small(kernel), [1.0, 2.0, 3.0])
             file = next(k.folder_of_cache().glob("*.nbc"))
         assert k.loaded(kernel) == hits
         if spoil is not None:
@@ -193,10 +186,10 @@ def test_a_spoilt_file_is_compiled_anew_without_a_word(tmp_path, capfd, spoil):
 
 def test_a_file_that_holds_something_else_is_compiled_anew(tmp_path):
     with k.cached_in(tmp_path), k.automatic(), compile_now():
-        run_small(k.anew(k.small()))
+        k.run_small(k.anew(k.small()))
         name = next(k.folder_of_cache().glob("*.nbc")).name
         k.put(name, pickle.dumps(("of another time",)))
-        np.testing.assert_array_equal(run_small(k.anew(k.small())), [1.0, 2.0, 3.0])
+        np.testing.assert_array_equal(k.run_small(k.anew(k.small())), [1.0, 2.0, 3.0])
 
 
 def test_where_nothing_can_be_written_one_hint_says_what_to_do(tmp_path, capfd, monkeypatch):
@@ -204,7 +197,7 @@ def test_where_nothing_can_be_written_one_hint_says_what_to_do(tmp_path, capfd, 
     (tmp_path / "file").write_text("no folder")
     for _ in range(2):
         with k.cached_in(tmp_path / "file" / "below"), k.automatic(), compile_now():
-            np.testing.assert_array_equal(run_small(k.anew(k.small())), [1.0, 2.0, 3.0])
+            np.testing.assert_array_equal(k.run_small(k.anew(k.small())), [1.0, 2.0, 3.0])
     said = capfd.readouterr().err
     assert said.count("\n") == 1
     assert "Set HANDLCP_CACHE_DIR to a folder that can be written" in said
@@ -214,13 +207,13 @@ def test_where_nothing_can_be_written_one_hint_says_what_to_do(tmp_path, capfd, 
 def test_others_may_read_what_is_kept_and_a_folder_that_they_can_write_is_refused(tmp_path, capfd, monkeypatch):
     k.said_afresh(monkeypatch, 60.0)
     with k.cached_in(tmp_path), k.automatic(), compile_now():
-        run_small(k.anew(k.small()))
+        k.run_small(k.anew(k.small()))
         folder = k.folder_of_cache()
         file = next(folder.glob("*.nbc"))
         assert (folder.stat().st_mode & 0o777, file.stat().st_mode & 0o777) == (0o755, 0o644)
         folder.chmod(0o777)
         kernel = k.anew(k.small())
-        np.testing.assert_array_equal(run_small(kernel), [1.0, 2.0, 3.0])
+        np.testing.assert_array_equal(k.run_small(kernel), [1.0, 2.0, 3.0])
         assert k.loaded(kernel) == 0
     assert "others can write there" in capfd.readouterr().err
 
@@ -235,10 +228,10 @@ def test_a_folder_below_one_that_anyone_can_write_is_refused(tmp_path, capfd, mo
     (above / "kept").mkdir(parents=True)
     (tmp_path / "link").symlink_to(above / "kept")
     with k.cached_in(tmp_path / "link" if linked else above / "kept"), k.automatic(), compile_now():
-        run_small(k.anew(k.small()))
+        k.run_small(k.anew(k.small()))
         above.chmod(mode)
         kernel = k.anew(k.small())
-        np.testing.assert_array_equal(run_small(kernel), [1.0, 2.0, 3.0])
+        np.testing.assert_array_equal(k.run_small(kernel), [1.0, 2.0, 3.0])
         assert k.loaded(kernel) == loads
     assert ("others can write there or above" in capfd.readouterr().err) == (not loads)
     above.chmod(0o755)
@@ -257,26 +250,26 @@ def given_away(path, monkeypatch):
 def test_what_others_may_have_written_is_never_run(tmp_path, monkeypatch, whose):
     k.said_afresh(monkeypatch, 60.0)
     with k.cached_in(tmp_path), k.automatic(), compile_now():
-        run_small(k.anew(k.small()))
+        k.run_small(k.anew(k.small()))
         file = next(k.folder_of_cache().glob("*.nbc"))
         if whose == "others can write it":
             file.chmod(0o646)
         else:
             given_away(file if whose == "another's file" else file.parent, monkeypatch)
         kernel = k.anew(k.small())
-        np.testing.assert_array_equal(run_small(kernel), [1.0, 2.0, 3.0])
+        np.testing.assert_array_equal(k.run_small(kernel), [1.0, 2.0, 3.0])
         assert k.loaded(kernel) == 0
 
 
 @pytest.mark.skipif(os.name != "posix", reason="modes of files are POSIX")
 def test_a_file_that_others_could_write_is_replaced_by_one_that_they_cannot(tmp_path):
     with k.cached_in(tmp_path), k.automatic(), compile_now():
-        run_small(k.anew(k.small()))
+        k.run_small(k.anew(k.small()))
         file = next(k.folder_of_cache().glob("*.nbc"))
         file.chmod(0o666)
         for hits in (0, 1):
             kernel = k.anew(k.small())
-            run_small(kernel)
+            k.run_small(kernel)
             assert (k.loaded(kernel), file.stat().st_mode & 0o777) == (hits, 0o644)
 
 
@@ -287,7 +280,7 @@ def test_a_full_disk_is_no_error(tmp_path, capfd, monkeypatch):
     k.said_afresh(monkeypatch, 60.0)
     monkeypatch.setattr("os.replace", full)
     with k.cached_in(tmp_path), k.automatic(), compile_now():
-        np.testing.assert_array_equal(run_small(k.anew(k.small())), [1.0, 2.0, 3.0])
+        np.testing.assert_array_equal(k.run_small(k.anew(k.small())), [1.0, 2.0, 3.0])
         assert not list(k.folder_of_cache().iterdir())
     assert "No space left on device" in capfd.readouterr().err
 

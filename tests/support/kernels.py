@@ -7,6 +7,8 @@ import sys
 from contextlib import ExitStack, contextmanager
 from unittest.mock import patch
 
+import numpy as np
+
 import handlcp
 from handlcp.lcp.compiler import background_compile, compile_policy, folders
 from handlcp.lcp.compiler.kernel import Kernel
@@ -14,12 +16,8 @@ from handlcp.lcp.kernels import dense as _door
 from handlcp.lcp.kernels.dense import multiply_add, solve_ranked
 
 PACKAGE = pathlib.Path(handlcp.__file__).parent
-roots, put, waiting, decorated = (
-    folders._root_folders,
-    folders.write_file,
-    compile_policy.announce_waiting,
-    _door.kernel,
-)
+roots, put = folders._root_folders, folders.write_file
+waiting, decorated = compile_policy.announce_waiting, _door.kernel
 _allowed = background_compile._is_allowed.__wrapped__
 
 
@@ -52,6 +50,13 @@ def interpreted():
 def small():
     """A kernel that takes little to compile: (M, z, q, w) writes M z + q into w."""
     return multiply_add
+
+
+def run_small(kernel):
+    """(3,) what the small kernel writes."""
+    out = np.zeros(3)
+    kernel(np.eye(3), np.arange(3.0), np.ones(3), out)
+    return out
 
 
 def large():

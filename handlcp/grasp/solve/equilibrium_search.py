@@ -216,4 +216,5 @@ def _search_active_sets(problem: GraspContactProblem, work: float, end: float) -
     if result.z is not None:
         return EquilibriumSearchResult(words, lcp.candidate(result.z))
     size = float(result.bound_z[~lcp.free].max(initial=0.0))
-    return EquilibriumSearchResult(words, bounds=bounds_in_si(problem.scene, size) if result.none_exists else None)
+    bounds = bounds_in_si(problem.scene, size) if result.outcome == "none" else None
+    return EquilibriumSearchResult(words, bounds=bounds)
