@@ -287,7 +287,6 @@ def describe_model(argument: str, source: Any) -> RobotDescription:
 # ----------------------------------------------------------------
 # Whether a file holds several robots: two arms on a stand, or a left and a right hand in one world.
 
-
 _MIN_CARRIED_FINGERS = 2  # ends of chains below a link: with as many it carries a hand of its own
 _MIN_ARM_JOINTS = 6  # movable joints one after the other: no finger has as many
 

@@ -275,7 +275,6 @@ def _read_named_tips(given: Any) -> list[tuple[Any, Any, Array | None]]:
 # ----------------------------------------------------------------
 # The geometry of fingertips: a sphere at the tip frame, or the geometry of its link.
 
-
 _MAX_TIP_RADIUS = 0.5  # [m] no fingertip is larger
 
 _CONVEX_SHAPES = (coal.Sphere, coal.Box, coal.Cylinder, coal.Capsule, coal.Ellipsoid, coal.ConvexBase)

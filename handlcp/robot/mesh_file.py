@@ -145,7 +145,6 @@ class _ColladaScene(ElementCounter):
 # ----------------------------------------------------------------
 # Whether a PLY file is what its header says. assimp takes its numbers at their word, and reads beyond its memory.
 
-
 _NUMBER_TYPES = dict.fromkeys(("char", "int8"), "i1") | dict.fromkeys(("uchar", "uint8"), "u1")
 _NUMBER_TYPES |= dict.fromkeys(("short", "int16"), "i2") | dict.fromkeys(("ushort", "uint16"), "u2")
 _NUMBER_TYPES |= dict.fromkeys(("int", "int32"), "i4") | dict.fromkeys(("uint", "uint32"), "u4")

@@ -206,7 +206,6 @@ class _UrdfWriter:
 # What drives the joints of an MJCF model: torque limits and servos from its actuators, couplings from its equalities,
 # springs and friction of the joints themselves.
 
-
 _DRIVES_JOINT, _DRIVES_JOINT_IN_PARENT = 0, 1  # what an actuator moves
 _COUPLES_JOINTS, _SUMS_JOINT = 2, 1  # an equality of joints; a tendon that is a sum of joint angles
 _CONNECTS_IN_POINT, _CONNECTS_BODIES = 0, 1  # an equality in a point; of bodies, and not of sites
@@ -407,7 +406,6 @@ def _find_leader(follows: Followers, j: int) -> int:
 
 # ----------------------------------------------------------------
 # MuJoCo without its log: where nobody takes its warnings, it appends them to MUJOCO_LOG.TXT in the working folder.
-
 
 _LOG_LOCK = threading.Lock()
 _open_log_blocks = 0  # how many are open, in all threads
