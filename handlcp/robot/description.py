@@ -175,17 +175,13 @@ class RobotDescription:
 # ----------------------------------------------------------------
 # The XML of a robot: from a path or a string to its <robot> element, a URDF's own or that of an MJCF file.
 
-URDF_TAG, MJCF_TAG = "robot", "mujoco"  # tags of the first element
+_KINDS = URDF_TAG, MJCF_TAG = "robot", "mujoco"  # tags of the first element
 _READERS = {URDF_TAG: "Hand.from_urdf", MJCF_TAG: "Hand.from_mjcf"}
 _MAX_PATH_LETTERS = 4096  # letters of a path: what is longer is no path, on any system
 
 
 def read_robot(
-    argument: str,
-    source: Any,
-    base: str | None = None,
-    kinds: tuple[str, ...] = (URDF_TAG, MJCF_TAG),
-    package_dirs: Any = None,
+    argument: str, source: Any, base: str | None = None, package_dirs: Any = None, kinds: tuple[str, ...] = _KINDS
 ) -> tuple[RobotDescription, ET.Element, str]:
     """What a path, or a string that starts with "<", says of the robot below the link `base`, without Pinocchio's
     model; its <robot>; and what to call it in messages.
@@ -243,18 +239,14 @@ def _expected_kinds(kinds: tuple[str, ...], came: str) -> str:
 
 
 def describe_xml(
-    argument: str,
-    source: Any,
-    base: str | None = None,
-    package_dirs: Any = None,
-    kinds: tuple[str, ...] = (URDF_TAG, MJCF_TAG),
+    argument: str, source: Any, base: str | None = None, package_dirs: Any = None, kinds: tuple[str, ...] = _KINDS
 ) -> RobotDescription:
     """Of a URDF or MJCF file, or of such a text; arguments as of `read_robot` and `Hand.from_urdf`.
 
     Raises URDFError, UnknownName, InputError, and Unsupported for an MJCF file without MuJoCo, a xacro file without
     xacrodoc.
     """
-    described, root, label = read_robot(argument, source, base, kinds, package_dirs)
+    described, root, label = read_robot(argument, source, base, package_dirs, kinds)
     check_friction(argument, root)
     model = build_model(argument, root, label)
     check_units(argument, model)

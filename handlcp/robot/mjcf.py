@@ -228,11 +228,11 @@ def read_efforts(model: Any, names: list[str], follows: Followers) -> tuple[Arra
         own, word = _force_range(model, a)
         arms = _actuator_arms(model, a)
         target = int(model.actuator_trnid[a, 0])
-        if int(model.actuator_trntype[a]) == DRIVES_TENDON and model.tendon_actfrclimited[target]:
-            cut = np.clip(np.sort(own), *model.tendon_actfrcrange[target])
-            own, word = (cut, "actuatorfrcrange") if (cut != np.sort(own)).any() else (own, word)
-        if int(model.actuator_trntype[a]) == DRIVES_TENDON and len(arms) > 1:
-            pulled[model.tendon(target).name or f"tendon {target}"] = arms
+        if int(model.actuator_trntype[a]) == DRIVES_TENDON:
+            if model.tendon_actfrclimited[target]:
+                own, word = _cut_range(np.sort(own), model.tendon_actfrcrange[target], word)
+            if len(arms) > 1:
+                pulled[model.tendon(target).name or f"tendon {target}"] = arms
         if np.isfinite(own).any() and any(arms.values()):
             limited[model.actuator(a).name or f"actuator {a}"] = [j for j, arm in arms.items() if arm]
         for j, arm in arms.items():
@@ -240,12 +240,16 @@ def read_efforts(model: Any, names: list[str], follows: Followers) -> tuple[Arra
             said[j], free[j] = word, False
     ends[free] = -np.inf, np.inf
     for j in np.flatnonzero(model.jnt_actfrclimited).tolist():
-        cut = np.clip(ends[j], *model.jnt_actfrcrange[j])
-        if (cut != ends[j]).any():
-            ends[j], said[j] = cut, "actuatorfrcrange"
+        ends[j], said[j] = _cut_range(ends[j], model.jnt_actfrcrange[j], said[j])
     sides = np.sort(np.maximum(ends * (-1.0, 1.0), 0.0), axis=1)
     doubts = _shared_tendon_doubts(pulled, names) if pulled else []
     return sides, said, [*doubts, *_shared_motor_doubts(limited, names, follows)]
+
+
+def _cut_range(ends: Array, bounds: Array, word: str) -> tuple[Array, str]:
+    """Forces (2,) within bounds (2,), and the word of the file that says them."""
+    cut = np.clip(ends, *bounds)
+    return cut, "actuatorfrcrange" if (cut != ends).any() else word
 
 
 def _actuator_arms(model: Any, a: int) -> dict[int, float]:

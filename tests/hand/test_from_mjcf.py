@@ -12,6 +12,8 @@ import pytest
 import handlcp as hl
 from tests.support.hand import configuration
 
+from .conftest import inside
+
 mujoco = pytest.importorskip("mujoco")
 
 # Angles in degrees, defaults by class, a joint beside its body's origin, one with a reference angle, two on one body, a
@@ -73,11 +75,6 @@ def posed(hand, q, model, data):
         data.qpos[model.jnt_qposadr[model.joint(name).id]] = value
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
-
-
-def inside(hand, seed):
-    lower, upper = np.maximum(hand.lower, -2), np.minimum(hand.upper, 2)
-    return np.random.default_rng(seed).uniform(lower, upper)
 
 
 def placements(hand, q):
