@@ -227,13 +227,6 @@ def read_content(argument: str, source: Any) -> tuple[bytes, Path | None]:
     return read_bytes(argument, path, "a URDF file", MAX_XML_BYTES, URDFError), path
 
 
-def _expected_kinds(kinds: tuple[str, ...], came: str) -> str:
-    """What was expected, and who reads what came."""
-    names = " or ".join(f"<{kind}>" for kind in kinds)
-    hint = f" ({_READERS[came]} reads <{came}>)" if came in _READERS else ""
-    return f"a {names} element at the top{hint}"
-
-
 # ----------------------------------------------------------------
 # From a path, an XML string, or a Pinocchio model to a `RobotDescription`.
 
