@@ -105,7 +105,7 @@ def audit_urdf(path: Any, base: str | None = None, package_dirs: Any = None) -> 
     Raises URDFError for a file that is missing or not a URDF, UnknownName for an unknown base; Unsupported for an MJCF
     file without MuJoCo.
     """
-    described, root, label = read_robot("path", path, base, package_dirs=package_dirs)
+    described, root, label = read_robot("path", path, base, package_dirs)
     try:
         kinematics = Kinematics(build_model("path", root, label), described.facts)
     except HandLCPError:  # what makes no hand has doubts, too

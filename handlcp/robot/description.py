@@ -175,17 +175,13 @@ class RobotDescription:
 # ----------------------------------------------------------------
 # The XML of a robot: from a path or a string to its <robot> element, a URDF's own or that of an MJCF file.
 
-URDF_TAG, MJCF_TAG = "robot", "mujoco"  # tags of the first element
+_KINDS = URDF_TAG, MJCF_TAG = "robot", "mujoco"  # tags of the first element
 _READERS = {URDF_TAG: "Hand.from_urdf", MJCF_TAG: "Hand.from_mjcf"}
 _MAX_PATH_LETTERS = 4096  # letters of a path: what is longer is no path, on any system
 
 
 def read_robot(
-    argument: str,
-    source: Any,
-    base: str | None = None,
-    kinds: tuple[str, ...] = (URDF_TAG, MJCF_TAG),
-    package_dirs: Any = None,
+    argument: str, source: Any, base: str | None = None, package_dirs: Any = None, kinds: tuple[str, ...] = _KINDS
 ) -> tuple[RobotDescription, ET.Element, str]:
     """What a path, or a string that starts with "<", says of the robot below the link `base`, without Pinocchio's
     model; its <robot>; and what to call it in messages.
@@ -231,30 +227,19 @@ def read_content(argument: str, source: Any) -> tuple[bytes, Path | None]:
     return read_bytes(argument, path, "a URDF file", MAX_XML_BYTES, URDFError), path
 
 
-def _expected_kinds(kinds: tuple[str, ...], came: str) -> str:
-    """What was expected, and who reads what came."""
-    names = " or ".join(f"<{kind}>" for kind in kinds)
-    hint = f" ({_READERS[came]} reads <{came}>)" if came in _READERS else ""
-    return f"a {names} element at the top{hint}"
-
-
 # ----------------------------------------------------------------
 # From a path, an XML string, or a Pinocchio model to a `RobotDescription`.
 
 
 def describe_xml(
-    argument: str,
-    source: Any,
-    base: str | None = None,
-    package_dirs: Any = None,
-    kinds: tuple[str, ...] = (URDF_TAG, MJCF_TAG),
+    argument: str, source: Any, base: str | None = None, package_dirs: Any = None, kinds: tuple[str, ...] = _KINDS
 ) -> RobotDescription:
     """Of a URDF or MJCF file, or of such a text; arguments as of `read_robot` and `Hand.from_urdf`.
 
     Raises URDFError, UnknownName, InputError, and Unsupported for an MJCF file without MuJoCo, a xacro file without
     xacrodoc.
     """
-    described, root, label = read_robot(argument, source, base, kinds, package_dirs)
+    described, root, label = read_robot(argument, source, base, package_dirs, kinds)
     check_friction(argument, root)
     model = build_model(argument, root, label)
     check_units(argument, model)
@@ -286,7 +271,6 @@ def describe_model(argument: str, source: Any) -> RobotDescription:
 
 # ----------------------------------------------------------------
 # Whether a file holds several robots: two arms on a stand, or a left and a right hand in one world.
-
 
 _MIN_CARRIED_FINGERS = 2  # ends of chains below a link: with as many it carries a hand of its own
 _MIN_ARM_JOINTS = 6  # movable joints one after the other: no finger has as many

@@ -131,34 +131,25 @@ def _end_candidates(description: RobotDescription, joint: int) -> list[Fingertip
     if markers:
         reason = f"a frame without geometry, fixed to what the last joint {name} moves"
         return [FingertipCandidate(f.name, f.name, None, reason, len(markers) == 1) for f in markers]
+    last, moves = f"the last link, moved by {name}", model.joints[joint].createData()
     for kind in (COLLISION, VISUAL):
         there = [f for _, f in links if f.name in shaped[kind]]
-        if there and (made := _far_end_candidate(description, joint, there[-1], kind, len(there) == 1)):
-            return [made]
-    return [
-        FingertipCandidate(f.name, f.name, None, f"the last link, moved by {name}; it has no geometry", False)
-        for _, f in links
-    ]
-
-
-def _far_end_candidate(
-    description: RobotDescription, joint: int, frame: Any, kind: str, alone: bool
-) -> FingertipCandidate | None:
-    """The far end of a link's geometry; without a point where its meshes cannot be read."""
-    model = description.model
-    last = f"the last link, moved by {model.names[joint]}"
-    try:
-        parts = description.load_shapes(kind, {frame.name})
-    except HandLCPError:
-        return FingertipCandidate(frame.name, frame.name, None, f"{last}; its meshes cannot be read", False)
-    subspace = np.asarray(getattr(model.joints[joint].createData(), "S", np.zeros((6, 1))), dtype=float).reshape(6, -1)
-    way = subspace[3:, 0] if subspace[3:, 0].any() else subspace[:3, 0]  # of the joint's axis, in its frame
-    point = find_far_end(parts, frame.placement.inverse().translation.copy(), frame.placement.rotation.T @ way)
-    if point is None:
-        return None
-    x, y, z = (f"{1e3 * v:.1f}" for v in point)
-    how = f"{last}; the point ({x}, {y}, {z}) mm is at the far end of its {kind} geometry"
-    return FingertipCandidate(frame.name, frame.name, point, how, alone or kind == COLLISION)
+        if not there:
+            continue
+        frame = there[-1]
+        try:
+            parts = description.load_shapes(kind, {frame.name})
+        except HandLCPError:
+            return [FingertipCandidate(frame.name, frame.name, None, f"{last}; its meshes cannot be read", False)]
+        twist = np.array(getattr(moves, "S", np.zeros((6, 1))), dtype=float).reshape(6, -1)[:, 0]  # joint's frame
+        axis = frame.placement.rotation.T @ (twist[3:] if twist[3:].any() else twist[:3])
+        point = find_far_end(parts, frame.placement.inverse().translation.copy(), axis)
+        if point is not None:
+            x, y, z = (f"{1e3 * v:.1f}" for v in point)
+            how = f"{last}; the point ({x}, {y}, {z}) mm is at the far end of its {kind} geometry"
+            sure = kind == COLLISION or len(there) == 1
+            return [FingertipCandidate(frame.name, frame.name, point, how, sure)]
+    return [FingertipCandidate(f.name, f.name, None, f"{last}; it has no geometry", False) for _, f in links]
 
 
 # ----------------------------------------------------------------
@@ -274,7 +265,6 @@ def _read_named_tips(given: Any) -> list[tuple[Any, Any, Array | None]]:
 
 # ----------------------------------------------------------------
 # The geometry of fingertips: a sphere at the tip frame, or the geometry of its link.
-
 
 _MAX_TIP_RADIUS = 0.5  # [m] no fingertip is larger
 

@@ -217,7 +217,6 @@ class HandModel:
 # ----------------------------------------------------------------
 # A hand in one posture: where its fingertips are, how its joints move them, and how they give way under forces.
 
-
 DEFAULT_GRAVITY = (0.0, 0.0, -9.81)  # m/s², world axes
 _GRAVITY_EXPECTED = "an acceleration [m/s²], such as (0, 0, -9.81) or (0, 0, 0): finite numbers"
 

@@ -63,19 +63,6 @@ class Servo(NamedTuple):
     arms: dict[str, float]
 
 
-def read_joint_properties(joint: ET.Element, reductions: dict[str, float]) -> JointProperties:
-    """Read the springs, friction and limits of a <joint>. reductions : of all joints, by name."""
-    spring, limit = joint.find("passive"), joint.find("limit")
-    friction = read_number(joint.find("dynamics"), "friction", 0.0, 0.0)
-    stiffness, rest, armature = (read_number(spring, word, 0.0, 0.0) for word in ("stiffness", "rest", "armature"))
-    soft = _read_pair(joint.find("safety_controller"), "soft_lower_limit", "soft_upper_limit")
-    reach = _read_pair(joint.find("reach"), "lower", "upper")
-    weaker = None if limit is None or limit.get("weaker") is None else read_number(limit, "weaker")
-    return JointProperties(
-        friction, stiffness, rest, armature, soft, reductions.get(joint.get("name", "")), reach, weaker
-    )
-
-
 def check_friction(argument: str, root: ET.Element) -> None:
     """Raises URDFError for dry friction that is no finite number ≥ 0, naming the joint."""
     for joint in root.findall("joint"):
@@ -208,10 +195,14 @@ def read_joint_facts(root: ET.Element) -> tuple[JointFacts, ...]:
             x = y = z = math.nan
         mass = masses.get(joint_link(joint, "child"), math.nan)
         said = "" if limit is None else limit.get("said", "<limit effort>")
-        stated = read_joint_properties(joint, gears)
-        found.append(
-            JointFacts(name, joint.get("type", ""), lower, upper, effort, (x, y, z), mimic, mass, said, stated)
-        )
+        spring, friction = joint.find("passive"), read_number(joint.find("dynamics"), "friction", 0.0, 0.0)
+        stiffness, rest, armature = (read_number(spring, word, 0.0, 0.0) for word in ("stiffness", "rest", "armature"))
+        soft = _read_pair(joint.find("safety_controller"), "soft_lower_limit", "soft_upper_limit")
+        reach = _read_pair(joint.find("reach"), "lower", "upper")
+        weaker = None if limit is None or limit.get("weaker") is None else read_number(limit, "weaker")
+        stated = JointProperties(friction, stiffness, rest, armature, soft, gears.get(name), reach, weaker)
+        kind = joint.get("type", "")
+        found.append(JointFacts(name, kind, lower, upper, effort, (x, y, z), mimic, mass, said, stated))
     return tuple(found)
 
 

@@ -216,7 +216,6 @@ def tendon_doubts(hand: Any) -> Iterator[Doubt]:
 # ----------------------------------------------------------------
 # Doubts about what a file states of drives: soft limits, servos, springs too weak, joints unlike their like.
 
-
 _MIN_LEFT_OUT_SHARE = 1e-2  # of a range: a soft limit or a servo that leaves out less is not worth a word
 _MAX_SAG = 1e-3  # [m] by its own weight
 _UNLIMITED_FORCE = 1e30  # [N] a tendon that bears as much has no limit

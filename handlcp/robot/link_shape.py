@@ -118,7 +118,6 @@ def read_numbers(text: str) -> Array:
 # A skeleton in millimetres is some hundred metres wide; so is a mesh that was drawn in millimetres. Neither is refused
 # for being large beside a small hand alone: a hand may stand on a table, or at the end of an arm.
 
-
 MAX_ROBOT_WIDTH, MAX_ROBOT_MASS = 20.0, 2000.0  # [m, kg] no robot that carries a hand is larger
 MAX_SHAPE_REACH, MAX_REACH_PER_SKELETON = 5.0, 20.0  # [m], and times the skeleton: as for objects
 MAX_MOVED_REACH, MAX_MOVED_PER_SKELETON = 1.0, 5.0  # the same of what a joint moves; beyond, it is doubted

@@ -273,7 +273,6 @@ def surface_points(parts: Iterable[tuple[Any, Array, Array]], corners: bool = Fa
 # ----------------------------------------------------------------
 # Convex parts of meshes that are not convex, by coacd, an optional package (pip install coacd).
 
-
 _CONVEX_TOLERANCE = 0.05  # how far parts may stand off the mesh, as coacd counts it: of half the mesh's size
 
 

@@ -48,8 +48,11 @@ def check_mesh_file(argument: str, file: Path, error: InputErrorClass = InputErr
                     raise error(argument, "an OBJ file with files of materials", f"{shown}: {name!r}, which {why}")
             else:
                 read_bytes(argument, beside, "a file of materials", MAX_MESH_BYTES, error)
-    elif kind == ".ply" and not is_ply(data):
-        raise error(argument, "a PLY file", f"{shown}, which does not hold what its header lists")
+    elif kind == ".ply":
+        try:
+            _check_ply(data)
+        except (ValueError, KeyError, IndexError, OverflowError):
+            raise error(argument, "a PLY file", f"{shown}, which does not hold what its header lists") from None
 
 
 class _ColladaScene(ElementCounter):
@@ -145,7 +148,6 @@ class _ColladaScene(ElementCounter):
 # ----------------------------------------------------------------
 # Whether a PLY file is what its header says. assimp takes its numbers at their word, and reads beyond its memory.
 
-
 _NUMBER_TYPES = dict.fromkeys(("char", "int8"), "i1") | dict.fromkeys(("uchar", "uint8"), "u1")
 _NUMBER_TYPES |= dict.fromkeys(("short", "int16"), "i2") | dict.fromkeys(("ushort", "uint16"), "u2")
 _NUMBER_TYPES |= dict.fromkeys(("int", "int32"), "i4") | dict.fromkeys(("uint", "uint32"), "u4")
@@ -171,16 +173,10 @@ class _PlyElement:
         return any(lists for _, _, lists in self.properties)
 
 
-def is_ply(data: bytes) -> bool:
-    """Whether all that the header lists is there, with numbers where it says numbers, and faces have their corners."""
-    try:
-        _check_ply(data)
-    except (ValueError, KeyError, IndexError, OverflowError):
-        return False
-    return True
-
-
 def _check_ply(data: bytes) -> None:
+    """Raises an error where not all that the header lists is there, with numbers where it says numbers, and corners of
+    faces that are there.
+    """
     head, mark, _ = data.partition(b"end_header")
     start = data.index(b"\n", len(head) + len(mark)) + 1
     if data[len(head) + len(mark) : start].strip():

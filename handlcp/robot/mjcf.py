@@ -206,7 +206,6 @@ class _UrdfWriter:
 # What drives the joints of an MJCF model: torque limits and servos from its actuators, couplings from its equalities,
 # springs and friction of the joints themselves.
 
-
 _DRIVES_JOINT, _DRIVES_JOINT_IN_PARENT = 0, 1  # what an actuator moves
 _COUPLES_JOINTS, _SUMS_JOINT = 2, 1  # an equality of joints; a tendon that is a sum of joint angles
 _CONNECTS_IN_POINT, _CONNECTS_BODIES = 0, 1  # an equality in a point; of bodies, and not of sites
@@ -229,11 +228,11 @@ def read_efforts(model: Any, names: list[str], follows: Followers) -> tuple[Arra
         own, word = _force_range(model, a)
         arms = _actuator_arms(model, a)
         target = int(model.actuator_trnid[a, 0])
-        if int(model.actuator_trntype[a]) == DRIVES_TENDON and model.tendon_actfrclimited[target]:
-            cut = np.clip(np.sort(own), *model.tendon_actfrcrange[target])
-            own, word = (cut, "actuatorfrcrange") if (cut != np.sort(own)).any() else (own, word)
-        if int(model.actuator_trntype[a]) == DRIVES_TENDON and len(arms) > 1:
-            pulled[model.tendon(target).name or f"tendon {target}"] = arms
+        if int(model.actuator_trntype[a]) == DRIVES_TENDON:
+            if model.tendon_actfrclimited[target]:
+                own, word = _cut_range(np.sort(own), model.tendon_actfrcrange[target], word)
+            if len(arms) > 1:
+                pulled[model.tendon(target).name or f"tendon {target}"] = arms
         if np.isfinite(own).any() and any(arms.values()):
             limited[model.actuator(a).name or f"actuator {a}"] = [j for j, arm in arms.items() if arm]
         for j, arm in arms.items():
@@ -241,12 +240,16 @@ def read_efforts(model: Any, names: list[str], follows: Followers) -> tuple[Arra
             said[j], free[j] = word, False
     ends[free] = -np.inf, np.inf
     for j in np.flatnonzero(model.jnt_actfrclimited).tolist():
-        cut = np.clip(ends[j], *model.jnt_actfrcrange[j])
-        if (cut != ends[j]).any():
-            ends[j], said[j] = cut, "actuatorfrcrange"
+        ends[j], said[j] = _cut_range(ends[j], model.jnt_actfrcrange[j], said[j])
     sides = np.sort(np.maximum(ends * (-1.0, 1.0), 0.0), axis=1)
     doubts = _shared_tendon_doubts(pulled, names) if pulled else []
     return sides, said, [*doubts, *_shared_motor_doubts(limited, names, follows)]
+
+
+def _cut_range(ends: Array, bounds: Array, word: str) -> tuple[Array, str]:
+    """Forces (2,) within bounds (2,), and the word of the file that says them."""
+    cut = np.clip(ends, *bounds)
+    return cut, "actuatorfrcrange" if (cut != ends).any() else word
 
 
 def _actuator_arms(model: Any, a: int) -> dict[int, float]:
@@ -407,7 +410,6 @@ def _find_leader(follows: Followers, j: int) -> int:
 
 # ----------------------------------------------------------------
 # MuJoCo without its log: where nobody takes its warnings, it appends them to MUJOCO_LOG.TXT in the working folder.
-
 
 _LOG_LOCK = threading.Lock()
 _open_log_blocks = 0  # how many are open, in all threads

@@ -71,7 +71,6 @@ def _spring_constants(kinematics: Kinematics) -> tuple[Array, Array]:
 #
 #     <cable name kp limit> <site link point/> <around link centre axis radius shape side/> <pulley divisor/> … </cable>
 
-
 CABLE_TAG = "cable"
 
 
@@ -143,7 +142,6 @@ def make_cable_stiffness(cables: Sequence[FileCable], kinematics: Kinematics) ->
 # frame.
 # Source: MuJoCo's XML reference, tendon/spatial, and the fields of mjModel named `tendon_` and `wrap_`.
 
-
 _WRAP_JOINT, _WRAP_PULLEY, _WRAP_SITE, _WRAP_SPHERE, _WRAP_CYLINDER = 1, 2, 3, 4, 5  # mjtWrap: what a tendon passes
 
 
@@ -201,7 +199,6 @@ def _item_label(item: Any, kind: str) -> str:
 
 # ----------------------------------------------------------------
 # Tendons along a path in space that servos of an MJCF model draw in, and springs of tendons, which are left out.
-
 
 ROUTE_TOPIC = "route"  # what a doubt is about that a hand with tendons is free of
 SERVO_TOPIC = "servo"  # what one is about that says why a servo is not read

@@ -94,19 +94,15 @@ def _driven_bodies(model: Any) -> set[int]:
 
 def _actuated_bodies(model: Any, a: int) -> Iterator[int]:
     """The bodies that an actuator moves by joints or by a tendon; none for other kinds."""
+    owners = {_WRAPS_JOINT: model.jnt_bodyid, _WRAPS_SITE: model.site_bodyid}  # of what is neither, geoms
     kind, target = int(model.actuator_trntype[a]), int(model.actuator_trnid[a, 0])
     if kind in (_DRIVES_JOINT, _DRIVES_JOINT_IN_PARENT):
         yield int(model.jnt_bodyid[target])
     elif kind == _DRIVES_TENDON:
         first = int(model.tendon_adr[target])
         for w in range(first, first + int(model.tendon_num[target])):
-            item = int(model.wrap_objid[w])
-            if model.wrap_type[w] == _WRAPS_JOINT:
-                yield int(model.jnt_bodyid[item])
-            elif model.wrap_type[w] == _WRAPS_SITE:
-                yield int(model.site_bodyid[item])
-            elif model.wrap_type[w] != _WRAPS_PULLEY:
-                yield int(model.geom_bodyid[item])
+            if model.wrap_type[w] != _WRAPS_PULLEY:
+                yield int(owners.get(int(model.wrap_type[w]), model.geom_bodyid)[model.wrap_objid[w]])
 
 
 def is_of_scene(model: Any, equality: int, bodies: frozenset[int]) -> bool:

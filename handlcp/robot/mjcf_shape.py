@@ -82,7 +82,6 @@ def _has_corners(file: Array, compiled: Array) -> bool:
 # ----------------------------------------------------------------
 # Shapes of an MJCF file: geometry of its bodies as URDF elements, and how numbers are written there.
 
-
 _PLANE, _HFIELD, _SPHERE, _CAPSULE, _ELLIPSOID, _CYLINDER, _BOX, _MESH = range(8)
 DRIVES_TENDON = 3  # what an actuator moves
 _DRAWN_GROUPS = 3  # groups of geoms that MuJoCo draws: 0, 1, 2

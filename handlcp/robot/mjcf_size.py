@@ -39,32 +39,28 @@ _MAX_VALUES = {
 def check_mjcf_size(argument: str, text: bytes, path: Path | None) -> None:
     """Raises URDFError for an MJCF text that asks for more than a hand needs. path : of its file; None: a string."""
     shown = "the XML string" if path is None else repr(str(path))
-    _ModelCount(argument, path).check(parse_xml(argument, text, shown, URDFError), len(text), shown)
+    counted = _ModelCount(argument, path, shown, len(text))
+    if counted.count(parse_xml(argument, text, shown, URDFError)) > MAX_BUILT_ELEMENTS:
+        expected = f"a model of at most {MAX_BUILT_ELEMENTS} elements, those of copies counted each time"
+        raise counted.refuse(expected, "more")
 
 
 class _ModelCount:
     """Counts one model with all that it includes."""
 
-    def __init__(self, argument: str, path: Path | None) -> None:
+    def __init__(self, argument: str, path: Path | None, shown: str, size: int) -> None:
         self._argument, self._folder = argument, Path() if path is None else path.parent
-        self._shown, self._bytes, self._pixels, self._heights = "", 0, 0.0, 0.0
+        self._shown, self._bytes, self._pixels, self._heights = shown, size, 0.0, 0.0
         self._count_by_file = dict[Path, float]()  # how much an included file builds
         self._open_files = list[Path]() if path is None else [path.resolve()]
         self._largest_attached = 0.0  # the most that a model which can be attached builds
         self._folders = [self._folder]  # where files may be
 
-    def check(self, root: ET.Element, size: int, shown: str) -> None:
-        self._shown, self._bytes = shown, size
-        self._check_contents(root)
-        if self._count_children(root) > MAX_BUILT_ELEMENTS:
-            expected = f"a model of at most {MAX_BUILT_ELEMENTS} elements, those of copies counted each time"
-            raise self._refuse(expected, "more")
-
-    def _refuse(self, expected: str, came: str) -> URDFError:
+    def refuse(self, expected: str, came: str) -> URDFError:
         return URDFError(self._argument, expected, f"{self._shown}, with {came}")
 
-    def _check_contents(self, root: ET.Element) -> None:
-        """What is not counted by element: folders, numbers, files, models to attach."""
+    def count(self, root: ET.Element) -> float:
+        """How many elements a file builds. Numbers, files and models to attach are looked at before."""
         for compiler in root.iter("compiler"):
             named = [compiler.get(name) for name in ("meshdir", "assetdir", "texturedir")]
             self._folders += [folder / name for folder in self._folders[:1] for name in named if name]
@@ -74,9 +70,7 @@ class _ModelCount:
                 self._check_file(element.get("file", ""))
         for model in root.iter("model"):
             self._largest_attached = max(self._largest_attached, self._count_included(model))
-
-    def _count_children(self, element: ET.Element) -> float:
-        return sum(self._count_element(child) for child in element)
+        return sum(self._count_element(child) for child in root)
 
     def _count_element(self, element: ET.Element) -> float:
         """How many elements this one builds."""
@@ -84,7 +78,7 @@ class _ModelCount:
             return 1 + self._count_included(element)
         if element.tag == "attach":
             return 1 + self._largest_attached
-        within = 1 + self._count_children(element)
+        within = 1 + sum(self._count_element(child) for child in element)
         if element.tag in _REPLICATING_TAGS:
             return within * math.prod(max(1.0, x) for x in _attribute_numbers(element.get("count", "")))
         return within
@@ -100,15 +94,14 @@ class _ModelCount:
         if file in self._count_by_file:
             return self._count_by_file[file]
         if file in self._open_files or len(self._open_files) > _MAX_INCLUDE_DEPTH:
-            raise self._refuse("files that do not include each other", f"{name!r} in a circle")
+            raise self.refuse("files that do not include each other", f"{name!r} in a circle")
         data = read_bytes(self._argument, file, "an MJCF file", MAX_XML_BYTES, URDFError)
         self._bytes += len(data)
         if self._bytes > MAX_XML_BYTES:
-            raise self._refuse(f"at most {MAX_XML_BYTES // 10**6} MB of XML, with all includes", "more")
+            raise self.refuse(f"at most {MAX_XML_BYTES // 10**6} MB of XML, with all includes", "more")
         root = parse_xml(self._argument, data, repr(str(file)), URDFError)
         self._open_files.append(file)
-        self._check_contents(root)
-        self._count_by_file[file] = built = self._count_children(root)
+        self._count_by_file[file] = built = self.count(root)
         self._open_files.pop()
         return built
 
@@ -116,19 +109,19 @@ class _ModelCount:
         for attribute, text in element.attrib.items():
             largest = _MAX_VALUES.get((element.tag, attribute), _MAX_VALUES.get(("", attribute), math.inf))
             if largest < math.inf and max(_attribute_numbers(text), default=0.0) > largest:
-                raise self._refuse(f"at most {largest} as {attribute} of <{element.tag}>", repr(text[:40]))
+                raise self.refuse(f"at most {largest} as {attribute} of <{element.tag}>", repr(text[:40]))
         if element.tag == "texture":
             sides = 6 if element.get("type", "cube") != "2d" else 1
             self._pixels += sides * _largest_number(element, "width") * _largest_number(element, "height")
         if element.tag == "hfield":
             self._heights += _largest_number(element, "nrow") * _largest_number(element, "ncol")
         if self._pixels > _MAX_PIXELS or self._heights > _MAX_HEIGHTS:
-            raise self._refuse(f"textures of at most {_MAX_PIXELS} pixels, {_MAX_HEIGHTS} heights", "more")
+            raise self.refuse(f"textures of at most {_MAX_PIXELS} pixels, {_MAX_HEIGHTS} heights", "more")
         if element.tag == "lengthrange":
             total, step = _largest_number(element, "inttotal", 10.0), _largest_number(element, "timestep", 0.01)
             if not 0.0 < total <= _MAX_LENGTHRANGE_STEPS * step:
                 expected = f"a <lengthrange> of at most {_MAX_LENGTHRANGE_STEPS} steps"
-                raise self._refuse(expected, f"{total:g} s of {step:g} s")
+                raise self.refuse(expected, f"{total:g} s of {step:g} s")
 
     def _check_file(self, name: str) -> None:
         """Raises URDFError for a mesh or picture that is too large, or is none."""

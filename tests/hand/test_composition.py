@@ -127,9 +127,8 @@ def test_numbers_replaced_by_themselves_change_nothing(case):
         made_again = grasp.replace(**numbers)
         for part in ("frames", "flexibility", "offset", "wrench"):
             mine, other = getattr(arrays(grasp), part), getattr(arrays(made_again), part)
-            np.testing.assert_allclose(
-                other, mine, atol=1e-12 * abs(mine).max(), err_msg=f"{part} after {list(numbers)}"
-            )
+            said = f"{part} after {list(numbers)}"
+            np.testing.assert_allclose(other, mine, atol=1e-12 * abs(mine).max(), err_msg=said)
         close(made_again.solve(), s)
 
 

@@ -74,15 +74,16 @@ def test_a_joint_with_a_spring_alone_gives_way_and_is_commanded_by_nothing():
         finger(c=' stiffness="0.3"', more="")
 
 
+ONE = '<actuator><position joint="a" kp="3"/><position tendon="both" kp="4"/></actuator>'
+
+
 def test_springs_of_joints_hold_what_a_servo_s_tendon_leaves_free():
     """A finger of one motor: K = K_p + kp a aᵀ, and no motion is taken to be stiffer than the file has it."""
-    one = '<actuator><position joint="a" kp="3"/><position tendon="both" kp="4"/></actuator>'
-    sprung = text(c=' stiffness="0.2"', more=one).replace('name="b"', 'name="b" stiffness="0.1"')
+    sprung = text(c=' stiffness="0.2"', more=ONE).replace('name="b"', 'name="b" stiffness="0.1"')
     hand = hl.Hand.from_mjcf(sprung)
     arms = np.array([0.0, 1.0, 0.5])
-    np.testing.assert_allclose(
-        hand.joint_stiffness, np.diag([3.0 + K, 0.1, 0.2]) + 4.0 * np.outer(arms, arms), rtol=1e-12
-    )
+    expected = np.diag([3.0 + K, 0.1, 0.2]) + 4.0 * np.outer(arms, arms)
+    np.testing.assert_allclose(hand.joint_stiffness, expected, rtol=1e-12)
     assert not servos_of(hand).widened
     assert hand.stiffness.command_directions.shape == (3, 2)
     assert not hand.stiffness.unmade_torque(hand.stiffness.command_directions @ [0.1, 0.2]).any()
@@ -94,8 +95,7 @@ def test_a_spring_in_no_torque_that_takes_a_tenth_of_the_limit_is_doubted(limit,
     """One servo pulls b and c, and turns neither on its own. In the middle of the range, 0 rad, the spring of c pulls
     with K times its rest angle, 0.32 N·m.
     """
-    one = '<actuator><position joint="a" kp="3"/><position tendon="both" kp="4"/></actuator>'
-    sprung = text("", SPRUNG, one).replace('name="b"', 'name="b" stiffness="0.1"')
+    sprung = text("", SPRUNG, ONE).replace('name="b"', 'name="b" stiffness="0.1"')
     hand = hl.Hand.from_mjcf(sprung, torque_limits=None if limit is None else {"c": limit})
     assert bool(doubts(hand)) is said
     assert hand.stiffness.parallel_spring_torque(hand.neutral) is None

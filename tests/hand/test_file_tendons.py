@@ -72,9 +72,8 @@ def test_its_stiffness_is_that_of_mujoco_s_own_forces():
 def test_where_its_numbers_come_from_is_said():
     said = hand_of(winches(words=f'forcerange="-5 {PULL}"'))
     for described in (said.describe(), hl.describe_urdf(twenty_text(winches(), f' stiffness="{OWN}"'))):
-        assert "stiffness: kp of position actuators, along their tendons, and springs of joints" in " ".join(
-            str(described).split()
-        )
+        words = "stiffness: kp of position actuators, along their tendons, and springs of joints"
+        assert words in " ".join(str(described).split())
         assert [row.name for row in described.tendons] == NAMES
         assert any(d.what.startswith("joint stiffness is kp") for d in described.audit)
     assert "tension limit: forcerange of its actuators" in str(said.describe())
@@ -99,9 +98,8 @@ def test_motors_by_name_of_the_file_s_tendons_are_theirs():
 
 def test_tendons_that_leave_joints_loose_are_no_hand():
     left = [name for name in NAMES if not name.endswith("4")]
-    with pytest.raises(
-        hl.InputError, match=r"Tendons\(hl.tendon_routes.*nothing that springs back .*joint_4_0"
-    ) as error:
+    words = r"Tendons\(hl.tendon_routes.*nothing that springs back .*joint_4_0"
+    with pytest.raises(hl.InputError, match=words) as error:
         hand_of(winches(left), stiffness=0.0)
     assert error.value.argument == "joint_stiffness"
     assert tendons_of(hand_of(winches(left))).names == tuple(left)
@@ -139,12 +137,12 @@ def test_tendons_that_are_only_pushed_are_said_with_the_sign_that_pulls():
 
 def test_friction_and_ranges_of_tendons_are_left_out_and_said():
     text = twenty_text(winches(), f' stiffness="{OWN}"')
-    more = text.replace(
-        '<spatial name="long flexor 0"', '<spatial frictionloss="2" range="0.1 0.2" name="long flexor 0"'
-    )
-    found = hl.Hand.from_mjcf(more, TIPS).audit()
-    assert [d.about for d in found if "of tendons (long flexor 0)" in d.what] == ["friction", "range"]
-    assert not [d for d in hl.Hand.from_mjcf(text, TIPS).audit() if "of tendons (" in d.what]
+    more = text.replace('name="long flexor 0"', 'name="long flexor 0" frictionloss="2" range="0.1 0.2"', 1)
+    assert [d.about for d in about(hl.Hand.from_mjcf(more, TIPS), "of tendons (long flexor 0)")] == [
+        "friction",
+        "range",
+    ]
+    assert not about(hand_of(winches()), "of tendons (")
 
 
 def test_springs_that_take_much_of_what_tendons_bear_are_doubted():

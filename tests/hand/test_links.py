@@ -23,14 +23,13 @@ FLAT = """
   <joint name="end" type="fixed"><parent link="bar"/><child link="bare"/><origin xyz="0 0 0.08"/></joint>
 </robot>
 """
-ALONG_Y = pin.rpy.rpyToMatrix(np.pi / 2, 0.0, 0.0)
-CUBE, ROD, BALL = (
-    Box(0.04, (0, 0, 0.02)), Cylinder(0.02, 0.06, pin.SE3(ALONG_Y, np.array([0, 0, 0.02]))), Sphere(0.02, (0, 0, 0.02))
-)  # fmt: skip
+ALONG_Y = pin.SE3(pin.rpy.rpyToMatrix(np.pi / 2, 0.0, 0.0), np.array([0, 0, 0.02]))
+CUBE, ROD, BALL = Box(0.04, (0, 0, 0.02)), Cylinder(0.02, 0.06, ALONG_Y), Sphere(0.02, (0, 0, 0.02))
+BESIDE = Box(0.04, (0.03, 0, 0.02), mass=0.2)  # on the palm, against the bar
 
 
-def flat(**given):
-    return Hand.from_urdf(FLAT, **({"fingertips": ["bare"], "joint_stiffness": 5.0, "tip_radius": 0.012} | given))
+def flat(text=FLAT, **given):
+    return Hand.from_urdf(text, **({"fingertips": ["bare"], "joint_stiffness": 5.0, "tip_radius": 0.012} | given))
 
 
 def on_palm(obj, hand=None, **arguments):
@@ -68,9 +67,8 @@ def test_a_cylinder_lying_on_a_palm_is_held_at_both_ends():
 
 
 def test_only_links_that_are_named_touch():
-    beside = Box(0.04, (0.03, 0, 0.02))  # on the palm, against the bar
-    assert {n.partition(" ")[0] for n in names(on_palm(beside))} == {"palm", "bar"}
-    assert names(on_palm(beside, links=["bar"])) == ["bar 1", "bar 2", "bar 3", "bar 4"]
+    assert {n.partition(" ")[0] for n in names(on_palm(BESIDE))} == {"palm", "bar"}
+    assert names(on_palm(BESIDE, links=["bar"])) == ["bar 1", "bar 2", "bar 3", "bar 4"]
     hand = example_hand("five_finger", joint_stiffness=6.0)
     chosen = ["finger_2_distal_link", "finger_4_distal_link"]
     assert names(ball_in_five_fingers(hand, links=chosen)) == chosen
@@ -78,8 +76,7 @@ def test_only_links_that_are_named_touch():
 
 # ---------------------------------------------------------------- What is said by link.
 def test_pads_by_link_arrive_at_its_contacts():
-    hand = flat(pad_flexibility={"palm": 2e-5, "bar": (1e-4, 2e-4, 3e-4)})
-    grasp = on_palm(Box(0.04, (0.03, 0, 0.02)), hand)
+    grasp = on_palm(BESIDE, flat(pad_flexibility={"palm": 2e-5, "bar": (1e-4, 2e-4, 3e-4)}))
     E = grasp.flexibility.reshape(grasp.spec.n, 3, grasp.spec.n, 3)
     for i, name in enumerate(names(grasp)):
         if name.startswith("palm"):
@@ -91,11 +88,15 @@ def test_pads_by_link_arrive_at_its_contacts():
             assert E[i, 2, i, 2] == pytest.approx(1e-4 + lever**2 / 5.0, rel=1e-6)
 
 
-def test_friction_by_link_and_by_contact():
-    grasp = on_palm(Box(0.04, (0.03, 0, 0.02)), friction={"palm": 0.9, "palm 2": 0.4})
+def test_friction_by_link_and_by_contact_stays_when_a_grasp_is_made_again():
+    grasp = on_palm(BESIDE, friction={"palm": 0.9, "palm 2": 0.4})
     found = {c.name: c.mu for c in grasp.contacts}
     assert [found[f"palm {k}"] for k in (1, 2, 3, 4)] == [0.9, 0.4, 0.9, 0.9]
     assert {found[f"bar {k}"] for k in (1, 2, 3, 4)} == {0.6}  # as of every contact of which nothing is said
+    for made in (grasp.replace(mass=0.3), grasp.replace(gravity=(0, 9.81, 0)), grasp.replace(load=(1, 0, 0, 0, 0, 0))):
+        assert {c.name: c.mu for c in made.contacts} == found
+    new = {c.name: c.mu for c in grasp.replace(friction={"palm": 0.5}).contacts}
+    assert new == {name: 0.5 if name.startswith("palm") else 0.6 for name in found}
 
 
 # ---------------------------------------------------------------- The same grasp said in another way.
@@ -130,9 +131,6 @@ def test_a_grasp_made_again_closes_again():
     assert names(tighter) == names(expected)
     np.testing.assert_allclose(tighter.joint_offset, expected.joint_offset, atol=1e-12)
     assert names(grasp.replace(links=["finger_1_distal_link"])) == ["finger_1_distal_link"]
-
-
-# ---------------------------------------------------------------- What a user reads.
 
 
 # ---------------------------------------------------------------- What is refused, or judged.
@@ -198,16 +196,14 @@ def test_hundreds_of_contacts_are_refused():
     box = '<collision><origin xyz="{} {} -0.01"/><geometry><box size="0.005 0.005 0.02"/></geometry></collision>'
     many = "".join(box.format(0.01 * i, 0.01 * k) for i in range(-5, 6) for k in range(-5, 6))
     link = FLAT[FLAT.index("<collision>") : FLAT.index("</collision>") + len("</collision>")]
-    hand = Hand.from_urdf(FLAT.replace(link, many, 1), fingertips=["bare"], joint_stiffness=5.0, tip_radius=0.012)
     with pytest.raises(InputError, match=r"links: expected at most 100 contacts \(name fewer links, .*got 484 places"):
-        on_palm(Box((0.2, 0.2, 0.04), (0, 0, 0.02)), hand, links=["palm"])
+        on_palm(Box((0.2, 0.2, 0.04), (0, 0, 0.02)), flat(FLAT.replace(link, many, 1)), links=["palm"])
 
 
 def test_a_picture_outlines_links_that_are_drawn_elsewhere():
     box = '<geometry><box size="0.1 0.1 0.02"/></geometry>'
     drawn = FLAT.replace("</collision>\n", f'</collision><visual><origin xyz="0 0 -0.06"/>{box}</visual>\n', 1)
-    hand = Hand.from_urdf(drawn, fingertips=["bare"], joint_stiffness=5.0, tip_radius=0.012)
-    grasp = on_palm(CUBE, hand)
+    grasp = on_palm(CUBE, flat(drawn))
     (outlined,) = undrawn_tip_shapes(grasp, hand_bodies(grasp.state))  # one for four contacts
     np.testing.assert_allclose(np.ptp(outlined.reshape(-1, 3), axis=0), [0.1, 0.1, 0.02], atol=1e-9)
     as_drawn = on_palm(CUBE)
@@ -219,16 +215,6 @@ def test_a_hand_does_not_close_on_an_object_inside_its_palm():
         example_hand("three_finger").close_on(Sphere(0.03, (0, 0, 0)), wrap=True)
     with pytest.raises(InputError, match=r"wrap: expected True, a mapping of joints to speeds"):
         example_hand("three_finger").close_on(Sphere(0.03, (0, 0, 0.045)), wrap="yes")
-
-
-def test_friction_of_a_link_stays_when_a_grasp_is_made_again():
-    grasp = on_palm(Box(0.04, (0.03, 0, 0.02), mass=0.2), friction={"palm": 0.9, "palm 2": 0.4})
-    for made in (grasp.replace(mass=0.3), grasp.replace(gravity=(0, 9.81, 0)), grasp.replace(load=(1, 0, 0, 0, 0, 0))):
-        assert [c.mu for c in made.contacts] == [c.mu for c in grasp.contacts]
-    new = grasp.replace(friction={"palm": 0.5})
-    assert {c.name: c.mu for c in new.contacts} == {
-        c.name: 0.5 if c.name.startswith("palm") else 0.6 for c in grasp.contacts
-    }
 
 
 @pytest.mark.long

