@@ -4,38 +4,29 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from tests.support.sensitivity import pair, quantities, three_pairs
 
 PAD, SQUEEZE = 1e-4, 1e-3
 
 
-def pair(axis, mu, name, x=0.0):
-    """Two fingers that squeeze along an axis, at x."""
-    e, at = np.eye(3)[axis], np.array([x, 0.0, 0.0])
-    return [hl.Contact(at - a * e, a * e, hl.Coulomb(mu), tangent=(0, 0, 1), name=f"{name} {a:+}") for a in (1.0, -1.0)]
-
-
 def touched():
     """A pinch, and a pad below that just touches."""
-    contacts = [*pair(0, 0.8, "pinch"), hl.Contact((0, 0, -1.0), (0, 0, 1), hl.Coulomb(0.5), name="below")]
+    contacts = [*pair(0, 0.8), hl.Contact((0, 0, -1.0), (0, 0, 1), hl.Coulomb(0.5), name="below")]
     return lambda load: hl.Grasp(contacts, load, flexibility=PAD, preload=[SQUEEZE, SQUEEZE, 0.0])
 
 
 def at_the_limit(mu):
     """Three pinches that share the load; the first is at the limit of its friction under 60 mu newtons."""
-    contacts = [*pair(0, mu, "weak"), *pair(1, 0.9, "strong", 0.5), *pair(1, 0.9, "strong", -0.5)]
-    return lambda load: hl.Grasp(contacts, load, flexibility=PAD, preload=SQUEEZE)
+    return lambda load: hl.Grasp(three_pairs(mu), load, flexibility=PAD, preload=SQUEEZE)
 
 
 def one_sided(make, load, direction, faces, step):
     """(ahead, behind) of forces and motion, by one-sided differences of solves of a piecewise linear answer."""
-    here, sides = make(load).solve(faces), []
+    here = make(load).solve(faces)
+    before, sides = quantities(here), []
     for h in (step, -step):
-        there = make(load + h * direction).solve(faces, start=here)
-        sides.append({
-            "forces": (there.forces - here.forces) / h,
-            "displacement": (there.object_displacement - here.object_displacement) / h,
-            "slip": (there.slip - here.slip) / h, "gap": (there.gap - here.gap) / h,
-        })  # fmt: skip
+        after = quantities(make(load + h * direction).solve(faces, start=here))
+        sides.append({name: (after[name] - before[name]) / h for name in ("forces", "displacement", "slip", "gap")})
     return sides
 
 
@@ -77,8 +68,7 @@ def test_a_contact_at_its_limit_slides_or_sticks(faces, mu):
 
 
 def test_entries_are_those_of_a_parameter_that_grows():
-    make, load = touched(), np.zeros(6)
-    found = make(load).solve().sensitivity()
+    found = touched()(np.zeros(6)).solve().sensitivity()
     up = found.along("wrench", np.array([0, 0, 1.0, 0, 0, 0]))
     assert found.displacement_by_wrench[:, 2] == pytest.approx(up.ahead["displacement"], abs=1e-15, nan_ok=True)
     assert found.displacement_by_wrench[2, 2] == pytest.approx(PAD / 2, rel=1e-9)
@@ -86,7 +76,7 @@ def test_entries_are_those_of_a_parameter_that_grows():
 
 def test_no_answer_on_one_side_is_no_number():
     """A pinch at its limit: more load is not held, less is."""
-    make = lambda load: hl.Grasp(pair(0, 0.25, "pinch"), load, flexibility=PAD, preload=SQUEEZE)  # noqa: E731
+    make = lambda load: hl.Grasp(pair(0, 0.25), load, flexibility=PAD, preload=SQUEEZE)  # noqa: E731
     load = np.array([0, 0, -5.0, 0, 0, 0])
     along = make(load).solve().sensitivity().along("wrench", np.array([0, 0, -1.0, 0, 0, 0]))
     assert np.isnan(along.ahead["displacement"]).all()
@@ -108,7 +98,7 @@ def test_moments_that_nothing_determines_are_no_numbers_also_at_the_limit_of_fri
     """Two soft fingers whose pads do not twist: they may turn the object against each other as much as they like."""
     contacts = [
         hl.Contact(c.position, c.rotation[:, 2], hl.SoftFinger(0.25, 0.01), tangent=(0, 0, 1), name=c.name)
-        for c in pair(0, 0.25, "pinch")
+        for c in pair(0, 0.25)
     ]  # fmt: skip
     solution = hl.Grasp(contacts, (0, 0, -5.0 * share, 0, 0, 0), flexibility=PAD, preload=SQUEEZE).solve()
     found = solution.sensitivity()
@@ -139,9 +129,7 @@ def solved(q, command, start=None):
 
 def extrapolated(here, q, way, command):
     """Of forces, from two steps, the error of the first order taken out."""
-    half, whole = (
-        (solved(q + h * way, command, here).forces - here.forces) / h for h in (STEP / 2, STEP)
-    )  # fmt: skip
+    half, whole = ((solved(q + h * way, command, here).forces - here.forces) / h for h in (STEP / 2, STEP))
     return 2 * half - whole
 
 
