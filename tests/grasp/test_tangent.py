@@ -11,14 +11,14 @@ from handlcp.grasp.derivatives.active_set import (
     matrix_rank,
     saddle_matrix,
     solve_inverse,
+    solve_without_slip,
 )
 from handlcp.grasp.verify.contact_state import GLIDING, RESTING, SEPARATED, SLIDING, STICKING, ContactStates
 from tests.grasp.effect_rows import ROWS
 from tests.grasp.scenes import pinch, ring
-from tests.support import tangent as t
 from tests.support.sensitivity import misses
 
-MU = 0.7
+MU, SOFTNESS = 0.7, 2.0
 DIAGONAL = np.array([1.0, 1.0]) / np.sqrt(2.0)
 # kind, faces that it slides against, slip over friction
 WHAT = {
@@ -34,53 +34,42 @@ WHAT = {
 
 def system(names, rng, gives=(False, True)):
     """(laws, states, parts): contacts that do these things, and two limits of which these give way."""
-    n = len(names)
-    c = 3 * n
+    n, c = len(names), 3 * len(names)
     B = rng.normal(size=(c, c))
     E, G, A = B @ B.T + np.eye(c), rng.normal(size=(6, c)), rng.normal(size=(2, c))
-    kind = np.array([WHAT[name][0] for name in names])
-    faces, against = np.zeros((n, 3, 3)), np.array([len(WHAT[name][1]) for name in names])
+    kind, against, turn = (np.array(x) for x in zip(*((k, len(f), t) for k, f, t in map(WHAT.get, names)), strict=True))
+    faces = np.zeros((n, 3, 3))
     for i, name in enumerate(names):
         for a, normal in enumerate(WHAT[name][1]):
             faces[i, a, :2] = normal
-    turn = np.array([WHAT[name][2] for name in names])
     contacts = np.array([[3 * i + 2, 3 * i, 3 * i + 1, -1] for i in range(n)])
     kept = np.array([False] * c + [True] * 6 + list(gives))
-    softness = 2.0
-    laws = LinearLaws(saddle_matrix(E, softness, G, A), kept, contacts, np.full(n, MU), softness)
-    return laws, ContactStates(kind, against, faces, turn), (E * softness, G, A)
+    laws = LinearLaws(saddle_matrix(E, SOFTNESS, G, A), kept, contacts, np.full(n, MU), SOFTNESS)
+    return laws, ContactStates(kind, against, faces, turn), (E * SOFTNESS, G, A)
 
 
-def reference(names, parts, b, more, softness):
+def reference(names, parts, b, more):
     """The changes, from the laws written down one by one: balance, limits, then each contact's three equations."""
     E, G, A = parts
     c = len(E)
-    V = np.hstack([E, G.T, A.T])  # of the motions
-    rows, right = [np.hstack([G, np.zeros((6, 8))])], [-b[c : c + 6]]
-    nothing = np.zeros(c + 8)
-    nothing[c + 6] = 1.0  # the first limit does not give way
-    rows += [nothing[None], np.hstack([A[1:], np.zeros((1, 8))])]
-    right += [[0.0], -b[c + 7 : c + 8]]
-    force = np.eye(c, c + 8)
+    V, force, none = np.hstack([E, G.T, A.T]), np.eye(c, c + 8), np.eye(c + 8)[c + 6]  # motions, forces, a limit
+    rows = [(np.hstack([G, np.zeros((6, 8))]), -b[c : c + 6]), (none, 0.0), (np.append(A[1], np.zeros(8)), -b[c + 7])]
     for i, name in enumerate(names):
         kind, faces, turn = WHAT[name]
         T, N = [3 * i, 3 * i + 1], 3 * i + 2
         if kind in (SEPARATED, RESTING):
-            rows, right = [*rows, force[[*T, N]]], [*right, np.zeros(3)]
+            rows.append((force[[*T, N]], np.zeros(3)))
             continue
-        rows, right = [*rows, V[[N]]], [*right, -b[[N]]]
+        rows.append((V[N], -b[N]))
         if kind == STICKING:
-            rows, right = [*rows, V[T]], [*right, -b[T]]
+            rows.append((V[T], -b[T]))
         elif kind == GLIDING:
-            rows, right = [*rows, force[T]], [*right, np.zeros(2)]
-        else:
-            for normal in faces:
-                rows, right = [*rows, (normal @ force[T] - MU * force[N])[None]], [*right, more[[i]]]
-            if len(faces) == 1:
-                across = np.array([-faces[0][1], faces[0][0]])
-                rows.append((across @ (V[T] + turn * softness * force[T]))[None])
-                right.append([-across @ b[T]])
-    return np.linalg.solve(np.concatenate(rows), np.concatenate(right))
+            rows.append((force[T], np.zeros(2)))
+        rows += [(normal @ force[T] - MU * force[N], more[i]) for normal in faces]
+        if len(faces) == 1:
+            across = np.array([-faces[0][1], faces[0][0]])
+            rows.append((across @ (V[T] + turn * SOFTNESS * force[T]), -across @ b[T]))
+    return np.linalg.solve(np.vstack([row for row, _ in rows]), np.hstack([right for _, right in rows]))
 
 
 @pytest.mark.parametrize("name", WHAT)
@@ -92,7 +81,7 @@ def test_each_contact_state_has_its_equations(name, seed):
     A, B = active_rows(laws, states)
     inverse, regular = solve_inverse(A, B, 1e-10)
     b, more = rng.normal(size=len(A)), rng.normal(size=4)
-    expected = reference(names, parts, b, more, laws.stiffness_unit)
+    expected = reference(names, parts, b, more)
     assert regular
     np.testing.assert_allclose(inverse @ np.append(b, more), expected, atol=1e-9 * abs(expected).max())
     again, free = least_norm_solutions(A, (B @ np.append(b, more))[:, None], 1e-10)
@@ -124,15 +113,22 @@ def test_with_every_effect_the_answer_to_a_load_is_that_of_whole_solves(row):
         assert max(missed.values()) < 1e-6, (index, missed)
 
 
+def without_slip(grasp):
+    """(n, 3) forces of a grasp under its load in which nothing slips and nothing opens."""
+    scene = grasp.scene
+    found, _ = solve_without_slip(scene, scene.flexibility, scene.offset[:, None], scene.geometry.wrench[:, None])
+    return scene.forces_to_contact_axes(found[:, 0])[: 3 * scene.n].reshape(-1, 3)
+
+
 def test_without_slip_the_forces_are_those_of_a_solve_where_every_contact_sticks():
     contacts, data = ring(np.random.default_rng(1), n=3, mu=50.0, preload=0.02)
     g = hl.Grasp(contacts, **data)
     s = g.solve()
     assert s.contact_state == ("sticking",) * 3
-    np.testing.assert_allclose(t.without_slip(g), s.forces, atol=1e-9 * abs(s.forces).max())
+    np.testing.assert_allclose(without_slip(g), s.forces, atol=1e-9 * abs(s.forces).max())
 
 
 def test_without_slip_what_is_left_open_is_smallest():
     """Two rigid points, squeezed together by nothing: each bears half of the load, and no more."""
     g = pinch(squeeze=0.0, flexibility=0.0)
-    np.testing.assert_allclose(t.without_slip(g), [[0.5, 0.0, 0.0], [0.5, 0.0, 0.0]], atol=1e-9)
+    np.testing.assert_allclose(without_slip(g), [[0.5, 0.0, 0.0], [0.5, 0.0, 0.0]], atol=1e-9)

@@ -4,119 +4,93 @@ import numpy as np
 import pytest
 
 import handlcp as hl
+from tests.support.sensitivity import pair, quantities, three_pairs
 
-PAD, SQUEEZE = 1e-4, 1e-3
-
-
-def pair(axis, mu, name, x=0.0):
-    """Two fingers that squeeze along an axis, at x."""
-    e, at = np.eye(3)[axis], np.array([x, 0.0, 0.0])
-    return [hl.Contact(at - a * e, a * e, hl.Coulomb(mu), tangent=(0, 0, 1), name=f"{name} {a:+}") for a in (1.0, -1.0)]
+PAD, SQUEEZE, MU = 1e-4, 1e-3, 0.25
+DOWN = np.array([0, 0, -1.0, 0, 0, 0])
 
 
-def touched():
+def touched(load):
     """A pinch, and a pad below that just touches."""
-    contacts = [*pair(0, 0.8, "pinch"), hl.Contact((0, 0, -1.0), (0, 0, 1), hl.Coulomb(0.5), name="below")]
-    return lambda load: hl.Grasp(contacts, load, flexibility=PAD, preload=[SQUEEZE, SQUEEZE, 0.0])
+    contacts = [*pair(0, 0.8), hl.Contact((0, 0, -1.0), (0, 0, 1), hl.Coulomb(0.5), name="below")]
+    return hl.Grasp(contacts, load, flexibility=PAD, preload=[SQUEEZE, SQUEEZE, 0.0])
 
 
-def at_the_limit(mu):
-    """Three pinches that share the load; the first is at the limit of its friction under 60 mu newtons."""
-    contacts = [*pair(0, mu, "weak"), *pair(1, 0.9, "strong", 0.5), *pair(1, 0.9, "strong", -0.5)]
-    return lambda load: hl.Grasp(contacts, load, flexibility=PAD, preload=SQUEEZE)
+def three(load):
+    """Three pinches that share the load; the first is at the limit of its friction under 15 N."""
+    return hl.Grasp(three_pairs(MU), load, flexibility=PAD, preload=SQUEEZE)
 
 
-def one_sided(make, load, direction, faces, step):
-    """(ahead, behind) of forces and motion, by one-sided differences of solves of a piecewise linear answer."""
-    here, sides = make(load).solve(faces), []
-    for h in (step, -step):
-        there = make(load + h * direction).solve(faces, start=here)
-        sides.append({
-            "forces": (there.forces - here.forces) / h,
-            "displacement": (there.object_displacement - here.object_displacement) / h,
-            "slip": (there.slip - here.slip) / h, "gap": (there.gap - here.gap) / h,
-        })  # fmt: skip
-    return sides
-
-
-def compare(make, load, direction, faces, step=1e-3, free=None):
-    """Of `free`, by quantity, the entries that nothing determines on some side."""
-    found = make(load).solve(faces).sensitivity()
-    along = found.along("wrench", direction)
-    for side, truth in zip((along.ahead, along.behind), one_sided(make, load, direction, faces, step), strict=True):
+def compare(make, load, faces, free):
+    """(sensitivity, along) of more load downwards, both sides compared with one-sided differences of solves of a
+    piecewise linear answer. free : by quantity, the entries that nothing determines on some side.
+    """
+    here = make(load).solve(faces)
+    before, found = quantities(here), here.sensitivity()
+    along = found.along("wrench", DOWN)
+    for side, h in ((along.ahead, 1e-3), (along.behind, -1e-3)):
+        after = quantities(make(load + h * DOWN).solve(faces, start=here))
+        truth = {name: (after[name] - before[name]) / h for name in ("forces", "displacement", "slip", "gap")}
         for name, value in truth.items():
-            size = abs(truth["forces"]).max() if name == "forces" else abs(truth["displacement"]).max()
+            size = abs(truth["forces" if name == "forces" else "displacement"]).max()
             known = np.isfinite(side[name])
-            assert set(np.flatnonzero(~known)) <= set((free or {}).get(name, ())), name
+            assert set(np.flatnonzero(~known)) <= set(free.get(name, ())), name
             assert abs(side[name] - value)[known].max() <= 1e-6 * size, name
     return found, along
 
 
 @pytest.mark.parametrize("faces", ["cone", 8, 4])
 def test_a_contact_that_just_touches_pushes_or_opens(faces):
-    found, along = compare(
-        touched(), np.zeros(6), np.array([0, 0, -1.0, 0, 0, 0]), faces, free={"displacement": [3], "slip": [5]}
-    )
+    found, along = compare(touched, np.zeros(6), faces, {"displacement": [3], "slip": [5]})
     assert np.isnan(along.behind["displacement"][3])  # a pinch alone turns about its axis
     assert np.isfinite(along.ahead["displacement"]).all()
     assert [str(k) for k in found.kinks] == ["below touches without force"]
     assert along.ahead["displacement"][2] == pytest.approx(-PAD / 3, rel=1e-9)  # three pads
     assert along.behind["displacement"][2] == pytest.approx(-PAD / 2, rel=1e-9)  # two
     assert along.behind["gap"][2] == pytest.approx(-PAD / 2, rel=1e-9)
+    up = found.along("wrench", -DOWN).ahead  # entries are those of a parameter that grows
+    assert found.displacement_by_wrench[:, 2] == pytest.approx(up["displacement"], abs=1e-15, nan_ok=True)
+    assert found.displacement_by_wrench[2, 2] == pytest.approx(PAD / 2, rel=1e-9)
 
 
-@pytest.mark.parametrize(("faces", "mu"), [("cone", 0.25), (8, 0.25), (4, 0.25)])
-def test_a_contact_at_its_limit_slides_or_sticks(faces, mu):
+@pytest.mark.parametrize("faces", ["cone", 8, 4])
+def test_a_contact_at_its_limit_slides_or_sticks(faces):
     """Weak fingers bear mu · 10 N each along z, where a face of an inscribed pyramid is cos(π/m) of that away."""
     share = 1.0 if faces == "cone" else np.cos(np.pi / faces)
-    load = np.array([0, 0, -60.0 * mu * share, 0, 0, 0])
-    found, along = compare(at_the_limit(mu), load, np.array([0, 0, -1.0, 0, 0, 0]), faces)
+    found, along = compare(three, 60.0 * MU * share * DOWN, faces, {})
     assert [k.who for k in found.kinks] == ["weak +1.0", "weak -1.0"]
     assert along.ahead["displacement"][2] == pytest.approx(-PAD / 4, rel=1e-7)
     assert along.behind["displacement"][2] == pytest.approx(-PAD / 6, rel=1e-7)
 
 
-def test_entries_are_those_of_a_parameter_that_grows():
-    make, load = touched(), np.zeros(6)
-    found = make(load).solve().sensitivity()
-    up = found.along("wrench", np.array([0, 0, 1.0, 0, 0, 0]))
-    assert found.displacement_by_wrench[:, 2] == pytest.approx(up.ahead["displacement"], abs=1e-15, nan_ok=True)
-    assert found.displacement_by_wrench[2, 2] == pytest.approx(PAD / 2, rel=1e-9)
-
-
 def test_no_answer_on_one_side_is_no_number():
     """A pinch at its limit: more load is not held, less is."""
-    make = lambda load: hl.Grasp(pair(0, 0.25, "pinch"), load, flexibility=PAD, preload=SQUEEZE)  # noqa: E731
-    load = np.array([0, 0, -5.0, 0, 0, 0])
-    along = make(load).solve().sensitivity().along("wrench", np.array([0, 0, -1.0, 0, 0, 0]))
+    solution = hl.Grasp(pair(0, MU), 5.0 * DOWN, flexibility=PAD, preload=SQUEEZE).solve()
+    along = solution.sensitivity().along("wrench", DOWN)
     assert np.isnan(along.ahead["displacement"]).all()
     assert along.behind["displacement"][2] == pytest.approx(-PAD / 2, rel=1e-9)
 
 
 def test_away_from_kinks_both_sides_are_the_same():
-    found = at_the_limit(0.25)(np.array([1.0, 0, -3.0, 0, 0, 0])).solve().sensitivity()
+    found, way = three((1.0, 0, -3.0, 0, 0, 0)).solve().sensitivity(), np.array([0.3, 0.1, 1.0, 0, 0.2, 0])
     assert found.kinks == ()
-    along = found.along("wrench", np.array([0.3, 0.1, 1.0, 0, 0.2, 0]))
+    along = found.along("wrench", way)
     for name in along.ahead:
         assert along.ahead[name] == pytest.approx(along.behind[name], rel=1e-9, abs=1e-15, nan_ok=True)
-    direct = found.forces_by_wrench @ np.array([0.3, 0.1, 1.0, 0, 0.2, 0])
-    assert along.ahead["forces"] == pytest.approx(direct, rel=1e-12, abs=1e-12)
+    assert along.ahead["forces"] == pytest.approx(found.forces_by_wrench @ way, rel=1e-12, abs=1e-12)
 
 
 @pytest.mark.parametrize("share", [1.0, 0.9], ids=["at the limit of friction", "within friction"])
 def test_moments_that_nothing_determines_are_no_numbers_also_at_the_limit_of_friction(share):
     """Two soft fingers whose pads do not twist: they may turn the object against each other as much as they like."""
-    contacts = [
-        hl.Contact(c.position, c.rotation[:, 2], hl.SoftFinger(0.25, 0.01), tangent=(0, 0, 1), name=c.name)
-        for c in pair(0, 0.25, "pinch")
-    ]  # fmt: skip
-    solution = hl.Grasp(contacts, (0, 0, -5.0 * share, 0, 0, 0), flexibility=PAD, preload=SQUEEZE).solve()
-    found = solution.sensitivity()
+    law = hl.SoftFinger(MU, 0.01)
+    contacts = [hl.Contact(c.position, c.rotation[:, 2], law, tangent=(0, 0, 1)) for c in pair(0, MU)]
+    found = hl.Grasp(contacts, 5.0 * share * DOWN, flexibility=PAD, preload=SQUEEZE).solve().sensitivity()
     assert len(found.kinks) == (2 if share == 1.0 else 0)
     assert found.free
     for parameter in ("squeeze", "friction"):  # more of both sticks
         assert np.isnan(found.of("torsion", parameter)).all()
-    lighter = found.along("wrench", np.array([0, 0, 1.0, 0, 0, 0])).ahead
+    lighter = found.along("wrench", -DOWN).ahead
     assert np.isnan(lighter["torsion"]).all()
     assert lighter["forces"][:, 0] == pytest.approx([-0.5, -0.5], rel=1e-6)
 
@@ -139,9 +113,7 @@ def solved(q, command, start=None):
 
 def extrapolated(here, q, way, command):
     """Of forces, from two steps, the error of the first order taken out."""
-    half, whole = (
-        (solved(q + h * way, command, here).forces - here.forces) / h for h in (STEP / 2, STEP)
-    )  # fmt: skip
+    half, whole = ((solved(q + h * way, command, here).forces - here.forces) / h for h in (STEP / 2, STEP))
     return 2 * half - whole
 
 
@@ -171,12 +143,11 @@ def test_fingers_that_just_touch_are_kinks_of_posture_and_lengths_alone():
 def test_entries_by_posture_and_lengths_are_those_that_grow(parameter):
     found = solved(TOUCHING, "squeeze").sensitivity()
     whole = found.of("forces", parameter)
-    flat = whole.reshape(3, 3, -1)
-    for k in range(flat.shape[-1]):
-        way = np.zeros(flat.shape[-1])
-        way[k] = 1.0
-        ahead = found.along(parameter, way.reshape(whole.shape[2:])).ahead["forces"]
-        np.testing.assert_allclose(flat[..., k], ahead, rtol=1e-9, atol=1e-9)
+    for index in np.ndindex(whole.shape[2:]):
+        way = np.zeros(whole.shape[2:])
+        way[index] = 1.0
+        ahead = found.along(parameter, way).ahead["forces"]
+        np.testing.assert_allclose(whole[(..., *index)], ahead, rtol=1e-9, atol=1e-9)
 
 
 def test_fingertips_that_are_inside_or_that_leave_a_gap_have_no_kink():

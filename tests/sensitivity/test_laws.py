@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import handlcp as hl
-from tests.grasp.scenes import ring
-from tests.support.sensitivity import misses
+from tests.grasp.scenes import pinch, ring
+from tests.support.sensitivity import misses, three_pairs
 
 LAWS = {
     "Coulomb": hl.Coulomb(0.5), "soft": hl.SoftFinger(0.5, 0.005, 2.0), "anisotropic": hl.AnisotropicCoulomb(0.6, 0.3),
@@ -15,16 +15,11 @@ LAWS = {
 SEEDS = (0, 3)
 
 
-def grasp(law, seed):
-    contacts, args = ring(np.random.default_rng(seed), preload=0.003)
-    made = [hl.Contact(c.position, c.rotation[:, 2], LAWS[law]) for c in contacts]
-    return hl.Grasp(made, **args)
-
-
 @pytest.mark.parametrize("faces", ["cone", 8])
 @pytest.mark.parametrize(("law", "seed"), [(law, seed) for law in LAWS for seed in SEEDS])
 def test_derivatives_are_those_of_whole_solves(law, seed, faces):
-    g = grasp(law, seed)
+    contacts, args = ring(np.random.default_rng(seed), preload=0.003)
+    g = hl.Grasp([hl.Contact(c.position, c.rotation[:, 2], LAWS[law]) for c in contacts], **args)
     s = g.solve(faces)
     found = s.sensitivity()
     assert not [k for k in found.kinks if not k.by]  # of all parameters
@@ -41,8 +36,7 @@ def test_derivatives_are_those_of_whole_solves(law, seed, faces):
 def test_a_pinch_follows_its_closed_forms():
     """Two pads c, squeezed by s each: normal force s/c. The load is shared, and moves the object by c/2 each."""
     c, mu, squeeze = 1e-4, 0.5, 1e-3
-    contacts = [hl.Contact((x, 0, 0), (-x, 0, 0), hl.Coulomb(mu), tangent=(0, 0, 1)) for x in (-1.0, 1.0)]
-    s = hl.Grasp(contacts, (0, 0, -1.0, 0, 0, 0), flexibility=c, preload=squeeze).solve().sensitivity()
+    s = pinch(mu, squeeze).solve().sensitivity()
     assert s.forces_by_squeeze[:, 2] == pytest.approx(np.full((2, 2), 0.5 / c), rel=1e-9)
     assert s.displacement_by_wrench[2, 2] == pytest.approx(c / 2, rel=1e-9)
     assert s.forces_by_wrench[:, 0, 2] == pytest.approx([-0.5, -0.5], rel=1e-9)
@@ -52,8 +46,7 @@ def test_a_pinch_follows_its_closed_forms():
 
 def test_what_the_answer_leaves_free_is_no_number():
     """Two points do not resist turning about the line between them, and bear no moment about it."""
-    contacts = [hl.Contact((x, 0, 0), (-x, 0, 0), hl.Coulomb(0.5)) for x in (-1.0, 1.0)]
-    s = hl.Grasp(contacts, (0, 0, -1.0, 0, 0, 0), flexibility=1e-4, preload=1e-3).solve().sensitivity()
+    s = pinch().solve().sensitivity()
     assert s.free == 1
     assert np.isnan(s.displacement_by_wrench[3]).all()
     assert np.isnan(s.forces_by_wrench[..., 3]).all()
@@ -82,14 +75,9 @@ HAND = hl.example_hand("three_finger", joint_stiffness=6.0)
 CUBE = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.3)
 
 
-def pair(axis, mu, x=0.0):
-    e, at = np.eye(3)[axis], np.array([x, 0.0, 0.0])
-    return [hl.Contact(at - a * e, a * e, hl.Coulomb(mu), tangent=(0, 0, 1)) for a in (1.0, -1.0)]
-
-
 def test_a_row_of_friction_is_all_fingers_together():
     """One of three pairs slides: with less friction there the others bear more, and the object moves."""
-    contacts = [*pair(0, 0.2), *pair(1, 0.9, 0.5), *pair(1, 0.9, -0.5)]
+    contacts = three_pairs(0.2)
     solution = hl.Grasp(contacts, (0, 0, -20.0, 0, 0, 0), flexibility=1e-4, preload=1e-3).solve()
     assert "sliding" in str(solution.contact_state)
     found = solution.sensitivity()

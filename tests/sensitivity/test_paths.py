@@ -5,15 +5,10 @@ import pytest
 
 import handlcp as hl
 from handlcp.grasp import PathSensitivity
+from tests.grasp.scenes import pinch
 
 PAD, SQUEEZE, MU = 1e-4, 1e-3, 0.5
 N = SQUEEZE / PAD  # a finger's normal force
-
-
-def pinch(mus=(MU, MU)):
-    sides = zip((-1.0, 1.0), mus, strict=True)
-    contacts = [hl.Contact((x, 0, 0), (-x, 0, 0), hl.Coulomb(mu), tangent=(0, 0, 1)) for x, mu in sides]
-    return hl.Grasp(contacts, (0, 0, -1.0, 0, 0, 0), flexibility=PAD, preload=SQUEEZE)
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +52,8 @@ def test_a_jump_is_no_derivative_whatever_its_size_beside_the_step():
     assert found.sides("factor", "friction").ahead == pytest.approx([1 - 0.01 / 1e-5] * 2)
     assert found.factor_by_all_friction == pytest.approx(2.0)
     assert found.jumps == ("factor_by_friction",)
-    assert np.isfinite(PathSensitivity(pinch((0.5, 0.6)).spec, end).factor_by_friction).all()
+    apart = pinch().spec.with_laws((hl.Coulomb(0.5), hl.Coulomb(0.6)))
+    assert np.isfinite(PathSensitivity(apart, end).factor_by_friction).all()
 
 
 def test_pads_count_where_hand_and_object_are_followed():

@@ -12,6 +12,18 @@ from handlcp.hand.hand_grasp import make_grasp
 
 HANDS_OF_LIBRARY = tuple([name for name in library.HANDS if name != "planar_ring"])  # the ring lies in a plane
 
+
+def pair(axis, mu, x=0.0, name="pair"):
+    """Two fingers that squeeze along an axis, at x."""
+    e, at = np.eye(3)[axis], np.array([x, 0.0, 0.0])
+    return [hl.Contact(at - a * e, a * e, hl.Coulomb(mu), tangent=(0, 0, 1), name=f"{name} {a:+}") for a in (1.0, -1.0)]
+
+
+def three_pairs(mu):
+    """Three pinches that share the load, one of them with less friction."""
+    return [*pair(0, mu, name="weak"), *pair(1, 0.9, 0.5, "strong"), *pair(1, 0.9, -0.5, "strong")]
+
+
 # Fourth-order differences over these leave about 1e-10 of truncation and of the solver's rounding
 STEPS = {
     "wrench": 1e-4, "squeeze": 1e-6, "joint_offset": 1e-5, "stiffness": 1e-3, "pads": 1e-7, "friction": 1e-4,
@@ -22,22 +34,17 @@ STEPS = {
 def varied(grasp, parameter, index, step):
     """The grasp with one entry of a parameter larger by a step, made with none of the code that differentiates."""
     spec, i = grasp.spec, index[0]
-    if parameter == "wrench":
-        load = np.eye(6)[i] * step
-        return make_grasp(spec.replace(wrench=spec.wrench + load, asked=spec.asked))
+    if parameter in ("wrench", "squeeze", "pads"):
+        wrench, offset, E = spec.wrench.copy(), spec.offset.copy(), spec.flexibility.copy()
+        if parameter == "wrench":
+            wrench[i] += step
+        elif parameter == "squeeze":
+            offset[i, 2] -= step
+        else:
+            E[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] += np.diag([1.0, 0.0 if spec.planar else 1.0, 1.0]) * step
+        return make_grasp(spec.replace(wrench=wrench, offset=offset, flexibility=E, asked=spec.asked))
     if parameter == "mass":
         return grasp.replace(mass=grasp.target.mass + step)
-    if parameter == "squeeze":
-        offset = spec.offset.copy()
-        offset[i, 2] -= step
-        return make_grasp(spec.replace(offset=offset, asked=spec.asked))
-    if parameter == "pads":
-        E = spec.flexibility.copy()
-        block = np.eye(3) * step
-        if spec.planar:
-            block[1, 1] = 0.0
-        E[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] += block
-        return make_grasp(spec.replace(flexibility=E, asked=spec.asked))
     if parameter == "friction":
         laws = [c.friction for c in spec.contacts]
         laws[i] = laws[i].with_mu(laws[i].mu + step)
@@ -80,17 +87,10 @@ def _contacts(spec, parameter, i, axis, step):
 
 def quantities(solution):
     """What a solution says of each quantity."""
-    found = {
-        "forces": solution.forces, "slip": solution.slip, "gap": solution.gap,
-        "displacement": solution.object_displacement, "friction_margin": solution.friction_margin,
-    }  # fmt: skip
-    if solution.torsion is not None:
-        found["torsion"] = solution.torsion
-    if hasattr(solution, "torques"):
-        found["torques"] = solution.torques
-        margin = solution.torque_margin
-        found["torque_margin"] = np.where(np.isfinite(margin), margin, np.nan)
-    return found
+    same = "forces", "slip", "gap", "friction_margin", "torsion", "torques", "torque_margin"
+    fields = {name: name for name in same} | {"displacement": "object_displacement"}
+    found = {name: getattr(solution, of, None) for name, of in fields.items()}
+    return {name: np.where(np.isinf(x), np.nan, x) for name, x in found.items() if x is not None}
 
 
 def differences(grasp, solution, faces, parameter, index):

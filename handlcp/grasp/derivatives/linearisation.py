@@ -21,7 +21,7 @@ from handlcp.grasp.effects import Effect
 from handlcp.grasp.effects.geometric_stiffness import GeometricStiffness, LoadedJoints
 from handlcp.grasp.effects.joint_offset import commanded_offset
 from handlcp.grasp.effects.joint_torque import TorqueSaturation
-from handlcp.grasp.model.mechanism import JointReading, read_joints
+from handlcp.grasp.model.mechanism import JointReading, Mechanism, read_joints
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene, wrench_map
 from handlcp.grasp.verify.certifier import FrictionLimits, friction_limits, limits_at_answer
@@ -131,6 +131,12 @@ class LinearisationPoint:
         return self.scene.components, 6, self.scene.n, nv, nv
 
     # ---- joints
+    @property
+    def mechanism(self) -> Mechanism:
+        """What moves the fingers; asked where there is a hand."""
+        assert self.spec.mechanism is not None
+        return self.spec.mechanism
+
     @lazy_property
     def jacobian_rows(self) -> Array:
         """How fast the joints move the contact points, and turn the soft ones about their normals: [J; T] (c, nv)."""
@@ -140,10 +146,7 @@ class LinearisationPoint:
     @lazy_property
     def joints(self) -> JointReading:
         """Torques [N·m] and deflections [rad] of the joints."""
-        mechanism = self.spec.mechanism
-        if mechanism is None:
-            return JointReading(np.zeros(0), np.zeros(0), np.zeros(0))
-        return read_joints(mechanism, self.scene, self.spec.effects, self.forces, self.torsion, self.extra)
+        return read_joints(self.mechanism, self.scene, self.spec.effects, self.forces, self.torsion, self.extra)
 
     @lazy_property
     def command(self) -> Array:
@@ -153,8 +156,7 @@ class LinearisationPoint:
     @property
     def elastic_joints(self) -> bool:
         """Whether E follows the springs of the joints, because no other one was given."""
-        mechanism = self.spec.mechanism
-        return mechanism is not None and mechanism.variation.has_joint_flexibility(self.spec)
+        return bool(self.mechanism.variation.has_joint_flexibility(self.spec))
 
     @lazy_property
     def loaded_joints(self) -> LoadedJoints | None:
@@ -164,10 +166,7 @@ class LinearisationPoint:
     @lazy_property
     def compliance(self) -> Array:
         """(nv, nv) K⁻¹, or (K + K_g)⁻¹ [rad/(N·m)]."""
-        mechanism = self.spec.mechanism
-        if mechanism is None:
-            return np.zeros((0, 0))
-        C = mechanism.compliance_factor @ mechanism.compliance_factor.T
+        C = self.mechanism.compliance_factor @ self.mechanism.compliance_factor.T
         return C if self.loaded_joints is None else C + self.loaded_joints.added_compliance
 
     @lazy_property
@@ -175,8 +174,7 @@ class LinearisationPoint:
         """(c, nv) how K_g of one unit of each force component turns the joints that stand where the answer has them:
         ∂(K_g z)/∂r for z = δq - δ.
         """
-        assert self.spec.mechanism is not None  # `GeometricStiffness` needs joints
-        return np.asarray(self.spec.mechanism.hessian() @ (self.command - self.joints.deflection))
+        return np.asarray(self.mechanism.hessian() @ (self.command - self.joints.deflection))
 
     @lazy_property
     def tangent(self) -> Array:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,39 +22,27 @@ from handlcp.record import Record, make_data_frame, to_plain
 from handlcp.tolerances import ACTIVE_TOLERANCE
 from handlcp.words import TextTable, first_largest_index, wrap_text
 
-# ----------------------------------------------------------------
-# Everything of an answer that can be differentiated, from the rates of its forces, motion and slips: each (…, p).
+# Everything of an answer that can be differentiated
+QUANTITIES = "forces", "torsion", "torques", "slip", "gap", "displacement", "friction_margin", "torque_margin"
+_JOINT_QUANTITIES = "torques", "torque_margin"  # of hands alone
 
 
-def _point_rates(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> Array:
-    """Forces (n, 3, p) of the contact points."""
-    n = answer.scene.n
-    return rates.forces[: 3 * n].reshape(n, 3, -1)
-
-
-def _torsion_rates(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> Array:
-    """Moments (n, p) about the normals, 0 of contacts that bear none."""
-    out = np.zeros((answer.scene.n, rates.forces.shape[1]))
-    out[list(answer.scene.soft)] = rates.forces[3 * answer.scene.n :]
-    return out
-
-
-def _motion_rates(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> Array:
-    """(n, 3, p) motions of the object past the fingertips; 0 where a prescribed force makes the finger follow."""
-    n = answer.scene.n
-    return np.where(answer.scene.force_unknown_mask[:, None, None], rates.slip[: 3 * n].reshape(n, 3, -1), 0.0)
-
-
-def _torque_rates(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> Array:
-    """Of the joint torques τ = Jᵀ r + … (nv, p)."""
-    return np.asarray(answer.torque_rows.T @ rates.forces + change.torque)
-
-
-def _torque_margin_rates(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> Array:
-    """Limit less |τ|; NaN of a joint without a limit."""
-    assert answer.spec.mechanism is not None
-    used = np.sign(answer.joints.torque)[:, None] * _torque_rates(answer, rates, change)
-    return np.where(np.isfinite(answer.spec.mechanism.limits)[:, None], change.torque_limits - used, np.nan)
+def quantity_rates(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> dict[str, Array]:
+    """How fast each quantity changes (…, p), from the rates of forces, motion and slips, and of the laws themselves."""
+    scene, n, spec = answer.scene, answer.scene.n, answer.spec
+    torsion = np.zeros((n, rates.forces.shape[1]))
+    torsion[list(scene.soft)] = rates.forces[3 * n :]
+    # Past the fingertips; where a prescribed force makes the finger follow, by nothing
+    slip = np.where(scene.force_unknown_mask[:, None, None], rates.slip[: 3 * n].reshape(n, 3, -1), 0.0)
+    found = {"forces": rates.forces[: 3 * n].reshape(n, 3, -1), "torsion": torsion, "slip": slip[:, :2]}
+    found |= {"gap": slip[:, 2], "displacement": rates.motion}
+    found["friction_margin"] = _friction_margin_rates(answer, rates, change)
+    if spec.mechanism is not None:
+        torques = np.asarray(answer.torque_rows.T @ rates.forces + change.torque)
+        margin = change.torque_limits - np.sign(answer.joints.torque)[:, None] * torques
+        has_limit = np.isfinite(spec.mechanism.limits)[:, None]
+        found |= {"torques": torques, "torque_margin": np.where(has_limit, margin, np.nan)}
+    return found
 
 
 def _friction_margin_rates(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> Array:
@@ -71,19 +58,6 @@ def _friction_margin_rates(answer: LinearisationPoint, rates: ResponseRates, cha
         grows = change.friction[i] * (scene.mu[i] / limits[i] if limits[i] > 0.0 else 0.0)
         out[i] = scene.mu[i] * lawful[z] + grows * answer.law_forces[z] - used
     return out
-
-
-QUANTITIES: dict[str, Callable[[LinearisationPoint, ResponseRates, LawChange], Array]] = {
-    "forces": _point_rates,
-    "torsion": _torsion_rates,
-    "torques": _torque_rates,
-    "slip": lambda answer, rates, change: _motion_rates(answer, rates, change)[:, :2],
-    "gap": lambda answer, rates, change: _motion_rates(answer, rates, change)[:, 2],
-    "displacement": lambda answer, rates, change: rates.motion,
-    "friction_margin": _friction_margin_rates,
-    "torque_margin": _torque_margin_rates,
-}
-_JOINT_QUANTITIES = "torques", "torque_margin"  # of hands alone
 
 
 # ----------------------------------------------------------------
@@ -203,7 +177,7 @@ class Sensitivity(Record):
 
     def __init__(self, answer: LinearisationPoint) -> None:
         self._answer = answer
-        self._rates: dict[str, tuple[ResponseRates, LawChange]] = {}
+        self._rates: dict[str, tuple[dict[str, Array], LawChange]] = {}
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -245,8 +219,7 @@ class Sensitivity(Record):
         """
         if quantity not in self.quantities:
             raise UnknownName("quantity", "a quantity", [str(quantity)], self.quantities)
-        rates, change = self._rates_by(parameter)
-        found = QUANTITIES[quantity](self._answer, rates, change.ahead)
+        found = self._rates_by(parameter)[0][quantity]
         return read_only(found.reshape(*found.shape[:-1], *self._shape(parameter)))
 
     def along(self, parameter: str, direction: Any) -> DirectionalDerivatives:
@@ -255,20 +228,22 @@ class Sensitivity(Record):
         """
         _, change = self._rates_by(parameter)
         way = check_array("direction", direction, self._shape(parameter)).reshape(-1)
-        ahead, behind = self._one_side(change.along(way)), self._one_side(change.along(-way))
-        return DirectionalDerivatives(ahead, {name: read_only(-rate) for name, rate in behind.items()})
-
-    def _one_side(self, change: LawChange) -> dict[str, Array]:
-        rates = find_rates(self._answer, self._kinks, change)
-        return {name: read_only(QUANTITIES[name](self._answer, rates, change)[..., 0]) for name in self.quantities}
+        ahead, behind = (self._ahead(change.along(direction)) for direction in (way, -way))
+        return DirectionalDerivatives(
+            {name: read_only(ahead[name][..., 0]) for name in self.quantities},
+            {name: read_only(-behind[name][..., 0]) for name in self.quantities},
+        )
 
     def _shape(self, parameter: str) -> tuple[int, ...]:
         return find_present_parameter(self._answer.spec, parameter).shape(self._answer.spec)
 
-    def _rates_by(self, parameter: str) -> tuple[ResponseRates, LawChange]:
+    def _ahead(self, change: LawChange) -> dict[str, Array]:
+        return quantity_rates(self._answer, find_rates(self._answer, self._kinks, change), change)
+
+    def _rates_by(self, parameter: str) -> tuple[dict[str, Array], LawChange]:
         if parameter not in self._rates:
             change = find_present_parameter(self._answer.spec, parameter).change(self._answer)
-            self._rates[parameter] = find_rates(self._answer, self._kinks, change.ahead), change
+            self._rates[parameter] = self._ahead(change.ahead), change
         return self._rates[parameter]
 
     def to_dict(self) -> dict[str, Any]:

@@ -10,7 +10,6 @@ from pkgutil import iter_modules
 
 from handlcp.grasp.derivatives.parameter.parameter import (
     Parameter,
-    Shown,
     find_parameter,
     find_present_parameter,
     parameters,
@@ -22,6 +21,6 @@ for _module in iter_modules(__path__):
     import_module(f"{__name__}.{_module.name}")
 
 __all__ = [
-    "Parameter", "Shown", "find_parameter", "find_present_parameter", "parameters", "parameters_by_effort",
+    "Parameter", "find_parameter", "find_present_parameter", "parameters", "parameters_by_effort",
     "present_parameters",
 ]  # fmt: skip

@@ -179,8 +179,7 @@ class _RebuiltParameter(Parameter):
         gaps = np.full((2, len(tips.contacts), count), np.nan)
 
         def vary_and_measure(k: int, step: float) -> GraspSpec:
-            assert spec.mechanism is not None
-            made: GraspSpec = spec.mechanism.variation.vary_parameter(spec, self.name, k, step, tips.inside)
+            made: GraspSpec = answer.mechanism.variation.vary_parameter(spec, self.name, k, step, tips.inside)
             if len(tips.contacts):
                 assert made.mechanism is not None
                 gaps[int(step > 0.0), :, k] = made.mechanism.variation.gaps()[tips.contacts]

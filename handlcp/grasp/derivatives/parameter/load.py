@@ -108,8 +108,7 @@ class Mass(Parameter):
         return spec.replace(mechanism=made, wrench=wrench)
 
     def change(self, answer: LinearisationPoint) -> LawChange:
-        assert answer.spec.mechanism is not None
-        weight = answer.spec.mechanism.weight_of_object(answer.spec.reference)
+        weight = answer.mechanism.weight_of_object(answer.spec.reference)
         return answer.law_change(1, balance=weight[:, None] / self.values(answer.spec))
 
     def entries(self, spec: GraspSpec, argument: str, given: Any) -> Sequence[ParameterEntry]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -209,11 +208,8 @@ class Parameter(ABC):
         """(the change in words, the changed grasp) of a share such as 0.1 more or less of it; None: it has none."""
         return iter(())
 
-    def both_shares(
-        self, spec: GraspSpec, share: float, more: str, less: str
-    ) -> Iterator[tuple[str, GraspSpec | None]]:
-        """`shares` of a share more and of one less; the words for both have the share as {}."""
-        what = more, less
+    def both_shares(self, spec: GraspSpec, share: float, *what: str) -> Iterator[tuple[str, GraspSpec | None]]:
+        """`shares` of a share more and of one less; what : the words for both, with the share as {}."""
         for text, factor in zip(what, (1.0 + share, 1.0 - share), strict=True):
             yield text.format(words.format_percent(share)), self.scaled(spec, factor)
 
@@ -225,8 +221,8 @@ class Parameter(ABC):
 
 
 def parameters() -> tuple[Parameter, ...]:
-    """All there are, in order."""
-    return _make_parameters(tuple(_KINDS.values()))
+    """One of each kind, in order."""
+    return tuple(sorted([kind() for kind in _KINDS.values()], key=lambda p: p.order))
 
 
 def present_parameters(spec: GraspSpec) -> tuple[Parameter, ...]:
@@ -250,12 +246,6 @@ def find_present_parameter(spec: GraspSpec, name: str) -> Parameter:
     if name not in known:
         raise UnknownName("parameter", "a parameter", [str(name)], tuple(known))
     return known[name]
-
-
-@cache
-def _make_parameters(kinds: tuple[type[Parameter], ...]) -> tuple[Parameter, ...]:
-    """One of each, in order."""
-    return tuple(sorted([kind() for kind in kinds], key=lambda p: p.order))
 
 
 # ---------------------------------------------------------------- for subclasses
