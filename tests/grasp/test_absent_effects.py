@@ -10,7 +10,7 @@ from tests.support.grasp import arrays
 from tests.support.lcp import eliminated
 
 NAMES = [row.name for row in ROWS]
-ALWAYS = ("object balance", "unilateral contact")
+ALWAYS = ("object balance", "unilateral contact")  # the first rows
 
 
 # ---------------------------------------------------------------- the problem as the model writes it
@@ -103,10 +103,8 @@ def test_an_effect_at_its_neutral_value_is_none(row):
         return
     a, b = neutral.solve(row.faces), absent.solve(row.faces)
     n = len(b.forces)
-    np.testing.assert_allclose(a.forces[:n], b.forces, atol=1e-9 * abs(b.forces).max())
-    np.testing.assert_allclose(
-        a.object_displacement, b.object_displacement, atol=1e-9 * abs(b.object_displacement).max()
-    )
+    for there, here in ((a.forces[:n], b.forces), (a.object_displacement, b.object_displacement)):
+        np.testing.assert_allclose(there, here, atol=1e-9 * abs(here).max())
     assert not a.forces[n:].any()
     assert a.contact_state[1:n] == b.contact_state[1:n]  # a prescribed one is not asked for its state
 
@@ -123,11 +121,9 @@ def test_explain_says_on_where_it_is_on_and_off_where_it_is_not(row):
         assert off.why
 
 
-@pytest.mark.parametrize("row", ROWS, ids=NAMES)
+@pytest.mark.parametrize("row", ROWS[len(ALWAYS) :], ids=NAMES[len(ALWAYS) :])
 def test_an_effect_does_something_where_it_is_on(row):
     """Otherwise the comparisons above compare nothing."""
-    if row.name in ALWAYS:
-        return
     on, absent = row.on().problem(row.faces), row.absent().problem(row.faces)
     same = on.M.shape == absent.M.shape and (on.M == absent.M).all() and (on.q == absent.q).all()
     if row.name == "geometric stiffness":  # it acts between solves

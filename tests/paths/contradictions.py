@@ -72,15 +72,12 @@ def contradictions(
 
 def _words(case: Case, load: np.ndarray, order: str) -> Iterator[tuple[str, Word, int]]:
     """What each question says, and the number of events; where it is refused it has no word."""
-    try:
-        word, loading = followed(case, load, order)
-        yield "follow", word, len(loading.events)
-    except hl.HandLCPError as why:
-        yield "follow", Word(None, f"{type(why).__name__}: {why}"), 0
-    try:
-        yield "check", checked(case, load, order), 0
-    except hl.HandLCPError as why:
-        yield "check", Word(None, f"{type(why).__name__}: {why}"), 0
+    for question, ask in (("follow", followed), ("check", checked)):
+        try:
+            answer = ask(case, load, order)
+            yield (question, answer, 0) if isinstance(answer, Word) else (question, answer[0], len(answer[1].events))
+        except hl.HandLCPError as why:
+            yield question, Word(None, f"{type(why).__name__}: {why}"), 0
 
 
 def steps_agree(case: Case, direction: int) -> list[Finding]:
