@@ -53,15 +53,16 @@ def track_progress(
         line = outer
         yield lambda more: line.set_detail(str(inner.add(more)))
         return
-    line = _ProgressLine(
-        _ProgressCount(what, total, begun), _NEVER if callable(asked) else _line_delay(asked), asked is True
-    )
+    count = _ProgressCount(what, total, begun)
+    line = _ProgressLine(count, _NEVER if callable(asked) else _line_delay(asked), asked is True)
     _thread_state.line = line
     try:
-        if callable(asked):
-            yield _make_callback(asked, total or 0, begun)
-        else:
+        if not callable(asked):
             yield line.advance
+        else:
+            if not total:
+                asked(0, 0)
+            yield lambda more: asked(count.add(more).done, total or 0)
     finally:
         _thread_state.line = outer
         line.end()
@@ -75,10 +76,8 @@ def track_steps(patience: float = SILENT_SECONDS) -> Iterator[Callable[[int, int
 
     patience : how long the study may take without a line [s].
     """
-    outer, line = (
-        getattr(_thread_state, "line", None),
-        _ProgressLine(_ProgressCount("", None), _line_delay(None, patience), False),
-    )
+    outer = getattr(_thread_state, "line", None)
+    line = _ProgressLine(_ProgressCount("", None), _line_delay(None, patience), False)
     _thread_state.line = _ProgressLine(_ProgressCount("", None), _NEVER, False)
     try:
         yield line.update
@@ -147,17 +146,6 @@ def _line_delay(asked: bool | None, patience: float = SILENT_SECONDS) -> float:
     alone = threading.current_thread() is threading.main_thread() and multiprocessing.parent_process() is None
     terminal = sys.stderr is not None and sys.stderr.isatty()
     return patience if said == "auto" and alone and terminal else _NEVER
-
-
-def _make_callback(function: Callable[[int, int], None], total: int, begun: int | None) -> Callable[[int], None]:
-    count = _ProgressCount("", total, begun)
-
-    def say(more: int) -> None:
-        function(count.add(more).done, total)
-
-    if not total:
-        function(0, 0)
-    return say
 
 
 class _ProgressCount:

@@ -45,11 +45,8 @@ def format_length(metres: float) -> str:
     """A length as text, such as "0.42 mm", "12 µm", "24 m"."""
     if abs(metres) >= 1.0:
         return _format_quantity(metres, " m", 2)
-    return (
-        _format_quantity(metres * 1e6, " µm", 2)
-        if NEGLIGIBLE_LENGTH <= abs(metres) < 1e-4
-        else _format_quantity(metres * 1e3, " mm", 2)
-    )
+    small = NEGLIGIBLE_LENGTH <= abs(metres) < 1e-4
+    return _format_quantity(metres * 1e6, " µm", 2) if small else _format_quantity(metres * 1e3, " mm", 2)
 
 
 def format_lengths(metres: Iterable[float]) -> list[str]:

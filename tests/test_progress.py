@@ -2,7 +2,6 @@
 
 import io
 import os
-import pathlib
 import pty
 import re
 import subprocess
@@ -11,11 +10,9 @@ import threading
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import handlcp as hl
 from handlcp import scene as scenes
-from handlcp.cli import app
 from handlcp.progress import (
     REDRAW_SECONDS,
     SILENT_SECONDS,
@@ -26,9 +23,9 @@ from handlcp.progress import (
     track_progress,
 )
 from tests.design.hands import pinch as levers
+from tests.support.command import CUBE, run
 from tests.support.progress import NINE_SECONDS, Clock, Terminal, terminal_with
-
-CUBE = pathlib.Path(__file__).parents[1] / "examples" / "cube_three_fingers.toml"
+from tests.support.squeezed import cube
 
 
 def count_to(number, clock, each, total=None):
@@ -123,12 +120,6 @@ def test_a_variable_that_says_nothing_is_refused(monkeypatch):
 
 
 # ---------------------------------------------------------------- the calls and commands that take long
-def grasp():
-    hand = hl.example_hand("three_finger", joint_stiffness=6.0)
-    cube = hl.Box(0.05, placement=(0, 0, 0.08), mass=0.2)
-    return hand.at(hand.close_on(cube)).grasp(cube, friction=0.8, squeeze=0.005)
-
-
 def points():
     sides = [hl.Contact((s * 0.02, 0, 0), (-s, 0, 0), 0.5, name=n) for s, n in ((-1, "left"), (1, "right"))]
     return hl.Grasp(sides, (0, 0, -0.5, 0, 0, 0), flexibility=1e-3, preload=2e-3)
@@ -143,9 +134,9 @@ CALLS = {
         hl.example_hand("three_finger", joint_stiffness=6.0), hl.Sphere(0.03, mass=0.1), friction=0.8, tries=1,
         throw=False,
     ),
-    "following the loading": lambda _: grasp().follow(steps=8),
-    "checking": lambda _: grasp().replace(friction=0.28).check(),
-    "load limit": lambda _: grasp().load_limit((0, 1, 0, 0, 0, 0)),
+    "following the loading": lambda _: cube().follow(steps=8),
+    "checking": lambda _: cube().replace(friction=0.28).check(),
+    "load limit": lambda _: cube().load_limit((0, 1, 0, 0, 0, 0)),
 }  # fmt: skip
 
 
@@ -159,7 +150,7 @@ def test_each_long_call_says_how_far_it_is(what, monkeypatch, tmp_path):
 
 def test_progress_false_silences_a_call(monkeypatch, tmp_path):
     terminal = terminal_with(monkeypatch, Clock(each=0.3))
-    hl.envelope(grasp(), np.eye(3), progress=False)
+    hl.envelope(cube(), np.eye(3), progress=False)
     levers(tmp_path).required_torque(progress=False)
     assert terminal.getvalue() == ""
     with pytest.raises(hl.InputError, match="progress"):
@@ -168,8 +159,7 @@ def test_progress_false_silences_a_call(monkeypatch, tmp_path):
 
 def test_a_command_leaves_the_line_to_the_call_that_it_makes(monkeypatch):
     """The runner's stderr is no terminal; that of the process is, where the call is made alone."""
-    arguments = ["envelope", str(CUBE), "--directions", "xz,24", "--adaptive", "0", "--faces", "8", "--fixed"]
-    done = CliRunner().invoke(app, arguments)
+    done = run("envelope", CUBE, "--directions", "xz,24", "--adaptive", "0", "--faces", "8", "--fixed", width=None)
     terminal = terminal_with(monkeypatch, Clock(each=1.1 * SILENT_SECONDS))
     env = hl.envelope(scenes.load(CUBE).build(), ("xz", 24), faces=8, adaptive=0, geometry="fixed")
     assert "directions 24/24" in terminal.text

@@ -117,10 +117,8 @@ def _print_comparison(out: Console, grasp: HandGrasp, found: Any) -> None:
         print_sentence(out, f"{name}: {one.word}", f"bold {'green' if one.held else 'red'}", one.sentence)
     agree, colour = ("They agree", "green") if found.agree else ("They do not agree", "red")
     print_sentence(out, agree, f"bold {colour}", f"tolerance: {found.tolerance}")
-    ratio = found.simulation.seconds / found.seconds
-    print_sentence(
-        out, "Time", "bold", f"handlcp {found.seconds:.3g} s, MuJoCo {found.simulation.seconds:.3g} s, {ratio:.0f} ×"
-    )
+    ours, theirs = found.seconds, found.simulation.seconds
+    print_sentence(out, "Time", "bold", f"handlcp {ours:.3g} s, MuJoCo {theirs:.3g} s, {theirs / ours:.0f} ×")
 
 
 def _comparison_tables(grasp: HandGrasp, found: Any) -> list[Table]:

@@ -108,13 +108,8 @@ def _print_limits(found: list[LoadLimit], least: LoadLimit, title: str, plot: Pa
         print_sentence(out, "NOT HELD", "bold red", found[0].why)
     else:
         out.print(limit_table(found, "Load beside the weight"))
-        amount = format_load_size(least.wrench, least.factor)
-        print_sentence(
-            out,
-            "Weakest",
-            "bold",
-            f"{format_load_direction(least.wrench)}, held up to {amount}; there, {describe_failures(least.binds)}",
-        )
+        held = f"held up to {format_load_size(least.wrench, least.factor)}; there, {describe_failures(least.binds)}"
+        print_sentence(out, "Weakest", "bold", f"{format_load_direction(least.wrench)}, {held}")
         for line in told(least.events, lambda factor: format_load_size(least.wrench, factor)):
             out.print(Text(f"  {line}"))
     print_files(out, Picture=[plot])
@@ -155,7 +150,13 @@ def envelope(
     from handlcp.studies.envelope.direction import read_directions
 
     check_output_files(plot, polar, page=page)
-    asked = _parse_directions(directions)
+    plane, _, count = directions.partition(",")
+    asked: Any = plane
+    if count or plane.isdecimal():
+        if not (number := count or plane).isascii() or not number.isdecimal() or len(number) > 9:
+            expected = 'a number, "xy", "yz" or "xz", or both as in "xy,72"'
+            raise InputError("--directions", expected, shorten_text(repr(directions)))
+        asked = (plane, int(number)) if count else int(number)
     flat = read_directions(asked).plane is not None  # raises before any work is done
     read = load_scene(scene)
     sides = choose_faces(read.solve_with.faces, faces)
@@ -185,18 +186,6 @@ def envelope(
         typer.echo(str(found))
         print_files(out, Picture=[plot, polar], Page=[page])
     raise typer.Exit(0 if found.weakest.factor > 0.0 else 1)
-
-
-def _parse_directions(text: str) -> Any:
-    """The directions that a text asks for: a count, a plane, or both as (plane, count). Raises InputError."""
-    plane, _, count = text.partition(",")
-    if not count and not plane.isdecimal():
-        return plane
-    if not (number := count or plane).isascii() or not number.isdecimal() or len(number) > 9:
-        raise InputError(
-            "--directions", 'a number, "xy", "yz" or "xz", or both as in "xy,72"', shorten_text(repr(text))
-        )
-    return (plane, int(number)) if count else int(number)
 
 
 # ----------------------------------------------------------------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -32,7 +33,7 @@ from handlcp.cli.app import (
 from handlcp.errors import InputError, shorten_text, translate_arguments
 from handlcp.grasp.derivatives.parameter import parameters
 from handlcp.hand import HandGrasp
-from handlcp.hand.motor_requirement import RequiredTension, RequiredTorque
+from handlcp.hand.motor_requirement import RequiredTorque
 from handlcp.record import to_plain
 from handlcp.viz import terminal_table as tables
 from handlcp.write_file import check_destination
@@ -140,49 +141,39 @@ def _print_motors(found: RequiredTorque, title: str, motor: Motor | None) -> Non
     print_sentence(out, word, f"bold {style}", " ".join(found.sentence.split()).removesuffix("."))
     out.print()
     if found.holds:
-        tendons = [] if found.tensions is None else [_tendon_table(found.tensions)]
-        print_tables(
-            out,
-            [_joint_table(found), *tendons, *([] if motor is None else _gear_tables(found, motor)), _grip_table(found)],
-        )
+        print_tables(out, _motor_tables(found, motor))
 
 
-def _joint_table(found: RequiredTorque) -> Table:
-    note = "N·m at the joint (N of prismatic joints): peak from first touch to full load, continuous under full load"
+def _motor_tables(found: RequiredTorque, motor: Motor | None) -> Iterator[Table]:
+    """Sizes of the motors, pulls of the tendons, gears for the motor to buy, and the grip to command."""
+    when = "peak from first touch to full load, continuous under full load"
     heads = "joint", "peak", "continuous", "limit", "of limit", "sized by", ""
+    note = f"N·m at the joint (N of prismatic joints): {when}"
     table = tables.make_table("Sizes of the motors", heads, "<>>>><<", note=note)
-    for row in found.rows:
-        joint, peak, held, limit, share, load, remark = row
+    for joint, peak, held, limit, share, load, remark in found.rows:
         table.add_row(Text(joint), peak, held, limit, share, Text(load), remark, style="red" if remark else None)
-    return table
+    yield table
+    if found.tensions is not None:
+        rows, note = found.tensions.table.rows, f"N at the tendon: {when}"
+        yield tables.make_table("Pull of the tendons", ("tendon", "peak", "continuous", ""), "|>><", rows, note=note)
+    if motor is not None:
+        yield from _gear_tables(found, motor)
+    grips = zip(found.grip, words.format_column(found.grip.values()), strict=True)
+    yield tables.make_table("Grip force to command", ("fingertip", "grip [N]"), "<>", grips)
 
 
-def _tendon_table(found: RequiredTension) -> Table:
-    note = "N at the tendon: peak from first touch to full load, continuous under full load"
-    heads = "tendon", "peak", "continuous", ""
-    return tables.make_table("Pull of the tendons", heads, "|>><", found.table.rows, note=note)
-
-
-def _gear_tables(found: RequiredTorque, motor: Motor) -> list[Table]:
+def _gear_tables(found: RequiredTorque, motor: Motor) -> Iterator[Table]:
     """Tables of the gears that joints without a tendon motor need, and that tendons need."""
-    made = list[Table]()
     note = "the least with which the motor gives peak and continuous torque"
     least = found.reductions(motor)
     if (own := ~np.isnan(least)).any():
-        rows = zip(
-            [j for j, its in zip(found.joints, own, strict=True) if its], words.format_column(least[own]), strict=True
-        )
-        made.append(tables.make_table("Reduction that the motor needs", ("joint", "reduction"), "<>", rows, note=note))
+        joints = [joint for joint, its in zip(found.joints, own, strict=True) if its]
+        rows = zip(joints, words.format_column(least[own]), strict=True)
+        yield tables.make_table("Reduction that the motor needs", ("joint", "reduction"), "<>", rows, note=note)
     if found.tensions is not None:
         rows = zip(found.tensions.tendons, words.format_column(found.tensions.reductions(motor)), strict=True)
         note = "N of tension per N·m of the motor: gear over radius of the spool in m"
-        made.append(tables.make_table("Reduction at each tendon", ("tendon", "reduction"), "<>", rows, note=note))
-    return made
-
-
-def _grip_table(found: RequiredTorque) -> Table:
-    rows = zip(found.grip, words.format_column(found.grip.values()), strict=True)
-    return tables.make_table("Grip force to command", ("fingertip", "grip [N]"), "<>", rows)
+        yield tables.make_table("Reduction at each tendon", ("tendon", "reduction"), "<>", rows, note=note)
 
 
 # ----------------------------------------------------------------
@@ -193,13 +184,11 @@ def _add_spread_options(command: Any) -> Any:
     """The command with an option for each parameter that may vary, in place of its `**spread`."""
     own = inspect.signature(command, eval_str=True)
     scene, *others = [p.replace(kind=p.KEYWORD_ONLY) for p in own.parameters.values() if p.kind != p.VAR_KEYWORD]
-    spread = [
-        inspect.Parameter(
-            p.spread, scene.kind, default=None, annotation=Annotated[float | None, typer.Option(help=p.uncertain)]
-        )
-        for p in parameters()
-        if p.spread
-    ]
+    spread = []
+    for p in parameters():
+        if p.spread:
+            option = Annotated[float | None, typer.Option(help=p.uncertain)]
+            spread.append(inspect.Parameter(p.spread, scene.kind, default=None, annotation=option))
     command.__signature__ = own.replace(parameters=[scene, *spread, *others])
     command.__annotations__ = {p.name: p.annotation for p in command.__signature__.parameters.values()}
     return command

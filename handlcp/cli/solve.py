@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from importlib import resources
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated
 
 import typer
 from rich.console import Console
@@ -29,7 +29,7 @@ from handlcp.cli.app import (
 )
 from handlcp.contact.friction import as_section
 from handlcp.errors import InputError, pip_command, refuse_unwritable
-from handlcp.grasp import Explanation, Grasp, GraspSolution, Loading, Suggestions, Verdict
+from handlcp.grasp import GraspSolution, Loading, Verdict
 from handlcp.grasp.verdict.check import make_suggestions
 from handlcp.lcp import Auto
 from handlcp.viz import terminal_table as tables
@@ -71,94 +71,61 @@ def solve(
     """
     check_output_files(plot, page=page)
     file = load_scene(scene)
-    sides = _choose_faces(file.solve_with.faces, faces, accuracy)
+    if accuracy is not None and faces is not None:
+        raise InputError("--accuracy", "nothing where --faces is given: it chooses them", f"{accuracy:g}")
+    sides = "cone" if accuracy is not None else choose_faces(file.solve_with.faces, faces)
     solver = Auto(seed=file.solve_with.seed if seed is None else seed)
     grasp = file.build()
     explanation = grasp.explain(sides, measure=explain)
     solution = grasp.solve(sides, solver, throw=False, accuracy=accuracy)
     judged = grasp.check(faces=sides, solution=solution)
-    shown = _choose_solution(solution, judged)
     if plot is not None:
         plot_solution(solution, plot, file.shape(), file.title, judged)
     if page is not None:
         from handlcp.viz.page.document import write_grasp_page  # pages are paid for by those who ask for one
 
         write_grasp_page(grasp, solution, page, file.shape(), file.title, judged)
-    left_out = _suggest(grasp, solution, sides, judged) if suggest else None
+    left_out = None
+    if suggest:  # what `grasp.suggest` returns, without finding the verdict again
+        section = as_section(sides, planar=grasp.scene.kind.planar)
+        left_out = make_suggestions(grasp.spec, section, solution, 0.05, judged)
     if json:
         print_json({"title": file.title} | solution_record(grasp, solution, explanation, left_out, judged))
     else:
         out = open_console(file.title)
-        _print_solution(out, solution, judged, shown, ("Advice",) if suggest else ())
-        _print_extras(out, left_out, explanation if explain else None)
+        _print_solution(out, solution, judged, ("Advice",) if suggest else ())
+        if left_out is not None:
+            out.print(Text("Suggestions:", style="yellow"))
+            for line in left_out.lines:
+                out.print(Padding(Text(line), (0, 0, 0, 2)))
+        if explain:
+            out.print(tables.effect_table(explanation))
+            if explanation.seconds is None:
+                out.print(Text(_NO_SHARES_NOTE, style="dim"))
         print_files(out, Picture=[plot], Page=[page])
     short = solution.held and solution.accuracy is not None and not solution.accuracy.met
     raise typer.Exit(1 if short or not judged.ok else 0)
 
 
-def _choose_faces(own: Any, faces: str | None, accuracy: float | None) -> Any:
-    """Faces of the friction pyramids, or "cone". Raises InputError.
+def _print_solution(out: Console, solution: GraspSolution, judged: Verdict, without: Sequence[str]) -> None:
+    """Verdict and accuracy, the tables, then warnings and advice but for those `without`, which are told later.
 
-    own : the scene file's.
+    Tables are of the end of the loading that the verdict is about, where it is reached; else of the one solve.
     """
-    if accuracy is not None and faces is not None:
-        raise InputError("--accuracy", "nothing where --faces is given: it chooses them", f"{accuracy:g}")
-    return "cone" if accuracy is not None else choose_faces(own, faces)
-
-
-def _suggest(grasp: Grasp, solution: GraspSolution, sides: Any, judged: Verdict) -> Suggestions:
-    """What `grasp.suggest` returns, without finding the verdict again."""
-    return make_suggestions(grasp.spec, as_section(sides, planar=grasp.scene.kind.planar), solution, 0.05, judged)
-
-
-class _TabledSolution(NamedTuple):
-    """The solution that the tables show.
-
-    title_end : what their titles add.
-    has_whole_slip : whether slips are those of the whole loading.
-    """
-
-    solution: GraspSolution
-    title_end: str = ""
-    has_whole_slip: bool = False
-
-
-def _choose_solution(solution: GraspSolution, judged: Verdict) -> _TabledSolution:
-    """The end of the loading that the verdict is about, where it is reached; else the one solve."""
     path = judged.loading
-    if path is None:
-        return _TabledSolution(solution)
-    if path.reached and solution.accuracy is None and (end := solution_at_end(path)).held:
-        return _TabledSolution(end, ", squeezed and loaded", True)
-    return _TabledSolution(solution, ", one solve: squeeze and load at once")
-
-
-def _print_solution(
-    out: Console, solution: GraspSolution, judged: Verdict, shown: _TabledSolution, without: Sequence[str]
-) -> None:
-    """Verdict and accuracy, the tables, then warnings and advice but for those `without`, which are told later."""
+    tabled, title_end, whole = solution, "" if path is None else ", one solve: squeeze and load at once", False
+    if path is not None and path.reached and solution.accuracy is None and (end := solution_at_end(path)).held:
+        tabled, title_end, whole = end, ", squeezed and loaded", True
     (word, text), *rest = judged.paragraphs
     print_sentence(out, word, f"bold {_WORD_COLOURS.get(word, 'red')}", text)
     if (reached := solution.accuracy) is not None and solution.held:
         words = f"{reached}" if reached.met else f"{reached}: not shown to keep it"
         print_sentence(out, "Accuracy", "green" if reached.met else "bold red", words)
     out.print()
-    print_tables(out, solution_tables(shown.solution, shown.title_end, shown.has_whole_slip))
+    print_tables(out, solution_tables(tabled, title_end, whole))
     for head, sentence in rest:
         if head not in without:
             print_sentence(out, head, "yellow" if head == "Warning" else "cyan", sentence)
-
-
-def _print_extras(out: Console, left_out: Suggestions | None, explanation: Explanation | None) -> None:
-    """What was asked for besides: suggestions, effects and what they cost."""
-    if left_out is not None:
-        out.print(Text("Suggestions:", style="yellow"))
-        for line in left_out.lines:
-            out.print(Padding(Text(line), (0, 0, 0, 2)))
-    if explanation is not None:
-        out.print(tables.effect_table(explanation))
-        if explanation.seconds is None:
-            out.print(Text(_NO_SHARES_NOTE, style="dim"))
 
 
 # ----------------------------------------------------------------
@@ -197,9 +164,7 @@ def follow(
     if plot is not None:
         found.plot(plot, title=read.title)
     if picture is not None:
-        from handlcp.viz.loading.figure import draw_end_picture as at_end  # as pages
-
-        draw_or_save(picture, at_end, found, read.title, read.shape())
+        draw_or_save(picture, report.draw_end_picture, found, read.title, read.shape())
     if page is not None:
         found.page(page, obj=read.shape(), title=read.title)
     if json:
@@ -239,7 +204,13 @@ def demo(
 
     A scene file that is there already is kept and run. Exit status as of `handlcp solve`.
     """
-    scene = _write_scene(folder / "cube.toml")
+    scene = folder / "cube.toml"
+    if not scene.exists():
+        with refuse_unwritable("FOLDER", scene):
+            folder.mkdir(parents=True, exist_ok=True)
+        package = Path(str(resources.files("handlcp.cli"))).parent  # an installed package, or that of a checkout
+        places = package / "examples" / _EXAMPLE_FILE, package.parent / "examples" / _EXAMPLE_FILE
+        write_file("FOLDER", scene, next(file for file in places if file.is_file()).read_bytes())
     there = {library: find_spec(library) is not None for library in _OPTIONAL_OUTPUTS}
     plot, page = scene.with_suffix(".png"), scene.with_suffix(".html")
     try:
@@ -251,19 +222,3 @@ def demo(
             out.print(Text(f"For {_OPTIONAL_OUTPUTS[library]}, too: {pip_command(library)}"))
         out.print(Text(f"Next: open the page, change the scene, and see: handlcp solve {scene}"))
         raise typer.Exit(done.exit_code) from None
-
-
-def _write_scene(file: Path) -> Path:
-    """The scene file, written unless it is there. Raises InputError where it cannot be."""
-    if not file.exists():
-        with refuse_unwritable("FOLDER", file):
-            file.parent.mkdir(parents=True, exist_ok=True)
-        write_file("FOLDER", file, _find_example().read_bytes())
-    return file
-
-
-def _find_example() -> Path:
-    """The scene of an installed package, or of a checkout."""
-    package = Path(str(resources.files("handlcp.cli"))).parent
-    places = [package / "examples", package.parent / "examples"]
-    return next(file for place in places if (file := place / _EXAMPLE_FILE).is_file())

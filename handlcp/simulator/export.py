@@ -192,9 +192,8 @@ def _open_posture(grasp: HandGrasp) -> Array:
         frames = grasp.frames[:k].copy()
         frames[:, :, 2] = normals  # tangents do not matter: only depths along normals are asked for
         moved = mechanism.move_contacts(posture, positions, frames)
-        posture = HandPosture(
-            posture.hand, posture.q - tip_motions_by_joint(moved, grasp.spec.planar).command_for_depth(inside)
-        )
+        closed = tip_motions_by_joint(moved, grasp.spec.planar).command_for_depth(inside)
+        posture = HandPosture(posture.hand, posture.q - closed)
     if inside.max() <= _MAX_START_OVERLAP:
         return posture.q
     name, depth = grasp.fingertips[int(np.argmax(inside))], 1e3 * float(inside.max())
@@ -236,18 +235,16 @@ def to_mujoco(grasp: Grasp, settings: SimulatorSettings | None = None) -> tuple[
     body = add_object(root, world, obj, spec, settings)
     corners = [add_corner(body, hand_grasp.state, tip, obj) for tip in mechanism.tips]
     touching = [(ours, corner or OBJECT_NAME) for ours, corner in zip(tips, corners, strict=True)]
-    touching += [((s.ground_shape,), s.object_shape) for s in add_supports(world, body, spec, obj, settings)]
+    touching += [((ground,), foot) for ground, foot in add_supports(world, body, spec, obj, settings)]
     pairs = add_element(root, "contact")
     for i, ((ours, other), contact) in enumerate(zip(touching, spec.contacts, strict=True)):
         words = friction_attributes(spec.names[i], contact.friction)
         words |= {} if i < spec.of_hand else _impedance_attributes(settings.support_impedance)
         for one in ours:
             add_element(pairs, "pair", name=one, geom1=one, geom2=other, **words)
-    limited = any(isinstance(e, TorqueSaturation) for e in spec.effects)
-    least = least_tendon_forces(hand_grasp)
-    springs = add_springs(
-        root, bodies, hand, hand_grasp.state.q, limited, settings, {k: after for k, (_, after) in least.items()}
-    )
+    limited, least = any(isinstance(e, TorqueSaturation) for e in spec.effects), least_tendon_forces(hand_grasp)
+    at_last = {name: after for name, (_, after) in least.items()}
+    springs = add_springs(root, bodies, hand, hand_grasp.state.q, limited, settings, at_last)
     ET.indent(root)
     return ET.tostring(root, encoding="unicode"), make_start_state(hand_grasp, springs, least)
 
@@ -261,28 +258,14 @@ def _make_root(settings: SimulatorSettings, gravity: Array) -> ET.Element:
     """The settings that make it quasi-static."""
     root = ET.Element("mujoco", model="handlcp")
     add_element(root, "compiler", angle="radian", autolimits="true", balanceinertia="true")
-    add_element(
-        root,
-        "option",
-        timestep=settings.timestep,
-        gravity=gravity,
-        cone="elliptic",
-        integrator="implicitfast",
-        impratio=settings.friction_impedance,
-        solver="Newton",
-        iterations="100",
-        jacobian="dense",
-        tolerance=_SOLVER_TOLERANCE,
-        ccd_tolerance=1e-9,
-        ccd_iterations="100",
-    )
-    stiff = _impedance_attributes(settings.impedance)
-    times = {"solref": (settings.contact_time, 1.0), "solreffriction": (settings.friction_time, 1.0)}
-    default = add_element(root, "default")
-    add_element(default, "pair", **times, **stiff)
-    add_element(
-        default, "equality", solref=(settings.contact_time, 1.0), **_impedance_attributes(settings.support_impedance)
-    )
+    statics = {"timestep": settings.timestep, "gravity": gravity, "cone": "elliptic", "integrator": "implicitfast"}
+    solver = {"solver": "Newton", "iterations": "100", "jacobian": "dense", "tolerance": _SOLVER_TOLERANCE}
+    distances = {"ccd_tolerance": 1e-9, "ccd_iterations": "100"}
+    add_element(root, "option", **statics, impratio=settings.friction_impedance, **solver, **distances)
+    default, overlap, slip = add_element(root, "default"), (settings.contact_time, 1.0), (settings.friction_time, 1.0)
+    stiff, equal = (_impedance_attributes(x) for x in (settings.impedance, settings.support_impedance))
+    add_element(default, "pair", solref=overlap, solreffriction=slip, **stiff)
+    add_element(default, "equality", solref=overlap, **equal)
     return root
 
 

@@ -37,13 +37,14 @@ def add_route(
     root: ET.Element, tendons: ET.Element, bodies: Mapping[int, ET.Element], hand: HandModel, name: str, route: Route
 ) -> None:
     """Write a tendon, and what it passes on the bodies of the hand. bodies : by number of Pinocchio's joint."""
-    tendon = add_element(tendons, "spatial", name=name)
+    tendon, model = add_element(tendons, "spatial", name=name), hand.kinematics.model
     for i, place in enumerate(route.places):
         called = f"{name}, {i + 1}"
         if isinstance(place, Pulley):
             add_element(tendon, "pulley", divisor=place.divisor)
             continue
-        body, at = _carrier_body(bodies, hand, place.link)
+        frame = model.frames[model.getFrameId(place.link)]
+        body, at = bodies[frame.parentJoint], frame.placement  # which the link is part of, and where its frame is in it
         if isinstance(place, Site):
             add_element(body, "site", name=called, pos=at.act(place.point), size=_SITE_RADIUS)
             add_element(tendon, "site", site=called)
@@ -68,13 +69,6 @@ def has_routes(hand: HandModel) -> bool:
     return isinstance(hand.stiffness, TendonStiffness) and bool(hand.stiffness.routes)
 
 
-def _carrier_body(bodies: Mapping[int, ET.Element], hand: HandModel, link: str) -> tuple[ET.Element, pin.SE3]:
-    """The body that a link is part of, and where the link's frame is in it."""
-    model = hand.kinematics.model
-    frame = model.frames[model.getFrameId(link)]
-    return bodies[frame.parentJoint], frame.placement
-
-
 def route_commands(grasp: HandGrasp, names: tuple[str, ...], arms: Array) -> tuple[Array, Array]:
     """(m,) before and after the hand has closed, of actuators of a hand with routes: of a tendon with one the length L
     at which it hangs loose, T = k (L(q) - L); of one without, how far it is drawn in; of springs at the joints, where
@@ -86,9 +80,8 @@ def route_commands(grasp: HandGrasp, names: tuple[str, ...], arms: Array) -> tup
     assert cables is not None
     assert isinstance(stiffness, TendonStiffness)
     rest = mechanism.rest_posture
-    preload = (
-        cables if cables.elasticity_at is None else cables.elasticity_at(rest)[0]
-    ).arms.T @ cables.initial_tension
+    there = cables if cables.elasticity_at is None else cables.elasticity_at(rest)[0]
+    preload = there.arms.T @ cables.initial_tension
     bent = np.linalg.lstsq(cables.passive, preload)[0]
     if abs(cables.passive @ bent - preload).max(initial=0.0) > _BALANCE_TOLERANCE * abs(preload).max(initial=0.0):
         raise Unsupported("a pretension that no springs at the joints balance cannot be written")
@@ -111,11 +104,8 @@ _MIN_LINK_INERTIA = 1e-9  # [kg·m²]
 _STIFFNESS_ROUNDING = 1e-12  # of the largest stiffness: less is rounding, and no spring
 _UNLIMITED_FORCE = 1e6  # [N] of a tendon, in place of none
 _JOINT_ARMATURE = 1e-5  # [kg·m²] of every joint: links without inertia would move without limit
-_JOINT_FRICTION_IMPEDANCE = (
-    0.9999,
-    0.9999,
-    1e-3,
-)  # as near to 1 as MuJoCo has it: else a joint creeps that its friction should hold
+# As near to 1 as MuJoCo has it: else a joint creeps that its friction should hold
+_JOINT_FRICTION_IMPEDANCE = (0.9999, 0.9999, 1e-3)
 
 
 def add_hand(world: ET.Element, hand: HandModel, weighs: bool, settings: SimulatorSettings) -> dict[int, ET.Element]:
@@ -124,44 +114,24 @@ def add_hand(world: ET.Element, hand: HandModel, weighs: bool, settings: Simulat
     weighs : whether gravity acts on them.
     """
     model, friction = hand.kinematics.model, dict(zip(hand.joint_names, hand.dry_friction.tolist(), strict=True))
-    bodies, springs = {0: world}, _parallel_springs(hand)
+    bodies, springs = {0: world}, dict[str, dict[str, float]]()  # springs of joints beside their actuators
+    if (at_zero := hand.stiffness.parallel_spring_torque(np.zeros(hand.nv))) is not None:
+        each = zip(hand.joint_names, hand.stiffness.springs_with_rest.tolist(), at_zero.tolist(), strict=True)
+        springs = {joint: {"stiffness": k, "springref": -torque / k} for joint, k, torque in each if k}
     for i in range(1, model.njoints):
-        at = model.jointPlacements[i]
-        weight = {} if weighs else {"gravcomp": 1.0}
-        body = add_element(
-            bodies[model.parents[i]],
-            "body",
-            name=model.names[i],
-            **placement_attributes(at.rotation, at.translation),
-            **weight,
-        )
+        at, name = model.jointPlacements[i], model.names[i]
+        where = placement_attributes(at.rotation, at.translation) | ({} if weighs else {"gravcomp": 1.0})
+        body = bodies[i] = add_element(bodies[model.parents[i]], "body", name=name, **where)
         _add_inertia(body, model.inertias[i])
-        bodies[i] = body
         kind, axis = mujoco_joint_axis(model, i)
-        rubs = friction.get(model.names[i], 0.0)
-        stands = {"solreffriction": (settings.contact_time, 1.0), "solimpfriction": _JOINT_FRICTION_IMPEDANCE}
-        rubbing: dict[str, Any] = {"frictionloss": rubs} | stands if rubs else {}
+        rubbing: dict[str, Any] = {}
+        if rubs := friction.get(name, 0.0):
+            rubbing = {"frictionloss": rubs, "solreffriction": (settings.contact_time, 1.0)}
+            rubbing["solimpfriction"] = _JOINT_FRICTION_IMPEDANCE
         if kind:
-            add_element(
-                body,
-                "joint",
-                name=model.names[i],
-                type=kind,
-                axis=axis,
-                armature=_JOINT_ARMATURE,
-                **rubbing,
-                **springs.get(model.names[i], {}),
-            )
+            moves = {"type": kind, "axis": axis, "armature": _JOINT_ARMATURE} | rubbing | springs.get(name, {})
+            add_element(body, "joint", name=name, **moves)
     return bodies
-
-
-def _parallel_springs(hand: HandModel) -> dict[str, dict[str, Any]]:
-    """By joint, what MuJoCo is told of springs beside their actuators."""
-    at_zero = hand.stiffness.parallel_spring_torque(np.zeros(hand.nv))
-    if at_zero is None:
-        return {}
-    each = zip(hand.joint_names, hand.stiffness.springs_with_rest.tolist(), at_zero.tolist(), strict=True)
-    return {joint: {"stiffness": k, "springref": -torque / k} for joint, k, torque in each if k}
 
 
 def spring_command_offset(hand: HandModel, q: Array) -> Array:
@@ -241,12 +211,13 @@ def add_springs(
     slack and share springs with others.
     """
     springs = _make_springs(hand)
-    coupled = len(springs.names) and not _has_single_joints(springs.arms)
+    arms = springs.arms
+    single = ((arms == 1.0).sum(axis=1) == 1).all() and (np.count_nonzero(arms, axis=1) == 1).all()
+    coupled = len(springs.names) and not single
     limits = hand.torque_limits - (hand.dry_friction - hand.joint_friction)  # drives give what their friction leaves
     if limited and coupled and np.isfinite(limits).any():
-        raise Unsupported(
-            "torque limits of joints that share springs cannot be written: MuJoCo limits a spring's force"
-        )
+        why = "MuJoCo limits a spring's force"
+        raise Unsupported(f"torque limits of joints that share springs cannot be written: {why}")
     if missing := [name for name in least if name not in springs.names]:
         raise Unsupported(f"tendons that go slack and share springs cannot be written: {', '.join(missing)}")
     actuators = add_element(root, "actuator")
@@ -270,7 +241,12 @@ def add_springs(
         if name in least and name not in routes:
             words["forcerange"] = (least[name], _UNLIMITED_FORCE)
         add_element(actuators, "position", **words)
-    _damp_joints(root, springs, hand, settings)
+    # Each joint is damped as its own spring would need it, coupled or not
+    each = np.einsum("ij,i,ij->j", springs.arms, springs.stiffness, springs.arms)
+    own = dict(zip(hand.joint_names, each.tolist(), strict=True))
+    for element in root.iter("joint"):
+        if (k := own.get(element.get("name", ""), 0.0)) > 0.0 and element.get("type") in ("hinge", "slide"):
+            element.attrib.update({word: format_numbers(x) for word, x in settings.critical_damping(k).items()})
     _add_equations(root, hand, springs, at)
     return springs
 
@@ -284,22 +260,17 @@ def _make_springs(hand: HandModel) -> SimulatedSprings:
     if isinstance(hand.stiffness, TendonStiffness):
         cables = hand.stiffness.cables
         passive = K - cables.arms.T @ cables.springs @ cables.arms
-        found = [
-            *_spring_modes(cables.springs, cables.arms, cables.names),
-            *_spring_modes(passive, np.eye(len(names)), names),
-        ]
+        found = _spring_modes(cables.springs, cables.arms, cables.names)
+        found += _spring_modes(passive, np.eye(len(names)), names)
     elif not off.any():
         found = [(names[j], np.eye(len(names))[j], K[j, j]) for j in free]
     else:
         found = _spring_modes(K, np.eye(len(names)), names)
-    used = [
-        spring for spring in found if spring[2] > _STIFFNESS_ROUNDING * abs(K).max(initial=0.0) and np.any(spring[1])
-    ]
+    least = _STIFFNESS_ROUNDING * abs(K).max(initial=0.0)
+    used = [spring for spring in found if spring[2] > least and np.any(spring[1])]
     arms = np.array([a for _, a, _ in used]).reshape(-1, len(names))
-    stiffness = np.array([k for _, _, k in used])
-    return SimulatedSprings(
-        tuple([name for name, _, _ in used]), arms, stiffness, tuple(np.flatnonzero(rigid).tolist())
-    )
+    stiffness, own = np.array([k for _, _, k in used]), tuple([name for name, _, _ in used])
+    return SimulatedSprings(own, arms, stiffness, tuple(np.flatnonzero(rigid).tolist()))
 
 
 def _spring_modes(K: Array, arms: Array, names: tuple[str, ...]) -> list[tuple[str, Array, float]]:
@@ -311,23 +282,6 @@ def _spring_modes(K: Array, arms: Array, names: tuple[str, ...]) -> list[tuple[s
     return [(f"spring {i + 1}", v @ arms, float(k)) for i, (k, v) in enumerate(zip(values, vectors.T, strict=True))]
 
 
-def _has_single_joints(arms: Array) -> bool:
-    """Whether each spring is that of one joint."""
-    return bool(((arms == 1.0).sum(axis=1) == 1).all() and (np.count_nonzero(arms, axis=1) == 1).all())
-
-
-def _damp_joints(root: ET.Element, springs: SimulatedSprings, hand: HandModel, settings: SimulatorSettings) -> None:
-    """Damp each joint as its own spring would need it, coupled or not."""
-    own = dict(
-        zip(hand.joint_names, np.einsum("ij,i,ij->j", springs.arms, springs.stiffness, springs.arms), strict=True)
-    )
-    for joint in root.iter("joint"):
-        if (k := own.get(joint.get("name", ""), 0.0)) > 0.0 and joint.get("type") in ("hinge", "slide"):
-            joint.attrib.update(
-                {word: format_numbers(value) for word, value in settings.critical_damping(float(k)).items()}
-            )
-
-
 def _add_equations(root: ET.Element, hand: HandModel, springs: SimulatedSprings, at: Array) -> None:
     """Rigid joints stand; a joint that mimics another is at offset + factor times where that one is."""
     coupling = hand.kinematics.coupling
@@ -335,9 +289,8 @@ def _add_equations(root: ET.Element, hand: HandModel, springs: SimulatedSprings,
         return
     equations = add_element(root, "equality")
     for j in springs.rigid:
-        add_element(
-            equations, "joint", name=hand.joint_names[j], joint1=hand.joint_names[j], polycoef=(at[j], 0, 0, 0, 0)
-        )
+        name = hand.joint_names[j]
+        add_element(equations, "joint", name=name, joint1=name, polycoef=(at[j], 0, 0, 0, 0))
     if coupling is None:
         return
     for name, row, offset in zip(movable_joint_names(hand), coupling, hand.kinematics.offset, strict=True):

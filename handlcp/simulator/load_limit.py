@@ -101,16 +101,15 @@ def relative_motion(before: Array, after: Array) -> Array:
 
 # ----------------------------------------------------------------
 
+_Names = tuple[str, ...]
+
 # [s] of each stage before the load grows, at most: friction follows within 0.1 s, see `friction_time`
 _MAX_STAGE_SECONDS = 6.0
 _MAX_DRAG_SHARE = 0.0025  # of the load: what damping of the object may take up while it grows
 _RANGE_END_TOLERANCE = 1e-4  # [rad, m] as near to the end of its range a joint stands there
 _FINAL_REST_SECONDS = 0.5  # [s] that an object has to stay under the largest factor
-_SLIDING_SHARE, _GONE_FORCE_SHARE = (
-    0.97,
-    1e-3,
-)  # share of the friction limit from which a contact slides; of the largest force, below
-# which it is gone
+# Share of the friction limit from which a contact slides; of the largest force, below which it is gone
+_SLIDING_SHARE, _GONE_FORCE_SHARE = 0.97, 1e-3
 
 
 @dataclass(frozen=True)
@@ -178,85 +177,50 @@ def simulate_limit(
     held = all(run.run_stage(name, before, settle) for name in run.with_own_stages(("squeeze",)))
     squeezed = read_only(run.track.readings[-1].forces)
     held = held and run.run_stage("weight", before, settle)
-    growing = _GrowingLoad(run, squeezed)
-    return growing.grow_to(most, most * run.period / seconds) if held else growing.make_result(0.0)
+    calm = run.track.readings[-1]
+    # As in `load_limit`: the end of a range at which a joint stands before the load grows does not end it
+    limits, q = state_limits(run.grasp.spec).without_tendons, calm.q
+    limits = replace(
+        limits,
+        lower=np.where(q < limits.lower + _RANGE_END_TOLERANCE, -np.inf, limits.lower),
+        upper=np.where(q > limits.upper - _RANGE_END_TOLERANCE, np.inf, limits.upper),
+    )
+    tracking, first, first_at = LimitTracker(calm.motion), "", np.inf
 
-
-class _GrowingLoad:
-    """The load that grows, and what has happened meanwhile."""
-
-    def __init__(self, run: SimulationRun, squeezed: Array) -> None:
-        self.run, self.squeezed = run, squeezed
-        # As in `load_limit`: the end of a range at which a joint stands before the load grows does not end it
-        limits, q = state_limits(run.grasp.spec).without_tendons, run.track.readings[-1].q
-        self.limits = replace(
-            limits,
-            lower=np.where(q < limits.lower + _RANGE_END_TOLERANCE, -np.inf, limits.lower),
-            upper=np.where(q > limits.upper - _RANGE_END_TOLERANCE, np.inf, limits.upper),
-        )
-        self.first, self.first_at = "", np.inf
-        self.tracking = LimitTracker(run.track.readings[-1].motion)
-
-    def grow_to(self, most: float, step: float) -> SimulatedLimit:
-        """By so much of the factor in each period in which it does not wait."""
-        run, factor, waited, rest = self.run, 0.0, 0.0, 0
-        calm = run.track.readings[-1]
-        while rest * run.period < _FINAL_REST_SECONDS:
-            there = run.advance(PUSH_STAGE, factor)
-            now = run.track.readings[-1]
-            if not self.first and (moving := sum(_sliding_and_gone(run, now), ())):
-                self.first, self.first_at = moving[0], factor
-            if there and run.is_slow(waited, _MAX_DRAG_SHARE):
-                if joint := self._find_limiting_joint(now):
-                    return self.make_result(factor, joint, *_sliding_and_gone(run, now))
-                self.tracking.record_rest(factor, now.motion, now.forces)
-                calm, waited, rest = now, 0.0, rest + (factor == most)
-                factor = min(factor + step, most)
-                continue
-            self.tracking.record_motion(factor, now.motion)
-            waited += run.period
-            if waited > MAX_WAIT or not there:
-                return self.make_result(factor, "", *_leaving_contacts(run, calm, now))
-        return self.make_result(np.inf)
-
-    def _find_limiting_joint(self, now: SimulationReading) -> str:
-        """Of its torque or its range; not while the object moves fast, when fingers may spring anywhere."""
-        found = find_exceeded(self.limits, now.torques, now.q)  # MuJoCo's joints have no ends of ranges
-        return found[0].who if found else ""
-
-    def make_result(
-        self, factor: float, joint: str = "", slides: tuple[str, ...] = (), gone: tuple[str, ...] = ()
-    ) -> SimulatedLimit:
+    def result(factor: float, joint: str = "", slides: _Names = (), gone: _Names = ()) -> SimulatedLimit:
         """What has been found by now."""
-        return SimulatedLimit(
-            factor=factor,
-            joint=joint,
-            slides=slides,
-            gone=gone,
-            first=self.first,
-            seconds=self.run.seconds,
-            first_at=self.first_at,
-            jump=self.tracking.jump,
-            track=self.tracking.make_track(),
-            squeezed=self.squeezed,
-        )
+        jump, track = tracking.jump, tracking.make_track()
+        return SimulatedLimit(factor, joint, slides, gone, first, run.seconds, first_at, jump, track, squeezed)
+
+    if not held:
+        return result(0.0)
+    factor, waited, rest = 0.0, 0.0, 0
+    while rest * run.period < _FINAL_REST_SECONDS:
+        there = run.advance(PUSH_STAGE, factor)
+        now = run.track.readings[-1]
+        if not first and (moving := sum(_sliding_and_gone(run, now), ())):
+            first, first_at = moving[0], factor
+        if there and run.is_slow(waited, _MAX_DRAG_SHARE):
+            # Not while the object moves fast, when fingers may spring anywhere; MuJoCo's joints have no ends of ranges
+            if exceeded := find_exceeded(limits, now.torques, now.q):
+                return result(factor, exceeded[0].who, *_sliding_and_gone(run, now))
+            tracking.record_rest(factor, now.motion, now.forces)
+            calm, waited, rest = now, 0.0, rest + (factor == most)
+            factor = min(factor + most * run.period / seconds, most)
+            continue
+        tracking.record_motion(factor, now.motion)
+        waited += run.period
+        if waited > MAX_WAIT or not there:  # what slid or had gone when it was last calm has done so by now
+            slid, lost = (a + b for a, b in zip(_sliding_and_gone(run, calm), _sliding_and_gone(run, now), strict=True))
+            gone = tuple([name for name in run.probe.names if name in lost])
+            return result(factor, "", tuple([n for n in run.probe.names if n in slid and n not in gone]), gone)
+    return result(np.inf)
 
 
-def _leaving_contacts(
-    run: SimulationRun, calm: SimulationReading, now: SimulationReading
-) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Contacts that slide, and that are gone, when the object was last calm or by when it has left."""
-    before, after = _sliding_and_gone(run, calm), _sliding_and_gone(run, now)
-    gone = tuple([name for name in run.probe.names if name in before[1] + after[1]])
-    return tuple([name for name in run.probe.names if name in before[0] + after[0] and name not in gone]), gone
-
-
-def _sliding_and_gone(run: SimulationRun, reading: SimulationReading) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _sliding_and_gone(run: SimulationRun, reading: SimulationReading) -> tuple[_Names, _Names]:
     """Names of the contacts that slide, and of those that are gone."""
     size = np.linalg.norm(reading.forces, axis=1)
     gone = size <= _GONE_FORCE_SHARE * size.max()
     slides = ~gone & (reading.friction >= _SLIDING_SHARE)
-    names = run.probe.names
-    return tuple([n for n, s in zip(names, slides, strict=True) if s]), tuple(
-        [n for n, g in zip(names, gone, strict=True) if g]
-    )
+    names = np.array(run.probe.names)
+    return tuple(names[slides].tolist()), tuple(names[gone].tolist())

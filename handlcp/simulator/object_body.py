@@ -10,7 +10,6 @@ a small ball at the object's body, that touches.
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass
 from typing import Any
 
 import coal
@@ -42,22 +41,18 @@ def add_tip(
     root: ET.Element, body: ET.Element, hand: HandModel, tip: int, obj: Object, settings: SimulatorSettings
 ) -> tuple[str, ...]:
     """The fingertip numbered `tip` below the body of its link: the names of its shapes."""
-    name, at = hand.fingertips[tip], hand.tips.places[tip].placement
-    below = add_element(
-        body, "body", name=pad_name(name), gravcomp=1.0, **placement_attributes(at.rotation, at.translation)
-    )
-    pad = hand.pads.blocks[tip]
-    if hand.tips.places[tip].joint or not pad.any():
-        add_pad(below, pad_name(name), pad, settings)
-    else:
-        add_pad(below, pad_name(name), pad, settings, free_pad_mass(pad, settings))
+    name, at, pad = hand.fingertips[tip], hand.tips.places[tip].placement, hand.pads.blocks[tip]
+    where = placement_attributes(at.rotation, at.translation)
+    below = add_element(body, "body", name=pad_name(name), gravcomp=1.0, **where)
+    moved = hand.tips.places[tip].joint or not pad.any()
+    add_pad(below, pad_name(name), pad, settings, _PAD_MASS if moved else free_pad_mass(pad, settings))
     names = list[str]()
     for k, shape in enumerate(hand.tip_shapes(tip)):
         names.append(f"{name} ({k + 1})" if k else name)
         faced = shape.radius is None and shape.face is not None and (obj.known is not None or shape.corner is not None)
-        add_shape(
-            below, name=names[-1], **(_face_attributes(shape) if faced else _shape_attributes(root, names[-1], shape))
-        )
+        whole = placement_attributes(shape.rotation, shape.translation)
+        words = _face_attributes(shape) if faced else whole | geometry_attributes(root, names[-1], shape.geometry)
+        add_shape(below, name=names[-1], **words)
     return tuple(names)
 
 
@@ -84,15 +79,8 @@ def add_pad(
     soft = np.flatnonzero(values > _FLEXIBILITY_ROUNDING * abs(values).max())
     for count, i in enumerate(soft, 1):
         k = 1 / values[i]
-        add_element(
-            body,
-            "joint",
-            name=f"{name} {count}",
-            type="slide",
-            axis=vectors[:, i],
-            stiffness=k,
-            **settings.critical_damping(k),
-        )
+        slide = {"axis": vectors[:, i], "stiffness": k} | settings.critical_damping(k)
+        add_element(body, "joint", name=f"{name} {count}", type="slide", **slide)
     add_element(body, "inertial", pos=np.zeros(3), mass=mass, diaginertia=np.full(3, _PAD_INERTIA))
 
 
@@ -105,10 +93,6 @@ def free_pad_mass(flexibility: Array, settings: SimulatorSettings) -> float:
 
 # ----------------------------------------------------------------
 # Shapes.
-
-
-def _shape_attributes(root: ET.Element, name: str, shape: TipShape) -> dict[str, Any]:
-    return placement_attributes(shape.rotation, shape.translation) | geometry_attributes(root, name, shape.geometry)
 
 
 def _face_attributes(shape: TipShape) -> dict[str, Any]:
@@ -128,10 +112,8 @@ def _face_attributes(shape: TipShape) -> dict[str, Any]:
     inward = normal * np.copysign(1.0, normal @ (shape.translation - face.centre))
     thick = 0.5 * _FACE_THICKNESS + face.radius
     centre = face.centre + (thick - face.radius) * inward
-    return placement_attributes(np.stack([x, y, normal], axis=1), centre) | {
-        "type": "box",
-        "size": [half[0], half[1], thick],
-    }
+    where = placement_attributes(np.stack([x, y, normal], axis=1), centre)
+    return where | {"type": "box", "size": [half[0], half[1], thick]}
 
 
 def geometry_attributes(root: ET.Element, name: str, geometry: Any) -> dict[str, Any]:
@@ -149,12 +131,8 @@ def geometry_attributes(root: ET.Element, name: str, geometry: Any) -> dict[str,
             return {"type": "ellipsoid", "size": np.array(geometry.radii)}
         case coal.ConvexBase():
             assets = root.find("asset")
-            add_element(
-                add_element(root, "asset") if assets is None else assets,
-                "mesh",
-                name=name,
-                vertex=np.array(geometry.points(), dtype=float),
-            )
+            assets = add_element(root, "asset") if assets is None else assets
+            add_element(assets, "mesh", name=name, vertex=np.array(geometry.points(), dtype=float))
             return {"type": "mesh", "mesh": name}
     raise Unsupported(f"the shape {type(geometry).__name__} of {name!r} cannot be written")
 
@@ -174,9 +152,9 @@ def check_point_contact(posture: HandPosture, tip: int, obj: Object) -> None:
             continue
         if len(find_contact_patch(shape, p, R, obj)) > 1:
             name = posture.hand.fingertips[tip]
+            what = f"fingertip {name!r} and the object touch along a line or on a patch"
             raise Unsupported(
-                f"fingertip {name!r} and the object touch along a line or on a patch: give it a tip_radius, or pass "
-                'links="all", where each of its corners is a contact'
+                f'{what}: give it a tip_radius, or pass links="all", where each of its corners is a contact'
             )
 
 
@@ -197,26 +175,18 @@ def add_object(
 
     It has the mass of the settings, and its own weight: MuJoCo's gravity compensation makes up for the difference.
     """
-    at = obj.placement
-    moving = settings.object_mass
-    body = add_element(
-        world,
-        "body",
-        name=OBJECT_NAME,
-        gravcomp=1.0 - obj.mass / moving,
-        **placement_attributes(at.rotation, at.translation),
-    )
+    at, moving = obj.placement, settings.object_mass
+    where = placement_attributes(at.rotation, at.translation)
+    body = add_element(world, "body", name=OBJECT_NAME, gravcomp=1.0 - obj.mass / moving, **where)
     spread = max(float(np.linalg.norm(spec.positions - spec.reference, axis=1).max()), _MIN_BODY_LENGTH)
     inertia = 0.4 * spread**2  # of a ball, for each kilogram
     _add_object_joints(body, at, spec, settings.object_damping, inertia * settings.object_damping)
     centre = at.actInv(np.array(obj.center_of_mass))
     add_element(body, "inertial", pos=centre, mass=moving, diaginertia=np.full(3, moving * inertia))
-    words = geometry_attributes(root, OBJECT_NAME, obj.geometry)
-    add_shape(body, name=OBJECT_NAME, **words)
+    add_shape(body, name=OBJECT_NAME, **geometry_attributes(root, OBJECT_NAME, obj.geometry))
     loaded = add_element(body, "body", name=LOADED_POINT_NAME, pos=at.actInv(np.array(spec.reference)), gravcomp=1.0)
-    add_element(
-        loaded, "inertial", pos=np.zeros(3), mass=_MIN_BODY_MASS, diaginertia=np.full(3, _MIN_BODY_MASS * inertia)
-    )
+    least = np.full(3, _MIN_BODY_MASS * inertia)
+    add_element(loaded, "inertial", pos=np.zeros(3), mass=_MIN_BODY_MASS, diaginertia=least)
     return body
 
 
@@ -245,85 +215,41 @@ _BLOCK_HALF_SIZE = 0.5  # [m] half the size of a block that gives way, far large
 _MIN_STANDING_POINTS = 3  # points of a cylinder that stands on its rim; one that lies on its side has fewer
 
 
-@dataclass(frozen=True)
-class SupportPair:
-    """The names of the two shapes that touch; the ground has that of the contact."""
-
-    ground_shape: str
-    object_shape: str
-
-
 def add_supports(
     world: ET.Element, body: ET.Element, spec: GraspSpec, obj: Object, settings: SimulatorSettings
-) -> tuple[SupportPair, ...]:
-    """Planes in the world and feet at the object's body. Raises Unsupported for supports that share their flexibility,
-    and for a cylinder that lies on something flexible.
+) -> tuple[tuple[str, str], ...]:
+    """Planes in the world and feet at the object's body: the names of the two shapes that touch at each contact, that
+    of the ground, which has the name of the contact, and that of the object. Raises Unsupported for supports that share
+    their flexibility, and for a cylinder that lies on something flexible.
     """
-    k, found = spec.of_hand, []
+    k, found = spec.of_hand, list[tuple[str, str]]()
     E = spec.flexibility[3 * k :, 3 * k :]
+    cylinder = isinstance(obj.geometry, coal.Cylinder)
+    rolls = is_round_shape(obj.geometry) or (cylinder and spec.n - k < _MIN_STANDING_POINTS)
     for i in range(spec.n - k):
         block = E[3 * i : 3 * i + 3, 3 * i : 3 * i + 3]
         shared = E[3 * i : 3 * i + 3].copy()
         shared[:, 3 * i : 3 * i + 3] = 0.0
         if shared.any():
             raise Unsupported("contacts of the environment that move under each other's forces cannot be written")
-        R, gap = spec.frames[k + i], float(spec.offset[k + i, 2])
-        surface = spec.positions[k + i] - gap * R[:, 2]
-        place = _SupportContact(spec.names[k + i], R, spec.positions[k + i], surface, block)
-        rolls = is_round_shape(obj.geometry) or (
-            isinstance(obj.geometry, coal.Cylinder) and spec.n - k < _MIN_STANDING_POINTS
-        )
-        found.append(
-            _add_rolling_support(world, place, obj, settings) if rolls else _add_foot(world, body, place, obj, settings)
-        )
+        name, R, point, gap = spec.names[k + i], spec.frames[k + i], spec.positions[k + i], float(spec.offset[k + i, 2])
+        surface = placement_attributes(R, point - gap * R[:, 2])
+        if rolls and block.any():
+            if cylinder:
+                lying = "a cylinder that lies on a support that gives way"
+                raise Unsupported(f"{lying} cannot be written: its points of contact roll")
+            below = add_element(world, "body", name=name, gravcomp=1.0, **surface)
+            add_pad(below, name, block, settings, free_pad_mass(block, settings))
+            half = np.full(3, _BLOCK_HALF_SIZE)
+            add_shape(below, name=name, type="box", pos=(0, 0, -_BLOCK_HALF_SIZE), size=half)
+        else:
+            add_shape(world, name=name, type="plane", size=(_BLOCK_HALF_SIZE, _BLOCK_HALF_SIZE, 0.01), **surface)
+        foot = OBJECT_NAME
+        if not rolls:  # a ball whose lowest point is the contact, on slides in the contact's axes
+            foot, centre = f"{name} foot", obj.placement.actInv(point + CORNER_BALL_RADIUS * R[:, 2])
+            where = placement_attributes(obj.placement.rotation.T @ R, centre)
+            ball = add_element(body, "body", name=foot, gravcomp=1.0, **where)
+            add_pad(ball, foot, block, settings)
+            add_shape(ball, name=foot, type="sphere", size=[CORNER_BALL_RADIUS])
+        found.append((name, foot))
     return tuple(found)
-
-
-@dataclass(frozen=True, eq=False)
-class _SupportContact:
-    """A contact between the object and its environment, in world axes.
-
-    name : of the contact. axes (3, 3) : contact axes in columns. point (3,) : of the object [m]. surface (3,) : the
-    nearest point of the environment [m]. flexibility (3, 3) : of the environment there [m/N], contact axes.
-    """
-
-    name: str
-    axes: Array
-    point: Array
-    surface: Array
-    flexibility: Array
-
-
-def _add_rolling_support(
-    world: ET.Element, place: _SupportContact, obj: Object, settings: SimulatorSettings
-) -> SupportPair:
-    if not place.flexibility.any():
-        return SupportPair(_add_plane(world, place), "object")
-    if isinstance(obj.geometry, coal.Cylinder):
-        raise Unsupported(
-            "a cylinder that lies on a support that gives way cannot be written: its points of contact roll"
-        )
-    block = add_element(world, "body", name=place.name, gravcomp=1.0, **placement_attributes(place.axes, place.surface))
-    add_pad(block, place.name, place.flexibility, settings, free_pad_mass(place.flexibility, settings))
-    words: Any = {"type": "box", "pos": (0, 0, -_BLOCK_HALF_SIZE), "size": np.full(3, _BLOCK_HALF_SIZE)}
-    add_shape(block, name=place.name, **words)
-    return SupportPair(place.name, "object")
-
-
-def _add_foot(
-    world: ET.Element, body: ET.Element, place: _SupportContact, obj: Object, settings: SimulatorSettings
-) -> SupportPair:
-    """A ball whose lowest point is the contact, on slides in the contact's axes."""
-    centre = obj.placement.actInv(place.point + CORNER_BALL_RADIUS * place.axes[:, 2])
-    axes = obj.placement.rotation.T @ place.axes
-    name = f"{place.name} foot"
-    foot = add_element(body, "body", name=name, gravcomp=1.0, **placement_attributes(axes, centre))
-    add_pad(foot, name, place.flexibility, settings)
-    add_shape(foot, name=name, type="sphere", size=[CORNER_BALL_RADIUS])
-    return SupportPair(_add_plane(world, place), name)
-
-
-def _add_plane(world: ET.Element, place: _SupportContact) -> str:
-    where = placement_attributes(place.axes, place.surface)
-    add_shape(world, name=place.name, type="plane", size=(_BLOCK_HALF_SIZE, _BLOCK_HALF_SIZE, 0.01), **where)
-    return place.name

@@ -95,7 +95,9 @@ def simulate(
 
     Raises what `to_mujoco` raises; Unsupported where MuJoCo is not installed.
     """
-    stages = _read_stages(order)
+    stages = ("together",) if order == "together" else () if isinstance(order, str) else tuple(order)
+    if stages not in {("together",), ("squeeze", "load"), ("squeeze",)}:
+        raise InputError("order", '("squeeze", "load"), ("squeeze",) or "together"', repr(order))
     seconds, settle = check_number("seconds", seconds, above=0.0), check_number("settle", settle, minimum=0.0)
     run = SimulationRun(grasp, None if load is None else check_array("load", load, (6,)), settings)
     if stages[-1] == "load" and run.has_weight and run.wrench.any():  # the weight in a stage of its own
@@ -120,14 +122,6 @@ def simulate(
         simulated=float(run.data.time),
         seconds=run.seconds,
     )
-
-
-def _read_stages(order: Any) -> tuple[str, ...]:
-    if order == "together":
-        return ("together",)
-    if not isinstance(order, str) and tuple(order) in {("squeeze", "load"), ("squeeze",)}:
-        return tuple(order)
-    raise InputError("order", '("squeeze", "load"), ("squeeze",) or "together"', repr(order))
 
 
 # ----------------------------------------------------------------

@@ -42,15 +42,10 @@ def add_shape(parent: ET.Element, **attributes: Any) -> None:
     add_element(parent, "geom", **attributes, contype="0", conaffinity="0", mass=0.0)
 
 
-def rotation_quaternion(rotation: Array) -> Array:
-    """(4,) w, x, y, z, as MuJoCo orders it."""
-    x, y, z, w = pin.Quaternion(np.array(rotation)).normalized().coeffs()
-    return np.array([w, x, y, z])
-
-
 def placement_attributes(rotation: Array, translation: Array) -> dict[str, Any]:
     """Attributes of an element that stands elsewhere than its parent."""
-    return {"pos": translation, "quat": rotation_quaternion(rotation)}
+    x, y, z, w = pin.Quaternion(np.array(rotation)).normalized().coeffs()
+    return {"pos": translation, "quat": np.array([w, x, y, z])}  # as MuJoCo orders it
 
 
 def axes_along(z: Array) -> Array:
@@ -136,10 +131,8 @@ def check_writable(grasp: HandGrasp) -> None:
         friction_attributes(name, contact.friction)
     k = spec.of_hand
     if abs(spec.offset[:k] - grasp.mechanism.stand_off).max(initial=0.0) > _EQUAL_OFFSET_TOLERANCE:
-        raise Unsupported(
-            "a preload or an offset of the tips, which no joint makes, cannot be written: command the joints (squeeze, "
-            "grip_force, joint_offset)"
-        )
+        what = "a preload or an offset of the tips, which no joint makes, cannot be written"
+        raise Unsupported(f"{what}: command the joints (squeeze, grip_force, joint_offset)")
     alone = spec.fingers_alone().mechanism
     assert isinstance(alone, HandMechanism)
     own, flexibility = alone.flexibility(), spec.flexibility[: 3 * k, : 3 * k]
@@ -173,9 +166,8 @@ def friction_attributes(name: str, law: Any) -> dict[str, Any]:
         if law.lever > 0.0:
             return {"condim": "4", "friction": [law.mu, law.mu, law.mu_torsion, 1e-4, 1e-4]}
     elif not isinstance(law, (Coulomb, Frictionless)):
-        raise Unsupported(
-            f"friction {law!r} of {name!r} cannot be written: MuJoCo chooses the tangents of a contact itself"
-        )
+        why = "MuJoCo chooses the tangents of a contact itself"
+        raise Unsupported(f"friction {law!r} of {name!r} cannot be written: {why}")
     if law.mu == 0.0:
         return {"condim": "1"}
     return {"condim": "3", "friction": [law.mu, law.mu, 1e-4, 1e-4, 1e-4]}

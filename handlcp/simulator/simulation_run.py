@@ -61,7 +61,8 @@ class SimulationProbe:
             pad = model.body(pad_name(name))
             for geom in range(int(pad.geomadr[0]), int(pad.geomadr[0] + pad.geomnum[0])):
                 self._contact[frozenset((geom, geoms[i][1]))] = i
-        self._objects = {g for g in range(model.ngeom) if self._is_object_part(int(model.geom_bodyid[g]))}
+        of_object = model.body_rootid[model.geom_bodyid] == self._object  # the object, or carried by it
+        self._objects = set(np.flatnonzero(of_object).tolist())
         self.start, self.axes = data.xpos[self._loaded].copy(), data.xmat[self._loaded].reshape(3, 3).copy()
         self.reach = max(float(np.linalg.norm(grasp.spec.positions - grasp.reference, axis=1).max()), 1e-3)
         self._qpos = [int(model.jnt_qposadr[model.joint(j).id]) for j in self._joints]
@@ -82,8 +83,13 @@ class SimulationProbe:
             sign = 1.0 if int(contact.geom2) in self._objects else -1.0  # the force acts on the second of the two
             force, normal = sign * (axes.T @ wrench[:3]), axes[0]
             forces[i] += force
-            friction[i] = max(friction[i], _friction_share(contact, wrench))
-            v = speed[:3] + cross_rows(speed[3:], contact.pos - at) - self._point_speed(self._ours[i], contact.pos)
+            if wrench[0] > 0.0:  # normal, tangents; moment about the normal, …
+                across = wrench[1:3] / contact.friction[:2]
+                turning = wrench[3] / contact.friction[2] if contact.dim > _POINT_CONTACT_ROWS else 0.0
+                friction[i] = max(friction[i], np.sqrt(across @ across + turning * turning) / wrench[0])
+            body, own = self._ours[i], self._body_speed(self._ours[i])
+            finger = own[:3] + cross_rows(own[3:], contact.pos - data.xpos[body])
+            v = speed[:3] + cross_rows(speed[3:], contact.pos - at) - finger
             slipping[i] = v - normal * (normal @ v)
         R = data.xmat[self._loaded].reshape(3, 3) @ self.axes.T
         motion = np.append(at - self.start, pin.log3(R))
@@ -111,32 +117,11 @@ class SimulationProbe:
                 torque[self._joints.index(name)] += data.efc_force[row]
         return data.qpos[self._qpos].copy(), torque
 
-    def _is_object_part(self, body: int) -> bool:
-        """Whether a body is the object, or is carried by it."""
-        while body:
-            if body == self._object:
-                return True
-            body = int(self.model.body_parentid[body])
-        return False
-
     def _body_speed(self, body: int) -> Array:
         """Velocity (6,) of a body: of the origin of its frame [m/s], and angular [rad/s], world axes."""
         speed = np.zeros(6)
         self._mujoco.mj_objectVelocity(self.model, self.data, self._mujoco.mjtObj.mjOBJ_XBODY, body, speed, 0)
         return speed[[3, 4, 5, 0, 1, 2]]  # MuJoCo has the angular part first
-
-    def _point_speed(self, body: int, point: Array) -> Array:
-        speed = self._body_speed(body)
-        return np.asarray(speed[:3] + cross_rows(speed[3:], point - self.data.xpos[body]))
-
-
-def _friction_share(contact: Any, wrench: Array) -> float:
-    """Share of the friction limit that a contact uses. wrench (6,) : normal, tangents; moment about the normal, … ."""
-    if not wrench[0] > 0.0:
-        return 0.0
-    across = wrench[1:3] / contact.friction[:2]
-    turning = wrench[3] / contact.friction[2] if contact.dim > _POINT_CONTACT_ROWS else 0.0
-    return float(np.sqrt(across @ across + turning * turning) / wrench[0])
 
 
 # ----------------------------------------------------------------
@@ -182,10 +167,6 @@ class SimulationTrack:
         self.shares.append(share)
         self.readings.append(reading)
 
-    def largest_speed(self, last: int, reach: float) -> float:
-        """[m/s] of the last readings, turning counted at the contacts."""
-        return max(contact_speed(r.speed, reach) for r in self.readings[-last:])
-
     def largest_drift(self, last: int, reach: float) -> float:
         """[m] of the last readings from the very last one, at most, turning counted at the contacts; inf before there
         are as many.
@@ -203,11 +184,6 @@ class SimulationTrack:
         return SimulationRecord(
             stages=tuple(self.stages), shares=read_only(np.array(self.shares)), period=self.period, **parts
         )
-
-
-def has_escaped(reading: SimulationReading, reach: float) -> bool:
-    """Whether the object is far from where it started. An object that turns between fingertips is still held."""
-    return math.hypot(*reading.motion[:3]) > _LOST_DISTANCE_FACTOR * reach
 
 
 def contact_speed(vector: Any, reach: float) -> float:
@@ -247,8 +223,8 @@ class SimulationRun:
     """A grasp in MuJoCo, from where its fingertips touch the object.
 
     load (6,) : as in `simulate`; None: the grasp's own. slip (n, 3) : so far. seconds : of MuJoCo's steps so far.
-    calm : the stage, and the share of it, up to which the object has moved slowly. period : [s]
-    between two readings. Raises as `to_mujoco`; Unsupported where MuJoCo is not installed.
+    calm : the stage, and the share of it, up to which the object has moved slowly. period : [s] between two readings.
+    Raises as `to_mujoco`; Unsupported where MuJoCo is not installed.
     """
 
     def __init__(self, grasp: Grasp, load: Array | None, settings: SimulatorSettings | None) -> None:
@@ -268,7 +244,11 @@ class SimulationRun:
         self.probe = SimulationProbe(self.grasp, self.model, self.data)
         self.wrench = self.state.wrench if load is None else load
         wrenches = {"weight": self.grasp.spec.wrench - self.state.wrench, "load": self.wrench}
-        self._sizes = {part: self._wrench_size(wrench) for part, wrench in wrenches.items()}
+        # [N] of a force and a torque, the torque as forces at the contacts
+        self._sizes = {
+            part: float(np.linalg.norm(w[:3]) + np.linalg.norm(w[3:]) / self.probe.reach)
+            for part, w in wrenches.items()
+        }
         self._damping = (SimulatorSettings() if settings is None else settings).object_damping
         self.calm, self._adrift = ("", 0.0), 0.0
         self.slip, self.seconds = np.zeros((len(self.probe.names), 3)), 0.0
@@ -352,7 +332,9 @@ class SimulationRun:
         self.track.add(name, share, reading)
         carried = reading.forces.any() or not (now["weight"] or now["load"])
         self._adrift = 0.0 if carried else self._adrift + self.period
-        return not (has_escaped(reading, self.probe.reach) or self._adrift > _MAX_SECONDS_ADRIFT)
+        # Far from where it started: an object that turns between fingertips is still held
+        escaped = math.hypot(*reading.motion[:3]) > _LOST_DISTANCE_FACTOR * self.probe.reach
+        return not (escaped or self._adrift > _MAX_SECONDS_ADRIFT)
 
     def _choose_contacts(self) -> None:
         """Several contacts of a pair of shapes, or one. MuJoCo looks for several where an edge lies along a face; where
@@ -366,20 +348,15 @@ class SimulationRun:
         if self.probe.has_coinciding_contacts():
             options.disableflags |= off
 
-    def _wrench_size(self, wrench: Array) -> float:
-        """[N] of a force and a torque, the torque as forces at the contacts."""
-        return float(np.linalg.norm(wrench[:3]) + np.linalg.norm(wrench[3:]) / self.probe.reach)
-
     def _is_resting(self) -> bool:
         """Over the last readings, so that a turning point is not taken for rest. By speed; or by place, over a longer
         time: where an edge lies along a face MuJoCo may have one contact, now at this end and now at that, and the
         object trembles faster than it gets anywhere.
         """
         reach = self.probe.reach
-        by_speed = self.track.largest_speed(_SPEED_READINGS, reach) < _REST_SPEED
-        return (
-            by_speed or self.track.largest_drift(_PLACE_READINGS, reach) < _REST_SPEED * _PLACE_READINGS * self.period
-        )
+        if max(contact_speed(r.speed, reach) for r in self.track.readings[-_SPEED_READINGS:]) < _REST_SPEED:
+            return True
+        return self.track.largest_drift(_PLACE_READINGS, reach) < _REST_SPEED * _PLACE_READINGS * self.period
 
 
 def _ramp(x: float) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import io
 import json
 import re
@@ -104,7 +103,7 @@ def _check_path(argument: str, path: Any, expected: str, formats: str, suffixes:
 
 
 # ----------------------------------------------------------------
-# Pages as files: HTML that needs nothing else. What all kinds of pages share: their texts, their data, pictures.
+# Pages as files: HTML that needs nothing else. What all kinds of pages share: their texts, their data.
 
 
 def read_web_files(*names: str, package: str = "handlcp.viz.page") -> list[str]:
@@ -136,9 +135,3 @@ def script_data(found: Any) -> str:
     """Numbers and texts as JSON that may stand in a script: none of it can end that, or a line of it."""
     data = json.dumps(found, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return data.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
-
-
-def image_html(png: bytes, alt: str) -> str:
-    """A picture as HTML. alt : what it shows, not yet HTML."""
-    code = base64.b64encode(png).decode("ascii")
-    return f'<img alt="{escape(alt, quote=True)}" src="data:image/png;base64,{code}">'

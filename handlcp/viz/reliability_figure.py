@@ -55,8 +55,8 @@ def _draw_margins(ax: Any, found: Reliability) -> None:
     for what, code, colour in (("not held", NOT_HELD_CODE, RED), ("undecided", UNDECIDED_CODE, GREY)):
         if (without == code).any():
             bars.append((what, 100 * float((without == code).sum() / found.samples), colour))
-    # As wide as each other, and so few that chance moves none far from its neighbours; one of them begins at 0 if some
-    # margins are below it
+    # Bins are as wide as each other, and so few that chance moves none far from its neighbours; one of them begins at 0
+    # if some margins are below it
     bins = int(np.clip(round(2.0 * found.samples ** (1 / 3)), *BIN_COUNT_RANGE))  # Rice's rule
     low, high = (float(margin.min()), float(margin.max())) if len(margin) else (0.0, 100.0)
     low = 0.0 if 0.0 <= low < 25.0 else low

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from handlcp.errors import InputError
-from handlcp.grasp import Explanation, Grasp, GraspSolution, Loading, Suggestions, Verdict
+from handlcp.grasp import Explanation, Grasp, GraspSolution, Suggestions, Verdict
 from handlcp.grasp.solution.solution import contact_text_table
 from handlcp.hand.hand_grasp import make_grasp
 from handlcp.record import columns_from_arrays, package_versions, pick_entries, rows_from_columns, to_plain
@@ -47,6 +47,12 @@ def solution_record(
     s, scene = solution, grasp.scene
     verdict = s.verdict if verdict is None else verdict
     torque = scene.moment - np.cross(grasp.reference, scene.force)
+    at_end, loading = None, verdict.loading
+    if loading is not None:  # how it ends; contacts and torques at its last step, where that is an answer
+        end, twist = solution_at_end(loading), "object_displacement (twist) = displacement"
+        at_end = pick_entries(loading, "word", "held", "reached", "lost_at", "lost_stage", "why", twist)
+        at_end["contacts"] = _contact_records(grasp_at_end(loading), end) if end.held else None
+        at_end["torques"] = _torque_records(end) if end.held else None
     line = "title", "on", "why", "equation", "unknowns = cost", "share_of_solve = share", "answers"
     found = {
         **pick_entries(s, "status", "diagnosis"),
@@ -64,23 +70,12 @@ def solution_record(
         **pick_entries(s, "yielding", "required_preload_m"),
         "proven_within": None if s.bounds is None else {"force_N": s.bounds[0], "motion_m": s.bounds[1]},
         **pick_entries(s, "extra", "accuracy"),
-        "loading": None if verdict.loading is None else _loading_record(verdict.loading),
+        "loading": at_end,
         "left_out": left_out,
         **pick_entries(s, "iterations", "trace"),
         "versions": package_versions("numpy", "scipy", "numba", "pin"),
     }
     return dict(to_plain(found))
-
-
-def _loading_record(loading: Loading) -> dict[str, Any]:
-    """How a followed loading ends; the contacts and torques at its last step, where that is an answer."""
-    end = solution_at_end(loading)
-    told = pick_entries(
-        loading, "word", "held", "reached", "lost_at", "lost_stage", "why", "object_displacement (twist) = displacement"
-    )
-    if not end.held:
-        return told | {"contacts": None, "torques": None}
-    return told | {"contacts": _contact_records(grasp_at_end(loading), end), "torques": _torque_records(end)}
 
 
 def _contact_records(grasp: Grasp, s: GraspSolution) -> list[dict[str, Any]]:

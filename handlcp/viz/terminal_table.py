@@ -14,7 +14,7 @@ from rich.text import Text
 from handlcp import words
 from handlcp.contact.friction import Pyramid, limit_set
 from handlcp.grasp import Explanation, GraspSolution
-from handlcp.grasp.analysis.explanation import EffectDescription, EffectLine
+from handlcp.grasp.analysis.explanation import EffectDescription
 from handlcp.grasp.failure.failure_mode import is_exceeded
 from handlcp.grasp.model.status import SLIDING, STICKING, contact_statuses
 from handlcp.grasp.solution.solution import contact_text_table
@@ -40,14 +40,12 @@ def effect_table(explanation: Explanation) -> Table:
     for line in e.effects:
         brings = "  ".join(f"{name} {count}" for name, count, _ in line.unknowns) or ("none" if line.on else "")
         mark = Text("on", style="green") if line.on else Text("–", style="dim")
-        cells = [brings, _format_time_share(line)][: 1 if e.seconds is None else 2]
-        made.add_row(
-            mark,
-            Text(line.title),
-            Text(f"{line.why}{f' ({line.answers})' if line.answers and line.on else ''}"),
-            *cells,
-            style=None if line.on else "dim",
-        )
+        share = "" if not line.on else "–"
+        if line.on and line.share is not None:
+            share = f"{round(100 * max(line.share, 0.0))} %" if line.share > SAVING_SHARE else "saves"
+        cells = [brings] if e.seconds is None else [brings, share]
+        why = Text(f"{line.why}{f' ({line.answers})' if line.answers and line.on else ''}")
+        made.add_row(mark, Text(line.title), why, *cells, style=None if line.on else "dim")
     return made
 
 
@@ -58,10 +56,7 @@ def contact_table(solution: GraspSolution, title: str = "Contacts", note: str = 
     """
     columns, notes = contact_text_table(solution), [_pyramid_note(solution), note]
     made = _table_with_heads(columns, title, "; ".join(n for n in notes if n))
-    for row, word, status in zip(
-        columns.rows, solution.contact_state, contact_statuses(solution.contact_state), strict=True
-    ):
-        name, _, *values = row
+    for (name, word, *values), status in zip(columns.rows, contact_statuses(solution.contact_state), strict=True):
         made.add_row(Text(name), Text(word, style=STATUS_STYLES.get(status, "dim")), *values)
     return made
 
@@ -134,11 +129,8 @@ def catalogue_table(entries: Sequence[EffectDescription], costs: Mapping[str, An
     costs : `handlcp.studies.effect_catalogue.Cost`s by title; None: not measured.
     """
     note = "here, time: unknowns more, and how many times as long, beside the reference scene without"
-    heads = (
-        "effect\nunknowns",
-        "when to use it\nin Python; in a scene file",
-        *(() if costs is None else ("here", "time")),
-    )
+    heads = ["effect\nunknowns", "when to use it\nin Python; in a scene file"]
+    heads += [] if costs is None else ["here", "time"]
     made = make_table("All effects", heads, "<<>>"[: len(heads)], note="" if costs is None else note)
     made.columns[0].max_width, made.columns[0].overflow = 26, "ellipsis"
     for e in entries:
@@ -164,14 +156,6 @@ def make_table(
     for row in rows:
         made.add_row(*[Text(cell) if isinstance(cell, str) else cell for cell in row])
     return made
-
-
-def _format_time_share(line: EffectLine) -> str:
-    if not line.on:
-        return ""
-    if line.share is None:
-        return "–"
-    return f"{round(100 * max(line.share, 0.0))} %" if line.share > SAVING_SHARE else "saves"
 
 
 def _pyramid_note(solution: GraspSolution) -> str:

@@ -59,7 +59,6 @@ OPTIONS = {
     "a long picture of the end": ("follow", CUBE, "--picture", f"{LONG}.png"),
     "a long table": ("accuracy", CUBE, "--csv", LONG),
     "a folder for a table": ("accuracy", CUBE, "--csv", "/"),
-    "5000 faces": ("solve", CUBE, "--faces", DIGITS),
     "an empty page": ("solve", CUBE, "--page", ""),
     "no such hand": ("hands", "inspir"),
     "no such option": ("--foo",),

@@ -57,8 +57,7 @@ def heading_of(stdout):
 
 
 def test_a_held_scene_prints_the_verdict_then_contacts_and_torques_and_exits_0():
-    done = run("solve", CUBE)
-    assert done.exit_code == 0, done.output
+    done = run("solve", CUBE, status=0)
     assert done.stdout.index("HELD:") < done.stdout.index("finger_2_tip   ") < done.stdout.index("finger_1_distal  ")
     assert "sticking" in done.stdout
     assert "Coulomb friction" not in done.stdout, "effects are told with --explain"
@@ -69,8 +68,7 @@ def test_a_held_scene_prints_the_verdict_then_contacts_and_torques_and_exits_0()
 
 def test_explain_prints_each_effects_share_of_the_time_and_json_has_it(tmp_path, monkeypatch):
     patches.shares_of_a_quarter(monkeypatch)
-    done = run("solve", CUBE, "--explain")
-    assert done.exit_code == 0, done.output
+    done = run("solve", CUBE, "--explain", status=0)
     says(heading_of(done.stdout), "unknowns")
     assert "soft finger" in done.stdout, "which is off"
     (flexible,) = (line for line in done.stdout.splitlines() if "finger flexibility" in line)
@@ -84,28 +82,24 @@ def test_explain_prints_each_effects_share_of_the_time_and_json_has_it(tmp_path,
     assert shares["finger flexibility"] == 0.25
     plain = strict(run("solve", CUBE, "--json").stdout)
     assert plain["problem"]["solve_s"] is None
-    none = run("solve", scene(tmp_path, SMOOTH), "--explain")
-    assert none.exit_code == 1
+    none = run("solve", scene(tmp_path, SMOOTH), "--explain", status=1)
     says(none.stdout.splitlines()[-1], "measured")
 
 
 def test_a_scene_that_does_not_hold_exits_1_and_says_which_way_the_object_goes(tmp_path):
-    done = run("solve", scene(tmp_path, SMOOTH))
-    assert done.exit_code == 1
+    done = run("solve", scene(tmp_path, SMOOTH), status=1)
     same("cli/test_cli: which way it slides out", verdict_of(done.stdout, "NOT HELD"), "(0, 0, -1)")
 
 
 def test_motors_that_are_too_weak_exit_1(tmp_path):
-    done = run("solve", changed(tmp_path, ("[object]", "torque_limits_Nm = 0.2\n[object]")))
-    assert done.exit_code == 1
+    done = run("solve", changed(tmp_path, ("[object]", "torque_limits_Nm = 0.2\n[object]")), status=1)
     same("cli/test_cli: motors too weak", verdict_of(done.stdout, "OVER LIMIT"), "finger_2_proximal", "0.2 N·m")
     (row,) = (line for line in done.stdout.splitlines() if line.startswith(" finger_2_proximal"))
     says(re.split("[█·]", row)[-1].strip(), "limit")
 
 
 def test_a_bad_scene_exits_2_with_one_message_on_stderr(tmp_path):
-    done = run("solve", scene(tmp_path, SMOOTH + "[grasp2]\nx = 1"))
-    assert done.exit_code == 2
+    done = run("solve", scene(tmp_path, SMOOTH + "[grasp2]\nx = 1"), status=2)
     assert done.stdout == ""
     same("cli/test_cli: a bad scene", " ".join(done.stderr.split()), "scene.toml: grasp2: ", "'grasp'")
     assert "Traceback" not in done.stderr
@@ -182,8 +176,7 @@ def test_as_a_program_of_its_own():
 
 
 def test_an_accuracy_is_asked_for_in_place_of_faces():
-    done = run("solve", CUBE, "--accuracy", "1e-3")
-    assert done.exit_code == 0
+    done = run("solve", CUBE, "--accuracy", "1e-3", status=0)
     (said,) = (line for line in done.stdout.splitlines() if "1.0e-03" in line)
     but_for_the_time = said.rpartition(",")[0]
     says(without_numbers(but_for_the_time), "exact cone")
@@ -228,8 +221,7 @@ def test_no_unit_in_a_help_text_is_taken_for_markup_and_left_out():
 
 def test_a_scene_that_fails_is_told_what_would_hold_it(tmp_path):
     file = changed(tmp_path, ("squeeze_m = 0.005", ""))
-    done = run("solve", file, "--suggest")
-    assert done.exit_code == 1
+    done = run("solve", file, "--suggest", status=1)
     said = " ".join(done.stdout.partition("Suggestions:")[2].split())
     same("cli/test_cli: what would hold it", said, "1.5 mm")
     assert done.stdout.count("1.5 mm") == 1, "it is told once"

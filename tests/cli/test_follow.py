@@ -23,8 +23,7 @@ def heavy(tmp_path):
 
 
 def test_a_scene_that_is_held_prints_its_end_within_80_columns_and_exits_0():
-    done = run(CUBE, *FEW)
-    assert done.exit_code == 0, done.output
+    done = run(CUBE, *FEW, status=0)
     for part in ("Contacts at the end", "Joint torques at the end", "finger_2_tip", "sticking", "finger_1_distal"):
         assert part in done.stdout
     assert max(map(len, done.stdout.splitlines())) <= 80
@@ -34,8 +33,7 @@ def test_a_scene_that_is_held_prints_its_end_within_80_columns_and_exits_0():
 
 
 def test_a_scene_that_is_lost_exits_1_and_says_where_and_why(heavy):
-    done = run(heavy, *FEW)
-    assert done.exit_code == 1, done.output
+    done = run(heavy, *FEW, status=1)
     found = scenes.load(heavy).build().follow(steps=8)
     assert found.lost_stage == "load"
     said = " ".join(done.stdout[done.stdout.index("NOT HELD:") :].split())
@@ -57,8 +55,7 @@ def test_what_happens_on_the_way_is_a_table(tmp_path):
 
 
 def test_json_is_one_object_with_the_numbers_of_all_steps_and_no_nan():
-    done = run(CUBE, *FEW, "--json")
-    assert done.exit_code == 0, done.output
+    done = run(CUBE, *FEW, "--json", status=0)
     found, h = strict(done.stdout), scenes.load(CUBE).build().follow(steps=8)
     assert (found["word"], found["held"], found["reached"]) == ("HELD", True, True)
     assert found["lost_at"] is found["lost_stage"] is None

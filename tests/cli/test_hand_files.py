@@ -21,8 +21,7 @@ MJCF = """<mujoco model="claw"><worldbody>
 
 def test_a_file_is_described():
     """As `describe_urdf` says it, and as JSON."""
-    done = run("hands", urdf("three_finger"))
-    assert done.exit_code == 0
+    done = run("hands", urdf("three_finger"), status=0)
     described = hl.describe_urdf(urdf("three_finger"))
     assert done.stdout.strip() == str(described)
     assert json.loads(run("hands", urdf("three_finger"), "--json").stdout) == described.to_dict()
@@ -50,8 +49,7 @@ def test_a_description_counts_the_doubts_that_an_audit_lists(file, base):
 def test_mjcf_files_are_described_and_audited(tmp_path):
     file = tmp_path / "claw.xml"
     file.write_text(MJCF)
-    done = run("hands", file)
-    assert done.exit_code == 0
+    done = run("hands", file, status=0)
     says(done.stdout, "claw", "far end")
     assert "effort limit" in run("audit", file).stdout
 
@@ -59,8 +57,7 @@ def test_mjcf_files_are_described_and_audited(tmp_path):
 def test_an_audit_is_sorted():
     """The most serious first, in print and as JSON, and no wider than 80 columns."""
     file, share = allegro()
-    done = run("audit", file, "--package-dir", share)
-    assert done.exit_code == 0
+    done = run("audit", file, "--package-dir", share, status=0)
     assert done.stdout.index("Serious") < done.stdout.index("Minor")
     assert max(map(len, done.stdout.splitlines())) <= 80
     doubts = json.loads(run("audit", file, "--json").stdout)["doubts"]

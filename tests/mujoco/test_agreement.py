@@ -7,15 +7,13 @@ import pytest
 
 pytest.importorskip("mujoco")
 
-import handlcp as hl
 from handlcp.simulator import compare
+from tests.support import squeezed
 
 
 @cache
 def near():
-    hand, cube = hl.example_hand("three_finger", joint_stiffness=6.0), hl.Box(0.05, (0, 0, 0.08), mass=0.2)
-    grasp = hand.at(hand.close_on(cube)).grasp(cube, friction=0.8, squeeze=0.005)
-    return compare(grasp, seconds=0.5, steps=8)
+    return compare(squeezed.cube(), seconds=0.5, steps=8)
 
 
 def changed(**factors):
@@ -59,8 +57,7 @@ def test_micrometres_of_an_object_that_hardly_moves_are_no_difference():
 
 
 def test_an_object_that_slid_away_is_not_held_whether_mujoco_finds_it_at_rest_or_not():
-    hand, cube = hl.example_hand("three_finger", joint_stiffness=6.0), hl.Box(0.05, (0, 0, 0.08), mass=0.2)
-    slid = hand.at(hand.close_on(cube)).grasp(cube, friction=0.3, squeeze=0.005).follow(steps=8)
+    slid = squeezed.cube().replace(friction=0.3).follow(steps=8)
     assert slid.reached
     found = replace(near(), loading=slid)
     assert not found.both_hold

@@ -9,14 +9,13 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 import handlcp as hl
 from tests.show.figures import panel
 from tests.show.picture_cases import ring
+from tests.support import squeezed
 
 
 @cache
 def found(name):
     if name in ("hand", "heavy"):
-        hand = hl.example_hand("three_finger", joint_stiffness=6.0)
-        cube = hl.Box(0.05, placement=(0, 0, 0.08), mass=3.0 if name == "heavy" else 0.2)
-        held = hand.at(hand.close_on(cube)).grasp(cube, friction=0.8, squeeze=0.005)
+        held = squeezed.cube() if name == "hand" else squeezed.cube().replace(mass=3.0)
         return held.load_limit((1, 0, 0, 0, 0, 0), geometry="fixed")
     if name == "soft":
         return ring(3, hl.SoftFinger(0.5, 0.005, 1.0), None, squeeze=2e-3).load_limit((0, 0, -1, 0, 0, 0.001), faces=8)

@@ -12,9 +12,11 @@ ROOT = pathlib.Path(__file__).parents[2]
 CUBE = str(ROOT / "examples" / "cube_three_fingers.toml")
 
 
-def run(*arguments, width="80"):
-    """What `handlcp` with these arguments gives, on a terminal of this width without colours."""
-    return CliRunner().invoke(app, [str(a) for a in arguments], env={"COLUMNS": width, "NO_COLOR": "1"})
+def run(*arguments, width="80", status=None):
+    """What `handlcp` with these arguments gives, on a terminal of this width without colours. status : how it exits."""
+    done = CliRunner().invoke(app, [str(a) for a in arguments], env={"COLUMNS": width, "NO_COLOR": "1"})
+    assert status is None or done.exit_code == status, done.output
+    return done
 
 
 def strict(text):

@@ -2,6 +2,5 @@
 
 from handlcp.viz.accuracy.figure import draw, save
 from handlcp.viz.accuracy.tables import all_tables
-from handlcp.viz.accuracy.time_panel import STYLE
 
-__all__ = ["STYLE", "all_tables", "draw", "save"]
+__all__ = ["all_tables", "draw", "save"]

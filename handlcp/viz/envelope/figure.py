@@ -109,18 +109,13 @@ class CauseLegend:
                 mark = Line2D([x, x + 0.24 / wide], [y, y], color=colour, linewidth=1.0, linestyle=dash)
             mark.set_transform(figure.transFigure)
             figure.add_artist(mark)
-            shown = _fit_text(figure, text, LEGEND_COLUMN - 0.24 / wide - 0.03)
-            figure.text(x + 0.32 / wide, y, shown, color=INK, **style)
+            says, colon, rest = text.partition(": ")
+            room = (LEGEND_COLUMN - 0.24 / wide - 0.03) * figure.bbox.width
+            while text_width(figure, says + colon + rest, fontsize=SMALL_SIZE) > room and len(says) > 12:
+                says = says.removesuffix(" …")[:-3].rstrip() + " …"
+            figure.text(x + 0.32 / wide, y, says + colon + rest, color=INK, **style)
         if self.note:
             figure.text(LEFT_MARGIN, 1.0 - (top + 0.34 + LEGEND_ROW * self.rows) / tall, self.note, color=GREY, **style)
-
-
-def _fit_text(figure: Any, text: str, across: float) -> str:
-    """With "…" in its cause where it is wider than this share of the figure."""
-    says, colon, rest = text.partition(": ")
-    while text_width(figure, says + colon + rest, fontsize=SMALL_SIZE) > across * figure.bbox.width and len(says) > 12:
-        says = says.removesuffix(" …")[:-3].rstrip() + " …"
-    return says + colon + rest
 
 
 # ----------------------------------------------------------------
@@ -256,24 +251,16 @@ def draw_envelope(env: Envelope, title: str = "") -> Figure:
         ax = drawn.add_axes((left / PICTURE_WIDTH, bottom, wide / PICTURE_WIDTH, PANEL_HEIGHT / tall))
         at = (left + 0.18) / PICTURE_WIDTH
         drawn.text(at, 1.0 - (above - 0.08) / tall, name, fontsize=SMALL_SIZE, weight="bold", color=INK, va="center")
-        if k == 0:
-            _draw_hand(ax, shown, (wide, PANEL_HEIGHT))
-        else:
+        if k:
             _draw_surface(ax, camera if k == 1 else behind, env, s, (wide, PANEL_HEIGHT))
+            continue
+        points = shown.grasp.scene.positions
+        if shown.object_body is None:  # one contact alone has no size
+            points = (points[:, None] + 0.5 * shown.size * np.concatenate([np.eye(3), -np.eye(3)])).reshape(-1, 3)
+        over, view, _ = draw_bodies(ax, shown, points, (wide, PANEL_HEIGHT), 0.12)
+        over.draw_triad(np.array([view.box[0], view.box[2]]) + np.array([0.5, 0.4]) * view.inch)
     legend.draw(drawn, above + PANEL_HEIGHT + 0.12)
     return drawn
-
-
-def _draw_hand(ax: Any, shown: PictureContent, inches: tuple[float, float]) -> None:
-    """Draw the hand and the object, without forces, from the grasp's own side.
-
-    inches : width and height of the panel.
-    """
-    points = shown.grasp.scene.positions
-    if shown.object_body is None:  # one contact alone has no size
-        points = (points[:, None] + 0.5 * shown.size * np.concatenate([np.eye(3), -np.eye(3)])).reshape(-1, 3)
-    over, view, _ = draw_bodies(ax, shown, points, inches, 0.12)
-    over.draw_triad(np.array([view.box[0], view.box[2]]) + np.array([0.5, 0.4]) * view.inch)
 
 
 def _draw_surface(ax: Any, camera: Camera, env: Envelope, s: EnvelopeSurface, inches: tuple[float, float]) -> None:

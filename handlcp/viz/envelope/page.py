@@ -16,7 +16,7 @@ from handlcp.studies.envelope.result import format_direction, format_factor
 from handlcp.viz.envelope.figure import envelope_sentences
 from handlcp.viz.envelope.surface import EnvelopeSurface, border_lines, bound_lines, make_surface
 from handlcp.viz.output_file import check_page_path
-from handlcp.viz.page.document import legend_layers, read_page_texts, solid_data, view_data, write_viewer_page
+from handlcp.viz.page.document import legend_layers, solid_data, view_data, write_viewer_page
 from handlcp.viz.page.frame import PageFrames, snapshot_of_solution
 from handlcp.viz.page.mesh import MeshPack, drawing_notes, make_parts
 from handlcp.viz.picture import camera
@@ -111,9 +111,9 @@ def write_envelope_page(env: Envelope, path: Any, title: str = "") -> Path:
     target = check_page_path(path)
     if not len(env.triangles):
         raise InputError("directions", "directions all around, for a page", f"{len(env.factors)} that do not lie so")
-    own = read_page_texts("handlcp.viz.envelope", "envelope.css", "ball.js", "envelope.js")
     items = "".join(f"<li>{escape(line)}</li>" for line in envelope_sentences(env))
-    return write_viewer_page(target, title, f'<ul class="reasons">{items}</ul>', _envelope_data(env), own)
+    said, scripts = f'<ul class="reasons">{items}</ul>', ("ball.js", "envelope.js")
+    return write_viewer_page(target, title, said, _envelope_data(env), "envelope", scripts)
 
 
 def _envelope_data(env: Envelope) -> dict[str, Any]:
@@ -125,10 +125,14 @@ def _envelope_data(env: Envelope) -> dict[str, Any]:
     meshes, parts = MeshPack(), make_parts(drawn)
     legend = legend_layers(parts, {"inside": "links inside the object"})
     surface = _surface_data(env, s, drawn)
-    keys = [
-        [f"key{k}", "patch", key.colour, f"{key.says}, {words.format_percent(key.share)}"]
-        for k, key in enumerate(s.keys)
-    ]
+    view, factor = view_data(drawn, parts, frame["joints"]), env.weakest.factor
+    if 0.0 < factor < np.inf:  # turned so that the weakest direction is seen
+        points, centre = surface["points"], surface["centre"]
+        solids = np.concatenate([*[b.triangles for b in drawn.solids], centre + points[s.cells]])
+        view["axes"] = choose_view_axes(points[env.weakest.number], view["axes"], view["up"], centre, solids)
+    keys = list[list[str]]()
+    for k, key in enumerate(s.keys):
+        keys.append([f"key{k}", "patch", key.colour, f"{key.says}, {words.format_percent(key.share)}"])
     if len(surface["wires"]):
         keys.append(["bound", "wire", "#222222", "without compliance: friction and torque limits alone"])
     notes = [_LOAD_NOTES[env.of], *drawing_notes(drawn, parts)]
@@ -138,7 +142,7 @@ def _envelope_data(env: Envelope) -> dict[str, Any]:
         "size": grasp.scene.units.length_unit,
         "parts": [solid_data(p, meshes) for p in parts],
         "packed": meshes.to_base64(),
-        "view": _view_of_weakest(env, s, drawn, view_data(drawn, parts, frame["joints"])),
+        "view": view,
         "frame": {k: frame[k] for k in ("joints", "object")},
         "legend": [*keys, *legend, ["labels", "text", "#5f5f5f", "the weakest direction, and axes"]],
         "surface": surface,
@@ -148,31 +152,16 @@ def _envelope_data(env: Envelope) -> dict[str, Any]:
     }
 
 
-def _view_of_weakest(env: Envelope, s: EnvelopeSurface, drawn: PictureContent, usual: dict[str, Any]) -> dict[str, Any]:
-    """The usual view, turned so that the weakest direction is seen."""
-    factor = env.weakest.factor
-    if not 0.0 < factor < np.inf:
-        return usual
-    centre, scale = _surface_placement(env, s, drawn)
-    points = scale * s.points
-    solids = [b.triangles for b in drawn.solids] + [centre + points[s.cells]]
-    axes = choose_view_axes(points[env.weakest.number], usual["axes"], usual["up"], centre, np.concatenate(solids))
-    return usual | {"axes": axes}
-
-
-def _surface_placement(env: Envelope, s: EnvelopeSurface, drawn: PictureContent) -> tuple[Array, float]:
-    """Centre of the surface (3,) [m], and metres for a unit of the factors."""
-    at = env.question.load.at
-    return (at if np.isfinite(at).all() else drawn.acts_at), _SURFACE_REACH * drawn.size / s.reach
-
-
 def _surface_data(env: Envelope, s: EnvelopeSurface, drawn: PictureContent) -> dict[str, Any]:
     """Lengths in metres about the centre; what each direction says."""
-    centre, scale = _surface_placement(env, s, drawn)
+    at, scale = env.question.load.at, _SURFACE_REACH * drawn.size / s.reach  # metres for a unit of the factors
     of = {k: key.colour for key in s.keys for k in key.causes}
     lines = bound_lines(s) if s.has_visible_bound else np.zeros((0, 2, 3))
+    rows = list[list[str]]()
+    for c in env.causes:
+        rows.append([c.says, words.format_percent(c.share), _format_number(c.least), _format_number(c.median)])
     return {
-        "centre": centre,
+        "centre": at if np.isfinite(at).all() else drawn.acts_at,
         "scale": scale,
         "reach": _SURFACE_REACH * drawn.size,
         "points": scale * s.points,
@@ -186,10 +175,7 @@ def _surface_data(env: Envelope, s: EnvelopeSurface, drawn: PictureContent) -> d
         "causes": [cause.says for cause in env.causes],
         "held": [_format_with_unit(env, x) for x in env.factors],
         "bound": [_format_with_unit(env, x) for x in env.bound],
-        "rows": [
-            [c.says, words.format_percent(c.share), _format_number(c.least), _format_number(c.median)]
-            for c in env.causes
-        ],
+        "rows": rows,
         "row_colours": [of[k] for k in range(len(env.causes))],
         "columns": ["gives out first", "share", f"least\n{env.unit}", f"median\n{env.unit}"],
         "weakest": _extreme_data(env, env.weakest, scale * s.points),

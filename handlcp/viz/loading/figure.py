@@ -126,11 +126,7 @@ def event_table(loading: Loading) -> Table | None:
 
 def end_tables(loading: Loading) -> list[Table]:
     """Contacts, joints and actuators at the last step; none where it has no certified answer."""
-    solution = solution_at_end(loading)
-    if not solution.held:
-        return []
-    when = "at the end" if loading.reached else "at the last step"
-    return solution_tables(solution, f" {when}", True)
+    return solution_tables(solution_at_end(loading), " at the end" if loading.reached else " at the last step", True)
 
 
 def solution_tables(solution: GraspSolution, when: str = "", whole: bool = False) -> list[Table]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -282,49 +282,38 @@ def write_loading_page(
     return write_viewer_page(target, title, told, page_data(drawn, shown, path_data(loading, 0), None))
 
 
-class PageTexts(NamedTuple):
-    """Texts that one kind of page has for itself.
-
-    stage : HTML of the side with the picture. tables : HTML beside the legend. style : CSS that comes after that of all
-    pages. scripts : JavaScript, in order.
-    """
-
-    stage: str
-    tables: str
-    style: str
-    scripts: Sequence[str]
-
-
-def read_page_texts(package: str, style: str | None, *scripts: str) -> PageTexts:
-    """The texts in the folder "web" of a kind of page, its scripts between those that all pages have."""
-    stage, tables, *own = read_web_files("stage.html", "tables.html", *scripts, package=package)
-    css = "" if style is None else read_web_files(style, package=package)[0]
-    return PageTexts(stage, tables, css, [*read_web_files(*_FIRST_SCRIPTS), *own, *read_web_files(_LAST_SCRIPT)])
-
-
 def write_viewer_page(
-    target: Path, title: str, said: str, found: Mapping[str, Any], own: PageTexts | None = None
+    target: Path,
+    title: str,
+    said: str,
+    found: Mapping[str, Any],
+    kind: str = "page",
+    scripts: Sequence[str] = ("player.js", "page.js"),
 ) -> Path:
     """Write one HTML file that holds words, data and scripts of a page, and return it.
 
     target : the file, checked already. title : not yet HTML; "" for none. said : the verdict, as HTML.
     found : what the page's scripts read, with `notes` for the reader.
-    own : texts of this kind of page; None: those of a grasp.
+    kind : the package of `handlcp.viz` whose web files are the HTML of the side with the picture, that beside the
+    legend, a style named as itself, and these scripts, which run between those that all pages have.
 
     Raises InputError for a file that cannot be written.
     """
-    own = own or read_page_texts("handlcp.viz.page", None, "player.js", "page.js")
+    first, last = read_web_files(*_FIRST_SCRIPTS), read_web_files(_LAST_SCRIPT)
+    package = f"handlcp.viz.{kind}"
+    stage, tables, *own = read_web_files("stage.html", "tables.html", *scripts, package=package)
+    style = "" if kind == "page" else read_web_files(f"{kind}.css", package=package)[0]  # beside that of all pages
     parts = {
         "heading": f"<h1>{escape(title)}</h1>" if title else "",
-        "stage": own.stage,
-        "tables": own.tables,
+        "stage": stage,
+        "tables": tables,
         "verdict": said,
         "notes": "".join(f"<li>{escape(str(note))}</li>" for note in found["notes"]),
         "data": script_data(_round_numbers(to_plain(found))),
         "three": read_three_js(),
-        "scripts": "\n".join(own.scripts),
+        "scripts": "\n".join([*first, *own, *last]),
     }
-    return write_page(target, read_web_files("frame.html")[0], title or "A grasp", own.style, parts)
+    return write_page(target, read_web_files("frame.html")[0], title or "A grasp", style, parts)
 
 
 def _round_numbers(value: Any) -> Any:

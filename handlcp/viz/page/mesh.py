@@ -118,8 +118,11 @@ def _link_parts(state: HandState, bodies: Sequence[Body], tips: Sequence[Array])
     pin.forwardKinematics(model, data, hand.kinematics.configuration(state.q))
     joint_of = {f.name: int(f.parentJoint) for f in model.frames if f.type == pin.FrameType.BODY}
     for b in bodies:
-        joint, layer = joint_of.get(b.link, 0), "inside" if b.is_marked else "hand"
-        yield PagePart(_to_joint_axes(b.triangles, data.oMi[joint]), _part_colour(b), layer, joint, len(b.triangles))
+        joint, layer, colour = joint_of.get(b.link, 0), "inside" if b.is_marked else "hand", b.colour
+        if b.is_marked:
+            mixed = (1.0 - _MARK_SHARE) * np.array(b.colour) + _MARK_SHARE * np.array(hex_to_rgb(RED))
+            colour = (float(mixed[0]), float(mixed[1]), float(mixed[2]))
+        yield PagePart(_to_joint_axes(b.triangles, data.oMi[joint]), colour, layer, joint, len(b.triangles))
     ink = hex_to_rgb(INK)
     for triangles in tips:
         away = np.linalg.norm(state.tip_positions - triangles.mean(axis=(0, 1)), axis=1)
@@ -130,13 +133,6 @@ def _link_parts(state: HandState, bodies: Sequence[Body], tips: Sequence[Array])
 def _to_joint_axes(triangles: Array, joint: Any) -> Array:
     """World axes to those of a joint."""
     return np.asarray((triangles - joint.translation) @ joint.rotation)
-
-
-def _part_colour(body: Body) -> Colour:
-    if not body.is_marked:
-        return body.colour
-    r, g, b = ((1.0 - _MARK_SHARE) * np.array(body.colour) + _MARK_SHARE * np.array(hex_to_rgb(RED))).tolist()
-    return (r, g, b)
 
 
 def _limit_triangles(parts: list[PagePart]) -> list[PagePart]:

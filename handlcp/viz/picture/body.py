@@ -208,9 +208,8 @@ def hand_bodies(state: HandState) -> list[Body]:
 
     Each has its visual geometry, else its collision geometry, else rods from joint to joint.
     """
-    found = list[Body]()
-    for kind in (VISUAL, COLLISION):
-        found += _link_bodies(state, kind, {b.link for b in found})
+    found = list(_link_bodies(state, VISUAL, set()))
+    found += _link_bodies(state, COLLISION, {b.link for b in found})
     return [*found, *_stick_bodies(state, {b.link for b in found})]
 
 
@@ -232,10 +231,8 @@ def undrawn_tip_shapes(grasp: Grasp, bodies: Sequence[Body]) -> list[Array]:
         if off <= near or (link := links.get(state.hand.fingertips[tip])) in seen:
             continue
         if link is not None:
-            whole = [
-                b.triangles
-                for b in _link_bodies(state, COLLISION, state.hand.description.readable_links(COLLISION) - {link})
-            ]
+            others = state.hand.description.readable_links(COLLISION) - {link}
+            whole = [b.triangles for b in _link_bodies(state, COLLISION, others)]
             if whole and min(_distance_to_triangles(p, tri) for tri in whole) < 0.5 * off:
                 out += whole
                 seen.add(link)
@@ -272,19 +269,14 @@ def _link_bodies(state: HandPosture, kind: str, known: set[str]) -> Iterator[Bod
         if (triangles := coal_triangles(part.shape)) is not None:
             local = triangles @ part.rotation.T + part.position
             link = kinematics.model.frames[part.frame].name
-            yield Body(local @ at[:3, :3].T + at[:3, 3], _lighten_colour(part.colour), link=link)
-
-
-def _lighten_colour(colour: Array | None) -> Colour:
-    """The file's colour, lightened so that arrows stand out."""
-    r, g, b = (0.42 + 0.55 * np.array(HAND_COLOUR if colour is None else colour)).tolist()
-    return (r, g, b)
+            # The file's colour, lightened so that arrows stand out
+            r, g, b = (0.42 + 0.55 * np.array(HAND_COLOUR if part.colour is None else part.colour)).tolist()
+            yield Body(local @ at[:3, :3].T + at[:3, 3], (r, g, b), link=link)
 
 
 def _stick_bodies(state: HandState, known: set[str]) -> Iterator[Body]:
     """Rods from each joint to the next ones and to the fingertips, for links without a body; `known` have one."""
-    hand = state.hand
-    model = hand.model
+    hand, model = state.hand, state.hand.model
     data = model.createData()
     pin.forwardKinematics(model, data, hand.kinematics.configuration(state.q))
     at = [np.array(m.translation) for m in data.oMi]

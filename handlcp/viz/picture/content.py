@@ -78,7 +78,13 @@ class PictureContent:
         least = max(1e-9, 1e-6 * self.load_size * size)
         self.torque_arc = _make_arc(self.acts_at, self.load_torque, 0.36 * size, least)
         self.moment_arcs = self._make_moment_arcs()
-        self.escape_arrow, self.escape_arc = self._make_escape_marks()
+        self.escape_arrow: Array = np.zeros(3)
+        self.escape_arc: RotationArc | None = None
+        if self.escape_motion is not None:
+            move, spin = self.escape_motion
+            self.escape_arc = _make_arc(self.acts_at, spin, 0.5 * size, _MIN_ESCAPE_SHARE)
+            if np.linalg.norm(move) > _MIN_ESCAPE_SHARE * size:
+                self.escape_arrow = 1.2 * move
         self.slip_arrows, self.slip_factor = self._make_slip_arrows()
         self.moved_object = None if around is not None or not s.held else self._moved_triangles()
 
@@ -114,21 +120,12 @@ class PictureContent:
         s, scene = self.solution, self.grasp.scene
         if not s.held or s.torsion is None:
             return {}
-        largest = float(abs(s.torsion).max(initial=0.0))
-        turns = {}
+        largest, turns = float(abs(s.torsion).max(initial=0.0)), {}
         for i in np.flatnonzero(abs(s.torsion) > max(MIN_DRAWN_MOMENT, 1e-3 * largest)).tolist():
             normal, m = scene.frames[i, :, 2] / np.linalg.norm(scene.frames[i, :, 2]), float(s.torsion[i])
             centre = scene.positions[i] - 0.22 * self.size * normal
             turns[i] = RotationArc(centre, normal * np.sign(m), 0.2 * self.size, abs(m) / largest)
         return turns
-
-    def _make_escape_marks(self) -> tuple[Array, RotationArc | None]:
-        """The arrow and the arc of the motion in which the object escapes, as it is where the load acts."""
-        if self.escape_motion is None:
-            return np.zeros(3), None
-        move, spin = self.escape_motion
-        arrow = 1.2 * move if np.linalg.norm(move) > _MIN_ESCAPE_SHARE * self.size else np.zeros(3)
-        return arrow, _make_arc(self.acts_at, spin, 0.5 * self.size, _MIN_ESCAPE_SHARE)
 
     @cached_property
     def escape_motion(self) -> tuple[Array, Array] | None:

@@ -32,7 +32,6 @@ from handlcp.viz.picture.painter import drawn_edges, paint_bodies
 from handlcp.viz.picture.panel import (
     MOVED_OBJECT_COLOUR,
     LegendEntry,
-    UndrawnParts,
     describe_drawn_state,
     draw_legend,
     draw_torque_bars,
@@ -102,16 +101,18 @@ def _draw_scene(figure: Any, shown: PictureContent, head: float) -> list[LegendE
     names = shorten_names([name for _, name, _ in said], MAX_NAME_LETTERS)
     margin = min(0.30 + widest_label(figure, names, [detail for _, _, detail in said]), 0.36 * inches[0])
     over, view, hidden = draw_bodies(ax, shown, shown.extent_points(), inches, margin)
-    unseen = _draw_arrows(over, shown, hidden)
+    unseen, load_seen = _draw_arrows(over, shown, hidden)
     at = shown.camera.project(shown.grasp.scene.positions)
     written = [ContactLabel(at[list(who)], name, detail, shown.contact_colours[who[0]]) for who, name, detail in said]
     place_labels(ax, written, view)
     _draw_scales(over, shown, view)
-    return legend_entries(shown, unseen, bool(hidden[shown.drawn_contacts].any()))
+    return legend_entries(shown, unseen, load_seen, bool(hidden[shown.drawn_contacts].any()))
 
 
-def _draw_arrows(over: Overlay, shown: PictureContent, hidden: Bools) -> UndrawnParts:
-    """Cones, arrows, arcs and contact points; returns what of it is too small to draw."""
+def _draw_arrows(over: Overlay, shown: PictureContent, hidden: Bools) -> tuple[list[int], bool]:
+    """Cones, arrows, arcs and contact points; returns the contacts whose slips are too small to draw, and whether the
+    load is not.
+    """
     scene = shown.grasp.scene
     for triangles in shown.tip_triangles:
         over.draw_shape(triangles)
@@ -134,7 +135,7 @@ def _draw_arrows(over: Overlay, shown: PictureContent, hidden: Bools) -> Undrawn
         over.draw_arrow(_choose_escape_start(over, shown), shown.escape_arrow, ESCAPE_COLOUR, 1.5, dashed=True)
     if shown.escape_arc is not None:
         over.draw_arc(shown.escape_arc, ESCAPE_COLOUR, 1.3, dashed=True)
-    return UndrawnParts([i for i in shown.sliding_contacts if i not in drawn], not load_seen)
+    return [i for i in shown.sliding_contacts if i not in drawn], load_seen
 
 
 def _choose_escape_start(over: Overlay, shown: PictureContent) -> Array:

@@ -250,7 +250,13 @@ def widest_label(figure: Any, names: Sequence[str], details: Sequence[str]) -> f
 
 
 def place_labels(ax: Any, labels: Sequence[ContactLabel], frame: ViewLimits) -> None:
-    """Each label in the nearer column where that has room, as close to its contact's height as its neighbours allow."""
+    """Each label in the nearer column where that has room, as close to its contact's height as its neighbours allow;
+    and a line from there to its contact.
+    """
+    from matplotlib import patheffects
+
+    casing = [patheffects.withStroke(linewidth=2.6, foreground="white", alpha=0.85)]
+    line_style: dict[str, Any] = {"path_effects": casing, "linewidth": 0.9, "zorder": 5, "solid_capstyle": "round"}
     _, _, y0, y1 = frame.box
     line, high = LABEL_SPACING * frame.inch, y1 - COLUMN_TOP_GAP * frame.inch
     lows = [y0 + below * frame.inch for below in (LEFT_COLUMN_BOTTOM, RIGHT_COLUMN_BOTTOM)]
@@ -271,7 +277,12 @@ def place_labels(ax: Any, labels: Sequence[ContactLabel], frame: ViewLimits) -> 
         heights = [-depth - line / 2 for depth in depths]
         bend = start - way * LEVEL_LENGTH * frame.inch
         for i, y in zip(_uncross_lines([int(k) for k in order], heights, ends, bend), heights, strict=True):
-            _draw_label(ax, column[i], short[column[i].name], ends[i], (start, bend, y, way * TEXT_GAP * frame.inch))
+            label, end, colour = column[i], ends[i], column[i].colour
+            ax.plot([start, bend, end[0]], [y, y, end[1]], color=colour, **line_style)
+            beside = {"x": start + way * TEXT_GAP * frame.inch, "ha": "right" if way < 0 else "left", "zorder": 9}
+            name_style = {"va": "bottom", "color": colour, "fontsize": NAME_SIZE, "weight": "bold"}
+            ax.text(y=y + 0.01 * frame.inch, s=short[label.name], **name_style, **beside)
+            ax.text(y=y - 0.02 * frame.inch, s=label.detail, va="top", color=INK, fontsize=DETAIL_SIZE, **beside)
 
 
 def _count_rows(inches: float) -> int:
@@ -300,19 +311,3 @@ def _do_lines_cross(a: Array, b: Array, c: Array, d: Array) -> bool:
         return float((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]))
 
     return side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0
-
-
-def _draw_label(ax: Any, label: ContactLabel, name: str, end: Array, where: tuple[float, float, float, float]) -> None:
-    """The label, and a line from there to its contact. where : the line's start and bend, its height, and how far the
-    text is from it, negative in the left column.
-    """
-    from matplotlib import patheffects
-
-    start, bend, y, aside = where
-    casing = [patheffects.withStroke(linewidth=2.6, foreground="white", alpha=0.85)]
-    line: dict[str, Any] = {"path_effects": casing, "linewidth": 0.9, "zorder": 5, "solid_capstyle": "round"}
-    ax.plot([start, bend, end[0]], [y, y, end[1]], color=label.colour, **line)
-    beside = {"x": start + aside, "ha": "right" if aside < 0 else "left", "zorder": 9}
-    gap = abs(aside) / TEXT_GAP
-    ax.text(y=y + 0.01 * gap, s=name, va="bottom", color=label.colour, fontsize=NAME_SIZE, weight="bold", **beside)
-    ax.text(y=y - 0.02 * gap, s=label.detail, va="top", color=INK, fontsize=DETAIL_SIZE, **beside)

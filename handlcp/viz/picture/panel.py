@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -140,13 +140,6 @@ def draw_torque_bars(figure: Any, across: tuple[float, float], top: float, check
 MOVED_OBJECT_COLOUR = "#7A5A10"
 
 
-class UndrawnParts(NamedTuple):
-    """What is too small to draw: contacts with such a slip, and whether the load is."""
-
-    slips: list[int]
-    load: bool
-
-
 LabelText = tuple[tuple[int, ...], str, str]  # contacts that share a label, its name, and what stands below the name
 
 _NUMBER_PATTERN = re.compile(r"[\s_]*\d+$")
@@ -179,20 +172,14 @@ def make_label_texts(shown: PictureContent, room: int) -> list[LabelText]:
     for (stem, status), members in sorted(groups.items(), key=lambda group: -len(group[1])):
         if len(members) > 1 and (count > room or (links and len(shown.drawn_contacts) > room)):
             count -= len(members) - 1
-            out.append((tuple(members), f"{stem}: {len(members)} contacts", _group_detail(shown, members, status)))
+            forces = shown.solution.normal_force[members]
+            low, high = words.format_force(float(forces.min())), words.format_force(float(forces.max()))
+            each = f"{low} each" if low == high else f"{low.removesuffix(' N')} to {high}"
+            does = {SEPARATED: "let go", STICKING: f"{each}, stick", SLIDING: f"{each}, slide"}.get(status, "")
+            out.append((tuple(members), f"{stem}: {len(members)} contacts", does))
         else:
             out += [single[i] for i in members]
     return sorted(out)
-
-
-def _group_detail(shown: PictureContent, members: Sequence[int], status: ContactStatus) -> str:
-    """What a label of several contacts says below its name."""
-    if status in (UNKNOWN, SEPARATED):
-        return "let go" if status == SEPARATED else ""
-    forces = shown.solution.normal_force[list(members)]
-    low, high = words.format_force(float(forces.min())), words.format_force(float(forces.max()))
-    each = f"{low} each" if low == high else f"{low.removesuffix(' N')} to {high}"
-    return f"{each}, {'stick' if status == STICKING else 'slide'}"
 
 
 def _contact_detail(shown: PictureContent, i: int) -> str:
@@ -210,12 +197,13 @@ def _contact_detail(shown: PictureContent, i: int) -> str:
     return f"{push}, {'sticks' if shown.statuses[i] == STICKING else 'slides'}"
 
 
-def legend_entries(shown: PictureContent, unseen: UndrawnParts, hidden: bool) -> list[LegendEntry]:
+def legend_entries(shown: PictureContent, unseen: list[int], load_seen: bool, hidden: bool) -> list[LegendEntry]:
     """The lines of a picture's legend: solids, contacts, load, motion.
 
-    unseen : what is too small to draw. hidden : whether a contact point is behind object or hand.
+    unseen : contacts whose slip is too small to draw. load_seen : whether the load is not.
+    hidden : whether a contact point is behind object or hand.
     """
-    return [*_solid_entries(shown), *_contact_entries(shown, hidden), *_motion_entries(shown, unseen)]
+    return [*_solid_entries(shown), *_contact_entries(shown, hidden), *_motion_entries(shown, unseen, load_seen)]
 
 
 def _solid_entries(shown: PictureContent) -> Iterator[LegendEntry]:
@@ -251,12 +239,12 @@ def _contact_entries(shown: PictureContent, hidden: bool) -> Iterator[LegendEntr
         yield "turn", STATUS_COLOURS[STICKING], f"moment of a {who} about its normal, longer for larger"
 
 
-def _motion_entries(shown: PictureContent, undrawn: UndrawnParts) -> Iterator[LegendEntry]:
+def _motion_entries(shown: PictureContent, unseen: list[int], load_seen: bool) -> Iterator[LegendEntry]:
     """The load, and how the object moves."""
-    s, unseen = shown.solution, undrawn.slips
+    s = shown.solution
     if shown.load_size > 0:
         much = words.format_force(shown.load_size)
-        yield "line", LOAD_COLOUR, f"load on the object, {much}{', too small to draw' if undrawn.load else ''}"
+        yield "line", LOAD_COLOUR, f"load on the object, {much}{'' if load_seen else ', too small to draw'}"
     if shown.torque_arc is not None:
         torque = words.format_torque(float(np.linalg.norm(shown.load_torque)))
         yield "turn", LOAD_COLOUR, f"torque on the object, {torque}"

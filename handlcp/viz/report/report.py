@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape
 from pathlib import Path
@@ -24,7 +25,6 @@ from handlcp.hand.vary.vary import hand_numbers, number_unit
 from handlcp.progress import track_progress
 from handlcp.viz.output_file import (
     check_report_path,
-    image_html,
     new_figure,
     read_web_files,
     word_class,
@@ -269,7 +269,8 @@ def _pictures_html(brief: Brief, found: Mapping[str, Evaluation]) -> str:
         drawn = draw_comparable_pictures([case.candidate for case in cases])
         cells = ""
         for hand, case, png in zip(found, cases, drawn, strict=True):
-            picture = image_html(png, f"{name} in {hand}") if png else '<p class="none">no grasp</p>'
+            code, alt = base64.b64encode(png).decode("ascii"), escape(f"{name} in {hand}")
+            picture = f'<img alt="{alt}" src="data:image/png;base64,{code}">' if png else '<p class="none">no grasp</p>'
             says = escape(f"{hand}: first gives out: {_format_cause(case.gives_out)}")
             cells += f"<figure>{picture}<figcaption>{_word_html(case.word)} {says}</figcaption></figure>"
         rows.append(f'<h3>{escape(name)}</h3><div class="beside">{cells}</div>')

@@ -112,7 +112,10 @@ def draw_study(study: Study, title: str, by: Sequence[str]) -> Figure:
     rows = -(-len(free) // EFFECTS_PER_ROW)
     tall = 1.1 + FRONT_ROW_HEIGHT + rows * EFFECT_ROW_HEIGHT
     made = new_figure(figsize=(FIGURE_WIDTH, tall), dpi=100)
-    y = draw_sentences(made, draw_title(made, title or "Designs"), _describe_front(study, front, by), GREY)
+    better = [f"{'less' if one.startswith('-') else 'more'} {column_label(one).partition(' [')[0]}" for one in by]
+    told = f"No design has both {' and '.join(better)} than any of the {len(front)} on the front."
+    told = told if len(front) else "There is no front: no design holds all that the brief asks."
+    y = draw_sentences(made, draw_title(made, title or "Designs"), f"{study.counts}. {told}", GREY)
     bottom = (tall - y - 0.45 - (FRONT_ROW_HEIGHT - 1.2)) / tall
     high = (FRONT_ROW_HEIGHT - 1.2) / tall
     _draw_front(made.add_axes((0.065, bottom, 0.37, high)), study, wanted, on, by)
@@ -125,14 +128,6 @@ def draw_study(study: Study, title: str, by: Sequence[str]) -> Figure:
     made.text(0.018, 1 - below / tall, said, fontsize=TEXT_SIZE + 0.5, weight="bold", color=INK, va="center")
     _draw_main_effects(made, study, effects, below + 0.45, tall)
     return made
-
-
-def _describe_front(study: Study, front: Study, by: Sequence[str]) -> str:
-    head = study.counts
-    if not len(front):
-        return f"{head}. There is no front: no design holds all that the brief asks."
-    better = [f"{'less' if one.startswith('-') else 'more'} {column_label(one).partition(' [')[0]}" for one in by]
-    return f"{head}. No design has both {' and '.join(better)} than any of the {len(front)} on the front."
 
 
 def _undo_minus(wanted: Array, by: Sequence[str]) -> Array:

@@ -14,7 +14,7 @@ from handlcp.design.evaluation import Evaluation
 from handlcp.design.study import Study
 from handlcp.errors import InputError
 from handlcp.viz.output_file import check_page_path
-from handlcp.viz.page.document import page_data, read_page_texts, write_viewer_page
+from handlcp.viz.page.document import page_data, write_viewer_page
 from handlcp.viz.page.frame import snapshot_of_solution
 from handlcp.viz.page.mesh import MeshPack
 from handlcp.viz.picture.content import PictureContent
@@ -44,7 +44,6 @@ def write_study_page(study: Study, path: Any, title: str, by: Sequence[str], mos
     designs = [made for row, found in pairs if (made := _design_data(study, row, found, meshes)) is not None]
     if not designs:
         raise InputError("study", "a design on its front that holds an object", repr(study))
-    own = read_page_texts("handlcp.viz.study", "study.css", "chart.js", "study.js")
     notes = ["The hand grasps the object that is held worst; the numbers are of all objects."]
     if not any(front.columns["holds"]):
         notes.append("No design holds all that the brief asks: the front is that of designs that do not.")
@@ -60,7 +59,8 @@ def write_study_page(study: Study, path: Any, title: str, by: Sequence[str], mos
         "frames": [],
     }
     head = str(study).partition("\n\n")[0].replace("\n", " ")
-    return write_viewer_page(target, title or "Designs", f"<p>{escape(head)}</p>", found, own)
+    said, scripts = f"<p>{escape(head)}</p>", ("chart.js", "study.js")
+    return write_viewer_page(target, title or "Designs", said, found, "study", scripts)
 
 
 def _point_data(study: Study, front: Study, by: Sequence[str]) -> dict[str, Any]:
@@ -89,18 +89,13 @@ def _design_data(study: Study, row: dict[str, Any], found: Evaluation, meshes: M
     grasp, solution = case.candidate.grasp, case.candidate.solution
     drawn = PictureContent(grasp, solution, None, verdict=case.candidate.verdict)
     name = next(name for name, one in found.cases.items() if one is case)
+    labels = [(key, parameter_label(key)) for key in study.names]
     numbers = [[column_label(column), row[column]] for column in _SHOWN_NUMBERS if row.get(column) is not None]
     return page_data(drawn, [snapshot_of_solution(grasp, solution, drawn.acts_at)], None, None, meshes) | {
         "design": row["design"],
         "object": name,
         "word": case.word,
-        "parameters": [[_parameter_text(key), row[key]] for key in study.names],
+        "parameters": [[f"{called} [{unit}]" if unit else called, row[key]] for key, (called, unit) in labels],
         "numbers": numbers,
         "objects": [[key, one.word, one.payload, one.factor, one.at_least] for key, one in found.cases.items()],
     }
-
-
-def _parameter_text(name: str) -> str:
-    """A parameter with its unit."""
-    called, unit = parameter_label(name)
-    return f"{called} [{unit}]" if unit else called
