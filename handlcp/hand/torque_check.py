@@ -166,17 +166,13 @@ class TorqueCheck(Record):
         unit, size = words.choose_prefix(max(units, key=len), [10.0 * x for x in (*self.torque.tolist(), *known)])
         if len(units) > 1:
             unit, size = "N·m", 1.0
-        limits = [_format_limit(r._replace(limit=r.limit / size)) for r in self]
+        limits = [f"{r.limit / size:.4g}" if np.isfinite(r.limit) else "none" for r in self]
+        limits = [text if r.known else "unknown" for text, r in zip(limits, self, strict=True)]
+        shares = ["–" if not r.known or np.isinf(r.limit) else words.format_percent(r.utilisation) for r in self]
         torques = _format_torques(self.torque / size)
         if len(units) > 1:  # those of joints that slide say their own
             torques = [f"{t} N" if r.unit == "N" else t for t, r in zip(torques, self, strict=True)]
-        columns = (
-            [r.joint for r in self],
-            torques,
-            limits,
-            [_format_share(r) for r in self],
-            [self.remark(r) for r in self],
-        )
+        columns = ([r.joint for r in self], torques, limits, shares, [self.remark(r) for r in self])
         heads = ("joint", f"torque\n{unit}", f"limit\n{unit}", "of limit", "")
         return TextTable(heads, tuple(zip(*columns, strict=True)), "<>>><")
 
@@ -234,14 +230,6 @@ def torque_check(
     return TorqueCheck(tuple(joints), torque, limit, used, tuple(known), yielding, sliding, drives)
 
 
-def _format_limit(row: TorqueRow) -> str:
-    return f"{row.limit:.4g}" if row.known and np.isfinite(row.limit) else "none" if row.known else "unknown"
-
-
-def _format_share(row: TorqueRow) -> str:
-    return "–" if not row.known or np.isinf(row.limit) else words.format_percent(row.utilisation)
-
-
 def _format_torques(values: Array) -> list[str]:
     """Four decimals, fewer where the largest torque has more than one digit before them."""
     largest = float(np.nanmax(abs(values), initial=0.0))
@@ -294,7 +282,7 @@ def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
         nearest = check[check.binding]
         yield _nearest_limit_reason(JOINT_EFFORT, nearest, "" if np.isfinite(nearest.limit) else check.unlimited)
     if check.yielding:
-        yield make_reason("torque", "note", {"yielding": check.yielding})
+        yield make_reason("torque", "note", {"yielding": check.yielding}, "yields")
     if check.unknown:
         yield make_reason("limit_unknown", "warning", {"joints": check.unknown})
 
@@ -324,11 +312,13 @@ def _over_limit_reason(kind: EffortKind, rows: Sequence[TorqueRow]) -> Reason:
     known = [r.lasts for r in rows if r.lasts is not None]
     values["lasts_s"] = min(known) if len(known) == len(rows) else None
     shares = [(r.joint, r.motor.share(r.torque)) for r in rows if r.motor]
-    return make_reason("overheats", "decides", values, shares=shares)
+    return make_reason("overheats", "decides", values, "" if len(known) == len(rows) else "no time", shares=shares)
 
 
 def _nearest_limit_reason(kind: EffortKind, r: TorqueRow, unlimited: str = "") -> Reason:
-    return make_reason(kind.code, "note", kind.row_values(r), unit=r.unit, held_by=r.held_by, unlimited=unlimited)
+    said = {"member": kind.member, "name": r.joint, "limit": (r.limit, r.unit), "held_by": r.held_by}
+    case = "no limit" if unlimited else ""
+    return make_reason(kind.code, "note", kind.row_values(r), case, unlimited=unlimited, **said)
 
 
 def unmade_reasons(
@@ -341,16 +331,16 @@ def unmade_reasons(
     if not left.any():
         return
     which, asked = np.flatnonzero(left), stiffness.command_torque(command)
-    share, takes = float(abs(left).max() / abs(asked).max()), "actuators"
+    share, case = float(abs(left).max() / abs(asked).max()), ""
     if isinstance(stiffness, TendonStiffness):
         arms = stiffness.arms.T
         missing = abs(arms @ np.linalg.lstsq(arms, asked)[0] - asked).max()  # if tendons could push, too
-        takes = "tendons" if missing > _MAX_UNMADE_SHARE * abs(asked).max() else "opposite tendons"
-    joints = [names[k] for k in which.tolist()]
-    values = {"joints": joints, "torques_Nm": left[which].tolist(), "share": share}
-    units = [words.effort_unit(name in sliding) for name in joints]
+        case = "tendons" if missing > _MAX_UNMADE_SHARE * abs(asked).max() else "opposite tendons"
+    joints, torques = [names[k] for k in which.tolist()], left[which].tolist()
+    values = {"joints": joints, "torques_Nm": torques, "share": share}
+    rows = [(name, t, words.effort_unit(name in sliding)) for name, t in zip(joints, torques, strict=True)]
     severity = "decides" if share > _MAX_UNMADE_SHARE else "warning"
-    yield make_reason("command_not_made", severity, values, takes=takes, units=units)
+    yield make_reason("command_not_made", severity, values, case, rows=rows)
 
 
 def closing_reasons(
@@ -370,7 +360,7 @@ def closing_reasons(
     ]
     values = {f"{kind.member}s": [kind.reason_values(name, taken, limit) for name, taken, limit, _ in rows]}
     rubs = tendons and bool(drives.friction[at].any())
-    yield make_reason("closing_over_peak", "decides", values, rows=rows, rubs=rubs)
+    yield make_reason("closing_over_peak", "decides", values, "rubs" if rubs else "", rows=rows)
 
 
 # ----------------------------------------------------------------
@@ -392,17 +382,18 @@ def open_torque_reasons(s: Any) -> Iterator[Reason]:
         ]
     }
     if not open_.any():
-        yield make_reason("torques_open", "note", values, joint=None)
+        yield make_reason("torques_open", "note", values, "none")
         return
     least, most = bounds.T
     doubtful = np.flatnonzero(is_exceeded(most) & ~is_exceeded(least))
     if len(doubtful):
         k = doubtful[largest_share_index(most[doubtful])]
-        said = {"joint": check.joints[k], "least": float(least[k]), "most": float(most[k]), "more": len(doubtful) - 1}
-        yield make_reason("torques_open", "warning", values, **said)
+        both, case = bounds[k].tolist(), "" if np.isfinite(most[k]) else "no end"
+        said = {"joint": check.joints[k], "both": both, "least": both[0], "more": len(doubtful) - 1}
+        yield make_reason("torques_open", "warning", values, case, **said)
     elif not is_exceeded(most).any():
         k = largest_share_index(most)
-        yield make_reason("torques_open", "note", values, joint=check.joints[k], most=most[k], more=None)
+        yield make_reason("torques_open", "note", values, "within", joint=check.joints[k], most=most[k])
 
 
 # ----------------------------------------------------------------
@@ -474,4 +465,5 @@ def motor_pull_reasons(
         ]
         values = [{"joint": joint, "torque_Nm": torque, "asked_Nm": most} for joint, torque, most, _ in rows]
         beyond = [joints[k] for k in np.flatnonzero(shares > MAX_TORQUE_SHARE).tolist()]
-        yield make_reason("closing_torque", "warning", {"joints": values}, rows=rows, beyond=beyond, stuck=stuck)
+        case = "drives others" if beyond else "stuck" if stuck else ""
+        yield make_reason("closing_torque", "warning", {"joints": values}, case, rows=rows, beyond=beyond)
