@@ -172,7 +172,8 @@ class MotionSizes:
     @property
     def values(self) -> dict[str, Any]:
         """What a reason says of them."""
-        return {**asdict(self), "force_error": self.share}
+        *sizes, adrift = asdict(self).items()
+        return dict([*sizes, ("force_error", self.share), adrift])
 
 
 def solution_motions(s: Any) -> MotionSizes:
