@@ -146,8 +146,8 @@ def is_beyond_small_motions(share: Any, adrift: Any) -> Any:
 class MotionSizes:
     """How large the motions of an answer are, beside what equations of small motions can say.
 
-    move : of the object's contact points, at most. turn : of the object. slip, squeeze : the largest. size : R of the
-    grasp. yield : the largest, of a joint at its torque limit. adrift : see `is_adrift`.
+    move_m : of the object's contact points, at most. turn_rad : of the object. slip_m, squeeze_m : the largest.
+    size_m : R of the grasp. yield_rad : the largest, of a joint at its torque limit. adrift : see `is_adrift`.
     """
 
     move_m: float
