@@ -68,18 +68,19 @@ class HandReport:
             if yes
         ]
         if not open_.any():
-            yield make_reason("torques_open", "note", {"joints": joints}, joint=None)
+            yield make_reason("torques_open", "note", {"joints": joints}, "none")
             return
         least, most = bounds.T
         doubtful = np.flatnonzero(is_exceeded(most) & ~is_exceeded(least))
         if len(doubtful):
             k = doubtful[largest_share_index(most[doubtful])]
-            said = {"joint": check.joints[k], "least": float(least[k]), "most": float(most[k])}
-            yield make_reason("torques_open", "warning", {"joints": joints}, **said, more=len(doubtful) - 1)
+            both, case = bounds[k].tolist(), "" if np.isfinite(most[k]) else "no end"
+            said = {"joint": check.joints[k], "both": both, "least": both[0], "more": len(doubtful) - 1}
+            yield make_reason("torques_open", "warning", {"joints": joints}, case, **said)
         elif not is_exceeded(most).any():
             k = largest_share_index(most)
-            said = {"joint": check.joints[k], "most": float(most[k])}
-            yield make_reason("torques_open", "note", {"joints": joints}, **said, more=None)
+            said = {"joint": check.joints[k], "most": most[k]}
+            yield make_reason("torques_open", "note", {"joints": joints}, "within", **said)
 
     def command_reasons(self, spec: GraspSpec) -> Iterator[Reason]:
         """What of a squeeze no command of the joints makes; the weight, where the load leaves it out."""
@@ -110,15 +111,16 @@ class HandReport:
         if not left.any():
             return
         which, asked = np.flatnonzero(left), stiffness.command_torque(command)
-        share, takes = float(abs(left).max() / abs(asked).max()), "actuators"
+        share, case = float(abs(left).max() / abs(asked).max()), ""
         if isinstance(stiffness, TendonStiffness):
             arms = stiffness.arms.T
             missing = abs(arms @ np.linalg.lstsq(arms, asked)[0] - asked).max()  # if tendons could push, too
-            takes = "tendons" if missing > _MAX_UNMADE_SHARE * abs(asked).max() else "opposite tendons"
-        joints = [self.mechanism.names[k] for k in which.tolist()]
-        values = {"joints": joints, "torques_Nm": left[which].tolist(), "share": share}
+            case = "tendons" if missing > _MAX_UNMADE_SHARE * abs(asked).max() else "opposite tendons"
+        joints, torques = [self.mechanism.names[k] for k in which.tolist()], left[which].tolist()
+        values = {"joints": joints, "torques_Nm": torques, "share": share}
+        rows = [(name, t, self._unit(name)) for name, t in zip(joints, torques, strict=True)]
         severity = "decides" if share > _MAX_UNMADE_SHARE else "warning"
-        yield make_reason("command_not_made", severity, values, takes=takes, units=list(map(self._unit, joints)))
+        yield make_reason("command_not_made", severity, values, case, rows=rows)
 
     def end_reasons(self, torque: Array, yielded: Array, place: tuple[Any, Any]) -> Iterator[Reason]:
         """What a loading's end says: torques (nv,), how far joints yield (nv,), and `place_at` there."""
@@ -167,7 +169,7 @@ class HandReport:
             values = {f"{kind.member}s": [kind.reason_values(*each) for each in both]}
             rows = [(*each, "N" if is_tendon else self._unit(each[0])) for each in both]
             rubs = is_tendon and bool(drives.friction[at].any())
-            yield make_reason("closing_over_peak", "decides", values, rows=rows, rubs=rubs)
+            yield make_reason("closing_over_peak", "decides", values, "rubs" if rubs else "", rows=rows)
 
     def pulling_reasons(self, spec: GraspSpec, torque: Array) -> Iterator[Reason]:
         """Of fingers that pull with less than asked for, at torques (nv,) [N·m] where the hand has closed: they meet
@@ -183,8 +185,8 @@ class HandReport:
         beyond = [joints[k] for k in np.flatnonzero(shares > MAX_TORQUE_SHARE).tolist()]
         rows = [(*each, self._unit(each[0])) for each in short]
         values = [dict(zip(("joint", "torque_Nm", "asked_Nm"), each, strict=True)) for each in short]
-        stuck = spec.asked.closed.stuck
-        yield make_reason("closing_torque", "warning", {"joints": values}, rows=rows, beyond=beyond, stuck=stuck)
+        case = "drives others" if beyond else "stuck" if spec.asked.closed.stuck else ""
+        yield make_reason("closing_torque", "warning", {"joints": values}, case, rows=rows, beyond=beyond)
 
     # ---- places
     def place_reasons(self, posture: HandPosture | None, obj: Object | None, when: str) -> Iterator[Reason]:
@@ -285,7 +287,7 @@ def torque_reasons(check: TorqueCheck) -> Iterator[Reason]:
     unlimited = check.unlimited if nearest is not None and np.isinf(nearest.limit) else ""
     yield from _limit_reasons(_JOINT_EFFORT, check.over, nearest, unlimited)
     if check.yielding:
-        yield make_reason("torque", "note", {"yielding": check.yielding})
+        yield make_reason("torque", "note", {"yielding": check.yielding}, "yields")
     if check.unknown:
         yield make_reason("limit_unknown", "warning", {"joints": check.unknown})
 
@@ -302,7 +304,9 @@ def _limit_reasons(
 
     if not over:
         if (r := nearest) is not None:
-            yield make_reason(kind.code, "note", values_of(r), unit=r.unit, held_by=r.held_by, unlimited=unlimited)
+            said = {"member": kind.member, "name": r.joint, "limit": (r.limit, r.unit), "held_by": r.held_by}
+            case = "no limit" if unlimited else ""
+            yield make_reason(kind.code, "note", values_of(r), case, unlimited=unlimited, **said)
         return
     values: dict[str, Any] = {f"{kind.member}s": [values_of(r) for r in over]}
     if any(r.lasts == 0.0 for r in over):
@@ -312,4 +316,4 @@ def _limit_reasons(
     known = [r.lasts for r in over if r.lasts is not None]
     values["lasts_s"] = min(known) if len(known) == len(over) else None
     shares = [(r.joint, r.motor.share(r.torque)) for r in over if r.motor]
-    yield make_reason("overheats", "decides", values, shares=shares)
+    yield make_reason("overheats", "decides", values, "" if len(known) == len(over) else "no time", shares=shares)

@@ -155,15 +155,15 @@ class TorqueCheck(Record):
         unit, size = words.choose_prefix(max(units, key=len), [10.0 * x for x in (*self.torque.tolist(), *known)])
         if len(units) > 1:
             unit, size = "N·m", 1.0
-        limits = [_format_limit(r._replace(limit=r.limit / size)) for r in self]
+        limits = [f"{r.limit / size:.4g}" if np.isfinite(r.limit) else "none" for r in self]
+        limits = [text if r.known else "unknown" for text, r in zip(limits, self, strict=True)]
+        shares = ["–" if not r.known or np.isinf(r.limit) else words.format_percent(r.utilisation) for r in self]
         torques = _format_torques(self.torque / size)
         if len(units) > 1:  # those of joints that slide say their own
             torques = [f"{t} N" if r.unit == "N" else t for t, r in zip(torques, self, strict=True)]
-        rows = [
-            (r.joint, torque, limit, _format_share(r), self.remark(r))
-            for r, torque, limit in zip(self, torques, limits, strict=True)
-        ]
-        return TextTable(("joint", f"torque\n{unit}", f"limit\n{unit}", "of limit", ""), tuple(rows), "<>>><")
+        columns = ([r.joint for r in self], torques, limits, shares, [self.remark(r) for r in self])
+        heads = ("joint", f"torque\n{unit}", f"limit\n{unit}", "of limit", "")
+        return TextTable(heads, tuple(zip(*columns, strict=True)), "<>>><")
 
     def remark(self, row: TorqueRow) -> str:
         """What stands beside a row: over its limit, yields at its limit, closest to its limit; "" for all others. With
@@ -208,14 +208,6 @@ def torque_check(hand: HandModel, torque: Array, yielding: tuple[str, ...] = ())
     limits = hand.torques
     used, known, drives = read_only(abs(torque) / limits.limits), limits.known, limits.drives
     return TorqueCheck(hand.joint_names, torque, limits.limits, used, known, yielding, hand.sliding, drives)
-
-
-def _format_limit(row: TorqueRow) -> str:
-    return f"{row.limit:.4g}" if row.known and np.isfinite(row.limit) else "none" if row.known else "unknown"
-
-
-def _format_share(row: TorqueRow) -> str:
-    return "–" if not row.known or np.isinf(row.limit) else words.format_percent(row.utilisation)
 
 
 def _format_torques(values: Array) -> list[str]:

@@ -97,20 +97,17 @@ def test_in_a_ring_every_bound_is_kept_and_the_answer_solves_the_free_grasp_with
     np.testing.assert_allclose(again.forces, s.forces, atol=1e-8 * bound)
 
 
-# ---------------------------------------------------------------- what it costs, and what it doesn't
-
-
-def test_beside_the_total_bound_the_tighter_of_the_two_holds():
-    one = pinch(effects=[hl.FingerForceBound(6.0), hl.TotalForceBound(20.0)]).solve()
-    np.testing.assert_allclose(one.normal_force, 6.0, rtol=1e-9)
-    other = pinch(effects=[hl.FingerForceBound(6.0), hl.TotalForceBound(8.0)]).solve()
-    np.testing.assert_allclose(other.normal_force, 4.0, rtol=1e-9)
-
-
-def test_rigid_fingers_are_bounded_too():
+@pytest.mark.parametrize(
+    ("effects", "more", "force"),
+    [
+        ([hl.FingerForceBound(6.0), hl.TotalForceBound(20.0)], {}, 6.0),
+        ([hl.FingerForceBound(6.0), hl.TotalForceBound(8.0)], {}, 4.0),
+        ([hl.FingerForceBound(6.0)], {"flexibility": 0.0}, 6.0),
+    ],
+)
+def test_the_tighter_of_two_bounds_holds_and_rigid_fingers_are_bounded_too(effects, more, force):
     """Stiff fingers squeezed by anything push with their bounds: what a rigid grasp alone cannot say."""
-    s = pinch(flexibility=0.0, effects=[hl.FingerForceBound(6.0)]).solve()
-    np.testing.assert_allclose(s.normal_force, 6.0, rtol=1e-9)
+    np.testing.assert_allclose(pinch(effects=effects, **more).solve().normal_force, force, rtol=1e-9)
 
 
 # ---------------------------------------------------------------- certificates

@@ -19,7 +19,7 @@ def reach(faces):
 
 
 @pytest.mark.parametrize("faces", [4, 8, 16, "cone"])
-def test_a_pinch_needs_load_over_twice_its_friction_times_the_flexibility(faces):
+def test_a_pinch_needs_load_over_twice_its_friction_times_the_flexibility_and_friction_likewise(faces):
     r = required_preload(pinch(mu=0.5, squeeze=0.0, load=(0, 0, -3.0)), faces, tolerance=1e-4)
     exact = C * 3.0 / (2 * 0.5 * reach(faces))  # squeeze / C on each side carries 2 μ_m squeeze / C
     assert exact * (1 - 1e-9) <= r.value <= exact * (1 + 1e-4)
@@ -27,10 +27,6 @@ def test_a_pinch_needs_load_over_twice_its_friction_times_the_flexibility(faces)
     assert dict(r.checked)[r.value]
     assert not dict(r.checked)[r.fails]
     assert not r.proven
-
-
-@pytest.mark.parametrize("faces", [4, 8, 16, "cone"])
-def test_a_pinch_needs_this_much_friction(faces):
     r = required_friction(pinch(squeeze=1e-3, load=(0, 0, -3.0)), faces, tolerance=1e-4)
     exact = 3.0 / (2 * 10.0 * reach(faces))
     assert exact * (1 - 1e-9) <= r.value <= exact * (1 + 1e-4)

@@ -224,25 +224,27 @@ def test_the_search_knows_that_an_open_soft_contact_slips_and_turns_freely():
     np.testing.assert_allclose(abs(s.spin[2]), 0.02 * softness / (2 * d**2), rtol=1e-9)
 
 
-@pytest.mark.parametrize("torsion", [0.005, 0.05, 0.5, 4.0])
-def test_a_large_torsion_excuses_no_overlap_and_no_slip(torsion):
-    """In the law's coordinates a turn is as long as the lever; gaps and slips are not measured by that."""
-    g = pinch(*[hl.SoftFinger(0.5, torsion, 3.0)] * 2)
+@pytest.mark.parametrize(
+    ("first", "second", "moment", "moves"),
+    [
+        *(
+            (*(hl.SoftFinger(0.5, torsion, 3.0),) * 2, 0.02, 1e-10 * np.eye(6)[:3])
+            for torsion in (0.005, 0.05, 0.5, 4.0)
+        ),
+        (*(hl.SoftFinger(1000.0, 0.005, 3.0),) * 2, 0.02, 1e-4 * np.eye(6)[3:4]),
+        (hl.SoftFinger(0.5, 0.005, 1e12), SOFT, 0.0, 1e-6 * np.eye(6)[:1]),
+    ],
+)
+def test_no_lever_and_no_pad_excuses_an_overlap_a_slip_or_a_turn(first, second, moment, moves):
+    """In the law's coordinates a turn is as long as the lever; gaps and slips are not measured by that. What friction
+    has to spare must hold a contact still: with a small lever a turn by a thousandth of its size shows.
+    """
+    g = pinch(first, second or first, wrench=(0, 0, -1, moment, 0, 0))
     s = g.solve("cone")
-    moment = s.torsion / (torsion / 0.5)  # in the law's coordinates
-    assert judged(g, "cone", s.forces, at_centre(g, s), torsion=moment).passes
-    for moved in np.eye(6)[:3] * 1e-7 * abs(s.gap + 1e-3).max():
-        assert not judged(g, "cone", s.forces, at_centre(g, s) + moved, torsion=moment).passes
-
-
-def test_a_small_lever_excuses_no_turn():
-    """What friction has to spare must hold a contact still: a turn by a thousandth of its size shows."""
-    g = pinch(*[hl.SoftFinger(1000.0, 0.005, 3.0)] * 2)
-    s = g.solve("cone")
-    moment = s.torsion / (0.005 / 1000.0)
-    turned = at_centre(g, s) + np.r_[np.zeros(3), 1e-3 * 1e-3 / 0.01, 0, 0]
-    assert judged(g, "cone", s.forces, at_centre(g, s), torsion=moment).passes
-    assert not judged(g, "cone", s.forces, turned, torsion=moment).passes
+    torsion = s.torsion / first.lever  # in the law's coordinates
+    assert judged(g, "cone", s.forces, at_centre(g, s), torsion=torsion).passes
+    for moved in moves:
+        assert not judged(g, "cone", s.forces, at_centre(g, s) + moved, torsion=torsion).passes
 
 
 def test_torsion_without_end_is_refused_with_a_bound():
@@ -251,11 +253,3 @@ def test_torsion_without_end_is_refused_with_a_bound():
     with pytest.raises(hl.InputError, match=r"SoftFinger\.mu: expected a number > 0 and ≤ 10000"):
         hl.SoftFinger(1e5, 0.01)
     assert pinch(hl.SoftFinger(1e5, 0.0)).solve().torsion[0] == 0.0
-
-
-def test_a_pad_that_turns_easily_excuses_no_overlap():
-    g = pinch(hl.SoftFinger(0.5, 0.005, 1e12), SOFT, wrench=(0, 0, -1, 0, 0, 0))
-    s = g.solve("cone")
-    moment = s.torsion / 0.01
-    assert judged(g, "cone", s.forces, at_centre(g, s), torsion=moment).passes
-    assert not judged(g, "cone", s.forces, at_centre(g, s) + 1e-6 * np.eye(6)[0], torsion=moment).passes

@@ -91,18 +91,15 @@ class StateLimits:
     tendons: tuple[str, ...] = ()
     inverse_efforts: Array = field(init=False, repr=False)  # 1 / τ_max
     inverse_spans: Array = field(init=False, repr=False)  # 1 / span; 1 where a range has none
-    thresholds: tuple[Array, Array, Array] = field(init=False, repr=False)  # beyond which τ, q and -q are beyond theirs
 
     def __post_init__(self) -> None:
         span = self.upper - self.lower
         ranged = np.isfinite(span) & (span > 0.0)
         object.__setattr__(self, "inverse_efforts", read_only(1.0 / np.maximum(self.efforts, _MIN_TORQUE_LIMIT)))
         object.__setattr__(self, "inverse_spans", read_only(1.0 / np.where(ranged, span, 1.0)))
-        slack = OVER_LIMIT_TOLERANCE / self.inverse_spans
-        object.__setattr__(self, "thresholds", (_MAX_SHARE * self.efforts, self.upper + slack, slack - self.lower))
 
     def failure_mode(self, k: int, share: float) -> FailureMode:
-        """What the k-th share of `used` is of."""
+        """What the k-th of `limit_shares` is of."""
         nv, left = len(self.joints), 1.0 - share
         if k < nv:
             return FailureMode(TORQUE, self.joints[k], left)
@@ -140,10 +137,8 @@ def state_limits(
     efforts = np.concatenate([torque, cables.limits])
     lower, upper = mechanism.joint_model.ranges if ranges else (-free, free)
     if nominal is not None:
-        left = is_exceeded(
-            StateLimits((), mechanism.names, free, lower, upper).inverse_spans * _range_excess(lower, upper, nominal)
-            + 1.0
-        )
+        alone = StateLimits((), mechanism.names, free, lower, upper)
+        left = is_exceeded(limit_shares(alone, np.zeros(len(free)), nominal)[len(free) :])
         lower, upper = np.where(left, -np.inf, lower), np.where(left, np.inf, upper)
     return StateLimits(spec.names, mechanism.names, efforts, lower, upper, motion, cables.names)
 
@@ -154,28 +149,21 @@ def limit_shares(limits: StateLimits, efforts: Array, q: Array | None = None, mo
     """
     parts = [abs(efforts) * limits.inverse_efforts]
     if q is not None:
-        parts.append(_range_excess(limits.lower, limits.upper, q) * limits.inverse_spans + 1.0)
+        parts.append(np.maximum(q - limits.upper, limits.lower - q) * limits.inverse_spans + 1.0)
     if moved is not None:
         if q is None:
             parts.append(np.full(len(limits.joints), -np.inf))
-        parts.append(np.array(_motion_shares(limits, moved)))
-    return parts[0] if len(parts) == 1 else np.concatenate(parts)
+        x, y, z, a, b, c = moved.tolist()
+        parts.append(np.array([hypot(x, y, z) / limits.motion[0], hypot(a, b, c) / limits.motion[1]]))
+    return np.concatenate(parts)
 
 
 def find_exceeded(
     limits: StateLimits, efforts: Array, q: Array | None = None, moved: Array | None = None
 ) -> tuple[FailureMode, ...]:
     """What is beyond its limit in a state: torques first, then tensions, ranges and the object's motion; arguments as
-    in `used`.
+    in `limit_shares`.
     """
-    most, upper, lower = limits.thresholds
-    some = np.count_nonzero(abs(efforts) > most)
-    if q is not None:
-        some += np.count_nonzero(q > upper) + np.count_nonzero(-q > lower)
-    if moved is not None:
-        some += bool(is_exceeded(max(_motion_shares(limits, moved))))
-    if not some:  # the common case, in which no share is worked out
-        return ()
     share = limit_shares(limits, efforts, q, moved)
     return _failure_modes(limits, share, is_exceeded(share))
 
@@ -234,18 +222,6 @@ def largest_share_index(share: Array) -> int:
     known = np.where(np.isnan(share), -np.inf, share)
     most = float(known.max())
     return int(np.argmax(known >= most - OVER_LIMIT_TOLERANCE * abs(most)))
-
-
-def _range_excess(lower: Array, upper: Array, q: Array) -> Array:
-    """(nv,) how far joints are past an end of their range [rad, m]; below 0 within it."""
-    past: Array = np.maximum(q - upper, lower - q)
-    return past
-
-
-def _motion_shares(limits: StateLimits, moved: Array) -> tuple[float, float]:
-    """Shares of the object's shift and turn."""
-    x, y, z, a, b, c = moved.tolist()
-    return hypot(x, y, z) / limits.motion[0], hypot(a, b, c) / limits.motion[1]
 
 
 def _failure_modes(limits: StateLimits, share: Array, which: Bools) -> tuple[FailureMode, ...]:

@@ -37,6 +37,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from string import Formatter
 from typing import Any
 
 import numpy as np
@@ -62,33 +63,85 @@ class Reason:
     values: Mapping[str, Any] = field(default_factory=dict)
 
 
-def make_reason(code: str, severity: str, values: Mapping[str, Any] | None = None, **beside: Any) -> Reason:
-    """The reason with this code and the sentence that its values make. beside : what the sentence says, too, and
-    programs do not read, by the names that `_SENTENCES` has.
+def make_reason(code: str, severity: str, values: Values | None = None, case: str = "", **beside: Any) -> Reason:
+    """The reason with this code and the sentence that its values make.
+
+    case : which of the sentences of a code. beside : what the sentence says besides, and programs do not read.
     """
     values = values or {}
-    sentence, known = _SENTENCES[code], {**values, **beside}
-    return Reason(code, severity, sentence.format_map(known) if isinstance(sentence, str) else sentence(known), values)
+    sentence, known = _SENTENCES[f"{code}: {case}" if case else code], {**values, **beside}
+    text = _FORMATTER.vformat(sentence, (), known) if isinstance(sentence, str) else sentence(known)
+    return Reason(code, severity, text, values)
 
 
-_ONE_SOLVE = "one solve, with squeeze and load at once in this posture"
+def format_span(least: float, most: float) -> str:
+    """Of a limit, such as "40 to 120 %"."""
+    low, high = words.format_percent(least), words.format_percent(most)
+    if not np.isfinite(most):
+        return f"{low} to ∞" if np.isfinite(least) else "∞"
+    return low if low == high else f"{low.removesuffix(' %')} to {high}"
+
+
+# ----------------------------------------------------------------
+# What stands behind the colon of a field in a sentence: how its value is written. "a|b" is a for one and b for several.
+
+
+def _list_efforts(rows: Sequence[tuple[str, float, float, str]], needs: str = "") -> str:
+    """Of rows (name, effort, limit, unit), such as "finger_1 0.21 N·m of 0.2 N·m"."""
+    return words.list_names(
+        [f"{name} {needs}{' of '.join(words.format_efforts((x, limit), unit))}" for name, x, limit, unit in rows]
+    )
+
+
+def _mention_others(count: int) -> str:
+    if count == 1:
+        return ", and 1 more joint may need more than its limit"
+    return f", and {count} more may need more than their limits" if count else ""
+
+
+_WRITERS: dict[str, Callable[[Any], str]] = {
+    "percent": words.format_percent,
+    "length": words.format_length,
+    "angle": words.format_angle,
+    "duration": words.format_duration,
+    "names": words.list_names,
+    "behind": lambda word: f" {word}" if word else "",
+    "or": words.join_alternatives,
+    "span": lambda both: format_span(*both),
+    "effort": lambda both: words.format_effort(*both),
+    "efforts": _list_efforts,
+    "needs": lambda rows: _list_efforts(rows, "needs "),
+    "with": lambda rows: words.list_names([f"{name} with {words.format_effort(*both)}" for name, *both in rows]),
+    "gives": lambda rows: words.list_names(
+        [f"{name} gives {words.format_percent(x)} of continuous" for name, x in rows]
+    ),
+    "others": _mention_others,
+    "inside": lambda links: words.join_names(
+        [f"{words.format_length(one['depth_m'])} inside {one['link']}" for one in links]
+    ),
+}
+
+
+class _SentenceFormatter(Formatter):
+    """Writes the fields of a sentence with `_WRITERS`."""
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        one, several, many = format_spec.partition("|")
+        if several:
+            return many if (value if isinstance(value, int) else len(value)) > 1 else one
+        return _WRITERS[format_spec](value) if format_spec else str(value)
+
+
+_FORMATTER = _SentenceFormatter()
+
+# ---------------------------------------------------------------- Sentences that are put together of parts.
+
 _MAX_NAMED = 4  # contacts that are named one by one
 _STILL_DISTANCE = 1e-7  # [m] an object that moves less is not said to move
 
 
-def _agree(names: Sequence[Any], one: str, many: str) -> str:
-    """The form of a verb that agrees with so many names."""
-    return many if len(names) > 1 else one
-
-
-# ---------------------------------------------------------------- Of one solve.
-
-
 def _describe_contacts(v: Values) -> str:
     """With what contacts are called (who), how many there are (count), and on which link each is (links)."""
-    if "finger" in v:
-        past = f"the object slides {words.format_length(v['slid_m'])} past {v['finger']}"
-        return f"{past} before it comes to rest: it is held, but not where the hand gripped it"
     sliding, turns, apart, who = v["sliding_m"], v["twisting_rad"], v["separated"], f"{v['who']}s"
     parts = []
     if sliding and len(sliding) == v["count"] > 1:
@@ -100,7 +153,7 @@ def _describe_contacts(v: Values) -> str:
         parts.append(", ".join(f"{n} twists by {words.format_angle(a)} on the object" for n, a in turns.items()))
     if apart:
         gone = words.group_by_link(apart, v["links"]) if len(apart) > _MAX_NAMED else apart
-        parts.append(f"{words.list_names(gone)} {_agree(apart, 'lets', 'let')} go")
+        parts.append(f"{words.list_names(gone)} {'let' if len(apart) > 1 else 'lets'} go")
     return "; ".join(p for p in parts if p) or f"all {who} stick"
 
 
@@ -118,17 +171,7 @@ def _describe_slides(sliding: Mapping[str, float], v: Values) -> str:
         return f"{len(sliding)} of {v['count']} {v['who']}s slide, {up_to}"
     ways = words.format_lengths([max(far) for far in farthest.values()])
     named = zip(words.group_by_link(list(sliding), v["links"]), farthest.values(), ways, strict=True)
-    return ", ".join(f"{who} {_agree(far, 'slides', 'slide up to')} {way}" for who, far, way in named)
-
-
-def _describe_friction(v: Values) -> str:
-    """With the largest share that a contact uses which sticks, `most` of `finger`, and whether others slide (some)."""
-    if v["most"] is None:
-        return "friction is used up at every contact that pushes: nothing is left for a disturbance"
-    share, who = words.format_percent(v["most"]), v["finger"]
-    if v["little"]:
-        return f"{who} uses {share} of its friction: a little more load makes it slide"
-    return f"friction {'of those that stick ' * v['some']}is used up to {share}{v['when']} ({who})"
+    return ", ".join(f"{who} {'slides' if len(far) == 1 else 'slide up to'} {way}" for who, far, way in named)
 
 
 def _describe_motion(v: Values) -> str:
@@ -167,209 +210,96 @@ def describe_large_motion(v: Values) -> str:
     return f"{', '.join(parts)}: the equations are of small motions, and {off}"
 
 
-def _describe_open(v: Values) -> str:
-    """Of forces, or of motions in some directions, of which the smallest, or those of a loading, are given."""
-    if k := v.get("directions"):
-        given = "the smallest motion" if v["smallest"] else "what the loading led to"
-        return f"the object can move freely in {k} direction{'s' if k > 1 else ''}; {given} is given"
-    given = "the smallest" if v["smallest"] else "those that the loading led to"
-    return f"other forces satisfy the same conditions; {given} are given"
+# ---------------------------------------------------------------- The table: a sentence, or what makes it.
 
-
-def _describe_others(v: Values) -> str:
-    """With whether motions of the others are too large for the equations (far)."""
-    lists = "grasp.equilibria() lists them"
-    if "forces_differ" not in v:
-        return f"friction can hold the object in other ways, too; {lists}"
-    if v["far"]:
-        return f"the equations have other answers, too, with motions too large for them ({lists})"
-    by = words.format_percent(v["forces_differ"])
-    return f"friction can hold the object in other ways, too, with forces that differ by {by} ({lists})"
-
-
-# ---------------------------------------------------------------- Of a loading that is followed.
-
-
-def _describe_loss(v: Values) -> str:
-    """With the loading's own words, and the stage in which the object slides through before."""
-    if "slides_at" not in v:
-        return f"the object is {v['why']}"
-    at = words.format_percent(v["slides_at"])
-    return f"the object is {v['why']}; it slides through from {at} of stage {v['through']!r} on"
-
-
-def _describe_sliding_through(v: Values) -> str:
-    at = f"from {words.format_percent(v['share'])} of stage {v['stage']!r} on"
-    far = f"{words.format_length(v['moved_m'])} and {words.format_angle(v['turned_rad'])}"
-    end = f"loaded slowly it moves by {far} in all; a sudden load moves it farther"
-    if v["jumps"]:
-        return f"the object snaps {at}: it jumps to another place; {end}"
-    return f"the object slides through {at}: no finger that presses sticks any more; {end}"
-
-
-def _describe_rigid_tips(v: Values) -> str:
-    names = v["names"]
-    who = f"{words.list_names(names)} {_agree(names, 'has', 'have')}" if names else "the contacts have together"
-    text = f"{who} no pads: where joints do not give way nothing does, and small differences decide what slips"
-    return f"{text}; pass pad_flexibility, such as 1e-4 m/N for rubber"
-
-
-def _describe_followed_forces(v: Values) -> str:
-    if "finger" not in v:
-        return f"{_ONE_SOLVE}, finds an equilibrium, which this loading does not reach"
-    off_by = f"{words.format_percent(v['force_error'])} of the largest force ({v['finger']})"
-    return f"{_ONE_SOLVE}, is off by {off_by}"
-
-
-def _describe_advice(v: Values) -> str:
-    """With the change in words, " within the torque limits" where there are any, and how the object snaps then."""
-    if "tried" in v:
-        return f"nothing that was tried would hold it{v['within']}, not even {words.join_alternatives(v['tried'])}"
-    return f"{v['text']} would hold it{v['within']}{v['snap']}"
-
-
-# ---------------------------------------------------------------- Of joints, tendons and motors.
-# A sentence about efforts is given `rows` of (name, effort, limit, unit).
-
-
-def _list_efforts(rows: Sequence[tuple[str, float, float, str]], needs: str = "needs ") -> str:
-    """Such as "finger_1 needs 0.21 N·m of 0.2 N·m"."""
-    return words.list_names(
-        [f"{name} {needs}{' of '.join(words.format_efforts((x, limit), unit))}" for name, x, limit, unit in rows]
-    )
-
-
-def _describe_over_limit(v: Values) -> str:
-    needs = _list_efforts(v["rows"])
-    if "rubs" in v:  # whether dry friction takes some of what the motors give while the hand closes
-        return f"closing takes more than the motors give (peak{' less dry friction' * v['rubs']}): {needs}"
-    return f"the contacts could hold the object, the {'motors' if 'joints' in v else 'tendons'} cannot: {needs}"
-
-
-def _describe_overheating(v: Values) -> str:
-    gives = [f"{name} gives {words.format_percent(share)} of continuous" for name, share in v["shares"]]
-    least = "not for longer than the motor's thermal time"
-    if v["lasts_s"] is not None:
-        least = f"begun cold, the first motor overheats after {words.format_duration(v['lasts_s'])}"
-    return f"the hand holds the object, but not for good: {words.list_names(gives)}; {least}"
-
-
-def _describe_nearest_limit(v: Values) -> str:
-    """With what is said where no limit is finite, and what of a motor the limit is (held_by)."""
-    if yielding := v.get("yielding"):
-        return f"{words.list_names(yielding)} {_agree(yielding, 'yields', 'yield')} at the limit"
-    if v["unlimited"]:
-        return str(v["unlimited"])
-    member = "joint" if "joint" in v else "tendon"
-    limit = words.format_effort(v["limit_Nm" if member == "joint" else "limit_N"], v["unit"])
-    of = f"{limit}{f' {held_by}' if (held_by := v['held_by']) else ''}"
-    share = words.format_percent(v["utilisation"])
-    return f"the {member} closest to its limit is {v[member]} at {share} of {of}"
-
-
-def _describe_unmade_command(v: Values) -> str:
-    """With what would make it, of `_UNMADE_COMMANDS`, and the units of the torques."""
-    efforts = zip(v["joints"], v["torques_Nm"], v["units"], strict=True)
-    turn = words.list_names([f"{name} with {words.format_effort(t, unit)}" for name, t, unit in efforts])
-    return f"{_UNMADE_COMMANDS[v['takes']]} to turn {turn}"
-
-
-_UNMADE_COMMANDS = {
-    "actuators": "no actuators make this command: it takes others",
-    "tendons": "no tendons make this command by pulling: it takes more tendons",
-    "opposite tendons": "no tendons make this command by pulling: it takes tendons that pull the other way",
-}
-
-
-def _describe_closing_torque(v: Values) -> str:
-    """With joints that would be driven farther (beyond), and whether no state with more was found (stuck)."""
-    needs = _list_efforts(v["rows"], "")
-    text = f"where the hand has closed, fingers pull with less than the closing torque: {needs}"
-    if beyond := v["beyond"]:
-        drive = f"they would drive {words.list_names(beyond)} farther beyond {_agree(beyond, 'its', 'their')}"
-        return f"{text}; turning on, {drive} closing torque"
-    if v["stuck"]:
-        return f"{text}; no state was found in which they press harder, and what stops them is not known"
-    return text
-
-
-def _describe_open_torques(v: Values) -> str:
-    """With the joint that may need most, None where none is open, shares of its limit, and how many more may exceed
-    theirs, None where it does not, either.
-    """
-    if v["joint"] is None:
-        return "the forces that are open change no joint's torque"
-    if v["more"] is None:
-        share = words.format_percent(v["most"])
-        return f"whatever the forces that are open are, no joint needs more than {share} of its limit ({v['joint']})"
-    text = f"{v['joint']} may carry {words.format_percent(v['least'])} of its limit, or any amount more"
-    if np.isfinite(v["most"]):
-        text = f"{v['joint']} may carry {format_span(v['least'], v['most'])} of its limit"
-    if (more := v["more"]) == 1:
-        text += ", and 1 more joint may need more than its limit"
-    elif more:
-        text += f", and {more} more may need more than their limits"
-    return f"{text}: no statics can tell"
-
-
-def format_span(least: float, most: float) -> str:
-    """Of a limit, such as "40 to 120 %"."""
-    low, high = words.format_percent(least), words.format_percent(most)
-    if not np.isfinite(most):
-        return f"{low} to ∞" if np.isfinite(least) else "∞"
-    return low if low == high else f"{low.removesuffix(' %')} to {high}"
-
-
-def _describe_start_inside(v: Values) -> str:
-    inside = [f"{words.format_length(one['depth_m'])} inside {one['link']}" for one in v["links"]]
-    return f"the object begins {words.join_names(inside)}: move it out by as much"
-
-
-# ---------------------------------------------------------------- The table: a template, or what makes the sentence.
+_ONE_SOLVE = "one solve, with squeeze and load at once in this posture"
+_LISTED = "grasp.equilibria() lists them"
+_SLIDES_ON = "loaded slowly it moves by {moved_m:length} and {turned_rad:angle} in all; a sudden load moves it farther"
+_NO_PADS = (
+    "no pads: where joints do not give way nothing does, and small differences decide what slips; "
+    "pass pad_flexibility, such as 1e-4 m/N for rubber"
+)
+_PULLS_LESS = "where the hand has closed, fingers pull with less than the closing torque: {rows:efforts}"
+_OVERHEATS = "the hand holds the object, but not for good: {shares:gives}; "
+_NEAREST = "the {member} closest to its limit is {name} at {utilisation:percent} of {limit:effort}{held_by:behind}"
 
 _SENTENCES: dict[str, str | Callable[[Values], str]] = {
     "not_holdable": "{diagnosis}",
     "no_equilibrium": "{diagnosis}",
     "no_squeeze": "{text}",
-    "lost": _describe_loss,
-    "slides_through": _describe_sliding_through,
+    "lost": "the object is {why}",
+    "lost: after it slides": "the object is {why}; it slides through from {slides_at:percent} of stage {through!r} on",
+    "slides_through": "the object slides through from {share:percent} of stage {stage!r} on: no finger that presses "
+    f"sticks any more; {_SLIDES_ON}",
+    "slides_through: snaps": "the object snaps from {share:percent} of stage {stage!r} on: it jumps to another place; "
+    f"{_SLIDES_ON}",
     "steps_differ": "fewer and more steps of loading end differently: one says that it holds, another that it does not",
     "solver_stopped": "the solver stopped before it found an answer, which says nothing about the grasp; try another "
     "seed or number of faces",
     "follow_stopped": "the loading was {why}",
-    "link_inside": _describe_start_inside,
+    "link_inside": "the object begins {links:inside}: move it out by as much",
     "large_motion": describe_large_motion,
-    "followed_forces": _describe_followed_forces,
-    "torque_over_limit": _describe_over_limit,
-    "torque": _describe_nearest_limit,
-    "limit_unknown": lambda v: f"torque limits not known, torques not judged: {words.list_names(v['joints'])}",
+    "followed_forces": f"{_ONE_SOLVE}, finds an equilibrium, which this loading does not reach",
+    "followed_forces: differ": f"{_ONE_SOLVE}, is off by {{force_error:percent}} of the largest force ({{finger}})",
+    "torque_over_limit": "the contacts could hold the object, the motors cannot: {rows:needs}",
+    "torque": _NEAREST,
+    "torque: no limit": "{unlimited}",
+    "torque: yields": "{yielding:names} {yielding:yields|yield} at the limit",
+    "limit_unknown": "torque limits not known, torques not judged: {joints:names}",
     "limit_doubtful": "{doubt}",
-    "tension_over_limit": _describe_over_limit,
-    "tension": _describe_nearest_limit,
-    "slack": lambda v: f"{words.list_names(v['tendons'])} {_agree(v['tendons'], 'hangs', 'hang')} slack at the end",
-    "closing_torque": _describe_closing_torque,
-    "overheats": _describe_overheating,
-    "closing_over_peak": _describe_over_limit,
+    "tension_over_limit": "the contacts could hold the object, the tendons cannot: {rows:needs}",
+    "tension": _NEAREST,
+    "slack": "{tendons:names} {tendons:hangs|hang} slack at the end",
+    "closing_torque": _PULLS_LESS,
+    "closing_torque: drives others": f"{_PULLS_LESS}; turning on, they would drive {{beyond:names}} farther beyond "
+    "{beyond:its|their} closing torque",
+    "closing_torque: stuck": f"{_PULLS_LESS}; no state was found in which they press harder, and what stops them is "
+    "not known",
+    "overheats": f"{_OVERHEATS}begun cold, the first motor overheats after {{lasts_s:duration}}",
+    "overheats: no time": f"{_OVERHEATS}not for longer than the motor's thermal time",
+    "closing_over_peak": "closing takes more than the motors give (peak): {rows:needs}",
+    "closing_over_peak: rubs": "closing takes more than the motors give (peak less dry friction): {rows:needs}",
     "limit_shared": "{doubt}",
     "hand_doubtful": "{doubt}",
     "unplaced": "{why}",
-    "rigid_tips": _describe_rigid_tips,
+    "rigid_tips": f"{{names:names}} {{names:has|have}} {_NO_PADS}",
+    "rigid_tips: together": f"the contacts have together {_NO_PADS}",
     "pressed_in": "{text}",
-    "torques_open": _describe_open_torques,
-    "command_not_made": _describe_unmade_command,
+    "torques_open": "{joint} may carry {both:span} of its limit{more:others}: no statics can tell",
+    "torques_open: no end": "{joint} may carry {least:percent} of its limit, or any amount more{more:others}: no "
+    "statics can tell",
+    "torques_open: none": "the forces that are open change no joint's torque",
+    "torques_open: within": "whatever the forces that are open are, no joint needs more than {most:percent} of its "
+    "limit ({joint})",
+    "command_not_made": "no actuators make this command: it takes others to turn {rows:with}",
+    "command_not_made: tendons": "no tendons make this command by pulling: it takes more tendons to turn {rows:with}",
+    "command_not_made: opposite tendons": "no tendons make this command by pulling: it takes tendons that pull the "
+    "other way to turn {rows:with}",
     "out_of_reach": "{reach}",
     "effect": "{text}",
     "contacts": _describe_contacts,
+    "contacts: far": "the object slides {slid_m:length} past {finger} before it comes to rest: it is held, but not "
+    "where the hand gripped it",
     "motion": _describe_motion,
     "object_kept": "the object is kept in place until the hand has closed",
     "no_load": "no load: no weight acts on the object, and no wrench was given",
     "weight_left_out": "{text}",
-    "friction": _describe_friction,
-    "forces_open": _describe_open,
-    "loose": _describe_open,
-    "others": _describe_others,
+    "friction": "friction is used up to {most:percent}{when} ({finger})",
+    "friction: some slide": "friction of those that stick is used up to {most:percent}{when} ({finger})",
+    "friction: little": "{finger} uses {most:percent} of its friction: a little more load makes it slide",
+    "friction: none": "friction is used up at every contact that pushes: nothing is left for a disturbance",
+    "forces_open": "other forces satisfy the same conditions; the smallest are given",
+    "forces_open: followed": "other forces satisfy the same conditions; those that the loading led to are given",
+    "loose": "the object can move freely in {directions} direction{directions:|s}; the smallest motion is given",
+    "loose: followed": "the object can move freely in {directions} direction{directions:|s}; what the loading led to "
+    "is given",
+    "others": f"friction can hold the object in other ways, too; {_LISTED}",
+    "others: near": "friction can hold the object in other ways, too, with forces that differ by "
+    f"{{forces_differ:percent}} ({_LISTED})",
+    "others: far": f"the equations have other answers, too, with motions too large for them ({_LISTED})",
     "snaps": "{event}: where it comes to rest depends on how fast and how evenly the hand closes",
     "not_followed": "the loading was not followed: {why}",
     "only_followed": f"{_ONE_SOLVE}, finds no equilibrium: the grasp holds as it moves",
-    "advice": _describe_advice,
+    "advice": "{text} would hold it{within}{snap}",
+    "advice: none": "nothing that was tried would hold it{within}, not even {tried:or}",
 }

@@ -160,20 +160,15 @@ class Margins(Record):
         if isinstance(self._load, str):
             rows.append(("load", "–", "", self._load))
         else:
-            rows.append(
-                (
-                    "load",
-                    _format_factor(self._load.factor),
-                    "",
-                    describe_failures(self._load.binds, self.spec, brief=True),
-                )
-            )
+            factor = "∞" if np.isinf(self._load.factor) else f"× {self._load.factor:.3g}"
+            rows.append(("load", factor, "", describe_failures(self._load.binds, self.spec, brief=True)))
         lines = [str(TextTable(("margin", "left", "of limit", "least at"), tuple(rows), "<>><"))]
         if not self.solution.held:
             lines.append("no margins of friction and torque: no equilibrium was found")
         for c in (self.force_closure, self.form_closure):
             word = {True: "yes", False: "no", None: "not told"}[c.closed]
-            lines.append(_wrap_whole(f"{c.kind} closure: {word}, {c.sentence}"))
+            whole = _VECTOR_BREAK.sub(",\N{NO-BREAK SPACE}", f"{c.kind} closure: {word}, {c.sentence}")
+            lines.append(wrap_text(whole, "  ").replace("\N{NO-BREAK SPACE}", " "))
         lines.append(wrap_text(_describe_space(space), "  "))
         return "\n".join(lines)
 
@@ -184,11 +179,6 @@ def make_margins(spec: GraspSpec, scene: Scene, section: Section, solution: Any,
         raise InputError("solution", "a solution of this grasp, or None", repr(solution)[:80])
     L = None if length is None else check_number("length", length, above=0.0)
     return Margins(spec, section, solution, L, scene)
-
-
-def _wrap_whole(text: str) -> str:
-    """Wrapped, vectors in one piece."""
-    return wrap_text(_VECTOR_BREAK.sub(",\N{NO-BREAK SPACE}", text), "  ").replace("\N{NO-BREAK SPACE}", " ")
 
 
 def _describe_space(space: WrenchSpace) -> str:
@@ -206,7 +196,3 @@ def _describe_space(space: WrenchSpace) -> str:
 def _format_range(low: float, high: float) -> str:
     one, other = f"{low:.3g}", f"{high:.3g}"
     return one if one == other else f"{one} to {other}"
-
-
-def _format_factor(factor: float) -> str:
-    return "∞" if np.isinf(factor) else f"× {factor:.3g}"

@@ -267,7 +267,7 @@ def _refine_hull(hull: _ConvexHull, scene: Scene, every: Array, U: Array) -> flo
     ]
     most = np.inf
     for _ in range(_MAX_HULLS):
-        facets, offsets = hull.facets()
+        facets, offsets = hull.normals, hull.offsets
         low = np.flatnonzero(offsets < most)
         low = low[np.argsort(offsets[low])][: 10 * _CORNERS_PER_HULL]
         reach, corners = _supports(normals, facets[low])
@@ -296,42 +296,35 @@ def _supports(contacts: list[tuple[Array, Array, float]], facets: Array) -> tupl
 
 
 class _ConvexHull:
-    """The convex hull of points (d, k) and the origin; d = 1 is an interval."""
+    """The convex hull of points (d, k) and the origin; d = 1 is an interval.
+
+    normals (f, d), offsets (f,) : of its facets, units and distances from the origin.
+    """
 
     def __init__(self, points: Array) -> None:
-        self._points = np.column_stack([points, np.zeros(len(points))])
-        self._make()
+        self._points = np.zeros((len(points), 0))
+        self.add(np.column_stack([points, np.zeros(len(points))]))
 
-    def _make(self) -> None:
-        P = self._points
-        self._facets: tuple[Array, Array]
+    def add(self, points: Array) -> None:
+        """Add points, the columns of (d, k), to the hull."""
+        self._points = P = np.column_stack([self._points, points])
         if len(P) == 1:
-            ends = np.array([[1.0], [-1.0]])
-            self._facets = ends, np.maximum((ends @ P).max(axis=1), 0.0)
+            self.normals = np.array([[1.0], [-1.0]])
+            self.offsets = np.maximum((self.normals @ P).max(axis=1), 0.0)
             self.volume = float(P.max() - P.min())
             return
         try:
             hull = scipy.spatial.ConvexHull(P.T, qhull_options="Qt Q12" if len(P) < 5 else "Qx Qt Q12")
         except _qhull_error():
             hull = scipy.spatial.ConvexHull(P.T, qhull_options="QJ")  # joggled by rounding's size
-        self._facets = hull.equations[:, :-1], np.maximum(-hull.equations[:, -1], 0.0)
+        self.normals, self.offsets = hull.equations[:, :-1], np.maximum(-hull.equations[:, -1], 0.0)
         self.volume = float(hull.volume)
-
-    def add(self, points: Array) -> None:
-        """Add points, the columns of (d, k), to the hull."""
-        self._points = np.column_stack([self._points, points])
-        self._make()
-
-    def facets(self) -> tuple[Array, Array]:
-        """Unit normals (f, d) and distances from the origin (f,)."""
-        return self._facets
 
     def ball(self) -> tuple[float, Array]:
         """The radius of the largest ball about the origin, and the normal (d,) of a facet that it touches."""
-        normals, offsets = self._facets
-        k = int(offsets.argmin())
+        k = int(self.offsets.argmin())
         size = float(np.sqrt((self._points**2).sum(axis=0)).max())
-        return (float(offsets[k]) if offsets[k] > _ZERO_EPSILON * size else 0.0), normals[k]
+        return (float(self.offsets[k]) if self.offsets[k] > _ZERO_EPSILON * size else 0.0), self.normals[k]
 
 
 def _qhull_error() -> Any:

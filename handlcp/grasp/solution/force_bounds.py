@@ -236,14 +236,10 @@ class ForceBounds(Record):
     def __str__(self) -> str:
         tables = [_table("contact", "normal", "N", self.names, self.normal)]
         if self.joints:
-            tables.append(_table("joint", "torque", "N·m", self.joints, self.torques, self._shares))
+            limited = zip(self.utilisation.tolist(), np.isfinite(self.limit).tolist(), strict=True)
+            shares = [format_span(*both) if known else "–" for both, known in limited]
+            tables.append(_table("joint", "torque", "N·m", self.joints, self.torques, shares))
         return "\n\n".join([*map(str, tables), wrap_text(self._sentence)])
-
-    @property
-    def _shares(self) -> list[str]:
-        """Such as "40 to 120 %"."""
-        both = zip(self.utilisation.tolist(), np.isfinite(self.limit).tolist(), strict=True)
-        return [format_span(low, high) if limited else "–" for (low, high), limited in both]
 
     @property
     def _sentence(self) -> str:

@@ -61,7 +61,11 @@ def format_solution(s: Any, tables: Sequence[Any]) -> str:
         return str(s.verdict)
     parts = [str(s.verdict), str(contact_text_table(s)), *(str(t) for t in tables)]
     free = s.uniqueness or "what is left free was not examined"
-    told = [_format_motion(s), wrap_text(f"Certified: {free}.", "  ")]
+    u = np.where(abs(s.object_displacement) > CERTIFY_TOLERANCE * s.residuals.motion_scale, s.object_displacement, 0.0)
+    unit = words.choose_length_unit(u[:3].tolist())
+    moves, turns = ", ".join(unit(x) for x in u[:3].tolist()), ", ".join(_format_degrees(u[3:]))
+    moved = f"Object: moves ({moves}) {unit.name}, turns ({turns})°."  # along and about the world's axes
+    told = [wrap_text(moved, "  "), wrap_text(f"Certified: {free}.", "  ")]
     if s.accuracy is not None:
         told.append(wrap_text(f"Accuracy: {s.accuracy}.", "  "))
     return "\n\n".join([*parts, "\n".join(told)])
@@ -87,14 +91,6 @@ def contact_text_table(s: Any) -> TextTable:
     columns += [[words.format_percent(x) for x in s.friction_used.tolist()]]
     columns += [[unit(x) for x in a.tolist()] for a in (slips, gaps)]
     return TextTable(tuple(heads), tuple(zip(*columns, strict=True)), "<<" + ">" * (len(heads) - 2))
-
-
-def _format_motion(s: Any) -> str:
-    """Of the object, along and about the world's axes."""
-    u = np.where(abs(s.object_displacement) > CERTIFY_TOLERANCE * s.residuals.motion_scale, s.object_displacement, 0.0)
-    unit = words.choose_length_unit(u[:3].tolist())
-    moves, turns = ", ".join(unit(x) for x in u[:3].tolist()), ", ".join(_format_degrees(u[3:]))
-    return wrap_text(f"Object: moves ({moves}) {unit.name}, turns ({turns})°.", "  ")
 
 
 def _format_degrees(turn: Array) -> list[str]:

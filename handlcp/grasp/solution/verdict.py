@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any, Self
 
 import numpy as np
@@ -28,24 +28,10 @@ _WORD_ORDER = (NOT_HELD, UNDECIDED, OVER_LIMIT)  # the first that a reason decid
 # `steps_differ`, `follow_stopped` and `closing_over_peak` come from a loading that is followed (`check`), `unplaced`
 # from a study.
 _DECIDED_WORD = {
-    "not_holdable": NOT_HELD,
-    "no_equilibrium": NOT_HELD,
-    "no_squeeze": NOT_HELD,
-    "lost": NOT_HELD,
-    "slides_through": NOT_HELD,
-    "steps_differ": UNDECIDED,
-    "solver_stopped": UNDECIDED,
-    "follow_stopped": UNDECIDED,
-    "link_inside": UNDECIDED,
-    "joint_range": UNDECIDED,
-    "large_motion": UNDECIDED,
-    "torque_over_limit": OVER_LIMIT,
-    "tension_over_limit": OVER_LIMIT,
-    "overheats": OVER_LIMIT,
-    "closing_over_peak": OVER_LIMIT,
-    "unplaced": UNDECIDED,
-    "command_not_made": UNDECIDED,
-    "limit_shared": UNDECIDED,
+    **dict.fromkeys(("not_holdable", "no_equilibrium", "no_squeeze", "lost", "slides_through"), NOT_HELD),
+    **dict.fromkeys(("solver_stopped", "follow_stopped", "steps_differ", "unplaced"), UNDECIDED),
+    **dict.fromkeys(("link_inside", "joint_range", "large_motion", "command_not_made", "limit_shared"), UNDECIDED),
+    **dict.fromkeys(("torque_over_limit", "tension_over_limit", "overheats", "closing_over_peak"), OVER_LIMIT),
 }
 _PARAGRAPH_HEADS = {"warning": "Warning", "advice": "Advice"}
 
@@ -114,8 +100,8 @@ def make_verdict(reasons: Iterable[Reason], loading: Any = None) -> Verdict:
     deciding = [r for r in every if r.severity == "decides"]
     ranks = sorted(deciding, key=lambda r: _WORD_ORDER.index(_DECIDED_WORD[r.code]))
     word = _DECIDED_WORD[ranks[0].code] if ranks else HELD
-    by_kind = [[r for r in every if r.severity == kind] for kind in ("note", "warning", "advice")]
-    return Verdict(word, (*ranks, *by_kind[0], *by_kind[1], *by_kind[2]), loading)
+    others = [r for kind in ("note", "warning", "advice") for r in every if r.severity == kind]
+    return Verdict(word, (*ranks, *others), loading)
 
 
 # ----------------------------------------------------------------
@@ -160,23 +146,23 @@ def is_beyond_small_motions(share: Any, adrift: Any) -> Any:
 class MotionSizes:
     """How large the motions of an answer are, beside what equations of small motions can say.
 
-    move : of the object's contact points, at most [m]. turn : of the object [rad].
-    slip, squeeze : the largest [m]. size : R of the grasp [m].
-    yielded : the largest, of a joint at its torque limit [rad]. adrift : see `is_adrift`.
+    move_m : of the object's contact points, at most. turn_rad : of the object. slip_m, squeeze_m : the largest.
+    size_m : R of the grasp. yield_rad : the largest, of a joint at its torque limit. adrift : see `is_adrift`.
     """
 
-    move: float
-    turn: float
-    slip: float
-    squeeze: float
-    size: float
-    yielded: float = 0.0
+    move_m: float
+    turn_rad: float
+    slip_m: float
+    squeeze_m: float
+    size_m: float
+    yield_rad: float = 0.0
     adrift: bool = False
 
     @property
     def share(self) -> float:
         """By how much forces may be off, of their size."""
-        return float(force_error_share(self.turn, self.move, self.slip, self.squeeze, self.size, self.yielded))
+        way = self.slip_m, self.squeeze_m, self.size_m
+        return float(force_error_share(self.turn_rad, self.move_m, *way, self.yield_rad))
 
     @property
     def too_large(self) -> bool:
@@ -186,16 +172,8 @@ class MotionSizes:
     @property
     def values(self) -> dict[str, Any]:
         """What a reason says of them."""
-        return {
-            "move_m": self.move,
-            "turn_rad": self.turn,
-            "slip_m": self.slip,
-            "squeeze_m": self.squeeze,
-            "size_m": self.size,
-            "yield_rad": self.yielded,
-            "force_error": self.share,
-            "adrift": self.adrift,
-        }
+        *sizes, adrift = asdict(self).items()
+        return dict([*sizes, ("force_error", self.share), adrift])
 
 
 def solution_motions(s: Any) -> MotionSizes:
@@ -315,12 +293,12 @@ def friction_reasons(
     slides = any(state == SLIDING and x > 0.0 for _, x, state in every)
     values = {"used": {n: x for n, x, _ in every if np.isfinite(x)}}
     if not sticks and slides:
-        yield make_reason("friction", "warning", values, most=None)
+        yield make_reason("friction", "warning", values, "none")
     elif sticks and (most := max(x for x, _ in sticks)) > _UNNAMED_SHARE:
         who = next(n for x, n in sticks if x >= (1.0 - 1e-6) * most)  # the first of equals
-        little = most >= LITTLE_MARGIN_SHARE
-        said = {"most": most, "finger": who, "some": slides, "little": little, "when": when}
-        yield make_reason("friction", "warning" if little else "note", values, **said)
+        case = "little" if most >= LITTLE_MARGIN_SHARE else "some slide" if slides else ""
+        severity = "warning" if case == "little" else "note"
+        yield make_reason("friction", severity, values, case, most=most, finger=who, when=when)
 
 
 def motion_reason(displacement: Array, load: Array, size: float) -> Reason:
@@ -340,9 +318,10 @@ def open_reasons(free: Uniqueness | None) -> Iterator[Reason]:
     """What the equations leave open."""
     if free is None:
         return
+    case = "" if free.smallest else "followed"
     if not free.forces_determined:
-        yield make_reason("forces_open", "warning", smallest=free.smallest)
+        yield make_reason("forces_open", "warning", case=case)
     if k := free.loose_motions:
-        yield make_reason("loose", "warning", {"directions": k}, smallest=free.smallest)
+        yield make_reason("loose", "warning", {"directions": k}, case)
     if free.others:
         yield make_reason("others", "warning")

@@ -83,9 +83,9 @@ def other_equilibria(
             differ = float(np.linalg.norm(found.forces - solution.forces, axis=1).max()) / (size or 1.0)
             near, far = near if solution_motions(found).too_large else max(near, differ), max(far, differ)
     if near > _OTHER_FORCE_SHARE:
-        yield make_reason("others", "note", {"forces_differ": near}, far=False)
+        yield make_reason("others", "note", {"forces_differ": near}, "near")
     elif far > _OTHER_FORCE_SHARE:
-        yield make_reason("others", "note", {"forces_differ": far}, far=True)
+        yield make_reason("others", "note", {"forces_differ": far}, "far")
 
 
 # ----------------------------------------------------------------
@@ -136,7 +136,7 @@ def advice_reasons(
             yield make_reason("advice", "advice", values, text=trial.text, within=within, snap=snap)
             found = True
     if tried and not found and not kinds:
-        yield make_reason("advice", "advice", {"tried": tried}, within=within)
+        yield make_reason("advice", "advice", {"tried": tried}, "none", within=within)
 
 
 def _trials_that_hold(trials: list[Trial], section: Section, order: Any) -> Iterator[Trial]:

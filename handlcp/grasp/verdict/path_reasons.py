@@ -41,10 +41,10 @@ _NAMED_TWIST = 1e-3  # [rad] the same of a soft finger's turn
 def lost_reason(path: Loading) -> Reason:
     """Where the object is lost, and why."""
     values = {"stage": path.lost_stage, "share": path.lost_at, "events": [str(e) for e in path.events]}
-    through = ""
+    case = through = ""
     if (slides := path.slides) is not None and slides.share < _NEAR_LOSS_SHARE * (path.lost_at or 0.0):
-        values["slides_at"], through = slides.share, path.stages[slides.stage]
-    return make_reason("lost", "decides", values, why=path.why, through=through)
+        values["slides_at"], case, through = slides.share, "after it slides", path.stages[slides.stage]
+    return make_reason("lost", "decides", values, case, why=path.why, through=through)
 
 
 def slides_reason(path: Loading) -> Reason:
@@ -55,7 +55,8 @@ def slides_reason(path: Loading) -> Reason:
     moved = steps.geometry.between(steps.states[first].where.pose, steps.states[-1].where.pose)
     shift, turn = float(np.linalg.norm(moved[:3])), float(np.linalg.norm(moved[3:]))
     values = {"stage": path.stages[slides.stage], "share": slides.share, "moved_m": shift, "turned_rad": turn}
-    return make_reason("slides_through", "decides", values, jumps=any(e.kind == "snaps" for e in path.events))
+    case = "snaps" if any(e.kind == "snaps" for e in path.events) else ""
+    return make_reason("slides_through", "decides", values, case)
 
 
 def rigid_reasons(spec: GraspSpec) -> Iterator[Reason]:
@@ -66,7 +67,7 @@ def rigid_reasons(spec: GraspSpec) -> Iterator[Reason]:
         return
     least = [np.linalg.eigvalsh(E[i : i + 3, i : i + 3])[0] for i in range(0, k, 3)]
     rigid = [name for name, e in zip(spec.names, least, strict=False) if e <= RIGID * float(E.diagonal().mean())]
-    yield make_reason("rigid_tips", "warning", names=rigid)
+    yield make_reason("rigid_tips", "warning", case="" if rigid else "together", names=rigid)
 
 
 def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Reason]:
@@ -103,7 +104,7 @@ def reached_reasons(spec: GraspSpec, scene: Scene, path: Loading) -> Iterator[Re
         yield from friction_reasons(spec.names, end.friction_used, last.kinds, " at the end" if slid else "")
     yield motion_reason(path.displacement, scene.force, scene.units.length_unit)
     if slid and slid[past := max(slid, key=lambda name: slid[name])] > _LEFT_PLACE_SHARE * scene.units.length_unit:
-        yield make_reason("contacts", "warning", {"finger": past, "slid_m": slid[past]})
+        yield make_reason("contacts", "warning", {"finger": past, "slid_m": slid[past]}, "far")
     if (snap := next((e for e in path.events if e.kind == "snaps"), None)) is not None:
         yield make_reason("snaps", "warning", {"stage": snap.stage, "share": snap.share}, event=snap)
     k = spec.of_hand
@@ -139,7 +140,7 @@ def comparison_reasons(solution: GraspSolution, path: Loading) -> Iterator[Reaso
     off = np.linalg.norm(there - here, axis=1)
     k = int(off.argmax())
     if size > 0.0 and (share := float(off[k]) / size) > NOTICED_SHARE:
-        yield make_reason("followed_forces", "note", {"finger": solution.names[k], "force_error": share})
+        yield make_reason("followed_forces", "note", {"finger": solution.names[k], "force_error": share}, "differ")
 
 
 def _reason_key(r: Reason) -> tuple[object, ...]:

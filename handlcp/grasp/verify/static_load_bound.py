@@ -215,22 +215,8 @@ def static_load_bounds(
         found = largest_factors(capacity, there, _natural_wrenches(spec, scene, wrenches))
     else:
         found = LoadFactors(np.zeros(k), np.zeros(k), np.full((k, m), np.nan), np.zeros((k, len(capacity.h))))
-    return _bounds_in_si(spec, scene, capacity, found, balanced)
 
-
-def _natural_wrenches(spec: GraspSpec, scene: Scene, wrenches: Array) -> Array:
-    """(k, dof) of wrenches (k, 6) about the grasp's reference."""
-    u, force = scene.units, wrenches[:, :3]
-    moment = wrenches[:, 3:] + cross_rows(np.broadcast_to(spec.reference - u.centre, force.shape), force)
-    return np.asarray(np.concatenate([force, moment / u.length_unit], axis=1) @ scene.freedom.T / u.force_unit)
-
-
-def _bounds_in_si(
-    spec: GraspSpec, scene: Scene, capacity: Capacity, found: LoadFactors, balanced: bool
-) -> StaticLoadBounds:
-    """In SI, with what binds."""
-    k, n = len(found.factors), scene.n
-    joints = () if spec.mechanism is None else spec.mechanism.names
+    joints, n = () if spec.mechanism is None else spec.mechanism.names, scene.n
     c = np.zeros((k, scene.components))
     c[:, scene.kind.index] = found.forces
     if scene.prescribed is not None:
@@ -255,6 +241,13 @@ def _bounds_in_si(
         joints,
         tuple([e.called for e in capacity.effects]),
     )
+
+
+def _natural_wrenches(spec: GraspSpec, scene: Scene, wrenches: Array) -> Array:
+    """(k, dof) of wrenches (k, 6) about the grasp's reference."""
+    u, force = scene.units, wrenches[:, :3]
+    moment = wrenches[:, 3:] + cross_rows(np.broadcast_to(spec.reference - u.centre, force.shape), force)
+    return np.asarray(np.concatenate([force, moment / u.length_unit], axis=1) @ scene.freedom.T / u.force_unit)
 
 
 def _any_by_owner(binding: Bools, owner: Ints, count: int) -> Bools:
