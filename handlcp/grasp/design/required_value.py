@@ -119,7 +119,8 @@ def find_least_value(
 def _search_least(changed: ChangedGrasp, start: float, most: float, tolerance: float, unit: str) -> Required:
     search = partial(find_least, most=most, tolerance=tolerance, too_much=changed.is_too_much)
     found = replace(search(changed.is_held, start), unit=unit)
-    if (value := found.value) is None:
+    value = found.value
+    if value is None:
         return replace(found, hint="" if found.fails is None else changed.path(found.fails).why)
     found = replace(found, verdict=verdict_on(changed.make(value), changed.section).word)
     if found.verdict not in (NOT_HELD, UNDECIDED) or changed.is_surely_held(value):
