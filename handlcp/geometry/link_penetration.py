@@ -1,22 +1,18 @@
-"""`find_penetrating_links`: links inside the object, and other doubts about a posture, as reasons of a verdict."""
+"""`find_penetrating_links`: links that are inside the object, and how deep."""
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from handlcp import words
 from handlcp.check import Array, Ints
-from handlcp.errors import InputError, URDFError
+from handlcp.errors import InputError
 from handlcp.geometry.contact_detection import nearest_proximity
 from handlcp.geometry.distance import bounding_box
 from handlcp.geometry.object import Object
 from handlcp.geometry.shape import Box, Cylinder, Ellipsoid, Mesh, Sphere
-from handlcp.grasp.failure.failure_mode import StateLimits, is_exceeded, limit_shares
-from handlcp.grasp.solution.verdict import Reason
 from handlcp.lcp.kernels.dense import kernel
 from handlcp.robot.fingertip import make_sphere_tip
 from handlcp.robot.hand_model import HandPosture
@@ -189,90 +185,3 @@ def bounding_ball(obj: Object) -> tuple[Array, float]:
     corners = np.array(points, dtype=float).reshape(-1, 3)
     middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
     return place.act(middle), float(np.linalg.norm(corners - middle, axis=1).max())
-
-
-# ----------------------------------------------------------------
-# What a posture says about holding an object: joints past the ends of their ranges, links inside the object.
-
-_MAX_RANGE_EXCESS = 0.05  # [rad]; past its range by more, the joint cannot be there
-_GEOMETRY_TOLERANCE = 2e-4  # [m] collision geometry is no more exact than that
-
-
-def posture_reasons(posture: HandPosture, obj: Object | None, tips: tuple[int, ...], when: str) -> Iterator[Reason]:
-    """Of a hand that touches an object with the fingertips numbered `tips`; None: an object that is not known.
-
-    when : the hand is in this posture, such as "before the hand squeezes".
-    """
-    yield from _range_reasons(posture, when)
-    if obj is None:
-        return
-    try:
-        inside = find_penetrating_links(posture, obj, tips)
-    except URDFError as error:
-        text = f"whether links are inside the object is not known: {error}"
-        yield Reason("link_inside", "warning", text)
-        return
-    if not posture.hand.link_surfaces:
-        text = "no link has collision geometry: whether links are inside the object is not checked"
-        yield Reason("link_inside", "warning", text)
-    seen = [one for one in inside if one.depth > _GEOMETRY_TOLERANCE]
-    tips_alone = posture.hand.links_of_sites is None
-    for these in _group_alike(seen):
-        yield _penetration_reason(these, when, tips_alone)
-
-
-def _group_alike(found: list[LinkPenetration]) -> list[list[LinkPenetration]]:
-    """Those that one sentence is about, together."""
-    groups = dict[tuple[bool, bool, bool], list[LinkPenetration]]()
-    for one in found:
-        key = one.tip is not None, not one.is_impossible, one.left_out and one.tip is None
-        groups.setdefault(key, []).append(one)
-    return [groups[key] for key in sorted(groups)]
-
-
-def find_impossible_links(posture: HandPosture, obj: Object, tips: tuple[int, ...]) -> tuple[set[str], str]:
-    """Links that are so deep in the object beside their contacts, or without any, that the hand cannot be there, and a
-    sentence about them.
-    """
-    deep = [one for one in find_penetrating_links(posture, obj, tips) if one.is_impossible]
-    said = [_penetration_reason(these, "soon after", False) for these in _group_alike(deep)]
-    return {one.link for one in deep}, "; ".join([reason.sentence for reason in said])
-
-
-def _penetration_reason(links: list[LinkPenetration], when: str, tips_alone: bool) -> Reason:
-    """Of links that are alike, the deepest first. tips_alone : whether fingertips are all that may touch."""
-    values = {"links": [{"link": one.link, "depth_m": one.depth, "fingertip": one.tip} for one in links]}
-    first, more = links[0], len(links) - 1
-    beside_tip, far = first.tip is not None, first.is_impossible
-    who = f"{first.link} and {more} more link{'s' if more > 1 else ''} are up to" if more else f"{first.link} is"
-    if beside_tip:
-        kind = "fingertip" if tips_alone else "contact"
-        than = f"their {kind}s" if more else f"its {kind} {first.tip}"
-        text = f"{when}, {who} {words.format_length(first.depth)} deeper in the object than {than}"
-    else:
-        text = f"{when}, {who} {words.format_length(first.depth)} inside the object"
-    if not tips_alone and not beside_tip:
-        them = "them" if more else "it"
-        lets = f"links= leaves {them} out" if first.left_out else f"a larger max_gap lets {them} touch"
-        text += f", and {'they are' if more else 'it is'} not among the contacts: {lets}"
-        return Reason("link_inside", "decides" if far else "warning", text, values)
-    if far:
-        return Reason("link_inside", "decides", f"{text}: the hand cannot take this posture", values)
-    only = ": only fingertips are taken to touch it" if tips_alone else ""
-    return Reason("link_inside", "warning", f"{text}{only}", values)
-
-
-def _range_reasons(posture: HandPosture, when: str) -> Iterator[Reason]:
-    hand, q = posture.hand, posture.q
-    past = np.maximum(hand.lower - q, q - hand.upper)
-    limits = StateLimits((), hand.joint_names, hand.torque_limits, hand.lower, hand.upper)
-    shares = limit_shares(limits, np.zeros(hand.nv), q)[hand.nv :]
-    for k in np.flatnonzero(is_exceeded(shares)):
-        name, by = hand.joint_names[k], float(past[k])
-        much = words.format_length(by) if name in hand.sliding else words.format_angle(by)
-        text = f"{when}, {name} is {much} past the end of its range"
-        values = {"joint": name, "position": float(q[k]), "lower": float(hand.lower[k]), "upper": float(hand.upper[k])}
-        if by > _MAX_RANGE_EXCESS:
-            yield Reason("joint_range", "decides", f"{text}: the hand cannot take this posture", values)
-        else:
-            yield Reason("joint_range", "warning", text, values)

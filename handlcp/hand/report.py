@@ -14,10 +14,19 @@ from handlcp.actuation.joint_stiffness import TRANSMISSION
 from handlcp.actuation.motor import Drives
 from handlcp.actuation.tendon_stiffness import TendonStiffness
 from handlcp.check import Array
-from handlcp.geometry.link_penetration import find_impossible_links, posture_reasons
+from handlcp.errors import URDFError
+from handlcp.geometry.link_penetration import LinkPenetration, find_penetrating_links
 from handlcp.geometry.object import Object, describe_missing_weight
 from handlcp.grasp.effects.joint_offset import find_command
-from handlcp.grasp.failure.failure_mode import TENSION, TORQUE, FailureMode, is_exceeded, largest_share_index
+from handlcp.grasp.failure.failure_mode import (
+    TENSION,
+    TORQUE,
+    FailureMode,
+    StateLimits,
+    is_exceeded,
+    largest_share_index,
+    limit_shares,
+)
 from handlcp.grasp.failure.reason import Reason, make_reason
 from handlcp.grasp.model.effect import FOLLOWED_LOADINGS
 from handlcp.grasp.model.request import GraspSpec
@@ -190,9 +199,25 @@ class HandReport:
 
     # ---- places
     def place_reasons(self, posture: HandPosture | None, obj: Object | None, when: str) -> Iterator[Reason]:
-        """What a posture says, with the object where it is; None: not known. when : "at the end of the loading"."""
-        if posture is not None:
-            yield from posture_reasons(posture, obj, self.mechanism.tips, when)
+        """What a posture says, with the object where it is: joints past their ranges, links inside the object.
+
+        posture, obj : None where they are not known. when : "at the end of the loading".
+        """
+        if posture is None:
+            return
+        yield from _range_reasons(posture, when)
+        if obj is None:
+            return
+        try:
+            inside = find_penetrating_links(posture, obj, self.mechanism.tips)
+        except URDFError as error:
+            yield make_reason("link_inside", "warning", case="unknown", error=error)
+            return
+        if not posture.hand.link_surfaces:
+            yield make_reason("link_inside", "warning", case="no geometry")
+        seen = [one for one in inside if one.depth > _GEOMETRY_TOLERANCE]
+        for alike in _group_alike(seen):
+            yield _penetration_reason(alike, when, posture.hand.links_of_sites is None)
 
     def place_at(self, q: Array, pose: Any) -> tuple[HandPosture, Object | None]:
         """The posture with joints at q (nv,), and the object in this pose of a moving geometry; None if unknown."""
@@ -203,9 +228,15 @@ class HandReport:
         return type(self.mechanism.posture)(self.mechanism.posture.hand, q), placed
 
     def find_links_inside(self, q: Array, pose: Any) -> tuple[set[str], str]:
-        """Links that are deep in the object where no contact is, and a sentence about them; arguments of `place_at`."""
+        """Links so deep in the object, beside their contacts or without any, that the hand cannot be there, and a
+        sentence about them; arguments of `place_at`.
+        """
         posture, obj = self.place_at(q, pose)
-        return (set(), "") if obj is None else find_impossible_links(posture, obj, self.mechanism.tips)
+        if obj is None:
+            return set(), ""
+        deep = [one for one in find_penetrating_links(posture, obj, self.mechanism.tips) if one.is_impossible]
+        said = [_penetration_reason(alike, "soon after", False).sentence for alike in _group_alike(deep)]
+        return {one.link for one in deep}, "; ".join(said)
 
     # ---- lines of explanations
     def explanation_lines(self) -> Iterator[ExplanationLine]:
@@ -255,6 +286,43 @@ class HandReport:
 
     def _unit(self, joint: str) -> str:
         return words.effort_unit(joint in self.mechanism.posture.hand.sliding)
+
+
+# ----------------------------------------------------------------
+# What a posture says about holding an object: joints past the ends of their ranges, links inside the object.
+
+_MAX_RANGE_EXCESS = 0.05  # [rad]; past its range by more, the joint cannot be there
+_GEOMETRY_TOLERANCE = 2e-4  # [m] collision geometry is no more exact than that
+
+
+def _group_alike(found: list[LinkPenetration]) -> list[list[LinkPenetration]]:
+    """Those that one sentence is about, together."""
+    groups = dict[tuple[bool, bool, bool], list[LinkPenetration]]()
+    for one in found:
+        key = one.tip is not None, not one.is_impossible, one.left_out and one.tip is None
+        groups.setdefault(key, []).append(one)
+    return [groups[key] for key in sorted(groups)]
+
+
+def _penetration_reason(links: list[LinkPenetration], when: str, tips_alone: bool) -> Reason:
+    """Of links that are alike, the deepest first. tips_alone : whether fingertips are all that may touch."""
+    values = {"links": [{"link": one.link, "depth_m": one.depth, "fingertip": one.tip} for one in links]}
+    far, left_out = links[0].is_impossible, links[0].left_out
+    said = {"when": when, "tips_alone": tips_alone, "left_out": left_out, "far": far}
+    return make_reason("link_inside", "decides" if far else "warning", values, "posture", **said)
+
+
+def _range_reasons(posture: HandPosture, when: str) -> Iterator[Reason]:
+    hand, q = posture.hand, posture.q
+    past = np.maximum(hand.lower - q, q - hand.upper)
+    limits = StateLimits((), hand.joint_names, hand.torque_limits, hand.lower, hand.upper)
+    shares = limit_shares(limits, np.zeros(hand.nv), q)[hand.nv :]
+    for k in np.flatnonzero(is_exceeded(shares)):
+        name, by = hand.joint_names[k], float(past[k])
+        much = words.format_length(by) if name in hand.sliding else words.format_angle(by)
+        values = {"joint": name, "position": float(q[k]), "lower": float(hand.lower[k]), "upper": float(hand.upper[k])}
+        severity, case = ("decides", "far") if by > _MAX_RANGE_EXCESS else ("warning", "")
+        yield make_reason("joint_range", severity, values, case, when=when, past=much)
 
 
 # ----------------------------------------------------------------

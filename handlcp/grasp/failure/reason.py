@@ -137,6 +137,7 @@ _FORMATTER = _SentenceFormatter()
 # ---------------------------------------------------------------- Sentences that are put together of parts.
 
 _MAX_NAMED = 4  # contacts that are named one by one
+_NO_POSTURE = "the hand cannot take this posture"
 _STILL_DISTANCE = 1e-7  # [m] an object that moves less is not said to move
 
 
@@ -189,6 +190,28 @@ def _describe_motion(v: Values) -> str:
     return f"{text} and turns {words.format_angle(turn)}" if turn > 1e-4 else text.removesuffix(",")
 
 
+def _describe_penetration(v: Values) -> str:
+    """Of links that are alike, the deepest first; whether fingertips alone may touch, whether `links=` leaves the links
+    out, and whether they are so deep (far) that the hand cannot be there.
+    """
+    first, more = v["links"][0], len(v["links"]) - 1
+    depth, tip = words.format_length(first["depth_m"]), first["fingertip"]
+    who = f"{first['link']} and {more} more link{'s' if more > 1 else ''} are up to" if more else f"{first['link']} is"
+    if tip is not None:
+        kind = "fingertip" if v["tips_alone"] else "contact"
+        than = f"their {kind}s" if more else f"its {kind} {tip}"
+        text = f"{v['when']}, {who} {depth} deeper in the object than {than}"
+    else:
+        text = f"{v['when']}, {who} {depth} inside the object"
+    if not v["tips_alone"] and tip is None:
+        them = "them" if more else "it"
+        lets = f"links= leaves {them} out" if v["left_out"] else f"a larger max_gap lets {them} touch"
+        return f"{text}, and {'they are' if more else 'it is'} not among the contacts: {lets}"
+    if v["far"]:
+        return f"{text}: {_NO_POSTURE}"
+    return f"{text}: only fingertips are taken to touch it" if v["tips_alone"] else text
+
+
 def describe_large_motion(v: Values) -> str:
     """What is large of motions whose `force_error` is noticed, and what that means for the forces."""
     move, turn, slip, squeeze, size = (v[key] for key in ("move_m", "turn_rad", "slip_m", "squeeze_m", "size_m"))
@@ -238,6 +261,11 @@ _SENTENCES: dict[str, str | Callable[[Values], str]] = {
     "seed or number of faces",
     "follow_stopped": "the loading was {why}",
     "link_inside": "the object begins {links:inside}: move it out by as much",
+    "link_inside: posture": _describe_penetration,
+    "link_inside: unknown": "whether links are inside the object is not known: {error}",
+    "link_inside: no geometry": "no link has collision geometry: whether links are inside the object is not checked",
+    "joint_range": "{when}, {joint} is {past} past the end of its range",
+    "joint_range: far": f"{{when}}, {{joint}} is {{past}} past the end of its range: {_NO_POSTURE}",
     "large_motion": describe_large_motion,
     "followed_forces": f"{_ONE_SOLVE}, finds an equilibrium, which this loading does not reach",
     "followed_forces: differ": f"{_ONE_SOLVE}, is off by {{force_error:percent}} of the largest force ({{finger}})",
