@@ -8,7 +8,7 @@ from handlcp.grasp.assembly.problem import assemble
 from handlcp.grasp.solve import (
     compiled_answer as _first,  # its kernels are looked up there, where a clock may have been put around them
 )
-from handlcp.grasp.solve.solve_spec import CertifiedCandidate, make_solution
+from handlcp.grasp.solve.solve_spec import CheckedCandidate, make_solution
 from handlcp.lcp import NSNGRK, certify, proposals
 from handlcp.lcp.certificate import certify_contact
 from tests.support.grasp import arrays, contact_problem, judge_of, section_of
@@ -60,8 +60,8 @@ class ByHand:
         return self._made(self.grasp.spec)
 
     def _made(self, spec):
-        judged = CertifiedCandidate(self.candidate, self.verdict, 1)
-        return make_solution(spec, self.grasp.scene, self.section, self.problem.effects, judged, ())
+        checked = CheckedCandidate(self.candidate, self.verdict, 1)
+        return make_solution(spec, self.grasp.scene, self.section, self.problem.effects, checked, ())
 
 
 def first_found(grasp, faces, seed=0):

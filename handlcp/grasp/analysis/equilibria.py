@@ -35,7 +35,7 @@ from handlcp.grasp.solve.equilibrium_search import (
     has_only_limits,
     is_certified,
 )
-from handlcp.grasp.solve.solve_spec import CertifiedCandidate, make_solution, solve_spec
+from handlcp.grasp.solve.solve_spec import CheckedCandidate, make_solution, solve_spec
 from handlcp.grasp.verify.certifier import certify_candidate
 from handlcp.grasp.verify.load_capacity import prove_overload
 from handlcp.lcp import NSNGRK, Auto, Status, proposals
@@ -237,8 +237,8 @@ class _EquilibriumListing:
         for c in candidates:
             if any(self._close(self._forces(c), s.forces) for s in self.found):
                 continue
-            judged = CertifiedCandidate(c, certify_candidate(scene, effects, section, c), 0)
-            made = make_solution(self.spec, scene, section, effects, judged, ("another equilibrium",))
+            checked = CheckedCandidate(c, certify_candidate(scene, effects, section, c), 0)
+            made = make_solution(self.spec, scene, section, effects, checked, ("another equilibrium",))
             if not any(self._close(made.forces, s.forces) or self._one_family(made, s) for s in self.found):
                 self.found.append(made)
 

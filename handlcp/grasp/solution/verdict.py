@@ -23,7 +23,7 @@ from handlcp.words import wrap_text
 
 HELD, OVER_LIMIT, UNDECIDED, NOT_HELD = "HELD", "OVER LIMIT", "UNDECIDED", "NOT HELD"
 
-_WORD_ORDER = (NOT_HELD, UNDECIDED, OVER_LIMIT)  # the first that a reason decides is the word
+_GRAVEST_FIRST = (NOT_HELD, UNDECIDED, OVER_LIMIT)  # the first that a reason decides is the word
 # The word of each code that may decide; of the others none does. `no_squeeze`, `lost`, `slides_through`,
 # `steps_differ`, `follow_stopped` and `closing_over_peak` come from a loading that is followed (`check`), `unplaced`
 # from a study.
@@ -95,13 +95,15 @@ class Verdict(Record):
 
 
 def make_verdict(reasons: Iterable[Reason], loading: Any = None) -> Verdict:
-    """The verdict that these reasons make; of reasons with one sentence the first counts."""
+    """The verdict that these reasons make: the gravest that decides gives the word, HELD where none decides. Of reasons
+    with one sentence the first counts.
+    """
     every = list({r.sentence: r for r in reversed(list(reasons))}.values())[::-1]
     deciding = [r for r in every if r.severity == "decides"]
-    ranks = sorted(deciding, key=lambda r: _WORD_ORDER.index(_DECIDED_WORD[r.code]))
-    word = _DECIDED_WORD[ranks[0].code] if ranks else HELD
+    deciding.sort(key=lambda r: _GRAVEST_FIRST.index(_DECIDED_WORD[r.code]))
+    word = _DECIDED_WORD[deciding[0].code] if deciding else HELD
     others = [r for kind in ("note", "warning", "advice") for r in every if r.severity == kind]
-    return Verdict(word, (*ranks, *others), loading)
+    return Verdict(word, (*deciding, *others), loading)
 
 
 # ----------------------------------------------------------------

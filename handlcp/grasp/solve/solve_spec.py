@@ -49,8 +49,8 @@ from handlcp.lcp.solve import AnySolver
 from handlcp.tolerances import FIXED_POINT_TOLERANCE
 
 
-class CertifiedCandidate(NamedTuple):
-    """A candidate, what the certifier says of it, and how many steps of the method it took."""
+class CheckedCandidate(NamedTuple):
+    """A candidate, passed or failed, what the certifier says of it, and how many steps of the method it took."""
 
     candidate: SolverCandidate
     certification: Certification
@@ -62,44 +62,44 @@ def make_solution(
     scene: Scene,
     section: Section,
     effects: tuple[Effect, ...],
-    judged: CertifiedCandidate,
+    checked: CheckedCandidate,
     trace: tuple[str, ...],
     smallest: bool = True,
 ) -> GraspSolution:
     """The solution from a candidate that the certifier passes; effects : all that were stamped. smallest : where it
     leaves something free, the least forces and motion in place of the candidate's.
     """
-    candidate, certified, arm = judged.candidate, judged.certification, spec.reference - scene.units.centre
+    candidate, certified, arm = checked.candidate, checked.certification, spec.reference - scene.units.centre
     states = classify_contacts(scene, section, candidate, certified)
     if not all(e.only_limits for e in effects):
-        return solution_from_numbers(spec, scene, section, judged, states.kind, None, trace, arm)
+        return solution_from_candidate(spec, scene, section, checked, Status.SOLVED, states.kind, None, trace, arm)
     free = free_branches(scene, effects, section, states, candidate)
     if free and smallest:
         least = minimum_norm_candidate(scene, effects, section, states, candidate, certified, free)
-        if (checked := certify_candidate(scene, effects, section, least)).residuals.passes:
-            judged = CertifiedCandidate(least, checked, judged.iterations)
-            states = classify_contacts(scene, section, least, checked)
+        if (again := certify_candidate(scene, effects, section, least)).residuals.passes:
+            checked = CheckedCandidate(least, again, checked.iterations)
+            states = classify_contacts(scene, section, least, again)
     free_to = replace(find_uniqueness(scene, free, arm), smallest=smallest)
-    return solution_from_numbers(spec, scene, section, judged, states.kind, free_to, trace, arm)
+    return solution_from_candidate(spec, scene, section, checked, Status.SOLVED, states.kind, free_to, trace, arm)
 
 
-def solution_from_numbers(
+def solution_from_candidate(
     spec: GraspSpec,
     scene: Scene,
     section: Section,
-    judged: CertifiedCandidate,
+    checked: CheckedCandidate,
+    status: Status,
     states: Ints,
     uniqueness: Uniqueness | None,
     trace: tuple[str, ...],
     arm: Array,
 ) -> GraspSolution:
-    """A solution with these numbers, and with what moves the fingers reads off it; the status, SOLVED, is the caller's
-    to replace. arm (3,) [m] leads from the point that the candidate's twist refers to to the grasp's reference.
-    states (n,) : of `ContactStatus`.
+    """A solution with these numbers, and with what moves the fingers reads off it. arm (3,) [m] leads from the point
+    that the candidate's twist refers to to the grasp's reference. states (n,) : of `ContactStatus`.
     """
-    candidate, n = judged.candidate, scene.n
+    candidate, n = checked.candidate, scene.n
     forces = scene.forces_to_contact_axes(candidate.components)
-    motion = scene.motions_to_contact_axes(judged.certification.motion)
+    motion = scene.motions_to_contact_axes(checked.certification.motion)
     points = motion[: 3 * n].reshape(-1, 3)
     if not all(scene.force_unknown):  # no law makes a finger under force control keep a gap or a slip
         points = np.where(scene.force_unknown_mask[:, None], points, 0.0)
@@ -112,7 +112,7 @@ def solution_from_numbers(
         solution_class = mechanism.solution_class
         read = mechanism.solution_fields(scene, spec.effects, own, torsion, candidate.extra)
     return solution_class(
-        status=Status.SOLVED,
+        status=status,
         names=spec.names,
         forces=own,
         forces_world=read_only(forces_in_world(scene.frames, candidate.components)),
@@ -120,10 +120,10 @@ def solution_from_numbers(
         slip=read_only(points[:, :2]),
         object_displacement=read_only(shift_twist(candidate.twist, arm)),
         contact_state=contact_words(states.tolist()),
-        residuals=judged.certification.residuals,
+        residuals=checked.certification.residuals,
         uniqueness=uniqueness,
         certificate=None,
-        iterations=judged.iterations,
+        iterations=checked.iterations,
         trace=trace,
         extra=candidate.extra,
         torsion=torsion,
@@ -151,12 +151,11 @@ def blank_solution(
 ) -> GraspSolution:
     """UNDECIDED, without numbers that anybody could use."""
     nothing = np.full(scene.components, np.nan)
-    judged = CertifiedCandidate(
+    checked = CheckedCandidate(
         SolverCandidate(nothing, np.full(6, np.nan), {}, len(scene.soft)), Certification(nothing, residuals), iterations
     )
     states = np.full(scene.n, UNKNOWN)
-    made = solution_from_numbers(spec, scene, section, judged, states, None, trace, np.zeros(3))
-    return replace(made, status=Status.UNDECIDED)
+    return solution_from_candidate(spec, scene, section, checked, Status.UNDECIDED, states, None, trace, np.zeros(3))
 
 
 # ----------------------------------------------------------------
@@ -260,12 +259,13 @@ def conclude_first_stage(spec: GraspSpec, scene: Scene, section: Section, found:
         return made if escape is None else as_not_holdable(made, spec, scene, escape_in_si(scene, escape))
     if found.is_unique and scene.scale is None and scene.prescribed is None and not scene.soft:
         return lazy_solution(spec, scene, section, found)
-    judged = CertifiedCandidate(found.candidate, Certification(found.motion, found.residuals), found.iterations)
+    checked = CheckedCandidate(found.candidate, Certification(found.motion, found.residuals), found.iterations)
     if not found.is_unique:
-        return make_solution(spec, scene, section, found.kind.design.effects, judged, first_stage_trace(found))
+        return make_solution(spec, scene, section, found.kind.design.effects, checked, first_stage_trace(found))
     arm = _arm(spec, found)
     free_to = find_uniqueness(scene, (), arm)
-    return solution_from_numbers(spec, scene, section, judged, found.states, free_to, first_stage_trace(found), arm)
+    trace = first_stage_trace(found)
+    return solution_from_candidate(spec, scene, section, checked, Status.SOLVED, found.states, free_to, trace, arm)
 
 
 def _run_all_stages(
@@ -330,19 +330,19 @@ class _StagedSolve:
     def __init__(self, spec: GraspSpec, problem: AnyProblem) -> None:
         self.spec, self.problem, self.scene = spec, problem, problem.scene
         self.trace: list[str] = []
-        self.best: CertifiedCandidate | None = None
+        self.best: CheckedCandidate | None = None
         self.escape: Array | None = None
         self.no_equilibrium: EquilibriumSearchResult | None = None
 
     def run_stages(self, stages: Iterable[tuple[str, Proposal]]) -> bool:
         """Whether one of these stages leads to an answer."""
         for name, proposal in stages:
-            judged = self._certify(self.problem.candidate(proposal.z), proposal.iterations)
-            worst = judged.certification.residuals.worst
+            checked = self._certify(self.problem.candidate(proposal.z), proposal.iterations)
+            worst = checked.certification.residuals.worst
             self.trace.append(stage_line(name, proposal.outcome, proposal.iterations, worst))
             if self.best is None or worst < self.best.certification.residuals.worst:
-                self.best = judged
-            if judged.certification.residuals.passes:
+                self.best = checked
+            if checked.certification.residuals.passes:
                 return True
         return False
 
@@ -362,9 +362,9 @@ class _StagedSolve:
             self.no_equilibrium = found
         return found.candidate is not None or found.bounds is not None
 
-    def _certify(self, candidate: SolverCandidate, iterations: int) -> CertifiedCandidate:
+    def _certify(self, candidate: SolverCandidate, iterations: int) -> CheckedCandidate:
         certified = certify_candidate(self.scene, self.problem.effects, self.problem.section, candidate)
-        return CertifiedCandidate(candidate, certified, iterations)
+        return CheckedCandidate(candidate, certified, iterations)
 
     def solution(self, smallest: bool = True) -> GraspSolution:
         """What all this comes to. smallest : as in `make_solution`."""
@@ -496,7 +496,7 @@ def _relative_change(difference: Array, of: Array) -> float:
 
 
 # ----------------------------------------------------------------
-# The one way from a specification to its solution.
+# From a specification to its solution.
 
 
 def solve_spec(
