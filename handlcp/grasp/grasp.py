@@ -175,8 +175,8 @@ class Grasp:
         friction allows several equilibria, it also says which one to look for.
         proof : where none is found, whether to prove that there is none; False: the first stage and the escape
         proof alone, in bounded time; UNDECIDED may then be an answer that later stages find.
-        Raises NoSolutionFound (with problem and solution) unless SOLVED, or returns what came when `throw` is False;
-        InputError for bad arguments, faces and accuracy both among them.
+        Raises NoSolutionFound (with problem and solution) unless SOLVED, and as accurate as asked; or returns what came
+        when `throw` is False. Raises InputError for bad arguments, faces and accuracy both among them.
         """
         solve_with_advice, warm_start_values, no_solution = _solve_functions()
         where, proof = warm_start_values(start, self.scene), check_flag("proof", proof)

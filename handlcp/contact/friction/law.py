@@ -5,7 +5,7 @@ Each law is a ball in coordinates of its own. With r = S r̂ for a diagonal S, t
     |r̂_t| ≤ μ r_N,    v̂_t = S v_t = -α r̂_t, α ≥ 0 on the limit
 
 S keeps the power, r·v = r̂·v̂, and therefore maximum dissipation. A solver takes the ball itself, or a polygon or
-polyhedron in its place (`sections`, `limit_set`). Source: Goyal, Ruina & Papadopoulos, Wear 143 (1991), limit surfaces;
+polyhedron in its place (`section`, `limit_set`). Source: Goyal, Ruina & Papadopoulos, Wear 143 (1991), limit surfaces;
 Howe & Cutkosky, Int. J. Robotics Research 15 (1996), their ellipsoid.
 """
 

@@ -87,7 +87,7 @@ class ChangedGrasp:
         return self.paths[x]
 
     def is_held(self, x: float) -> bool:
-        """Whether the end is reached, in STEPS steps a stage."""
+        """Whether the end is reached, in STEPS_PER_STAGE steps a stage."""
         return self._is_kept(self.path(x))
 
     def is_surely_held(self, x: float) -> bool:

@@ -103,7 +103,7 @@ class UnilateralContact(BasicLaw):
 #     |r_T| ≤ μ r_N,    ε_T = -α r_T, α ≥ 0 on the limit
 #
 # A solver takes the disc as it is, or a polygon in its place; in a plane the disc is an interval. As a plain LCP, the
-# polygon's faces have a multiplier each (`lcp.multipliers`). The paper's D is minus our outward normals.
+# polygon's faces have a multiplier each (`MultiplierLCP`). The paper's D is minus our outward normals.
 
 
 @dataclass(frozen=True, slots=True)

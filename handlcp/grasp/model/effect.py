@@ -37,7 +37,7 @@ Three = Annotated[list[Finite], Len(3, 3)]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FileKey:
-    """A key of an effect's or a friction law's table in a scene file.
+    """A key of [effects] in a scene file, or of a table there.
 
     name : of the key.
     holds : its type, in Python's annotations; or the keys of a table.
@@ -160,7 +160,7 @@ class Limit:
 # ----------------------------------------------------------------
 # What an effect is: what it adds to a grasp, its words, and how its own law is checked.
 #
-# An effect is one class in one file of `handlcp.grasp.effects`, found by its class: no other file lists it. It may
+# An effect is one class in a file of `handlcp.grasp.effects`, found by its class: it stands in no list. It may
 #
 #     add flexibility or an offset to the grasp   `added_flexibility`, `added_offset`, `prescribed`
 #     bring unknowns and stamp their rows         `limits`, or `unknowns` with `stamp`, `opening` and `residual`
@@ -290,9 +290,10 @@ class Effect:
 
     def under(self, at: Placement, forces: Array, others: tuple[Effect, ...]) -> Effect | str:
         """The effect again, with what it adds (E, d or both) under forces (n, 3) [N] of the fingers, contact axes; or,
-        in words, why there is none.
+        in words, why there is none. others : the effects of the grasp; in a solve this one is among them.
 
-        Asked before each repeated solve, only of `spec.effects`, and only in one solve.
+        E(f) f + d(f) is the whole motion at the forces f, not its rate there. The solve is repeated until forces and E
+        stay. It asks effects in `spec.effects` alone, and a followed loading asks none.
         """
         return self
 

@@ -35,7 +35,7 @@ _ARRAY_FIELDS = ("positions", "frames", "wrench", "reference", "flexibility", "o
 @holds_flexibility
 @dataclass(frozen=True, eq=False)
 class GraspSpec(Placement):
-    """A grasp before it is built: sound arrays, read-only, SI. Immutable; `build` makes a `Scene` of it.
+    """A grasp before it is built: sound arrays, read-only, SI. Immutable; `build_scene` makes a `Scene` of it.
 
     Besides what `Placement` says: wrench (6,) force and torque about reference (3,) that the world applies to the
     object. flexibility (3n, 3n) of fingers and environment in contact axes, made of a `Flexibility` where one was

@@ -183,7 +183,7 @@ class GraspSolution(Record, DeferredFields):
     """The certified answer to a grasp. Arrays are read-only; n contacts; NaN where there is no answer.
 
     status : SOLVED where every residual is at most 1e-8 (`CERTIFY_TOLERANCE`); else what is proven, or UNDECIDED.
-        Torque limits play no part: see `verdict`.
+        Torque limits play no part (see `verdict`), unless `TorqueSaturation` makes them laws of the grasp.
     names : (n,) finger names, then those of the environment's contacts, which come last in every array.
     forces : (n, 3) N, force of each finger on the object in its contact axes (x, y tangents, z normal).
     forces_world : (n, 3) N, the same in world axes.

@@ -262,9 +262,9 @@ def judge_grasp(
 def follow_until_agreed(
     spec: GraspSpec, section: Section, order: Any, patience: Patience = PATIENT
 ) -> tuple[Loading, bool]:
-    """The loading in STEPS steps a stage, and whether it ends as with half as many. Where it does not, the number is
-    doubled, up to twice. Where nothing slides and nothing happens, half as many steps are exact, and enough. Raises
-    Unsupported.
+    """The loading in STEPS_PER_STAGE steps a stage, and whether it ends as with half as many. Where it does not, the
+    number is doubled, up to twice. Where nothing slides and nothing happens, half as many steps are exact, and enough.
+    Raises Unsupported.
     """
     count = STEPS_PER_STAGE
     coarse = follow(spec, section, None, order, None, count // 2, None, patience=patience)

@@ -28,7 +28,7 @@ from handlcp.tolerances import ACTIVE_TOLERANCE, CERTIFY_TOLERANCE
 def find_escape_twist(scene: Scene, section: Section) -> Array | None:
     """(6,) certified motion about the contacts' centre in which the object escapes, for one metre of travel.
 
-    None: some force in the friction pyramids balances the load, or no proof was found that none does.
+    None: some forces within friction balance the load, or no proof was found that none does.
     """
     t = np.zeros(scene.dof)
     own, full_G = scene.kind.contact_components, scene.natural.full_G
