@@ -33,10 +33,10 @@ if TYPE_CHECKING:
 @cache
 def _solve_functions() -> tuple[Any, Any, Any]:
     """What a solve calls, imported at the first one; an import statement in each would take a tenth of its time."""
-    from handlcp.grasp.analysis.solve_to_accuracy import make_no_solution_error, solve_with_advice
+    from handlcp.grasp.analysis.solve_to_accuracy import make_no_solution_error, solve_with_preload_hint
     from handlcp.grasp.solve.compiled_answer import start_values
 
-    return solve_with_advice, start_values, make_no_solution_error
+    return solve_with_preload_hint, start_values, make_no_solution_error
 
 
 @check_init_call()
@@ -178,11 +178,11 @@ class Grasp:
         Raises NoSolutionFound (with problem and solution) unless SOLVED, and as accurate as asked; or returns what came
         when `throw` is False. Raises InputError for bad arguments, faces and accuracy both among them.
         """
-        solve_with_advice, warm_start_values, no_solution = _solve_functions()
+        solve_with_preload_hint, warm_start_values, no_solution = _solve_functions()
         where, proof = warm_start_values(start, self.scene), check_flag("proof", proof)
         if accuracy is None:
             section = self._section(faces)
-            solution: GraspSolution = solve_with_advice(self.spec, section, solver, where, self.scene, proof)
+            solution: GraspSolution = solve_with_preload_hint(self.spec, section, solver, where, self.scene, proof)
         elif faces == "cone":
             from handlcp.grasp.analysis.solve_to_accuracy import solve_to_accuracy
 

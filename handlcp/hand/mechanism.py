@@ -26,7 +26,7 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.hand.grasp_variation import GraspVariation
 from handlcp.hand.report import HandReport
 from handlcp.hand.solution import HandGraspSolution
-from handlcp.hand.torque_check import MotorPull, TorqueCheck, torque_check
+from handlcp.hand.torque_check import MotorPull, TorqueCheck, compare_with_limits
 from handlcp.lazy_property import lazy_property
 from handlcp.robot.hand_model import HandPosture, contact_hessian
 
@@ -175,7 +175,7 @@ class HandMechanism(Mechanism):
     def check_torques(self, torque: Array, yielded: Array) -> TorqueCheck:
         """Torques (nv,) [N·m] beside the limits of the joints, of which some yield (nv,) [rad]."""
         some = np.flatnonzero(abs(yielded) > 0.0)  # NaN without an answer
-        return torque_check(self.posture.hand, read_only(torque), tuple([self.names[k] for k in some]))
+        return compare_with_limits(self.posture.hand, read_only(torque), tuple([self.names[k] for k in some]))
 
 
 def hand_mechanism(spec: GraspSpec) -> HandMechanism:

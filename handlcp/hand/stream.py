@@ -28,7 +28,7 @@ from handlcp.grasp.verify.certifier import Residuals, forces_in_world
 from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.squeeze import read_joint_offset
-from handlcp.hand.torque_check import TorqueCheck, torque_check
+from handlcp.hand.torque_check import TorqueCheck, compare_with_limits
 from handlcp.lcp import Status
 from handlcp.lcp.compiler.compile_policy import compile_now
 from handlcp.robot.hand_model import HandModel
@@ -109,7 +109,7 @@ class GraspUpdate:
         """Joint by joint, as in `HandGraspSolution`. Raises AttributeError for a grasp without a hand."""
         torques = self.torques
         assert isinstance(self._grasp, HandGrasp)
-        return torque_check(self._grasp.state.hand, torques)
+        return compare_with_limits(self._grasp.state.hand, torques)
 
     @property
     def effort(self) -> Effort | None:

@@ -203,7 +203,7 @@ class TorqueCheck(Record):
         return torque_table(self)
 
 
-def torque_check(hand: HandModel, torque: Array, yielding: tuple[str, ...] = ()) -> TorqueCheck:
+def compare_with_limits(hand: HandModel, torque: Array, yielding: tuple[str, ...] = ()) -> TorqueCheck:
     """Compare torques (nv,) [N·m] with the limits of a hand, at which some joints yield; infinite ones never count."""
     limits = hand.torques
     used, known, drives = read_only(abs(torque) / limits.limits), limits.known, limits.drives

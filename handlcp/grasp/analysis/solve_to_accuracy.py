@@ -1,4 +1,4 @@
-"""`solve_with_advice`: a solve that can say which squeeze would help; `solve_to_accuracy`: one as accurate as asked."""
+"""`solve_with_preload_hint`: a solve that can say what squeeze helps; `solve_to_accuracy`: one as accurate as asked."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from handlcp.lcp.solve import AnySolver
 from handlcp.tolerances import ACTIVE_TOLERANCE, RANK_TOLERANCE
 
 
-def solve_with_advice(
+def solve_with_preload_hint(
     spec: GraspSpec,
     section: Section,
     solver: AnySolver = None,
@@ -246,13 +246,13 @@ def solve_to_accuracy(
     if scene.soft:
         raise Unsupported("accuracy= knows no soft fingers: solve(faces) and solve('cone') do")
     section, words = _exact_section(scene, solver)
-    solution, solves = solve_with_advice(spec, section, solver, start, scene, proof), 1
+    solution, solves = solve_with_preload_hint(spec, section, solver, start, scene, proof), 1
     if proof and solution.status is Status.UNDECIDED and isinstance(section, Cone):
         solution, solves, words = _through_pyramids(spec, scene, solver, solution)
     error = _solution_error(spec, scene, solution)
     if solution.held and not error <= accuracy and scene.frictional:
         begin = start_values(solution, scene)
-        finer, solves = solve_with_advice(spec, _true_section(scene), _FINEST_NEWTON, begin, scene), solves + 1
+        finer, solves = solve_with_preload_hint(spec, _true_section(scene), _FINEST_NEWTON, begin, scene), solves + 1
         if (better := _solution_error(spec, scene, finer)) < error:
             solution, error, words = finer, better, f"{words}, more Newton steps"
     reached = Accuracy(accuracy, error, words, solves, time.perf_counter() - begun)
@@ -283,9 +283,9 @@ def _through_pyramids(
     """Run Newton's method on the cone from the answers of pyramids, until one is held: (solution, solves, words)."""
     method = replace(as_chain(solver) or Auto(), search_seconds=0.0)
     for k, faces in enumerate(_START_FACES):
-        near = solve_with_advice(spec, Pyramid(faces), method, scene=scene)
+        near = solve_with_preload_hint(spec, Pyramid(faces), method, scene=scene)
         if near.held:
-            cone = solve_with_advice(spec, Cone(), _NEWTON, start_values(near, scene), scene)
+            cone = solve_with_preload_hint(spec, Cone(), _NEWTON, start_values(near, scene), scene)
             if cone.held:
                 return cone, 2 * k + 3, f"{Cone().name}, from the {Pyramid(faces).name}"
     return best, 1 + 2 * len(_START_FACES), Cone().name
