@@ -94,7 +94,8 @@ class HandState(HandPosture):
 
         Raises NotReached (naming each finger and its gap, or a table), UnknownName, InputError.
         """
-        given = {name: value for name, value in locals().items() if name != "self"}
+        given = dict(locals())
+        del given["self"]
         from handlcp.hand.hand_grasp import HandGrasp  # 0.1 s that those who only read a hand do not pay
         from handlcp.hand.request import GraspRequest
 
@@ -239,8 +240,10 @@ class Hand(HandModel):
         keep theirs. Beside new fingertips, what was passed by name of the old ones is passed again. Raises InputError,
         UnknownName.
         """
-        given = {name: value for name, value in locals().items() if name != "self" and value is not ...}
-        return self._rebuild(replace_parts(self, self._by_tip, given))
+        given = dict(locals())
+        del given["self"]
+        said = {name: value for name, value in given.items() if value is not ...}
+        return self._rebuild(replace_parts(self, self._by_tip, said))
 
     @check_call("changes")
     def vary(self, changes: Mapping[str, Any]) -> Self:

@@ -162,7 +162,8 @@ class HandGrasp(Grasp):
         () takes them away, {} a joint_offset, 0 a preload or a mass, False finger_weight.
         Raises NotReached, UnknownName, InputError.
         """
-        given = {name: value for name, value in locals().items() if name != "self"}
+        given = dict(locals())
+        del given["self"]
         made = type(self)(rebuild(self.spec, given, GraspRequest))
         if isinstance(asked := made.spec.asked, GraspRequest) and asked.flexibility is not None:
             E, bent = made.spec.flexibility, is_force_dependent(made.spec)

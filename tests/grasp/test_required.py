@@ -120,3 +120,9 @@ def test_a_tolerance_has_to_be_one():
             required_friction(pinch(), tolerance=bad)
     with pytest.raises(InputError, match="limit"):
         required_friction(pinch(), limit=0.0)
+
+
+def test_steps_double_from_where_the_search_begins():
+    up, down = find_least(lambda x: x >= 30.0, 1.0, 100.0, 0.5, step=1.0), find_least(lambda x: True, 8.0, 9.0, 1.0)
+    assert [x for x, _ in up.checked[:7]] == [1.0, 2.0, 3.0, 5.0, 9.0, 17.0, 33.0]
+    assert [x for x, _ in down.checked] == [8.0, 0.0]

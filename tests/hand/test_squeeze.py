@@ -1,5 +1,7 @@
 """How hard a hand closes: commands of joints, of depths and of forces, and what of them no joint can make."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -279,10 +281,18 @@ def test_one_joint_squeezes_both_and_moves_the_object(write):
     np.testing.assert_allclose(s.object_displacement[0], 0.5 * L * 0.1, **EXACT)
 
 
+@pytest.mark.parametrize("nothing", [{}, [0.0, 0.0]])
+def test_none_changes_no_bit(write, nothing):
+    hand = lever_hand(write)
+    a, b = lever_pinch(hand, preload=1e-3).problem(), lever_pinch(hand, preload=1e-3, joint_offset=nothing).problem()
+    np.testing.assert_array_equal(a.scaled.M, b.scaled.M)
+    np.testing.assert_array_equal(a.scaled.q, b.scaled.q)
+
+
 def test_replacing_keeps_it_or_changes_it(write):
     hand = lever_hand(write)
     g = lever_pinch(hand, joint_offset=[0.1, 0.1])
-    lifted = g.replace(wrench=(0, 0, -2, 0, 0, 0))
+    lifted = pickle.loads(pickle.dumps(g)).replace(wrench=(0, 0, -2, 0, 0, 0))
     np.testing.assert_allclose(lifted.solve().normal_force, L * 0.1 / C, **EXACT)
     more = g.replace(preload=1e-3)  # comes beside it, as in state.grasp
     np.testing.assert_allclose(more.offset, lever_pinch(hand, joint_offset=[0.1, 0.1], preload=1e-3).offset)

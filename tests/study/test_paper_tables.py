@@ -20,6 +20,12 @@ def test_golden_tables_to_every_printed_digit(number):
     assert f"of {len(c.golden_rows)} numbers {len(c.golden_rows)} to every printed digit" in c.verdict
 
 
+@pytest.mark.parametrize("number", [k for k in paper.NUMBERS if table(k).golden])
+def test_a_golden_table_fails_when_a_force_is_off(number):
+    row = max((r for r in compare(number).golden_rows if r.column == "force"), key=lambda r: r.printed.value)
+    assert paper.mark_of(row.printed, row.ours * (1 + 1e-5), row.printed.value) not in paper.REPRODUCED
+
+
 @pytest.mark.parametrize(("number", "last", "residue"), [(2, 2, 6), (8, 5, 0)])
 def test_golden_tables_of_a_loose_stop_rule_to_one_unit_of_the_last_digit(number, last, residue):
     c = compare(number)

@@ -90,7 +90,9 @@ def quantities(solution):
     same = "forces", "slip", "gap", "friction_margin", "torsion", "torques", "torque_margin"
     fields = {name: name for name in same} | {"displacement": "object_displacement"}
     found = {name: getattr(solution, of, None) for name, of in fields.items()}
-    return {name: np.where(np.isinf(x), np.nan, x) for name, x in found.items() if x is not None}
+    if (margin := found["torque_margin"]) is not None:
+        found["torque_margin"] = np.where(np.isfinite(margin), margin, np.nan)
+    return {name: x for name, x in found.items() if x is not None}
 
 
 def differences(grasp, solution, faces, parameter, index):

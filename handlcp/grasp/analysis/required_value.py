@@ -103,21 +103,23 @@ class _LeastSearch:
         self.tried.append((x, bool(self.holds(x))))
         return self.tried[-1][1]
 
-    def step_down(self, high: float, floor: float, step: float) -> tuple[float | None, float]:
+    def step_down(self, start: float, floor: float, step: float) -> tuple[float | None, float]:
         """(a value that does not hold, one above it that does); (None, floor) where the floor holds."""
+        high = start
         while high > floor:
-            low, step = max(high - step, floor), 2.0 * step
+            low, step = max(start - step, floor), 2.0 * step
             if not self(low):
                 return low, high
             high = low
         return None, floor
 
-    def step_up(self, low: float, most: float, step: float) -> tuple[float, float | None]:
+    def step_up(self, start: float, most: float, step: float) -> tuple[float, float | None]:
         """Double the step until a value holds: (a value that does not hold, one above it that does); None: nothing
         up to `most` does.
         """
+        low = start
         while low < most:
-            high, step = min(low + step, most), 2.0 * step
+            high, step = min(start + step, most), 2.0 * step
             if self(high):
                 return low, high
             if self.too_much(high):

@@ -66,13 +66,11 @@ class DirectionGrid:
         middle = self.points[cut].sum(axis=1)
         points = np.concatenate([self.points, middle / np.linalg.norm(middle, axis=1)[:, None]])
         new = {(int(a), int(b)): len(self.points) + k for k, (a, b) in enumerate(cut.tolist())}
-        whole, parts = list[list[int]](), list[list[int]]()
-        for cell in self.cells.tolist():
-            if any((min(a, b), max(a, b)) in new for a, b in zip(cell, cell[1:] + cell[:1], strict=True)):
-                parts += _divide_cell(cell, new, points)
-            else:
-                whole.append(cell)
-        cells = np.array(whole + parts, dtype=np.int64).reshape(-1, self.cells.shape[1])
+        width, key = self.cells.shape[1], np.array([len(self.points), 1])
+        sides = [np.sort(self.cells[:, [j, (j + 1) % width]], axis=1) @ key for j in range(width)]
+        touched = np.isin(np.array(sides), np.sort(cut, axis=1) @ key).any(axis=0)
+        parts = [part for cell in self.cells[touched].tolist() for part in _divide_cell(cell, new, points)]
+        cells = np.concatenate([self.cells[~touched], np.array(parts, dtype=np.int64).reshape(-1, width)])
         return DirectionGrid(read_only(points), cells)
 
 

@@ -178,15 +178,15 @@ def split_cylinder(
     def try_grip(kind: str, make: Callable[[], FullTorqueGrasp]) -> Grip | None:
         try:
             one = make()
+            around, solution = _contacts_around_axis(one), one.path.solution
+            n = around.closing_normal if split is None else split
+            around.split_force(n)  # raises InputError for a normal along the axis
+            return Grip(kind, n, one.binds, one.says, one.verdict.word, one.grasp, solution, around)  # type: ignore[arg-type]  # a hand's
         except InputError:
             raise
         except HandLCPError as error:
             missing[kind] = str(error)
             return None
-        around, solution = _contacts_around_axis(one), one.path.solution
-        n = around.closing_normal if split is None else split
-        around.split_force(n)  # raises InputError for a normal along the axis
-        return Grip(kind, n, one.binds, one.says, one.verdict.word, one.grasp, solution, around)  # type: ignore[arg-type]  # a hand's
 
     with track_progress("closing the hand on a split cylinder"):
         pinch = try_grip(PINCH, lambda: _close_pinch(hand, cylinder, friction, fingers)) if PINCH in grasps else None

@@ -174,4 +174,4 @@ def solution_margin(solution: GraspSolution) -> float:
 def _largest_utilisation(solution: GraspSolution) -> float:
     """The largest utilisation of any joint; 0 without a hand."""
     check = getattr(solution, "torque_check", None)
-    return 0.0 if check is None else float(check.utilisation.max(initial=0.0))
+    return 0.0 if check is None else float(np.nan_to_num(check.utilisation).max(initial=0.0))

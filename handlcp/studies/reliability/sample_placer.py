@@ -8,6 +8,7 @@ command with it: the object lies -J δq off the tip, as a gap or as more squeeze
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -299,7 +300,9 @@ class SamplePlacer:
             blocks[list(hand.tips)] *= joints.pads[k][:, None, None]
             parts["pads"] = FingertipPads(blocks)
         if parts:
-            posture = type(posture)(model.with_parts(**parts), posture.q)
+            posture = copy(posture)  # where joints and links are does not change with springs and pads
+            posture.__dict__["hand"] = model.with_parts(**parts)
+            posture.__dict__.pop("flexibility", None)
         return replace(
             hand,
             posture=posture,
