@@ -36,7 +36,7 @@ _SIDEWAYS_TOLERANCE = 1e-6  # of a depth: a sideways motion that is rounding
 class LawChange:
     """What p parameters change in the laws of an answer, SI, each (…, p).
 
-    motion (c, p) : δv, of the object relative to the tips, in the coordinates of the friction laws [m].
+    contact_motion (c, p) : δv, of the object relative to the tips, in the coordinates of the friction laws [m].
     balance (6, p) : δb, of the wrench that is left over, about the reference.
     friction (n, p) : δμ of the coefficients of the sections (`Scene.friction_coefficients`) [-].
     torque (nv, p) : of what the joints hold [N·m]. torque_limits (nv, p) : of the joints' limits [N·m].
@@ -53,7 +53,7 @@ class LawChange:
         self.by_depth = np.zeros((len(values), 0)) if by_depth is None else by_depth
         self.rates = np.zeros((0, values.shape[1])) if rates is None else rates
         parts = np.split(values, np.cumsum(answer.law_sizes)[:-1])  # views
-        self.motion, self.balance, self.friction, self.torque, self.torque_limits = parts
+        self.contact_motion, self.balance, self.friction, self.torque, self.torque_limits = parts
 
     @property
     def ahead(self) -> LawChange:
@@ -170,9 +170,9 @@ class LinearisationPoint:
         return C if self.loaded_joints is None else C + self.loaded_joints.added_compliance
 
     @lazy_property
-    def levers(self) -> Array:
-        """(c, nv) how K_g of one unit of each force component turns the joints that stand where the answer has them:
-        ∂(K_g z)/∂r for z = δq - δ.
+    def geometric_stiffness_rows(self) -> Array:
+        """(c, nv) ∂(K_g z)/∂r, z = δq - δ: torque on the joints, held where the answer has them, by the geometric
+        stiffness of one unit of each force component.
         """
         return np.asarray(self.mechanism.hessian() @ (self.command - self.joints.deflection))
 
@@ -181,7 +181,7 @@ class LinearisationPoint:
         """(c, c) ∂v/∂r in the laws' coordinates: E, and with `GeometricStiffness` what turning levers add."""
         if self.loaded_joints is None:
             return self.scene.flexibility
-        more = self.jacobian_rows @ self.compliance @ self.levers.T
+        more = self.jacobian_rows @ self.compliance @ self.geometric_stiffness_rows.T
         return np.asarray(self.scene.flexibility + self.scale[:, None] * more * self.scale)
 
     @lazy_property
@@ -190,7 +190,8 @@ class LinearisationPoint:
         if self.loaded_joints is None:
             return self.jacobian_rows
         K_g = self.loaded_joints.stiffness
-        return np.asarray((self.jacobian_rows + self.levers) @ (np.eye(len(K_g)) - K_g @ self.compliance).T)
+        rows = self.jacobian_rows + self.geometric_stiffness_rows
+        return np.asarray(rows @ (np.eye(len(K_g)) - K_g @ self.compliance).T)
 
     # ---- contacts and limits
     def tangential_components(self, i: int) -> list[int]:
@@ -245,8 +246,8 @@ class LinearisationPoint:
         return wrench_map(scene.positions, self.spec.reference, scene.frames, scene.arrays.spin)
 
     @lazy_property
-    def _levers(self) -> Array:
-        """(dof,) SI of one natural unit of each component of balance over that of force [-, m]."""
+    def _balance_row_units(self) -> Array:
+        """(dof,) natural unit of each component of balance over that of force: 1 of forces, a length [m] of moments."""
         return np.asarray(self.scene.units.motion_unit / self.scene.twist_units)
 
     @lazy_property
@@ -254,14 +255,14 @@ class LinearisationPoint:
         """The laws about the reference."""
         scene, reached, units = self.scene, self.reached_limits, self.scene.units
         stiffness_unit = units.force_unit / units.motion_unit
-        G = scene.freedom @ self._grasp_matrix / self._levers[:, None]
+        G = scene.freedom @ self._grasp_matrix / self._balance_row_units[:, None]
         kept = np.concatenate([np.zeros(scene.components, bool), np.ones(scene.dof, bool), reached.gives])
         K = saddle_matrix(self.tangent, stiffness_unit, G, reached.rows)
         return LinearLaws(K, kept, scene.kind.contact_components, self.friction.limits, stiffness_unit)
 
     @lazy_property
-    def inverse(self) -> tuple[Array, bool]:
-        """(k, k + n) the changes in natural units that unit right-hand sides cause, as in `active_rows`; and whether
+    def response_matrix(self) -> tuple[Array, bool]:
+        """(k, k + n) the changes in natural units that unit right-hand sides cause, A⁻¹B of `active_rows`; and whether
         they are unique.
         """
         return solve_inverse(*active_rows(self.laws, self.states), RANK_TOLERANCE)
@@ -276,18 +277,18 @@ class LinearisationPoint:
         reached, force, n = self.reached_limits, self.scene.units.force_unit, self.scene.n
         # δA r - δb_s: limits of forces depend on no parameter
         used = reached.joints @ change.torque - abs(reached.joints) @ change.torque_limits
-        balance = self.scene.freedom @ change.balance / (force * self._levers)[:, None]
+        balance = self.scene.freedom @ change.balance / (force * self._balance_row_units)[:, None]
         slides = change.friction * (self.law_forces[2 : 3 * n : 3] / force)[:, None]
-        motion = change.motion / self.scene.units.motion_unit
+        motion = change.contact_motion / self.scene.units.motion_unit
         return np.concatenate([motion, balance, used / reached.sizes[:, None], slides])
 
-    def motion(self, x: Array) -> Array:
+    def object_twist(self, x: Array) -> Array:
         """(6, p) of the object about the reference, SI, from x (k, p) in natural units."""
         s = self.scene
         return np.asarray(s.freedom.T @ (x[s.components : s.components + s.dof] * s.twist_units[:, None]))
 
-    def motion_changes(self, x: Array) -> Array:
-        """(c, p) changes of v by x (k, p), SI, in the laws' coordinates."""
+    def contact_motion_changes(self, x: Array) -> Array:
+        """(c, p) changes of v by x (k, p), SI, in the laws' coordinates, beside those of `LawChange.contact_motion`."""
         return np.asarray(self.laws.K[: self.scene.components] @ x * self.scene.units.motion_unit)
 
     # ---- what parameters change in them
@@ -297,7 +298,7 @@ class LinearisationPoint:
         for name, part in parts.items():
             getattr(change, name)[:] = part
         if self.spec.planar:
-            change.motion[1 : 3 * self.scene.n : 3] = 0.0
+            change.contact_motion[1 : 3 * self.scene.n : 3] = 0.0
         return change
 
     @lazy_property
@@ -317,7 +318,7 @@ class LinearisationPoint:
             return made
 
         change = difference_laws(self, len(some), _DEPTH_STEP, go_deeper)
-        sideways = abs(change.motion).max(axis=0, initial=0.0) > _SIDEWAYS_TOLERANCE
+        sideways = abs(change.contact_motion).max(axis=0, initial=0.0) > _SIDEWAYS_TOLERANCE
         contacts = some[sideways]
         return TipDepths(inside, contacts, touch[contacts], LawChange(self, change.values[:, sideways]))
 
@@ -340,7 +341,7 @@ def difference_laws(
         try:
             change.values[:, k] = (_law_values(answer, made(k, h)) - _law_values(answer, made(k, -h))) / (2.0 * h)
         except InputError:  # no such grasp, as where a link leaves the plane of a planar one
-            change.motion[:, k] = np.nan
+            change.contact_motion[:, k] = np.nan
     return change
 
 

@@ -31,7 +31,8 @@ from handlcp.record import to_plain
 from handlcp.words import TextTable, first_largest_index, wrap_text
 
 _MAX_SIDE_GAP = 0.1  # of the larger side: where they differ by more, there is no derivative
-# Of the largest entry of a quantity: entries that differ by less differ by the roughness of the path
+# Of the largest difference quotient of a quantity: the sides of an entry that differ by less differ by the roughness of
+# the path
 _ROUGHNESS_SHARE = 1e-3
 _ROUNDING_SHARE = 1e-10  # of a quantity, which a difference divides by the step
 _ALL_PREFIX = "all_"

@@ -8,7 +8,8 @@ not. The rates obey the laws of the next state:
     pushes   Δv_N = 0, Δr_N ≥ 0                slides   nᵀΔr_T = Δ(μ r_N), Δv_T = -λ n, λ ≥ 0
     holds    A Δr ≤ Δb                         yields   A Δr = Δb, Δs ≥ 0
 
-Few contacts are at a kink at once, so that all choices are tried; the first that obeys every sign is the derivative.
+Choices are tried one after the other, at most 4096 of them: few contacts are at a kink at once. The first that obeys
+every sign is the derivative.
 Source: Robinson, Mathematics of Operations Research 5 (1980): the directional derivative is such a problem in the
 rates.
 """
@@ -31,7 +32,8 @@ from handlcp.tolerances import RANK_TOLERANCE
 
 # ---------------------------------------------------------------- What a contact at a kink may do next.
 
-_IMMEDIATE_TURN = 1e12  # natural units: friction that is against its contact's slip from the beginning
+# α in natural units, `turn` of a state: so large that P Δr_T = 0, and friction stays along its normal
+_RIGID_DIRECTION_RATIO = 1e12
 
 
 class NextState(NamedTuple):
@@ -39,15 +41,16 @@ class NextState(NamedTuple):
 
     kind, turn : as in `ContactStates`.
     faces (k, 3) : outward normals that it slides against.
-    follows : whether the normal is against the slip that begins, which is not known before.
-    slips : whether it slips already.
+    direction_unknown : whether the slip begins in a direction that is still to be found. `faces` is then a first guess,
+        turned against the slip that follows from it until the two agree.
+    already_slipping : whether it slips in the answer itself.
     """
 
     kind: int
     faces: Array = np.zeros((0, 3))
     turn: float = 0.0
-    follows: bool = False
-    slips: bool = False
+    direction_unknown: bool = False
+    already_slipping: bool = False
 
 
 def next_states(at: LinearisationPoint, i: int) -> list[NextState]:
@@ -56,22 +59,24 @@ def next_states(at: LinearisationPoint, i: int) -> list[NextState]:
     d, cone, slip, opens = len(own), at.section.faces == 0 and len(own) > 1, at.v[own], NextState(SEPARATED)
     if kind == RESTING and (d == 0 or at.friction.limits[i] <= 0.0):
         return [opens, NextState(GLIDING)]
-    slides = [NextState(SLIDING, faces, slips=kind == SLIDING) for faces in _subsets(normals_reached(at, i), d)]
+    slipping, reached = bool(kind == SLIDING), normals_reached(at, i)
+    slides = [NextState(SLIDING, faces, already_slipping=slipping) for faces in _subsets(reached, d)]
     if kind != RESTING:
         return slides if kind == SLIDING else [NextState(STICKING), *slides]
-    speed, turn = float(np.sqrt(slip @ slip)), _IMMEDIATE_TURN * at.scene.units.motion_unit / at.scene.units.force_unit
+    speed, units = float(np.sqrt(slip @ slip)), at.scene.units
+    turn = _RIGID_DIRECTION_RATIO * units.motion_unit / units.force_unit
     if speed <= at.motion_tolerance:
         if cone:
             ways = (*np.eye(d), *-np.eye(d))
-            slides = [NextState(SLIDING, _pad_normals([m]), turn, follows=True) for m in ways]
+            slides = [NextState(SLIDING, _pad_normals([m]), turn, direction_unknown=True) for m in ways]
         return [opens, NextState(STICKING), *slides]
     against = -slip / speed
     if cone:
-        return [opens, NextState(SLIDING, _pad_normals([against]), turn, slips=True)]
+        return [opens, NextState(SLIDING, _pad_normals([against]), turn, already_slipping=True)]
     friction = limit_set(at.section, d)  # it works most at a corner of these faces
     level = friction.normals.T @ friction.vertices[:, int(np.argmax(against @ friction.vertices))]
     meeting = [m for m, x in zip(friction.normals.T, level, strict=True) if x > level.max() - 1e-9]
-    return [opens, *(NextState(SLIDING, faces, slips=True) for faces in _subsets(meeting, d))]
+    return [opens, *(NextState(SLIDING, faces, already_slipping=True) for faces in _subsets(meeting, d))]
 
 
 def normals_reached(at: LinearisationPoint, i: int) -> list[Array]:
@@ -160,8 +165,8 @@ def one_sided_changes(at: LinearisationPoint, kinks: tuple[DerivativeKink, ...],
     """Find how an answer changes on one side of its kinks, and what stays free: (x (k,), N (k, j)).
 
     x are the changes in natural units for right-hand sides b (k + n,) as `LinearisationPoint` has them; NaN where no
-    next state is consistent: nothing near is an answer on that side. N spans the changes that no law of the next states
-    resists.
+    next state that is tried is consistent: but for those that are not tried, nothing near is an answer on that side.
+    N spans the changes that no law of the next states resists.
     """
     reached, contacts = at.reached_limits, [k.contact for k in kinks if k.contact is not None]
     every = [next_states(at, i) for i in contacts]
@@ -179,13 +184,13 @@ def _changes_with(
     at: LinearisationPoint, picked: dict[int, NextState], gives: Bools, b: Array
 ) -> tuple[Array, Array] | None:
     """The changes where contacts have these next states; None where they do not keep every sign."""
-    c, free = at.scene.components, [i for i, p in picked.items() if p.follows]
+    c, free = at.scene.components, [i for i, p in picked.items() if p.direction_unknown]
     for _ in range(_MAX_DIRECTION_ROUNDS if free else 1):
         A, B = at.equations(_with_next_states(at.states, picked), gives)
         found, N = least_norm_solutions(A, (B @ b)[:, None], RANK_TOLERANCE)
         if np.isnan(found).any():
             return None
-        x, dv = found[:, 0], at.motion_changes(found)[:, 0] + b[:c] * at.scene.units.motion_unit
+        x, dv = found[:, 0], at.contact_motion_changes(found)[:, 0] + b[:c] * at.scene.units.motion_unit
         change = 0.0
         for i in free:
             slip = dv[at.tangential_components(i)]
@@ -224,14 +229,14 @@ def _keeps_signs(at: LinearisationPoint, i: int, state: NextState, x: Array, dv:
         return bool(np.sqrt(force[t] @ force[t]) <= room + small)
     if state.kind == STICKING:
         return all(float(m @ force[t]) <= room + small for m in reached)
-    if state.turn > 0.0 and state.slips:  # friction is against the slip by construction
+    if state.turn > 0.0 and state.already_slipping:  # friction is against the slip by construction
         return True
     faces = state.faces[:, : len(t)]
     now, more = (-np.linalg.lstsq(faces.T, v[t], rcond=None)[0] for v in (at.v, dv))
     if float(abs(faces.T @ now + at.v[t]).max()) > at.motion_tolerance:  # it slips against another face, too
         return False
     others = [m for m in reached if float(abs(faces - m).max(axis=1).min()) > 1e-9]
-    inside = state.follows or all(float(m @ force[t]) <= room + small for m in others)
+    inside = state.direction_unknown or all(float(m @ force[t]) <= room + small for m in others)
     return inside and bool((more[now <= at.motion_tolerance] >= -slow).all())
 
 
@@ -249,17 +254,18 @@ _FREE_TOLERANCE = 1e-7  # what the free directions of a singular system move by 
 
 class ResponseRates(NamedTuple):
     """What p parameters do to an answer, SI, each (…, p). forces (c, p) in contact axes, moments of soft contacts last;
-    motion (6, p) of the object about the reference; slip (c, p) of v, contact axes. NaN where it is not determined.
+    object_twist (6, p) about the reference; contact_motion (c, p) of v, contact axes: slips and normal gaps. NaN where
+    it is not determined.
     """
 
     forces: Array
-    motion: Array
-    slip: Array
+    object_twist: Array
+    contact_motion: Array
 
 
 def free_directions(at: LinearisationPoint) -> Array:
     """(k, j) what spans the changes that no law resists, natural units; j = 0: there are none."""
-    if at.inverse[1]:
+    if at.response_matrix[1]:
         return np.zeros((len(at.laws.K), 0))
     A, _ = at.equations(at.states, at.reached_limits.gives)
     return least_norm_solutions(A, A[:, :0], RANK_TOLERANCE)[1]
@@ -268,23 +274,25 @@ def free_directions(at: LinearisationPoint) -> Array:
 def find_rates(at: LinearisationPoint, kinks: tuple[DerivativeKink, ...], change: LawChange) -> ResponseRates:
     """The rates; at kinks those of a growing parameter, column by column."""
     b, c, units, scale = at.right_hand_sides(change), at.scene.components, at.scene.units, at.scale[:, None]
-    inverse, regular = at.inverse
+    matrix, regular = at.response_matrix
     free: list[tuple[slice, Array]] = []
     if kinks:
         found = [one_sided_changes(at, kinks, column) for column in b.T]
-        x = np.column_stack([np.zeros((len(inverse), 0)), *[x for x, _ in found]])
+        x = np.column_stack([np.zeros((len(matrix), 0)), *[x for x, _ in found]])
         free = [(slice(k, k + 1), N) for k, (_, N) in enumerate(found)]
     elif regular:
-        x = inverse @ b
+        x = matrix @ b
     else:
         A, B = at.equations(at.states, at.reached_limits.gives)
         x, N = least_norm_solutions(A, B @ b, RANK_TOLERANCE)
         free = [(slice(None), N)]
-    forces, slip = x[:c] * units.force_unit * scale, (at.motion_changes(x) + change.motion) / scale
-    rates = ResponseRates(forces, at.motion(x), slip)
-    levers = np.repeat([1.0, units.length_unit], 3)[:, None]
+    forces = x[:c] * units.force_unit * scale
+    contact_motion = (at.contact_motion_changes(x) + change.contact_motion) / scale
+    rates = ResponseRates(forces, at.object_twist(x), contact_motion)
+    twist_scaling = np.repeat([1.0, units.length_unit], 3)[:, None]
     for columns, N in free:
-        moved = N[:c], at.motion(N) * levers / units.motion_unit, at.motion_changes(N) / units.motion_unit
+        twist = at.object_twist(N) * twist_scaling / units.motion_unit
+        moved = N[:c], twist, at.contact_motion_changes(N) / units.motion_unit
         for rate, more in zip(rates, moved, strict=True):
             rate[abs(more).max(axis=1, initial=0.0) > _FREE_TOLERANCE, columns] = np.nan
     return rates

@@ -28,14 +28,14 @@ _JOINT_QUANTITIES = "torques", "torque_margin"  # of hands alone
 
 
 def quantity_rates(answer: LinearisationPoint, rates: ResponseRates, change: LawChange) -> dict[str, Array]:
-    """How fast each quantity changes (…, p), from the rates of forces, motion and slips, and of the laws themselves."""
+    """How fast each quantity changes (…, p), from the rates of the response, and of the laws themselves."""
     scene, n, spec = answer.scene, answer.scene.n, answer.spec
     torsion = np.zeros((n, rates.forces.shape[1]))
     torsion[list(scene.soft)] = rates.forces[3 * n :]
     # Past the fingertips; where a prescribed force makes the finger follow, by nothing
-    slip = np.where(scene.force_unknown_mask[:, None, None], rates.slip[: 3 * n].reshape(n, 3, -1), 0.0)
+    slip = np.where(scene.force_unknown_mask[:, None, None], rates.contact_motion[: 3 * n].reshape(n, 3, -1), 0.0)
     found = {"forces": rates.forces[: 3 * n].reshape(n, 3, -1), "torsion": torsion, "slip": slip[:, :2]}
-    found |= {"gap": slip[:, 2], "displacement": rates.motion}
+    found |= {"gap": slip[:, 2], "displacement": rates.object_twist}
     found["friction_margin"] = _friction_margin_rates(answer, rates, change)
     if spec.mechanism is not None:
         torques = np.asarray(answer.torque_rows.T @ rates.forces + change.torque)
@@ -263,7 +263,7 @@ class Sensitivity(Record):
         return make_data_frame({name: flat[:, k] for k, name in enumerate(columns)}, index)
 
     def __str__(self) -> str:
-        """What a tenth more of each parameter, at all fingers or joints together, does to the largest force, the
+        """What the change in each row, such as 10 % less friction at all fingers, does to the largest force, the
         friction to spare, the largest torque, and the motion.
         """
         return describe_sensitivity(self, self._answer)

@@ -33,7 +33,8 @@ class Influence:
 
     name, unit : of the value. sd : its standard deviation, in its unit. rank : rank correlation with the margin, -1 to
     1. share : of the variance of the margin's rank that it explains alone, 0 to 1. slope : change of the margin with
-    one standard deviation, from its derivative at the means. linear : its share by these derivatives, 0 to 1.
+    one standard deviation, from its derivative at the means; of one solve each, also with by="check". linear : its
+    share by these derivatives, 0 to 1.
     """
 
     name: str
@@ -61,7 +62,7 @@ def rank_influences(
     names: list[tuple[str, str, float]], points: Array, margin: Array, slopes: Array
 ) -> list[Influence]:
     """One for each (name, unit, sd), those that matter most first. points (m, d) of the unit cube; margin (m,), NaN
-    where nothing holds; slopes (d,).
+    where it is not known to hold; slopes (d,).
     """
     y = stats.rankdata(np.where(np.isnan(margin), -np.inf, margin))
     squares, differ = np.nan_to_num(slopes**2), bool(np.ptp(y) > 0.0)
@@ -106,7 +107,8 @@ _SUBSET_ALPHA_SHARE = 0.2  # part of α that goes to what was not solved in full
 class Chance:
     """A chance that was estimated from samples, with its confidence interval.
 
-    value : the estimate, of samples that surely hold; NaN where all are undecided.
+    value : the estimated share of samples that surely hold; NaN where all are undecided. Samples that were never solved
+        in full count in proportion to those that were.
     low, high : ends of the interval that covers the truth with this confidence.
     undecided : the share of samples of which nobody knows; `low` counts them as not held, `high` as held.
     """
@@ -132,24 +134,25 @@ class Chance:
 
 
 def estimate_chance(
-    good: Bools, left: Bools, open_: Bools, again: tuple[Bools, Bools], size: int, level: float
+    good: Bools, unresolved: Bools, inconclusive: Bools, fully_solved: tuple[Bools, Bools], size: int, level: float
 ) -> Chance:
     """The chance of a good sample, from N samples in blocks of `size`, (N,) each.
 
-    good : surely. left : nobody looked any further. open_ : neither good nor bad after a full look.
-    again : (looked at in full, good among them); they tell how many of those left are good, or open.
+    good : surely. unresolved : left open, and not solved in full. inconclusive : nothing more will be known of them.
+    fully_solved : (solved in full, good among them); they tell how many of the unresolved are good, or inconclusive.
     """
-    looked, found, doubtful = (int(some.sum()) for some in (*again, again[0] & open_))
+    solved, found, doubtful = (int(some.sum()) for some in (*fully_solved, fully_solved[0] & inconclusive))
     alpha, share, unknown, low, high = 1.0 - level, 0.0, 1.0, 0.0, 0.0
-    if left.any():
+    if unresolved.any():
         inner, alpha = _SUBSET_ALPHA_SHARE * alpha, (1.0 - _SUBSET_ALPHA_SHARE) * alpha
-        low = clopper_pearson_interval(found, looked, inner)[0]
-        high = clopper_pearson_interval(found + doubtful, looked, inner)[1]
-        if looked:
-            share, unknown = found / looked, doubtful / looked
-    value, undecided = float(np.mean(good + share * left)), float(np.mean(open_ + unknown * left))
-    down = student_interval(good + low * left, size, alpha)[0]
-    up = student_interval(good + high * left + open_, size, alpha)[1]
+        low = clopper_pearson_interval(found, solved, inner)[0]
+        high = clopper_pearson_interval(found + doubtful, solved, inner)[1]
+        if solved:
+            share, unknown = found / solved, doubtful / solved
+    value = float(np.mean(good + share * unresolved))
+    undecided = float(np.mean(inconclusive + unknown * unresolved))
+    down = student_interval(good + low * unresolved, size, alpha)[0]
+    up = student_interval(good + high * unresolved + inconclusive, size, alpha)[1]
     nothing = undecided >= 1.0 - _SHARE_ROUNDING
     return Chance(np.nan if nothing else value, min(down, value), max(up, value), level, undecided)
 

@@ -54,7 +54,7 @@ class Sample(Record):
     """One sample of a reliability, with its grasp, which is solved when that is looked at.
 
     number : 0 to `samples` - 1. values : by name, SI units. word : "HELD", "OVER LIMIT", "NOT HELD", "UNDECIDED".
-    margin : what is left of friction or torque, whichever is less, as a share; NaN where nothing holds.
+    margin : what is left of friction or torque, whichever is less, as a share; NaN where it is not known to hold.
     grasp : with the sample's values. method : how it is judged.
     why_not : why it is UNDECIDED without a look at the grasp, such as a contact past an edge, which then has its
     nominal axes; else None.
@@ -129,7 +129,9 @@ class Reliability(Record):
 
     @property
     def margin(self) -> Array:
-        """(m,) 1 - the larger of all friction used and the largest torque over its limit; NaN where nothing holds."""
+        """(m,) 1 - the larger of all friction used and the largest torque over its limit; NaN where it is not known to
+        hold.
+        """
         return self.outcomes.margin
 
     @property
@@ -162,8 +164,8 @@ class Reliability(Record):
         some = np.flatnonzero(self.outcomes.unplaced)
         if not some.size:
             return {}
-        past = self.placer.make_sample_arrays(self.values[some]).past_edge
-        return {int(k): str(self.placer.why_unplaced(one)) for k, one in zip(some, past, strict=True)}
+        unplaceable = self.placer.make_sample_arrays(self.values[some]).unplaceable
+        return {int(k): str(self.placer.why_unplaced(one)) for k, one in zip(some, unplaceable, strict=True)}
 
     @cached_property
     def worst(self) -> Sample:
@@ -255,18 +257,19 @@ class Reliability(Record):
 
     @property
     def _describe_estimate(self) -> str:
-        """What is known of samples that nobody looked at in full."""
-        looked, past = self.outcomes.again, int(self.outcomes.unplaced.sum())
-        said = f"; {past:,} are no grasp, with a contact past an edge" if past else ""
+        """What is said of samples that cannot be judged, or were left open."""
+        fully_solved, unplaced = self.outcomes.again, int(self.outcomes.unplaced.sum())
+        said = f"; {unplaced:,} are no grasp, with a contact past an edge" if unplaced else ""
         if count := int(self.outcomes.far.sum()):
             said += f"; {count:,} move farther than one solve can tell anything of"
-        left = ~looked & ~self.outcomes.unplaced & ~self.outcomes.far & (self.codes == UNDECIDED_CODE)
-        if not looked.any() or not left.any():
+        undecided = self.codes == UNDECIDED_CODE
+        unresolved = undecided & ~fully_solved & ~self.outcomes.unplaced & ~self.outcomes.far
+        if not fully_solved.any() or not unresolved.any():
             return said
-        held = int((looked & (self.codes < NOT_HELD_CODE)).sum())
-        full, open_ = int(looked.sum()), int((looked & (self.codes == UNDECIDED_CODE)).sum())
-        stay = f", {open_} stay undecided" if open_ else ""
-        told = f"of the undecided ones {full} were solved in full, {held} of them hold{stay}"
+        held = int((fully_solved & (self.codes < NOT_HELD_CODE)).sum())
+        solved, inconclusive = int(fully_solved.sum()), int((fully_solved & undecided).sum())
+        stay = f", {inconclusive} stay undecided" if inconclusive else ""
+        told = f"of the undecided ones {solved} were solved in full, {held} of them hold{stay}"
         return f"{said}; {told}: the rest counts alike"
 
     @property
@@ -314,10 +317,10 @@ def reliability(
         "mass" : of the object. A share, or a distribution [kg].
         "load" : what loads the object besides its weight. A share, or a distribution of a factor.
         "squeeze" : how hard the hand closes, preloads and commands. A share, or a distribution of a factor.
-        "positions" : where each contact is, along both tangents [m]. It stays on the surface of a ball, box, cylinder
-            or ellipsoid, and its normal turns with that; elsewhere it moves in its tangent plane. By finger: those. A
-            sample with a contact past an edge of a box or a rim of a cylinder is UNDECIDED, whatever `by` is: it has no
-            normal there.
+        "positions" : where each finger's contact is, along both tangents [m]. It stays on the surface of a ball, box,
+            cylinder or ellipsoid, and its normal turns with that; elsewhere it moves in its tangent plane. By finger:
+            those. A sample with a contact past an edge of a box or a rim of a cylinder is UNDECIDED, whatever `by` is:
+            it has no normal there.
         "posture" : how far each joint stands from where it is said to be [rad, m]; the fingertip goes along, and its
             squeeze changes by as much. By joint: those.
         A number of the hand, by its name for `Hand.vary`, such as "finger_1_distal.length" or "joint_stiffness" : a
@@ -331,8 +334,9 @@ def reliability(
         kernels are compiled. A sample that moves too far for that is UNDECIDED, as `solution.verdict` calls it.
         "check": `grasp.check()`, squeezed, then loaded, contacts followed: 10 milliseconds a sample, and 0.1 to 0.4 s
         where positions and posture vary. Postures that a hand cannot take are UNDECIDED there.
-    confidence : of the intervals. decide : of the samples that the first stage of the solver leaves open, so many are
-        solved in full, with proofs; they tell how many of the others hold, and the interval grows by that.
+    confidence : of the intervals. decide : of the samples that the first stage of the solver leaves open, about so many
+        are solved in full, with proofs. Each 512 samples have their share of these, rounded up. They tell how many of
+        the others hold, and the interval grows by that.
     workers, progress : as in `solve_many`. seed : of the points; the same seed gives the same bits.
     resume : a file (.npz) that keeps what is done: the same call goes on where an interrupted one was.
 
@@ -372,7 +376,9 @@ def reliability(
 
 def _chance_below(found: SampleOutcomes, worse: int, size: int, level: float) -> Chance:
     """The chance of a code below `worse`. size : samples of a block. level : confidence of the interval."""
-    good, unknown = found.codes < worse, found.codes == UNDECIDED_CODE
-    looked = ~found.again & ~found.unplaced & ~found.far
-    left = unknown & looked if found.again.any() else np.zeros(len(good), bool)
-    return estimate_chance(good, left, unknown & ~left, (found.again, found.again & good), size, level)
+    good, undecided, fully_solved = found.codes < worse, found.codes == UNDECIDED_CODE, found.again
+    unresolved = undecided & ~fully_solved & ~found.unplaced & ~found.far
+    if not fully_solved.any():  # none tells anything of the others
+        unresolved = np.zeros(len(good), bool)
+    solved_and_good = fully_solved, fully_solved & good
+    return estimate_chance(good, unresolved, undecided & ~unresolved, solved_and_good, size, level)

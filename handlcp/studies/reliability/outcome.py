@@ -3,7 +3,7 @@
 margin = 1 - the larger of  Σ|f_T| / Σ μ f_N  over all contacts with friction,  and  max |τ| / τ_max
 
 The first is the share of all friction that is used: 1 where every contact slides. The margin is below 0 where a joint
-is over its limit, and there is none (NaN) where nothing holds the object.
+is over its limit. It is NaN where it is not known that anything holds the object.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class SampleOutcomes:
     """What has become of m samples.
 
     codes (m,) : the word of each, as its number in `OUTCOME_WORDS`.
-    margin (m,) : what is left of friction or torque, whichever is less, as a share; NaN where nothing holds.
+    margin (m,) : what is left of friction or torque, whichever is less, as a share; NaN where it is not known to hold.
     again (m,) : which samples the solver's first stage left open, and were solved in full.
     unplaced (m,) : which are no grasp that could be judged; they are UNDECIDED.
     far (m,) : which move so far that one solve says nothing (`is_beyond_small_motions`); they are UNDECIDED.
@@ -66,7 +66,7 @@ def solve_samples(
     leaves are solved in full.
     """
     arrays, m = placer.make_sample_arrays(values), len(values)
-    placed: Bools = np.asarray(~arrays.past_edge.any(axis=1))
+    placed: Bools = np.asarray(~arrays.unplaceable.any(axis=1))
     same_kind = bool(((arrays.mu > 0.0) == (placer.grasp.scene.mu > 0.0)).all())
     if placer.has_row_form and same_kind and not arrays.samples.remade:
         codes, margin, far, look = _solve_rows(placer, arrays, faces, workers)

@@ -162,8 +162,8 @@ _DERIVATIVE_STEP = 1.0 / MAX_RELATIVE_SPREAD  # of the standard deviation, on ei
 
 @dataclass(frozen=True, slots=True)
 class JudgingMethod:
-    """How a sample is judged. by : "solve" or "check". decide : how many samples in all are solved in full where the
-    first stage leaves them.
+    """How a sample is judged. by : "solve" or "check". decide : about how many samples in all are solved in full where
+    the first stage leaves them open. Each slice of samples has its share of these, rounded up.
     """
 
     by: str
@@ -210,8 +210,8 @@ def run_samples(
 
 def margin_slopes(placer: SamplePlacer, method: JudgingMethod) -> Array:
     """(d,) change of the margin with one standard deviation of each value, from central differences at the means;
-    one-sided where only one side holds, NaN where none does. Where `solution.sensitivity()` has the same derivative it
-    is the same number: this one is of whatever varies.
+    one-sided where only one side holds, NaN where none does. Each is of single solves, whatever `method.by` is.
+    Where `solution.sensitivity()` has the same derivative it is the same number: this one is of whatever varies.
     """
     laws = [d.distribution for d in placer.dimensions]
     middle, steps = np.array([law.mean for law in laws]), np.diag([_DERIVATIVE_STEP * law.sd for law in laws])

@@ -1,7 +1,7 @@
 """`SamplePlacer`: the grasps of samples, as rows that are solved many at once, or as grasps.
 
 What was commanded stays, in metres and radians of the joints: softer springs press less. Contacts stay where they are
-on the object unless their positions vary. A joint that stands off by δq carries its fingertip along, by J δq, and its
+on the object unless their positions vary. A joint that is off by δq carries its fingertip along, by J δq, and its
 command with it: the object lies -J δq off the tip, as a gap or as more squeeze, and J is that of the posture q + δq.
 """
 
@@ -50,7 +50,7 @@ class SampleJoints:
 
     postures (m,) : of the hand.
     jacobian (m, 3n, nv) : of the contacts, contact axes [m/rad].
-    root (m, nv, a) : of the compliance, as in `Mechanism`.
+    compliance_factor (m, nv, a) : as in `Mechanism`.
     stand_off (m, k, 3) : gaps and overlaps of the fingers [m], contact axes.
     weight (m, nv) : torque that holds the fingers [N·m], 0 where it does not count.
     springs (m, nv), pads (m, k) : factors; None: nominal.
@@ -58,7 +58,7 @@ class SampleJoints:
 
     postures: Sequence[HandPosture]
     jacobian: Array
-    root: Array
+    compliance_factor: Array
     stand_off: Array
     weight: Array
     springs: Array | None
@@ -72,7 +72,7 @@ class SampleArrays:
     samples : what they are made of.
     positions (m, n, 3) : of the contacts [m], world axes.
     frames (m, n, 3, 3) : contact axes in columns, world axes.
-    past_edge (m, k) : which fingers are past an edge of the object.
+    unplaceable (m, k) : which fingers have no contact, such as one past an edge of the object.
     mu (m, n) : coefficients of friction.
     wrench (m, 6) : on the object [N, N·m] about the reference, world axes.
     flexibility (m, 3n, 3n) : [m/N], without what effects add.
@@ -83,7 +83,7 @@ class SampleArrays:
     samples: Samples
     positions: Array
     frames: Array
-    past_edge: Bools
+    unplaceable: Bools
     mu: Array
     wrench: Array
     flexibility: Array
@@ -146,7 +146,7 @@ class SamplePlacer:
         return SampleArrays(samples, positions, frames, past, mu, wrench, E, offset, squeeze, mass, joints)
 
     def _make_joints(self, hand: HandMechanism, samples: Samples, positions: Array, frames: Array) -> SampleJoints:
-        """Postures with their Jacobians, springs, and what the fingers stand off by."""
+        """Postures with their Jacobians, springs, and gaps and overlaps of the fingers."""
         spec, m, k, nv, written = self.spec, samples.count, self.spec.of_hand, len(hand.names), samples.written
         away, springs = written.get("joints"), written.get("springs") if self._springs_are_joints else None
         points, axes = positions[:, :k], frames[:, :k].swapaxes(2, 3)
@@ -170,16 +170,16 @@ class SamplePlacer:
             stand_off = stand_off - carried
             if torque.any():
                 weight = np.array([p.gravity_torque(hand.gravity) for p in postures])
-        root = np.broadcast_to(hand.compliance_factor, (m, *hand.compliance_factor.shape))
+        compliance_factor = np.broadcast_to(hand.compliance_factor, (m, *hand.compliance_factor.shape))
         if springs is not None:
-            root = root / np.sqrt(springs)[:, :, None]
-        return SampleJoints(postures, J, root, stand_off, weight, springs, written.get("pads"))
+            compliance_factor = compliance_factor / np.sqrt(springs)[:, :, None]
+        return SampleJoints(postures, J, compliance_factor, stand_off, weight, springs, written.get("pads"))
 
     def _contact_flexibilities(self, joints: SampleJoints, frames: Array) -> Array:
         """(m, 3k, 3k) E = J K⁻¹ Jᵀ + pads."""
         assert self._hand is not None
         m, k, tips, pads = *frames.shape[:2], list(self._hand.tips), self._hand.posture.hand.pads
-        through = joints.jacobian[:, : 3 * k] @ joints.root
+        through = joints.jacobian[:, : 3 * k] @ joints.compliance_factor
         E, blocks = through @ through.swapaxes(1, 2), np.broadcast_to(pads.blocks[tips], (m, k, 3, 3))
         if not pads.isotropic:
             turned = frames.swapaxes(2, 3) @ np.array([p.tip_rotations[tips] for p in joints.postures])
@@ -226,7 +226,8 @@ class SamplePlacer:
             if isinstance(e, JointOffset):
                 moved -= arrays.squeeze[:, None] * e.command
             elif isinstance(e, FingerWeight) and e.sags:
-                moved += (joints.root @ (joints.root.swapaxes(1, 2) @ joints.weight[:, :, None]))[:, :, 0]
+                factor = joints.compliance_factor
+                moved += (factor @ (factor.swapaxes(1, 2) @ joints.weight[:, :, None]))[:, :, 0]
         added = (joints.jacobian @ moved[:, :, None])[:, :, 0]
         if self.spec.planar:  # nothing opens across the plane
             added[:, 1::3] = 0.0
@@ -236,17 +237,18 @@ class SamplePlacer:
     def place_samples(self, values: Array) -> list[PlacedSample]:
         """The grasp of each sample with values (m, d), SI units."""
         arrays = self.make_sample_arrays(values)
-        return [PlacedSample(self.make_grasp(arrays, k), self.why_unplaced(p)) for k, p in enumerate(arrays.past_edge)]
+        reasons = [self.why_unplaced(fingers) for fingers in arrays.unplaceable]
+        return [PlacedSample(self.make_grasp(arrays, k), why) for k, why in enumerate(reasons)]
 
-    def why_unplaced(self, past: Bools) -> str | None:
-        """What is wrong with a sample, some of whose fingers (k,) are past an edge."""
-        if not past.any():
+    def why_unplaced(self, fingers: Bools) -> str | None:
+        """What is wrong with a sample, from which of its fingers (k,) are unplaceable: here, past an edge."""
+        if not fingers.any():
             return None
-        names = [self.spec.names[i] for i in np.flatnonzero(past)]
+        names = [self.spec.names[i] for i in np.flatnonzero(fingers)]
         return f"{words.list_names(names)} would be past an edge of the object, where a contact has no normal"
 
     def make_grasp(self, arrays: SampleArrays, k: int) -> Grasp:
-        """That of sample k; where it is past an edge, with its nominal axes."""
+        """That of sample k; a contact past an edge has its nominal axes."""
         spec, written = self.spec, arrays.samples.written.keys()
         changes: dict[str, Any] = {
             name: read_only(getattr(arrays, name)[k].copy()) for name, by in _CHANGE_ARRAYS.items() if written & by
@@ -332,7 +334,7 @@ class HandNumberPlacer(SamplePlacer):
 
         found.samples.remade.append((spec_of_sample, np.arange(len(values), dtype=float)))
         lost = np.array([spec is None for spec in made])
-        return replace(found, past_edge=found.past_edge | lost[:, None])
+        return replace(found, unplaceable=found.unplaceable | lost[:, None])
 
     def _vary_sample(self, numbers: Array, others: Sequence[Dimension], rest: Array) -> GraspSpec | None:
         """The grasp of one sample with these numbers of the hand, and the rest (d,) of the others' values; None where
@@ -347,9 +349,9 @@ class HandNumberPlacer(SamplePlacer):
         placer = SamplePlacer(grasp, others)
         return placer.make_grasp(placer.make_sample_arrays(rest[None]), 0).spec
 
-    def why_unplaced(self, past: Bools) -> str | None:
-        """What is wrong with a sample."""
-        return "the fingertips of such a hand do not come to touch the object again" if past.any() else None
+    def why_unplaced(self, fingers: Bools) -> str | None:
+        """What is wrong with a sample; here it has no fingertips that touch."""
+        return "the fingertips of such a hand do not come to touch the object again" if fingers.any() else None
 
 
 # ----------------------------------------------------------------

@@ -8,11 +8,11 @@
 | mass | a share of the mass | the mass [kg] | |
 | load | a share | a factor on the load besides the weight | |
 | squeeze | a share | a factor on squeeze, grip and preload | all fingers together |
-| positions | [m] | displacements of a contact on the object's surface | each contact, along both tangents |
+| positions | [m] | displacements of a contact on the object's surface | each finger's contact, along both tangents |
 | posture | [rad, m] | how far a joint stands from where it is said to be | each joint |
 
-Each is a file of `grasp/parameter`. A mapping by name in place of the number or distribution varies each of its own:
-contacts for friction and positions, joints for stiffness and posture, fingertips for pads.
+Each is a class in `grasp/derivatives/parameter`. A mapping by name in place of the number or distribution varies each
+of its own: contacts for friction, fingers for positions, joints for stiffness and posture, fingertips for pads.
 
 Numbers of a hand vary, too, by their names for `Hand.vary`: a share of the number, or a distribution of it [SI].
 """

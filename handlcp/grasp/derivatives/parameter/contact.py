@@ -131,7 +131,7 @@ class PadFlexibility(ContactParameter):
     def change(self, answer: LinearisationPoint) -> LawChange:
         n, each = answer.scene.n, np.arange(3 * answer.scene.n)
         change = answer.law_change(n)
-        change.motion[each, each // 3] = answer.scale[: 3 * n] * answer.forces.reshape(-1)
+        change.contact_motion[each, each // 3] = answer.scale[: 3 * n] * answer.forces.reshape(-1)
         return change
 
     def shown(self, answer: LinearisationPoint) -> Shown | None:

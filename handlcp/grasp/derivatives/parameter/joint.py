@@ -79,7 +79,7 @@ class Stiffness(JointParameter):
         give, loaded = answer.compliance * answer.joints.deflection, answer.loaded_joints
         torque = np.zeros(give.shape) if loaded is None else loaded.stiffness @ give
         motion = -answer.scale[:, None] * (answer.jacobian_rows @ give)
-        return answer.law_change(len(give), motion=motion, torque=torque)
+        return answer.law_change(len(give), contact_motion=motion, torque=torque)
 
     def shown(self, answer: LinearisationPoint) -> Shown | None:
         if answer.spec.mechanism is None or not answer.elastic_joints:

@@ -139,7 +139,7 @@ class Squeeze(ContactParameter):
     common, uncertain = "squeeze", f"How hard the hand closes: {SHARE_WORDS}."
 
     def values(self, spec: GraspSpec) -> Array:
-        """Preloads, without what the joints are commanded."""
+        """Preloads: how deep the tips are in the object before joints are commanded any further."""
         return np.maximum(-spec.offset[:, 2], 0.0)
 
     def varied(self, spec: GraspSpec, k: int, step: float) -> GraspSpec:
@@ -161,7 +161,7 @@ class Squeeze(ContactParameter):
 
     def change(self, answer: LinearisationPoint) -> LawChange:
         change = answer.law_change(answer.scene.n)
-        np.fill_diagonal(change.motion[2 : 3 * answer.scene.n : 3], -1.0)
+        np.fill_diagonal(change.contact_motion[2 : 3 * answer.scene.n : 3], -1.0)
         return change
 
     def shown(self, answer: LinearisationPoint) -> Shown | None:
@@ -228,7 +228,7 @@ class JointCommand(JointParameter):
         nv = J.shape[1]
         K_g = np.zeros((nv, nv)) if loaded is None else loaded.stiffness
         follows = np.eye(nv) - answer.compliance @ K_g
-        return answer.law_change(nv, motion=-answer.scale[:, None] * (J @ follows), torque=K_g @ follows)
+        return answer.law_change(nv, contact_motion=-answer.scale[:, None] * (J @ follows), torque=K_g @ follows)
 
     def shown(self, answer: LinearisationPoint) -> Shown | None:
         if answer.spec.mechanism is None or not answer.command.any():

@@ -24,9 +24,10 @@ class Samples:
     written : arrays (m, …) by name.
         friction (m, n) coefficients [-]; slides (m, k, 2) of the fingers' contacts along their tangents [m];
         springs (m, nv), (m, 1) without a hand, factors on the stiffness of the joints; pads (m, k) on the
-        flexibility of the fingertips' pads; joints (m, nv), how far they stand off [rad, m];
+        flexibility of the fingertips' pads; joints (m, nv), by how much they are off [rad, m];
         mass, load, squeeze (m, 1), factors on the object's weight, on what else loads it, on preloads and commands.
-    remade : for parameters without such an array, what makes the grasp with a value, and the values (m,).
+    remade : for parameters without such an array, what makes a sample's grasp from the grasp so far and a number, and
+        that number for each sample (m,): a factor on nominal values, or whatever else the function takes it for.
     """
 
     spec: GraspSpec
@@ -65,7 +66,7 @@ class Samples:
 #     what of it may be uncertain         `entries`, and in many samples at once `write`
 #     what a designer can do with it      `shares`, by a share of it; `trials`, what may make a grasp hold
 #
-# Only `shape`, `values` and `varied` must be said.
+# It must say its `name`, without which it is not found, `shape`, `values` and `varied`.
 
 
 class ParameterEntry(NamedTuple):
@@ -192,7 +193,9 @@ class Parameter(ABC):
         return factor_entries(self.spread, argument, given, spec.names, "a contact")
 
     def write(self, samples: Samples, at: tuple[int, ...], values: Array) -> None:
-        """Write the values (m,) of one entry into m samples; here by making each sample's grasp anew."""
+        """Write the values (m,) of one entry into m samples; here they are factors on its nominal value, and each
+        sample's grasp is made anew.
+        """
         nominal = self.values(samples.spec).reshape(-1)
         some = np.zeros(len(nominal), bool)
         some[list(at) if at else slice(None)] = True
@@ -215,7 +218,7 @@ class Parameter(ABC):
 
     def trials(self, spec: GraspSpec, why: str) -> Iterator[Trial]:
         """Changes that may make a grasp hold that does not, the smallest first; why : `MISSING_BALANCE`,
-        `MISSING_FORCES`, `TORQUE`.
+        `MISSING_FORCES`, `MISSING_TORQUE`.
         """
         return iter(())
 
@@ -231,7 +234,7 @@ def present_parameters(spec: GraspSpec) -> tuple[Parameter, ...]:
 
 
 def parameters_by_effort() -> tuple[Parameter, ...]:
-    """The same, those first that take the least effort to change."""
+    """All of `parameters`, those first that take the least effort to change."""
     return tuple(sorted(parameters(), key=lambda p: p.effort))
 
 
