@@ -105,7 +105,9 @@ class RequiredTension:
         """The table of the tensions, one tendon a row."""
         numbers = words.format_column(self.peak.tolist()), words.format_column(self.continuous.tolist())
         says = [
-            f"goes slack; {words.format_force(-low)} more of pretension at most keep it taut" * (name in self.slack)
+            f"goes slack; {words.format_force(-low)} more of pretension at most keep it taut"
+            if name in self.slack
+            else ""
             for name, low in zip(self.tendons, self.least.tolist(), strict=True)
         ]
         every = tuple(zip(self.tendons, *numbers, says, strict=True))

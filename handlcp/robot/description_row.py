@@ -233,7 +233,7 @@ def _format_values(row: StatedRow) -> str:
     if isinstance(values[0], tuple) and len(values) > 1:
         return many
     ends = values[0] if isinstance(values[0], tuple) else sorted({min(values), max(values)})
-    return f"{' to '.join(f'{end:.4g}' for end in ends)}{row.unit and f' {row.unit}'}, {many}"
+    return f"{' to '.join(f'{end:.4g}' for end in ends)}{f' {row.unit}' if row.unit else ''}, {many}"
 
 
 # ---------------------------------------------------------------- A description of a hand, printed in 80 columns.
@@ -289,7 +289,7 @@ def _format_tip(tip: TipRow) -> str:
 def _format_coupling(c: CouplingRow, chains: Sequence[tuple[str, ...]]) -> str:
     shift = f" {'-' if c.offset < 0 else '+'} {abs(c.offset):g}" if c.offset else ""
     between = ", ".join(next((chain[1:-1] for chain in chains if chain[0] == c.joint), ()))
-    return f"{c.joint} = {c.factor:g} × {c.follows}{shift}{between and f' (by {between})'}"
+    return f"{c.joint} = {c.factor:g} × {c.follows}{shift}{f' (by {between})' if between else ''}"
 
 
 def _format_tendon(tendon: TendonRow) -> str:

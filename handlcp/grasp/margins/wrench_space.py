@@ -15,7 +15,6 @@ Automation 14 (1998), the second order.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import scipy
@@ -222,7 +221,7 @@ def wrench_space(scene: Scene, section: Section, reference: Array, length: float
         outer = (
             _ConvexHull(U.T @ (scale[:, None] * edge_forces(scene, around)[1])) if faces and around != within else hull
         )
-    except _qhull_error():
+    except scipy.spatial.QhullError:
         why = "qhull finds no hull: the contact wrenches are too near to lying in fewer dimensions"
         return WrenchSpace(np.nan, np.nan, np.nan, np.nan, d, scene.dof, L, nothing, faces, why)
     radius, facet = hull.ball()
@@ -315,7 +314,7 @@ class _ConvexHull:
             return
         try:
             hull = scipy.spatial.ConvexHull(P.T, qhull_options="Qt Q12" if len(P) < 5 else "Qx Qt Q12")
-        except _qhull_error():
+        except scipy.spatial.QhullError:
             hull = scipy.spatial.ConvexHull(P.T, qhull_options="QJ")  # joggled by rounding's size
         self.normals, self.offsets = hull.equations[:, :-1], np.maximum(-hull.equations[:, -1], 0.0)
         self.volume = float(hull.volume)
@@ -325,7 +324,3 @@ class _ConvexHull:
         k = int(self.offsets.argmin())
         size = float(np.sqrt((self._points**2).sum(axis=0)).max())
         return (float(self.offsets[k]) if self.offsets[k] > _ZERO_EPSILON * size else 0.0), self.normals[k]
-
-
-def _qhull_error() -> Any:
-    return scipy.spatial.QhullError
