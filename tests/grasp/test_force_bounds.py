@@ -9,7 +9,7 @@ import handlcp as hl
 from handlcp.errors import InputError, Unsupported
 from tests.grasp.force_bounds_oracle import NEAR, examine, grasps, outside
 from tests.grasp.scenes import pinch
-from tests.grasp.test_equilibria import Pushed
+from tests.grasp.test_equilibria import effect_with
 from tests.support.texts import says
 
 KEY = "grasp/test_force_bounds"
@@ -183,6 +183,6 @@ def test_what_is_not_held_has_no_forces_to_bound():
 
 def test_beside_an_effect_that_moves_contacts_nobody_knows_what_is_open():
     s = pinch().solve()
-    moved = replace(s, spec=s.spec.replace(effects=(Pushed(),)))
+    moved = replace(s, spec=s.spec.replace(effects=(effect_with("opening"),)))
     with pytest.raises(Unsupported, match="force_bounds"):
         moved.force_bounds()
