@@ -39,7 +39,7 @@ from handlcp.robot.hand_model import HandPosture
 ExplanationLine = tuple[str, str, bool, str, str]  # title, equation, whether it is on, why, answers that count it
 
 _MAX_UNMADE_SHARE = 0.01  # of a command's largest torque: more than this that nothing makes decides
-_FRICTION_LAW = "against the motion: |τ_f| ≤ {0}, and τ_f = -{0} sign(q̇) where a joint moves"
+_FRICTION_LAW = "against the motion: |τ_f| ≤ f, and τ_f = -f sign(q̇) where a joint moves"
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,7 +256,7 @@ class HandReport:
         for title, rubs in (("joint friction", hand.joint_friction), ("motor friction", of_motors)):
             if rubs.any():
                 text = f"up to {self._format_largest_effort(rubs)}, {self._list_joints(rubs)}"
-                yield title, _FRICTION_LAW.format("f"), True, text, FOLLOWED_LOADINGS
+                yield title, _FRICTION_LAW, True, text, FOLLOWED_LOADINGS
         if not isinstance(stiffness, TendonStiffness):
             return
         cables, drives = stiffness.cables, stiffness.drives

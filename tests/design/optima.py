@@ -25,11 +25,6 @@ def heavy(mass):
     return hl.Brief(hl.Sphere(0.03, mass=mass), loads=loads, friction=0.6, grip_force=5.0, tries=2)
 
 
-def one_hand(**_):
-    """The same for all."""
-    return make(1.0)
-
-
 def run(objectives="payload", make=make, space=None, brief=brief, **more):
     """In this process, quietly."""
     given = {"executor": "serial", "progress": False, "budget": 40, **more}

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import inspect
-import sys
-
 import handlcp as hl
 from handlcp.grasp import effect_kinds
 from handlcp.grasp.analysis.explanation import (
     ENVIRONMENT_DESCRIPTION as _ENVIRONMENT,
-    EffectDescription,
     describe_effect,
 )
 from handlcp.grasp.assembly.problem import asked_effects_with_rows
@@ -28,30 +24,15 @@ def kinds_in_the_catalogue():
     return effect_kinds()
 
 
-def page_of(kind):
-    """The text of the file in which an effect is."""
-    return inspect.getsource(sys.modules[kind.__module__])
-
-
 def entry_for(kind):
     """What the catalogue prints of an effect."""
     return describe_effect(kind)
-
-
-def made_up_entry(in_python):
-    """An entry of nothing but what to type."""
-    return EffectDescription("x", "", "", in_python, "", "", "", "handlcp.x")
 
 
 # ---------------------------------------------------------------- compliances
 def compliances():
     """The effects that become part of the flexibility."""
     return [hl.ContactCompliance, hl.SoftWrist]
-
-
-def has_an_equation_of_its_own(kind):
-    """Whether a compliance says more than all compliances do."""
-    return bool(vars(kind).get("equation"))
 
 
 def stamps(*asked):

@@ -107,11 +107,6 @@ def shares_of_a_quarter(patch):
     patch.setattr("handlcp.grasp.analysis.explanation.best_times", a_quarter_less)
 
 
-def ticks_between_shares(patch, tick):
-    """A clock for the times of single runs, each look at which takes so long [s]."""
-    patch.setattr("handlcp.grasp.analysis.explanation.time", Ticking(tick))
-
-
 def ticks_of_studies(patch, tick):
     """The study of accuracy has a clock each look at which takes so long [s]: the same always fits its budget."""
     clock = Ticking(tick)

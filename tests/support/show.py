@@ -1,7 +1,5 @@
 """Doors into what people look at: tables, units, records, pictures and their geometry, figures of studies."""
 
-import numpy as np
-
 from handlcp.grasp.path.events import summary
 from handlcp.viz.envelope.surface import (
     CAUSE_SHADES,
@@ -9,7 +7,6 @@ from handlcp.viz.envelope.surface import (
     OTHER_CAUSES_COLOUR,
 )
 from handlcp.viz.output_file import draw_or_save
-from handlcp.viz.picture.camera import ScreenMarks, choose_camera
 from handlcp.viz.picture.figure import draw_solution
 
 ENVELOPE_COLOURS, ENVELOPE_GREYS = CAUSE_SHADES, (NO_CAUSE_COLOUR, OTHER_CAUSES_COLOUR)
@@ -28,9 +25,3 @@ def html(solution):
 def save(grasp, solution, path, title=""):
     """The picture of a grasp as a file, which also an answer of unknown origin may have."""
     return draw_or_save(path, draw_solution, grasp, solution, None, title)
-
-
-def camera_of(grasp):
-    """From where the picture of a grasp without bodies is taken."""
-    none = np.zeros((0, 3))
-    return choose_camera(grasp, [], None, ScreenMarks(np.array([c.position for c in grasp.contacts]), none, none))

@@ -1,4 +1,6 @@
-"""`Reason`: one reason of a verdict, and the one place where its sentence is made of a code and numbers.
+"""`Reason`: one reason of a verdict, and where its sentence is made of a code and numbers.
+
+A sentence that is one field alone was made before, with what it is about, such as a doubt of the audit.
 
 | code | what it is about |
 | --- | --- |
