@@ -82,7 +82,7 @@ class GraspGeometry(NamedTuple):
 def nondimensionalise(g: GraspArrays, index: Ints) -> tuple[GraspGeometry, NaturalBlocks]:
     """Units, geometry and blocks of a grasp; index (m,): which force components are unknown, normal ones first."""
     posed = compute_geometry(g, matrix_diagonal(g.flexibility))
-    return posed, _natural_blocks(g, posed, index)
+    return posed, natural_blocks(g, posed, index)
 
 
 @kernel
@@ -167,7 +167,7 @@ def wrench_map(points: Array, centre: Array, frames: Array, spin: Array) -> Arra
 
 
 @kernel
-def _natural_blocks(g: GraspArrays, p: GraspGeometry, index: Ints) -> NaturalBlocks:
+def natural_blocks(g: GraspArrays, p: GraspGeometry, index: Ints) -> NaturalBlocks:
     """`freedom` projects G and w on what the object is free to do."""
     freedom, flexibility, offset, given = g.freedom, g.flexibility, g.offset, g.prescribed
     about, wrench = p.grasp_matrix, p.wrench

@@ -245,12 +245,12 @@ def solution_of(grasp: StepGrasp, state: State, section: Section) -> GraspSoluti
     """
     made = grasp.made(state.iterate, state.loads, state.pull.tension if len(state.pull.tension) else None)
     scene = build_scene(made)
+    c = scene.components
     if len(state.start) and not grasp.general:
-        c = scene.components
         known = SolverCandidate(state.start[:c], state.start[c : c + 6], {}, len(scene.soft))
         if (found := certify_known_answer(made, scene, section, known, "a state of the path")).held:
             return found
-    return solve_spec(made, section, start=state.start, proof=False)
+    return solve_spec(made, section, start=state.start[: c + 9], proof=False)
 
 
 @track_progress("following the loading")

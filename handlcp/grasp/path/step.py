@@ -255,7 +255,8 @@ class Stepper:
             return None
         soft, forces = self.grasp.soft, found.forces.reshape(-1)
         own = forces if found.torsion is None else np.append(forces, found.torsion[soft])
-        start = np.concatenate([own / self.laws.laws.scale, found.object_displacement, found.reference])
+        none_expected = np.zeros(len(own))
+        start = np.concatenate([own / self.laws.laws.scale, found.object_displacement, found.reference, none_expected])
         return self.step(state, controls, Guess(state.where, start, state.gives))
 
     def crosses(self, states: Sequence[State], number: int, ends: bool) -> str:

@@ -280,6 +280,37 @@ def _fix_at_zero(A: Array, rhs: Array, i: int) -> None:
 
 
 @kernel
+def step_in_expected_states(p: ContactArrays, x: Array, expected: Array) -> None:
+    """One step of Newton's method in place from forces x (n,) and motions y that are expected to belong to them (n,),
+    both as unknowns: which contacts stick, slide and open is read from these, not from M x + q, whose error is that of x
+    times a flexibility that may be very large. Free rows are those of M x + q.
+    """
+    n, F, J, dx = len(x), np.empty(len(x)), np.empty((len(x), len(x))), np.empty(len(x))
+    y, g, col = np.empty(n), new_subgradient(p), np.empty(n, np.int64)
+    multiply_add(p.M, x, p.q, y)
+    evaluate_rows(p, x, expected, F, g)
+    write_jacobian(p, g, J)
+    for i in range(n):
+        if p.role[i] == 0:
+            F[i] = y[i]
+        elif p.role[i] == 1:
+            F[i] += g.scale[i] * (y[i] - expected[i])
+    for k in range(len(p.blocks)):
+        for a in range(3):
+            i = p.blocks[k, 1 + a]
+            if i < 0:
+                break
+            for e in range(3):
+                j = p.blocks[k, 1 + e]
+                if j < 0:
+                    break
+                F[i] += g.D[k, a, e] * p.rho[j] * (y[j] - expected[j])
+    solve_ranked(J, F, dx, col, RANK_TOLERANCE)
+    for i in range(n):
+        x[i] -= dx[i]
+
+
+@kernel
 def run_contact_newton(p: ContactArrays, x: Array, steps: int, tolerance: float) -> tuple[int, float]:
     """Semismooth Newton on F in place, with a line search that lets ‖F‖ rise for a while (Grippo, Lampariello &
     Lucidi 1986). Stops at ‖F‖ ≤ tolerance × max(1, largest |x|). Returns (steps, ‖F‖ over that size).

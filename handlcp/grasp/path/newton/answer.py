@@ -22,7 +22,7 @@ class Answer:
         shapes: dict[str, tuple[int, ...]] = {
             "forces": (n, 3), "motion": (n, 3), "torsion": (n,), "spin": (n,), "torque": (nv,), "change": (nv,),
             "twist": (6,), "centre": (3,), "gives": (k,), "give": (n, 3), "turn": (n,), "slip_memory": (n, 3),
-            "kinds": (n,), "start": (c + 9,), "met": (dof, dof),
+            "kinds": (n,), "start": (2 * c + 9,), "met": (dof, dof),
         }  # fmt: skip
         self.parts, self.size = dict[str, tuple[slice, tuple[int, ...]]](), 3
         for name, shape in shapes.items():
@@ -33,8 +33,8 @@ class Answer:
 class Reached:
     """Where an iterate's answer leads, SI. forces, motion (n, 3), torsion, spin (n,), torque, change (nv,) of the
     joints from the iterate, twist (6,) about centre (3,), gives (k,) motions of limits. give (n, 3), turn (n,),
-    slip_memory (n, 3) : as `_end_of_step` has them. start (c + 9,) : where the next solve may begin, forces in the
-    laws' coordinates. pull : what joints, posts and tendons do, as `Joints` has it.
+    slip_memory (n, 3) : as `_end_of_step` has them. start (2c + 9,) : where the next solve may begin: forces in the
+    laws' coordinates, twist, centre, and motions at the contacts in these coordinates. pull : what joints, posts and tendons do, as `Joints` has it.
     """
 
     __slots__ = ("_parts", "_row", "pull")
@@ -95,7 +95,9 @@ def written(s: Situation, laws: Laws, centre: Array, found: Found, row: Array) -
     at += n
     for i in range(len(r)):
         row[at + i] = r[i] / laws.scale[i]
-    put(row, put(row, at + len(r), twist), centre)
+    at = put(row, put(row, at + len(r), twist), centre)
+    for i in range(len(r)):
+        row[at + i] = v[i] * laws.scale[i]
 
 
 @kernel

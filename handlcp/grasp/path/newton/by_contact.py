@@ -93,7 +93,7 @@ def iteration_by_contact(
     r[:] = 0.0
     if warm:
         x = np.zeros(p.at[4])
-        write_start(x, start, p, laws.freedom, posed)
+        write_start(x, start[: len(r) + 9], p, laws.freedom, posed)
         split_unknowns(x, p, problem, r, z)
     _, residual = solve_blocks(problem, r, z, warm)
     if not residual <= SOLVE_TOLERANCE:

@@ -46,11 +46,13 @@ def one_iteration(s: Situation, rules: Rules, start: Array, begun: bool, seed: i
     for a in range(6):
         lin.w[a] -= damping.body[a] * damping.done[a]
         lin.B_u[a, a] -= damping.body[a]
-    force, moment = loaded(loads)
     if not still:
         lin.B_u[:] += carried(loads, centre)
-    g, posed, problem, y = linear_problem(t.positions, s.frames, rules, lin, force, moment, start)
-    residual = solved(problem, y, begun and len(start) > 0, seed)
+    softness = softness_of_components(J, P, el.root, laws)
+    g, posed, problem, y, expected = linear_problem(
+        t.positions, s.frames, rules, lin, loaded(loads), softness, start
+    )
+    residual = solved(problem, y, expected, begun and len(start) > 0, seed)
     passes, r, v, twist, kinds, gives = answered(g, posed, rules, lin, y, residual)
     if not passes:
         return
@@ -60,6 +62,21 @@ def one_iteration(s: Situation, rules: Rules, start: Array, begun: bool, seed: i
         found, push = met(problem, y, rules.pattern)
         put(row, len(row) - push.size, push.reshape(-1))
         row[0] = row[2] = 1.0 if found else 0.0
+
+
+@kernel
+def softness_of_components(J: Array, P: Array, root: Array, laws: Laws) -> Array:
+    """(c,) the diagonal of J K⁻¹ Jᵀ + P in the laws' coordinates."""
+    out = np.empty(len(P))
+    for i in range(len(P)):
+        total = P[i, i]
+        for m in range(root.shape[1]):
+            along = 0.0
+            for j in range(len(root)):
+                along += J[i, j] * root[j, m]
+            total += along * along
+        out[i] = total * laws.scale[i] * laws.scale[i]
+    return out
 
 
 @kernel

@@ -12,7 +12,7 @@ import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.grasp.assembly.problem import unknowns_in_si
-from handlcp.grasp.model.scene import GraspArrays, GraspGeometry, nondimensionalise
+from handlcp.grasp.model.scene import GraspArrays, GraspGeometry, compute_geometry, natural_blocks
 from handlcp.grasp.path.newton.numbers import Laws
 from handlcp.grasp.path.newton.tangent import Condensed
 from handlcp.grasp.solve.compiled_solve import ScenePattern, stamp_rows, write_start
@@ -27,6 +27,7 @@ from handlcp.lcp.kernels.contact_newton import (
     reorder_problem,
     run_newton_first,
     solve_sticking,
+    step_in_expected_states,
     write_jacobian,
 )
 from handlcp.lcp.kernels.dense import kernel, multiply_add, product, solve_wide
@@ -62,11 +63,14 @@ class Rules(NamedTuple):
 
 @kernel
 def linear_problem(
-    positions: Array, frames: Array, rules: Rules, t: Condensed, force: Array, moment: Array, start: Array
-) -> tuple[GraspArrays, GraspGeometry, ContactArrays, Array]:
-    """The grasp as it stands about the iterate, its natural units, its problem, and where the solve begins (N,).
+    positions: Array, frames: Array, rules: Rules, t: Condensed, load: tuple[Array, Array], softness: Array, start: Array
+) -> tuple[GraspArrays, GraspGeometry, ContactArrays, Array, Array]:
+    """The grasp as it stands about the iterate, its natural units, its problem, where the solve begins (N,), and the
+    motions that are expected there (N,).
 
-    t : the tangent there. force, moment (3,) : the load, about the world's origin. start : as in `solve_scenes`.
+    t : the tangent there. load : force and moment (3,), about the world's origin. softness (c,) : the diagonal of the
+    flexibility of joints and pads, which sets the natural units: that of the tangent may be negative, where a finger
+    would buckle if its force turned with the contact. start : as in `Reached`.
     """
     laws, giving, p = rules.laws, rules.giving, rules.pattern
     n, c, k, s = len(positions), len(laws.scale), len(giving.room), laws.scale
@@ -83,8 +87,9 @@ def linear_problem(
         for j in range(c):
             E[i, j] = t.V_r[i, j] * s[i] * s[j]
     offset = t.d * s
-    g = GraspArrays(positions, turned, E, offset, np.zeros(c), spin, force, moment, laws.freedom)
-    posed, blocks = nondimensionalise(g, p.unknown)
+    g = GraspArrays(positions, turned, E, offset, np.zeros(c), spin, load[0], load[1], laws.freedom)
+    posed = compute_geometry(g, softness)
+    blocks = natural_blocks(g, posed, p.unknown)
     M, q = stamp_rows(p, blocks)
     normal, count, tangent, u, size = p.at
     U = laws.freedom.copy() * posed.motion_unit  # (dof, 6) twists of the natural unknowns
@@ -118,16 +123,20 @@ def linear_problem(
                 M[giving.at + b, u + i] -= gu[b, i] / posed.force_unit
             for e in range(k):
                 M[giving.at + b, giving.at + e] -= t.L[b, 7 + c + e] * posed.motion_unit / posed.force_unit
-    x = np.zeros(size)
+    x, expected = np.zeros(size), np.zeros(size)
     if len(start) > 0:
-        write_start(x, start, p, laws.freedom, posed)
+        write_start(x, start[: c + 9], p, laws.freedom, posed)
+        for a in range(len(p.unknown)):
+            at = normal + a if a < count else tangent + a - count
+            expected[at] = start[c + 9 + p.unknown[a]] / posed.motion_unit
     for b in range(k):
         q[giving.at + b] += giving.room[b] / posed.force_unit
         x[giving.at + b] = giving.begun[b] / posed.motion_unit
     own = np.empty(len(p.blocks))
     for b in range(len(own)):
         own[b] = rules.limits[p.unknown[p.blocks[b, 0] - normal] // 3]
-    return g, posed, reorder_problem(M, q, p.role, p.blocks, p.order, own, p.faces, p.normals), x[p.order]
+    problem = reorder_problem(M, q, p.role, p.blocks, p.order, own, p.faces, p.normals)
+    return g, posed, problem, x[p.order], expected[p.order]
 
 
 @kernel
@@ -194,11 +203,13 @@ def accepted(misses: LawResiduals, posed: GraspGeometry, residual: float, k: int
 
 
 @kernel
-def solved(problem: ContactArrays, y: Array, begun: bool, seed: int) -> float:
-    """Solve in place, from y (N,) where `begun`; where that leads nowhere, from contacts that all stick, then with
-    Kaczmarz steps between Newton's. Returns the residual.
+def solved(problem: ContactArrays, y: Array, expected: Array, begun: bool, seed: int) -> float:
+    """Solve in place, where `begun` from y (N,) and the motions that are expected there (N,); where that leads nowhere,
+    from contacts that all stick, then with Kaczmarz steps between Newton's. Returns the residual.
     """
     cold = not begun
+    if begun:
+        step_in_expected_states(problem, y, expected)
     while True:
         if cold:
             solve_sticking(problem, problem.q > 0.0, np.zeros(len(problem.blocks), np.bool_), y)
