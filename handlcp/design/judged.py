@@ -23,7 +23,7 @@ from handlcp.geometry.object import Object
 from handlcp.grasp import LoadLimit
 from handlcp.grasp.failure.failure_mode import TENSION, TORQUE, UNDECIDED as UNKNOWN, FailureMode, is_exceeded
 from handlcp.grasp.failure.failure_text import describe_failures
-from handlcp.grasp.limits.followed import Before, up_to_the_first
+from handlcp.grasp.limits.followed import Before, anything_else, up_to_the_first
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.advance import Patience
 from handlcp.grasp.solution.verdict import HELD, NOT_HELD, OVER_LIMIT, UNDECIDED
@@ -105,9 +105,8 @@ def _weights(
 
 def unloaded(brief: Brief, spec: GraspSpec) -> Before:
     """What comes before the loads."""
-    return Before(
-        spec, as_section("cone", planar=False), (brief.most_motion, np.inf), tolerance=_NEWTON, patience=_PATIENCE
-    )
+    allowed = anything_else(spec)._replace(motion=brief.most_motion)
+    return Before(spec, as_section("cone", planar=False), allowed, tolerance=_NEWTON, patience=_PATIENCE)
 
 
 class _End(NamedTuple):

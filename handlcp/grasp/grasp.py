@@ -284,21 +284,28 @@ class Grasp:
     @check_call(most_force="what an object bears is asked by required_grip(most_force=...)")
     def check(
         self, order: Any = ("squeeze", "load"), faces: int | str | Pyramid = "cone",
-        solution: GraspSolution | None = None,
+        solution: GraspSolution | None = None, *, max_slip: Any = 1e-3,
     ) -> Verdict:  # fmt: skip
-        """Does it hold? The verdict when it is squeezed, then loaded, as by `follow`. HELD: the end is reached, the
-        object neither slides through nor snaps, joints are within their torque limits, and no link or joint is where
-        the hand cannot be. Doubtful limits are named; where it does not hold, what was tried and would help.
+        """Does it hold? The verdict when it is squeezed, then loaded, as by `follow`. HELD: the end is reached, no
+        contact has slid as far as `max_slip` and the object has not snapped since the load began, joints are within
+        their torque limits, and no link or joint is where the hand cannot be. Doubtful limits are named; where it does
+        not hold, what was tried and would help.
+
+        order, faces : as in `follow`.
         solution : of this grasp with these faces; None: solved now.
+        max_slip : how far a contact that presses may slide since the load began [m], the length of its way: a number,
+            one for each contact or by name; inf: any distance.
+        Raises InputError, UnknownName.
         """
         from handlcp.grasp.verdict.check import check
 
-        return check(self.spec, self.scene, self._section(faces), order, self._take_solution(faces, solution))
+        found = self._take_solution(faces, solution)
+        return check(self.spec, self.scene, self._section(faces), order, found, max_slip)
 
     def follow(
         self, load: Any = None, order: Any = ("squeeze", "load"), geometry: str | None = None,
         throw: bool = False, faces: int | str | Pyramid = "cone", steps: int = 40, tolerance: float | None = None,
-        accuracy: float | None = None,
+        accuracy: float | None = None, max_slip: Any = 1e-3,
     ) -> Loading:  # fmt: skip
         """The grasp loaded in quasi-static steps: is it held to the end (`held`), what slips on the way, where is it
         lost and why.
@@ -307,39 +314,39 @@ class Grasp:
         the other. Of contacts without a hand it is all that loads them: their wrench is not added. order : stages
         "squeeze" (preload and joint offset), "load" (weight and load), "together", or `Stage`s. geometry : "followed",
         contacts detected anew in every step; "fixed", those of this posture; None: the first where hand and object are
-        known. steps : of a stage, more where something happens. tolerance : how far a step's end may be from where its
-        contacts were taken, as a share of their radii; None: 1e-9. accuracy : relative error of the forces at the end
-        that is enough: steps are doubled until they change by no more; the loading's `accuracy` is that change. faces :
-        as in `problem`. Raises InputError, Unsupported (known forces; an accuracy that is not reached); with `throw`,
-        NoSolutionFound unless it is held.
+        known. steps : of a stage at least; how many there are is for their errors to say. tolerance : how far a step's
+        end may be from where its contacts were taken, as a share of their radii; None: 1e-9. accuracy : estimated error
+        of the forces that a step may have, as a share of the largest; None: 1e-3. max_slip : as in `check`. faces :
+        as in `problem`. Raises InputError, UnknownName, Unsupported (known forces); with `throw`, NoSolutionFound
+        unless it is held.
         """
         from handlcp.grasp.path.follow import follow
 
-        found = follow(self.spec, self._section(faces), load, order, geometry, steps, tolerance, accuracy)
+        found = follow(self.spec, self._section(faces), load, order, geometry, steps, tolerance, accuracy, max_slip)
         if throw and not found.held:
             raise NoSolutionFound(found.sentence, found, found.solution)
         return found
 
     def load_limit(
         self, wrench: Any = None, *, geometry: str | None = None, faces: int | str | Pyramid = "cone",
-        motion: float | None = None, turn: float | None = None, accuracy: float | None = None,
+        motion: float | None = None, turn: float | None = None, accuracy: float | None = None, max_slip: Any = 1e-3,
     ) -> LoadLimit:  # fmt: skip
         """The largest factor on a load that the grasp holds when it is squeezed, then carries its weight, and the load
-        grows slowly; and what gives out there: the object slides through or is lost, a joint is at its torque limit or
-        at the end of its range. `first_slip`, `slides` and `lost` are the loads of these. With `TorqueSaturation` a
+        grows slowly; and what gives out there: a contact has slid `max_slip`, the object is lost, a joint is at its
+        torque limit or at the end of its range. `first_slip`, `slides` and `lost` are loads of these. With `TorqueSaturation` a
         joint at its limit yields, and the load grows on until something else gives out.
 
         wrench : (6,) force [N] and torque [N·m] beside the weight, about the reference, or (3,) of a planar grasp, as
         in `Grasp`; None: the grasp's own. Nobody knows what of the wrench of contacts without a hand is weight: all of
         it stays on while another load grows, and a load of None is that wrench itself, from nothing. geometry : as in
         `follow`. faces : as in `problem`. motion, turn : how far
-        the object may move [m] and turn [rad] from where the load finds it; None: any distance. accuracy : relative
-        error of the factor that is enough, where the geometry is followed: steps are doubled until it changes by no
-        more. Raises InputError, Unsupported (known forces; an accuracy that is not reached).
+        the object may move [m] and turn [rad] from where the load finds it; None: any distance. accuracy : estimated
+        error of the forces that a step may have, as a share of the largest; None: 1e-3. max_slip : as in `check`.
+        Raises InputError, UnknownName, Unsupported (known forces).
         """
         from handlcp.grasp.limits.load_limit import load_limit
 
-        return load_limit(self.spec, self._section(faces), wrench, geometry, motion, turn, accuracy)
+        return load_limit(self.spec, self._section(faces), wrench, geometry, motion, turn, accuracy, max_slip)
 
     def payload(
         self, orientations: Any = 6, acceleration: float = 0.0, *, geometry: str | None = None,

@@ -192,7 +192,7 @@ class GripTrials:
         for k in sorted(range(m), key=lambda k: k != self.first):
             name, spec = self.cases[k]
             path = follow(apply_grip_force(spec, force), self.section, None, LOADING_ORDER, None, STEPS_PER_STAGE, None)
-            if not path.held:
+            if not path.in_place:
                 self.first = k
                 share = path.held_to - (path.lost_stage == LOADING_ORDER[0])
                 how = "not held: the object slides through" if path.reached else path.why

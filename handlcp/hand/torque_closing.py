@@ -200,9 +200,9 @@ class _TorqueClosing:
     def __init__(self, spec: GraspSpec, section: Section, pulling: MotorPull) -> None:
         body = geometry_of(spec, None)
         first, goals, self.stepper = begun(spec, section, body, TOLERANCE, "squeeze", None)
-        self.watch, self.pulling = watch_of(spec, body), pulling
+        self.watch, self.pulling = watch_of(spec, body, np.full(spec.n, np.inf)), pulling
         self.end = goals[0].end
-        self.run = Run([self.stepper.beginning(first)], [0], [0.0])
+        self.run = Run.beginning_at(self.stepper.beginning(first))
         self.stuck = False
 
     def find_end_command(self) -> tuple[Array, Array]:

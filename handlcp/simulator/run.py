@@ -165,7 +165,7 @@ class Comparison(Told):
         "tolerance.motion = tolerance.motion",
         "tolerance.least_m = tolerance.least",
         "contacts = simulation.names",
-        "handlcp.held = loading.held",
+        "handlcp.held = loading.in_place",
         "handlcp.lost_stage = loading.lost_stage",
         "handlcp.lost_at = loading.lost_at",
         "handlcp.why = loading.why",
@@ -184,7 +184,7 @@ class Comparison(Told):
     def agree(self) -> bool:
         """Whether both hold the object and end no farther apart than `tolerance`, or neither holds it."""
         if not self.both_hold:
-            return self.loading.held == self.simulation.held
+            return self.loading.in_place == self.simulation.held
         most, motion = self.tolerance, self.loading.displacement[:3] - self.simulation.displacement[:3]
         near = bool(np.linalg.norm(motion) <= most.least) or self.motion_error <= most.motion
         return near and self.force_error <= most.force and self.torque_error <= most.torque
@@ -192,7 +192,7 @@ class Comparison(Told):
     @property
     def both_hold(self) -> bool:
         """Whether there are two ends to compare."""
-        return self.loading.held and self.simulation.held
+        return self.loading.in_place and self.simulation.held
 
     @property
     def tolerance(self) -> AgreementTolerance:

@@ -96,7 +96,7 @@ class ChangedGrasp:
         return agree and self._is_kept(path)
 
     def _is_kept(self, path: Loading) -> bool:
-        return path.held and not (self.stays and has_snapped(path))
+        return path.in_place and not (self.stays and has_snapped(path))
 
     def is_too_much(self, x: float) -> bool:
         """Whether the object is lost before the load comes."""
@@ -202,7 +202,7 @@ def _confirm_required(
     except Unsupported:  # such as known forces
         return found
     now = changed.path(own) if own is not None and own > found.value else there
-    if own is not None and has_snapped(there) and not (now.held and has_snapped(now)):
+    if own is not None and has_snapped(there) and not (now.in_place and has_snapped(now)):
         changed.stays, start = True, max(own, found.value)
     agrees = changed.is_held(found.value) and (found.fails is None or not changed.is_held(found.fails))
     if agrees or not there.steps.geometry.follows:
@@ -289,7 +289,7 @@ def required_stiffness(spec: GraspSpec, section: Section, motion: Any, tolerance
 
     def enough(factor: float) -> bool:
         path = changed.path(factor)
-        return path.held and not _exceeded_joints(path) and _load_motion(path) <= allowed
+        return path.in_place and not _exceeded_joints(path) and _load_motion(path) <= allowed
 
     def too_much(factor: float) -> bool:
         return changed.is_too_much(factor) or bool(_exceeded_joints(changed.path(factor)))
@@ -299,11 +299,11 @@ def required_stiffness(spec: GraspSpec, section: Section, motion: Any, tolerance
         moved, below, why = _load_motion(changed.path(value)), found.fails, ""
         if below is not None:
             path, why = changed.path(below), "the object is lost"
-            if path.held:
+            if path.in_place:
                 why = _describe_torque_excess(path) or describe_failures([FailureMode(MOTION, OBJECT)])
         verdict = verdict_on(scale_stiffness(value), section).word
         return RequiredStiffness(value, below, allowed, moved, pads, verdict, why)
-    held = {x: path for x, path in changed.paths.items() if path.held and not _exceeded_joints(path)}
+    held = {x: path for x, path in changed.paths.items() if path.in_place and not _exceeded_joints(path)}
     moved = _load_motion(held[max(held)]) if held else np.nan
     return RequiredStiffness(None, None, allowed, moved, pads, "", _explain_failure(changed, held, allowed, pads))
 
@@ -315,7 +315,7 @@ def _explain_failure(changed: ChangedGrasp, held: dict[float, Loading], allowed:
     if held:
         moved = words.format_length(_load_motion(held[max(held)]))
         return f"with joints × {max(held):.4g} as stiff it still moves {moved}"
-    lost = [path for path in changed.paths.values() if not path.held]
+    lost = [path for path in changed.paths.values() if not path.in_place]
     if lost:
         return lost[-1].why
     return f"{_describe_torque_excess(next(reversed(changed.paths.values())))}, however stiff the joints are"

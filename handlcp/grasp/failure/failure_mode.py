@@ -13,7 +13,7 @@ from handlcp.check import Array, Bools, read_only
 from handlcp.grasp.effects.joint_torque import TorqueSaturation
 from handlcp.grasp.model.mechanism import Cables, Mechanism
 from handlcp.grasp.model.request import GraspSpec
-from handlcp.grasp.model.status import SEPARATED, SLIDING, STICKING, ContactStatus
+from handlcp.grasp.model.status import SEPARATED, SLIDING, ContactStatus
 from handlcp.record import Record
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
@@ -21,7 +21,7 @@ from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 # What gives out, as data. The functions below make it, the table of words says it (`failure_text.py`).
 
 SLIPS, OPENS, TORQUE, TENSION, RANGE = "slips", "opens", "torque", "tension", "range"
-EQUILIBRIUM, MOTION, SLIDES, UNDECIDED = "equilibrium", "motion", "slides through", "undecided"
+EQUILIBRIUM, MOTION, SLIDES, UNDECIDED = "equilibrium", "motion", "slides", "undecided"
 OBJECT = "the object"
 
 
@@ -31,8 +31,8 @@ class FailureMode(Record):
 
     kind : "slips" (a finger that slips), "opens" (a contact that lets go), "torque" (a joint at its torque limit),
         "tension" (a tendon at its limit), "range" (a joint at the end of its range), "equilibrium" (forces no longer
-        balance the load), "motion" (the object moves farther than was allowed), "slides through" (the object, where no
-        contact that presses sticks), "undecided" (something does, and it is not known what).
+        balance the load), "motion" (the object moves farther than was allowed), "slides" (a contact that presses has
+        slid as far as it may), "undecided" (something does, and it is not known what).
     who : the finger, the joint, the tendon or "the object".
     margin : share of the limit that is left; 0 at the limit, below 0 beyond it. Causes of the same kind and name are
         equal, whatever their margins.
@@ -210,11 +210,6 @@ def find_slipping(
     every = zip(names, kinds if before is None else before, kinds, strict=True)
     sliding = [name for name, a, b in every if SLIDING in (a, b)]
     return tuple([FailureMode(SLIPS, name) for name in sliding]) or (FailureMode(EQUILIBRIUM, OBJECT),)
-
-
-def find_slide_through(kinds: Sequence[ContactStatus]) -> tuple[FailureMode, ...]:
-    """That the object slides through, where contacts press and none of them sticks; else ()."""
-    return (FailureMode(SLIDES, OBJECT),) if SLIDING in kinds and STICKING not in kinds else ()
 
 
 def largest_share_index(share: Array) -> int:

@@ -34,6 +34,7 @@ _SENTENCES = {
     PathStatus.NO_FORCES: "the fingers do not create the forces that would balance the load",
     PathStatus.TOO_FAR: "no balance was found near the last one, however small the step: the object would have to jump",
     PathStatus.LEAPS: "no balance was found near the last one, however small the step: the object would have to jump",
+    PathStatus.JUMPS: "no balance was found near the last one, however small the step: the object would have to jump",
 }
 _NO_BALANCE_IN_PLACE = (
     "no balance of the fingers was found on an object that is kept in place: they press too hard, or slip off it"
@@ -102,6 +103,7 @@ def describe_direction(twist: Array) -> str:
 NOTHING_FAILS = "nothing gives out"
 _FAILURE_PHRASES = {  # of one, of several
     SLIPS: ("slips", "slip"),
+    SLIDES: ("has slid as far as it may", "have slid as far as they may"),
     OPENS: ("lets go", "let go"),
     TORQUE: ("reaches its torque limit", "reach their torque limits"),
     TENSION: ("reaches the limit of its tension", "reach the limits of their tensions"),
@@ -110,7 +112,6 @@ _FAILURE_PHRASES = {  # of one, of several
 _OBJECT_PHRASES = {
     EQUILIBRIUM: "no forces balance more load",
     MOTION: "the object moves farther than allowed",
-    SLIDES: "the object slides through: no contact that presses sticks any more",
     UNDECIDED: "undecided",
 }
 _EVENT_PHRASES = {  # of one, of several
@@ -138,7 +139,7 @@ _EVENT_PHRASES = {  # of one, of several
     "range end": ("passes the end of its range", "pass the ends of their ranges"),
     "range": ("is within its range again", "are within their ranges again"),
     "range end by turns": ("leaves its range and returns by turns", "leave their ranges and return by turns"),
-    "slides through": ("begins to slide through: no contact that presses sticks any more", "slide through"),
+    "slides": _FAILURE_PHRASES[SLIDES],
     "snaps": ("snaps to another place", "snap to another place"),
     "snaps by turns": ("snaps to other places, several times", "snap to other places, several times"),
 }
@@ -175,7 +176,7 @@ def explain_limit(
 ) -> str:
     """Say in one sentence what ends the growth of a load at this factor on a wrench (6,) [N, N·m].
 
-    then : what the object does there, such as "slides through"; "": no more load is balanced.
+    then : what the object does there, such as "snaps to another place"; "": no more load is balanced.
     """
     if not causes:
         return f"{NOTHING_FAILS}, however large the load"
@@ -190,6 +191,14 @@ def explain_limit(
     if kind in (TORQUE, TENSION, RANGE):
         return f"before there is any load, {text}"
     return f"it holds nothing of this load: {text.replace('more load', 'it')}"
+
+
+def describe_slip(names: Sequence[str], slipped: Array, most: Array) -> str:
+    """Which contacts have slid as far as they may, such as "finger_1 has slid 1 mm". slipped, most (n,) [m]."""
+    share = slipped / most
+    who = [k for k, one in enumerate(share.tolist()) if one >= (1.0 - 1e-3) * share.max()]
+    far = words.format_length(float(slipped[who].max()))
+    return f"{words.list_names([names[k] for k in who])} {'has' if len(who) == 1 else 'have'} slid {far}"
 
 
 def describe_pad_depth(give: Array, normals: Array, names: Sequence[str]) -> str:

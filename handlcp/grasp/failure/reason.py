@@ -7,7 +7,7 @@ A sentence that is one field alone was made before, with what it is about, such 
 | `not_holdable`, `no_equilibrium` | no force within friction balances the load; no elastic equilibrium exists |
 | `no_squeeze` | nothing was said that closes the hand, and the load is not held without |
 | `lost` | the order of loading loses the object on its way |
-| `slides_through` | the object slides through, or snaps, on its way: how far it jumps is not for statics to say |
+| `slides` | a contact slides farther than it may, or the loaded object snaps: how far it jumps inertia decides |
 | `steps_differ` | fewer and more steps of loading end differently |
 | `solver_stopped`, `follow_stopped` | a solver, or the loading in steps, ended without an answer |
 | `link_inside`, `joint_range` | a posture that the hand cannot take: a link inside the object, a joint past its range |
@@ -253,10 +253,10 @@ _SENTENCES: dict[str, str | Callable[[Values], str]] = {
     "no_equilibrium": "{diagnosis}",
     "no_squeeze": "{text}",
     "lost": "the object is {why}",
-    "lost: after it slides": "the object is {why}; it slides through from {slides_at:percent} of stage {through!r} on",
-    "slides_through": "the object slides through from {share:percent} of stage {stage!r} on: no finger that presses "
-    f"sticks any more; {_SLIDES_ON}",
-    "slides_through: snaps": "the object snaps from {share:percent} of stage {stage!r} on: it jumps to another place; "
+    "lost: after it slides": "the object is {why}; {slid} at {slides_at:percent} of stage {through!r} already",
+    "slides": "{slid} at {share:percent} of stage {stage!r}, as far as it may; loaded on slowly, the object moves "
+    "{moved_m:length} and turns {turned_rad:angle} in all",
+    "slides: snaps": "the object snaps from {share:percent} of stage {stage!r} on: it jumps to another place; "
     f"{_SLIDES_ON}",
     "steps_differ": "fewer and more steps of loading end differently: one says that it holds, another that it does not",
     "solver_stopped": "the solver stopped before it found an answer, which says nothing about the grasp; try another "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from handlcp.grasp.effects.joint_offset import describe_missing_squeeze
 from handlcp.grasp.failure.failure_mode import (
     EQUILIBRIUM,
     OBJECT,
+    SLIDES,
     SLIPS,
     UNDECIDED,
     FailureMode,
@@ -21,28 +23,34 @@ from handlcp.grasp.failure.failure_mode import (
     find_exceeded,
     find_slipping,
 )
-from handlcp.grasp.failure.failure_text import describe_direction, describe_pad_depth, explain_giving_up, explain_limit
+from handlcp.grasp.failure.failure_text import (
+    describe_direction,
+    describe_failures,
+    describe_pad_depth,
+    explain_giving_up,
+    explain_limit,
+)
 from handlcp.grasp.limits.result import Later, LimitEvent, LimitPath, LoadLimit, Reached, Rest
 from handlcp.grasp.model.request import GraspSpec
-from handlcp.grasp.model.status import SLIDING, ContactStatus, PathStatus
+from handlcp.grasp.model.status import PathStatus
 from handlcp.grasp.path.advance import Leg
 from handlcp.grasp.path.follow import Loading, solution_of
 from handlcp.grasp.path.state import LET_GO, Run, State
 from handlcp.grasp.path.step import Stepper
-from handlcp.grasp.path.watch import margins
+from handlcp.grasp.path.watch import is_at_max_slip, margins
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
 _AT = 1e-6  # relative: limits that are this near to being reached bind, too
 _NEAR = 1e-3  # of the load: contacts that begin to slide this near to where the object slides through are the cause
 _UNKNOWN: tuple[FailureMode, ...] = (FailureMode(UNDECIDED, OBJECT),)  # what gives out beyond what is known of a path
-_NAMED = ("slips", "sticks", "opens", "touches", "yields", "holds", "snaps", "slides through")
+_NAMED = ("slips", "sticks", "opens", "touches", "yields", "holds")
 _LOOKED, _HALVED = 16, 10  # states of a path, and times a step, where a link comes into the object
 
 
 class Followed(NamedTuple):
     """A path whose load has grown: run, from `at` (6,), the object's motion before it. slid : the share of the weight
-    at which the object slides through already, and what contacts do there; None: it does not.
+    at which the object leaves its place already, and what gives out there; None: it does not. max_slip (n,) [m].
     """
 
     spec: GraspSpec
@@ -54,7 +62,8 @@ class Followed(NamedTuple):
     limits: StateLimits
     at: Array
     geometry: str
-    slid: tuple[float, list[ContactStatus]] | None
+    slid: tuple[float, tuple[FailureMode, ...]] | None
+    max_slip: Array
 
     @property
     def number(self) -> int:
@@ -139,11 +148,11 @@ def answer(f: Followed) -> LoadLimit:
         binds = find_slipping(f.spec.names, run.states[-1].kinds, before)
     if run.slides is not None:
         factor, number = run.slides.share, run.slides.number
-        binds = find_slipping(f.spec.names, kinds_near(run, number))
+        binds = slid_contacts(f.spec.names, run.slipped[number] / f.max_slip)
     if binds == (FailureMode(EQUILIBRIUM, OBJECT),):  # the last static state is short of where contacts begin to slide
         binds = _about_to_slip(f, run.states[number]) or binds
     if f.slid is not None:
-        factor, number, slides, binds = 0.0, 0, 0.0, find_slipping(f.spec.names, f.slid[1])
+        factor, number, slides, binds = 0.0, 0, 0.0, f.slid[1]
     gave_up, ends = run.status.is_given_up, _known(f)
     if gave_up and run.slides is None:
         binds = _UNKNOWN
@@ -155,14 +164,15 @@ def answer(f: Followed) -> LoadLimit:
     def sentence() -> str:
         if f.slid is not None:
             rests = alone("weight" if f.spec.mechanism is not None else OWN_WRENCH)
-            return f"{rests} is not held: the object slides through from {words.format_percent(f.slid[0])} of it on"
+            text = describe_failures(binds, f.spec)
+            return f"{rests} is not held: {text} at {words.format_percent(f.slid[0])} of it"
         if early is not None:
             return f"held up to {factor:.4g} times the load, and undecided beyond: {early.why}"
         if gave_up:
             return (
                 f"held up to {end:.4g} times the load, and undecided beyond: {explain_giving_up(run.status, run.who)}"
             )
-        return explain_limit(binds, factor, f.wrench, f.spec, _then(_through(f)))
+        return explain_limit(binds, factor, f.wrench, f.spec, _then(f.run) if run.slides is None else "")
 
     later = Later(
         sentence, lambda: _path(f, number), lambda: _solution(f, number, factor), lambda _: _through(f).shares[-1],
@@ -171,11 +181,10 @@ def answer(f: Followed) -> LoadLimit:
     return LoadLimit(factor, f.wrench, binds, f.geometry, later, first, slides)
 
 
-def kinds_near(run: Run, number: int) -> list[ContactStatus]:
-    """What contacts do where the object slides through; those that stick for a moment there slide."""
-    near = [s.kinds for s, x in zip(run.states, run.shares, strict=True) if x >= (1.0 - _NEAR) * run.shares[number]]
-    last = run.states[min(number + 1, len(run.states) - 1)].kinds
-    return [SLIDING if any(kinds[i] == SLIDING for kinds in near) else last[i] for i in range(len(last))]
+def slid_contacts(names: Sequence[str], shares: Array) -> tuple[FailureMode, ...]:
+    """The contacts that have slid as far as they may where the first of them has. shares (n,) : of how far they may."""
+    at = is_at_max_slip(shares, np.ones(len(shares)))
+    return tuple([FailureMode(SLIDES, name) for name, slides in zip(names, at.tolist(), strict=True) if slides])
 
 
 def _about_to_slip(f: Followed, state: State) -> tuple[FailureMode, ...]:
@@ -187,21 +196,20 @@ def _about_to_slip(f: Followed, state: State) -> tuple[FailureMode, ...]:
 
 
 def _then(run: Run) -> str:
-    """What the object does at the limit, other than that it is lost; "" for nothing."""
-    if run.slides is None:
+    """What the object does at the end, other than that no more load is balanced; "" for nothing."""
+    if run.jump is None or not run.snaps:
         return ""
-    there = [s for s in run.snaps if (s.stage, s.share) == (run.slides.stage, run.slides.share)]
-    if not there:
-        return "slides through"
-    pushed = there[0].pushed
-    by = f", as a small push{describe_direction(np.array(pushed))} makes it where it is in balance" if pushed else ""
-    if there[0].rests:
-        return f"snaps to another place{by}"
-    return f"leaves{by}" if pushed else ""
+    last = run.snaps[-1]
+    by = (
+        f", as a small push{describe_direction(np.array(last.pushed))} makes it where it is in balance"
+        if last.pushed
+        else ""
+    )
+    return f"{'snaps to another place' if last.rests else 'leaves'}{by}"
 
 
 def _through(f: Followed) -> Run:
-    """The whole path, beyond where the object begins to slide through."""
+    """The whole path, beyond where a contact has slid as far as it may."""
     if f.run.status == PathStatus.REACHED and f.run.slides is not None:
         f.leg.through()
     return f.run
@@ -227,9 +235,11 @@ def _rest(f: Followed, ends: _Ends | None, number: int) -> Rest:
     elif run.status == PathStatus.LIMIT:
         marks["limit"] = f.mark(run.shares[-1])
     events = [LimitEvent(e.kind, e.who, e.share) for e in run.events if e.kind in _NAMED]
-    events += [LimitEvent("snaps", OBJECT, s.share, s.moved, s.turned, s.pushed) for s in run.snaps if s.rests]
-    if slides is not None:
-        events.append(LimitEvent("slides through", OBJECT, slides))
+    if run.jump is not None:
+        events += [LimitEvent("snaps", OBJECT, s.share, s.moved, s.turned, s.pushed) for s in run.snaps[-1:]]
+    if run.slides is not None:
+        slid = slid_contacts(f.spec.names, run.slipped[run.slides.number] / f.max_slip)
+        events += [LimitEvent(SLIDES, one.who, run.slides.share) for one in slid]
     said = "" if ends is None else ends.why
     if ends is None and run.status.is_given_up:
         said = explain_giving_up(run.status, run.who)

@@ -12,10 +12,10 @@ from handlcp.check import Array, read_only
 from handlcp.contact.friction import Section
 from handlcp.grasp.effects.joint_offset import describe_missing_squeeze, find_command
 from handlcp.grasp.effects.joint_torque import FingerWeight
-from handlcp.grasp.failure.failure_mode import EQUILIBRIUM, MOTION, OBJECT, RANGE, TORQUE, Bind
+from handlcp.grasp.failure.failure_mode import EQUILIBRIUM, MOTION, OBJECT, RANGE, SLIDES, TORQUE, Bind
 from handlcp.grasp.failure.failure_text import explain_limit
-from handlcp.grasp.limits.answered import alone
-from handlcp.grasp.limits.followed import accurate_limit, resting_stage
+from handlcp.grasp.limits.answered import alone, slid_contacts
+from handlcp.grasp.limits.followed import Allowed, followed_limit, resting_stage
 from handlcp.grasp.limits.further import largest_held
 from handlcp.grasp.limits.kernels.happens import GIVES_UP, LOST, REACHED, TURNS, Watch
 from handlcp.grasp.limits.kernels.onward import faces_reached, onward
@@ -28,8 +28,8 @@ from handlcp.grasp.limits.system import System, system_of
 from handlcp.grasp.model.contact import shift_twist
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.status import SLIDING, contact_statuses
+from handlcp.grasp.path.advance import ACCURACY
 from handlcp.grasp.path.follow import follow
-from handlcp.grasp.path.geometry import length_of
 from handlcp.grasp.path.state import Stage
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solve.solve_spec import solve_spec
@@ -48,11 +48,12 @@ _ON = 1e-9  # of the largest force or motion
 
 class Start(NamedTuple):
     """place : the state with squeeze and weight on; None where they are not held. why : they are not, in words; ""
-    where they are.
+    where they are. path : points on the way of the weight, as `trace` writes them.
     """
 
     place: Place | None
     why: str
+    path: Array = np.zeros((0, 0))
 
 
 def begun_of(spec: GraspSpec, section: Section, wrench: Array) -> tuple[System, Start]:
@@ -66,7 +67,7 @@ def begun_of(spec: GraspSpec, section: Section, wrench: Array) -> tuple[System, 
     system, start = kept
     parts = system.parts._replace(normals=system.parts.normals.copy())
     place = None if start.place is None else start.place.copy()
-    return replace(system, parts=parts), Start(place, start.why)
+    return replace(system, parts=parts), Start(place, start.why, start.path)
 
 
 @lru_cache(maxsize=_KEPT)
@@ -86,14 +87,29 @@ def _start_of(system: System) -> Start:
     width = 1 + len(p.E) + len(p.G) + len(p.rows)
     free = watch._replace(rows=watch.rows[:0], level=watch.level[:0])
     log, path = np.empty((EVENTS, 3)), np.empty((EVENTS, width))
-    status, factor, *_ = trace(p, squeezed.place, w, 1.0, free, none_known(p), log, path)
+    status, factor, _, _, count = trace(p, squeezed.place, w, 1.0, free, none_known(p), log, path)
     rests = resting_stage(system.spec)
     if status in (GIVES_UP, TURNS):
         return _followed(system, ("squeeze", rests))
     if status != REACHED:
         share = f"{factor:.0%}" if factor > 0.0 else "nothing"
         return Start(None, f"{alone(rests.name)} is not held: the grasp holds {share} of it")
-    return squeezed
+    return squeezed._replace(path=path[:count].copy())
+
+
+def slip_shares(system: System, begun: Start, max_slip: Array) -> tuple[Array, Array]:
+    """What `slides_at` takes: one over how far contacts may slide, max_slip (n,) [m], in natural units (m,), and how far
+    they slid under the weight alone, as a share of that (n,).
+    """
+    scene, p = system.scene, system.parts
+    per_slip = np.zeros(scene.components)
+    per_slip[: 3 * scene.n].reshape(-1, 3)[:, :2] = scene.units.motion_unit / max_slip[:, None]
+    if scene.scale is not None:
+        per_slip /= scene.scale
+    slid = np.zeros(scene.n)
+    if len(begun.path):
+        slides_at(p, per_slip[scene.kind.index], slid, begun.path, np.empty(begun.path.shape[1]))
+    return np.ascontiguousarray(per_slip[scene.kind.index]), slid
 
 
 def _squeezed(system: System) -> Start:
@@ -178,17 +194,17 @@ def place_of(system: System, r: Array, u: Array, give: Array) -> Place:
 _NOTHING = 1e-7  # of the squeeze: a smaller load is borne by the damper of loose motions
 
 
-def watch_from(system: System, place: Place, most: tuple[float, float]) -> Watch:
-    """What ends a path that begins at a place; most : as in `fixed_limit`."""
-    return system.watch._replace(start=system.watch.moves @ place.u, motion=most[0], turn=most[1])
+def watch_from(system: System, place: Place, allowed: Allowed) -> Watch:
+    """What ends a path that begins at a place."""
+    return system.watch._replace(start=system.watch.moves @ place.u, motion=allowed.motion, turn=allowed.turn)
 
 
 def fixed_limit(
-    spec: GraspSpec, section: Section, wrench: Array, most: tuple[float, float], accuracy: float | None = None
+    spec: GraspSpec, section: Section, wrench: Array, allowed: Allowed, accuracy: float = ACCURACY
 ) -> LoadLimit:
-    """Most : motion [m] and turn [rad] of the object that are allowed. accuracy : as in `accurate_limit`."""
+    """The load limit under a wrench (6,). accuracy : as in `followed_limit`."""
     if not springs_alone(spec):
-        return accurate_limit(spec, section, wrench, most, "fixed", accuracy)
+        return followed_limit(spec, section, wrench, allowed, "fixed", accuracy)
     system, begun = begun_of(spec, section, wrench)
     if begun.place is None:
         none = TracedPath(system, wrench, np.zeros((0, 1)), None)
@@ -196,7 +212,7 @@ def fixed_limit(
         text = f"{told}; {begun.why}" if (told := describe_missing_squeeze(spec)) else begun.why
         return LoadLimit(0.0, wrench, binds, "fixed", _later(text, none, 0.0, 0.0, None, ()), accuracy=0.0)
     p, place = system.parts, begun.place
-    watch = watch_from(system, place, most)
+    watch = watch_from(system, place, allowed)
     log, points = np.empty((EVENTS, 3)), np.empty((EVENTS, 1 + len(p.E) + len(p.G) + len(p.rows)))
     w, known = system.load(wrench), none_known(p)
     status, factor, which, events, count = onward(
@@ -205,24 +221,23 @@ def fixed_limit(
     factor = over_nothing(factor, w, place)
     path = TracedPath(system, wrench, points[:count].copy(), place)
     if status == GIVES_UP:  # for example where a contact opens while it slides: small steps find the path
-        return accurate_limit(spec, section, wrench, most, "fixed", accuracy)
+        return followed_limit(spec, section, wrench, allowed, "fixed", accuracy)
     if status == LOST and factor > 0.0 and not ends_plainly(system) and not path.ends():
-        return accurate_limit(spec, section, wrench, most, "fixed", accuracy)
+        return followed_limit(spec, section, wrench, allowed, "fixed", accuracy)
     binds = with_joints(system, binds_of(system, status, which, place.closed, place.active), place.yields)
     happened = events_of(system, log[:events])
     first = next((e.factor for e in happened if e.kind == "slips"), None)
     lost = None if not binds or binds[0].kind in (TORQUE, RANGE, MOTION) else factor
-    at, slides, then = np.empty(points.shape[1]), None, ""
-    if factor > 0.0 and slides_at(p, watch.moves, length_of(spec.positions), points[:count], at):
-        slides, then, factor = float(at[0]), "slides through", float(at[0])
-        place = slid_place(system, at)
-        binds = binds_of(system, LOST, -1, place.closed, place.active)
+    at, slides = np.empty(points.shape[1]), None
+    per_slip, slid = slip_shares(system, begun, allowed.max_slip)
+    if factor > 0.0 and slides_at(p, per_slip, slid, points[:count], at):
+        slides = factor = float(at[0])
+        binds = slid_contacts(spec.names, slid)
         before = points[:count][points[:count, 0] < factor]
-        path = TracedPath(system, wrench, np.vstack([before, at]), place, path)
-    later = _later(explain_limit(binds, factor, wrench, spec, then), path, factor, lost, slides, happened)
-    return LoadLimit(
-        factor, wrench, binds, "fixed", later, first, slides, np.nan if accuracy is None else EVENT_TOLERANCE
-    )
+        path = TracedPath(system, wrench, np.vstack([before, at]), slid_place(system, at), path)
+        happened += tuple([LimitEvent(SLIDES, one.who, factor) for one in binds])
+    later = _later(explain_limit(binds, factor, wrench, spec), path, factor, lost, slides, happened)
+    return LoadLimit(factor, wrench, binds, "fixed", later, first, slides, EVENT_TOLERANCE)
 
 
 def springs_alone(spec: GraspSpec) -> bool:
@@ -272,7 +287,6 @@ def _later(
                 moved = arrays.displacement - arrays.displacement[0]
                 there = np.array([np.interp(x, arrays.factors, column) for column in moved.T])
                 marks[name] = Reached(x, float(np.linalg.norm(there[:3])), float(np.linalg.norm(there[3:])))
-        through = () if slides is None else (LimitEvent("slides through", OBJECT, slides),)
-        return Rest(lost, marks, tuple(sorted([*events, *through], key=lambda e: e.factor)))
+        return Rest(lost, marks, tuple(sorted(events, key=lambda e: e.factor)))
 
     return Later(lambda: text, path.arrays, path.solution, beyond, rest)

@@ -4,24 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from handlcp.check import Array
 from handlcp.contact.friction import Section
-from handlcp.grasp.failure.failure_mode import StateLimits, find_exceeded_closing, limit_shares, state_limits
-from handlcp.grasp.limits.answered import OWN_WRENCH, Followed, answer as answered, kinds_near, nothing
+from handlcp.grasp.failure.failure_mode import (
+    EQUILIBRIUM,
+    OBJECT,
+    FailureMode,
+    StateLimits,
+    find_exceeded_closing,
+    limit_shares,
+    state_limits,
+)
+from handlcp.grasp.limits.answered import OWN_WRENCH, Followed, answer as answered, nothing, slid_contacts
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.status import PathStatus
-from handlcp.grasp.path.advance import PATIENT, Leg, Open, Patience, advance
+from handlcp.grasp.path.advance import ACCURACY, PATIENT, Leg, Open, Patience, advance
 from handlcp.grasp.path.follow import TOLERANCE, begun, geometry_of, loading_of
 from handlcp.grasp.path.state import STILL, Goal, Run, Stage, State
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.trajectory import closing_efforts
-from handlcp.grasp.path.watch import watch_of
+from handlcp.grasp.path.watch import MAX_SLIP, watch_of
 from handlcp.grasp.verify.static_load_bound import static_load_bounds
-from handlcp.refinement import refine_until_converged
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
 _STEPS = 8  # of squeeze and weight
@@ -36,11 +44,26 @@ def resting_stage(spec: GraspSpec) -> Stage:
 
 
 def followed_limit(
-    spec: GraspSpec, section: Section, wrench: Array, most: tuple[float, float], geometry: str = "followed",
-    finer: float = 1.0,
+    spec: GraspSpec, section: Section, wrench: Array, allowed: Allowed, geometry: str = "followed",
+    accuracy: float = ACCURACY,
 ) -> LoadLimit:  # fmt: skip
-    """Most : motion [m] and turn [rad] of the object that are allowed. finer : how many times as many steps."""
-    return Before(spec, section, most, geometry, finer).limit(wrench)
+    """The load limit under a wrench (6,). accuracy : of a step, as in `advance`."""
+    return Before(spec, section, allowed, geometry, accuracy).limit(wrench)
+
+
+class Allowed(NamedTuple):
+    """What the object may do: motion [m] and turn [rad], from where the load finds it; max_slip (n,), how far each
+    contact may slide [m].
+    """
+
+    motion: float
+    turn: float
+    max_slip: Array
+
+
+def anything_else(spec: GraspSpec) -> Allowed:
+    """Any motion, and as much slip as contacts may unless something else is said."""
+    return Allowed(np.inf, np.inf, np.full(spec.n, MAX_SLIP))
 
 
 class Before:
@@ -50,24 +73,25 @@ class Before:
     """
 
     def __init__(
-        self, spec: GraspSpec, section: Section, most: tuple[float, float], geometry: str = "followed",
-        finer: float = 1.0, beside: Array = STILL, tolerance: float = TOLERANCE, patience: Patience = PATIENT,
+        self, spec: GraspSpec, section: Section, allowed: Allowed, geometry: str = "followed",
+        accuracy: float = ACCURACY, beside: Array = STILL, tolerance: float = TOLERANCE, patience: Patience = PATIENT,
     ) -> None:  # fmt: skip
-        self._body, self._most, self._patience = geometry_of(spec, geometry), most, patience
-        self._spec, self._section, self._geometry, self._finer, self._beside = spec, section, geometry, finer, beside
+        self._body, self._allowed, self._patience = geometry_of(spec, geometry), allowed, patience
+        self._spec, self._section, self._geometry, self._beside = spec, section, geometry, beside
+        self._accuracy = accuracy
         if spec.mechanism is None:
             self._beside = spec.resting_wrench
         path = np.stack([beside, beside]) if beside.any() else STILL
         order = ("squeeze", resting_stage(spec), "load")
         first, self._goals, self._stepper = begun(spec, section, self._body, tolerance, order, path)
-        self._watch, count = watch_of(spec, self._body), max(int(np.ceil(finer * _STEPS)), 1)
-        self._run = advance(self._stepper, self._watch, first, self._goals[:-1], count, patience)
+        self._watch = watch_of(spec, self._body, allowed.max_slip)
+        self._run = advance(self._stepper, self._watch, first, self._goals[:-1], _STEPS, accuracy, patience)
         self._closing = find_exceeded_closing(spec.mechanism, lambda: closing_efforts(self._run.states))
 
     @property
     def held(self) -> bool:
-        """Whether the object is held by then, and has not begun to slide through, and motors close so hard."""
-        return not self._closing and self._run.status == PathStatus.REACHED and self._run.slides is None
+        """Whether the object is held by then, and has not left its place, and motors close so hard."""
+        return not self._closing and self._run.status == PathStatus.REACHED and self._run.gives_way is None
 
     def bounds(self, wrenches: Array) -> Array:
         """(k,) the largest factors on loads (k, 6) that friction and torque limits alone allow."""
@@ -81,12 +105,14 @@ class Before:
         """Of a load (6,) that grows, up to this factor: none is found that is larger."""
         spec, section, before, stepper = self._spec, self._section, self._run, self._stepper
         if before.status != PathStatus.REACHED or self._closing:
-            loading = loading_of(before, self._goals[:-1], stepper, section)
+            loading = loading_of(before, self._goals[:-1], stepper, section, self._allowed.max_slip)
             return nothing(spec, wrench, before, self._geometry, loading, self._closing)
-        start, finer, follows = before.states[-1], self._finer, self._body.follows
+        start, follows = before.states[-1], self._body.follows
         size = _as_large(stepper, start, wrench)
         at = stepper.geometry.displacement(start.where.pose)
-        limits = state_limits(spec, motion=self._most, ranges=follows, nominal=start.where.q if follows else None)
+        limits = state_limits(
+            spec, motion=self._allowed[:2], ranges=follows, nominal=start.where.q if follows else None
+        )
 
         # What is at its limit already before the load comes ends the path only where it goes beyond the limit
         stands_at = _used(stepper, limits, at, start) > 1.0 - OVER_LIMIT_TOLERANCE
@@ -95,14 +121,22 @@ class Before:
             share = _used(stepper, limits, at, state) - 1.0
             return float(np.nanmax(np.where(stands_at & (share <= OVER_LIMIT_TOLERANCE), -1.0, share), initial=-1.0))
 
-        run = Run([start], [0], [0.0])
+        run = Run.beginning_at(start, before.slipped[-1])
         goal = Goal(self._goals[-1].name, self._goals[-1].end._replace(load=self._beside + wrench))
-        grows = Open(_FIRST * size / finer, min(_RAY * size, until), beyond, 1.0 / finer)
-        leg = Leg(stepper, self._watch, run, 0, goal, 1.0, grows)
+        grows = Open(_FIRST * size, min(_RAY * size, until), beyond)
+        leg = Leg(stepper, self._watch, run, 0, goal, 1.0, grows, self._accuracy)
         leg.patience = self._patience
         leg.through(pause=True)
-        slid = None if before.slides is None else (before.slides.share, kinds_near(before, before.slides.number))
-        return answered(Followed(spec, section, wrench, run, leg, stepper, limits, at, self._geometry, slid))
+        slid = None
+        if before.slides is not None and before.gives_way is before.slides:
+            shares = before.slipped[before.slides.number] / self._allowed.max_slip
+            slid = before.slides.share, slid_contacts(spec.names, shares)
+        elif before.jump is not None:
+            slid = before.jump.share, (FailureMode(EQUILIBRIUM, OBJECT),)
+        found = Followed(
+            spec, section, wrench, run, leg, stepper, limits, at, self._geometry, slid, self._allowed.max_slip
+        )  # fmt: skip
+        return replace(answered(found), accuracy=max(run.errors))
 
 
 def up_to_the_first(
@@ -130,32 +164,6 @@ def _bounds(loads: Sequence[tuple[Before, Array]]) -> Array:
         its = [k for k, (one, _) in enumerate(loads) if one is before]
         bound[its] = before.bounds(np.stack([loads[k][1] for k in its]))
     return bound
-
-
-def accurate_limit(
-    spec: GraspSpec, section: Section, wrench: Array, most: tuple[float, float], geometry: str, accuracy: float | None
-) -> LoadLimit:
-    """With twice as many steps until the factor changes by no more than `accuracy`, relative, or no more are tried; its
-    `accuracy` is the last change. None: with as many steps as usual.
-    """
-    if accuracy is None:
-        return followed_limit(spec, section, wrench, most, geometry)
-
-    def apart(last: LoadLimit, found: LoadLimit) -> float:
-        if found.factor == last.factor:  # such as infinite, or 0
-            return 0.0
-        return abs(found.factor - last.factor) / max(found.factor, last.factor)
-
-    def answer(times: int) -> LoadLimit:
-        return followed_limit(spec, section, wrench, most, geometry, float(times))
-
-    found, off = refine_until_converged(answer, apart, sliding, accuracy)
-    return replace(found, accuracy=off)
-
-
-def sliding(found: LoadLimit) -> int:
-    """How many steps there are from the first slip on: before it a step is exact, however long."""
-    return 0 if found.first_slip is None else int((found.path.factors > found.first_slip).sum())
 
 
 def _as_large(stepper: Stepper, start: State, wrench: Array) -> float:

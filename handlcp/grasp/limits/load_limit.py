@@ -12,14 +12,15 @@ from handlcp.contact.friction import Section
 from handlcp.errors import InputError
 from handlcp.grasp.derivatives.path_sensitivity import PathSensitivity
 from handlcp.grasp.limits.fixed import fixed_limit
-from handlcp.grasp.limits.followed import accurate_limit
+from handlcp.grasp.limits.followed import Allowed, followed_limit
 from handlcp.grasp.limits.result import LoadLimit
 from handlcp.grasp.model import validate
 from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.path.advance import ACCURACY, read_accuracy
 from handlcp.grasp.path.follow import geometry_of
+from handlcp.grasp.path.watch import MAX_SLIP, read_max_slip
 from handlcp.grasp.verify.static_load_bound import static_load_bounds
 from handlcp.progress import track_progress
-from handlcp.refinement import require_accuracy
 
 # ----------------------------------------------------------------
 # What is asked of a load limit: which load, which geometry, how far the object may move.
@@ -65,9 +66,12 @@ def _down(weight: Array) -> str:
     return f" beside the weight, which acts along ({row})"
 
 
-def tolerance(name: str, value: Any) -> float:
-    """How far the object may move, or turn. Raises InputError."""
-    return np.inf if value is None else check_number(name, value, above=0.0)
+def read_allowed(spec: GraspSpec, motion: Any, turn: Any, max_slip: Any) -> Allowed:
+    """What the object may do, as `Grasp.load_limit` takes it. Raises InputError, UnknownName."""
+    most = [
+        np.inf if x is None else check_number(name, x, above=0.0) for name, x in (("motion", motion), ("turn", turn))
+    ]
+    return Allowed(most[0], most[1], read_max_slip(max_slip, spec.names))
 
 
 # ----------------------------------------------------------------
@@ -75,19 +79,19 @@ def tolerance(name: str, value: Any) -> float:
 
 @track_progress("load limit")
 def load_limit(
-    spec: GraspSpec, section: Section, wrench: Any, geometry: Any, motion: Any, turn: Any, accuracy: Any = None
+    spec: GraspSpec, section: Section, wrench: Any, geometry: Any, motion: Any, turn: Any, accuracy: Any = None,
+    max_slip: Any = MAX_SLIP,
 ) -> LoadLimit:  # fmt: skip
     """See `Grasp.load_limit`."""
-    follows, most = is_followed(spec, geometry), (tolerance("motion", motion), tolerance("turn", turn))
-    near = None if accuracy is None else check_number("accuracy", accuracy, above=0.0)
+    follows, allowed = is_followed(spec, geometry), read_allowed(spec, motion, turn, max_slip)
+    near = read_accuracy(accuracy)
     _, load = load_of(spec, wrench)
-    return _Question(spec, section, load, follows, most, near, wrench is None).limit()
+    return _Question(spec, section, load, follows, allowed, near, wrench is None).limit()
 
 
 @dataclass(frozen=True, eq=False)
 class _Question:
-    """What was asked: a load (6,) beside the weight, whether the geometry is followed, motion [m] and turn [rad] that
-    are allowed. own : whether the load is the grasp's own, which grows from nothing; another one grows beside the
+    """What was asked: a load (6,) beside the weight, whether the geometry is followed, what the object may do. own : whether the load is the grasp's own, which grows from nothing; another one grows beside the
     wrench of contacts without a hand. A load limit is pickled as this, and found again.
     """
 
@@ -95,8 +99,8 @@ class _Question:
     section: Section
     wrench: Array
     follows: bool
-    most: tuple[float, float]
-    accuracy: float | None = None
+    allowed: Allowed
+    accuracy: float = ACCURACY
     own: bool = False
 
     def limit(self) -> LoadLimit:
@@ -107,12 +111,8 @@ class _Question:
         """The same of another grasp, or of another load."""
         spec = without_wrench(spec) if self.own else spec
         if self.follows:
-            found = accurate_limit(spec, self.section, wrench, self.most, "followed", self.accuracy)
-        else:
-            found = fixed_limit(spec, self.section, wrench, self.most, self.accuracy)
-        if self.accuracy is not None:
-            require_accuracy(found.accuracy, self.accuracy, "the limit")
-        return found
+            return followed_limit(spec, self.section, wrench, self.allowed, "followed", self.accuracy)
+        return fixed_limit(spec, self.section, wrench, self.allowed, self.accuracy)
 
     def bound(self) -> float:
         """See `LoadLimit.bound`."""

@@ -53,7 +53,7 @@ class PathStatus(IntEnum):
     Lost, where no static state follows: RUNS_AWAY (each iterate ends farther on than the one before), UNSTABLE (a small
         push grows), PUSHED_OUT (by the squeeze), LOOSE (no finger holds the object), NO_FORCES (these fingers create no
         forces that balance the load), TOO_FAR (the object moves farther than a step may), LEAPS (the step jumps over a
-        snap).
+        snap), JUMPS (a loaded object snaps, on a path to its load limit).
     Given up, which is never a limit: STUCK (forces balance the load, and no next state is found), CROSSES (a tendon
         goes over to the other side of a round body), SNAPS (where none is wanted), TOO_MANY_STEPS.
     """
@@ -68,6 +68,7 @@ class PathStatus(IntEnum):
     NO_FORCES = 14
     TOO_FAR = 15
     LEAPS = 16
+    JUMPS = 17
     STUCK = 20
     CROSSES = 21
     SNAPS = 22
@@ -76,7 +77,7 @@ class PathStatus(IntEnum):
     @property
     def is_lost(self) -> bool:
         """Whether the object is lost."""
-        return PathStatus.RUNS_AWAY <= self <= PathStatus.LEAPS
+        return PathStatus.RUNS_AWAY <= self <= PathStatus.JUMPS
 
     @property
     def is_given_up(self) -> bool:

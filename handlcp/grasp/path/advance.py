@@ -1,36 +1,42 @@
 """A grasp driven through its program: quasi-static steps where there are any, a viscous flow where there are none.
 
-A step is predicted from the last two. Where a contact changes its state inside a step, the step ends there: the change
-is located on the contact's margin, by regula falsi. A step without an end is halved; where the shortest has none, or
-where a small push grows, the object moves on at constant load against a vanishing viscosity (`flow`): it comes to rest
-elsewhere, which is one event, or it leaves, and the path ends at the last load with a static state.
+A step is predicted from the last two and corrected by Newton's method (`Stepper`). Its size follows an estimate of its
+error. While nothing slides a step is exact, however long: forces depend on where things are alone. Where contacts
+slide, friction opposes the slip at the end of the step, which is known to first order from the step alone, and to
+second order from the last two (BDF2); the estimate is the difference between the direction that was found and the one
+that the order of the step predicts.
+
+Where a contact changes its state inside a step, the step ends there: the change is located on the contact's margin, by
+regula falsi. A step without an end is halved; where the shortest has none, or where a small push grows, the object
+moves on at constant load against a vanishing viscosity (`flow`): it comes to rest elsewhere, which is one event, or it
+leaves, and the path ends at the last load with a static state.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array
+from handlcp.check import Array, check_number
 from handlcp.grasp.model.status import ContactStatus, PathStatus
 from handlcp.grasp.path.geometry import between
 from handlcp.grasp.path.stability import GROWS, MOVES, REST, STUCK, flow, growing, growth, measured
-from handlcp.grasp.path.state import SLIDES, STICKS, Controls, Failure, Goal, Guess, Run, Slides, Snap, State
+from handlcp.grasp.path.state import SLIDES, STICKS, Controls, Failure, Goal, Guess, Jump, Run, Slides, Snap, State
 from handlcp.grasp.path.step import Stepper
-from handlcp.grasp.path.watch import Rate, Watch, first_change, reached
+from handlcp.grasp.path.watch import Watch, first_change, slip_lengths
 from handlcp.progress import report_progress
-from handlcp.tolerances import MIN_SNAP_DISTANCE, SLIDE_THROUGH_DISTANCE, SNAP_RATIO
+from handlcp.tolerances import MIN_SNAP_DISTANCE, SNAP_RATIO
 
-FINEST = 2.0**-9  # of a step: where one as short as this has no solution, there is none
-_EXACT = 2.0**-16  # of a step: how closely a snap or the last static state is located once there is known to be one
+ACCURACY = 1e-3  # of the largest force: the error of a step, unless something else is asked
+_STAGE_UNIT = 2.0**-3  # of a stage that has an end: in this unit the shortest steps are counted
+FINEST = 2.0**-9  # of that unit: where a step as short as this has no solution, there is none
+_EXACT = 2.0**-16  # of it: how closely a jump or the last static state is located once there is known to be one
 _ALONG = 2.0  # a path is not continued further than this many times its last step
-_TELLS = FINEST  # of a step: shorter ones tell nothing of how fast the object gives way
 _ANEW = 2.0**-3  # times the usual step: the first after a change, which is of first order
-_BEHIND = 0.98  # of a step up to a change: short of it
-_ALONE = 2.0**-4  # of a step: a shorter one without a solution is also tried without a prediction
+_ALONE = 2.0**-4  # of the unit: a shorter step without a solution is also tried without a prediction
 _GROWS = (0.35, 0.05)  # of the load: steps of an open stage where nothing slides, and where something does
 _HALVED = 14  # times a step, where a push begins to grow and where a limit is reached
 _ON = 1e-9  # of a limit: this near to it is at it
@@ -39,6 +45,12 @@ _SAME = 1e-3  # of the contacts' distances: the same place
 _BENDS = 0.5  # of a step: how far from where it was expected it may end
 _AFTER = 4.0  # times the step on which it snapped: the next, where another may follow at once
 _CHAIN = 1.01  # steps between snaps that are one
+_SAFETY, _LEAST_SHARE, _MOST_SHARE = 0.8, 0.1, 3.0  # of the step that the error of the last one suggests
+
+
+def read_accuracy(value: Any) -> float:
+    """The error of a step that is allowed; None: ACCURACY. Raises InputError."""
+    return ACCURACY if value is None else check_number("accuracy", value, above=0.0)
 
 
 class Patience(NamedTuple):
@@ -56,23 +68,23 @@ PATIENT = Patience()
 class Open(NamedTuple):
     """A last stage that goes on beyond its end until something ends it. first : its first step, as a share. most : the
     share at which it is given up: nothing will end it. over : of a state, how far it is beyond a limit that was set, as
-    a share of that limit. coarse : how many times as long as usual later steps are.
+    a share of that limit.
     """
 
     first: float
     most: float
     over: Callable[[State], float]
-    coarse: float = 1.0
 
 
 def advance(
-    stepper: Stepper, watch: Watch, first: Controls, goals: list[Goal], steps: int, patience: Patience = PATIENT
+    stepper: Stepper, watch: Watch, first: Controls, goals: list[Goal], steps: int, accuracy: float = ACCURACY,
+    patience: Patience = PATIENT,
 ) -> Run:  # fmt: skip
-    """Follow every stage in about so many steps, until the end or until the object is lost. first : the controls before
-    anything is done.
+    """Follow every stage in so many steps at least, until the end or until the object is lost. first : the controls
+    before anything is done. accuracy : of a step, as a share of the largest force.
     """
     state = stepper.beginning(first)
-    run = Run([state], [0], [0.0])
+    run = Run.beginning_at(state)
     if stepper.grasp.sags:  # gaps open where fingers give way to their own weight
         settled = stepper.step(state, first)
         if isinstance(settled, Failure):
@@ -80,7 +92,7 @@ def advance(
             return run
         run.states[0] = settled
     for k, goal in enumerate(goals):
-        leg = Leg(stepper, watch, run, k, goal, 1.0 / steps)
+        leg = Leg(stepper, watch, run, k, goal, 1.0 / steps, accuracy=accuracy)
         leg.patience = patience
         if not leg.through():
             break
@@ -88,13 +100,17 @@ def advance(
 
 
 class Leg:
-    """One stage of a run, from its last state on. base : its step, as a share. beyond : for a stage without an end."""
+    """One stage of a run, from its last state on. base : its longest step, as a share. beyond : for a stage without an
+    end. accuracy : as in `advance`.
+    """
 
     def __init__(
-        self, stepper: Stepper, watch: Watch, run: Run, number: int, goal: Goal, base: float, beyond: Open | None = None
-    ) -> None:
+        self, stepper: Stepper, watch: Watch, run: Run, number: int, goal: Goal, base: float, beyond: Open | None = None,
+        accuracy: float = ACCURACY,
+    ) -> None:  # fmt: skip
         self.stepper, self.watch, self.run, self.number, self.goal, self.base = stepper, watch, run, number, goal, base
         self.beyond, self.last, self.patience = beyond, 1.0 if beyond is None else beyond.most, PATIENT
+        self.accuracy, self.unit = accuracy, _STAGE_UNIT if beyond is None else beyond.first
         run.under_way = number
         if beyond is not None:
             self.base = beyond.first
@@ -106,10 +122,11 @@ class Leg:
         self.before: tuple[State, float] | None = None  # the state before the last, and the step between them
         self.calm: tuple[ContactStatus, ...] = ()  # contact states for which a small push that seemed to grow died away
         load, weight = self.goal.end.load != self.begin.load, self.goal.end.weight != self.begin.weight
-        self.rate = Rate(_TELLS * self.base, bool(load.any()) or weight)
+        self.loads = bool(load.any()) or weight  # whether a load changes in the stage
+        self.speed = 0.0  # how fast the object moved in the last step; 0 at the beginning and after a jump
 
     def through(self, pause: bool = False) -> bool:
-        """Whether the end of the stage is reached. pause : stop where the object begins to slide through, too; called
+        """Whether the end of the stage is reached. pause : stop where a contact has slid as far as it may, too; called
         again it goes on from there.
         """
         run = self.run
@@ -147,32 +164,70 @@ class Leg:
         if isinstance(found, Failure):
             return self._failed(state, found, size)
         size, found = self._located(state, found, share, size)
+        error = self._error(state, found, size)
+        if error > self.accuracy and size > FINEST * self.unit:
+            self.step = size * self._suggested(error)
+            return True
         if found.kinds != self.calm and growth(found) > GROWS:
             unstable = found
             size, found, breaks = self._stable(state, found, share, size)
             if breaks:
                 return self._breaks(found, share + size, found if measured(found) else unstable)
         if self.beyond is not None and self.beyond.over(found) > 0.0:
-            size, found = self._limit(state, found, share, size)
-            self._add(found, share + size)
+            size, found = self._crossing(state, found, share, size, self.beyond.over)
+            self._add(found, share + size, error)
             return run.ends(PathStatus.LIMIT)
-        self._slides(state, found, share, size)
+        slides = self.loads and run.slides is None and self._slid_too_far(found) > 0.0
+        if slides:
+            size, found = self._crossing(state, found, share, size, self._slid_too_far)
+        self.speed = self.stepper.far(state.where.pose, found.where.pose) / size
         self.share = share = share + size
-        happens = self._add(found, share)
+        happens = self._add(found, share, error)
+        if slides:
+            run.slides = Slides(self.number, share, len(run.states) - 1)
         if state.loaded and not found.loaded and not found.controls.kept:
             return run.ends(PathStatus.LOOSE)
         self.before = None if happens else (state, size)
-        self.step = self._following(share, found, np.inf if happens else size * (1.0 if self.failed else 2.0), size)
+        most = np.inf if happens else size * (1.0 if self.failed else self._suggested(error))
+        self.step = self._following(share, found, most, size)
         self.failed = False
         return True
+
+    def _slid_too_far(self, state: State) -> float:
+        """How much farther than it may a contact has slid at the end of a step to this state, as a share."""
+        return float(((self.run.slipped[-1] + slip_lengths(state)) / self.watch.max_slip).max(initial=0.0)) - 1.0
+
+    def _suggested(self, error: float) -> float:
+        """The share of a step that makes its error what is allowed."""
+        return min(max(_SAFETY * (self.accuracy / max(error, 1e-300)) ** 0.5, _LEAST_SHARE), _MOST_SHARE)
+
+    def _error(self, state: State, found: State, size: float) -> float:
+        """Estimated error of the forces at the end of a step, as a share of the largest: friction opposes the slip at
+        the end, whose direction is known to second order.
+        """
+        if not found.slides or not found.loaded:
+            return 0.0
+        now, last = self.stepper.friction_shares(found), self.stepper.friction_shares(state)
+        slid = np.array([a == SLIDES == b for a, b in zip(state.kinds, found.kinds, strict=True)])
+        slid &= ~self.stepper.on_same_face(now, last)
+        turned = now - last
+        angle = np.sqrt((turned * turned).sum(axis=1))
+        error = 0.5 * angle**2
+        if self.before is not None:
+            earlier, before = self.before
+            bends = turned - size / before * (last - self.stepper.friction_shares(earlier))
+            error = np.sqrt((bends * bends).sum(axis=1)) / 3.0 + angle**3 / 4.0
+        weights = self.stepper.friction * found.read.forces[:, 2]
+        size_of = float(abs(found.read.forces).max(initial=1e-300))
+        return float((error * slid * weights).max(initial=0.0)) / size_of
 
     def _following(self, share: float, found: State, most: float, size: float) -> float:
         """The step after one of this size. Of an open stage it grows with the load, the faster where nothing slides."""
         if share >= self.ends:
             self.ends = np.inf
         if self.ends < np.inf:
-            return max(0.5 * size, _EXACT * self.base)
-        grows = 0.0 if self.beyond is None else self.beyond.coarse * _GROWS[found.slides]
+            return max(0.5 * size, _EXACT * self.unit)
+        grows = 0.0 if self.beyond is None else _GROWS[found.slides]
         step = max(self.base, grows * share)
         if self.before is None and found.slides:
             step *= _ANEW
@@ -184,29 +239,27 @@ class Leg:
         """
         share, known = self.share, self.ends < np.inf
         self.failed = True
-        if size > (_EXACT if known else FINEST) * self.base:
+        if size > (_EXACT if known else FINEST) * self.unit:
             self.step = size / 2.0
             return True
-        if known and self.then != STUCK and self._gives_way(state):
-            return True  # `through` may pause where the object slides through
+        if known and self.then != STUCK and self._jumps(state):
+            return self.run.ends(PathStatus.JUMPS)
         if known and self.then != MOVES:
             return self._over(self.then, why)
         until, near = self.ends if known else share + size, np.inf
-        if not known and self._may_slide(state):  # where it comes to rest is asked once the snap is located exactly
-            near = max(self._no_snap(size), SLIDE_THROUGH_DISTANCE - self.rate.beyond)
+        if not known and self._may_jump(state):  # where it comes to rest is asked once the jump is located exactly
+            near = self._no_snap(size)
         end, how = flow(self.stepper, state, self.controls(until), None, near)
         snapped = how not in (MOVES, STUCK) and self._snapped(state, end, share, until, how == REST, ())
         if how != REST:
             self.ends, self.then, self.step = until, how, size / 2.0
             return not known or self._over(how, why)
+        if snapped and self._jumps(state):
+            return self.run.ends(PathStatus.JUMPS)
         self.share, self.ends = until, np.inf
         self._add(end, until)
-        self.step, self.before = min(_AFTER * FINEST * self.base, self.base), None
-        far = self.stepper.far(state.where.pose, end.where.pose)
-        if snapped:
-            self.rate.snaps(far)
-        else:
-            self.rate.last = far / (until - share)
+        self.step, self.before = min(_AFTER * FINEST * self.unit, self.base), None
+        self.speed = 0.0 if snapped else self.stepper.far(state.where.pose, end.where.pose) / (until - share)
         return True
 
     def _over(self, how: str, why: Failure) -> bool:
@@ -219,14 +272,14 @@ class Leg:
         """Whether the step may have jumped over a snap: it ends much farther away than the last step did, or far from
         where the last two led. Without a last step: whether its half ends far from its middle.
         """
-        last, far = self.rate.last, self.stepper.far(state.where.pose, found.where.pose)
+        last, far = self.speed, self.stepper.far(state.where.pose, found.where.pose)
         if last > 0.0 and far > self._no_snap(size):
             return True
         if far <= MIN_SNAP_DISTANCE:
             return False
         if self.before is not None:
             expected = _further(self.stepper, self.before[0], state, min(size / self.before[1], _ALONG))
-        elif size <= 2.0 * FINEST * self.base:
+        elif size <= 2.0 * FINEST * self.unit:
             return False
         else:
             expected, half = _part(self.stepper, state, found, 0.5), self._at(state, found, share, size, 0.5)
@@ -254,8 +307,8 @@ class Leg:
         controls, guess = self.controls(share + size), None
         if self.before is not None:
             guess = _further(self.stepper, self.before[0], state, min(size / self.before[1], _ALONG))
-        found = self._second(state, controls, guess, size) or self.stepper.step(state, controls, guess)
-        if isinstance(found, Failure) and guess is not None and size < _ALONE * self.base:
+        found = self._second(state, controls, guess, size) or self._first(state, controls, guess)
+        if isinstance(found, Failure) and guess is not None and size < _ALONE * self.unit:
             found = self.stepper.step(state, controls)
         if isinstance(found, Failure) and not state.loaded:
             found = self.stepper.untouched(state, controls)
@@ -269,7 +322,7 @@ class Leg:
         """Whether all solvers are asked for a step that Newton's method does not solve: where contacts stay where they
         are it is one solve however long the step is, elsewhere only once no shorter step has a solution.
         """
-        return self.ends == np.inf and (size <= FINEST * self.base or not self.stepper.geometry.follows)
+        return self.ends == np.inf and (size <= FINEST * self.unit or not self.stepper.geometry.follows)
 
     def _second(self, state: State, controls: Controls, guess: Guess | None, size: float) -> State | None:
         """A step of second order: friction opposes the slip at its end, as a parabola through the last two steps has it
@@ -285,10 +338,28 @@ class Leg:
             return None
         return found
 
+    def _first(self, state: State, controls: Controls, guess: Guess | None) -> State | Failure:
+        """A step after a change, where the last two say nothing. Friction is continuous there: slip begins along where
+        friction pushes, and ends along where it pushes then; of both its way is the mean (trapezoidal rule).
+        """
+        found = self.stepper.step(state, controls, guess)
+        if isinstance(found, Failure) or not (state.slides and found.slides) or self.beyond_face(state, found):
+            return found
+        push = self.stepper.friction_shares(state)
+        slides = np.array([a == SLIDES == b for a, b in zip(state.kinds, found.kinds, strict=True)])
+        past = 0.5 * self.stepper.slip_toward(-push, found) * slides[:, None]
+        better = self.stepper.step(state, controls, _part(self.stepper, found, found, 1.0), None, 1.0, past)
+        return found if isinstance(better, Failure) or better.kinds != found.kinds else better
+
+    def beyond_face(self, state: State, found: State) -> bool:
+        """Whether no contact's direction of slip can turn in a step: friction sets have flat faces."""
+        shares = self.stepper.friction_shares
+        return bool(self.stepper.on_same_face(shares(state), shares(found)).all())
+
     def _at(self, state: State, found: State, share: float, size: float, part: float) -> State | Failure:
         """The state at a part of a step that is known to have a solution."""
         controls, guess = self.controls(share + part * size), _part(self.stepper, state, found, part)
-        return self._second(state, controls, guess, part * size) or self.stepper.step(state, controls, guess)
+        return self._second(state, controls, guess, part * size) or self._first(state, controls, guess)
 
     def _located(self, state: State, found: State, share: float, size: float) -> tuple[float, State]:
         """The step up to where the first contact changes its state in it, or all of it."""
@@ -319,18 +390,17 @@ class Leg:
         """Whether the path goes on: the object, pushed a little under slightly more load, comes to rest elsewhere. It
         is pushed in the motion that grows in the state `grows`, in which that was measured.
         """
+        run = self.run
         if share > self.share:
             self._add(state, share)
             self.share = share
-        more = min(share + 2.0**-_HALVED * self.base, self.last)
-        motion, near = self._growing(grows), np.inf
-        if self._may_slide(state):
-            near = max(self._no_snap(more - share), SLIDE_THROUGH_DISTANCE - self.rate.beyond)
+        more = min(share + 2.0**-_HALVED * self.unit, self.last)
+        motion = self._growing(grows)
+        near = self._no_snap(more - share) if self._may_jump(state) and self.beyond is not None else np.inf
         end, how = flow(self.stepper, state, self.controls(more), self._push(state, motion), near)
-        if how != REST and self._gives_way(state):
-            return True  # `through` may pause here; where it goes on, the object is followed on to wherever it comes
-        if how != STUCK:
-            self._snapped(state, end, share, more, how == REST, tuple(motion.tolist()))
+        if how != STUCK and self._snapped(state, end, share, more, how == REST, tuple(motion.tolist())):
+            if self._jumps(state):
+                return run.ends(PathStatus.JUMPS)
         if how == REST:
             self._add(end, more)
             self.share = more
@@ -348,7 +418,7 @@ class Leg:
 
     def _no_snap(self, size: float) -> float:
         """How far the object may go in such a step without a snap, as a share of the contacts' distances."""
-        return MIN_SNAP_DISTANCE + SNAP_RATIO * self.rate.last * size
+        return MIN_SNAP_DISTANCE + SNAP_RATIO * self.speed * size
 
     def _snapped(
         self, state: State, end: State, share: float, until: float, rests: bool, pushed: tuple[float, ...]
@@ -362,34 +432,34 @@ class Leg:
         if rests and distance / self.stepper.length + turn < self._no_snap(until - share):
             return False
         last = run.snaps[-1] if run.snaps else None
-        if last is not None and last.stage == self.number and share - last.until <= _CHAIN * self.base:
+        if last is not None and last.stage == self.number and share - last.until <= _CHAIN * self.unit:
             distance, turn, share = distance + last.moved, turn + last.turned, last.share
             pushed = last.pushed or pushed
             run.snaps.pop()
         run.snaps.append(Snap(self.number, share, until, distance, turn, rests, pushed))
         return True
 
-    def _may_slide(self, state: State) -> bool:
-        """Whether the object may begin to slide through, and has not yet."""
-        return state.loaded and self.rate.loads and self.run.slides is None
+    def _may_jump(self, state: State) -> bool:
+        """Whether the object is loaded, and has not jumped yet."""
+        return state.loaded and self.loads and self.run.jump is None
 
-    def _gives_way(self, state: State) -> bool:
-        """Note that the object begins to slide through here, at the last state before a snap; whether it does."""
-        may = self._may_slide(state)
-        if may:
-            self.run.slides = Slides(self.number, self.share, len(self.run.states) - 1)
-        return may
+    def _jumps(self, state: State) -> bool:
+        """Note that a loaded object jumps here; whether that ends the path, as it does one to a load limit."""
+        if self._may_jump(state):
+            self.run.jump = Jump(self.number, self.share, len(self.run.states) - 1)
+        return self.beyond is not None and self.run.jump is not None
 
-    def _limit(self, state: State, found: State, share: float, size: float) -> tuple[float, State]:
-        """The step up to a limit that was set, by regula falsi."""
-        assert self.beyond is not None
-        low, high, a, b, best = 0.0, 1.0, self.beyond.over(state), self.beyond.over(found), found
+    def _crossing(
+        self, state: State, found: State, share: float, size: float, over: Callable[[State], float]
+    ) -> tuple[float, State]:
+        """The step up to where a function of its end, negative at its beginning, is zero, by regula falsi."""
+        low, high, a, b, best = 0.0, 1.0, min(over(state), -_ON), over(found), found
         for _ in range(_HALVED):
             part = low + (high - low) * min(max(-a / (b - a), 0.02), 0.98) if b > a else 0.5 * (low + high)
             at = self._at(state, found, share, size, part)
             if isinstance(at, Failure):
                 break
-            value = self.beyond.over(at)
+            value = over(at)
             if value > 0.0:
                 high, b = part, value
             else:
@@ -399,43 +469,13 @@ class Leg:
                 break
         return low * size, best
 
-    def _slides(self, state: State, found: State, share: float, size: float) -> None:
-        """Note how fast the object gives way in a step that begins at a share, and whether it begins to slide through
-        in it.
-        """
-        rate, far = self.rate, self.stepper.far(state.where.pose, found.where.pose)
-        at_rest = rate.last == 0.0  # where an object that snapped rests, everything sticks
-        stuck, sticks = STICKS in state.kinds and not at_rest, STICKS in found.kinds
-        rate.last = now = far / size
-        if not rate.loads or not found.loaded or not state.loaded:
-            return
-        if (sticks and stuck) or rate.stuck == 0.0:
-            rate.sticks(now, size)
-        elif not sticks and self.run.slides is None and not (stuck and self._stays(state, found, share, size)):
-            part = rate.runs(now, size)
-            if part is not None:
-                self.run.slides = Slides(self.number, share + part * size, len(self.run.states) - 1)
-
-    def _stays(self, state: State, found: State, share: float, size: float) -> bool:
-        """Whether something sticks during most of a step at whose end nothing does. Then the rate at which the object
-        gives way there is noted.
-        """
-        middle, last = [self._at(state, found, share, size, part) for part in (0.5, _BEHIND)]
-        if isinstance(last, Failure) or STICKS not in last.kinds:
-            return False
-        if isinstance(middle, State):
-            far = self.stepper.far
-            first = far(state.where.pose, middle.where.pose) / (0.5 * size)
-            second = far(middle.where.pose, last.where.pose) / ((_BEHIND - 0.5) * size)
-            self.rate.sticks(reached(first, second, 0.25, 0.5 * (0.5 + _BEHIND)), size)
-        return True
-
-    def _add(self, found: State, share: float) -> bool:
-        """Whether anything happens on the way to this state."""
+    def _add(self, found: State, share: float, error: float = 0.0) -> bool:
+        """Whether anything happens on the way to this state. error : of the step, estimated."""
         run = self.run
         events = self.watch.events(run.states[-1], found, self.goal.name, self.number, share)
         run.events += events
-        run.add(found, self.number, share)
+        slipped = run.slipped[-1] + slip_lengths(found) if self.loads else run.slipped[-1]
+        run.add(found, self.number, share, slipped, error)
         return bool(events)
 
     def _pushed_out(self) -> bool:

@@ -19,25 +19,24 @@ from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.derivatives.path_sensitivity import PathSensitivity
 from handlcp.grasp.effects.joint_offset import find_command
 from handlcp.grasp.failure.failure_mode import OBJECT, find_exceeded, state_limits
-from handlcp.grasp.failure.failure_text import describe_load_share, explain_giving_up, explain_loss
+from handlcp.grasp.failure.failure_text import describe_load_share, describe_slip, explain_giving_up, explain_loss
 from handlcp.grasp.model.contact import cross_rows
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.status import PathStatus
-from handlcp.grasp.path.advance import PATIENT, Patience, advance
+from handlcp.grasp.path.advance import PATIENT, Patience, advance, read_accuracy
 from handlcp.grasp.path.events import Event, Summary, summary
 from handlcp.grasp.path.geometry import FixedGeometry, Geometry
-from handlcp.grasp.path.state import Controls, Goal, Run, Slides, State, read_stages
+from handlcp.grasp.path.state import Controls, Goal, Jump, Run, Slides, State, read_stages
 from handlcp.grasp.path.step import Stepper
 from handlcp.grasp.path.step_grasp import StepGrasp
 from handlcp.grasp.path.trajectory import Steps
-from handlcp.grasp.path.watch import watch_of
+from handlcp.grasp.path.watch import MAX_SLIP, is_at_max_slip, read_max_slip, watch_of
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solution.verdict import HELD, NOT_HELD, OVER_LIMIT, UNDECIDED
 from handlcp.grasp.solve.solve_spec import certify_known_answer, solve_spec
 from handlcp.lazy_property import lazy_property
 from handlcp.progress import track_progress
 from handlcp.record import Record, make_data_frame, package_versions, pick_entries
-from handlcp.refinement import refine_until_converged, require_accuracy
 from handlcp.words import wrap_text
 
 _COARSER = 100.0  # times as wide as differences of one solve are those of whole paths, whose steps limit them
@@ -53,8 +52,10 @@ class Loading(Record):
     place on the way: `held` says whether the object is held. lost_at : share of the stage that was reached when the
     object was lost, lost_stage : its name; None where it was not. why : one sentence.
     events : in order. steps : every step as arrays. stages : their names. section : of the friction cones. slides :
-    where the object begins to slide through, None: nowhere. outcome : how the path ends. accuracy : estimated relative
-    error of the forces at the end; NaN: not asked for. again : follows another grasp in the same way.
+    where a contact that presses has slid `max_slip` since the load began, jump : where the loaded object snaps; None:
+    nowhere. max_slip (n,) : how far each contact may slide [m]. outcome : how the path ends. accuracy : estimated error
+    of the forces, the largest of a step, as a share of the largest force. again : follows another grasp in the same
+    way.
     """
 
     entries = (
@@ -78,16 +79,30 @@ class Loading(Record):
     stages: tuple[str, ...]
     section: Section
     slides: Slides | None = None
+    jump: Jump | None = None
+    max_slip: Array = field(default_factory=lambda: np.zeros(0))
     outcome: PathStatus = PathStatus.REACHED
     accuracy: float = np.nan
     again: Callable[[GraspSpec], Loading] | None = field(default=None, repr=False)
 
     @property
     def held(self) -> bool:
-        """Whether the end is reached, and the object neither slides through nor snaps under load on the way: how far
-        it would jump is for its inertia to say, not for statics.
+        """Whether the whole load is held: the end is reached, no contact has slid as far as `max_slip` since the load
+        began, the loaded object has not snapped (how far it jumps is for its inertia to say, not for statics), and at
+        the end everything is within its limits.
         """
-        return self.reached and self.slides is None
+        return self.word == HELD
+
+    @property
+    def in_place(self) -> bool:
+        """The same whatever joints and tendons would have to bear."""
+        return self.reached and self.gives_way is None
+
+    @property
+    def gives_way(self) -> Slides | Jump | None:
+        """Where the object begins to leave its place: a contact has slid too far, or it snaps; None: nowhere."""
+        found = [one for one in (self.slides, self.jump) if one is not None]
+        return min(found, key=lambda one: (one.stage, one.share), default=None)
 
     @property
     def word(self) -> str:
@@ -96,22 +111,30 @@ class Loading(Record):
         """
         if self.outcome.is_given_up:
             return UNDECIDED
-        return NOT_HELD if not self.held else OVER_LIMIT if self._over else HELD
+        return NOT_HELD if not self.in_place else OVER_LIMIT if self._over else HELD
 
     @property
     def sentence(self) -> str:
-        """What stands behind the word: `why`, and what is over its limit at the end; where the object slides through or
-        snaps although the end is reached, that, and from where on.
+        """What stands behind the word: `why`, and what is over its limit at the end; where a contact slides too far or
+        the object snaps although the end is reached, that, and from where on.
         """
         if not self.reached:
             return self.why
-        if self.slides is None:
+        gives_way = self.gives_way
+        if gives_way is None:
             return "; ".join(
                 [self.why, *([f"over the limit there: {words.list_names(self._over)}"] if self._over else [])]
             )
-        does = "snaps to another place" if any(e.kind == "snaps" for e in self.events) else "slides through"
-        at = f"{words.format_percent(self.slides.share)} of stage {self.stages[self.slides.stage]!r}"
-        return f"the object {does} from {at} on; loaded slowly, it {self.why} all the same"
+        does = "the object snaps to another place" if gives_way is self.jump else self.slid_too_far
+        at = f"{words.format_percent(gives_way.share)} of stage {self.stages[gives_way.stage]!r}"
+        return f"{does} at {at}; loaded slowly, it {self.why} all the same"
+
+    @property
+    def slid_too_far(self) -> str:
+        """Which contacts slide too far first, in words; "" for none."""
+        if self.slides is None:
+            return ""
+        return describe_slip(self.steps.names, self.steps.slipped[self.slides.number], self.max_slip)
 
     @property
     def _over(self) -> list[str]:
@@ -123,8 +146,8 @@ class Loading(Record):
     @property
     def held_to(self) -> float:
         """Share of the last stage that was begun up to which the object is held; 1 at the end."""
-        if self.slides is not None and self.slides.stage == int(self.steps.stage[-1]):
-            return self.slides.share
+        if (gives_way := self.gives_way) is not None and gives_way.stage == int(self.steps.stage[-1]):
+            return gives_way.share
         return 1.0 if self.lost_at is None else self.lost_at
 
     @property
@@ -256,60 +279,29 @@ def solution_of(grasp: StepGrasp, state: State, section: Section) -> GraspSoluti
 @track_progress("following the loading")
 def follow(
     spec: GraspSpec, section: Section, load: Any, order: Any, geometry: Any, steps: Any, tolerance: Any,
-    accuracy: Any = None, patience: Patience = PATIENT,
+    accuracy: Any = None, max_slip: Any = MAX_SLIP, patience: Patience = PATIENT,
 ) -> Loading:  # fmt: skip
     """See `Grasp.follow`. patience : as in `advance`."""
-    if accuracy is not None:
-        return _accurate(
-            spec, section, load, order, geometry, steps, tolerance, check_number("accuracy", accuracy, above=0.0)
-        )
-    body = geometry_of(spec, geometry)
+    near = read_accuracy(accuracy)
+    watch = watch_of(spec, body := geometry_of(spec, geometry), read_max_slip(max_slip, spec.names))
     count = check_integer("steps", steps, 1)
     limit = TOLERANCE if tolerance is None else check_number("tolerance", tolerance, above=0.0)
     first, goals, stepper = begun(spec, section, body, limit, order, load)
-    run = advance(stepper, watch_of(spec, body), first, goals, count, patience)
+    run = advance(stepper, watch, first, goals, count, near, patience)
 
     beside = beside_weight(spec, stepper) - spec.wrench if load is None else None
-    again = partial(_again, beside, load, section, order, geometry, steps, tolerance)
-    return replace(loading_of(run, goals, stepper, section), again=again)
-
-
-def _accurate(
-    spec: GraspSpec, section: Section, load: Any, order: Any, geometry: Any, steps: Any, tolerance: Any,
-    accuracy: float,
-) -> Loading:  # fmt: skip
-    """With twice as many steps until the forces at the end change by no more than `accuracy`."""
-    count = check_integer("steps", steps, 1)
-
-    def answer(times: int) -> Loading:
-        return follow(spec, section, load, order, geometry, times * count, tolerance)
-
-    found, off = refine_until_converged(answer, _apart, sliding, accuracy)
-    require_accuracy(off, accuracy, "the end")
-    return replace(found, accuracy=off)
-
-
-def sliding(found: Loading) -> int:
-    """How many steps there are in which a contact slides: elsewhere a step is exact, however long."""
-    return sum([s.slides for s in found.steps.states])
-
-
-def _apart(last: Loading, found: Loading) -> float:
-    """Of the forces at the end, or of the load at which both are lost; infinite where they end differently."""
-    a, b = last.steps.forces[-1], found.steps.forces[-1]
-    if last.reached and found.reached:
-        return float(abs(a - b).max() / max(float(abs(b).max()), 1e-300))
-    if last.lost_stage == found.lost_stage and last.lost_at is not None and found.lost_at is not None:
-        return abs(last.lost_at - found.lost_at) / max(last.lost_at, found.lost_at, 1e-300)
-    return np.inf
+    again = partial(_again, beside, load, section, order, geometry, (steps, tolerance, accuracy, max_slip))
+    return replace(loading_of(run, goals, stepper, section, watch.max_slip), again=again)
 
 
 def _again(
-    beside: Array | None, load: Any, section: Section, order: Any, geometry: Any, steps: Any, tolerance: Any,
+    beside: Array | None, load: Any, section: Section, order: Any, geometry: Any, options: tuple[Any, ...],
     other: GraspSpec,
 ) -> Loading:  # fmt: skip
-    """Another grasp followed in the same way; beside (6,) : from its own load to that beside the weight."""
-    return follow(other, section, load if beside is None else beside + other.wrench, order, geometry, steps, tolerance)
+    """Another grasp followed in the same way; beside (6,) : from its own load to that beside the weight. options : the
+    other arguments of `follow`.
+    """
+    return follow(other, section, load if beside is None else beside + other.wrench, order, geometry, *options)
 
 
 def beside_weight(spec: GraspSpec, stepper: Stepper) -> Array:
@@ -351,20 +343,30 @@ def geometry_of(spec: GraspSpec, asked: Any) -> Geometry:
     return FixedGeometry(spec) if moving is None else moving
 
 
-def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) -> Loading:
-    """What became of a grasp, from a run of these stages."""
+def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section, max_slip: Array) -> Loading:
+    """What became of a grasp, from a run of these stages. max_slip (n,) : as in `Watch`."""
     spec = stepper.grasp.spec
     events, lost = list(run.events), run.status != PathStatus.REACHED
     number = run.under_way
     share = run.shares[-1] if number == run.stages[-1] else 0.0  # no state of this stage was found
     stage = goals[number].name if goals else None
-    steps = Steps(np.array(run.stages), read_only(np.array(run.shares)), spec.names, tuple(run.states), stepper.grasp)
+    steps = Steps(
+        np.array(run.stages),
+        read_only(np.array(run.shares)),
+        spec.names,
+        tuple(run.states),
+        stepper.grasp,
+        np.array(run.slipped),
+    )
     for snap in run.snaps:
         if snap.rests:
             at = goals[snap.stage].name, snap.share, snap.stage
             events.append(Event("snaps", OBJECT, *at, snap.moved, snap.turned, snap.pushed))
     if run.slides is not None:
-        events.append(Event("slides through", OBJECT, goals[run.slides.stage].name, run.slides.share, run.slides.stage))
+        stage = goals[run.slides.stage].name
+        for k in np.flatnonzero(is_at_max_slip(run.slipped[run.slides.number], max_slip)).tolist():
+            events.append(Event("slides", spec.names[k], stage, run.slides.share, run.slides.stage))
+        stage = goals[number].name
     events.sort(key=lambda e: (e.number, e.share))
     last = run.states[-1]
     if run.status.is_given_up:
@@ -387,5 +389,5 @@ def loading_of(run: Run, goals: list[Goal], stepper: Stepper, section: Section) 
     names = tuple([g.name for g in goals])
     return Loading(
         not lost, share if lost else None, stage if lost else None, sentence, tuple(events), steps, names, section,
-        run.slides, run.status,
+        run.slides, run.jump, max_slip, run.status, max(run.errors, default=0.0),
     )  # fmt: skip

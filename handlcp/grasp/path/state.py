@@ -271,8 +271,18 @@ class Snap(NamedTuple):
 
 
 class Slides(NamedTuple):
-    """Where the object begins to slide through: no contact that presses sticks any more, and it has gone too far
-    (`path/watch`), or it snaps. stage, share : where. number : of the last state before.
+    """Where a contact that presses has first slid as far as it may since the load began. stage, share : where. number :
+    of the state there.
+    """
+
+    stage: int
+    share: float
+    number: int
+
+
+class Jump(NamedTuple):
+    """Where a loaded object first has no static state to go on to: it snaps, or is lost. stage, share : where. number :
+    of the last state before.
     """
 
     stage: int
@@ -282,35 +292,53 @@ class Slides(NamedTuple):
 
 @dataclass(slots=True)
 class Run:
-    """states, stages (number of the stage) and shares of all steps, the state before anything included; events; snaps;
-    slides : where the object begins to slide through, None: nowhere; under_way : the number of the stage that was begun
-    last; status : how it ends; who : the tendon that crosses a body there, in words.
+    """states, stages (number of the stage) and shares of all steps, the state before anything included; slipped (n,) of
+    each : how far contacts have slid since the load began, the length of the way [m]; errors of each step : estimated,
+    relative, of the forces; events; snaps; slides, jump : the first of each, None: nowhere; under_way : the number of
+    the stage that was begun last; status : how it ends; who : the tendon that crosses a body there, in words.
     """
 
     states: list[State]
     stages: list[int]
     shares: list[float]
+    slipped: list[Array] = field(default_factory=list)
+    errors: list[float] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
     snaps: list[Snap] = field(default_factory=list)
     slides: Slides | None = None
+    jump: Jump | None = None
     under_way: int = 0
     status: PathStatus = PathStatus.REACHED
     who: str = ""
+
+    @classmethod
+    def beginning_at(cls, state: State, slipped: Array | None = None) -> Run:
+        """A run of no step yet. slipped (n,) : before it; None: not at all."""
+        return cls([state], [0], [0.0], [np.zeros(len(state.kinds)) if slipped is None else slipped], [0.0])
+
+    @property
+    def gives_way(self) -> Slides | Jump | None:
+        """Where the object begins to leave its place, the first of both; None: nowhere."""
+        found = [one for one in (self.slides, self.jump) if one is not None]
+        return min(found, key=lambda one: (one.stage, one.share), default=None)
 
     def back_to(self, count: int) -> None:
         """Without the states after so many, and what happens on the way to them."""
         end, last = (self.stages[count - 1], self.shares[count - 1]), len(self.states) - count
         if not last:
             return
-        del self.states[-last:], self.stages[-last:], self.shares[-last:]
+        for entries in (self.states, self.stages, self.shares, self.slipped, self.errors):
+            del entries[-last:]
         self.events = [e for e in self.events if (e.number, e.share) <= end]
         self.snaps = [s for s in self.snaps if (s.stage, s.share) < end]
 
-    def add(self, state: State, stage: int, share: float) -> None:
+    def add(self, state: State, stage: int, share: float, slipped: Array, error: float) -> None:
         """One more step."""
         self.states.append(state)
         self.stages.append(stage)
         self.shares.append(share)
+        self.slipped.append(slipped)
+        self.errors.append(error)
 
     def ends(self, status: PathStatus, who: str = "") -> bool:
         """Note how the path ends before its program is finished. Returns False."""

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, read_only
+from handlcp.check import Array, Bools, read_only
 from handlcp.contact.friction import Section
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.status import PathStatus, shown_statuses
@@ -283,6 +283,46 @@ class Stepper:
         x, y, z, p, q, r = (self._damper * self.between(a, b)).tolist()
         size = math.sqrt(x * x + y * y + z * z + (p * p + q * q + r * r) / self.length**2)
         return size / self.slow / max(float(forces[:, 2].sum()), 1e-9 * self.stiffness * self.length)
+
+    def on_same_face(self, a: Array, b: Array) -> Bools:
+        """(n,) whether friction, as `friction_shares` has it, lies on one flat face, on which slip does not turn."""
+        if self.section.faces == 0:
+            return np.zeros(len(a), dtype=bool)
+        if self.section.faces == 2:
+            return np.ones(len(a), dtype=bool)
+        normals = self.laws.pattern.normals
+        return np.asarray((a @ normals.T).argmax(axis=1) == (b @ normals.T).argmax(axis=1))
+
+    def friction_shares(self, state: State) -> Array:
+        """(n, 3) friction as a share of its limit, along x, y and about z, in coordinates in which the laws are round;
+        zeros where nothing presses.
+        """
+        if not len(state.start):
+            return np.zeros((len(state.kinds), 3))
+        limit = self.friction * state.start[2 : 3 * len(state.kinds) : 3]
+        shares = self._along_tangents(state.start)
+        return np.where(limit[:, None] > 0.0, shares / np.where(limit > 0.0, limit, 1.0)[:, None], 0.0)
+
+    def slip_toward(self, direction: Array, state: State) -> Array:
+        """(n, 3) as long a slip as that of the step to a state, but along `direction` (n, 3), in the coordinates of
+        `friction_shares`; along x and y [m] and about z [rad].
+        """
+        scale = np.ones((len(direction), 3))
+        laws, n = self.laws.laws, len(direction)
+        scale[:, :2] = laws.scale[: 3 * n].reshape(n, 3)[:, :2]
+        scale[laws.soft, 2] = laws.scale[3 * n :]
+        slip = np.column_stack([state.read.motion[:, :2], state.read.spin]) * scale
+        slip[:, 2] *= np.isin(np.arange(n), laws.soft)
+        size = np.sqrt((slip * slip).sum(axis=1) / np.maximum((direction * direction).sum(axis=1), 1e-300))
+        return np.asarray(size[:, None] * direction / scale)
+
+    def _along_tangents(self, start: Array) -> Array:
+        """(n, 3) components of a start along x and y, and about z of soft contacts."""
+        n, laws = len(self.friction), self.laws.laws
+        own = np.zeros((n, 3))
+        own[:, :2] = start[: 3 * n].reshape(n, 3)[:, :2]
+        own[laws.soft, 2] = start[3 * n : 3 * n + len(laws.soft)]
+        return own
 
     def far(self, a: object, b: object) -> float:
         """How far the object has moved from pose a to b, as a share of the contacts' distances from their centre."""

@@ -29,7 +29,8 @@ _NO_FORCE = 1e-6  # of the largest normal force: shares of less are rounding
 class Steps:
     """m steps, the state before anything is loaded first; arrays are made when asked for, and read-only.
 
-    stage (m,) : number of the stage. share (m,) : of the stage. names (n,) : of the contacts.
+    stage (m,) : number of the stage. share (m,) : of the stage. names (n,) : of the contacts. slipped (m, n) : how far
+    contacts that press have slid since the load began, the length of the way [m].
     """
 
     stage: Ints
@@ -37,6 +38,7 @@ class Steps:
     names: tuple[str, ...]
     states: tuple[State, ...]
     grasp: StepGrasp
+    slipped: Array
 
     @property
     def geometry(self) -> Geometry:

@@ -1,29 +1,22 @@
 """What is watched while a grasp is loaded: states of contacts and tendons, limits of torques and tensions, ends of
-joint ranges, and how fast the object gives way.
-
-While something that presses sticks, fingers hold the object. The fastest rate at which it gives way then is compared
-with what comes: once nothing sticks, all that the object moves beyond so many times that rate is added up, and what it
-falls short of that is taken off again; where the sum reaches a limit, the object slides through (`tolerances.py` has
-both numbers). A short burst of speed, as where a contact's slip turns to the next face of its friction pyramid, goes
-nowhere, and does not count.
+joint ranges, and how far contacts have slid.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from handlcp.check import Array, Bools
+from handlcp.check import Array, Bools, NumbersByName
 from handlcp.grasp.failure.failure_mode import StateLimits, is_exceeded, limit_shares, state_limits
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.events import Event
 from handlcp.grasp.path.geometry import Geometry
 from handlcp.grasp.path.state import OPEN, SLIDES, STICKS, Failure, State
 from handlcp.grasp.path.step import Stepper
-from handlcp.tolerances import SLIDE_THROUGH_DISTANCE, SLIDE_THROUGH_SPEEDUP
 
 # ----------------------------------------------------------------
 # Where inside a step a contact changes its state: one root finder on margins.
@@ -108,6 +101,31 @@ def _crossing(low: _Side, high: _Side, changed: Bools) -> float:
 
 
 # ----------------------------------------------------------------
+# How far contacts slide.
+
+MAX_SLIP = 1e-3  # [m] by which a contact may slide, unless something else is said
+_TIED = 1e-3  # of how far it may: contacts that are this near to it have slid as far together
+
+
+def read_max_slip(value: Any, names: tuple[str, ...]) -> Array:
+    """(n,) how far each contact may slide [m], from a number, inf, or numbers by contact. Raises InputError,
+    UnknownName.
+    """
+    return NumbersByName("contact", above=0.0, finite=False, rest=MAX_SLIP).read("max_slip", value, names)
+
+
+def slip_lengths(state: State) -> Array:
+    """(n,) how far contacts that press slid in the step to this state [m]."""
+    slides = np.array([kind == SLIDES for kind in state.kinds])
+    return np.where(slides, np.hypot(state.slid[:, 0], state.slid[:, 1]), 0.0)
+
+
+def is_at_max_slip(slipped: Array, max_slip: Array) -> Bools:
+    """(n,) which contacts have slid as far as they may, or nearly so, where the first has."""
+    return np.asarray(slipped >= (1.0 - _TIED) * max_slip)
+
+
+# ----------------------------------------------------------------
 
 _NEAR = 1e-6  # of the contacts' distances from their centre: fingertips no farther than this touch already
 _BEGINS = ("over limit", "over tension", "slackens", "yields", "range end")
@@ -116,10 +134,13 @@ _ENDS = ("within limit", "within tension", "tightens", "holds", "range")
 
 @dataclass(frozen=True, slots=True)
 class Watch:
-    """limits : of torques and ranges. near : gaps up to this are none [m]."""
+    """limits : of torques and ranges. near : gaps up to this are none [m]. max_slip (n,) : how far each contact may
+    slide [m].
+    """
 
     limits: StateLimits
     near: float
+    max_slip: Array
 
     def events(self, a: State, b: State, stage: str, number: int, share: float) -> list[Event]:
         """What happens from one state to the next."""
@@ -159,48 +180,9 @@ class Watch:
                 yield (begins if now[j] else ends), of[j]
 
 
-def watch_of(spec: GraspSpec, geometry: Geometry) -> Watch:
-    """All contacts and joints of a grasp."""
+def watch_of(spec: GraspSpec, geometry: Geometry, max_slip: Array) -> Watch:
+    """All contacts and joints of a grasp. max_slip (n,) : as in `Watch`."""
     near = _NEAR * float(abs(spec.positions - spec.positions.mean(axis=0)).max(initial=0.0))
-    return Watch(state_limits(spec, ranges=geometry.follows), near)  # elsewhere joints are measured from the posture
-
-
-class Rate:
-    """How fast the object gives way in a stage. least : the shortest step whose rate counts; a shorter one lies between
-    changes that come at one load. loads : whether a load changes in the stage. stuck : the fastest rate while something
-    stuck. last : of the last step; 0 at the beginning and after a snap. beyond : how far the object has gone too far,
-    as `Stepper.far` has it.
-    """
-
-    def __init__(self, least: float, loads: bool) -> None:
-        self.least, self.loads, self.stuck, self.last, self.beyond = least, loads, 0.0, 0.0, 0.0
-
-    def sticks(self, rate: float, size: float) -> None:
-        """Note the rate of a step of this size in which something sticks."""
-        self.beyond = 0.0
-        if size >= self.least:
-            self.stuck = max(self.stuck, rate)
-
-    def runs(self, rate: float, size: float) -> float | None:
-        """Of a step of this size in which nothing sticks: the part at which the object slides through; None: it does
-        not.
-        """
-        more = (rate - SLIDE_THROUGH_SPEEDUP * self.stuck) * size
-        before, self.beyond = self.beyond, max(self.beyond + more, 0.0)
-        return (
-            None
-            if self.beyond < SLIDE_THROUGH_DISTANCE
-            else min(max((SLIDE_THROUGH_DISTANCE - before) / more, 0.0), 1.0)
-        )
-
-    def snaps(self, far: float) -> None:
-        """The object has moved so far at one load."""
-        self.last = 0.0
-        self.beyond += far
-
-
-def reached(first: float, second: float, a: float, b: float) -> float:
-    """The rate at the end of a step, 1, on the exponential through those at a and b; no more than twice the second."""
-    if not 0.0 < first < second:
-        return second
-    return float(second * min((second / first) ** ((1.0 - b) / (b - a)), 2.0))
+    return Watch(
+        state_limits(spec, ranges=geometry.follows), near, max_slip
+    )  # elsewhere joints are measured from the posture

@@ -34,7 +34,8 @@ from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.path.advance import PATIENT, Patience
-from handlcp.grasp.path.follow import Loading, follow, sliding
+from handlcp.grasp.path.follow import Loading, follow
+from handlcp.grasp.path.watch import MAX_SLIP
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solution.verdict import (
     HELD,
@@ -163,8 +164,8 @@ def _holds_within_limits(spec: GraspSpec, section: Section, order: Any) -> bool:
         path = follow(spec, section, None, order, None, _TRIAL_STEPS, None)
     except Unsupported:
         return False
-    if not path.held or spec.mechanism is None:
-        return path.held
+    if not path.in_place or spec.mechanism is None:
+        return path.in_place
     return not find_exceeded(state_limits(spec), path.last.efforts)
 
 
@@ -218,23 +219,23 @@ _REQUESTS = {  # by what is changed
 # ----------------------------------------------------------------
 # The verdict on a grasp: one solve, then the loading followed in steps, then what would help.
 
-# Which another number of steps contradicts
-_PATH_CODES = "no_squeeze", "lost", "slides_through", "no_equilibrium", "not_holdable"
-STEPS_PER_STAGE = 8  # of a stage; where something happens there are more
-_MAX_DOUBLINGS = 2  # how often the number of steps is doubled, where fewer steps end differently
+STEPS_PER_STAGE = 4  # of a stage, at least: their errors decide how many there are
 
 
 @track_progress("checking")
-def check(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution) -> Verdict:
+def check(
+    spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution, max_slip: Any = MAX_SLIP
+) -> Verdict:
     """See `Grasp.check`; solution : one solve of this grasp."""
-    verdict = judge_grasp(spec, scene, section, order, solution)
+    verdict = judge_grasp(spec, scene, section, order, solution, max_slip)
     if verdict.word in (HELD, UNDECIDED) or verdict.about("not_followed"):
         return verdict
     over, holdable = verdict.word == OVER_LIMIT, solution.status is not Status.NOT_HOLDABLE
 
     def of(changed: GraspSpec) -> Verdict:
         built = build_scene(changed)
-        return judge_grasp(changed, built, section, order, solve_spec(changed, section, _QUICK_CHAIN, proof=False))
+        found = solve_spec(changed, section, _QUICK_CHAIN, proof=False)
+        return judge_grasp(changed, built, section, order, found, max_slip)
 
     kinds = ("squeeze",) if verdict.about("no_squeeze") else ()
     return make_verdict(
@@ -243,42 +244,17 @@ def check(spec: GraspSpec, scene: Scene, section: Section, order: Any, solution:
 
 
 def judge_grasp(
-    spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution, patience: Patience = PATIENT
-) -> Verdict:
+    spec: GraspSpec, scene: Scene, section: Section, order: Any, solution: GraspSolution, max_slip: Any = MAX_SLIP,
+    patience: Patience = PATIENT,
+) -> Verdict:  # fmt: skip
     """The same without advice, which takes many times as long where the grasp does not hold. patience : as in
     `advance`.
     """
     try:
-        path, agree = follow_until_agreed(spec, section, order, patience)
+        path = follow(spec, section, None, order, None, STEPS_PER_STAGE, None, None, max_slip, patience)
     except Unsupported as why:
         return make_verdict([*solution.verdict.reasons, make_reason("not_followed", "warning", why=why)])
-    reasons = [*_reasons(spec, scene, section, solution, path)]
-    if not agree:
-        reasons = [r for r in reasons if r.code not in _PATH_CODES]
-        reasons.append(make_reason("steps_differ", "decides"))
-    return make_verdict(reasons, path)
-
-
-def follow_until_agreed(
-    spec: GraspSpec, section: Section, order: Any, patience: Patience = PATIENT
-) -> tuple[Loading, bool]:
-    """The loading in STEPS_PER_STAGE steps a stage, and whether it ends as with half as many. Where it does not, the
-    number is doubled, up to twice. Where nothing slides and nothing happens, half as many steps are exact, and enough.
-    Raises Unsupported.
-    """
-    count = STEPS_PER_STAGE
-    coarse = follow(spec, section, None, order, None, count // 2, None, patience=patience)
-    if coarse.held and not coarse.events and not sliding(coarse):
-        return coarse, True  # such steps are exact, however long
-    path = follow(spec, section, None, order, None, count, None, patience=patience)
-    if path.outcome.is_given_up:
-        return path, True
-    for _ in range(_MAX_DOUBLINGS):
-        if coarse.held == path.held:
-            return path, True
-        count *= 2
-        coarse, path = path, follow(spec, section, None, order, None, count, None, patience=patience)
-    return path, coarse.held == path.held
+    return make_verdict([*_reasons(spec, scene, section, solution, path)], path)
 
 
 def _reasons(
@@ -287,7 +263,7 @@ def _reasons(
     if path.outcome.is_given_up:
         yield make_reason("follow_stopped", "decides", why=path.why)
         return
-    if path.held:
+    if path.in_place:
         yield from reached_reasons(spec, scene, path)
         if solution.held:
             yield from comparison_reasons(solution, path)

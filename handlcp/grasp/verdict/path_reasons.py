@@ -41,22 +41,23 @@ _NAMED_TWIST = 1e-3  # [rad] the same of a soft finger's turn
 def lost_reason(path: Loading) -> Reason:
     """Where the object is lost, and why."""
     values = {"stage": path.lost_stage, "share": path.lost_at, "events": [str(e) for e in path.events]}
-    case = through = ""
+    case = through = slid = ""
     if (slides := path.slides) is not None and slides.share < _NEAR_LOSS_SHARE * (path.lost_at or 0.0):
         values["slides_at"], case, through = slides.share, "after it slides", path.stages[slides.stage]
-    return make_reason("lost", "decides", values, case, why=path.why, through=through)
+        slid = path.slid_too_far
+    return make_reason("lost", "decides", values, case, why=path.why, through=through, slid=slid)
 
 
 def slides_reason(path: Loading) -> Reason:
-    """From which load on the object slides through or snaps, and how far it goes if it is loaded slowly."""
-    slides, steps = path.slides, path.steps
-    assert slides is not None  # the caller saw to it
-    first = max(int((steps.stage < slides.stage).sum()) - 1, 0)  # before the stage
+    """At which load a contact has slid too far, or the object snaps, and how far it goes if it is loaded slowly."""
+    gives_way, steps = path.gives_way, path.steps
+    assert gives_way is not None  # the caller saw to it
+    first = max(int((steps.stage < gives_way.stage).sum()) - 1, 0)  # before the stage
     moved = steps.geometry.between(steps.states[first].where.pose, steps.states[-1].where.pose)
     shift, turn = float(np.linalg.norm(moved[:3])), float(np.linalg.norm(moved[3:]))
-    values = {"stage": path.stages[slides.stage], "share": slides.share, "moved_m": shift, "turned_rad": turn}
-    case = "snaps" if any(e.kind == "snaps" for e in path.events) else ""
-    return make_reason("slides_through", "decides", values, case)
+    values = {"stage": path.stages[gives_way.stage], "share": gives_way.share, "moved_m": shift, "turned_rad": turn}
+    case = "snaps" if gives_way is path.jump else ""
+    return make_reason("slides", "decides", values, case, slid="" if case else path.slid_too_far)
 
 
 def rigid_reasons(spec: GraspSpec) -> Iterator[Reason]:

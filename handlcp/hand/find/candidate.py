@@ -133,7 +133,7 @@ class Candidate(Record):
         if not self.verdict.ok or path is None:
             return False
         finer = follow(self.grasp.spec, section, None, _STAGES, None, 2 * STEPS_PER_STAGE, None)
-        if not finer.held or len(finer.steps.states) <= len(path.steps.states):  # a check may take as many
+        if not finer.in_place or len(finer.steps.states) <= len(path.steps.states):  # a check may take as many
             return False
         end, other = path.displacement.reshape(2, 3), finer.displacement.reshape(2, 3)  # moved [m] and turned [rad]
         return bool((abs(other - end).max(axis=1) <= _ALIKE * abs(end).max(axis=1)).all())

@@ -20,7 +20,7 @@ from handlcp.contact.friction import as_section
 from handlcp.grasp.batch.solve_many import solve_many
 from handlcp.grasp.failure.failure_text import describe_failures
 from handlcp.grasp.limits.directions import AXES
-from handlcp.grasp.limits.followed import Before
+from handlcp.grasp.limits.followed import Before, anything_else
 from handlcp.grasp.path.advance import PATIENT, Patience
 from handlcp.grasp.path.state import STILL
 from handlcp.grasp.solution.solution import GraspSolution
@@ -58,7 +58,7 @@ def followed(grasp: HandGrasp, least: float = 0.0, patience: Patience = PATIENT)
     load = spec.wrench
     beside = load - grasp.mechanism.weight_of_object(spec.reference)
     beside = beside if abs(beside).max() > _NOTHING * abs(load).max() else STILL
-    before = Before(spec, section, (np.inf, np.inf), beside=beside, patience=patience)
+    before = Before(spec, section, anything_else(spec), beside=beside, patience=patience)
     if not before.held:
         return None
     if load.any() and (turned := before.limit(-2.0 * load, until=1.0)).factor < 1.0:

@@ -230,12 +230,12 @@ def shake_grasp(grasp: HandGrasp, shape: str, size: float, down: Array) -> Shake
     begins = int(np.flatnonzero(steps.stage == steps.stage.min())[-1]) if loading.stages[0] == "squeeze" else 0
     shifts = steps.displacement[begins:, :3] - steps.displacement[begins, :3]  # since the hand has closed
     moved, period, says = float(np.linalg.norm(shifts, axis=1).max()), np.nan, loading.why.rstrip(".")
-    if loading.held:  # as on a spring: 2π √(m c), with the compliance c along gravity
+    if loading.in_place:  # as on a spring: 2π √(m c), with the compliance c along gravity
         c = float(down @ loading.solution.sensitivity().displacement_by_wrench[:3, :3] @ down)
         period = float(2.0 * np.pi * np.sqrt(target.mass * max(c, 0.0)))
-    if loading.held and is_exceeded(share):
+    if loading.in_place and is_exceeded(share):
         says += f", but a joint needs {share:.3g} times its limit"
-    elif loading.held and moved > ALLOWED_SLIP:
+    elif loading.in_place and moved > ALLOWED_SLIP:
         says += ", but the object slips too far"
     pull = np.append(_LARGEST_PULL * down, np.zeros(3))
     limit = grasp.replace(mass=0.0, effects=(TorqueSaturation(),)).load_limit(pull)
@@ -243,7 +243,7 @@ def shake_grasp(grasp: HandGrasp, shape: str, size: float, down: Array) -> Shake
         shape=shape,
         size=size,
         mass=target.mass,
-        held=loading.held and moved <= ALLOWED_SLIP and not is_exceeded(share),
+        held=loading.in_place and moved <= ALLOWED_SLIP and not is_exceeded(share),
         says=says,
         moved=moved,
         allowed=ALLOWED_SLIP,

@@ -154,7 +154,7 @@ def check_samples(samples: Sequence[PlacedSample], faces: int | str | Pyramid) -
         one = grasp.solve(faces, throw=False, proof=False)
         verdict = judge_grasp(grasp.spec, grasp.scene, section, ("squeeze", "load"), one)
         codes[k], path = OUTCOME_WORDS.index(verdict.word), verdict.loading
-        end = one if path is None else path.solution if path.held else None
+        end = one if path is None else path.solution if path.in_place else None
         if end is not None and end.held:
             margin[k] = solution_margin(end)
     return SampleOutcomes(codes, margin, again, unplaced, far)

@@ -116,7 +116,7 @@ def path_data(loading: Loading, first: int) -> dict[str, Any]:
         told.append({"frame": end, "where": where, "says": f"lost: {why}", "lost": True})
     ends = [first + _step_at(stage, share, k, 1.0) for k in range(len(loading.stages))]
     stages = [{"name": n, "end": e} for n, e in zip(loading.stages, ends, strict=True)]
-    return {"first": first, "stages": stages, "events": told, "held": loading.held}
+    return {"first": first, "stages": stages, "events": told, "held": loading.in_place}
 
 
 def _step_at(stage: Any, share: Any, number: int, where: float) -> int:

@@ -120,12 +120,13 @@ def onward(
 
 @kernel
 def onward_each(
-    p: Parts, begun: Place, carried: Array, loads: Array, watch: Watch, sets: Sets, length: float, known: Inverse,
-    answers: Array, ends: Ints, points: Array,
+    p: Parts, begun: Place, carried: Array, loads: Array, watch: Watch, sets: Sets, per_slip: Array, slid: Array,
+    known: Inverse, answers: Array, ends: Ints, points: Array, slips: Array,
 ) -> None:  # fmt: skip
     """The paths under each of loads (m, dof), all from the same place. answers (m, 4) : its status, what was watched,
-    its factor, how many events. ends (m, n + f) : `closed` and `active` there. points (m, ·) : where the object begins
-    to slide through, its first entry NaN where it does not; length : as in `slides_at`.
+    its factor, how many events. ends (m, n + f) : `closed` and `active` there. points (m, ·) : where a contact has
+    slid as far as it may, its first entry NaN where none does; slips (m, n) : how far all have slid by then;
+    per_slip, slid : as in `slides_at`.
     """
     log = np.empty((EVENTS, 3))
     path = np.empty((EVENTS, 1 + len(begun.r) + len(begun.u) + len(begun.give)))
@@ -136,7 +137,8 @@ def onward_each(
         known.closed[:], known.yields[:] = closed, yields
         s = _copy(begun)
         status, factor, which, events, count = onward(p, s, loads[a], carried, watch, sets, known, log, path)
-        if not slides_at(p, watch.moves, length, path[:count], points[a]):
+        slips[a] = slid
+        if not slides_at(p, per_slip, slips[a], path[:count], points[a]):
             points[a, 0] = np.nan
         answers[a, 0], answers[a, 1], answers[a, 2], answers[a, 3] = status, which, factor, events
         ends[a, :n] = s.closed

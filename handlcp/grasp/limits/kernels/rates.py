@@ -28,7 +28,6 @@ from handlcp.grasp.limits.kernels.pairs import (
 )
 from handlcp.grasp.limits.kernels.parts import CLOSED, OPEN, OPENS, Inverse, Parts, Place, update
 from handlcp.lcp.kernels.dense import kernel
-from handlcp.tolerances import SLIDE_THROUGH_DISTANCE, SLIDE_THROUGH_SPEEDUP
 
 _MOST = 6  # contacts that touch without force at one place, of which all choices are tried
 _TURNS, _WHOLE, _TURNED = 100, 20, 1e-12
@@ -218,74 +217,45 @@ def _settle(p: Parts, s: Place, closed: Ints, kinds: Ints, index: Ints, gamma: A
 
 
 # ----------------------------------------------------------------
-# Where on a path the object begins to slide through: no contact that presses sticks any more, and the object
-# gives way more than ten times as fast as it did while one stuck, or it jumps. The same rule as on a path in steps
-# (`path/watch`).
+# Where on a path a contact that presses has slid as far as it may.
 
-_STICKS = 1e-6  # of the largest motion at any contact: a smaller one is none
 _PRESSES = 1e-9  # of the largest force
-_NO_LOAD = 3e-6  # of the load: while it grows by less, what sticks cannot be told from what slides
 
 
 @kernel
-def slides_at(p: Parts, moves: Array, length: float, path: Array, point: Array) -> bool:
-    """Whether it does, and write where: a point as `path` (·, 1 + m + dof + k) has them.
+def slides_at(p: Parts, per_slip: Array, slid: Array, path: Array, point: Array) -> bool:
+    """Whether one has, and write where: a point as `path` (·, 1 + m + dof + k) has them.
 
-    moves (6, dof) : the object's motion, SI, of natural unknowns. length [m] : of the contacts from their centre.
+    per_slip (m,) : one over how far each contact may slide, by its tangential components, 0 by others. slid (n,) : how
+    far contacts have slid before, as a share of that; it grows up to the point, or to the end of the path.
     """
-    stuck, beyond, width = 0.0, 0.0, path.shape[1] - 1
-    for a in range(1, len(path)):
-        size, d = path[a, 0] - path[a - 1, 0], np.empty(width)
-        for j in range(width):
-            d[j] = path[a, 1 + j] - path[a - 1, 1 + j]
-        far = _far(p, moves, length, d)
-        if size > _NO_LOAD * abs(path[a, 0]) and (stuck == 0.0 or _something_sticks(p, path[a - 1], path[a], d)):
-            stuck, beyond = max(stuck, far / size), 0.0
-            continue
-        far -= (
-            SLIDE_THROUGH_SPEEDUP * stuck * size
-        )  # of a short step, too: where fingers are soft, the object moves far in it
-        if beyond + far >= SLIDE_THROUGH_DISTANCE:
-            share = max((SLIDE_THROUGH_DISTANCE - beyond) / far, 0.0)
-            for j in range(width + 1):
-                point[j] = path[a - 1, j] + share * (path[a, j] - path[a - 1, j])
-            return True
-        beyond = max(beyond + far, 0.0)
-    return False
-
-
-@kernel
-def _far(p: Parts, moves: Array, length: float, d: Array) -> float:
-    """How far the object moves by d (m + dof + k,), as `Stepper.far` has it."""
-    m, moved = len(p.E), np.zeros(6)
-    for b in range(6):
-        for c in range(len(p.G)):
-            moved[b] += moves[b, c] * d[m + c]
-    x, y = np.sqrt((moved[:3] ** 2).sum()), np.sqrt((moved[3:] ** 2).sum())
-    return float(x / length + y)
-
-
-@kernel
-def _something_sticks(p: Parts, begin: Array, end: Array, d: Array) -> bool:
-    """Whether a contact that presses all the while does not move along its surface."""
     m, dof, k = len(p.E), len(p.G), len(p.rows)
-    v, most, force = np.zeros(m), 0.0, 0.0
-    for i in range(m):
-        for j in range(m):
-            v[i] += p.E[i, j] * d[j]
-        for c in range(dof):
-            v[i] += p.G[c, i] * d[m + c]
-        for b in range(k):
-            v[i] += p.rows[b, i] * d[m + dof + b]
-        most, force = max(most, abs(v[i])), max(force, abs(end[1 + i]))
-    for i in range(len(p.mu)):
-        j = p.contacts[i, 0]
-        if j < 0 or min(begin[1 + j], end[1 + j]) <= _PRESSES * force or p.contacts[i, 1] < 0:
-            continue
-        moves = 0.0
-        for b in range(1, 4):
-            if p.contacts[i, b] >= 0:
-                moves = max(moves, abs(v[p.contacts[i, b]]))
-        if moves <= _STICKS * most:
+    v, more = np.zeros(m), np.zeros(len(slid))
+    for a in range(1, len(path)):
+        d, force, first = path[a] - path[a - 1], 0.0, 1.0
+        for i in range(m):
+            v[i] = 0.0
+            force = max(force, abs(path[a, 1 + i]))
+            for j in range(m):
+                v[i] += p.E[i, j] * d[1 + j]
+            for c in range(dof):
+                v[i] += p.G[c, i] * d[1 + m + c]
+            for b in range(k):
+                v[i] += p.rows[b, i] * d[1 + m + dof + b]
+        for i in range(len(slid)):
+            more[i], j = 0.0, p.contacts[i, 0]
+            if j < 0 or min(path[a - 1, 1 + j], path[a, 1 + j]) <= _PRESSES * force:
+                continue
+            for b in range(1, 4):
+                t = p.contacts[i, b]
+                if t >= 0:
+                    more[i] += (v[t] * per_slip[t]) ** 2
+            more[i] = np.sqrt(more[i])
+            if slid[i] + more[i] >= 1.0:
+                first = min(first, max((1.0 - slid[i]) / more[i], 0.0) if more[i] > 0.0 else 0.0)
+        for i in range(len(slid)):
+            slid[i] += first * more[i]
+        if slid.max() >= 1.0 - _TINY:
+            point[:] = path[a - 1] + first * d
             return True
     return False

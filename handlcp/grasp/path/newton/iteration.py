@@ -49,9 +49,7 @@ def one_iteration(s: Situation, rules: Rules, start: Array, begun: bool, seed: i
     if not still:
         lin.B_u[:] += carried(loads, centre)
     softness = softness_of_components(J, P, el.root, laws)
-    g, posed, problem, y, expected = linear_problem(
-        t.positions, s.frames, rules, lin, loaded(loads), softness, start
-    )
+    g, posed, problem, y, expected = linear_problem(t.positions, s.frames, rules, lin, loaded(loads), softness, start)
     residual = solved(problem, y, expected, begun and len(start) > 0, seed)
     passes, r, v, twist, kinds, gives = answered(g, posed, rules, lin, y, residual)
     if not passes:

@@ -63,7 +63,13 @@ class Rules(NamedTuple):
 
 @kernel
 def linear_problem(
-    positions: Array, frames: Array, rules: Rules, t: Condensed, load: tuple[Array, Array], softness: Array, start: Array
+    positions: Array,
+    frames: Array,
+    rules: Rules,
+    t: Condensed,
+    load: tuple[Array, Array],
+    softness: Array,
+    start: Array,
 ) -> tuple[GraspArrays, GraspGeometry, ContactArrays, Array, Array]:
     """The grasp as it stands about the iterate, its natural units, its problem, where the solve begins (N,), and the
     motions that are expected there (N,).
