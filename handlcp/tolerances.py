@@ -83,11 +83,7 @@ UNIT_NORMAL_TOLERANCE = 1e-6
 # Relative: how closely a limit in one posture is found, from event to event
 EVENT_TOLERANCE = 1e-6
 
-# An object slides through where no contact that presses sticks any more and it gives way faster than so many times its
-# speed while something stuck, once that has led it so much farther (of the contacts' distances, turns in radians:
-# 0.6 mm or 1.1° on a cube of 50 mm); a snap counts with all its way. It snaps where it goes so many times farther than
-# it was about to, and by more than the last number.
-SLIDE_THROUGH_SPEEDUP = 10.0
-SLIDE_THROUGH_DISTANCE = 0.02
+# An object snaps where it goes so many times farther than it was about to, and by more than the last number (of the
+# contacts' distances, turns in radians).
 SNAP_RATIO = 5.0
 MIN_SNAP_DISTANCE = 2e-3

@@ -333,8 +333,8 @@ class Grasp:
     ) -> LoadLimit:  # fmt: skip
         """The largest factor on a load that the grasp holds when it is squeezed, then carries its weight, and the load
         grows slowly; and what gives out there: a contact has slid `max_slip`, the object is lost, a joint is at its
-        torque limit or at the end of its range. `first_slip`, `slides` and `lost` are loads of these. With `TorqueSaturation` a
-        joint at its limit yields, and the load grows on until something else gives out.
+        torque limit or at the end of its range. `first_slip`, `slides` and `lost` are loads of these. With
+        `TorqueSaturation` a joint at its limit yields, and the load grows on until something else gives out.
 
         wrench : (6,) force [N] and torque [N·m] beside the weight, about the reference, or (3,) of a planar grasp, as
         in `Grasp`; None: the grasp's own. Nobody knows what of the wrench of contacts without a hand is weight: all of

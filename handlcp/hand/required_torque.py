@@ -30,7 +30,7 @@ from handlcp.grasp.model.scene import Scene
 from handlcp.grasp.path.follow import Loading, follow
 from handlcp.grasp.path.trajectory import closing_efforts
 from handlcp.grasp.solution.verdict import HELD, Verdict
-from handlcp.grasp.verdict.check import STEPS_PER_STAGE, follow_until_agreed
+from handlcp.grasp.verdict.check import STEPS_PER_STAGE
 from handlcp.hand.mechanism import hand_mechanism
 from handlcp.hand.motor_requirement import LoadCase, RequiredTension, RequiredTorque, read_load_cases
 from handlcp.hand.squeeze import apply_command, apply_grip_force
@@ -195,7 +195,7 @@ class GripTrials:
             if not path.in_place:
                 self.first = k
                 share = path.held_to - (path.lost_stage == LOADING_ORDER[0])
-                how = "not held: the object slides through" if path.reached else path.why
+                how = f"not held: {path.sentence}" if path.reached else path.why
                 return GripTrial(force, torque, squeeze, np.inf, (name, how), share)
             hard = describe_overpressed(path, self.max_forces)
             if (why := f"not held: {hard}" if hard else _unreachable_end(path)) is not None:  # less grip may do
@@ -377,9 +377,8 @@ def find_required_torque(
     torque, closing, held = np.full((3, nv), np.nan)
     verdicts, tensions = dict[str, Verdict](), None
     if best.is_held:
-        # What `check` follows has more steps where fewer would end elsewhere, and may see a little more
         closed = {case.name: apply_grip_force(case.spec, best.force) for case in brief}
-        paths = [follow_until_agreed(one, section, LOADING_ORDER)[0] for one in closed.values()]
+        paths = [follow(one, section, None, LOADING_ORDER, None, STEPS_PER_STAGE, None) for one in closed.values()]
         seen = [abs(path.steps.torques).max(axis=0) for path in paths]
         torque = np.max([best.largest_torque, *seen], axis=0) * (1.0 + _LIMIT_MARGIN)
         torque = np.maximum(torque, _LIMIT_MARGIN * torque.max(initial=_LIMIT_MARGIN))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -29,9 +28,9 @@ from handlcp.grasp.failure.failure_text import describe_failures, describe_torqu
 from handlcp.grasp.model.contact import cross_rows
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.follow import Loading, follow
-from handlcp.grasp.solution.verdict import HELD, NOT_HELD, UNDECIDED, Verdict
+from handlcp.grasp.solution.verdict import HELD, Verdict
 from handlcp.grasp.solve.solve_spec import solve_spec
-from handlcp.grasp.verdict.check import STEPS_PER_STAGE, follow_until_agreed, judge_grasp
+from handlcp.grasp.verdict.check import STEPS_PER_STAGE, judge_grasp
 from handlcp.lcp import Auto
 from handlcp.progress import track_progress
 from handlcp.record import Record
@@ -87,15 +86,8 @@ class ChangedGrasp:
         return self.paths[x]
 
     def is_held(self, x: float) -> bool:
-        """Whether the end is reached, in STEPS_PER_STAGE steps a stage."""
-        return self._is_kept(self.path(x))
-
-    def is_surely_held(self, x: float) -> bool:
-        """The same with as many steps as `check` takes, where fewer end differently."""
-        path, agree = follow_until_agreed(self.make(x), self.section, LOADING_ORDER)
-        return agree and self._is_kept(path)
-
-    def _is_kept(self, path: Loading) -> bool:
+        """Whether the end is reached."""
+        path = self.path(x)
         return path.in_place and not (self.stays and has_snapped(path))
 
     def is_too_much(self, x: float) -> bool:
@@ -109,7 +101,7 @@ def find_least_value(
     changed: ChangedGrasp, start: float, most: float, tolerance: float, unit: str, bears: Array | None = None
 ) -> Required:
     """The least number with which the grasp holds to the end of its loading, to a relative tolerance, and what `check`
-    says of it. Where that is that it does not hold, since more steps end differently, `check` is asked from there on.
+    says of it.
     start : near it, > 0. bears (n,) : how hard contacts may press on the way [N]; None: as hard as they do.
     """
     found = _search_least(changed, start, most, tolerance, unit)
@@ -117,19 +109,12 @@ def find_least_value(
 
 
 def _search_least(changed: ChangedGrasp, start: float, most: float, tolerance: float, unit: str) -> Required:
-    search = partial(find_least, most=most, tolerance=tolerance, too_much=changed.is_too_much)
-    found = replace(search(changed.is_held, start), unit=unit)
+    found = find_least(changed.is_held, start, most=most, tolerance=tolerance, too_much=changed.is_too_much)
+    found = replace(found, unit=unit)
     value = found.value
     if value is None:
         return replace(found, hint="" if found.fails is None else changed.path(found.fails).why)
-    found = replace(found, verdict=verdict_on(changed.make(value), changed.section).word)
-    if found.verdict not in (NOT_HELD, UNDECIDED) or changed.is_surely_held(value):
-        return found
-    more = search(changed.is_surely_held, value)
-    checked = (*found.checked, *more.checked)
-    if more.value is None:
-        return replace(found, checked=checked)
-    return replace(more, unit=unit, checked=checked, verdict=verdict_on(changed.make(more.value), changed.section).word)
+    return replace(found, verdict=verdict_on(changed.make(value), changed.section).word)
 
 
 def _limit_force(changed: ChangedGrasp, found: Required, bears: Array) -> Required:

@@ -42,7 +42,7 @@ from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
 _AT = 1e-6  # relative: limits that are this near to being reached bind, too
-_NEAR = 1e-3  # of the load: contacts that begin to slide this near to where the object slides through are the cause
+_NEAR = 1e-3  # of the load: contacts that begin to slide this near to where the object is lost are the cause
 _UNKNOWN: tuple[FailureMode, ...] = (FailureMode(UNDECIDED, OBJECT),)  # what gives out beyond what is known of a path
 _NAMED = ("slips", "sticks", "opens", "touches", "yields", "holds")
 _LOOKED, _HALVED = 16, 10  # states of a path, and times a step, where a link comes into the object
@@ -216,7 +216,7 @@ def _through(f: Followed) -> Run:
 
 
 def _rest(f: Followed, ends: _Ends | None, number: int) -> Rest:
-    """What follows. ends : of what is known up to where the object slides through. number : of the limit's state."""
+    """What follows. ends : of what is known up to where a contact has slid too far. number : of the limit's state."""
     at, k = f.run.states[number], f.spec.of_hand
     asked = () if f.spec.mechanism is None else f.spec.mechanism.report.command_reasons(f.spec)
     doubts = [r.sentence for r in asked if r.code == "command_not_made"]

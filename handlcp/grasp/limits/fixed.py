@@ -98,8 +98,8 @@ def _start_of(system: System) -> Start:
 
 
 def slip_shares(system: System, begun: Start, max_slip: Array) -> tuple[Array, Array]:
-    """What `slides_at` takes: one over how far contacts may slide, max_slip (n,) [m], in natural units (m,), and how far
-    they slid under the weight alone, as a share of that (n,).
+    """What `slides_at` takes: one over how far contacts may slide, max_slip (n,) [m], in natural units (m,); and how
+    far they slid under the weight alone, as a share of that (n,).
     """
     scene, p = system.scene, system.parts
     per_slip = np.zeros(scene.components)

@@ -32,7 +32,7 @@ from handlcp.grasp.path.watch import MAX_SLIP, watch_of
 from handlcp.grasp.verify.static_load_bound import static_load_bounds
 from handlcp.tolerances import OVER_LIMIT_TOLERANCE
 
-_STEPS = 8  # of squeeze and weight
+_STEPS = 2  # of squeeze and weight
 _FIRST = 0.1  # of the load that is as large as the forces before it: the first step
 _BEYOND = 1e-9  # relative: what is followed up to a limit of others goes on by so much, and is no tie
 _RAY = 1e4  # times that load: nothing binds that has not bound by then

@@ -91,8 +91,9 @@ def load_limit(
 
 @dataclass(frozen=True, eq=False)
 class _Question:
-    """What was asked: a load (6,) beside the weight, whether the geometry is followed, what the object may do. own : whether the load is the grasp's own, which grows from nothing; another one grows beside the
-    wrench of contacts without a hand. A load limit is pickled as this, and found again.
+    """What was asked: a load (6,) beside the weight, whether the geometry is followed, what the object may
+    do. own : whether the load is the grasp's own, which grows from nothing; another one grows beside the wrench of
+    contacts without a hand. A load limit is pickled as this, and found again.
     """
 
     spec: GraspSpec

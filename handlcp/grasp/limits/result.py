@@ -20,7 +20,7 @@ from handlcp.record import Record
 from handlcp.words import wrap_text
 
 _CALLED = {
-    "first_slip": "first slip at", "slides": "slides through at", "lost": "lost at", "limit": "limit reached at",
+    "first_slip": "first slip at", "slides": "slid as far as it may at", "lost": "lost at", "limit": "limit reached at",
     "undecided": "undecided beyond",
 }  # fmt: skip
 _SAME = 1e-6  # factors that differ by less are the same
@@ -29,7 +29,8 @@ _SAME = 1e-6  # factors that differ by less are the same
 @dataclass(frozen=True, slots=True)
 class LimitEvent(Record):
     """What happens while the load grows. kind : "slips", "sticks", "opens", "touches" (a contact), "yields", "holds"
-    (what is limited, such as a joint with `TorqueSaturation`), "snaps", "slides through" (the object). who : its name.
+    (what is limited, such as a joint with `TorqueSaturation`), "slides" (a contact that has slid as far as it may),
+    "snaps" (the object, which ends the path). who : its name.
     factor : on the load, when it happens. moved [m], turned [rad] : how far the object snaps. pushed (6,) : as in
     `Event`.
     """
@@ -94,17 +95,19 @@ class LimitPath:
 class LoadLimit(Record):
     """The largest factor on a load that a grasp holds when the load grows slowly; made by `Grasp.load_limit`.
 
-    factor : times `wrench`; the load at which the object slides through or is lost, or a joint is at a limit, whichever
-    comes first; inf where nothing binds however large the load, 0 where squeeze or weight alone are not held.
+    factor : times `wrench`; the load at which a contact has slid `max_slip` or the object is lost, or a joint is at a
+    limit, whichever comes first; inf where nothing binds however large the load, 0 where squeeze or weight alone are
+    not held.
     wrench (6,) : the load [N, N·m], beside the weight, about the grasp's reference. binds : what gives out, one or
     several; "undecided" where the path could not be followed on, or a link that is no contact comes into the object:
     the factor is held, and may not be the largest.
     geometry : "fixed" or "followed".
-    first_slip, slides, lost : factors, None where that never comes. first_slip : a finger begins to slide. slides : no
-    contact that presses sticks any more, and the object gives way more than ten times as fast as it did while one
-    stuck, or it snaps: from here inertia and damping decide how far it jumps. lost : beyond this load the path has no
-    state at rest.
-    accuracy : estimated relative error of the factor; NaN: not asked for. made : computes what is asked for later.
+    first_slip, slides, lost : factors, None where that never comes. first_slip : a contact begins to slide. slides : a
+    contact that presses has slid `max_slip` since the load began, the length of its way: the object is no longer where
+    the hand gripped it. lost : beyond this load the path has no state at rest, or the object snaps to it: inertia and
+    damping decide how far it jumps.
+    accuracy : estimated error of the forces, the largest of a step, as a share of the largest force. made : computes
+    what is asked for later.
     question : what was asked, as which it is pickled.
     """
 
@@ -134,7 +137,7 @@ class LoadLimit(Record):
 
     @property
     def lost(self) -> float | None:
-        """The factor beyond which the path has no state at rest; None: it has one, or a joint's limit ends the path
+        """The factor beyond which the path has no state at rest, or the object snaps; None: a joint's limit ends it
         before, or nothing is known of the path beyond some load: then `marks` has "undecided".
         """
         return self._rest.lost
@@ -221,7 +224,7 @@ class LoadLimit(Record):
             if name == "undecided" and not self.why.endswith(self.undecided):
                 said = f"{said}; {self.undecided}"
             lines.append(wrap_text(said, "    ", "  "))
-        others = [e for e in self.events if e.kind != "slides through"]  # which `marks` tell
+        others = [e for e in self.events if e.kind != "slides"]  # which `marks` tell
         lines += [wrap_text(line, "    ", "  ") for line in told(others, lambda factor: f"{factor:.4g} times the load")]
         most = self.__dict__.get("some_equilibrium", self.factor)  # as far as anybody asked
         if most > (1.0 + _SAME) * max(self.factor, self.lost or 0.0):

@@ -37,7 +37,7 @@ _EXACT = 2.0**-16  # of it: how closely a jump or the last static state is locat
 _ALONG = 2.0  # a path is not continued further than this many times its last step
 _ANEW = 2.0**-3  # times the usual step: the first after a change, which is of first order
 _ALONE = 2.0**-4  # of the unit: a shorter step without a solution is also tried without a prediction
-_GROWS = (0.35, 0.05)  # of the load: steps of an open stage where nothing slides, and where something does
+_GROWS = (0.5, 0.15)  # of the load: steps of an open stage where nothing slides, and where something does
 _HALVED = 14  # times a step, where a push begins to grow and where a limit is reached
 _ON = 1e-9  # of a limit: this near to it is at it
 _PUSH = 1e-3  # of the forces
@@ -105,8 +105,8 @@ class Leg:
     """
 
     def __init__(
-        self, stepper: Stepper, watch: Watch, run: Run, number: int, goal: Goal, base: float, beyond: Open | None = None,
-        accuracy: float = ACCURACY,
+        self, stepper: Stepper, watch: Watch, run: Run, number: int, goal: Goal, base: float,
+        beyond: Open | None = None, accuracy: float = ACCURACY,
     ) -> None:  # fmt: skip
         self.stepper, self.watch, self.run, self.number, self.goal, self.base = stepper, watch, run, number, goal, base
         self.beyond, self.last, self.patience = beyond, 1.0 if beyond is None else beyond.most, PATIENT
@@ -199,7 +199,7 @@ class Leg:
 
     def _suggested(self, error: float) -> float:
         """The share of a step that makes its error what is allowed."""
-        return min(max(_SAFETY * (self.accuracy / max(error, 1e-300)) ** 0.5, _LEAST_SHARE), _MOST_SHARE)
+        return float(min(max(_SAFETY * (self.accuracy / max(error, 1e-300)) ** 0.5, _LEAST_SHARE), _MOST_SHARE))
 
     def _error(self, state: State, found: State, size: float) -> float:
         """Estimated error of the forces at the end of a step, as a share of the largest: friction opposes the slip at
@@ -398,9 +398,9 @@ class Leg:
         motion = self._growing(grows)
         near = self._no_snap(more - share) if self._may_jump(state) and self.beyond is not None else np.inf
         end, how = flow(self.stepper, state, self.controls(more), self._push(state, motion), near)
-        if how != STUCK and self._snapped(state, end, share, more, how == REST, tuple(motion.tolist())):
-            if self._jumps(state):
-                return run.ends(PathStatus.JUMPS)
+        pushed = tuple(motion.tolist())
+        if how != STUCK and self._snapped(state, end, share, more, how == REST, pushed) and self._jumps(state):
+            return run.ends(PathStatus.JUMPS)
         if how == REST:
             self._add(end, more)
             self.share = more

@@ -30,7 +30,8 @@ _TURNS, _APART = 3, 0.03  # so many changes of one finger, each no further from 
 class Event(Record):
     """kind : "slips", "sticks", "opens", "touches" (a contact), "over limit", "within limit", "yields", "holds",
     "range end", "range" (a joint), "over tension", "within tension", "slackens", "tightens" (a tendon), "snaps" (the
-    object, which comes to rest again elsewhere), "slides through" (the object), "lost". who : the finger, the joint,
+    object, which comes to rest again elsewhere), "slides" (a contact that has slid as far as it may), "lost". who : the
+    finger, the joint,
     the tendon or "the object"; for "lost" the reason. stage : its name. share : of the stage, 0 to 1, at the end of the
     step in which it happens. number : of the stage, from 0. moved [m], turned [rad] : how far the object snaps. pushed
     (6,) : where the object was in balance, but not stable: the motion in which a small push makes it snap; (): no state

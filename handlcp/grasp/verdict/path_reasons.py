@@ -32,7 +32,7 @@ from handlcp.tolerances import NOTICED_SHARE
 
 _NAMED_SLIDE = 1e-4  # of the grasp's size: a contact that slides less on the way and sticks at the end is not named
 _LEFT_PLACE_SHARE = 0.15  # of the grasp's size: an object that slides farther has left its place
-# Of the load at which the object is lost: if it slides through only from here on, that is not said
+# Of the load at which the object is lost: if a contact has slid too far only from here on, that is not said
 _NEAR_LOSS_SHARE = 0.98
 _NEVER_TOUCHED_GAP = 1e-5  # [m] a contact that began farther away and never pressed does not let go
 _NAMED_TWIST = 1e-3  # [rad] the same of a soft finger's turn

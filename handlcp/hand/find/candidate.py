@@ -14,7 +14,7 @@ from handlcp.contact.friction import as_section
 from handlcp.geometry.object import Object
 from handlcp.grasp.failure.failure_mode import UNDECIDED
 from handlcp.grasp.model.status import SEPARATED, contact_statuses
-from handlcp.grasp.path.advance import PATIENT, Patience
+from handlcp.grasp.path.advance import ACCURACY, PATIENT, Patience
 from handlcp.grasp.path.follow import follow
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.grasp.solution.verdict import Verdict
@@ -126,13 +126,13 @@ class Candidate(Record):
 
     @property
     def settles(self) -> bool:
-        """Whether the verdict is HELD, and the object may snap on the way, but ends at the same place with twice the
+        """Whether the verdict is HELD, and the object may snap on the way, but ends at the same place with finer
         steps. An object that was kept in place until the hand has closed often snaps by millimetres when it is let go.
         """
         path, section = self.verdict.loading, as_section("cone", planar=False)
         if not self.verdict.ok or path is None:
             return False
-        finer = follow(self.grasp.spec, section, None, _STAGES, None, 2 * STEPS_PER_STAGE, None)
+        finer = follow(self.grasp.spec, section, None, _STAGES, None, 2 * STEPS_PER_STAGE, None, 0.1 * ACCURACY)
         if not finer.in_place or len(finer.steps.states) <= len(path.steps.states):  # a check may take as many
             return False
         end, other = path.displacement.reshape(2, 3), finer.displacement.reshape(2, 3)  # moved [m] and turned [rad]

@@ -282,8 +282,8 @@ def _fix_at_zero(A: Array, rhs: Array, i: int) -> None:
 @kernel
 def step_in_expected_states(p: ContactArrays, x: Array, expected: Array) -> None:
     """One step of Newton's method in place from forces x (n,) and motions y that are expected to belong to them (n,),
-    both as unknowns: which contacts stick, slide and open is read from these, not from M x + q, whose error is that of x
-    times a flexibility that may be very large. Free rows are those of M x + q.
+    both as unknowns: which contacts stick, slide and open is read from these, not from M x + q, whose error is that of
+    x times a flexibility that may be very large. Free rows are those of M x + q.
     """
     n, F, J, dx = len(x), np.empty(len(x)), np.empty((len(x), len(x))), np.empty(len(x))
     y, g, col = np.empty(n), new_subgradient(p), np.empty(n, np.int64)

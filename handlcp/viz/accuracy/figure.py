@@ -234,7 +234,7 @@ def draw_path_cost(cost: PathCost, title: str = "") -> Figure:
         set_time_ticks(ax)
         set_error_ticks(ax)
     note = (
-        "Full: against the finest steps. Dashed: the estimate beside the answer, 1.5 × the change since half as many. "
+        "Full: against the finest accuracy. Dashed: the largest error of a step that the path estimates. "
         "Numbers: steps taken."
     )
     made.text(0.012, 0.02, note, **NOTE_STYLE)

@@ -34,7 +34,8 @@ class Reached:
     """Where an iterate's answer leads, SI. forces, motion (n, 3), torsion, spin (n,), torque, change (nv,) of the
     joints from the iterate, twist (6,) about centre (3,), gives (k,) motions of limits. give (n, 3), turn (n,),
     slip_memory (n, 3) : as `_end_of_step` has them. start (2c + 9,) : where the next solve may begin: forces in the
-    laws' coordinates, twist, centre, and motions at the contacts in these coordinates. pull : what joints, posts and tendons do, as `Joints` has it.
+    laws' coordinates, twist, centre, and motions at the contacts in these coordinates. pull : what joints, posts and
+    tendons do, as `Joints` has it.
     """
 
     __slots__ = ("_parts", "_row", "pull")
