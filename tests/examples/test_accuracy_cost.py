@@ -24,7 +24,10 @@ def script():
 
 def test_it_prints_its_tables_writes_its_pictures_and_measures_what_mechanics_asks_for(script, tmp_path):
     few = {"methods": ["cone, Newton", "Lemke"], "faces": [4, 8], "tolerances": [1e-9], "repeats": 1, "left_out": False}
-    costs, path = script.what_accuracy_costs(seconds=ENOUGH, **few), script.what_a_path_costs(times=(0.5, 1), repeats=1)
+    costs, path = (
+        script.what_accuracy_costs(seconds=ENOUGH, **few),
+        script.what_a_path_costs(accuracies=(1e-1, 1e-2), repeats=1),
+    )
     said = io.StringIO()
     paths = script.write(costs, path, tmp_path, Console(file=said, width=100))
     assert [p.name for p in paths] == ["accuracy_cost.png", "path_cost.png"]

@@ -146,7 +146,7 @@ GIVEN: dict[str, Callable[[], dict[str, Any]]] = {
     "finger_strength": lambda: {"hand": made.hand()},
     "lift_and_shake": lambda: {"hand": made.three(), "rated_payload": 0.1, "opening": 0.08, "tries": 1},
     "optimise": lambda: {**_STUDY, "budget": 1},
-    "path_cost": lambda: {"grasp": made.pinch(), "times": (0.5, 1), "repeats": 1},
+    "path_cost": lambda: {"grasp": made.pinch(), "accuracies": (1e-1, 1e-2), "repeats": 1},
     "read_postures": lambda: {"source": [{"q": [0.0] * 4, "placement": [0.0] * 6}]},
     "reliability": lambda: {"grasp": made.pinch(), **_SPREAD, "progress": False},
     "report": lambda: {"hands": made.hands(), "brief": made.brief(), "path": "report.html"},

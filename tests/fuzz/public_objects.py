@@ -148,7 +148,7 @@ MADE: dict[str, Callable[[], Any]] = {
     "Margins": lambda: pinch().margins(),
     "MeasuredStiffness": lambda: hl.stiffness_from([0.0, 0.1, 0.2], [0, 0.5, 1]),
     "Motor": lambda: hl.Motor(1.0, peak=2.0, thermal_time=10.0),
-    "PathCost": lambda: hl.path_cost(pinch(), times=(0.5, 1), repeats=1),
+    "PathCost": lambda: hl.path_cost(pinch(), accuracies=(1e-1, 1e-2), repeats=1),
     "PathSensitivity": lambda: pinch().follow(steps=2).sensitivity(),
     "Payload": lambda: pinch().payload(geometry="fixed", faces=8),
     "Pyramid": lambda: hl.Pyramid(8),

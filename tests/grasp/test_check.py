@@ -64,7 +64,7 @@ def test_other_equilibria_are_mentioned_where_they_are_found(seed, several):
     contacts, data = ring(rng, n=3, mu=0.5, preload=float(rng.choice([0.0, 1e-3, 0.01])))
     g = hl.Grasp(contacts, **data)
     s = g.solve(4, throw=False)
-    said, every = g.check(faces=4, solution=s).about("others"), g.equilibria(4)
+    said, every = g.check(faces=4, solution=s, max_slip=np.inf).about("others"), g.equilibria(4)
     assert bool(said) is (len(every) > 1) is several
     if several:
         apart = max(np.linalg.norm(e.forces - s.forces, axis=1).max() for e in every)

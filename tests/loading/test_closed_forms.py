@@ -91,7 +91,7 @@ def test_a_pole_between_two_springs_is_lost_at_its_buckling_load(tmp_path):
     limit = g.load_limit((0, 0, -1, 0, 0, 0))
     assert limit.factor == pytest.approx(most, rel=1e-3)
     assert "leaves, as a small push along +x makes it where it is in balance" in limit.why
-    assert 2 * most * h.slides.share == pytest.approx(most, rel=1e-3)
+    assert 2 * most * h.jump.share == pytest.approx(most, rel=1e-3)
     assert g.replace(wrench=(0, 0, -1.9 * most, 0, 0, 0)).solve().held  # one posture knows nothing of it
     assert g.follow((0, 0, -0.95 * most, 0, 0, 0)).reached
 

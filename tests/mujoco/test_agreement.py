@@ -63,4 +63,4 @@ def test_an_object_that_slid_away_is_not_held_whether_mujoco_finds_it_at_rest_or
     assert not found.both_hold
     assert not found.agree
     assert found.to_dict()["handlcp"]["held"] is False
-    assert "handlcp: NOT HELD: the object slides through" in " ".join(str(found).split())
+    assert "handlcp: NOT HELD: finger_1_tip has slid 1 mm" in " ".join(str(found).split())

@@ -23,11 +23,12 @@ FORCE, LENGTH = 4.4482216, 0.0254  # pounds and inches
 
 @dataclass(frozen=True)
 class Variant:
-    """The same question, put otherwise. name : what differs. way (6,) : the load."""
+    """The same question, put otherwise. name : what differs. way (6,) : the load. length : of a metre, in its units."""
 
     name: str
     case: Case
     way: np.ndarray
+    length: float = 1.0
 
 
 def variants(case: Case, direction: int) -> Iterator[Variant]:
@@ -40,8 +41,9 @@ def variants(case: Case, direction: int) -> Iterator[Variant]:
     across *= SIDEWAYS * np.linalg.norm(way) / np.linalg.norm(across)
     yield Variant("1e-9 of the load sideways", case, way + across.ravel())
     yield Variant("fingers permuted", case.changed(recipe.permuted(rng)), way)
-    in_units = np.append(way[:3], way[3:] / (1.0 if isinstance(recipe, HandRecipe) else LENGTH)) / FORCE
-    yield Variant("other units", case.changed(recipe.in_units(FORCE, LENGTH)), in_units)
+    length = 1.0 if isinstance(recipe, HandRecipe) else 1.0 / LENGTH
+    in_units = np.append(way[:3], way[3:] * length) / FORCE
+    yield Variant("other units", case.changed(recipe.in_units(FORCE, LENGTH)), in_units, length)
     Q = turn(rng)
     turned = recipe.turned(Q)
     axes = isinstance(recipe, HandRecipe) and case.faces != "cone" and recipe.law.kind != "anisotropic"
@@ -50,10 +52,10 @@ def variants(case: Case, direction: int) -> Iterator[Variant]:
     yield Variant("asked again after others", case.changed(recipe), way)
 
 
-def factor_of(case: Case, way: np.ndarray) -> float:
-    """The load limit; NaN where the question is refused."""
+def factor_of(case: Case, way: np.ndarray, length: float = 1.0) -> float:
+    """The load limit; NaN where the question is refused. length : of a metre, in the units of the case."""
     try:
-        return float(limit_of(case, way).factor)
+        return float(limit_of(case, way, length).factor)
     except hl.HandLCPError:
         return float("nan")
 
@@ -102,7 +104,7 @@ def measure(grasps: int, directions: int, kernels: int, seed: int = 0, start: in
         for k in range(directions):
             first = factor_of(case, case.directions[k])
             for variant in variants(case, k):
-                note(variant.name, case, k, first, factor_of(variant.case, variant.way))
+                note(variant.name, case, k, first, factor_of(variant.case, variant.way, variant.length))
     numbers = [(case.seed, case.number, 0) for case in every[:kernels]]
     if numbers:
         pair = [elsewhere(numbers, kind) for kind in ("compiled", "interpreted")]

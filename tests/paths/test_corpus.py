@@ -50,7 +50,7 @@ def test_the_same_question_put_otherwise_has_the_same_limit(number, direction):
     case = case_of(0, number)
     first = factor_of(case, case.directions[direction])
     for variant in variants(case, direction):
-        other = factor_of(variant.case, variant.way)
+        other = factor_of(variant.case, variant.way, variant.length)
         assert apart(first, other) < ENOUGH, f"{variant.name}: {first}, then {other}"
 
 

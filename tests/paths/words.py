@@ -32,14 +32,14 @@ def order_of(case: Case, load: np.ndarray, order: str = "staged") -> Any:
     return ("squeeze", hl.Stage("weight", weight=1.0), hl.Stage("load", load=load, weight=1.0))
 
 
-def limit_of(case: Case, way: np.ndarray) -> Any:
-    """The load limit of a case along a direction (6,)."""
-    return case.grasp.load_limit(way, geometry=case.geometry, faces=case.faces)
+def limit_of(case: Case, way: np.ndarray, length: float = 1.0) -> Any:
+    """The load limit of a case along a direction (6,). length : of a metre, in the units of the case."""
+    return case.grasp.load_limit(way, geometry=case.geometry, faces=case.faces, max_slip=1e-3 * length)
 
 
 def followed(case: Case, load: np.ndarray, order: str = "staged", **options: Any) -> tuple[Word, Any]:
     """`follow` with a load (6,): its word, and the loading. A motor over its limit in the last stage, or a joint past
-    its range, counts as a no: `load_limit` ends there, too. So does an object that slides through.
+    its range, counts as a no: `load_limit` ends there, too. So does a contact that slides too far.
     """
     h = case.grasp.follow(
         load, order=order_of(case, load, order), geometry=case.geometry, faces=case.faces, **options
@@ -47,8 +47,8 @@ def followed(case: Case, load: np.ndarray, order: str = "staged", **options: Any
     if not h.reached:
         return Word(False, f"lost in {h.lost_stage} at {h.lost_at:.4f}"), h
     last = [e for e in h.events if e.stage == h.stages[-1]]
-    if sliding := [e for e in last if e.kind == "slides through"]:
-        return Word(False, f"slides through at {sliding[0].share:.4f}"), h
+    if sliding := [e for e in last if e.kind == "slides"]:
+        return Word(False, f"slides too far at {sliding[0].share:.4f}"), h
     if over := _over(case, h):
         return Word(False, f"reached, {over}"), h
     return Word(True, "reached"), h

@@ -111,7 +111,7 @@ EXAMPLES = {
     "AccuracyCost": lambda: accuracy_cost(
         pinch(), methods=["NSNGRK polished"], faces=[8], tolerances=[1e-9], left_out=False, repeats=1
     ),
-    "PathCost PathRow": lambda: hl.path_cost(pinch(), times=(0.5, 1), repeats=1),
+    "PathCost PathRow": lambda: hl.path_cost(pinch(), accuracies=(1e-1, 1e-2), repeats=1),
     "PaperReport": run,
     "Comparison Simulation": lambda: simulated(lambda: compare(held(), None, "together", steps=2, seconds=0.2)),
     "SimulatedLimit LimitTrack": lambda: simulated(lambda: simulate_limit(held(), PUSH, 1.0, seconds=0.2, settle=0.05)),

@@ -3,7 +3,7 @@
 import numpy as np
 
 from handlcp.grasp.limits.directions import limits_of
-from handlcp.grasp.limits.followed import followed_limit
+from handlcp.grasp.limits.followed import anything_else, followed_limit
 from tests.support.grasp import section_of
 
 
@@ -14,8 +14,8 @@ def limits_of_grasp(grasp, wrenches, faces="cone", geometry="fixed"):
 
 def limit_in_steps(grasp, wrench, faces="cone"):
     """The factor that steps of loading find in one posture, in place of a path from event to event."""
-    load, far = np.array(wrench, dtype=float), (np.inf, np.inf)
-    return followed_limit(grasp.spec, section_of(grasp, faces), load, far, "fixed").factor
+    load = np.array(wrench, dtype=float)
+    return followed_limit(grasp.spec, section_of(grasp, faces), load, anything_else(grasp.spec), "fixed").factor
 
 
 def balanced(end, load):

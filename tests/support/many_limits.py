@@ -4,7 +4,7 @@ import numpy as np
 
 from handlcp.contact.friction import as_section
 from handlcp.grasp.limits.directions import limits_of
-from handlcp.grasp.limits.followed import followed_limit
+from handlcp.grasp.limits.followed import anything_else, followed_limit
 from handlcp.grasp.path.state import State
 from handlcp.grasp.path.step import Stepper
 
@@ -34,6 +34,6 @@ class Counted:
 
         Stepper.step = counted
         try:
-            return followed_limit(self.spec, self.section, np.asarray(load), (np.inf, np.inf))
+            return followed_limit(self.spec, self.section, np.asarray(load), anything_else(self.spec))
         finally:
             Stepper.step = step

@@ -198,7 +198,7 @@ def describe_slip(names: Sequence[str], slipped: Array, most: Array) -> str:
     share = slipped / most
     who = [k for k, one in enumerate(share.tolist()) if one >= (1.0 - 1e-3) * share.max()]
     far = words.format_length(float(slipped[who].max()))
-    return f"{words.list_names([names[k] for k in who])} {'has' if len(who) == 1 else 'have'} slid {far}"
+    return f"{words.join_names([names[k] for k in who])} {'has' if len(who) == 1 else 'have'} slid {far}"
 
 
 def describe_pad_depth(give: Array, normals: Array, names: Sequence[str]) -> str:

@@ -8,7 +8,6 @@ A sentence that is one field alone was made before, with what it is about, such 
 | `no_squeeze` | nothing was said that closes the hand, and the load is not held without |
 | `lost` | the order of loading loses the object on its way |
 | `slides` | a contact slides farther than it may, or the loaded object snaps: how far it jumps inertia decides |
-| `steps_differ` | fewer and more steps of loading end differently |
 | `solver_stopped`, `follow_stopped` | a solver, or the loading in steps, ended without an answer |
 | `link_inside`, `joint_range` | a posture that the hand cannot take: a link inside the object, a joint past its range |
 | `large_motion`, `followed_forces` | motions, or forces, that the equations of small motions miss |
@@ -258,7 +257,6 @@ _SENTENCES: dict[str, str | Callable[[Values], str]] = {
     "{moved_m:length} and turns {turned_rad:angle} in all",
     "slides: snaps": "the object snaps from {share:percent} of stage {stage!r} on: it jumps to another place; "
     f"{_SLIDES_ON}",
-    "steps_differ": "fewer and more steps of loading end differently: one says that it holds, another that it does not",
     "solver_stopped": "the solver stopped before it found an answer, which says nothing about the grasp; try another "
     "seed or number of faces",
     "follow_stopped": "the loading was {why}",

@@ -15,6 +15,7 @@ leaves, and the path ends at the last load with a static state.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,14 +27,14 @@ from handlcp.grasp.path.geometry import between
 from handlcp.grasp.path.stability import GROWS, MOVES, REST, STUCK, flow, growing, growth, measured
 from handlcp.grasp.path.state import SLIDES, STICKS, Controls, Failure, Goal, Guess, Jump, Run, Slides, Snap, State
 from handlcp.grasp.path.step import Stepper
-from handlcp.grasp.path.watch import Watch, first_change, slip_lengths
+from handlcp.grasp.path.watch import Watch, first_change, margins, slip_lengths
 from handlcp.progress import report_progress
 from handlcp.tolerances import MIN_SNAP_DISTANCE, SNAP_RATIO
 
 ACCURACY = 1e-3  # of the largest force: the error of a step, unless something else is asked
 _STAGE_UNIT = 2.0**-3  # of a stage that has an end: in this unit the shortest steps are counted
 FINEST = 2.0**-9  # of that unit: where a step as short as this has no solution, there is none
-_EXACT = 2.0**-16  # of it: how closely a jump or the last static state is located once there is known to be one
+_EXACT = 2.0**-18  # of it: how closely a jump or the last static state is located once there is known to be one
 _ALONG = 2.0  # a path is not continued further than this many times its last step
 _ANEW = 2.0**-3  # times the usual step: the first after a change, which is of first order
 _ALONE = 2.0**-4  # of the unit: a shorter step without a solution is also tried without a prediction
@@ -45,6 +46,11 @@ _SAME = 1e-3  # of the contacts' distances: the same place
 _BENDS = 0.5  # of a step: how far from where it was expected it may end
 _AFTER = 4.0  # times the step on which it snapped: the next, where another may follow at once
 _CHAIN = 1.01  # steps between snaps that are one
+_AT_FRICTION = 0.02  # of a contact's friction: with no more left it may slide in the next short step
+_MOST_BRANCHES, _GOES_ON = (
+    16,
+    0.02,
+)  # choices of what sticks that are tried; of the forces: how much a short step changes
 _SAFETY, _LEAST_SHARE, _MOST_SHARE = 0.8, 0.1, 3.0  # of the step that the error of the last one suggests
 
 
@@ -54,8 +60,8 @@ def read_accuracy(value: Any) -> float:
 
 
 class Patience(NamedTuple):
-    """When a path is given up. tries : of steps of a stage; paths of use take 10 to 150, hard ones a thousand. snaps :
-    whether it goes on after the object has snapped elsewhere.
+    """When a path is given up. tries : of steps of a stage with the usual accuracy; paths of use take 10 to 150, hard
+    ones a thousand. snaps : whether it goes on after the object has snapped elsewhere.
     """
 
     tries: int = 2500
@@ -132,7 +138,7 @@ class Leg:
         run = self.run
         while self.share < self.last * (1.0 - 1e-12):
             self.count += 1
-            if self.count > self.patience.tries:
+            if self.count > self.patience.tries * max(1.0, (ACCURACY / self.accuracy) ** 0.5):
                 return run.ends(PathStatus.TOO_MANY_STEPS)
             if run.snaps and not self.patience.snaps:
                 return run.ends(PathStatus.SNAPS)
@@ -314,9 +320,29 @@ class Leg:
             found = self.stepper.untouched(state, controls)
             if isinstance(found, Failure):
                 found = self.stepper.pushed(state, controls, guess)
+        if isinstance(found, Failure) and state.loaded and size <= _ALONE * self.unit:
+            found = self._branch(state, controls) or found
         if isinstance(found, Failure) and self._last_resort(size):
             found = self.stepper.sought(state, controls) or found
         return found
+
+    def _branch(self, state: State, controls: Controls) -> State | None:
+        """A short step in which other contacts stick and slide than Newton's method expects: those at the limit of
+        their friction may do either. The one in which the fewest do otherwise and forces go on; None: there is none.
+        """
+        slides = np.array([kind == SLIDES for kind in state.kinds])
+        sticks = np.array([kind == STICKS for kind in state.kinds])
+        left, limit = margins(self.stepper, state)[:, 0], self.stepper.friction * state.read.forces[:, 2]
+        may = np.flatnonzero((slides | (sticks & (left <= _AT_FRICTION * limit))) & (limit > 0.0))
+        choices = [flips for count in range(1, len(may) + 1) for flips in combinations(may.tolist(), count)]
+        size = float(abs(state.read.forces).max(initial=0.0))
+        for flips in choices[:_MOST_BRANCHES]:
+            other = slides.copy()
+            other[list(flips)] ^= True
+            found = self.stepper.step(state, controls, self.stepper.expecting(state, other))
+            if isinstance(found, State) and abs(found.read.forces - state.read.forces).max() <= _GOES_ON * size:
+                return found
+        return None
 
     def _last_resort(self, size: float) -> bool:
         """Whether all solvers are asked for a step that Newton's method does not solve: where contacts stay where they

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Bools, read_only
-from handlcp.contact.friction import Section
+from handlcp.contact.friction import Section, limit_set
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.status import PathStatus, shown_statuses
 from handlcp.grasp.path.geometry import Geometry, Iterate, Where, between, length_of
@@ -43,6 +43,7 @@ _CONTRACTS, _PARTS = 0.6, 1.5  # times the last miss: more ends the iterates fro
 _LARGEST = 0.1  # motion in one step, as a share of the contacts' radii
 _CLOSE = 1e-3  # of the forces: an answer this near to what was expected is the one that continues it
 _LEAST = 0.2  # of the way from an iterate to its end
+_LITTLE = 1e-4  # of the contacts' distances: a slip that is expected, and not known
 _SEED = Auto().seed
 _ALL = Auto(search_seconds=0.0)
 _CLOSE_BY = 1e-3  # [rad, m] from where a path ends to where a tendon crosses: it ends for that reason
@@ -290,8 +291,11 @@ class Stepper:
             return np.zeros(len(a), dtype=bool)
         if self.section.faces == 2:
             return np.ones(len(a), dtype=bool)
-        normals = self.laws.pattern.normals
-        return np.asarray((a @ normals.T).argmax(axis=1) == (b @ normals.T).argmax(axis=1))
+        flat, soft = limit_set(self.section, 2).normals.T, self.laws.pattern.normals
+        same = (a[:, :2] @ flat.T).argmax(axis=1) == (b[:, :2] @ flat.T).argmax(axis=1)
+        if len(soft):
+            same = np.where(self.lever > 0.0, (a @ soft.T).argmax(axis=1) == (b @ soft.T).argmax(axis=1), same)
+        return np.asarray(same)
 
     def friction_shares(self, state: State) -> Array:
         """(n, 3) friction as a share of its limit, along x, y and about z, in coordinates in which the laws are round;
@@ -315,6 +319,17 @@ class Stepper:
         slip[:, 2] *= np.isin(np.arange(n), laws.soft)
         size = np.sqrt((slip * slip).sum(axis=1) / np.maximum((direction * direction).sum(axis=1), 1e-300))
         return np.asarray(size[:, None] * direction / scale)
+
+    def expecting(self, state: State, slides: Bools) -> Guess:
+        """What is expected of a step from a state in which these contacts (n,) slide, and others that press stick."""
+        n, laws, c = len(slides), self.laws.laws, len(self.laws.laws.scale)
+        slip = -_LITTLE * self.length * slides[:, None] * self.friction_shares(state)
+        start, own = state.start.copy(), np.zeros(c)
+        own[: 3 * n].reshape(n, 3)[:, :2], own[3 * n :] = slip[:, :2], slip[laws.soft, 2]
+        opened = np.array([kind == OPEN for kind in state.kinds])
+        own[2 : 3 * n : 3] = np.where(opened, start[c + 11 : c + 9 + 3 * n : 3], 0.0)
+        start[c + 9 :] = own
+        return Guess(state.where, start, state.gives)
 
     def _along_tangents(self, start: Array) -> Array:
         """(n, 3) components of a start along x and y, and about z of soft contacts."""

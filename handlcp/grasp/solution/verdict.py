@@ -24,12 +24,11 @@ from handlcp.words import wrap_text
 HELD, OVER_LIMIT, UNDECIDED, NOT_HELD = "HELD", "OVER LIMIT", "UNDECIDED", "NOT HELD"
 
 _GRAVEST_FIRST = (NOT_HELD, UNDECIDED, OVER_LIMIT)  # the first that a reason decides is the word
-# The word of each code that may decide; of the others none does. `no_squeeze`, `lost`, `slides_through`,
-# `steps_differ`, `follow_stopped` and `closing_over_peak` come from a loading that is followed (`check`), `unplaced`
-# from a study.
+# The word of each code that may decide; of the others none does. `no_squeeze`, `lost`, `slides`, `follow_stopped` and
+# `closing_over_peak` come from a loading that is followed (`check`), `unplaced` from a study.
 _DECIDED_WORD = {
-    **dict.fromkeys(("not_holdable", "no_equilibrium", "no_squeeze", "lost", "slides_through"), NOT_HELD),
-    **dict.fromkeys(("solver_stopped", "follow_stopped", "steps_differ", "unplaced"), UNDECIDED),
+    **dict.fromkeys(("not_holdable", "no_equilibrium", "no_squeeze", "lost", "slides"), NOT_HELD),
+    **dict.fromkeys(("solver_stopped", "follow_stopped", "unplaced"), UNDECIDED),
     **dict.fromkeys(("link_inside", "joint_range", "large_motion", "command_not_made", "limit_shared"), UNDECIDED),
     **dict.fromkeys(("torque_over_limit", "tension_over_limit", "overheats", "closing_over_peak"), OVER_LIMIT),
 }

@@ -23,7 +23,7 @@ from handlcp.studies.accuracy.methods import share
 from handlcp.words import TextTable, wrap_text
 
 FOLLOW, LIMIT = "follow", "load_limit"
-_HELD = 0.7  # of the load limit: what `follow` is asked for
+_HELD = 0.95  # of the load limit: what `follow` is asked for
 _FINEST = 0.1  # times the finest accuracy: that of the answer which errors are measured against
 _STEPS = 1  # of a stage, at least
 _ORDER = ("squeeze", Stage("weight", weight=1.0), "load")
@@ -115,7 +115,7 @@ def path_cost(
     accuracies: Sequence[float] = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5),
     repeats: int = 3,
 ) -> PathCost:
-    """Time and error of `load_limit` along a wrench, and of `follow` up to 0.7 of that limit, over their accuracy.
+    """Time and error of `load_limit` along a wrench, and of `follow` up to 0.95 of that limit, over their accuracy.
 
     wrench, geometry, faces : as in `Grasp.load_limit`; in one posture, too, the path is taken in steps here.
     accuracies : asked of each step, from coarse to fine; errors are against a tenth of the last. repeats : of each run;

@@ -63,7 +63,7 @@ class Orientation(Record):
 
     @property
     def slides(self) -> float | None:
-        """The mass [kg] with which the object begins to slide through; None: it does not."""
+        """The mass [kg] with which a contact has slid as far as it may; None: none does."""
         return self.limit.slides
 
     @property
