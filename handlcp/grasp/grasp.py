@@ -351,7 +351,7 @@ class Grasp:
     def payload(
         self, orientations: Any = 6, acceleration: float = 0.0, *, geometry: str | None = None,
         faces: int | str | Pyramid = "cone", motion: float | None = None, turn: float | None = None,
-        accuracy: float | None = None,
+        accuracy: float | None = None, max_slip: Any = 1e-3,
     ) -> Any:  # fmt: skip
         """The largest mass [kg] that the grasp holds in every direction of gravity that is asked for, and what gives
         out first: `mass`, `binds`, and `by_orientation`, a row for each direction; a `Payload`.
@@ -367,7 +367,7 @@ class Grasp:
         geometry : as in `load_limit`. With "any" and None, the worst direction is looked for with contacts that stay
             where they are, unless following takes seconds alone; every row is followed, as with 6. faces : as in
             `problem`. motion, turn : how far the object may move [m] and turn [rad] under the mass; None: any distance.
-            accuracy : relative, of the masses, as in `load_limit`.
+            accuracy, max_slip : as in `load_limit`.
 
         The hand closes as it does in this grasp, without the object's own mass or another load. Then the mass grows
         slowly, weight and inertia together, at the object's centre of mass, or at the reference for contacts without
@@ -375,11 +375,11 @@ class Grasp:
         beside it: leave an object's own weight out of it, with replace(wrench=...). The fingers' weight turns with
         gravity, and is accelerated, where the grasp counts it (`finger_weight`). An infinite mass means that nothing
         gives out. For repeated use design for `first_slip` of the rows: beyond it a finger slides each time. Raises
-        InputError, Unsupported (known forces; an accuracy that is not reached).
+        InputError, UnknownName, Unsupported (known forces).
         """
         from handlcp.studies import find_payload  # only who asks pays for a study
 
-        return find_payload(self, orientations, acceleration, geometry, faces, motion, turn, accuracy)
+        return find_payload(self, orientations, acceleration, geometry, faces, motion, turn, accuracy, max_slip)
 
     def margins(
         self, solution: GraspSolution | None = None, faces: int | str | Pyramid = "cone", length: float | None = None

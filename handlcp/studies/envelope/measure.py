@@ -44,6 +44,7 @@ def envelope(
     motion: float | None = None,
     turn: float | None = None,
     accuracy: float | None = None,
+    max_slip: Any = 1e-3,
     progress: Progress = None,
 ) -> Envelope:
     """How much the grasp holds in each direction, and what gives out first: `grasp.load_limit` along all of them.
@@ -66,8 +67,10 @@ def envelope(
         None: any distance.
     adaptive : how many times the steps between directions with different causes are halved, with at most two
         directions more for each that was asked for; 0: not at all. (m, 3) and (m, 6) stay as they are.
-    accuracy : the relative error of the factors that is asked for: followed paths take twice as many steps until a
-        factor changes by no more. What was reached is `.accuracy` of the answer, in each direction.
+    accuracy : estimated error of the forces that a step may have, as a share of the largest; None: 1e-3. What was
+        reached is `.accuracy` of the answer, in each direction.
+    max_slip : how far a contact that presses may slide since the load began [m]: a number, one for each contact or by
+        name; inf: any distance.
     progress : None: a line on the terminal once it takes long. False: none. True: a line on stderr that stays. A
         function: called with (done, total).
 
@@ -85,7 +88,7 @@ def envelope(
     if geometry is None and len(asked.grid.points) <= _MAX_FOLLOWED_DIRECTIONS:
         moves = geometry_of(grasp.spec, None)
         how = FOLLOWED_GEOMETRY if moves.follows and moves.quick else FIXED_GEOMETRY
-    question = EnvelopeQuestion.read(load, section, how, motion, turn, accuracy)
+    question = EnvelopeQuestion.read(load, grasp.spec.names, section, how, motion, turn, accuracy, max_slip)
     grid, (factors, binds, off) = asked.grid, question.find_factors(asked.grid.points, asked.wrenches, progress)
     room = round(_MAX_ADDED_SHARE * len(grid.points))
     for _ in range(rounds if asked.is_refinable else 0):

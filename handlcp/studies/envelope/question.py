@@ -16,6 +16,7 @@ from handlcp.grasp.failure.failure_mode import OBJECT, UNDECIDED, FailureMode
 from handlcp.grasp.limits.directions import limits_of
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.model.validate import height_above
+from handlcp.grasp.path.watch import read_max_slip
 from handlcp.grasp.verify.static_load_bound import static_load_bounds
 from handlcp.hand import HandGrasp
 from handlcp.lcp.compiler.compile_policy import compile_in_background
@@ -102,8 +103,8 @@ _DIRECTIONS_PER_CALL = {FIXED_GEOMETRY: 64, FOLLOWED_GEOMETRY: 4}  # directions 
 class EnvelopeQuestion:
     """The question for the largest factor of a load, which is the same along every direction.
 
-    load : what the object is loaded with. section : of the friction limits. geometry, motion, turn, accuracy : as in
-    `envelope`.
+    load : what the object is loaded with. section : of the friction limits. geometry, motion, turn, accuracy, max_slip
+    : as in `envelope`.
     """
 
     load: DirectionalLoad
@@ -112,15 +113,17 @@ class EnvelopeQuestion:
     motion: float | None
     turn: float | None
     accuracy: float | None
+    max_slip: Array
 
     @classmethod
     def read(
-        cls, load: DirectionalLoad, section: Section, geometry: str, motion: Any, turn: Any, accuracy: Any
-    ) -> EnvelopeQuestion:
-        """The question with its limits checked: numbers above 0, or None. Raises InputError."""
+        cls, load: DirectionalLoad, names: tuple[str, ...], section: Section, geometry: str, motion: Any, turn: Any,
+        accuracy: Any, max_slip: Any,
+    ) -> EnvelopeQuestion:  # fmt: skip
+        """The question with its limits checked. names : of the contacts. Raises InputError, UnknownName."""
         asked = {"motion": motion, "turn": turn, "accuracy": accuracy}
         far, wide, near = (None if x is None else check_number(name, x, above=0.0) for name, x in asked.items())
-        return cls(load, section, geometry, far, wide, near)
+        return cls(load, section, geometry, far, wide, near, read_max_slip(max_slip, names))
 
     def wrenches(self, directions: Array, given: Array | None) -> Array:
         """(m, 6) for a factor of 1. given : in place of those of the directions."""
@@ -137,7 +140,7 @@ class EnvelopeQuestion:
         """
         wrenches, m = self.wrenches(directions, given), len(directions)
         factors, binds, off = np.empty(m), list[BindingCauses]([()] * m), np.empty(m)
-        size, asked = _DIRECTIONS_PER_CALL[self.geometry], (self.motion, self.turn, self.accuracy)
+        size, asked = _DIRECTIONS_PER_CALL[self.geometry], (self.motion, self.turn, self.accuracy, self.max_slip)
         with track_progress("directions", m, progress) as done, compile_in_background(m):
             done(0)
             for spec, where in self.load.specs(directions):

@@ -61,6 +61,7 @@ def find_payload(
     motion: float | None = None,
     turn: float | None = None,
     accuracy: float | None = None,
+    max_slip: Any = 1e-3,
 ) -> Payload:
     """The largest mass that a grasp holds in several directions of gravity: see `Grasp.payload`."""
     check_orientations(orientations)
@@ -71,7 +72,8 @@ def find_payload(
     how = FOLLOWED_GEOMETRY if moves.follows else FIXED_GEOMETRY
     searched = FOLLOWED_GEOMETRY if moves.follows and (geometry == FOLLOWED_GEOMETRY or moves.quick) else FIXED_GEOMETRY
     load = read_load(_refer_to_mass_centre(grasp), GRAVITY, None)
-    question = EnvelopeQuestion.read(load, section, how, motion, turn, accuracy)
+    names = grasp.spec.names
+    question = EnvelopeQuestion.read(load, names, section, how, motion, turn, accuracy, max_slip)
     axes = _gravity_axes(grasp.spec.plane)
     ways, tried = axes, len(axes)
     if orientations == ANY:  # with the hand accelerating against gravity, which is worst
@@ -124,7 +126,7 @@ def _find_least_mass(q: EnvelopeQuestion, acceleration: float, d: Array, ways: A
     """The least mass with gravity along d (3,), while the hand accelerates [m/s²] along any of `ways` (k, 3)."""
     rows = []
     for s, spec, wrench in _accelerated_loads(q.load, d, acceleration, ways):
-        limit = load_limit(spec, q.section, wrench, q.geometry, q.motion, q.turn, q.accuracy)
+        limit = load_limit(spec, q.section, wrench, q.geometry, q.motion, q.turn, q.accuracy, q.max_slip)
         mass, binds = limit.factor, limit.binds
         if np.isinf(mass) and np.isfinite(limit.bound):
             mass, binds = np.nan, (FailureMode(UNDECIDED, OBJECT),)
