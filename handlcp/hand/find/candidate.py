@@ -109,7 +109,7 @@ class Candidate(Record):
         slips and lets go again and again, is given up there: it is none that a search looks for.
         """
         section = as_section("cone", planar=False)
-        return judge_grasp(self.grasp.spec, self.grasp.scene, section, _STAGES, self.solution, self.patience)
+        return judge_grasp(self.grasp.spec, self.grasp.scene, section, _STAGES, self.solution, patience=self.patience)
 
     @property
     def patience(self) -> Patience:
