@@ -255,10 +255,10 @@ def solution_of(grasp: StepGrasp, state: State, section: Section) -> GraspSoluti
 
 @track_progress("following the loading")
 def follow(
-    spec: GraspSpec, section: Section, load: Any, order: Any, geometry: Any, steps: Any, tolerance: Any,
+    spec: GraspSpec, section: Section, load: Array | None, order: Any, geometry: Any, steps: Any, tolerance: Any,
     accuracy: Any = None, patience: Patience = PATIENT,
 ) -> Loading:  # fmt: skip
-    """See `Grasp.follow`. patience : as in `advance`."""
+    """See `Grasp.follow`. load : (6,) or (m, 6); None: the grasp's own. patience : as in `advance`."""
     if accuracy is not None:
         return _accurate(
             spec, section, load, order, geometry, steps, tolerance, check_number("accuracy", accuracy, above=0.0)
@@ -269,13 +269,12 @@ def follow(
     first, goals, stepper = begun(spec, section, body, limit, order, load)
     run = advance(stepper, watch_of(spec, body), first, goals, count, patience)
 
-    beside = beside_weight(spec, stepper) - spec.wrench if load is None else None
-    again = partial(_again, beside, load, section, order, geometry, steps, tolerance)
+    again = partial(_again, load, section, order, geometry, steps, tolerance)
     return replace(loading_of(run, goals, stepper, section), again=again)
 
 
 def _accurate(
-    spec: GraspSpec, section: Section, load: Any, order: Any, geometry: Any, steps: Any, tolerance: Any,
+    spec: GraspSpec, section: Section, load: Array | None, order: Any, geometry: Any, steps: Any, tolerance: Any,
     accuracy: float,
 ) -> Loading:  # fmt: skip
     """With twice as many steps until the forces at the end change by no more than `accuracy`."""
@@ -305,11 +304,10 @@ def _apart(last: Loading, found: Loading) -> float:
 
 
 def _again(
-    beside: Array | None, load: Any, section: Section, order: Any, geometry: Any, steps: Any, tolerance: Any,
-    other: GraspSpec,
-) -> Loading:  # fmt: skip
-    """Another grasp followed in the same way; beside (6,) : from its own load to that beside the weight."""
-    return follow(other, section, load if beside is None else beside + other.wrench, order, geometry, steps, tolerance)
+    load: Array | None, section: Section, order: Any, geometry: Any, steps: Any, tolerance: Any, other: GraspSpec
+) -> Loading:
+    """Another grasp followed in the same way."""
+    return follow(other, section, load, order, geometry, steps, tolerance)
 
 
 def beside_weight(spec: GraspSpec, stepper: Stepper) -> Array:
@@ -321,7 +319,7 @@ def beside_weight(spec: GraspSpec, stepper: Stepper) -> Array:
 
 
 def begun(
-    spec: GraspSpec, section: Section, body: Geometry, tolerance: float, order: Any, load: Any
+    spec: GraspSpec, section: Section, body: Geometry, tolerance: float, order: Any, load: Array | None
 ) -> tuple[Controls, list[Goal], Stepper]:
     """The controls before anything is done, the stages, and what makes steps. Arguments as in `follow`."""
     if held := [e for e in spec.effects if e.prescribed()]:
@@ -334,7 +332,7 @@ def begun(
     before = body.start.q - body.posture
     squeezes = stepper.grasp.squeezes or bool((command != before).any())
     weighs = bool(weight[:3].any())
-    first, goals = read_stages(order, load, beside_weight(spec, stepper), before, command, squeezes, weighs, kept)
+    first, goals = read_stages(spec, order, load, beside_weight(spec, stepper), before, command, squeezes, weighs, kept)
     return first, goals, stepper
 
 
