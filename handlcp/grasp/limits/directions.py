@@ -31,8 +31,6 @@ from handlcp.grasp.path.geometry import length_of
 from handlcp.lcp.compiler.compile_policy import compile_now
 from handlcp.tolerances import EVENT_TOLERANCE
 
-AXES = read_only(np.repeat(np.eye(3), 2, axis=0) * np.tile([[1.0], [-1.0]], (3, 1)) + 0.0)  # both ways along each axis
-
 
 @dataclass(frozen=True, eq=False)
 class Limits:
