@@ -29,14 +29,16 @@ from handlcp.cli.app import (
     print_sentence,
 )
 from handlcp.errors import InputError, shorten_text
+from handlcp.grasp import Grasp
 from handlcp.grasp.failure.failure_text import describe_failures
 from handlcp.grasp.limits.result import LoadLimit, told
+from handlcp.grasp.model.contact import AXIS_DIRECTIONS, axis_directions
+from handlcp.grasp.model.validate import height_above
 from handlcp.record import package_versions
 from handlcp.viz.load_limit_figure import format_load_direction, format_load_size, limit_table
 
 _WrenchValues = tuple[float, float, float, float, float, float]
 _AXIS_NUMBERS = {"+x": 0, "-x": 1, "+y": 2, "-y": 3, "+z": 4, "-z": 5}
-_AXIS_DIRECTIONS = np.repeat(np.eye(3), 2, axis=0) * np.tile([[1.0], [-1.0]], (3, 1))
 
 
 @app.command()
@@ -61,9 +63,9 @@ def limits(
     Exit status 0 where it holds its weight, 1 where squeeze or weight alone are too much, 2 bad input.
     """
     check_output_files(plot)
-    loads = _read_loads(wrench, direction)
     file = load_scene(scene)
     grasp, sides = file.build(), choose_faces(file.solve_with.faces, faces)
+    loads = _read_loads(grasp, wrench, direction)
     check_motion_limits(grasp, motion)
     geometry = "fixed" if fixed else None
     found = [grasp.load_limit(load, geometry=geometry, faces=sides, motion=motion) for load in loads]
@@ -78,25 +80,27 @@ def limits(
     raise typer.Exit(0 if all(limit.factor > 0.0 for limit in found) else 1)
 
 
-def _read_loads(wrench: _WrenchValues | None, directions: list[str] | None) -> Array:
-    """(m, 6) unit forces, or the one load that is asked for. Raises InputError."""
+def _read_loads(grasp: Grasp, wrench: _WrenchValues | None, directions: list[str] | None) -> Array:
+    """(m, 6) unit forces, of a planar scene in its plane, or the one load that is asked for. Raises InputError."""
     if wrench is not None:
         if directions:
             raise InputError("--direction", "nothing where --wrench is given", " and ".join(directions))
         return np.array([wrench])
-    ways = _AXIS_DIRECTIONS if not directions else np.array([_parse_direction(text) for text in directions])
-    return np.hstack([ways, np.zeros((len(ways), 3))])
+    spec = grasp.spec
+    ways = np.array([_parse_direction(text) for text in directions]) if directions else axis_directions(spec.plane)
+    arm = np.zeros(3) if spec.plane is None else height_above(spec.positions, spec.reference, spec.plane) * spec.plane
+    return np.hstack([ways, np.cross(arm, ways)])
 
 
 def _parse_direction(text: str) -> Array:
     """The direction that a text means, such as "-z" or "1,0,0.5": a unit vector (3,). Raises InputError."""
     if text in _AXIS_NUMBERS:
-        return np.asarray(_AXIS_DIRECTIONS[_AXIS_NUMBERS[text]])
+        return np.asarray(AXIS_DIRECTIONS[_AXIS_NUMBERS[text]])
     try:
         found = np.array([float(part) for part in text.replace(",", " ").split()])
     except ValueError:
         found = np.zeros(0)
-    if len(found) != len(_AXIS_DIRECTIONS[0]) or not np.isfinite(found).all() or not found.any():
+    if len(found) != len(AXIS_DIRECTIONS[0]) or not np.isfinite(found).all() or not found.any():
         raise InputError("--direction", "numbers x,y,z, not all 0, or an axis such as -z", shorten_text(text))
     return np.asarray(found / np.linalg.norm(found))
 

@@ -12,7 +12,7 @@ from handlcp.errors import InputError, NoSolutionFound, shorten_repr
 from handlcp.grasp.assembly.scene_builder import build_scene
 from handlcp.grasp.effects import Effect
 from handlcp.grasp.model.contact import Contact
-from handlcp.grasp.model.request import ContactGraspRequest, GraspSpec, rebuild
+from handlcp.grasp.model.request import ContactGraspRequest, GraspSpec, check_loads, rebuild
 
 if TYPE_CHECKING:
     from handlcp.grasp.analysis.equilibria import Equilibria
@@ -311,18 +311,19 @@ class Grasp:
         lost and why.
 
         load : (6,) beside the object's weight at the end, about the reference; None: the grasp's own; (m, 6): one after
-        the other. Of contacts without a hand it is all that loads them: their wrench is not added. order : stages
-        "squeeze" (preload and joint offset), "load" (weight and load), "together", or `Stage`s. geometry : "followed",
-        contacts detected anew in every step; "fixed", those of this posture; None: the first where hand and object are
-        known. steps : of a stage at least; how many there are is for their errors to say. tolerance : how far a step's
-        end may be from where its contacts were taken, as a share of their radii; None: 1e-9. accuracy : estimated error
-        of the forces that a step may have, as a share of the largest; None: 1e-3. max_slip : as in `check`. faces :
-        as in `problem`. Raises InputError, UnknownName, Unsupported (known forces); with `throw`, NoSolutionFound
-        unless it is held.
+        the other; of a planar grasp also (3,) and (m, 3), as in `Grasp`. Of contacts without a hand it is all that
+        loads them: their wrench is not added. order : stages "squeeze" (preload and joint offset), "load" (weight and
+        load), "together", or `Stage`s. geometry : "followed", contacts detected anew in every step; "fixed", those of
+        this posture; None: the first where hand and object are known. steps : of a stage at least; how many there are
+        is for their errors to say. tolerance : how far a step's end may be from where its contacts were taken, as a
+        share of their radii; None: 1e-9. accuracy : estimated error of the forces that a step may have, as a share of
+        the largest; None: 1e-3. max_slip : as in `check`. faces : as in `problem`. Raises InputError, UnknownName,
+        Unsupported (known forces); with `throw`, NoSolutionFound unless it is held.
         """
         from handlcp.grasp.path.follow import follow
 
-        found = follow(self.spec, self._section(faces), load, order, geometry, steps, tolerance, accuracy, max_slip)
+        loads = None if load is None else check_loads(self.spec, load, "load")
+        found = follow(self.spec, self._section(faces), loads, order, geometry, steps, tolerance, accuracy, max_slip)
         if throw and not found.held:
             raise NoSolutionFound(found.sentence, found, found.solution)
         return found

@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from handlcp.check import Array, check_array, check_number, read_only
+from handlcp.check import Array, check_number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
 from handlcp.grasp.failure.failure_mode import find_exceeded, state_limits
+from handlcp.grasp.model.request import check_load
 from handlcp.record import Record
-from handlcp.simulator.settings import SimulatorSettings
+from handlcp.simulator.settings import SimulatorSettings, require_hand_grasp
 from handlcp.simulator.simulation_run import MAX_WAIT, PUSH_STAGE, SimulationReading, SimulationRun
 
 # ----------------------------------------------------------------
@@ -163,17 +164,19 @@ def simulate_limit(
     settle: float = 0.5,
     settings: SimulatorSettings | None = None,
 ) -> SimulatedLimit:
-    """Squeeze, then the weight, then a load that grows from 0 to `most` times `wrench` (6,).
+    """Squeeze, then the weight, then a load that grows from 0 to `most` times a wrench.
 
-    seconds : for all of the load, where it need not wait; the stages before it take as long, up to 6 s each. settle,
-    settings : as in `simulate`. Joints that yield by `TorqueSaturation` have no limit to reach.
+    wrench : (6,) force [N] and torque [N·m] beside the weight, of a planar grasp also (3,), as in `Grasp`. seconds :
+    for all of the load, where it need not wait; the stages before it take as long, up to 6 s each. settle, settings :
+    as in `simulate`. Joints that yield by `TorqueSaturation` have no limit to reach.
     Raises as `simulate`.
     """
-    asked, most = check_array("wrench", wrench, (6,)), check_number("most", most, above=0.0)
+    own, most = require_hand_grasp(grasp), check_number("most", most, above=0.0)
+    asked = check_load(own.spec, wrench)
     if not asked.any():
         raise InputError("wrench", "a load", "zeros")
     seconds, settle = check_number("seconds", seconds, above=0.0), check_number("settle", settle, minimum=0.0)
-    run, before = SimulationRun(grasp, asked, settings), min(seconds, _MAX_STAGE_SECONDS)
+    run, before = SimulationRun(own, asked, settings), min(seconds, _MAX_STAGE_SECONDS)
     held = all(run.run_stage(name, before, settle) for name in run.with_own_stages(("squeeze",)))
     squeezed = read_only(run.track.readings[-1].forces)
     held = held and run.run_stage("weight", before, settle)

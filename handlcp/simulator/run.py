@@ -10,9 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from handlcp import words
-from handlcp.check import Array, check_array, check_number, read_only
+from handlcp.check import Array, check_number, read_only
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
+from handlcp.grasp.model.request import check_load
 from handlcp.grasp.path.follow import Loading
 from handlcp.grasp.solution.verdict import HELD, NOT_HELD
 from handlcp.record import Record as Told
@@ -86,8 +87,9 @@ def simulate(
 ) -> Simulation:
     """Load a grasp in MuJoCo, slowly enough to be static.
 
-    load : (6,) force [N] and torque [N·m] on the object besides its weight at the end; None: the grasp's own. The force
-        acts at the point of the object that the reference is at the start; the torque keeps its axes in the world.
+    load : (6,) force [N] and torque [N·m] on the object besides its weight at the end, of a planar grasp also (3,), as
+        in `Grasp`; None: the grasp's own. The force acts at the point of the object that the reference is at the start;
+        the torque keeps its axes in the world.
     order : ("squeeze", "load"): commands first, then the weight, then the load, as `Grasp.follow` has it; "together":
         all in proportion.
     seconds : of each stage, smooth at both ends; a stage waits while the object moves fast. settle : [s] to come to
@@ -99,7 +101,8 @@ def simulate(
     if stages not in {("together",), ("squeeze", "load"), ("squeeze",)}:
         raise InputError("order", '("squeeze", "load"), ("squeeze",) or "together"', repr(order))
     seconds, settle = check_number("seconds", seconds, above=0.0), check_number("settle", settle, minimum=0.0)
-    run = SimulationRun(grasp, None if load is None else check_array("load", load, (6,)), settings)
+    own = require_hand_grasp(grasp)
+    run = SimulationRun(own, None if load is None else check_load(own.spec, load, "load"), settings)
     if stages[-1] == "load" and run.has_weight and run.wrench.any():  # the weight in a stage of its own
         stages = (*stages[:-1], "weight", PUSH_STAGE)
     held = all(run.run_stage(name, seconds, settle) for name in run.with_own_stages(stages))

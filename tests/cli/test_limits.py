@@ -30,6 +30,14 @@ def test_six_directions_are_a_table_within_80_columns():
     assert without_compiling(done.stderr) == ""
 
 
+def test_a_planar_scene_is_loaded_in_its_plane_alone():
+    done = run("examples/planar_ring.toml", "--fixed", "--json", status=0)
+    found = {tuple(one["load_asked_N_Nm"]): one["factor"] for one in json.loads(done.stdout)["limits"]}
+    assert set(found) == {(x, y, 0, 0, 0, 0) for x, y in ((1, 0), (-1, 0), (0, 1), (0, -1))}
+    ring = scenes.load("examples/planar_ring.toml").build()
+    assert found[1, 0, 0, 0, 0, 0] == pytest.approx(ring.load_limit((1, 0, 0), geometry="fixed").factor, rel=1e-6)
+
+
 def test_json_has_the_limits_of_the_directions_that_are_asked_for():
     done = run(CUBE, *FAST, "--direction", "-z", "--direction", "1,1,0", "--json", status=0)
     found = json.loads(done.stdout)

@@ -50,6 +50,61 @@ def test_check_holds_a_little_less_and_does_not_hold_a_little_more(wall, case, w
     assert grasp.replace(wrench=own + 1.05 * most * way).check().word == "NOT HELD"
 
 
+@pytest.mark.parametrize("accuracy", [None, 1e-3])
+def test_all_that_a_limit_says_is_beside_the_own_wrench(accuracy):
+    """What the contacts bear at the limit is both: √(6.63² + 10²) = 12 N, and 6 N each."""
+    found = pinch(10.0 * DOWN).load_limit(ACROSS, accuracy=accuracy)
+    both = found.load + 10.0 * DOWN
+    assert np.linalg.norm(both) == pytest.approx(MOST, rel=1e-6)
+    assert found.at_limit.held
+    np.testing.assert_allclose(found.at_limit.spec.wrench, both, atol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(found.path.forces[-1][:, :2], axis=1), MOST / 2, rtol=1e-6)
+    np.testing.assert_allclose(np.linalg.norm(found.path.forces[0][:, :2], axis=1), 5.0, rtol=1e-6)
+    assert found.some_equilibrium == pytest.approx(found.factor, rel=1e-5), "beyond the cone nothing balances both"
+    assert found.bound == np.inf, "fingers that may press as hard as they like hold anything"
+    assert found.why.startswith("at 6.633 times the load, 6.63 N along +y beside the grasp's own 10 N along -z: ")
+    assert "own" not in pinch(10.0 * DOWN).load_limit().why, "the own wrench itself grows: there is nothing beside it"
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-3, 1e3])
+def test_a_load_may_help_a_wrench_that_is_not_held_alone(unit):
+    """13 N down on 12 N of friction: from 1 N upwards to 25 N there is an equilibrium, whatever the load's unit."""
+    found = pinch(13.0 * DOWN).load_limit(-unit * DOWN)
+    assert found.factor == 0.0, "a load that grows slowly comes too late"
+    assert found.some_equilibrium == pytest.approx((MOST + 13.0) / unit, rel=1e-4)
+
+
+def test_envelope_and_payload_name_the_wrench_that_stays_on():
+    grasp, told = pinch(10.0 * DOWN), "beside the grasp's own 10 N along -z"
+    assert told in " ".join(str(hl.envelope(grasp, "yz", adaptive=0)).split())
+    assert told in " ".join(str(grasp.payload()).split())
+    assert "own" not in str(hl.envelope(grasp.replace(wrench=np.zeros(6)), "yz", adaptive=0))
+
+
+@pytest.fixture(scope="module")
+def planar():
+    """The same two pads in a plane, under 10 N down."""
+    ends = [hl.Contact((-0.02, 0), (1, 0), MU), hl.Contact((0.02, 0), (-1, 0), MU)]
+    return hl.Grasp(ends, wrench=(0, -10, 0), flexibility=PAD, preload=SQUEEZE)
+
+
+@pytest.mark.parametrize("load", [(0, -1, 0), (0, 1, 0), (1, 0, 0), (0, 0, 1)])
+def test_three_numbers_grow_beside_the_own_wrench_in_a_plane(planar, load):
+    """Balance of moments keeps both tangential forces at 5 N under a force f along x: a finger slips where its normal
+    force 10 - f / 2 has fallen to 5 / μ. A moment m adds m / 40 mm to one of them.
+    """
+    most = {(0, -1, 0): MOST - 10.0, (0, 1, 0): MOST + 10.0, (1, 0, 0): 2 * (10.0 - 5.0 / MU), (0, 0, 1): 0.04}
+    found = planar.load_limit(load)
+    assert found.factor == pytest.approx(most[load], rel=1e-6)
+    assert limit_in_steps(planar, found.wrench) == pytest.approx(most[load], rel=1e-4)
+    assert planar.best_change(load).before.factor == pytest.approx(most[load], rel=1e-6)
+
+
+def test_an_envelope_in_a_plane_is_beside_the_own_wrench(planar):
+    found = hl.envelope(planar, [(1, 0, 0), (0, 1, 0), (0, -1, 0)], adaptive=0)
+    np.testing.assert_allclose(found.factors, [2 * (10.0 - 5.0 / MU), MOST + 10.0, MOST - 10.0], rtol=1e-6)
+
+
 def test_the_wrench_itself_grows_from_nothing():
     grasp = pinch(10.0 * DOWN)
     assert grasp.load_limit().factor == pytest.approx(MOST / 10.0, rel=1e-9)
@@ -90,6 +145,13 @@ def test_the_best_change_is_judged_beside_the_own_wrench():
     alone = pinch(10.0 * DOWN).best_change()
     assert alone.before.factor == pytest.approx(MOST / 10.0, rel=1e-6)
     assert alone.confirmed
+
+
+def test_a_grasp_without_any_wrench_says_which_load_is_missing():
+    none = pinch(np.zeros(6))
+    for ask in (none.load_limit, none.best_change):
+        with pytest.raises(hl.InputError, match=r"^wrench: expected the load that is to grow"):
+            ask()
 
 
 def test_sensitivities_are_those_of_the_closed_form():

@@ -69,3 +69,21 @@ def test_pads_count_where_hand_and_object_are_followed():
     found = held.load_limit((0, 0, -1.0, 0, 0, 0)).sensitivity().factor_by_all_pads
     assert found == pytest.approx((factor(pad + more) - factor(pad - more)) / (2 * more), rel=1e-4)
     assert found < -100.0
+
+
+def test_a_heavier_object_loads_the_grasp_once():
+    """Against paths of the same grasp of a heavier and of a lighter object, which a weight counted twice misses by half
+    the answer and more.
+    """
+    hand, cube = hl.example_hand("three_finger", joint_stiffness=6.0), hl.Box(0.05, (0, 0, 0.08), mass=0.2)
+    held, h, push = hand.at(hand.close_on(cube)).grasp(cube, friction=0.8, squeeze=0.005), 1e-5, (0, 0.3, -1.0, 0, 0, 0)
+    heavier, lighter = (held.replace(mass=0.2 + step) for step in (h, -h))
+
+    lower = (heavier.load_limit(push).factor - lighter.load_limit(push).factor) / (2 * h)
+    assert lower < -1.0
+    assert held.load_limit(push).sensitivity().factor_by_mass == pytest.approx(lower, rel=1e-2)
+    assert held.replace(load=push).load_limit().sensitivity().factor_by_mass == pytest.approx(lower, rel=1e-2)
+
+    sinks = (heavier.follow(steps=8).displacement - lighter.follow(steps=8).displacement) / (2 * h)
+    found = held.follow(steps=8).sensitivity().displacement_by_mass[:, 0]
+    np.testing.assert_allclose(found, sinks, atol=1e-3 * abs(sinks).max())

@@ -250,7 +250,7 @@ def test_no_direction_holds_more_than_its_bound():
 def test_wrenches_out_of_the_plane_of_a_planar_scene_are_refused():
     grasp = flat_pinch()
     assert hl.envelope(grasp, [(0, 1.0, 0, 0, 0, 0)]).factors[0] == pytest.approx(2 * MU * N, rel=1e-6)
-    with pytest.raises(hl.InputError, match="directions: expected forces in the plane"):
+    with pytest.raises(hl.InputError, match=r"directions\[1\]: expected forces in the plane"):
         hl.envelope(grasp, [(0, 1.0, 0, 0, 0, 0), (0, 0, 1.0, 0, 0, 0)])
 
 

@@ -15,7 +15,7 @@ from handlcp.check import Array, check_number
 from handlcp.contact.friction import Section
 from handlcp.errors import InputError
 from handlcp.grasp.derivatives.parameter import parameters_by_effort
-from handlcp.grasp.derivatives.parameter.load import load_beside_weight, with_load
+from handlcp.grasp.derivatives.parameter.load import with_load
 from handlcp.grasp.design.required_value import verdict_on
 from handlcp.grasp.failure.failure_mode import UNDECIDED
 from handlcp.grasp.failure.failure_text import NOTHING_FAILS, describe_failures
@@ -50,7 +50,7 @@ class TriedChange(Record):
 class BestChange(Record):
     """What each change does to the load that a grasp holds, the best first.
 
-    wrench (6,) : the load that grows, beside the weight [N, N·m]. share : of every change. before : the load limit
+    wrench (6,) : the load that grows [N, N·m], as in `LoadLimit`. share : of every change. before : the load limit
     without a change. tried : the changes; empty where nothing binds before. between : factor on the load, between the
     limits before and after the best change, at which `check()` was asked; NaN where no change buys anything.
     verdicts : its words there, with the best change and without; why_not : why the first is not HELD, "" where it is.
@@ -130,7 +130,7 @@ def best_change(spec: GraspSpec, section: Section, wrench: Any, share: Any, geom
     part = check_number("share", share, above=0.0)
     if part >= 1.0:
         raise InputError("share", "a share below 1, such as 0.1", share)
-    asked = load_beside_weight(spec) if wrench is None else wrench
+    asked = spec.load_beside_weight if wrench is None else wrench
     of_weight = wrench is None and not asked.any()
     grows = spec.mechanism is None and wrench is None  # contacts' own wrench, from nothing
     load = None if grows else spec.wrench if of_weight else asked

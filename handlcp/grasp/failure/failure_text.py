@@ -187,7 +187,9 @@ def explain_limit(
         text += ", and nothing else balances more load"
     if factor > 0.0:
         load = describe_load(factor * wrench)
-        return f"at {factor:.4g} times the load{f', {load}' if load else ''}: {text}"
+        own = "" if spec is None else describe_own_wrench(spec)
+        where = f"at {factor:.4g} times the load{f', {load}' if load else ''}{f' {own}' if own else ''}"
+        return f"{where}: {text}"
     if kind in (TORQUE, TENSION, RANGE):
         return f"before there is any load, {text}"
     return f"it holds nothing of this load: {text.replace('more load', 'it')}"
@@ -199,6 +201,14 @@ def describe_slip(names: Sequence[str], slipped: Array, most: Array) -> str:
     who = [k for k, one in enumerate(share.tolist()) if one >= (1.0 - 1e-3) * share.max()]
     far = words.format_length(float(slipped[who].max()))
     return f"{words.join_names([names[k] for k in who])} {'has' if len(who) == 1 else 'have'} slid {far}"
+
+
+def describe_own_wrench(spec: GraspSpec) -> str:
+    """What contacts without a hand bear beside a load that grows, such as "beside the grasp's own 10 N along -z";
+    "" where that is nothing, and of a hand, where the weight of its object goes without saying.
+    """
+    own = "" if spec.mechanism is not None else describe_load(spec.wrench)
+    return f"beside the grasp's own {own}" if own else ""
 
 
 def describe_pad_depth(give: Array, normals: Array, names: Sequence[str]) -> str:

@@ -33,12 +33,11 @@ from handlcp.grasp.path.watch import MAX_SLIP
 from handlcp.lcp.compiler.compile_policy import compile_now
 from handlcp.tolerances import EVENT_TOLERANCE
 
-AXES = read_only(np.repeat(np.eye(3), 2, axis=0) * np.tile([[1.0], [-1.0]], (3, 1)) + 0.0)  # both ways along each axis
-
 
 @dataclass(frozen=True, eq=False)
 class Limits:
-    """Limits of one grasp in m directions. wrenches (m, 6) : the loads, beside the weight [N, N·m]. factors (m,) : of
+    """Limits of one grasp in m directions. wrenches (m, 6) : the loads, beside what rests on the object as
+    `GraspSpec.resting_wrench` has it [N, N·m]. factors (m,) : of
     each, inf where nothing binds. binds (m,) : what gives out, as in `LoadLimit`. geometry : "fixed" or "followed".
     accuracy (m,) : estimated relative errors of the factors; NaN: not asked.
     """

@@ -14,8 +14,7 @@ from handlcp.grasp.derivatives.path_sensitivity import PathSensitivity
 from handlcp.grasp.limits.fixed import fixed_limit
 from handlcp.grasp.limits.followed import Allowed, followed_limit
 from handlcp.grasp.limits.result import LoadLimit
-from handlcp.grasp.model import validate
-from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.model.request import GraspSpec, check_load
 from handlcp.grasp.path.advance import ACCURACY, read_accuracy
 from handlcp.grasp.path.follow import geometry_of
 from handlcp.grasp.path.watch import MAX_SLIP, read_max_slip
@@ -36,17 +35,13 @@ def load_of(spec: GraspSpec, wrench: Any) -> tuple[GraspSpec, Array]:
     the grasp's own, of contacts without a hand from nothing. Raises InputError.
     """
     if wrench is not None:
-        height = validate.height_above(spec.positions, spec.reference, spec.plane)
-        given = validate.wrench(wrench, spec.plane, height)
+        given = check_load(spec, wrench)
         if not given.any():
             raise InputError("wrench", "a load that is not zero", given.tolist())
         return spec, given
-    own = spec.wrench.copy()
-    if spec.mechanism is not None:
-        own -= spec.resting_wrench
-    if not abs(own).max() > 1e-12 * abs(spec.wrench).max():
+    if not spec.load_beside_weight.any():
         raise InputError("wrench", _LOAD + _down(spec.wrench), wrench)
-    return without_wrench(spec), read_only(own)
+    return without_wrench(spec), spec.load_beside_weight
 
 
 def without_wrench(spec: GraspSpec) -> GraspSpec:
@@ -125,6 +120,6 @@ class _Question:
         return PathSensitivity(self.spec, self._factor)
 
     def _factor(self, varied: GraspSpec) -> dict[str, Array]:
-        load = read_only(self.wrench + varied.wrench - self.spec.wrench)
+        load = read_only(self.wrench + varied.load_beside_weight - self.spec.load_beside_weight)
         own = varied.replace(wrench=self.spec.wrench, asked=varied.asked)
         return {"factor": np.array(self.varied(own, load).factor)}

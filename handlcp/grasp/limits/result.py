@@ -98,9 +98,10 @@ class LoadLimit(Record):
     factor : times `wrench`; the load at which a contact has slid `max_slip` or the object is lost, or a joint is at a
     limit, whichever comes first; inf where nothing binds however large the load, 0 where squeeze or weight alone are
     not held.
-    wrench (6,) : the load [N, N·m], beside the weight, about the grasp's reference. binds : what gives out, one or
-    several; "undecided" where the path could not be followed on, or a link that is no contact comes into the object:
-    the factor is held, and may not be the largest.
+    wrench (6,) : the load [N, N·m] that grows, about the grasp's reference: beside the weight, and of contacts without
+    a hand beside their own wrench, unless that is what grows. binds : what gives out, one or several; "undecided" where
+    the path could not be followed on, or a link that is no contact comes into the object: the factor is held, and may
+    not be the largest.
     geometry : "fixed" or "followed".
     first_slip, slides, lost : factors, None where that never comes. first_slip : a contact begins to slide. slides : a
     contact that presses has slid `max_slip` since the load began, the length of its way: the object is no longer where

@@ -29,8 +29,8 @@ from handlcp.grasp.path.geometry import supports
 @dataclass(frozen=True, eq=False)
 class System:
     """spec : the grasp, with the flexibility and the effects that count in one posture. scene : of it. weight (6,) :
-    what rests on the object, as `GraspSpec.resting`. limits : that give way, in the order of their unknowns. watched :
-    (kind, name) of each row of `watch`. sets : of friction.
+    what rests on the object, as `GraspSpec.resting_wrench`. limits : that give way, in the order of their unknowns.
+    watched : (kind, name) of each row of `watch`. sets : of friction.
     """
 
     spec: GraspSpec

@@ -117,6 +117,24 @@ class Contact:
         return f"Contact({name}{where}, friction={self.friction!r})"
 
 
+# (6, 3) both ways along x, y and z
+AXIS_DIRECTIONS = read_only(np.repeat(np.eye(3), 2, axis=0) * np.tile([[1.0], [-1.0]], (3, 1)) + 0.0)
+_IN_PLANE_TOLERANCE = 1e-9
+
+
+def axis_directions(plane: Array | None) -> Array:
+    """(k, 3) both ways along the world's axes; in a planar scene the four in its plane, along axes of the plane where
+    those of the world do not lie in it. plane (3,) : its unit normal; None: a spatial scene.
+    """
+    if plane is None:
+        return AXIS_DIRECTIONS
+    flat = AXIS_DIRECTIONS[abs(AXIS_DIRECTIONS @ plane) < _IN_PLANE_TOLERANCE]
+    if len(flat) == 4:
+        return flat
+    x, y = contact_frame(plane).T[:2]
+    return np.array([x, -x, y, -y])
+
+
 def contact_frame(normal: Array, tangent: Array | None = None) -> Array:
     """(3, 3) rotation with columns x, y, z for a unit `normal` = z; x is `tangent` projected on the tangent plane."""
     if tangent is None:

@@ -29,6 +29,7 @@ from handlcp.grasp.model.effect import Effect
 from handlcp.grasp.model.flexibility import Flexibility, flexibility_matrix, holds_flexibility, stored_flexibility
 from handlcp.lazy_property import lazy_property
 
+LOAD_ROUNDING_SHARE = 1e-12  # of the whole load: less of it besides the weight is rounding
 _ARRAY_FIELDS = ("positions", "frames", "wrench", "reference", "flexibility", "offset")
 
 
@@ -83,6 +84,17 @@ class GraspSpec(Placement):
         knows it; of contacts without a hand the whole wrench, of which nobody knows what is weight.
         """
         return self.wrench if self.mechanism is None else self.mechanism.weight_of_object(self.reference)
+
+    @property
+    def load_beside_weight(self) -> Array:
+        """(6,) what loads the object besides its weight, about the reference [N, N·m]; 0 where that is rounding. Of
+        contacts without a hand the whole wrench.
+        """
+        if self.mechanism is None:
+            return self.wrench
+        load = self.wrench - self.mechanism.weight_of_object(self.reference)
+        load[abs(load) <= LOAD_ROUNDING_SHARE * abs(self.wrench).max()] = 0.0
+        return read_only(load)
 
     @property
     def free_fingers(self) -> list[int]:
@@ -321,8 +333,28 @@ class ContactGraspRequest(Request):
 
 def replace_load(spec: GraspSpec, wrench: Any, asked: Any) -> GraspSpec:
     """The same grasp under another whole load, as `asked` has it: it shares all its other arrays."""
+    return spec.replace(wrench=check_load(spec, wrench), asked=asked)
+
+
+def check_load(spec: GraspSpec, load: Any, argument: str = "wrench") -> Array:
+    """(6,) a load on the object of a grasp, about its reference [N, N·m].
+
+    load : (6,), of a planar grasp also (3,): two forces in the xy plane and the moment; None: no load.
+    Raises InputError, which names the argument, for other shapes, and for what does not act in a planar grasp's plane.
+    """
     height = validate.height_above(spec.positions, spec.reference, spec.plane)
-    return spec.replace(wrench=validate.wrench(wrench, spec.plane, height), asked=asked)
+    return validate.wrench(load, spec.plane, height, argument)
+
+
+def check_loads(spec: GraspSpec, loads: Any, argument: str) -> Array:
+    """(m, 6) one load or several, each as in `check_load`. Raises InputError."""
+    shapes = ((6,), (-1, 6)) if spec.plane is None else ((6,), (3,), (-1, 6), (-1, 3))
+    given = check_array(argument, loads, *shapes, what=validate.WRENCH_EXPECTED)
+    if given.ndim == 1:
+        return read_only(check_load(spec, given, argument)[None])
+    if not len(given):
+        raise InputError(argument, "at least one load", "none")
+    return read_only(np.array([check_load(spec, row, f"{argument}[{k}]") for k, row in enumerate(given)]))
 
 
 def hand_offset(offset: Array, fingers: int) -> Array:

@@ -278,10 +278,10 @@ def solution_of(grasp: StepGrasp, state: State, section: Section) -> GraspSoluti
 
 @track_progress("following the loading")
 def follow(
-    spec: GraspSpec, section: Section, load: Any, order: Any, geometry: Any, steps: Any, tolerance: Any,
+    spec: GraspSpec, section: Section, load: Array | None, order: Any, geometry: Any, steps: Any, tolerance: Any,
     accuracy: Any = None, max_slip: Any = MAX_SLIP, patience: Patience = PATIENT,
 ) -> Loading:  # fmt: skip
-    """See `Grasp.follow`. patience : as in `advance`."""
+    """See `Grasp.follow`. load : (6,) or (m, 6); None: the grasp's own. patience : as in `advance`."""
     near = read_accuracy(accuracy)
     watch = watch_of(spec, body := geometry_of(spec, geometry), read_max_slip(max_slip, spec.names))
     count = check_integer("steps", steps, 1)
@@ -289,19 +289,15 @@ def follow(
     first, goals, stepper = begun(spec, section, body, limit, order, load)
     run = advance(stepper, watch, first, goals, count, near, patience)
 
-    beside = beside_weight(spec, stepper) - spec.wrench if load is None else None
-    again = partial(_again, beside, load, section, order, geometry, (steps, tolerance, accuracy, max_slip))
+    again = partial(_again, load, section, order, geometry, (steps, tolerance, accuracy, max_slip))
     return replace(loading_of(run, goals, stepper, section, watch.max_slip), again=again)
 
 
 def _again(
-    beside: Array | None, load: Any, section: Section, order: Any, geometry: Any, options: tuple[Any, ...],
-    other: GraspSpec,
-) -> Loading:  # fmt: skip
-    """Another grasp followed in the same way; beside (6,) : from its own load to that beside the weight. options : the
-    other arguments of `follow`.
-    """
-    return follow(other, section, load if beside is None else beside + other.wrench, order, geometry, *options)
+    load: Array | None, section: Section, order: Any, geometry: Any, options: tuple[Any, ...], other: GraspSpec
+) -> Loading:
+    """Another grasp followed in the same way. options : the other arguments of `follow`."""
+    return follow(other, section, load, order, geometry, *options)
 
 
 def beside_weight(spec: GraspSpec, stepper: Stepper) -> Array:
@@ -313,7 +309,7 @@ def beside_weight(spec: GraspSpec, stepper: Stepper) -> Array:
 
 
 def begun(
-    spec: GraspSpec, section: Section, body: Geometry, tolerance: float, order: Any, load: Any
+    spec: GraspSpec, section: Section, body: Geometry, tolerance: float, order: Any, load: Array | None
 ) -> tuple[Controls, list[Goal], Stepper]:
     """The controls before anything is done, the stages, and what makes steps. Arguments as in `follow`."""
     if held := [e for e in spec.effects if e.prescribed()]:
@@ -326,7 +322,7 @@ def begun(
     before = body.start.q - body.posture
     squeezes = stepper.grasp.squeezes or bool((command != before).any())
     weighs = bool(weight[:3].any())
-    first, goals = read_stages(order, load, beside_weight(spec, stepper), before, command, squeezes, weighs, kept)
+    first, goals = read_stages(spec, order, load, beside_weight(spec, stepper), before, command, squeezes, weighs, kept)
     return first, goals, stepper
 
 

@@ -10,7 +10,9 @@ import numpy as np
 
 from handlcp.check import Array, check_array, check_init_call, check_number, check_sequence, read_only
 from handlcp.errors import InputError, shorten_repr
+from handlcp.grasp.model.request import GraspSpec, check_load
 from handlcp.grasp.model.status import ContactStatus, PathStatus
+from handlcp.grasp.model.validate import WRENCH_EXPECTED
 from handlcp.grasp.path.events import Event
 from handlcp.grasp.path.geometry import Iterate, Where
 from handlcp.grasp.path.newton.numbers import Loads, Read
@@ -32,9 +34,9 @@ class Stage:
     """One stage of loading, for `grasp.follow(order=[...])`; what is None stays as it is.
 
     name : what events call it. load : (6,) force [N] and torque [N·m] about the grasp's reference, besides the weight,
-    at the end of the stage. weight : share of the weights of object and load that is there, 0 to 1.
-    squeeze : share of the squeeze, of preloads and of the commanded joint offset, ≥ 0. joint_offset : (nv,) [rad, m],
-    how far beyond the grasp's posture the joints are commanded, in place of that share.
+    at the end of the stage; of a planar grasp also (3,), as in `Grasp`. weight : share of the weights of object and
+    load that is there, 0 to 1. squeeze : share of the squeeze, of preloads and of the commanded joint offset, ≥ 0.
+    joint_offset : (nv,) [rad, m], how far beyond the grasp's posture the joints are commanded, in place of that share.
     """
 
     name: str
@@ -51,7 +53,7 @@ class Stage:
             if (value := getattr(self, name)) is not None:
                 check_number(f"Stage.{name}", value, minimum=0.0)
         if self.load is not None:
-            check_array("Stage.load", self.load, (6,))
+            check_array("Stage.load", self.load, (6,), (3,), what=WRENCH_EXPECTED)
         if self.joint_offset is not None:
             check_array("Stage.joint_offset", self.joint_offset, (-1,))
 
@@ -87,8 +89,9 @@ class Goal:
 
 
 def read_stages(
+    spec: GraspSpec,
     order: Any,
-    load: Any,
+    load: Array | None,
     wrench: Array,
     before: Array,
     command: Array,
@@ -98,24 +101,24 @@ def read_stages(
 ) -> tuple[Controls, list[Goal]]:
     """The controls before anything is done, and the stages.
 
-    order : names "squeeze", "load", "together", or `Stage`s; one alone, or in a sequence. load : as in
-    `Grasp.follow`. wrench (6,) : the grasp's own load besides the weight. before, command (nv,) : how far the joints
-    are commanded beyond the posture before and after the squeeze. squeezes : whether there is anything to squeeze with;
-    a stage "squeeze" without is left out. weighs : whether the object's weight is known apart from the load: "load"
-    then brings the weight first, as a stage of its own where there is a load besides. kept : whether the object is kept
-    in place while the hand squeezes.
+    spec : of the grasp, about whose reference loads of stages are. order : names "squeeze", "load", "together", or
+    `Stage`s; one alone, or in a sequence. load : as in `follow`. wrench (6,) : the grasp's own load besides the weight.
+    before, command (nv,) : how far the joints are commanded beyond the posture before and after the squeeze.
+    squeezes : whether there is anything to squeeze with; a stage "squeeze" without is left out. weighs : whether the
+    object's weight is known apart from the load: "load" then brings the weight first, as a stage of its own where there
+    is a load besides. kept : whether the object is kept in place while the hand squeezes.
     Raises InputError.
     """
     given = [order] if isinstance(order, (str, Stage)) else order
     given = check_sequence("order", given, f"stages: {', '.join(_KNOWN)}, or hl.Stage")
-    path = _path(load, wrench)
+    path = np.atleast_2d(wrench if load is None else load)
     now = Controls(np.zeros(6), 0.0, 0.0, before)
     first, goals = now, list[Goal]()
     for k, stage in enumerate(given):
         if isinstance(stage, str) and stage == "load" and weighs and not now.weight and path[0].any():
             now = now._replace(weight=1.0)
             goals.append(Goal("weight", now))
-        for goal in _goals(f"order[{k}]", stage, path, now, (before, command)):
+        for goal in _goals(spec, f"order[{k}]", stage, path, now, (before, command)):
             if goal.name == "squeeze":
                 if not squeezes:
                     continue
@@ -131,19 +134,11 @@ def read_stages(
     return first, goals
 
 
-def _path(load: Any, wrench: Array) -> Array:
-    """(m, 6) loads, one after the other."""
-    if load is None:
-        return wrench[None]
-    given = check_array("load", load, (6,), (-1, 6))
-    if not len(given):
-        raise InputError("load", "at least one load", "none")
-    return given[None] if given.ndim == 1 else given
-
-
-def _goals(argument: str, stage: Any, path: Array, now: Controls, commands: tuple[Array, Array]) -> Iterable[Goal]:
+def _goals(
+    spec: GraspSpec, argument: str, stage: Any, path: Array, now: Controls, commands: tuple[Array, Array]
+) -> Iterable[Goal]:
     if isinstance(stage, Stage):
-        yield _own(argument, stage, now, commands)
+        yield _own(spec, argument, stage, now, commands)
     elif not isinstance(stage, str):
         raise InputError(argument, f"one of {', '.join(_KNOWN)}, or an hl.Stage", shorten_repr(stage))
     elif stage == "squeeze":
@@ -157,9 +152,9 @@ def _goals(argument: str, stage: Any, path: Array, now: Controls, commands: tupl
         raise InputError(argument, f"one of {', '.join(_KNOWN)}, or an hl.Stage", repr(stage)[:80])
 
 
-def _own(argument: str, stage: Stage, now: Controls, commands: tuple[Array, Array]) -> Goal:
+def _own(spec: GraspSpec, argument: str, stage: Stage, now: Controls, commands: tuple[Array, Array]) -> Goal:
     before, command = commands
-    load = now.load if stage.load is None else check_array(f"{argument}.load", stage.load, (6,))
+    load = now.load if stage.load is None else check_load(spec, stage.load, f"{argument}.load")
     weight = now.weight if stage.weight is None else check_number(f"{argument}.weight", stage.weight, minimum=0.0)
     preload, commanded = now.preload, now.command
     if stage.squeeze is not None:

@@ -19,14 +19,14 @@ from handlcp.check import Array, read_only
 from handlcp.contact.friction import as_section
 from handlcp.grasp.batch.solve_many import solve_many
 from handlcp.grasp.failure.failure_text import describe_failures
-from handlcp.grasp.limits.directions import AXES
 from handlcp.grasp.limits.followed import Before, anything_else
+from handlcp.grasp.model.contact import AXIS_DIRECTIONS
 from handlcp.grasp.path.advance import PATIENT, Patience
 from handlcp.grasp.path.state import STILL
 from handlcp.grasp.solution.solution import GraspSolution
 from handlcp.hand.hand_grasp import HandGrasp
 
-_PUSHES = read_only(np.hstack([AXES, np.zeros((6, 3))]))
+_PUSHES = read_only(np.hstack([AXIS_DIRECTIONS, np.zeros((6, 3))]))
 _NOTHING = 1e-12  # of the load: no more is what rounding leaves of a load beside the weight
 _FIRST, _DOUBLED, _FINER = 0.01, 9, 2.0 ** (0.25 * np.arange(1, 4))  # of the size of the forces; how often
 

@@ -11,7 +11,7 @@ from handlcp.check import Ints, check_call, check_integer
 from handlcp.contact.friction import Pyramid, as_section
 from handlcp.errors import InputError
 from handlcp.grasp import Grasp
-from handlcp.grasp.model.validate import height_above, wrench
+from handlcp.grasp.model.request import check_loads
 from handlcp.grasp.path.follow import geometry_of
 from handlcp.progress import Progress
 from handlcp.studies.envelope.direction import BindingCauses, DirectionGrid, DirectionRequest, read_directions
@@ -107,9 +107,7 @@ def _read_question(grasp: Grasp, directions: Any, of: Any, at: Any) -> tuple[Dir
     if of == WRENCH or asked.wrenches is not None:
         if asked.wrenches is None or of not in (FORCE, WRENCH):
             raise InputError("of", '"force", "torque" or "gravity" for directions, none for wrenches', repr(of)[:80])
-        height = height_above(grasp.spec.positions, grasp.spec.reference, normal)
-        for row in asked.wrenches:
-            wrench(row, normal, height, "directions")
+        check_loads(grasp.spec, asked.wrenches, "directions")
         return asked, read_load(grasp, WRENCH, at)
     load = read_load(grasp, of, at)
     if normal is None:

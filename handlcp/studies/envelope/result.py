@@ -11,7 +11,7 @@ import numpy as np
 from handlcp import words
 from handlcp.check import Array, Ints, check_method_calls, read_only
 from handlcp.grasp import Grasp
-from handlcp.grasp.failure.failure_text import NOTHING_FAILS, describe_failures
+from handlcp.grasp.failure.failure_text import NOTHING_FAILS, describe_failures, describe_own_wrench
 from handlcp.lazy_property import lazy_property
 from handlcp.record import Record, make_data_frame, package_versions, pick_entries
 from handlcp.studies.envelope.direction import (
@@ -111,6 +111,8 @@ def _describe_question(env: Any) -> str:
         unit = words.choose_length_unit(load.at.tolist())
         what += " at (" + ", ".join(unit(x) for x in load.at.tolist()) + f") {unit.name}"
     around = "in a plane" if env.plane is not None else "all around" if len(env.triangles) else ""
+    if own := describe_own_wrench(load.grasp.spec):
+        what += f" {own}"
     ways = "wrenches" if env.of == "wrench" else "directions"
     return f"how much it holds: {what}, {m} {ways}{f' {around}' if around else ''}"
 

@@ -28,9 +28,8 @@ from handlcp.grasp import Grasp
 from handlcp.grasp.effects.joint_offset import describe_missing_squeeze
 from handlcp.grasp.failure.failure_mode import OBJECT, UNDECIDED, FailureMode
 from handlcp.grasp.failure.failure_text import describe_failures
-from handlcp.grasp.limits.directions import AXES
 from handlcp.grasp.limits.load_limit import load_limit
-from handlcp.grasp.model.contact import contact_frame
+from handlcp.grasp.model.contact import axis_directions, contact_frame
 from handlcp.grasp.model.request import GraspSpec, with_changes
 from handlcp.grasp.path.follow import geometry_of
 from handlcp.hand import HandGrasp
@@ -48,7 +47,6 @@ from handlcp.studies.envelope.question import (
 from handlcp.studies.payload.result import Orientation, Payload, mass_order
 
 ANY, SIX = "any", 6
-_IN_PLANE_TOLERANCE = 1e-9
 _NEGLIGIBLE_MASS = 1e-6  # [kg]: overlaps of rounding hold micrograms
 
 
@@ -74,7 +72,7 @@ def find_payload(
     load = read_load(_refer_to_mass_centre(grasp), GRAVITY, None)
     names = grasp.spec.names
     question = EnvelopeQuestion.read(load, names, section, how, motion, turn, accuracy, max_slip)
-    axes = _gravity_axes(grasp.spec.plane)
+    axes = axis_directions(grasp.spec.plane)
     ways, tried = axes, len(axes)
     if orientations == ANY:  # with the hand accelerating against gravity, which is worst
         pulled = replace(question, geometry=searched, load=replace(load, gravity=load.gravity + more))
@@ -105,19 +103,6 @@ def _refer_to_mass_centre(grasp: Grasp) -> Grasp:
     return HandGrasp(with_changes(asked, {"reference": None}).spec())
 
 
-def _gravity_axes(plane: Array | None) -> Array:
-    """(6, 3) both ways along the axes of the hand's base; of a planar scene the four in its plane, along axes of the
-    plane where those of the base do not lie in it.
-    """
-    if plane is None:
-        return AXES
-    flat = AXES[abs(AXES @ plane) < _IN_PLANE_TOLERANCE]
-    if len(flat) == 4:
-        return flat
-    x, y = contact_frame(plane).T[:2]
-    return np.array([x, -x, y, -y])
-
-
 # ----------------------------------------------------------------
 # One direction of gravity: the least mass over the ways that the hand accelerates.
 
@@ -137,7 +122,7 @@ def _find_least_mass(q: EnvelopeQuestion, acceleration: float, d: Array, ways: A
 
 def unit_mass_loads(grasp: Grasp, acceleration: float) -> list[tuple[GraspSpec, Array]]:
     """Loads (6,) by 1 kg, each with the grasp that it is on: of the limits of these `payload` tells the least."""
-    load, axes = read_load(_refer_to_mass_centre(grasp), GRAVITY, None), _gravity_axes(grasp.spec.plane)
+    load, axes = read_load(_refer_to_mass_centre(grasp), GRAVITY, None), axis_directions(grasp.spec.plane)
     return [(spec, wrench) for d in axes for _, spec, wrench in _accelerated_loads(load, d, acceleration, axes)]
 
 

@@ -11,7 +11,7 @@ from handlcp import words
 from handlcp.check import Array, check_method_calls
 from handlcp.grasp import LoadLimit
 from handlcp.grasp.failure.failure_mode import UNDECIDED, FailureMode
-from handlcp.grasp.failure.failure_text import describe_failures
+from handlcp.grasp.failure.failure_text import describe_failures, describe_own_wrench
 from handlcp.record import Record
 from handlcp.studies.envelope.question import DirectionalLoad
 from handlcp.studies.envelope.result import describe_geometry, format_direction
@@ -156,6 +156,8 @@ class Payload(Record):
     def asked(self) -> str:
         """In words, what was asked."""
         rest = f"the hand accelerating by {self.acceleration:g} m/s²" if self.acceleration else "the hand at rest"
+        if own := describe_own_wrench(self.load.grasp.spec):
+            rest += f", {own}"
         axes = len(self.by_orientation) - (self.orientations == "any")
         if self.orientations == "any" and self.searched == self.geometry:
             return f"gravity in any direction, {rest}: the least of {self.tried} directions that were tried, no proof"

@@ -62,15 +62,6 @@ class Wrench(Parameter):
         samples.times("load", 1, (), values)
 
 
-def load_beside_weight(spec: GraspSpec) -> Array:
-    """(6,) what loads the object besides its weight, about the reference; 0 where that is rounding."""
-    if spec.mechanism is None:
-        return spec.wrench
-    own = spec.wrench - spec.mechanism.weight_of_object(spec.reference)
-    own[abs(own) <= 1e-12 * abs(spec.wrench).max()] = 0.0
-    return read_only(own)
-
-
 def with_load(spec: GraspSpec, load: Array) -> GraspSpec:
     """The grasp under a load (6,) beside the object's weight, about the reference."""
     if spec.mechanism is None:
