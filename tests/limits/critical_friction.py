@@ -30,9 +30,8 @@ def weight_of(fingers: int) -> float:
     return CRITICAL * fingers * N
 
 
-def law_of(kind: str, share: float) -> hl.Coulomb | hl.SoftFinger:
-    """The friction law with so much of the critical friction."""
-    mu = share * CRITICAL
+def law_of(kind: str, mu: float) -> hl.Coulomb | hl.SoftFinger:
+    """The friction law with this coefficient."""
     return hl.Coulomb(mu) if kind == "hard" else hl.SoftFinger(mu, TORSION)
 
 
@@ -44,7 +43,7 @@ def ways_around(fingers: int) -> np.ndarray:
 
 def bare_contacts(fingers: int, kind: str, share: float) -> hl.Grasp:
     """Contacts alone, under the weight."""
-    pads, law = KINDS[kind], law_of(kind, share)
+    pads, law = KINDS[kind], law_of(kind, share * CRITICAL)
     contacts = [hl.Contact(tuple(-RADIUS * way), tuple(way), law) for way in ways_around(fingers)]
     return hl.Grasp(contacts, (0, 0, -weight_of(fingers), 0, 0, 0), flexibility=pads, preload=N * pads)
 
@@ -56,15 +55,15 @@ def hand_of_sliders(folder: Path, fingers: int, kind: str, share: float) -> hl.H
     hand = sliders(folder, tips, K, pad_flexibility=pads, torque_limits=np.inf, tip_radius=TIP)
     can = hl.Cylinder(RADIUS, 0.1, mass=weight_of(fingers) / G)
     command = np.full(fingers, N * (1.0 / K + pads))
-    return hand.at(hand.neutral).grasp(can, law_of(kind, share), joint_offset=command)
+    return hand.at(hand.neutral).grasp(can, law_of(kind, share * CRITICAL), joint_offset=command)
 
 
-def example_hand(fingers: int, friction: float) -> hl.HandGrasp:
+def example_hand(fingers: int, law: hl.Coulomb | hl.SoftFinger) -> hl.HandGrasp:
     """A shipped hand around a ball, whose weight pulls it out of the hand."""
     name = {2: "two_finger", 3: "three_finger", 5: "five_finger"}[fingers]
     hand = hl.example_hand(name, joint_stiffness=6.0, torque_limits=np.inf)
     ball = hl.Sphere(0.03, (0, 0, 0.085), mass=0.3)
-    return hand.at(hand.close_on(ball)).grasp(ball, friction=friction, gravity=(0, 0, G), squeeze=0.003)
+    return hand.at(hand.close_on(ball)).grasp(ball, law, gravity=(0, 0, G), squeeze=0.003)
 
 
 def least_friction(grasp: hl.HandGrasp) -> float:

@@ -106,8 +106,8 @@ def freeze(cases: int, out: Path, seconds: float, directions: int) -> int:
 
 
 def compare(file: Path, scenes: int, seconds: float) -> int:
-    """Print where the package that is imported says otherwise than a file: factor by 1 %, words at 0.95 and 1.05,
-    forces at the end of squeeze and weight by 1 %. The number of scenes that differ.
+    """Print where the package that is imported says otherwise than a file: factor by 1 %, in one posture too; words at
+    0.95 and 1.05; forces at the end of squeeze and weight by 1 %. The number of scenes that differ.
     """
     tally = Counter[str]()
     for old in frozen(file)[:scenes]:
@@ -126,17 +126,17 @@ def _differences(old: dict[str, Any], new: dict[str, Any]) -> dict[str, str]:
     """What differs between two lines of one scene: then and now; "": nothing."""
     if stopped := [f"{when}: {x['stopped']}" for when, x in (("then", old), ("now", new)) if "stopped" in x]:
         return {"stopped": ", ".join(stopped)}
-    a, b = (np.inf if x["factor"] is None else x["factor"] for x in (old, new))
-    far = a != b and not abs(a - b) <= DIFFERS * max(abs(a), abs(b))
     first, then = np.array(old["forces"]), np.array(new["forces"])
     off = float(abs(first - then).max() / max(abs(first).max(), 1e-12))
-    found = {
-        "factor": f"{a:.5g}, now {b:.5g}" if far else "", "forces": f"{100 * off:.1f} % off" if off > DIFFERS else "",
-    }  # fmt: skip
-    for what in ("follow", "check"):
+    found = {"forces": f"{100 * off:.1f} % off" if off > DIFFERS else ""}
+    for name in ("factor", "fixed"):
+        a, b = (np.inf if x[name] is None else x[name] for x in (old, new)) if name in old else (0.0, 0.0)
+        far = a != b and not abs(a - b) <= DIFFERS * max(abs(a), abs(b))
+        found[name] = f"{a:.5g}, now {b:.5g}" if far else ""
+    for what, word_of in (("follow", lambda said: said == "reached"), ("check", lambda said: said.partition(" (")[0])):
         one, two = old.get(what), new.get(what)
-        heads = [None if x is None else [words.partition(" ")[0] for words in x] for x in (one, two)]
-        found[what] = f"{one}, now {two}" if heads[0] != heads[1] else ""
+        words = [None if each is None else [word_of(said) for said in each] for each in (one, two)]
+        found[what] = f"{one}, now {two}" if words[0] != words[1] else ""
     return found
 
 
