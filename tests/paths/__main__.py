@@ -19,13 +19,16 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from tests.paths import contradictions, corpus, freeze, monotone, same, scans
 from tests.paths.words import ORDERS
 
 HELP = {
     "start": "number of the first case, or its index", "kernels": "limits that are asked compiled and interpreted",
     "cases": "scenes", "seconds": "longest for a scene or a question", "count": "grasps", "ask": "what is compared",
-    "worst": "told of each property", "points": "of a scan",
+    "minutes": "of the processor, after which no other grasp is begun", "points": "of a scan",
+    "worst": "told of each property",
 }  # fmt: skip
 
 
@@ -46,7 +49,7 @@ def main() -> int:
     one.add_argument("--steps", action="store_true", help="10 to 160 steps end the same, instead")
     one.add_argument("--order", choices=ORDERS, default=ORDERS[0])
     add("monotone", monotone.measure, grasps=200, directions=1, **cases)
-    more = {"seconds": 20.0, "worst": 3, "ask": ",".join(same.ASKED)}
+    more = {"seconds": 20.0, "minutes": np.inf, "worst": 3, "ask": ",".join(same.ASKED)}
     add("same", same.measure, count=40, directions=2, kernels=0, **more, **cases)
     add("scans", scans.measure, count=20, points=40, seconds=20.0, ask=",".join(scans.SCANS), **cases)
     add("freeze", freeze.freeze, cases=2000, directions=2, seconds=20.0, out=freeze.FROZEN)

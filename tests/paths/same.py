@@ -11,6 +11,7 @@ import json
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
@@ -223,13 +224,18 @@ def print_summary(found: list[Comparison], worst: int) -> int:
 
 
 def measure(
-    count: int, directions: int, kernels: int, seconds: float, worst: int, ask: str, seed: int = 0, start: int = 0
-) -> int:
+    count: int, directions: int, kernels: int, seconds: float, minutes: float, worst: int, ask: str, seed: int = 0,
+    start: int = 0,
+) -> int:  # fmt: skip
     """Ask `count` grasps of `corpus.grasp_of`, from index `start` on, and print what differs; the number of that.
-    kernels : of how many limits compiled and interpreted code are compared, which takes long.
+    kernels : of how many limits compiled and interpreted code are compared, which takes long. minutes : of the
+    processor, after which no other grasp is begun.
     """
-    found, left_out = list[Comparison](), 0
+    found, left_out, end = list[Comparison](), 0, start + count
     for index in range(start, start + count):
+        if time.process_time() > 60.0 * minutes:
+            end = index
+            break
         case = grasp_of(seed, index)
         known = seed == 0 and case.source == "case_of"
         if not (known or _holds_in(case, seconds)):
@@ -246,7 +252,7 @@ def measure(
         found += each
     found += _beside_interpreted(kernels, seed, start)
     differ = print_summary(found, worst)
-    print(f"{count} grasps, {left_out} of them do not hold their squeeze and weight and are left out")
+    print(f"grasps {start} to {end - 1}; {left_out} of them do not hold their squeeze and weight and are left out")
     return differ
 
 

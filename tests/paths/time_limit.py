@@ -15,7 +15,8 @@ class TookTooLong(Exception):
 @contextmanager
 def at_most(seconds: float) -> Iterator[None]:
     """Raises TookTooLong in the main thread after so many seconds of the processor, once the call comes back from
-    compiled code.
+    compiled code. Where that raises a SystemError of its own, since an exception came while it took its arguments, that
+    is the same.
     """
 
     def over(number: int, frame: FrameType | None) -> None:
@@ -25,6 +26,10 @@ def at_most(seconds: float) -> Iterator[None]:
     signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield
+    except SystemError as why:
+        if isinstance(why.__cause__, TookTooLong):
+            raise why.__cause__ from None
+        raise
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
         signal.signal(signal.SIGPROF, before)
