@@ -1,4 +1,4 @@
-"""What a solve, a path, a search, a batch and a first start cost. Run on demand: `python -m tests.benchmarks.solve`.
+"""What a solve, a path, a question, a search, a batch and a first start cost: `python -m tests.benchmarks.solve`.
 
 Every script compares within one run, in turns, and prints ratios beside times: only ratios carry over to another
 machine. They use public names alone. `pytest -m bench tests/benchmarks` runs all of them with small sizes.

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.benchmarks import batch, cold_start, path, search, solve
+from tests.benchmarks import batch, cold_start, path, questions, search, solve
 
 pytestmark = pytest.mark.bench
 
@@ -20,6 +20,12 @@ def test_a_loading():
     found = path.main(["--rounds", "2", "--no-mujoco"])
     assert all(ratios["follow"] < 60.0 for ratios in found["stages"].values())
     assert max(found["steps"].values()) < 4.0
+
+
+def test_questions_of_a_load():
+    found = questions.main(["--directions", "4", "--rounds", "1"])
+    assert found["questions"]["solve"] == 1.0
+    assert all(np.isfinite(ratio) for table in found.values() for ratio in table.values())
 
 
 def test_a_search_and_a_sweep():

@@ -2,8 +2,8 @@
 
     python -m tests.paths contradictions --grasps 400 [--directions 12] [--jobs 1] [--steps] [--order staged | plain]
     python -m tests.paths monotone --grasps 200
-    python -m tests.paths scans [--boxes 20]
-    python -m tests.paths same --grasps 40
+    python -m tests.paths scans --count 20 [--ask squeeze,friction,stiffness,direction]
+    python -m tests.paths same --count 40 [--start 0] [--directions 2] [--ask words,steps,variants]
     python -m tests.paths freeze --cases 2000 --out frozen.json.gz
     python -m tests.paths compare [--scenes 2000]    where the package says otherwise than that file
     python -m tests.paths accept --numbers 3000      tries the cases of seed 0 and notes which hold
@@ -19,12 +19,16 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from tests.paths import contradictions, corpus, freeze, monotone, same, scans
 from tests.paths.words import ORDERS
 
 HELP = {
-    "start": "number of the first case", "kernels": "limits that are asked compiled and interpreted",
-    "cases": "scenes", "seconds": "longest for a scene",
+    "start": "number of the first case, or its index", "kernels": "limits that are asked compiled and interpreted",
+    "cases": "scenes", "seconds": "longest for a scene or a question", "count": "grasps", "ask": "what is compared",
+    "minutes": "of the processor, after which no other grasp is begun", "points": "of a scan",
+    "worst": "told of each property",
 }  # fmt: skip
 
 
@@ -45,8 +49,9 @@ def main() -> int:
     one.add_argument("--steps", action="store_true", help="10 to 160 steps end the same, instead")
     one.add_argument("--order", choices=ORDERS, default=ORDERS[0])
     add("monotone", monotone.measure, grasps=200, directions=1, **cases)
-    add("same", same.measure, grasps=40, directions=2, kernels=6, **cases)
-    add("scans", scans.measure, boxes=20, points=40, seed=0)
+    more = {"seconds": 20.0, "minutes": np.inf, "worst": 3, "ask": ",".join(same.ASKED)}
+    add("same", same.measure, count=40, directions=2, kernels=0, **more, **cases)
+    add("scans", scans.measure, count=20, points=40, seconds=20.0, ask=",".join(scans.SCANS), **cases)
     add("freeze", freeze.freeze, cases=2000, directions=2, seconds=20.0, out=freeze.FROZEN)
     add("compare", freeze.compare, scenes=2000, seconds=20.0, file=freeze.FROZEN)
     add("accept", freeze.accept, numbers=3000, out=corpus.ACCEPTED)

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 import handlcp as hl
 from tests.paths.corpus import Case, cases
-from tests.paths.words import Word, checked, followed, limit_of, pressed
+from tests.paths.recipes import FreeRecipe
+from tests.paths.words import ORDERS, Word, checked, followed, limit_of, pressed
 
 BELOW, BEYOND, FAR = 0.95, 1.05, 3.0
 COUNTS = (10, 20, 40, 80, 160)
@@ -71,8 +71,13 @@ def contradictions(
 
 
 def _words(case: Case, load: np.ndarray, order: str) -> Iterator[tuple[str, Word, int]]:
-    """What each question says, and the number of events; where it is refused it has no word."""
+    """What each question says, and the number of events; where it is refused it has no word. A check follows a hand
+    whose contacts move, and is not asked of one posture.
+    """
+    in_posture = case.geometry == "fixed" and not isinstance(case.recipe, FreeRecipe)
     for question, ask in (("follow", followed), ("check", checked)):
+        if in_posture and question == "check":
+            continue
         try:
             answer = ask(case, load, order)
             yield (question, answer, 0) if isinstance(answer, Word) else (question, answer[0], len(answer[1].events))
@@ -80,8 +85,44 @@ def _words(case: Case, load: np.ndarray, order: str) -> Iterator[tuple[str, Word
             yield question, Word(None, f"{type(why).__name__}: {why}"), 0
 
 
+def words_at(case: Case, load: np.ndarray) -> Iterator[tuple[str, Word]]:
+    """What `follow` and `check` say of a load (6,)."""
+    for question, word, _ in _words(case, load, ORDERS[0]):
+        yield question, word
+
+
+@dataclass(frozen=True)
+class End:
+    """How a loading ends. word : of the loading. at : share of its last stage up to which it is held. forces (n, 3):
+    of its last step [N].
+    """
+
+    word: str
+    stage: str
+    at: float
+    forces: np.ndarray
+
+    def apart(self, other: End) -> float:
+        """Relative difference to another one with the same word: of the forces where the load is held, else of the
+        share at which it is lost; inf in another stage.
+        """
+        if self.word != "NOT HELD":
+            return float(abs(self.forces - other.forces).max() / max(abs(other.forces).max(), 1e-300))
+        return abs(self.at - other.at) / max(other.at, 1e-9) if self.stage == other.stage else np.inf
+
+
+def ends_of_steps(case: Case, load: np.ndarray, counts: Iterable[int]) -> dict[int, End]:
+    """The ends of one loading with so many steps a stage, by their number."""
+    found = dict[int, End]()
+    for n in counts:
+        h = followed(case, load, steps=n)[1]
+        last = h.stages[int(h.steps.stage[-1])]
+        found[n] = End(h.word, last, float(h.held_to), np.asarray(h.steps.forces[-1]))
+    return found
+
+
 def steps_agree(case: Case, direction: int) -> list[Finding]:
-    """Whether 10 to 160 steps a stage end the same, at 0.9 and at 1.2 of the limit: reached or lost at the same place,
+    """Whether 10 to 160 steps a stage end the same, at 0.9 and at 1.2 of the limit: held, or lost at the same place,
     with the same forces.
     """
     way, found = case.directions[direction], list[Finding]()
@@ -92,29 +133,22 @@ def steps_agree(case: Case, direction: int) -> list[Finding]:
         shares = (FAR,) if np.isinf(factor) else (0.9, 1.2)
         size = pressed(case) if np.isinf(factor) else factor
         for share in shares:
-            ends = {n: followed(case, share * size * way, steps=n)[1] for n in COUNTS}
-            if said := ends_differ(ends):
+            if said := ends_differ(ends_of_steps(case, share * size * way, COUNTS)):
                 found.append(Finding(case, direction, "follow", share, said))
     except hl.HandLCPError as why:
         found.append(Finding(case, direction, "follow", 1.0, f"{type(why).__name__}: {why}"))
     return found
 
 
-def ends_differ(ends: dict[int, Any]) -> str:
-    """How loadings by their number of steps end otherwise than the one with most steps; "": they do not."""
-    words = {n: ("reached" if h.reached else f"lost in {h.lost_stage}") for n, h in ends.items()}
-    if len(set(words.values())) > 1:
-        return "; ".join(f"{n} steps: {word}" for n, word in words.items())
+def ends_differ(ends: dict[int, End]) -> str:
+    """How ends by their number of steps differ from the one with most; "": they do not."""
+    if len({end.word for end in ends.values()}) > 1:
+        return "; ".join(f"{n} steps: {end.word} to {end.at:.4f} of {end.stage}" for n, end in ends.items())
     best = ends[max(ends)]
-    if best.reached:
-        last = np.asarray(best.steps.forces[-1])
-        off = {n: float(abs(h.steps.forces[-1] - last).max() / abs(last).max()) for n, h in ends.items()}
-        what = "forces at the end off by"
-    else:
-        off = {n: abs(h.lost_at - best.lost_at) / max(best.lost_at, 1e-9) for n, h in ends.items()}
-        what = "lost_at off by"
+    off = {n: end.apart(best) for n, end in ends.items()}
     if max(off.values()) <= NEAR:
         return ""
+    what = "load that is lost off by" if best.word == "NOT HELD" else "forces at the end off by"
     return f"{what} " + ", ".join(f"{100 * x:.2f} % ({n} steps)" for n, x in off.items() if x > NEAR)
 
 

@@ -3,6 +3,9 @@
 Two of three that hold are hands on boxes, balls, cylinders and ellipsoids, asked with the geometry followed; the third
 one is three to six bare contacts with coupled springs, asked in one posture. Coulomb, soft and anisotropic friction,
 the cone and six faces. `held` says whether a grasp holds its squeeze and weight.
+
+`grasp_of` mixes in power grasps: six to thirty bare contacts that sixteen joints couple, and hands whose links close on
+an object by torque, shipped and commercial ones.
 """
 
 from __future__ import annotations
@@ -11,7 +14,7 @@ import itertools
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -19,20 +22,24 @@ import numpy as np
 import pinocchio as pin
 
 import handlcp as hl
+from tests.mujoco.case import read_rows
+from tests.mujoco.find_power_grasps import FILE as POWER_GRASPS
 from tests.paths.hands import COMMERCIAL, SHIPPED, STARTS, TIPS, commercial_hands_there
-from tests.paths.recipes import FreeRecipe, HandRecipe, Law, Recipe, Thing, turn
+from tests.paths.recipes import FreeRecipe, HandRecipe, Law, Recipe, Thing, WrapRecipe, turn
+from tests.support.power import power_grasp
 
 DIRECTIONS = 12
 ACCEPTED = Path(__file__).with_name("accepted.json")  # {"tried": below this, "0": numbers of the seed 0 that hold}
 _LAWS = ("coulomb", "soft", "anisotropic")
 _HANDS = ("three_finger", "five_finger", "three_finger", "five_finger", "allegro", "barrett", "leap")
 _UP = np.array([0.0, 0.0, -9.81])
+MIXED = ("case_of", "case_of", "power_case", "wrap_case")  # where the grasps of `grasp_of` come from, in turns
 
 
 @dataclass(frozen=True)
 class Case:
     """A grasp by its recipe, and how it is asked. directions (12, 6) [N, N·m], of unit size: eight forces, two forces
-    with moments, two moments [per 30 mm].
+    with moments, two moments [per 30 mm]. source : the function of this file that makes it of a seed and a number.
     """
 
     seed: int
@@ -41,6 +48,7 @@ class Case:
     geometry: str
     faces: int | str
     directions: np.ndarray
+    source: str = "case_of"
 
     @cached_property
     def grasp(self) -> Any:
@@ -51,9 +59,23 @@ class Case:
     def name(self) -> str:
         """Such as "0/17 five_finger, ball, soft, cone"."""
         r = self.recipe
-        what = f"{r.hand}, {r.thing.kind}, {r.law.kind}" if isinstance(r, HandRecipe) else f"{len(r.p)} contacts"
-        what += "" if isinstance(r, HandRecipe) else f", {r.laws[0].kind}"
+        if isinstance(r, FreeRecipe):
+            what = f"{len(r.p)} contacts, {r.laws[0].kind}"
+        elif isinstance(r, WrapRecipe):
+            what = f"{r.key}, all links, {r.law.kind}"
+        else:
+            what = f"{r.hand}, {r.thing.kind}, {r.law.kind}"
         return f"{self.seed}/{self.number} {what}, {self.faces}"
+
+    @property
+    def rebuilt(self) -> str:
+        """The call that makes it again, such as "power_case(0, 3)"; its geometry where that is another one."""
+        own = "fixed" if isinstance(self.recipe, FreeRecipe) else "followed"
+        return f"{self.source}({self.seed}, {self.number})" + (".in_posture()" if self.geometry != own else "")
+
+    def in_posture(self) -> Case:
+        """Asked with the geometry of its posture."""
+        return replace(self, geometry="fixed")
 
     def changed(self, recipe: Recipe) -> Case:
         """With another recipe."""
@@ -70,11 +92,56 @@ def case_of(seed: int, number: int) -> Case:
     return Case(seed, number, recipe, "fixed" if free else "followed", faces, _directions(rng))
 
 
+@lru_cache(maxsize=512)
+def power_case(seed: int, number: int) -> Case:
+    """6 to 30 bare contacts on phalanges and palm, coupled by sixteen joints."""
+    rng = np.random.default_rng([seed, number, 1])
+    drawn, kind, faces = power_grasp(int(rng.integers(6, 31)), number), _LAWS[number % 3], ("cone", 6)[number // 3 % 2]
+    law, contacts = some_law(rng, kind, rng.uniform(0.3, 0.9)), drawn.contacts
+    frames = np.array([c.rotation for c in contacts])
+    places = np.array([c.position for c in contacts])
+    recipe = FreeRecipe(places, frames, (law,) * len(contacts), drawn.flexibility, -drawn.offset)
+    return Case(seed, number, recipe, "fixed", faces, _directions(rng), "power_case")
+
+
+@lru_cache(maxsize=512)
+def wrap_case(seed: int, number: int) -> Case:
+    """A hand whose links close on an object by torque. Numbers go through the hands in turns."""
+    rng, keys = np.random.default_rng([seed, number, 2]), _wraps()
+    of_hand = list(keys)[number % len(keys)]
+    key = keys[of_hand][int(rng.integers(len(keys[of_hand])))]
+    law = some_law(rng, _LAWS[number % 3], rng.uniform(0.4, 1.0))
+    recipe = WrapRecipe(key, float(np.exp(rng.uniform(np.log(3.0), np.log(12.0)))), rng.uniform(0.15, 0.4), law)
+    return Case(seed, number, recipe, "followed", ("cone", 6)[number // 3 % 2], _directions(rng), "wrap_case")
+
+
+@cache
+def _wraps() -> dict[str, list[str]]:
+    """Placements of power grasps by hand, of those hands that are installed."""
+    hands: dict[str, list[str]] = {}
+    for key, row in read_rows(POWER_GRASPS).items():
+        if row["hand"] in (*SHIPPED, "allegro") or commercial_hands_there():
+            hands.setdefault(row["hand"], []).append(key)
+    return hands
+
+
+def grasp_of(seed: int, index: int) -> Case:
+    """The case of an index: fingertips and bare contacts twice, then a power grasp of bare contacts, then one of a
+    hand. Of seed 0 fingertips are those that hold; nothing else is tried.
+    """
+    turn, of_four = divmod(index, len(MIXED))
+    if MIXED[of_four] != "case_of":
+        return {"power_case": power_case, "wrap_case": wrap_case}[MIXED[of_four]](seed, turn)
+    number = 2 * turn + of_four
+    known = accepted()["0"] if seed == 0 else []
+    return case_of(seed, known[number] if number < len(known) else number)
+
+
 def held(case: Case) -> bool:
     """Whether the grasp can be made, reaches the end of its squeeze and weight, and is HELD there."""
     try:
         grasp = case.grasp
-        if not grasp.follow(np.zeros(6), geometry=case.geometry, faces=case.faces).reached:
+        if not grasp.follow(np.zeros(6), geometry=case.geometry, faces=case.faces).held:
             return False
         return isinstance(case.recipe, FreeRecipe) or grasp.check(faces=case.faces).ok
     except hl.HandLCPError:

@@ -2,22 +2,19 @@
 hold their squeeze and weight (`accept`).
 
 A file is gzipped JSON, a line for each scene: "number" of seed 0, "direction", "factor"
-(null: infinite), "binds" as [kind, who], "events" (how many), "forces" at the end of squeeze and weight [N] contact by
-contact, "check" (its words at 0.95 and 1.05 of the factor), "follow" (whether these are reached), "seconds", and
-"stopped" where the time was over or an error came.
+(null: infinite), "binds" as [kind, who], "marks" ("first_slip", "slides" and "lost" of the limit, null: never),
+"fixed" (of a hand the factor in one posture), "events" (how many), "forces" at the end of squeeze and weight [N]
+contact by contact, "check" (its words at 0.95 and 1.05 of the factor), "follow" (whether these are reached),
+"seconds", and "stopped" where the time was over or an error came.
 """
 
 from __future__ import annotations
 
 import gzip
 import json
-import signal
 import time
 from collections import Counter
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 import numpy as np
@@ -26,33 +23,13 @@ import handlcp as hl
 from tests.paths import corpus
 from tests.paths.contradictions import BELOW, BEYOND, FAR
 from tests.paths.corpus import Case, accepted, case_of, held
+from tests.paths.time_limit import TookTooLong, at_most
 from tests.paths.words import checked, followed, limit_of
 
 DIFFERS = 0.01
 FROZEN = Path(__file__).with_name("frozen.json.gz")
+MARKS = ("first_slip", "slides", "lost")
 LONGEST = 10.0  # a case that takes longer is not accepted [s]
-
-
-class TookTooLong(Exception):
-    """The time is over."""
-
-
-@contextmanager
-def at_most(seconds: float) -> Iterator[None]:
-    """Raises TookTooLong in the main thread after so many seconds of the processor, once the call comes back from
-    compiled code.
-    """
-
-    def over(number: int, frame: FrameType | None) -> None:
-        raise TookTooLong(f"more than {seconds:g} s")
-
-    before = signal.signal(signal.SIGPROF, over)
-    signal.setitimer(signal.ITIMER_PROF, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
-        signal.signal(signal.SIGPROF, before)
 
 
 def accept(numbers: int, out: Path) -> int:
@@ -83,7 +60,10 @@ def scene(case: Case, direction: int) -> dict[str, Any]:
     told["forces"] = np.round(np.asarray(start.steps.forces[-1]), 5).tolist()
     way = case.directions[direction]
     limit = limit_of(case, way)
-    told["factor"] = float(limit.factor) if np.isfinite(limit.factor) else None
+    told["factor"] = _finite(limit.factor)
+    told["marks"] = {mark: getattr(limit, mark) for mark in MARKS}
+    if case.geometry != "fixed":
+        told["fixed"] = _finite(case.grasp.load_limit(way, geometry="fixed", faces=case.faces).factor)
     told["binds"] = sorted([b.kind, b.who] for b in limit.binds)
     told["events"] = len(limit.events)
     shares = (BELOW, BEYOND)
@@ -96,6 +76,11 @@ def scene(case: Case, direction: int) -> dict[str, Any]:
             told["follow"].append(followed(case, share * size * way)[0].said)
             told["check"].append(checked(case, share * size * way).said)
     return told
+
+
+def _finite(factor: float) -> float | None:
+    """A factor as JSON has it."""
+    return float(factor) if np.isfinite(factor) else None
 
 
 def freeze(cases: int, out: Path, seconds: float, directions: int) -> int:
@@ -121,8 +106,8 @@ def freeze(cases: int, out: Path, seconds: float, directions: int) -> int:
 
 
 def compare(file: Path, scenes: int, seconds: float) -> int:
-    """Print where the package that is imported says otherwise than a file: factor by 1 %, words at 0.95 and 1.05,
-    forces at the end of squeeze and weight by 1 %. The number of scenes that differ.
+    """Print where the package that is imported says otherwise than a file: factor by 1 %, in one posture too; words at
+    0.95 and 1.05; forces at the end of squeeze and weight by 1 %. The number of scenes that differ.
     """
     tally = Counter[str]()
     for old in frozen(file)[:scenes]:
@@ -141,17 +126,17 @@ def _differences(old: dict[str, Any], new: dict[str, Any]) -> dict[str, str]:
     """What differs between two lines of one scene: then and now; "": nothing."""
     if stopped := [f"{when}: {x['stopped']}" for when, x in (("then", old), ("now", new)) if "stopped" in x]:
         return {"stopped": ", ".join(stopped)}
-    a, b = (np.inf if x["factor"] is None else x["factor"] for x in (old, new))
-    far = a != b and not abs(a - b) <= DIFFERS * max(abs(a), abs(b))
     first, then = np.array(old["forces"]), np.array(new["forces"])
     off = float(abs(first - then).max() / max(abs(first).max(), 1e-12))
-    found = {
-        "factor": f"{a:.5g}, now {b:.5g}" if far else "", "forces": f"{100 * off:.1f} % off" if off > DIFFERS else "",
-    }  # fmt: skip
-    for what in ("follow", "check"):
+    found = {"forces": f"{100 * off:.1f} % off" if off > DIFFERS else ""}
+    for name in ("factor", "fixed"):
+        a, b = (np.inf if x[name] is None else x[name] for x in (old, new)) if name in old else (0.0, 0.0)
+        far = a != b and not abs(a - b) <= DIFFERS * max(abs(a), abs(b))
+        found[name] = f"{a:.5g}, now {b:.5g}" if far else ""
+    for what, word_of in (("follow", lambda said: said == "reached"), ("check", lambda said: said.partition(" (")[0])):
         one, two = old.get(what), new.get(what)
-        heads = [None if x is None else [words.partition(" ")[0] for words in x] for x in (one, two)]
-        found[what] = f"{one}, now {two}" if heads[0] != heads[1] else ""
+        words = [None if each is None else [word_of(said) for said in each] for each in (one, two)]
+        found[what] = f"{one}, now {two}" if words[0] != words[1] else ""
     return found
 
 

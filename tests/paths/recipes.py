@@ -1,6 +1,7 @@
 """What a random grasp is made of, as plain values: it can be made again with one of them changed.
 
-Two kinds, with the same methods: `HandRecipe`, a hand that closes on an object, and `FreeRecipe`, bare contacts.
+Three kinds, with the same methods: `HandRecipe`, a hand whose fingertips close on an object, `WrapRecipe`, one whose
+links do, and `FreeRecipe`, bare contacts.
 """
 
 from __future__ import annotations
@@ -9,8 +10,11 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
+import pinocchio as pin
 
 import handlcp as hl
+from tests.mujoco.case import read_rows
+from tests.mujoco.find_power_grasps import FILE, a_hand, thing
 from tests.paths.hands import made_hand
 
 
@@ -128,8 +132,12 @@ class HandRecipe:
         """Closed harder, or less hard."""
         return replace(self, squeeze=share * self.squeeze)
 
-    def permuted(self, rng: np.random.Generator) -> Self:
-        """With the fingers in another order."""
+    def stiffer(self, share: float) -> Self:
+        """With other joint stiffness."""
+        return replace(self, stiffness=share * self.stiffness)
+
+    def permuted(self, rng: np.random.Generator) -> Self | None:
+        """With the fingers in another order; None: it has no order."""
         order = _other_order(rng, len(self.fingers))
         return replace(self, fingers=tuple(self.fingers[i] for i in order))
 
@@ -137,15 +145,58 @@ class HandRecipe:
         """In a turned world; None for a hand whose file cannot be turned."""
         return replace(self, world=Q) if self.hand in ("three_finger", "five_finger") else None
 
-    def in_units(self, force: float, length: float) -> Self:
-        """With forces counted in other units. The unit of length stays: files of hands are in metres."""
+    def in_units(self, force: float, length: float) -> Self | None:
+        """With forces counted in other units. The unit of length stays: files of hands are in metres. None: the whole
+        recipe is in SI units.
+        """
         return replace(self, force=force)
 
 
 @dataclass(frozen=True)
+class WrapRecipe:
+    """A hand whose joints close by torque until links and palm press: the placement `key` of the power grasps that are
+    found for MuJoCo. stiffness of all joints [N·m/rad], torque of all [N·m]. The methods are those of `HandRecipe`.
+    """
+
+    key: str
+    stiffness: float
+    torque: float
+    law: Law
+
+    def grasp(self) -> hl.HandGrasp:
+        row = read_rows(FILE)[self.key]
+        hand = a_hand(row["hand"]).replace(joint_stiffness=self.stiffness)
+        place = pin.SE3(np.array(row["rotation"]), np.array(row["position"]))
+        obj = thing(row["thing"], row["hand"], place)
+        return hand.at(row["q"]).grasp(obj, self.law.made(), links="all", closing_torque=self.torque)
+
+    def rubbed(self, share: float) -> Self:
+        return replace(self, law=self.law.times(share))
+
+    def stronger(self, share: float) -> None:
+        """Its torque limits are out of the way."""
+
+    def squeezed(self, share: float) -> Self:
+        return replace(self, torque=share * self.torque)
+
+    def stiffer(self, share: float) -> Self:
+        return replace(self, stiffness=share * self.stiffness)
+
+    def permuted(self, rng: np.random.Generator) -> None:
+        """Links are in the order of the hand's file."""
+
+    def turned(self, Q: np.ndarray) -> None:
+        """Files of hands cannot be turned."""
+
+    def in_units(self, force: float, length: float) -> None:
+        """Its objects have masses in kilograms."""
+
+
+@dataclass(frozen=True)
 class FreeRecipe:
-    """Bare contacts at p (n, 3) with frames R (n, 3, 3), E (3n, 3n) [m/N] and preloads (n,) [m]. force, length : the
-    units, in newtons and metres. The methods are those of `HandRecipe`.
+    """Bare contacts at p (n, 3) with frames R (n, 3, 3), E (3n, 3n) [m/N] and preloads (n,) [m], or as commands move
+    them along all their axes (n, 3) [m]. force, length : the units, in newtons and metres. The methods are those of
+    `HandRecipe`.
     """
 
     p: np.ndarray
@@ -162,7 +213,8 @@ class FreeRecipe:
         contacts = [
             hl.Contact(p / m, R[:, 2], law.made(), R[:, 0]) for p, R, law in zip(self.p, self.R, laws, strict=True)
         ]
-        return hl.Grasp(contacts, flexibility=self.E * f / m, preload=self.preload / m)
+        closing = {"preload": self.preload / m} if self.preload.ndim == 1 else {"offset": -self.preload / m}
+        return hl.Grasp(contacts, flexibility=self.E * f / m, **closing)
 
     def rubbed(self, share: float) -> Self:
         return replace(self, laws=tuple(law.times(share) for law in self.laws))
@@ -172,6 +224,9 @@ class FreeRecipe:
 
     def squeezed(self, share: float) -> Self:
         return replace(self, preload=share * self.preload)
+
+    def stiffer(self, share: float) -> Self:
+        return replace(self, E=self.E / share)
 
     def permuted(self, rng: np.random.Generator) -> Self:
         order = _other_order(rng, len(self.p))
@@ -188,7 +243,7 @@ class FreeRecipe:
         return replace(self, force=force, length=length)
 
 
-Recipe = HandRecipe | FreeRecipe
+Recipe = HandRecipe | WrapRecipe | FreeRecipe
 
 
 def _other_order(rng: np.random.Generator, n: int) -> np.ndarray:

@@ -1,58 +1,118 @@
-"""Load limits over squeeze, friction and direction, on boxes: where they jump.
+"""Load limits over squeeze, friction, stiffness and direction: where they jump, and whether something happens there.
 
 A jump is a step between neighbours that is larger than `LEAST` of the factor and than `TIMES` the typical step of its
-scan. Between such neighbours the scan is repeated ten times finer: a limit that only rises steeply has no jump there.
+scan, and that stays while the neighbours are brought together: a limit that only rises steeply has no jump. A jump has
+a name where mechanics has one: the path with the lower limit has no rest beyond it ("lost"), or the two paths end by
+different things, such as a joint at its torque limit that the other one only comes near. A limit that was not found,
+or that a criterion ends on both sides of the jump, hangs on something else.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from itertools import islice
-from typing import Any, NamedTuple
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
-from tests.paths.corpus import Case, cases
-from tests.paths.recipes import HandRecipe
-from tests.paths.same import factor_of
+import handlcp as hl
+from tests.paths.corpus import Case, grasp_of, held
+from tests.paths.time_limit import TookTooLong, at_most
+from tests.paths.words import limit_of
 
-LEAST, TIMES, FINER = 0.05, 3.0, 10
-Ask = Callable[[float], float]
+LEAST, TIMES = 0.05, 3.0
+SAME = 1e-6  # of two loads on one path
+HALVINGS = 12  # of the interval between neighbours
+SCANS = ("squeeze", "friction", "stiffness", "direction")
+SHARES = (0.7, 1.4)  # of squeeze, friction and stiffness
 
 
-class Jump(NamedTuple):
-    """at, until : the neighbours, as shares or angles. low, high : factors there."""
+@dataclass(frozen=True)
+class Limit:
+    """A point of a scan. found : its load limit; None: it is refused."""
+
+    found: hl.LoadLimit | None
+
+    @property
+    def factor(self) -> float:
+        """NaN where it is refused."""
+        return np.nan if self.found is None else float(self.found.factor)
+
+    @property
+    def ends(self) -> set[tuple[str, str]]:
+        """What gives out, with whom that befalls; without what is no matter of mechanics."""
+        binds = () if self.found is None else self.found.binds
+        return {(bind.kind, bind.who) for bind in binds if bind.kind != "undecided"}
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether the path has no rest beyond."""
+        lost = None if self.found is None else self.found.lost
+        return lost is not None and lost <= self.factor * (1.0 + SAME)
+
+    @property
+    def events(self) -> set[tuple[str, str]]:
+        """What happens on the way, with whom, each once."""
+        events = () if self.found is None else self.found.events
+        return {(event.kind, event.who) for event in events if event.factor <= self.factor}
+
+
+Ask = Callable[[float], Limit]
+
+
+@dataclass(frozen=True)
+class Jump:
+    """at, until : the neighbours, as shares or angles. low, high : limits there."""
 
     at: float
     until: float
-    low: float
-    high: float
+    low: Limit
+    high: Limit
+
+    @property
+    def name(self) -> str:
+        """What ends the path with the lower limit; "": nothing that mechanics has a name for."""
+        lower, upper = sorted((self.low, self.high), key=lambda limit: np.nan_to_num(limit.factor, nan=-1.0))
+        if not lower.ends or (lower.ends == upper.ends and not lower.is_lost):
+            return ""
+        return ("lost, " if lower.is_lost else "") + _listed(lower.ends)
+
+    def __str__(self) -> str:
+        size = f"{self.at:.5f} to {self.until:.5f}: {self.low.factor:.5g} to {self.high.factor:.5g}"
+        only = _listed(self.low.events ^ self.high.events) or "nothing"
+        return f"{size}: {self.name or 'WITHOUT A NAME'}; on one side alone: {only}"
 
 
-def cases_with_boxes(count: int, seed: int = 0) -> Iterator[Case]:
-    """Cases with hands that hold boxes."""
-    every = (case for case in cases(400 * count, seed) if isinstance(case.recipe, HandRecipe))
-    yield from islice((case for case in every if case.recipe.thing.kind == "box"), count)
+def _listed(events: Iterable[tuple[str, str]]) -> str:
+    return ", ".join(sorted(f"{who} {kind}" for kind, who in events))
 
 
-def _turned(way: np.ndarray, angle: float) -> np.ndarray:
+def ask_limit(case: Case, way: np.ndarray) -> Limit:
+    """The limit of a case along a load."""
+    try:
+        return Limit(limit_of(case, way))
+    except hl.HandLCPError:
+        return Limit(None)
+
+
+def turned(way: np.ndarray, angle: float) -> np.ndarray:
     """A force turned about an axis across it."""
     axis = np.cross(way[:3], np.eye(3)[int(abs(way[:3]).argmin())])
     return np.append(pin.exp3(angle * axis / np.linalg.norm(axis)) @ way[:3], way[3:])
 
 
-def scans_of(case: Case, points: int) -> dict[str, tuple[np.ndarray, Ask]]:
-    """Of a case along its first direction: what is varied, its values, and the limit there."""
-    way = case.directions[0]
-    return {
-        "squeeze": (np.linspace(0.7, 1.4, points), lambda s: factor_of(case.changed(case.recipe.squeezed(s)), way)),
-        "friction": (np.linspace(0.7, 1.4, points), lambda s: factor_of(case.changed(case.recipe.rubbed(s)), way)),
-        "direction": (np.linspace(0.0, 2 * np.pi, points), lambda a: factor_of(case, _turned(way, a))),
-    }
+def scan_of(case: Case, what: str, points: int) -> tuple[np.ndarray, Ask]:
+    """Values of what is varied, and the limit at one of them along the case's first direction."""
+    way, recipe = case.directions[0], case.recipe
+    if what == "direction":
+        return np.linspace(0.0, 2 * np.pi, points), lambda angle: ask_limit(case, turned(way, angle))
+    change = {"squeeze": recipe.squeezed, "friction": recipe.rubbed, "stiffness": recipe.stiffer}[what]
+    return np.linspace(*SHARES, points), lambda share: ask_limit(case.changed(change(share)), way)
 
 
-def _steps(values: np.ndarray) -> np.ndarray:
+def steps_of(values: np.ndarray) -> np.ndarray:
     """Steps between neighbours, relative to the larger one; between infinite ones 0, to an infinite one 1."""
     a, b = values[:-1], values[1:]
     with np.errstate(invalid="ignore"):
@@ -60,35 +120,54 @@ def _steps(values: np.ndarray) -> np.ndarray:
     return np.where(a == b, 0.0, np.where(np.isfinite(a) & np.isfinite(b), off, 1.0))
 
 
-def jumps(at: np.ndarray, ask: Ask, finer: int = FINER) -> tuple[np.ndarray, list[Jump]]:
-    """The factors of a scan, and its jumps, each between neighbours `finer` times closer. finer 1: as they are."""
-    values = np.array([ask(x) for x in at])
-    return values, list(_jumps(at, values, ask, finer))
-
-
-def _jumps(at: np.ndarray, values: np.ndarray, ask: Ask, finer: int) -> Iterator[Jump]:
-    steps = _steps(values)
+def find_jumps(at: np.ndarray, ask: Ask) -> Iterator[Jump]:
+    """The jumps of a scan, each between neighbours that were halved `HALVINGS` times."""
+    limits = [ask(x) for x in at]
+    steps = steps_of(np.array([limit.factor for limit in limits]))
     least = max(LEAST, TIMES * float(np.median(steps)))
     for k in np.flatnonzero(steps > least):
-        between, found = at[k : k + 2], values[k : k + 2]
-        if finer > 1:
-            between = np.linspace(at[k], at[k + 1], finer + 1)
-            found = np.array([values[k], *[ask(x) for x in between[1:-1]], values[k + 1]])
-        inner = _steps(found)
-        j = int(inner.argmax())
-        if inner[j] > min(least, 0.5 * steps[k]):
-            yield Jump(float(between[j]), float(between[j + 1]), float(found[j]), float(found[j + 1]))
+        jump = Jump(float(at[k]), float(at[k + 1]), limits[k], limits[k + 1])
+        for _ in range(HALVINGS):
+            middle = 0.5 * (jump.at + jump.until)
+            between = ask(middle)
+            left, right = steps_of(np.array([jump.low.factor, between.factor, jump.high.factor]))
+            if max(left, right) <= least:
+                break  # each half is small: the limit is steep
+            if left >= right:
+                jump = Jump(jump.at, middle, jump.low, between)
+            else:
+                jump = Jump(middle, jump.until, between, jump.high)
+        else:
+            yield jump
 
 
-def measure(boxes: int, points: int, seed: int = 0) -> int:
-    """Print every jump; their number."""
-    total: dict[str, Any] = {}
-    for case in cases_with_boxes(boxes, seed):
-        for what, (at, ask) in scans_of(case, points).items():
-            _, found = jumps(at, ask)
-            total[what] = total.get(what, 0) + len(found)
-            for j in found:
-                where = f"({case.seed}, {case.number}) {case.name}: {what} {j.at:.4f} to {j.until:.4f}"
-                print(f"{where}: {j.low:.5g} to {j.high:.5g}", flush=True)
-    print(f"jumps on {boxes} boxes: {total}")
-    return sum(total.values())
+def measure(count: int, points: int, seconds: float, ask: str, seed: int = 0, start: int = 0) -> int:
+    """Print every jump of so many grasps of `corpus.grasp_of`; the number of those without a name. seconds : longest
+    for one scan, per point.
+    """
+    total: Counter[str] = Counter()
+    for index in range(start, start + count):
+        case = grasp_of(seed, index)
+        if case.source != "case_of" and not held(case):
+            total["not held"] += 1
+            continue
+        for what in ask.split(","):
+            total[f"scans of {what}"] += 1
+            for line, kind in _told(case, what, points, seconds):
+                total[f"{what}: {kind}"] += 1
+                print(f"{case.rebuilt} {case.name}: {line}", flush=True)
+    print(dict(total))
+    return sum(number for what, number in total.items() if what.endswith("without a name"))
+
+
+def _told(case: Case, what: str, points: int, seconds: float) -> list[tuple[str, str]]:
+    """(line to print, what it is) of each jump of one scan, or that its time was over."""
+    found: list[Any] = []
+    try:
+        with at_most(points * seconds):
+            for jump in find_jumps(*scan_of(case, what, points)):
+                kind = "jumps with a name" if jump.name else "jumps without a name"
+                found.append((f"{what} {jump}", kind))
+    except TookTooLong as why:
+        found.append((f"{what}: {why}", "stopped"))
+    return found

@@ -9,7 +9,7 @@ import numpy as np
 
 import handlcp as hl
 from tests.paths.corpus import Case
-from tests.paths.recipes import HandRecipe
+from tests.paths.recipes import FreeRecipe
 
 # What makes `check` undecided, and is no matter of how much load is held
 ELSEWHERE = {"link_inside", "large_motion", "solver_stopped"}
@@ -27,7 +27,7 @@ class Word:
 
 def order_of(case: Case, load: np.ndarray, order: str = "staged") -> Any:
     """The stages. Bare contacts have no weight."""
-    if order == "plain" or not isinstance(case.recipe, HandRecipe):
+    if order == "plain" or isinstance(case.recipe, FreeRecipe):
         return ("squeeze", "load")
     return ("squeeze", hl.Stage("weight", weight=1.0), hl.Stage("load", load=load, weight=1.0))
 
@@ -44,11 +44,11 @@ def followed(case: Case, load: np.ndarray, order: str = "staged", **options: Any
     h = case.grasp.follow(
         load, order=order_of(case, load, order), geometry=case.geometry, faces=case.faces, **options
     )  # fmt: skip
-    if not h.reached:
-        return Word(False, f"lost in {h.lost_stage} at {h.lost_at:.4f}"), h
-    last = [e for e in h.events if e.stage == h.stages[-1]]
-    if sliding := [e for e in last if e.kind == "slides"]:
-        return Word(False, f"slides too far at {sliding[0].share:.4f}"), h
+    if h.word == "UNDECIDED":
+        return Word(None, f"undecided at {h.held_to:.4f}"), h
+    if not h.in_place:
+        lost = h.lost_stage is not None
+        return Word(False, f"lost in {h.lost_stage} at {h.lost_at:.4f}" if lost else f"slides at {h.held_to:.4f}"), h
     if over := _over(case, h):
         return Word(False, f"reached, {over}"), h
     return Word(True, "reached"), h
@@ -56,7 +56,7 @@ def followed(case: Case, load: np.ndarray, order: str = "staged", **options: Any
 
 def _over(case: Case, h: Any) -> str:
     """The first motor over its limit or joint past its range in the last stage."""
-    if not isinstance(case.recipe, HandRecipe):
+    if isinstance(case.recipe, FreeRecipe):
         return ""
     for e in h.events:
         if e.kind in ("over limit", "range end") and e.stage == h.stages[-1]:
@@ -71,7 +71,7 @@ def checked(case: Case, load: np.ndarray, order: str = "staged") -> Word:
     """`check` of the grasp with this load beside its weight. A joint of which it warns that it is past its range, and
     which passes it in the last stage, counts as a no, as in `followed`.
     """
-    bare = not isinstance(case.recipe, HandRecipe)
+    bare = isinstance(case.recipe, FreeRecipe)
     loaded = case.grasp.replace(wrench=load) if bare else case.grasp.replace(load=load)
     verdict = loaded.check(order=order_of(case, load, order), faces=case.faces)
     deciding = sorted({r.code for r in verdict.reasons if r.severity == "decides"})
