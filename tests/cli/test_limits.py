@@ -12,6 +12,7 @@ from tests.support import command
 from tests.support.command import CUBE, changed
 from tests.support.messages import without_compiling
 
+RING = CUBE.replace("cube_three_fingers", "planar_ring")
 FAST = ("--fixed", "--faces", "8")
 FEW = ("--directions", "12", "--adaptive", "0", *FAST)
 run, envelope, payload = (partial(command.run, name) for name in ("limits", "envelope", "payload"))
@@ -31,10 +32,10 @@ def test_six_directions_are_a_table_within_80_columns():
 
 
 def test_a_planar_scene_is_loaded_in_its_plane_alone():
-    done = run("examples/planar_ring.toml", "--fixed", "--json", status=0)
+    done = run(RING, "--fixed", "--json", status=0)
     found = {tuple(one["load_asked_N_Nm"]): one["factor"] for one in json.loads(done.stdout)["limits"]}
     assert set(found) == {(x, y, 0, 0, 0, 0) for x, y in ((1, 0), (-1, 0), (0, 1), (0, -1))}
-    ring = scenes.load("examples/planar_ring.toml").build()
+    ring = scenes.load(RING).build()
     assert found[1, 0, 0, 0, 0, 0] == pytest.approx(ring.load_limit((1, 0, 0), geometry="fixed").factor, rel=1e-6)
 
 
