@@ -296,7 +296,7 @@ def write_support_contact(
     is round rolls.
     """
     on, local, ends, spin = s.points[i].copy(), np.empty(3), np.empty((2, 3)), np.zeros(3)
-    gap, rolls = s.offset[i], s.rolls[i] != 0
+    gap, rolls = float(s.offset[i]), s.rolls[i] != 0
     normal[:], turn[:], shift[:] = s.normals[i], 0.0, 0.0
     for a in range(3):
         local[a] = R[0, a] * normal[0] + R[1, a] * normal[1] + R[2, a] * normal[2]

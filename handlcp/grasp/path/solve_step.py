@@ -116,7 +116,7 @@ class StateRow(RowLayout):
             "axes": (n, 3, 3), "places": (n, 3), "slips": (n, 3), "base": (n, 3), "since": (n,),
             "slip_memory": (n, 3), "forces": (n, 3), "motion": (n, 3), "torsion": (n,), "spin": (n,), "torque": (nv,),
             "deflection": (nv,), "kinds": (n,), "start": (c + 9,), "met": (dof, dof), "controls": (9 + nv,),
-            "count": (2,),
+            "tally": (2,),
         }  # fmt: skip
         super().__init__(shapes)
 
@@ -124,7 +124,7 @@ class StateRow(RowLayout):
 class StateArrays(NamedTuple):
     """A state: views into its row, in this order. where : its configuration; at : that of the contacts as the step was
     solved with them, of which positions to slips tell where they were (`Placed`). base (n, 3), since (n,) : of `Loads`.
-    count (2,) : of iterates, and 1 where `met` was measured. All else as in `State`.
+    tally (2,) : of iterates, and 1 where `met` was measured. All else as in `State`.
     """
 
     where: Array
@@ -147,7 +147,7 @@ class StateArrays(NamedTuple):
     start: Array
     met: Array
     controls: Array
-    count: Array
+    tally: Array
 
 
 @kernel
@@ -243,7 +243,7 @@ def solve_step(
             end.axes[:], end.places[:], end.slips[:] = contacts.axes, contacts.touch.places, contacts.slips
             end.base[:], end.since[:], end.slip_memory[:] = base, loads.spin, found.slip_memory
             end.deflection[:], end.controls[:] = commanded - to.q, controls
-            end.count[0], end.count[1] = count, answer[2]
+            end.tally[0], end.tally[1] = count, answer[2]
             _write_response(found, asked.past, is_pushed_ahead(sizes, found.forces), end)
             return SETTLED
         if judged != GOES_ON:
@@ -303,7 +303,7 @@ def judge_iterate(
     miss, last : how far its end is from it, as a share of the contacts' radii, and the one before. near : what is
     allowed of that. moved (6,) : of the object in the step; forces (n, 3). free : whether nothing loads the object.
     """
-    far = pose_distance(sizes, moved)
+    far = pose_distance(sizes.length, moved)
     if miss <= near or not follows:
         if follows and far > _LARGEST:
             return _TOO_FAR
@@ -317,10 +317,10 @@ def judge_iterate(
 
 
 @kernel
-def pose_distance(sizes: Sizes, moved: Array) -> float:
-    """How far a motion (6,) of the object is, as a share of the contacts' distances from their centre."""
+def pose_distance(length: float, moved: Array) -> float:
+    """How far a motion (6,) of the object is, as a share of the contacts' distances from their centre, length [m]."""
     x, y, z, p, q, r = moved[0], moved[1], moved[2], moved[3], moved[4], moved[5]
-    return math.sqrt(x * x + y * y + z * z) / sizes.length + math.sqrt(p * p + q * q + r * r)
+    return math.sqrt(x * x + y * y + z * z) / length + math.sqrt(p * p + q * q + r * r)
 
 
 @kernel

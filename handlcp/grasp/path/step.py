@@ -62,21 +62,20 @@ _NO_PAST = np.zeros((0, 3))
 
 
 class StepState(State):
-    """A state that was computed in one call. row : its numbers, as `StateRow` has them; what else a `State` holds is
-    made of them when it is first asked for.
+    """A state that was computed in one call. row : its numbers, as `StateRow` has them. stepper : of the step. What
+    else a `State` holds is made of the row when it is first asked for.
     """
 
     row: Array
+    stepper: Stepper
 
     def __init__(self, row: Array, controls: Controls, stepper: Stepper) -> None:
-        still = stepper.still
-        self.__dict__.update(row=row, controls=controls, yielded=still, gives=_NOWHERE, rubs=still, pull=NO_PULL)
-        self.__dict__.update(_stepper=stepper)
+        still, own = stepper.still, self.__dict__
+        own.update(row=row, stepper=stepper, controls=controls, yielded=still, gives=_NOWHERE, rubs=still, pull=NO_PULL)
 
     def _read(self, name: str) -> Array:
         """A part of the row."""
-        stepper: Stepper = self.__dict__["_stepper"]
-        return stepper.layout.read(self.row, name)
+        return self.stepper.layout.read(self.row, name)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return State, tuple([getattr(self, f.name) for f in fields(State)])
@@ -84,18 +83,18 @@ class StepState(State):
     @lazy_property
     def where(self) -> Where:
         """As in `State`, and so is all below."""
-        return self._stepper.geometry.where_of(self._read("where"))
+        return self.stepper.geometry.where_of(self._read("where"))
 
     @lazy_property
     def iterate(self) -> Iterate:
         """The contacts, looked at once more."""
-        geometry = self._stepper.geometry
+        geometry = self.stepper.geometry
         return geometry.iterate_again(geometry.where_of(self._read("at")), self._read("frames"))
 
     @lazy_property
     def loads(self) -> Loads:
         """Those of the step."""
-        iterate, under = self.iterate, self._stepper.grasp.under(self.controls, self.controls)
+        iterate, under = self.iterate, self.stepper.grasp.under(self.controls, self.controls)
         at = iterate.at
         return Loads(
             self._read("base"), self._read("since"), at.give, at.turn, under.commanded - at.q, under.load,
@@ -115,10 +114,10 @@ class StepState(State):
     @lazy_property
     def read(self) -> Read:
         """Forces, motions and torques."""
-        springs, torque = self._stepper.spring_torque(self.where.q), self._read("torque")
+        springs, torque = self.stepper.spring_torque(self.where.q), self._read("torque")
         return Read(
             self._read("forces"), self._read("motion"), self._read("torsion"), self._read("spin"),
-            torque if springs is self._stepper.still else torque + springs, self._read("deflection"), springs,
+            torque if springs is self.stepper.still else torque + springs, self._read("deflection"), springs,
         )  # fmt: skip
 
     @lazy_property
@@ -134,12 +133,12 @@ class StepState(State):
     @lazy_property
     def iterates(self) -> int:
         """How many the step took."""
-        return int(self._read("count")[0])
+        return int(self._read("tally")[0])
 
     @lazy_property
     def met(self) -> Array:
         """What a small push meets."""
-        return self._read("met") if self._read("count")[1] else np.zeros((0, 0))
+        return self._read("met") if self._read("tally")[1] else np.zeros((0, 0))
 
 
 class _Asked(NamedTuple):
@@ -251,7 +250,7 @@ class Stepper:
             "base": state.loads.base, "since": state.loads.spin, "slip_memory": state.slip_memory,
             "forces": read.forces, "motion": read.motion, "torsion": read.torsion, "spin": read.spin,
             "torque": read.torque - read.springs, "deflection": read.deflection, "kinds": state.kinds,
-            "controls": _controls_row(state.controls), "count": (state.iterates, float(len(state.met) > 0)),
+            "controls": _controls_row(state.controls), "tally": (state.iterates, float(len(state.met) > 0)),
         } | placed._asdict()  # fmt: skip
         for name in ("start", "met"):
             if len(value := getattr(state, name)):
@@ -416,7 +415,7 @@ class Stepper:
 
     def far(self, a: object, b: object) -> float:
         """How far the object has moved from pose a to b, as a share of the contacts' distances from their centre."""
-        return pose_distance(self._sizes, self.between(a, b))
+        return pose_distance(self.length, self.between(a, b))
 
     def _answer(self, asked: _Asked, start: Array, state: State) -> Reached | None:
         """The answer that continues what is expected, as `answer_iterate` chooses it; where joints rub or tendons may
