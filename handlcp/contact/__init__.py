@@ -1,1 +1,1 @@
-"""Contacts: friction sets and laws, and Newton's method on many contacts. Imports lcp, knows no grasp."""
+"""Contacts: friction sets and laws, where shapes touch and how contacts move. Imports lcp, knows no grasp."""

@@ -18,6 +18,7 @@ import numpy as np
 import pinocchio as pin
 
 from handlcp.check import Array
+from handlcp.contact.closest_point import write_corner_contact
 from handlcp.geometry.contact_detection import (
     TILT_ANGLE,
     Proximity,
@@ -27,7 +28,6 @@ from handlcp.geometry.contact_detection import (
     quick_proximity,
     shape_proximity,
     tilt_gap_change,
-    write_corner_contact,
 )
 from handlcp.geometry.distance import shape_size
 from handlcp.geometry.object import Object

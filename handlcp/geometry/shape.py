@@ -11,10 +11,11 @@ import coal
 import numpy as np
 
 from handlcp.check import Array, check_array, check_init_call, check_number, read_only
+from handlcp.contact.closest_point import BALL, BOX, CYLINDER, ELLIPSOID
 from handlcp.errors import InputError, UnknownName, missing_library
 from handlcp.geometry.distance import bounding_box, outermost_points, spread_directions
 from handlcp.geometry.mesh import ClosedSurface, HullSurface, is_mesh_in_memory, load_mesh, read_mesh_surface
-from handlcp.geometry.object import BALL, BOX, CYLINDER, ELLIPSOID, Object, ObjectSolid
+from handlcp.geometry.object import Object, ObjectSolid
 from handlcp.robot.link_surface import convex_parts
 
 

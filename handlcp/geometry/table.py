@@ -33,24 +33,7 @@ from handlcp.grasp.model.request import Environment, join_environments
 # higher cannot touch before they do, and is left out. Of a flat patch the corners of its convex hull remain.
 
 RIM_POINTS = 8  # points on each rim of a cylinder
-_LYING_SINE = 0.2  # sine of the angle between a cylinder's axis and the plane's normal: less, and it stands on its rim
 _HEIGHT_TOLERANCE = 1e-9  # times the object's size: smaller differences of height and distances from a line are zero
-
-
-def rolling_point(obj: Object, normal: Array, near: Array) -> Array | None:
-    """(3,) where a round object touches a plane with this unit normal, world axes; None for an object that stands on
-    corners. near (3,) : where it touched before; of a cylinder it tells which rim.
-    """
-    R, p = obj.placement.rotation, obj.placement.translation
-    down = -(R.T @ normal)
-    match obj:
-        case Sphere() | Ellipsoid():
-            return np.asarray(_extreme_points(obj, normal)[0])
-        case Cylinder() if float(np.hypot(down[0], down[1])) > _LYING_SINE:
-            rims = _rim_points(obj, down)[::RIM_POINTS]
-            upper = float(R[:, 2] @ (near - p)) > 0.0
-            return np.asarray(R @ rims[int(upper)] + p)
-    return None
 
 
 def _extreme_points(obj: Object, normal: Array) -> Array:

@@ -35,8 +35,8 @@ from handlcp.geometry.mesh import object_advice
 from handlcp.geometry.object import Object
 from handlcp.geometry.shape import check_object_metres
 from handlcp.hand.squeeze import read_by_tip
+from handlcp.kinematics.joint_tree import contact_jacobian
 from handlcp.robot.hand_model import HandModel, HandPosture
-from handlcp.robot.kinematics import contact_jacobian
 
 _MIN_BEND_COSINE = np.cos(np.pi / 4)
 # Of its speed: a tip that nears the object more slowly does not say which way a finger bends

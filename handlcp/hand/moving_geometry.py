@@ -11,34 +11,40 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 
 from handlcp.check import Array, read_only
-from handlcp.geometry.contact_kinematics import (
-    MovingBodies,
-    SweptBallFinder,
-    compose_motion,
-    compute_slip,
-    evaluate_ball_contacts,
-    extrapolate_motion,
-    make_contact_finder,
-    motion_between,
-    point_displacement,
-    write_contact_arrays,
-)
-from handlcp.geometry.table import rolling_point
+from handlcp.contact.closest_point import rolling_point
+from handlcp.contact.moving_contact import MovingBodies, compute_slip, write_contact_arrays
+from handlcp.geometry.contact_kinematics import GivenContactFinder, SweptBallFinder, make_contact_finder
 from handlcp.grasp.effects.joint_offset import find_command
 from handlcp.grasp.effects.joint_torque import FingerWeight
 from handlcp.grasp.model.mechanism import Mechanism
 from handlcp.grasp.model.request import GraspSpec
 from handlcp.grasp.path.geometry import Geometry, Iterate, Where, least_flexibility, supports
+from handlcp.grasp.path.linearise import (
+    GIVEN,
+    NO_GIVEN_TIPS,
+    NO_SWEPT_TIPS,
+    Body,
+    GeometryArrays,
+    HandArrays,
+    Placed,
+    Supports,
+    geometry_of_hand,
+    linearise,
+    new_contacts,
+    write_support_contact,
+)
 from handlcp.grasp.path.newton.numbers import Elastic
 from handlcp.grasp.path.newton.tangent import Moving, Touch
 from handlcp.hand.squeeze import TipMotions, overlap_depths
+from handlcp.kinematics.rigid_motion import (
+    compose_motion,
+    extrapolate_motion,
+    motion_between,
+    point_displacement,
+)
 from handlcp.robot.hand_model import HandPosture
-
-_HALF_TURN_TRACE = -0.9  # trace of a rotation by almost half a turn, whose axis takes more care
-_ROLLING_STEP = 1e-5  # [rad] differences of where a round object touches a plane
 
 
 class MovingHandGeometry(Geometry):
@@ -57,21 +63,17 @@ class MovingHandGeometry(Geometry):
         self._support = np.array(hand.tips.support[tips, 0], dtype=float, order="C")
         self._coupling = np.empty((0, 0)) if hand.kinematics.coupling is None else np.array(hand.kinematics.coupling)
         self._pads = _with_least_flexibility(hand.pads.blocks[tips], least_flexibility(spec))
-        self._around = supports(spec)
         self.weighs = any(isinstance(e, FingerWeight) for e in spec.effects)
-        self._reference = spec.reference
-        self._centre = spec.positions[:k].mean(axis=0) if self.object is None else self.object.center_of_mass
+        self._reference = np.array(spec.reference)
+        self._centre = spec.positions[:k].mean(axis=0) if self.object is None else np.array(self.object.center_of_mass)
         self._arm = self._centre - spec.reference if self.object is not None else np.zeros(3)
         self._first_frames = spec.frames.copy()
-        self._root = np.array(mechanism.compliance_factor, dtype=float, order="C")
-        axes = spec.frames[:, :, 2]
-        self._round = [
-            i >= k and self.object is not None and rolling_point(self.object, axes[i], spec.positions[i]) is not None
-            for i in range(self.n)
-        ]
+        self._compliance_factor = np.array(mechanism.compliance_factor, dtype=float, order="C")
+        self._body = self._read_body()
+        self._supports = self._read_supports()
         self._radius = np.sqrt(((spec.positions - self._centre) ** 2).sum(axis=1)) + 1e-9
-        self._least = float(self._radius.min())
-        self._turns = np.tile(np.eye(3), (self.n, 1, 1))
+        self._axes = np.tile(np.eye(3), (self.n, 1, 1))
+        self.arrays = self._read_arrays()
         self.quick = self.k == self.n and isinstance(self._find, SweptBallFinder)
         self._none = np.zeros(hand.nv)
         still = (np.eye(3), np.zeros(3))
@@ -85,6 +87,42 @@ class MovingHandGeometry(Geometry):
         opened = None if command is None else command.opened
         self.start = self.start._replace(q=self._open_posture(there) if opened is None else opened)
 
+    def _read_body(self) -> Body:
+        """The object as compiled code reads it."""
+        kind, sizes, axes, origin = GIVEN, np.zeros(3), np.eye(3), np.zeros(3)
+        if self.object is not None and self.object.known is not None:
+            (kind, known), (R, p) = self.object.known, self.object.frame
+            sizes, axes, origin = np.array(known, dtype=float), np.ascontiguousarray(np.array(R)), np.array(p)
+        return Body(int(kind), sizes, axes, origin, self._reference, self._arm, np.array(self._centre))
+
+    def _read_supports(self) -> Supports:
+        """The environment's contacts."""
+        spec, k, body = self.spec, self.k, self._body
+        points, normals = spec.positions[k:].copy(), spec.frames[k:, :, 2].copy()
+        rolls = [
+            int(rolling_point(body.kind, body.sizes, body.axes, body.origin, normal, point, np.empty(3)))
+            for point, normal in zip(points, normals, strict=True)
+        ]
+        return Supports(points, normals, spec.offset[k:, 2].copy(), np.array(rolls, dtype=np.int64), supports(spec))
+
+    def _read_arrays(self) -> GeometryArrays | None:
+        """All of it as compiled code reads it; None: contacts are not known in closed form."""
+        find, kinematics, swept, given = self._find, self.hand.kinematics, NO_SWEPT_TIPS, NO_GIVEN_TIPS
+        if isinstance(find, SweptBallFinder):
+            swept = find.swept
+        elif isinstance(find, GivenContactFinder):
+            given = find.tips
+        else:
+            return None
+        if kinematics.tree is None:
+            return None
+        gravity = np.array(self._mechanism.gravity, dtype=float) if self.weighs else np.zeros(3)
+        hand = HandArrays(
+            kinematics.tree, kinematics.tip_placements(self._frames), self._support, self._pads,
+            self._compliance_factor, gravity, self._body, swept, given, self._supports, self._radius,
+        )  # fmt: skip
+        return geometry_of_hand(hand)
+
     def _open_posture(self, there: Iterate) -> Array:
         """(nv,) the posture, opened joint by joint until overlapping fingertips touch, as far as joints can."""
         inside = overlap_depths(there.gap[: self.k])
@@ -96,67 +134,54 @@ class MovingHandGeometry(Geometry):
 
     # ---- where the contacts are
     def iterate(self, at: Where, before: Iterate | None) -> Iterate:
+        return self.iterate_again(at, self._first_frames if before is None else before.frames)
+
+    def iterate_again(self, at: Where, frames: Array) -> Iterate:
+        if self.arrays is None:
+            return self._detect_contacts(at, frames)
+        R, t = at.pose
+        found = new_contacts(self.arrays)
+        found.frames[:] = frames
+        linearise(self.arrays, self.where_row(at), found)
+        elastic, arm = found.elastic, R.dot(self._arm)
+        posed = self.hand.posed(at.q)
+        if posed is not self.hand:  # tendons along routes, whose arms change
+            elastic = elastic._replace(compliance_factor=np.array(posed.stiffness.compliance_factor, order="C"))
+        bodies = MovingBodies(R, t, found.axes, found.touch.places)
+        return Iterate(at, found.touch, found.moving, found.frames, elastic, self._radius, found.reference, arm, bodies)
+
+    def _detect_contacts(self, at: Where, old: Array) -> Iterate:
+        """The contacts, found by detection; frames turn from the old ones."""
         R, t = at.pose
         posed = self.hand.posed(at.q)
-        root = self._root if posed is self.hand else np.array(posed.stiffness.compliance_factor, order="C")
-        n, nv, kinematics, balls = self.n, self.hand.nv, self.hand.kinematics, self._find
+        factor = (
+            self._compliance_factor if posed is self.hand else np.array(posed.stiffness.compliance_factor, order="C")
+        )
+        n, nv, k, kinematics = self.n, self.hand.nv, self.k, self.hand.kinematics
         placements, columns = kinematics.frames_at(at.q, self._frames)
         moving = Moving(np.ascontiguousarray(columns.T), self._support, self._coupling)
-        places, turns = np.zeros((n, 3)), self._turns.copy()
+        places, axes = at.give.copy(), self._axes.copy()
+        places[:k] += placements[:, :3, 3]
+        places[k:] += self._supports.points
+        axes[:k] = placements[:, :3, :3]
         touch = Touch(np.empty((n, 3)), np.empty((n, 3)), np.empty(n), places, np.zeros((n, 3, 6)), np.zeros((n, 3, 6)))
         weight = kinematics.gravity_torque(at.q, self._mechanism.gravity) if self.weighs else self._none
         frames = np.empty((n, 3, 3))
-        el = Elastic(np.empty((3 * n, 3 * n)), np.empty((3 * n, nv)), np.empty((n, nv)), root, weight)
-        old = self._first_frames if before is None else before.frames
-        found = touch.positions, touch.normals, touch.gap, touch.turn, touch.shift
-        if self.quick and isinstance(balls, SweptBallFinder):
-            evaluate_ball_contacts(
-                placements, *moving, self._pads, self._around, balls.kind, balls.sizes, balls.own, balls.at,
-                balls.swept, R, t, at.give, old, places, turns, *found, frames, el.P, el.J, el.turning,
+        el = Elastic(np.empty((3 * n, 3 * n)), np.empty((3 * n, nv)), np.empty((n, nv)), factor, weight)
+        self._find(places, axes, R, t, (touch.positions, touch.normals, touch.gap, touch.turn, touch.shift))
+        for i in range(k, n):
+            touch.gap[i] = write_support_contact(
+                self._supports, i - k, self._body, R, t, at.give[i], touch.positions[i], touch.normals[i],
+                touch.turn[i], touch.shift[i],
             )  # fmt: skip
-        else:
-            self._detect(at, placements, touch, turns)
-            write_contact_arrays(
-                *moving, self._pads, self._around, turns, touch.positions, old, touch.normals, frames, el.P, el.J,
-                el.turning,
-            )  # fmt: skip
-        reference, bodies = R.dot(self._reference) + t, MovingBodies(R, t, turns, places)
-        return Iterate(at, touch, moving, frames, el, self._radius, reference, R.dot(self._arm), bodies)
-
-    def _detect(self, at: Where, placements: Array, touch: Touch, turns: Array) -> None:
-        """Write the contacts of fingers and environment, one after the other."""
-        (R, t), k, places = at.pose, self.k, touch.places
-        places[:k], turns[:k] = placements[:, :3, 3], placements[:, :3, :3]
-        places += at.give
-        self._find(places, turns, R, t, (touch.positions, touch.normals, touch.gap, touch.turn, touch.shift))
-        for i in range(k, self.n):
-            touch.positions[i], touch.normals[i], touch.gap[i] = self._support_contact(i, at.give[i], R, t)
-            self._write_rolling(i, R, t, touch.normals[i], touch.turn[i], touch.shift[i])
-            places[i] += self.spec.positions[i]
-
-    def _write_rolling(self, i: int, R: Array, t: Array, normal: Array, turn: Array, shift: Array) -> None:
-        """Write how a contact of the environment moves as the object turns on its plane, whose normal stays."""
-        for a in range(3):
-            turn[:, 3 + a] = np.cross(np.eye(3)[a], normal)  # takes back that normals turn with the object
-        if self.object is None or not self._round[i]:
-            return
-        for a in range(3):
-            by = np.zeros(3)
-            by[a] = _ROLLING_STEP
-            ends = list[Array]()
-            for sign in (1.0, -1.0):
-                on = rolling_point(self.object, (pin.exp3(sign * by) @ R).T @ normal, self.spec.positions[i])
-                assert on is not None  # `_round` says so
-                ends.append(on)
-            shift[:, 3 + a] = -R @ (ends[0] - ends[1]) / (2.0 * _ROLLING_STEP)
-
-    def _support_contact(self, i: int, give: Array, R: Array, t: Array) -> tuple[Array, Array, float]:
-        """Contact point, normal and gap of a contact of the environment, whose plane stays but for how it gives way."""
-        on, normal = self.spec.positions[i], self.spec.frames[i][:, 2]
-        plane = on - self.spec.offset[i, 2] * normal + give
-        rolled = None if self.object is None else rolling_point(self.object, R.T @ normal, on)
-        point = R @ (on if rolled is None else rolled) + t
-        return point, normal, float(normal @ (point - plane))
+        write_contact_arrays(
+            *moving, self._pads, self._supports.flexibility, axes, touch.positions, old, touch.normals, frames, el.P,
+            el.J, el.turning,
+        )  # fmt: skip
+        reference = R.dot(self._reference) + t
+        return Iterate(
+            at, touch, moving, frames, el, self._radius, reference, R.dot(self._arm), MovingBodies(R, t, axes, places)
+        )
 
     def mechanism(self, iterate: Iterate) -> Mechanism:
         k = self.k
@@ -188,10 +213,20 @@ class MovingHandGeometry(Geometry):
 
     def displacement(self, pose: Any) -> Array:
         R, t = pose
-        moved = point_displacement(R, t, self._reference)
-        if R[0, 0] + R[1, 1] + R[2, 2] < _HALF_TURN_TRACE:
-            moved[3:] = pin.log3(R)
-        return read_only(moved)
+        return read_only(point_displacement(R, t, self._reference))
+
+    # ---- the same as rows of numbers
+    def pose_row(self, pose: Any) -> Array:
+        R, t = pose
+        return np.concatenate([R.reshape(-1), t])
+
+    def pose_of(self, row: Array) -> tuple[Array, Array]:
+        return row[:9].reshape(3, 3), row[9:]
+
+    def placed(self, iterate: Iterate) -> Placed:
+        bodies = iterate.bodies
+        slips = np.zeros((self.n, 3))
+        return Placed(iterate.positions, iterate.frames, bodies.turns, bodies.places, slips)
 
 
 def _with_least_flexibility(pads: Array, least: float) -> Array:

@@ -29,10 +29,11 @@ from handlcp.hand.hand_grasp import HandGrasp
 from handlcp.hand.mechanism import HandMechanism
 from handlcp.hand.squeeze import read_joint_offset
 from handlcp.hand.torque_check import TorqueCheck, compare_with_limits
+from handlcp.kinematics.joint_tree import contact_jacobian
 from handlcp.lcp import Status
 from handlcp.lcp.compiler.compile_policy import compile_now
 from handlcp.robot.hand_model import HandModel
-from handlcp.robot.kinematics import contact_jacobian, jacobian_columns
+from handlcp.robot.kinematics import jacobian_columns
 
 
 class GraspUpdate:

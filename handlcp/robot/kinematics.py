@@ -11,7 +11,8 @@ import pinocchio as pin
 
 from handlcp.check import Array, Bools, check_array, check_keys, freeze_arrays, read_only
 from handlcp.errors import InputError, URDFError
-from handlcp.lcp.kernels.dense import kernel
+from handlcp.kinematics.joint_tree import WORLD, JointTree, TipPlacements
+from handlcp.lazy_property import lazy_property
 from handlcp.robot.joint import JointFacts, movable_joints, read_ranges, resolve_mimics
 
 
@@ -93,6 +94,18 @@ class Kinematics:
         g = np.array(pin.computeGeneralizedGravity(model, data, self.configuration(q))).reshape(-1)
         return g if self.coupling is None else np.asarray(self.coupling.T @ g)
 
+    @lazy_property
+    def tree(self) -> JointTree | None:
+        """The same joints as compiled code reads them; None: a joint is neither a hinge nor a slide."""
+        return read_joint_tree(self.model, self.coupling, self.offset)
+
+    def tip_placements(self, frames: Sequence[int]) -> TipPlacements:
+        """Where frames are on the joints of `tree`."""
+        found = [self.model.frames[frame] for frame in frames]
+        carriers = np.array([int(f.parentJoint) - 1 for f in found], dtype=np.int64)
+        rotations = np.array([f.placement.rotation for f in found], dtype=float).reshape(-1, 3, 3)
+        return TipPlacements(carriers, rotations, np.array([f.placement.translation for f in found]).reshape(-1, 3))
+
     def _thread_data(self) -> tuple[Any, Any]:
         """A model and its Data that no other thread changes: gravity is a field of the model."""
         if not hasattr(self._local, "pair"):
@@ -116,27 +129,34 @@ def jacobian_columns(J: Array) -> Array:
 
 
 # ----------------------------------------------------------------
-# The Jacobian at the contacts of a posture, compiled: what a stream computes for each new posture.
+# The same joints as compiled code reads them.
+
+_LETTERS = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
+_HINGES, _SLIDES = ("JointModelRevolute", "JointModelRUB", "JointModelR"), ("JointModelPrismatic", "JointModelP")
 
 
-@kernel
-def contact_jacobian(J: Array, support: Array, coupling: Array, positions: Array, frames: Array) -> Array:
-    """(3n, nv) velocity of the contact points in contact axes: Rᵀ (v + ω × p), joint by joint.
-
-    J (joints, 6) : rows of the world Jacobian, linear part (of the world's origin) first. support (n, joints) : 1 where
-    a joint moves a finger. coupling (joints, nv) : of the independent joints; empty where they are all of them.
-    positions (n, 3), frames (n, 3, 3) : of the contacts.
+def read_joint_tree(model: Any, coupling: Array | None, offset: Array) -> JointTree | None:
+    """The joints of a Pinocchio model, which follow the independent ones as q_full = C q + offset; C None: they are the
+    same. None where a joint is neither a hinge nor a slide of one degree of freedom.
     """
-    n, joints = support.shape
-    full = np.zeros((3 * n, joints))
-    v = np.empty(3)
-    for i in range(n):
-        x, y, z = positions[i, 0], positions[i, 1], positions[i, 2]
-        for j in range(joints):
-            if support[i, j] != 0.0:
-                v[0] = J[j, 0] + J[j, 4] * z - J[j, 5] * y
-                v[1] = J[j, 1] + J[j, 5] * x - J[j, 3] * z
-                v[2] = J[j, 2] + J[j, 3] * y - J[j, 4] * x
-                for k in range(3):
-                    full[3 * i + k, j] = frames[i, 0, k] * v[0] + frames[i, 1, k] * v[1] + frames[i, 2, k] * v[2]
-    return full if len(coupling) == 0 else np.dot(full, coupling)
+    axes, slides, numbers = list[Array](), list[int](), range(1, model.njoints)
+    for i in numbers:
+        joint = model.joints[i]
+        kind, name = joint.extract(), joint.shortname()
+        word = next((w for w in (*_HINGES, *_SLIDES) if name.startswith(w)), None)
+        given = getattr(kind, "axis", None)
+        if given is None:
+            given = None if word is None else _LETTERS.get(name.removeprefix(word))
+        if word is None or given is None or joint.nv != 1 or joint.idx_v != i - 1:
+            return None
+        axes.append(np.array(given, dtype=float))
+        slides.append(int(word in _SLIDES))
+    placements, inertias = [model.jointPlacements[i] for i in numbers], [model.inertias[i] for i in numbers]
+    return JointTree(
+        np.array([WORLD if model.parents[i] == 0 else model.parents[i] - 1 for i in numbers], dtype=np.int64),
+        np.array([at.rotation for at in placements]), np.array([at.translation for at in placements]),
+        np.array(axes), np.array(slides, dtype=np.int64),
+        np.empty((0, 0)) if coupling is None else np.array(coupling, dtype=float, order="C"),
+        np.array(offset, dtype=float), np.array([float(body.mass) for body in inertias]),
+        np.array([body.lever for body in inertias]),
+    )  # fmt: skip

@@ -163,7 +163,7 @@ def knows_all_limits(hand):
 
 def swept_station(obj, centre, spans):
     """(3,) the station of a swept ball that is nearest to an object at the origin."""
-    from handlcp.geometry.contact_detection import nearest_station
+    from handlcp.contact.closest_point import nearest_station
 
     kind, sizes = obj.known
     return nearest_station(kind, np.array(sizes, dtype=float), centre, spans, np.zeros(2))

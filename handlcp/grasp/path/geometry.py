@@ -3,7 +3,7 @@
 A geometry answers one question: with the joints at q, the pads deformed by s and the object in this pose, where are the
 contacts, how far apart are their bodies, and how do joints move them? `FixedGeometry` answers from one posture, for
 small motions. A hand that knows its object answers from kinematics and contact detection
-(`handlcp.hand.followed`).
+(`handlcp.hand.moving_geometry`).
 """
 
 from __future__ import annotations
@@ -18,6 +18,14 @@ from handlcp.grasp.model.contact import MANY_CONTACTS, block_diagonal, shift_twi
 from handlcp.grasp.model.flexibility import Flexibility, stored_flexibility
 from handlcp.grasp.model.mechanism import Mechanism, joint_flexibility
 from handlcp.grasp.model.request import GraspSpec
+from handlcp.grasp.path.linearise import (
+    GeometryArrays,
+    Placed,
+    PostureArrays,
+    geometry_of_posture,
+    linearise,
+    new_contacts,
+)
 from handlcp.grasp.path.newton.numbers import Elastic
 from handlcp.grasp.path.newton.tangent import Moving, Touch
 
@@ -70,6 +78,7 @@ class Geometry:
     """What moves where. start : the configuration before anything is loaded. follows : whether contacts move.
     weighs : whether the fingers' weight is asked for. noise : of the contacts, as a share of their radii.
     quick : whether contacts are known in closed form, so that a path takes a tenth of a second.
+    arrays : the same as compiled code reads it, with which whole steps run in one call; None: steps call the methods.
     posture (nv,) : from which commands of the joints are counted; apart (n, 3) : the part of the grasp's offsets there
     that the geometry itself knows of: gaps and overlaps [m].
     """
@@ -81,6 +90,7 @@ class Geometry:
     weighs: bool
     noise: float = 0.0
     quick: bool = True
+    arrays: GeometryArrays | None = None
 
     def mechanism(self, iterate: Iterate) -> Mechanism | None:
         """What moves the fingers, at the contacts of an iterate."""
@@ -89,6 +99,12 @@ class Geometry:
     def iterate(self, at: Where, before: Iterate | None) -> Iterate:
         """The contacts there; frames turn as little as they can from those before."""
         raise NotImplementedError
+
+    def iterate_again(self, at: Where, frames: Array) -> Iterate:
+        """The contacts in a configuration where their frames are known to be these (n, 3, 3); for geometries with
+        `arrays`.
+        """
+        return self.iterate(at, None)
 
     def slipped(self, a: Iterate, b: Iterate, slip_memory: Array) -> Array:
         """(n, 3) how far the object has moved past the fingertips' surfaces from a to b: along x and y [m], and turned
@@ -115,6 +131,29 @@ class Geometry:
     def displacement(self, pose: Any) -> Array:
         """(6,) motion of the object since the start: of the reference point [m], and the rotation vector [rad]."""
         raise NotImplementedError
+
+    # ---- the same as rows of numbers, for geometries with `arrays`
+    def pose_row(self, pose: Any) -> Array:
+        """A pose as `linearise` reads it."""
+        raise NotImplementedError
+
+    def pose_of(self, row: Array) -> Any:
+        """The pose that a row stands for."""
+        raise NotImplementedError
+
+    def placed(self, iterate: Iterate) -> Placed:
+        """What of an iterate its slips are counted from."""
+        raise NotImplementedError
+
+    def where_row(self, where: Where) -> Array:
+        """A configuration as a row."""
+        return np.concatenate([where.q, where.give.reshape(-1), where.turn, self.pose_row(where.pose)])
+
+    def where_of(self, row: Array) -> Where:
+        """The configuration that a row stands for."""
+        n, nv = len(self.apart), len(self.posture)
+        give, turn = row[nv : nv + 3 * n].reshape(n, 3), row[nv + 3 * n : nv + 4 * n]
+        return Where(row[:nv], give, turn, self.pose_of(row[nv + 4 * n :]))
 
 
 def between(geometry: Geometry, a: Where, b: Where, share: float) -> Where:
@@ -162,47 +201,55 @@ class FixedGeometry(Geometry):
     def __init__(self, spec: GraspSpec) -> None:
         n, mechanism, E = spec.n, spec.mechanism, stored_flexibility(spec)
         self.spec = spec
-        J, root = np.zeros((3 * n, 0)), np.zeros((0, 0))
+        J, compliance_factor = np.zeros((3 * n, 0)), np.zeros((0, 0))
         if mechanism is not None:
-            J, root = mechanism.jacobian, mechanism.compliance_factor
+            J, compliance_factor = mechanism.jacobian, mechanism.compliance_factor
         elif isinstance(E, Flexibility) and n >= MANY_CONTACTS:  # of joints that have no names
-            J, root = E.factor.rows, E.factor.root
-        nv = len(root)
+            J, compliance_factor = E.factor.rows, E.factor.root
+        nv = len(compliance_factor)
         turning = np.zeros((n, nv)) if mechanism is None else _turning(mechanism, spec)
         self.weighs = any(isinstance(e, FingerWeight) for e in spec.effects)
         weight = None if mechanism is None or not self.weighs else mechanism.gravity_torque()
         if isinstance(E, Flexibility) and nv:
             P = block_diagonal(E.factor.pads, n)
         else:
-            P = spec.flexibility - joint_flexibility(J, root)
+            P = spec.flexibility - joint_flexibility(J, compliance_factor)
         P[3 * spec.of_hand :, 3 * spec.of_hand :] = supports(spec)
-        J, turning, root = J.copy(), turning.copy(), np.array(root, dtype=float, order="C")
-        self._elastic = Elastic(P, J, turning, root, np.zeros(nv) if weight is None else weight.copy())
-        self._frames, still, normals = spec.frames.copy(), np.zeros((0, 3, 6)), spec.frames[:, :, 2].copy()
-        self._touch = Touch(spec.positions.copy(), normals, np.zeros(n), spec.positions.copy(), still, still)
-        self._moving = Moving(np.zeros((0, 6)), np.zeros((0, 0)), np.zeros((0, 0)))
+        elastic = Elastic(
+            P, J.copy(), turning.copy(), np.array(compliance_factor, dtype=float, order="C"),
+            np.zeros(nv) if weight is None else weight.copy(),
+        )  # fmt: skip
+        still, normals = np.zeros((0, 3, 6)), spec.frames[:, :, 2].copy()
         # How contacts move along x, y and z and turn about z, by the pose and the joints
-        self._rates, axes = np.zeros((n, 4, 6 + nv)), spec.frames.transpose(0, 2, 1)
-        self._rates[:, :3, :3] = axes
-        self._rates[:, :3, 3:6] = np.cross((spec.positions - spec.reference)[:, None], axes)
-        self._rates[:, :3, 6:] = -J.reshape(n, 3, nv)
-        self._rates[:, 3, 3:6], self._rates[:, 3, 6:] = normals, -turning
+        rates, axes = np.zeros((n, 4, 6 + nv)), spec.frames.transpose(0, 2, 1)
+        rates[:, :3, :3] = axes
+        rates[:, :3, 3:6] = np.cross((spec.positions - spec.reference)[:, None], axes)
+        rates[:, :3, 6:] = -J.reshape(n, 3, nv)
+        rates[:, 3, 3:6], rates[:, 3, 6:] = normals, -turning
         self.apart = np.zeros((n, 3))
         self.apart[:, 2] = np.maximum(spec.offset[:, 2], 0.0)
-        self._radius = np.full(n, np.inf)
         weighs = np.zeros(6) if mechanism is None else mechanism.weight_of_object(spec.reference)
         size = float(weighs[:3] @ weighs[:3])  # any point on the line of the weight will do
-        self._arm = read_only(np.cross(weighs[:3], weighs[3:]) / size if size else np.zeros(3))
+        arm = np.cross(weighs[:3], weighs[3:]) / size if size else np.zeros(3)
+        self.arrays = geometry_of_posture(
+            PostureArrays(
+                rates, self.apart[:, 2].copy(),
+                Touch(spec.positions.copy(), normals, np.zeros(n), spec.positions.copy(), still, still),
+                Moving(np.zeros((0, 6)), np.zeros((0, 0)), np.zeros((0, 0))), spec.frames.copy(), elastic,
+                np.array(spec.reference), arm, np.full(n, np.inf),
+            )
+        )  # fmt: skip
         self.posture = read_only(np.zeros(nv))
         self.start = Where(self.posture, np.zeros((n, 3)), np.zeros(n), np.zeros(6))
 
     def iterate(self, at: Where, before: Iterate | None) -> Iterate:
-        moves = self._rates @ np.concatenate([at.pose, at.q])
-        moves[:, :3] -= np.einsum("nji,nj->ni", self._frames, at.give)
-        moves[:, 3] -= at.turn
-        touch, slips = self._touch._replace(gap=self.apart[:, 2] + moves[:, 2]), moves[:, [0, 1, 3]]
-        reference = self.spec.reference
-        return Iterate(at, touch, self._moving, self._frames, self._elastic, self._radius, reference, self._arm, slips)
+        assert self.arrays is not None  # this geometry has them
+        found = new_contacts(self.arrays)
+        linearise(self.arrays, self.where_row(at), found)
+        return Iterate(
+            at, found.touch, found.moving, found.frames, found.elastic, self.arrays.posture.radius, found.reference,
+            self.arrays.posture.mass_arm, found.slips,
+        )  # fmt: skip
 
     def mechanism(self, iterate: Iterate) -> Mechanism | None:
         mechanism: Mechanism | None = self.spec.mechanism
@@ -222,6 +269,16 @@ class FixedGeometry(Geometry):
 
     def displacement(self, pose: Any) -> Array:
         return read_only(np.array(pose))
+
+    def pose_row(self, pose: Any) -> Array:
+        return np.asarray(pose)
+
+    def pose_of(self, row: Array) -> Any:
+        return row
+
+    def placed(self, iterate: Iterate) -> Placed:
+        n = len(iterate.frames)
+        return Placed(iterate.positions, iterate.frames, np.zeros((n, 3, 3)), iterate.touch.places, iterate.bodies)
 
 
 def _turning(mechanism: Mechanism, spec: GraspSpec) -> Array:

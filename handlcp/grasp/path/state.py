@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -174,7 +174,8 @@ OPEN, STICKS, SLIDES = ContactStatus.SEPARATED, ContactStatus.STICKING, ContactS
 STILL = read_only(np.zeros(6))
 
 
-class State(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class State:
     """where : the configuration at the end of the step. iterate : the contacts as the step was solved with them.
     loads : of the step. slip_memory (n, 3) : slip between that iterate and the end, as `Geometry.slipped` has it.
     slid (n, 3) : slip of the step, of the object past the fingertip along x and y [m], and about z [rad].
@@ -200,6 +201,10 @@ class State(NamedTuple):
     met: Array
     rubs: Array
     pull: Pull
+
+    def with_kinds(self, kinds: tuple[ContactStatus, ...]) -> State:
+        """The same with other contact states."""
+        return State(**{f.name: getattr(self, f.name) for f in fields(self)} | {"kinds": kinds})
 
     @property
     def efforts(self) -> Array:

@@ -8,47 +8,138 @@ gives loose and undetermined motions an answer; with h ≤ 1e8 it changes no oth
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import fields
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from handlcp.check import Array, Bools, read_only
 from handlcp.contact.friction import Section, limit_set
 from handlcp.grasp.model.request import GraspSpec
-from handlcp.grasp.model.status import PathStatus, shown_statuses
+from handlcp.grasp.model.status import ContactStatus, PathStatus, shown_statuses
 from handlcp.grasp.path.geometry import Geometry, Iterate, Where, between, length_of
 from handlcp.grasp.path.joints import Joints
 from handlcp.grasp.path.newton.answer import Reached
-from handlcp.grasp.path.newton.by_contact import iteration_by_contact
-from handlcp.grasp.path.newton.iteration import one_iteration
 from handlcp.grasp.path.newton.linear_solve import Rules
 from handlcp.grasp.path.newton.numbers import Damping, Loads, Read, Situation, softness_of
 from handlcp.grasp.path.pull import NO_PULL, Pull, Task
+from handlcp.grasp.path.solve_step import (
+    CLOSE,
+    GOES_ON,
+    KEPT,
+    MAX_ITERATES,
+    NO_FORCE,
+    PRESSED,
+    SETTLED,
+    Sizes,
+    StateRow,
+    StepModel,
+    StepOptions,
+    answer_iterate,
+    damper_share,
+    is_pushed_ahead,
+    judge_iterate,
+    pose_distance,
+    relax_share,
+    solve_once,
+    solve_step,
+)
 from handlcp.grasp.path.state import OPEN, Controls, Failure, Guess, State
 from handlcp.grasp.path.step_grasp import StepGrasp, StepLaws, Under
 from handlcp.grasp.solve.solve_spec import solve_spec
+from handlcp.lazy_property import lazy_property
 from handlcp.lcp import Auto
 
 # h of a quasi-static step: its damper takes 1e-8 of the forces that such a motion would need, so that a state passes
 # the certifier, and closed forms are met to nine digits
 _SLOW = 1e8
 _FREE = 1e4  # h of a step that pushes an object which nothing holds
-_KEPT = 1e6  # 1 / h of the object alone, where something keeps it in place: it gives way by a millionth of the fingers
-_HELD_BACK = 1e-6  # of the forces: where the damper takes more, it holds the object, and the contacts do not
-_NOTHING = 3e-9  # of a force that moves a finger by the contacts' distance: a smaller one may come from the damper
-_MOST = 9  # iterates of one step, after which it counts as one that does not settle
-_CONTRACTS, _PARTS = 0.6, 1.5  # times the last miss: more ends the iterates from the fourth on, and any iterate
-_LARGEST = 0.1  # motion in one step, as a share of the contacts' radii
-_CLOSE = 1e-3  # of the forces: an answer this near to what was expected is the one that continues it
-_LEAST = 0.2  # of the way from an iterate to its end
 _LITTLE = 1e-4  # of the contacts' distances: a slip that is expected, and not known
-_SEED = Auto().seed
 _ALL = Auto(search_seconds=0.0)
 _CLOSE_BY = 1e-3  # [rad, m] from where a path ends to where a tendon crosses: it ends for that reason
 _NOWHERE = np.zeros(0)
-_PRESSED = (16.0, 8.0, 4.0, 3.0, 2.0, 1.7, 1.4, 1.2, 1.1, 1.0)  # times friction as it is
+_NO_PAST = np.zeros((0, 3))
+
+
+class StepState(State):
+    """A state that was computed in one call. row : its numbers, as `StateRow` has them. stepper : of the step. What
+    else a `State` holds is made of the row when it is first asked for.
+    """
+
+    row: Array
+    stepper: Stepper
+
+    def __init__(self, row: Array, controls: Controls, stepper: Stepper) -> None:
+        still, own = stepper.still, self.__dict__
+        own.update(row=row, stepper=stepper, controls=controls, yielded=still, gives=_NOWHERE, rubs=still, pull=NO_PULL)
+
+    def _read(self, name: str) -> Array:
+        """A part of the row."""
+        return self.stepper.layout.read(self.row, name)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return State, tuple([getattr(self, f.name) for f in fields(State)])
+
+    @lazy_property
+    def where(self) -> Where:
+        """As in `State`, and so is all below."""
+        return self.stepper.geometry.where_of(self._read("where"))
+
+    @lazy_property
+    def iterate(self) -> Iterate:
+        """The contacts, looked at once more."""
+        geometry = self.stepper.geometry
+        return geometry.iterate_again(geometry.where_of(self._read("at")), self._read("frames"))
+
+    @lazy_property
+    def loads(self) -> Loads:
+        """Those of the step."""
+        iterate, under = self.iterate, self.stepper.grasp.under(self.controls, self.controls)
+        at = iterate.at
+        return Loads(
+            self._read("base"), self._read("since"), at.give, at.turn, under.commanded - at.q, under.load,
+            iterate.reference, under.weight, iterate.reference + iterate.weight_arm,
+        )  # fmt: skip
+
+    @lazy_property
+    def slip_memory(self) -> Array:
+        """Slip between iterate and end."""
+        return self._read("slip_memory")
+
+    @lazy_property
+    def slid(self) -> Array:
+        """Slip of the step."""
+        return np.column_stack([self._read("motion")[:, :2], self._read("spin")])
+
+    @lazy_property
+    def read(self) -> Read:
+        """Forces, motions and torques."""
+        springs, torque = self.stepper.spring_torque(self.where.q), self._read("torque")
+        return Read(
+            self._read("forces"), self._read("motion"), self._read("torsion"), self._read("spin"),
+            torque if springs is self.stepper.still else torque + springs, self._read("deflection"), springs,
+        )  # fmt: skip
+
+    @lazy_property
+    def kinds(self) -> tuple[ContactStatus, ...]:
+        """Contact states."""
+        return shown_statuses(self._read("kinds").astype(np.int64).tolist())
+
+    @lazy_property
+    def start(self) -> Array:
+        """Where the next solve begins."""
+        return self._read("start")
+
+    @lazy_property
+    def iterates(self) -> int:
+        """How many the step took."""
+        return int(self._read("tally")[0])
+
+    @lazy_property
+    def met(self) -> Array:
+        """What a small push meets."""
+        return self._read("met") if self._read("tally")[1] else np.zeros((0, 0))
 
 
 class _Asked(NamedTuple):
@@ -82,22 +173,39 @@ class Stepper:
         self.length = length_of(self.first.positions)
         self.stiffness = 1.0 / float(softness.mean()) if softness.any() else 1.0
         self._damper = self.stiffness * np.array([1.0] * 3 + [self.length**2] * 3)
+        self._sizes = Sizes(self.length, self.stiffness, self.tolerance, self.slow)
         laws = [c.friction for c in spec.contacts]
-        self.friction, self._still = self.laws.limits, read_only(np.zeros(len(self.first.at.q)))
-        self.iteration = iteration_by_contact if self.laws.by_contact else one_iteration
-        self.joints = _joints(spec, geometry, self.first.elastic.root)
+        self.friction, self.still = self.laws.friction_coefficients, read_only(np.zeros(len(self.first.at.q)))
+        self.joints = _joints(spec, geometry, self.first.elastic.compliance_factor)
         self.lever = np.array([1.0 / law.lever if law.lever > 0.0 else 0.0 for law in laws])
+        self._model = self._step_model(weight)
+
+    def _step_model(self, weight: Array) -> StepModel | None:
+        """All that the steps have in common, as compiled code reads it; None: a step needs Python for what the grasp's
+        user brings, for effects with limits that give way, or for joints with friction and tendons.
+        """
+        arrays, laws, still = self.geometry.arrays, self.laws, self.still
+        if arrays is None or self.grasp.general or self.joints is not None:
+            return None
+        pose, dof = len(self.geometry.pose_row(self.geometry.start.pose)), laws.pattern.dof
+        self.layout = StateRow(self.grasp.spec.n, len(still), len(laws.laws.scale), dof, pose)
+        no_extra, giving = laws.nothing_added
+        rules = Rules(laws.laws, laws.friction_coefficients, no_extra, giving, laws.yields, laws.pattern)
+        return StepModel(
+            arrays, rules, self.grasp.preloads, np.array(self.grasp.posture), np.array(weight), self._damper,
+            self._sizes, laws.by_contact, self.layout.starts, laws.answer.starts,
+        )  # fmt: skip
 
     def beginning(self, controls: Controls) -> State:
         """Before anything is done: nothing is loaded, and the joints stand in the grasp's posture."""
         first, none = self.first, np.zeros((self.grasp.spec.n, 3))
         under = self.grasp.under(controls, controls)
-        loads, still, pull = self.grasp.loads(first, none, under), self._still, NO_PULL
+        loads, still, pull = self.grasp.loads(first, none, under), self.still, NO_PULL
         if self.joints is not None:
             none_yet = self.joints.still
             task = Task(under.commanded, first.at.q, None)
             pull = self.joints.at(first.at.q).pull(none_yet.does, none_yet.posts, task, first.at.q)
-        springs = self._springs(first.at.q)
+        springs = self.spring_torque(first.at.q)
         read = Read(none, none, none[:, 0], none[:, 0], springs, still, springs)
         return self._unloaded(first, loads, read, controls, still, pull)
 
@@ -120,20 +228,56 @@ class Stepper:
         rough : times the tolerance. past (n, 3) : slip that is left out of what friction opposes; None: none.
         slow_pads : whether pads are damped as joints are, or follow at once.
         """
-        h = self.slow if h is None else h
-        guess = guess or state.same
-        geometry, follows = self.geometry, self.geometry.follows
+        asked = StepOptions(self.slow if h is None else h, rough, _NO_PAST if past is None else past, slow_pads)
+        if self._model is None:
+            return self._step_in_python(state, controls, guess or state.same, asked)
+        before, row = self._row_of(state), np.empty(self.layout.size)
+        if guess is None:
+            expected, start = self.layout.read(before, "where"), state.start
+        else:
+            expected, start = self.geometry.where_row(guess.where), guess.start
+        status = solve_step(self._model, before, _controls_row(controls), expected, start, asked, row)
+        return StepState(row, controls, self) if status == SETTLED else Failure(PathStatus(status))
+
+    def _row_of(self, state: State) -> Array:
+        """A state's numbers, as `StateRow` has them."""
+        known: Array | None = state.__dict__.get("row")
+        if known is not None:
+            return known
+        row, geometry, read, iterate = np.zeros(self.layout.size), self.geometry, state.read, state.iterate
+        placed = geometry.placed(iterate)
+        parts: dict[str, Any] = {
+            "where": geometry.where_row(state.where), "at": geometry.where_row(iterate.at),
+            "base": state.loads.base, "since": state.loads.spin, "slip_memory": state.slip_memory,
+            "forces": read.forces, "motion": read.motion, "torsion": read.torsion, "spin": read.spin,
+            "torque": read.torque - read.springs, "deflection": read.deflection, "kinds": state.kinds,
+            "controls": _controls_row(state.controls), "tally": (state.iterates, float(len(state.met) > 0)),
+        } | placed._asdict()  # fmt: skip
+        for name in ("start", "met"):
+            if len(value := getattr(state, name)):
+                parts[name] = value
+        for name, value in parts.items():
+            self.layout.read(row, name)[...] = value
+        state.__dict__["row"] = row
+        return row
+
+    def _step_in_python(
+        self, state: State, controls: Controls, guess: Guess, asked: StepOptions
+    ) -> State | Failure:  # fmt: skip
+        """The same as `solve_step`, of geometries, effects and joints that it does not know."""
+        geometry, follows, h, past = self.geometry, self.geometry.follows, asked.h, asked.past
         iterate, start, gives = geometry.iterate(guess.where, state.iterate), guess.start, guess.gives
         begun = state.pull
         task = _task(state, controls, under := self.grasp.under(controls, state.controls))
-        last, swing, near = np.inf, _Swing(), rough * self.tolerance
-        damper, most, here = self._damper / h, near if follows else -1.0, None
-        pads = 1.0 / h if slow_pads else 0.0
+        last, swing, near = np.inf, np.zeros(8), asked.rough * self.tolerance
+        damper, most = self._damper / h, near if follows else -1.0
+        pads = 1.0 / h if asked.slow_pads else 0.0
         if controls.kept:
-            damper = _KEPT * self._damper
-        for count in range(1, _MOST + 1):
+            damper = KEPT * self._damper
+        free = not (under.load.any() or under.weight.any())
+        for count in range(1, MAX_ITERATES + 1):
             slipped = geometry.slipped(state.iterate, iterate, state.slip_memory)
-            if past is not None:
+            if len(past):
                 slipped -= past
             loads = self.grasp.loads(iterate, slipped, under)
             done = self.between(state.where.pose, iterate.at.pose)
@@ -149,61 +293,52 @@ class Stepper:
                 geometry.moved(iterate.at.pose, reached.twist, reached.centre),
             )
             start, gives, miss, begun = reached.start, reached.gives, reached.miss, reached.pull
-            if miss <= near or not follows:
-                if follows and self.far(state.where.pose, end.pose) > _LARGEST:
-                    return Failure(PathStatus.TOO_FAR)
-                ahead = reached.forces[:, 2].max(initial=0.0) <= _NOTHING * self.stiffness * self.length
-                still = not follows and not (ahead and not loads.load.any() and not loads.weight.any())
-                if still and self._held_back(state.where.pose, end.pose, reached.forces) > _HELD_BACK:
-                    return Failure(PathStatus.NO_FORCES)
-                motion, spin = reached.motion, reached.spin
-                if past is not None:
-                    motion[:, :2] += past[:, :2]
-                    spin += past[:, 2]
-                slid = motion.copy()
-                slid[:, 2] = spin
-                yielded = self.laws.yields @ gives if len(gives) else np.zeros(len(end.q))
-                springs, deflection = self._springs(end.q), under.commanded - end.q - yielded
-                torque = reached.torque if springs is self._still else reached.torque + springs
-                read = Read(reached.forces, motion, reached.torsion, spin, torque, deflection, springs)
-                rubs, pull = self._still, reached.pull
-                if self.joints is not None:
-                    joints = self.joints.at(iterate.at.q)
-                    stands = task._replace(commanded=under.commanded - yielded)
-                    left = self._left(reached, iterate)
-                    rubs = joints.taken(joints.rubbing(pull, stands, end.q, left))
-                    # as if there were springs alone
-                    loads = loads._replace(command=end.q + yielded - iterate.at.q + joints.C @ left)
-                kinds = shown_statuses(reached.kinds)
-                if ahead:
-                    kinds = (OPEN,) * len(kinds)  # pushed ahead, and held by nobody
-                return State(
-                    end,
-                    iterate,
-                    loads,
-                    reached.slip_memory,
-                    slid,
-                    read,
-                    kinds,
-                    yielded,
-                    controls,
-                    start,
-                    gives,
-                    count,
-                    reached.met,
-                    rubs,
-                    pull,
-                )
-            if (count > 3 and miss > _CONTRACTS * last) or miss > _PARTS * last:
-                return Failure(PathStatus.RUNS_AWAY)
-            if self.far(state.where.pose, end.pose) > 2.0 * _LARGEST:
-                return Failure(PathStatus.TOO_FAR)
-            there = geometry.displacement(end.pose)
-            share = swing.share(there - (geometry.displacement(iterate.at.pose) if here is None else here))
-            here = there if share == 1.0 else None
+            moved = self.between(state.where.pose, end.pose)
+            judged = judge_iterate(
+                self._sizes, self._damper, follows, miss, near, last, count, moved, reached.forces, free
+            )
+            if judged == SETTLED:
+                return self._state_at(state, controls, asked, task, under, (reached, iterate, loads, end, count))
+            if judged != GOES_ON:
+                return Failure(PathStatus(judged))
+            share = relax_share(swing, geometry.displacement(end.pose) - geometry.displacement(iterate.at.pose))
             last = miss if share == 1.0 else max(miss, last)
             iterate = geometry.iterate(end if share == 1.0 else between(geometry, iterate.at, end, share), iterate)
         return Failure(PathStatus.RUNS_AWAY)
+
+    def _state_at(
+        self, state: State, controls: Controls, asked: StepOptions, task: Task, under: Under,
+        found: tuple[Reached, Iterate, Loads, Where, int],
+    ) -> State:  # fmt: skip
+        """The state at the end of a step from another. found : its last answer, and the iterate, loads, end and number
+        of that.
+        """
+        reached, iterate, loads, end, count = found
+        motion, spin, past = reached.motion, reached.spin, asked.past
+        if len(past):
+            motion[:, :2] += past[:, :2]
+            spin += past[:, 2]
+        slid = motion.copy()
+        slid[:, 2] = spin
+        yielded = self.laws.yields @ reached.gives if len(reached.gives) else np.zeros(len(end.q))
+        springs, deflection = self.spring_torque(end.q), under.commanded - end.q - yielded
+        torque = reached.torque if springs is self.still else reached.torque + springs
+        read = Read(reached.forces, motion, reached.torsion, spin, torque, deflection, springs)
+        rubs, pull = self.still, reached.pull
+        if self.joints is not None:
+            joints = self.joints.at(iterate.at.q)
+            stands = task._replace(commanded=under.commanded - yielded)
+            left = self._left(reached, iterate)
+            rubs = joints.taken(joints.rubbing(pull, stands, end.q, left))
+            # as if there were springs alone
+            loads = loads._replace(command=end.q + yielded - iterate.at.q + joints.C @ left)
+        kinds = shown_statuses(reached.kinds)
+        if is_pushed_ahead(self._sizes, reached.forces):
+            kinds = (OPEN,) * len(kinds)  # pushed ahead, and held by nobody
+        return State(
+            end, iterate, loads, reached.slip_memory, slid, read, kinds, yielded, controls, reached.start,
+            reached.gives, count, reached.met, rubs, pull,
+        )  # fmt: skip
 
     def untouched(self, state: State, controls: Controls) -> State | Failure:
         """A step in which no contact carries anything and nothing pulls the object: fingers go where they are
@@ -214,7 +349,7 @@ class Stepper:
         pulled = under.load.any() or (under.weight.any() and not controls.kept)
         if pulled or self.grasp.sags or not self.geometry.follows:
             return Failure(PathStatus.NO_FORCES)
-        q, rubs, pull = under.commanded, self._still, NO_PULL
+        q, rubs, pull = under.commanded, self.still, NO_PULL
         if (joints := self.joints) is not None:
             task = _task(state, controls, under)
             q, pull = joints.ends(state.pull, task)
@@ -225,7 +360,7 @@ class Stepper:
         loads = self.grasp.loads(iterate, slipped, under)
         if loads.base[:, 2].min(initial=0.0) < -self.grasp.touches:
             return Failure(PathStatus.NO_FORCES)
-        none, springs = np.zeros(n), self._springs(q)
+        none, springs = np.zeros(n), self.spring_torque(q)
         torque = iterate.elastic.gravity + springs
         read = Read(np.zeros((n, 3)), loads.base, none, loads.spin, torque, under.commanded - q, springs)
         return self._unloaded(iterate, loads, read, controls, rubs, pull)
@@ -237,10 +372,10 @@ class Stepper:
         found = self.step(state, controls, guess, _FREE)
         if isinstance(found, Failure):
             return found
-        most = self.slow / _FREE * _NOTHING * self.stiffness * self.length
+        most = self.slow / _FREE * NO_FORCE * self.stiffness * self.length
         if found.read.forces[:, 2].max(initial=0.0) > most:
             return Failure(PathStatus.NO_FORCES)
-        return found._replace(kinds=(OPEN,) * len(found.kinds))
+        return found.with_kinds((OPEN,) * len(found.kinds))
 
     def sought(self, state: State, controls: Controls) -> State | Failure | None:
         """A step solved by all methods that a single grasp is solved with, at the contacts where they are; None: these
@@ -277,13 +412,8 @@ class Stepper:
 
     def resisted(self, a: State, b: State, h: float) -> float:
         """What the object's damper takes in a step with h, as a share of the normal forces."""
-        return self.slow / h * self._held_back(a.where.pose, b.where.pose, b.read.forces)
-
-    def _held_back(self, a: object, b: object, forces: Array) -> float:
-        """The same of a quasi-static step from pose a to pose b, with these forces (n, 3) at its end."""
-        x, y, z, p, q, r = (self._damper * self.between(a, b)).tolist()
-        size = math.sqrt(x * x + y * y + z * z + (p * p + q * q + r * r) / self.length**2)
-        return size / self.slow / max(float(forces[:, 2].sum()), 1e-9 * self.stiffness * self.length)
+        moved = self.between(a.where.pose, b.where.pose)
+        return self.slow / h * damper_share(self._sizes, self._damper, moved, b.read.forces)
 
     def on_same_face(self, a: Array, b: Array) -> Bools:
         """(n,) whether friction, as `friction_shares` has it, lies on one flat face, on which slip does not turn."""
@@ -341,13 +471,20 @@ class Stepper:
 
     def far(self, a: object, b: object) -> float:
         """How far the object has moved from pose a to b, as a share of the contacts' distances from their centre."""
-        x, y, z, p, q, r = self.between(a, b).tolist()
-        return math.sqrt(x * x + y * y + z * z) / self.length + math.sqrt(p * p + q * q + r * r)
+        return pose_distance(self.length, self.between(a, b))
 
     def _answer(self, asked: _Asked, start: Array, state: State) -> Reached | None:
-        """The answer that continues what is expected. Where a contact changes its state, the answer found from
-        contacts that all stick is asked for, too, and the one is taken that changes no state, else the nearer one.
+        """The answer that continues what is expected, as `answer_iterate` chooses it; where joints rub or tendons may
+        go slack, each of those that it chooses from is found for every assumption of what these do.
         """
+        if self.joints is None:
+            situation, rules = self._situation(asked, 1.0)
+            row, kinds = np.zeros(self.laws.answer.size), np.array(state.kinds, dtype=np.int64)
+            found_one = answer_iterate(
+                situation, rules, self.laws.by_contact, start, state.loaded, kinds, asked.near,
+                self.laws.answer.starts, row,
+            )  # fmt: skip
+            return Reached(row, self.laws.answer.parts, NO_PULL) if found_one else None
         begun = start if state.loaded else _NOWHERE
         found = self._solved(asked, begun)
         if not state.loaded and (found is None or not found.kinds.any()):
@@ -355,7 +492,7 @@ class Stepper:
         if not len(begun) or (found is not None and shown_statuses(found.kinds) == state.kinds):
             return found
         c = len(self.laws.laws.scale)
-        size = _CLOSE * float(abs(start[:c]).max())
+        size = CLOSE * float(abs(start[:c]).max())
         if found is not None and float(abs(found.start[:c] - start[:c]).max()) <= size:
             return found
         other = self._solved(asked, begun, cold=True)
@@ -371,7 +508,7 @@ class Stepper:
         solve from the last. None where an answer opens all contacts on the way.
         """
         found, start = None, np.zeros(0)
-        for times in _PRESSED:
+        for times in PRESSED:
             found = self._solved(asked, start, times)
             if found is None or not found.kinds.any():
                 return None
@@ -379,16 +516,15 @@ class Stepper:
         return found
 
     def _solved(self, asked: _Asked, start: Array, friction: float = 1.0, cold: bool = False) -> Reached | None:
-        """One solve; friction : times what it is. cold : from contacts that all stick, not from the start. Where joints
-        rub or tendons may go slack, one for each assumption of what they do.
+        """One solve for each assumption of what joints and tendons do. friction : times what it is. cold : from
+        contacts that all stick, not from the start.
         """
+        assert self.joints is not None  # others are answered in one call
         loads, iterate = asked.loads, asked.iterate
-        if self.joints is None:
-            return self._solved_once(asked, start, friction, cold)
 
-        def once(root: Array, command: Array, tensed: Array) -> tuple[Reached, Array, Array] | None:
-            sprung = iterate._replace(elastic=iterate.elastic._replace(root=root, tensed=tensed))
-            made = asked._replace(iterate=sprung, loads=loads._replace(command=command))
+        def once(factor: Array, command: Array, tensed: Array) -> tuple[Reached, Array, Array] | None:
+            elastic = iterate.elastic._replace(compliance_factor=factor, tensed=tensed)
+            made = asked._replace(iterate=iterate._replace(elastic=elastic), loads=loads._replace(command=command))
             found = self._solved_once(made, start, friction, cold)
             return None if found is None else (found, iterate.at.q + found.change, self._left(found, iterate))
 
@@ -399,31 +535,43 @@ class Stepper:
         found.pull = tried[1]
         return found
 
-    def _springs(self, q: Array) -> Array:
+    def spring_torque(self, q: Array) -> Array:
         """(nv,) with which drives pull against springs beside them, with joints at q (nv,)."""
         mechanism = self.grasp.spec.mechanism
         held = None if mechanism is None else mechanism.parallel_spring_torque(q if self.geometry.follows else None)
-        return self._still if held is None else held
+        return self.still if held is None else held
 
     def _left(self, reached: Reached, iterate: Iterate) -> Array:
         """(nv,) what springs pull with for the contacts alone."""
         return reached.torque - (1.0 - self.laws.laws.sags) * iterate.elastic.gravity
 
     def _solved_once(self, asked: _Asked, start: Array, friction: float, cold: bool) -> Reached | None:
+        situation, rules = self._situation(asked, friction)
+        row = np.zeros(self.laws.answer.size)
+        found = solve_once(situation, rules, self.laws.by_contact, start, not cold, asked.near, row)
+        return Reached(row, self.laws.answer.parts, NO_PULL) if found else None
+
+    def _situation(self, asked: _Asked, friction: float) -> tuple[Situation, Rules]:
+        """What a solve of an iterate sees, and the rules of its answer; friction : times what it is."""
         laws, iterate = self.laws, asked.iterate
         extra, giving, loads = laws.added(iterate, asked.loads, asked.gives)
-        limits = laws.limits if friction == 1.0 else friction * laws.limits
+        coefficients = laws.friction_coefficients if friction == 1.0 else friction * laws.friction_coefficients
         situation = Situation(
             iterate.touch, iterate.frames, iterate.moving, iterate.elastic, loads, asked.slipped, iterate.radius,
             asked.damping,
         )  # fmt: skip
-        rules = Rules(laws.laws, limits, extra, giving, laws.yields, laws.pattern)
-        row = np.zeros(laws.answer.size)
-        self.iteration(situation, rules, start, not cold, _SEED, asked.near, row)
-        return Reached(row, laws.answer.parts, NO_PULL) if row[0] else None
+        return situation, Rules(laws.laws, coefficients, extra, giving, laws.yields, laws.pattern)
 
 
-def _joints(spec: GraspSpec, geometry: Geometry, root: Array) -> Joints | None:
+def _controls_row(controls: Controls) -> Array:
+    """Controls as `solve_step` reads them."""
+    row = np.empty(9 + len(controls.command))
+    row[:6], row[6], row[7], row[8] = controls.load, controls.weight, controls.preload, controls.kept
+    row[9:] = controls.command
+    return row
+
+
+def _joints(spec: GraspSpec, geometry: Geometry, compliance_factor: Array) -> Joints | None:
     """Of joints with dry friction, or with tendons that may go slack or have a limit; None: springs alone."""
     mechanism = spec.mechanism
     if mechanism is None or not (mechanism.joint_model.dry_friction.any() or mechanism.joint_model.cables is not None):
@@ -431,29 +579,10 @@ def _joints(spec: GraspSpec, geometry: Geometry, root: Array) -> Joints | None:
     cables = mechanism.joint_model.cables
     if cables is not None and not geometry.follows:  # joints are measured from the posture, and arms are those there
         cables = cables._replace(shift=np.zeros(len(cables.names)), elasticity_at=None, moment_arm_stiffness=None)
-    return Joints(root, mechanism.joint_model.dry_friction, cables, geometry.posture)
+    return Joints(compliance_factor, mechanism.joint_model.dry_friction, cables, geometry.posture)
 
 
 def _task(state: State, controls: Controls, under: Under) -> Task:
     """Of a step from a state."""
     driven = bool((controls.command != state.controls.command).any())
     return Task(under.commanded, state.where.q, None if driven else state.pull.drawn)
-
-
-class _Swing:
-    """How far to go from an iterate to its end: all the way, or less where ends swing from one side to the other, as a
-    contact that sticks on one side and slides on the other does. Aitken's relaxation.
-    """
-
-    def __init__(self) -> None:
-        self.last: Array | None = None
-        self.part = 1.0
-
-    def share(self, moved: Array) -> float:
-        """Moved (6,) : of the object from the iterate to its end."""
-        if self.last is not None:
-            change = self.last - moved
-            size = float(change @ change)
-            self.part = min(max(self.part * float(self.last @ change) / size, _LEAST), 1.0) if size > 0.0 else 1.0
-        self.last = moved
-        return self.part

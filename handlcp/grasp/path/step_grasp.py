@@ -33,6 +33,7 @@ from handlcp.grasp.path.geometry import Geometry, Iterate
 from handlcp.grasp.path.newton.answer import Answer
 from handlcp.grasp.path.newton.linear_solve import Giving
 from handlcp.grasp.path.newton.numbers import Laws, Loads, flexibility_of
+from handlcp.grasp.path.solve_step import Preloads, preload_offsets
 from handlcp.grasp.path.state import Controls
 from handlcp.grasp.solve.compiled_solve import ScenePattern
 
@@ -41,7 +42,7 @@ from handlcp.grasp.solve.compiled_solve import ScenePattern
 
 
 class StepLaws:
-    """Of one grasp and section. laws, limits (n,) of friction, pattern : as `one_iteration` reads them. given : how
+    """Of one grasp and section. laws, friction_coefficients (n,), pattern : as `one_iteration` reads them. given : how
     many limits give way. yields (nv, given) : how far they drive joints back [rad/m], at the first iterate. answer :
     the layout of an answer's row. by_contact : whether contacts are eliminated one by one.
     """
@@ -60,7 +61,7 @@ class StepLaws:
             np.array([contacts[i].friction.pad_torsion for i in soft], dtype=float), scene.freedom.copy(),
             spec.mechanism is not None and bool(spec.flexibility.any()), 1.0 if grasp.sags else 0.0,
         )  # fmt: skip
-        self.limits = scene.friction_coefficients(section).copy()
+        self.friction_coefficients = scene.friction_coefficients(section).copy()
         known = problem_design(scene, section, asked)
         where, roles = known.layout, known.pattern
         self._extra = where.extra
@@ -71,8 +72,8 @@ class StepLaws:
             roles.blocks.copy(), section.faces, np.array(polyhedron_normals(scene, section)), True, kind.dof,
             (*where.forces, where.at["u"].start, where.size), len(soft),
         )  # fmt: skip
-        self._none = Giving(np.zeros((0, scene.components)), np.zeros(0), 0, np.zeros(0))
-        self._no_extra = np.zeros((0, 0))
+        none = Giving(np.zeros((0, scene.components)), np.zeros(0), 0, np.zeros(0))
+        self.nothing_added = np.zeros((0, 0)), none
         nv = len(first.at.q)
         self.yields = np.zeros((nv, 0))
         self.answer = Answer(spec.n, nv, scene.components, self.given, kind.dof)
@@ -89,7 +90,7 @@ class StepLaws:
         """
         grasp = self.grasp
         if not grasp.general:
-            return self._no_extra, self._none, loads
+            return *self.nothing_added, loads
         scene = build_scene(grasp.made(iterate, loads))
         scale = self.laws.scale
         E = scene.flexibility / np.outer(scale, scale)
@@ -114,7 +115,7 @@ class StepLaws:
                         back[j, c] = sign / limit.levers[c]
                 yields.append(back)
         if not rows:
-            return self._none
+            return self.nothing_added[1]
         self.yields = np.ascontiguousarray(np.hstack(yields))
         return Giving(np.ascontiguousarray(np.concatenate(rows)), np.concatenate(room), self._at, gives.copy())
 
@@ -164,8 +165,9 @@ class Under(NamedTuple):
 
 class StepGrasp:
     """Makes the grasps of steps. spec : what was asked for. first : the contacts before anything is loaded.
-    geometry : where contacts are. weight (3,) : of the object [N]. squeezes : whether preloads, offsets or overlaps
-    squeeze the object. touches : gap or overlap of contacts that just touch [m].
+    geometry : where contacts are. weight (3,) : of the object [N]. preloads : what these put between object and
+    fingertips. squeezes : whether preloads, offsets or overlaps squeeze the object. touches : gap or overlap of
+    contacts that just touch [m].
     """
 
     def __init__(self, spec: GraspSpec, geometry: Geometry, first: Iterate, weight: Array) -> None:
@@ -179,21 +181,16 @@ class StepGrasp:
         # Gaps and overlaps that closing left fade in with the squeeze: else the first finger pushes the object away
         fingers = np.arange(spec.n) < spec.of_hand
         self.touches = _TOUCHES * size
-        self._touching = np.where(fingers & (abs(first.gap) <= self.touches), first.gap, 0.0)
-        self._overlap = np.maximum(self._touching - first.gap, 0.0)
-        self._given = spec.offset - geometry.apart
-        self.squeezes = max(float(abs(self._given).max()), float(self._overlap.max())) > _NONE * size
-        self._preloads = self.squeezes or bool(self._touching.any())
+        touching = np.where(fingers & (abs(first.gap) <= self.touches), first.gap, 0.0)
+        overlap, given = np.maximum(touching - first.gap, 0.0), spec.offset - geometry.apart
+        self.squeezes = max(float(abs(given).max()), float(overlap.max())) > _NONE * size
+        self.preloads = Preloads(given, overlap - touching, self.squeezes or bool(touching.any()))
 
     def under(self, controls: Controls, before: Controls) -> Under:
         """What all iterates of a step have in common, from controls `before`."""
         preload = None
-        if self._preloads:
-            preload = self.preload(controls)
-            if before.preload == controls.preload:
-                preload[:, :2] = 0.0
-            else:
-                preload[:, :2] -= self.preload(before)[:, :2]
+        if self.preloads.acts:
+            preload = preload_offsets(self.preloads, controls.preload, before.preload)
         return Under(preload, self.posture + controls.command, controls.load, controls.weight * self.weight)
 
     def loads(self, iterate: Iterate, slipped: Array, under: Under) -> Loads:
@@ -246,6 +243,4 @@ class StepGrasp:
 
     def preload(self, controls: Controls) -> Array:
         """(n, 3) what preloads and offsets put between object and fingertips."""
-        given = controls.preload * self._given
-        given[:, 2] += (1.0 - min(controls.preload, 1.0)) * (self._overlap - self._touching)
-        return np.asarray(given)
+        return preload_offsets(self.preloads, controls.preload, 0.0)

@@ -17,8 +17,9 @@ import numpy as np
 from handlcp import words
 from handlcp.actuation.joint_stiffness import FingertipPads, JointStiffness
 from handlcp.check import Array, Bools, read_only
+from handlcp.contact.closest_point import BOX, CYLINDER
 from handlcp.errors import NoGraspFound
-from handlcp.geometry.object import BOX, CYLINDER, Object
+from handlcp.geometry.object import Object
 from handlcp.grasp.derivatives.parameter.parameter import Samples
 from handlcp.grasp.effects.joint_offset import JointOffset
 from handlcp.grasp.effects.joint_torque import FingerWeight

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
 from handlcp.check import Array, Ints
 from handlcp.grasp.path.newton.numbers import Laws, Situation
+from handlcp.grasp.path.newton.row_layout import RowLayout
 from handlcp.grasp.path.pull import Pull
 from handlcp.lcp.kernels.dense import kernel
 
 
-class Answer:
+class Answer(RowLayout):
     """Where the numbers of an answer stand in their row, after whether it passes, its miss and whether it is measured.
     n contacts, nv joints, c force components, k limits that give way, dof : of the object.
     """
@@ -24,10 +24,52 @@ class Answer:
             "twist": (6,), "centre": (3,), "gives": (k,), "give": (n, 3), "turn": (n,), "slip_memory": (n, 3),
             "kinds": (n,), "start": (2 * c + 9,), "met": (dof, dof),
         }  # fmt: skip
-        self.parts, self.size = dict[str, tuple[slice, tuple[int, ...]]](), 3
-        for name, shape in shapes.items():
-            begin, self.size = self.size, self.size + math.prod(shape)
-            self.parts[name] = slice(begin, self.size), shape
+        super().__init__(shapes, begin=3)
+
+
+class AnswerArrays(NamedTuple):
+    """An answer: views into its row, in the order of `Answer`; all as in `Reached`."""
+
+    forces: Array
+    motion: Array
+    torsion: Array
+    spin: Array
+    torque: Array
+    change: Array
+    twist: Array
+    centre: Array
+    gives: Array
+    give: Array
+    turn: Array
+    slip_memory: Array
+    kinds: Array
+    start: Array
+    met: Array
+
+
+@kernel
+def read_answer(row: Array, s: Ints) -> AnswerArrays:
+    """The parts of a row; s : where they begin."""
+    n, dof = s[3] - s[2], 6
+    while dof * dof > s[15] - s[14]:
+        dof -= 1
+    return AnswerArrays(
+        row[s[0] : s[1]].reshape(n, 3),
+        row[s[1] : s[2]].reshape(n, 3),
+        row[s[2] : s[3]],
+        row[s[3] : s[4]],
+        row[s[4] : s[5]],
+        row[s[5] : s[6]],
+        row[s[6] : s[7]],
+        row[s[7] : s[8]],
+        row[s[8] : s[9]],
+        row[s[9] : s[10]].reshape(n, 3),
+        row[s[10] : s[11]],
+        row[s[11] : s[12]].reshape(n, 3),
+        row[s[12] : s[13]],
+        row[s[13] : s[14]],
+        row[s[14] : s[15]].reshape(dof, dof),
+    )
 
 
 class Reached:

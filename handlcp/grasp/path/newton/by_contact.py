@@ -88,7 +88,7 @@ def iteration_by_contact(
     m = len(t.linear.w) - 6
     for k in range(6):
         t.linear.w[m + k] += posed.wrench[k]
-    problem = link_in_natural_units(t.linear, posed, t.softness, rules.limits, p, 0.0)
+    problem = link_in_natural_units(t.linear, posed, t.softness, rules.friction_coefficients, p, 0.0)
     z, warm = np.zeros(m + 6), begun and len(start) > 0
     r[:] = 0.0
     if warm:
@@ -166,14 +166,14 @@ def _shared(s: Situation, turned: Turned, pads: _Pads, command: Array) -> _Share
         rows -= product(pads.back, pads.follow)
         constant -= np.dot(pads.back, pads.give)
     a = (command + slow * lag) / (1.0 + slow)
-    return _Shared(rows[:, 6:].copy(), rows[:, :6].copy(), constant, a, el.root / (1.0 + slow))
+    return _Shared(rows[:, 6:].copy(), rows[:, :6].copy(), constant, a, el.compliance_factor / (1.0 + slow))
 
 
 @kernel
 def _linear(s: Situation, pads: _Pads, shared: _Shared, centre: Array) -> tuple[LinearRows, Array]:
     """The problem in SI, contacts in their own axes, and the diagonal of what gives way (3n,)."""
     el, loads, damping, moves = s.elastic, s.loads, s.damping, len(pads.follow) > 0
-    (n3, nv), m = el.J.shape, el.root.shape[1]
+    (n3, nv), m = el.J.shape, el.compliance_factor.shape[1]
     G = wrench_map(s.touch.positions, centre, s.frames, np.zeros((3, 0)))
     tip, W_u, pull, R_u = -el.J, np.ascontiguousarray(G.T), el.J.copy(), np.ascontiguousarray(G.T)
     if moves:
@@ -186,7 +186,7 @@ def _linear(s: Situation, pads: _Pads, shared: _Shared, centre: Array) -> tuple[
             R_u[k : k + 3] -= pushed[:, nv:]
     W, R = np.empty((n3, m + 6)), np.empty((n3, m + 6))
     W[:, :m], W[:, m:] = -product(tip, shared.A), W_u
-    R[:, :m], R[:, m:] = product(pull, el.root), R_u
+    R[:, :m], R[:, m:] = product(pull, el.compliance_factor), R_u
     d, softness = pads.give + np.dot(tip, shared.a), np.empty(n3)
     for k in range(n3):
         i, own = k // 3, k % 3
@@ -197,7 +197,7 @@ def _linear(s: Situation, pads: _Pads, shared: _Shared, centre: Array) -> tuple[
     for c in range(m):
         S[c, c] = 1.0
     if moves:
-        A = np.ascontiguousarray(el.root.T)
+        A = np.ascontiguousarray(el.compliance_factor.T)
         by_z, constant = -product(shared.by_joints, shared.A), shared.constant + np.dot(shared.by_joints, shared.a)
         w[:m], w[m:] = np.dot(A, constant[:nv]), constant[nv:]
         S[:m, :m] -= product(A, by_z[:nv])
@@ -254,7 +254,7 @@ def _answered(
     posed.wrench[:] = lacks
     if len(t.turned.force) > 0:
         _turn(torque, t.turned, t.pads, own, change, twist)
-    friction = FrictionLimits(rules.limits, p.faces, p.normals)
+    friction = FrictionLimits(rules.friction_coefficients, p.faces, p.normals)
     misses = compute_residuals(
         g, posed, p.contacts, friction, offset, own, ContactMotions(v, size, terms, t.softness), ANY
     )

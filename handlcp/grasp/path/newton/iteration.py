@@ -40,7 +40,7 @@ def one_iteration(s: Situation, rules: Rules, start: Array, begun: bool, seed: i
     if not still:
         turned = turned_forces(t, s.frames, s.moving, centre, forces, torsion)
     driven = Driven(told(el, loads, laws), damping.lag, damping.slow, damping.pads)
-    lin = condensed(turned, still, Yielding(J, P, el.root, behind, d, rules.yields, el.tensed), driven)
+    lin = condensed(turned, still, Yielding(J, P, el.compliance_factor, behind, d, rules.yields, el.tensed), driven)
     if not lin.found:
         return
     for a in range(6):
@@ -118,15 +118,15 @@ def carried(loads: Loads, centre: Array) -> Array:
 @kernel
 def told(el: Elastic, loads: Loads, laws: Laws) -> Array:
     """(nv,) from where the joints stand to where they are commanded, and their fingers' weight pulls them."""
-    command, root = loads.command.copy(), el.root
+    command, A = loads.command.copy(), el.compliance_factor
     if laws.sags == 0.0:
         return command
-    for m in range(root.shape[1]):
+    for m in range(A.shape[1]):
         pull = 0.0
         for j in range(len(command)):
-            pull += root[j, m] * el.gravity[j]
+            pull += A[j, m] * el.gravity[j]
         for j in range(len(command)):
-            command[j] -= laws.sags * root[j, m] * pull
+            command[j] -= laws.sags * A[j, m] * pull
     return command
 
 

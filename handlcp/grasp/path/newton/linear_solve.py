@@ -49,12 +49,12 @@ class Giving(NamedTuple):
 
 
 class Rules(NamedTuple):
-    """What answers obey. limits (n,) : of friction. extra (c, c) : flexibility that effects add, in contact axes;
+    """What answers obey. friction_coefficients (n,). extra (c, c) : flexibility that effects add, in contact axes;
     empty: none. yields (nv, k) : how far limits that give way drive joints back. pattern : of the problem.
     """
 
     laws: Laws
-    limits: Array
+    friction_coefficients: Array
     extra: Array
     giving: Giving
     yields: Array
@@ -140,7 +140,7 @@ def linear_problem(
         x[giving.at + b] = giving.begun[b] / posed.motion_unit
     own = np.empty(len(p.blocks))
     for b in range(len(own)):
-        own[b] = rules.limits[p.unknown[p.blocks[b, 0] - normal] // 3]
+        own[b] = rules.friction_coefficients[p.unknown[p.blocks[b, 0] - normal] // 3]
     problem = reorder_problem(M, q, p.role, p.blocks, p.order, own, p.faces, p.normals)
     return g, posed, problem, x[p.order], expected[p.order]
 
@@ -176,7 +176,7 @@ def answered(
             posed.wrench[j] += t.B_r[j, i] * forces[i]
         for i in range(6):
             posed.wrench[j] += t.B_u[j, i] * twist[i]
-    friction = FrictionLimits(rules.limits, p.faces, p.normals)
+    friction = FrictionLimits(rules.friction_coefficients, p.faces, p.normals)
     v, misses = compute_motions_and_residuals(g, posed, p.contacts, friction, offset, own, twist, ANY)
     kinds = kinds_in_step(p.contacts, friction, misses, posed, own, v)
     return accepted(misses, posed, residual, k), forces, v / s, twist, kinds, gives

@@ -30,15 +30,15 @@ class Laws(NamedTuple):
 
 class Elastic(NamedTuple):
     """What gives way at the contacts of an iterate, contact axes: P (3n, 3n) all but the joints, J (3n, nv), turning
-    (n, nv) of the fingertips about the normals, root (nv, m) of the joints' compliance, gravity (nv,) torque that holds
-    the fingers' weight. tensed (nv, nv) : by how much harder tendons pull as their arms change, Σ T ∂R/∂q [N·m/rad];
-    empty where arms stay.
+    (n, nv) of the fingertips about the normals. compliance_factor (nv, m) : A of the joints' C = A Aᵀ. gravity (nv,) :
+    torque that holds the fingers' weight. tensed (nv, nv) : by how much harder tendons pull as their arms change,
+    Σ T ∂R/∂q [N·m/rad]; empty where arms stay.
     """
 
     P: Array
     J: Array
     turning: Array
-    root: Array
+    compliance_factor: Array
     gravity: Array
     tensed: Array = NO_TENSION
 
@@ -119,9 +119,9 @@ class Read(NamedTuple):
 
 def flexibility_of(el: Elastic) -> Array:
     """(3n, 3n) E = J K⁻¹ Jᵀ + P."""
-    return np.asarray(joint_flexibility(el.J, el.root) + el.P)
+    return np.asarray(joint_flexibility(el.J, el.compliance_factor) + el.P)
 
 
 def softness_of(el: Elastic) -> Array:
     """(3n,) its diagonal."""
-    return np.asarray(((el.J @ el.root) ** 2).sum(axis=1) + el.P.diagonal())
+    return np.asarray(((el.J @ el.compliance_factor) ** 2).sum(axis=1) + el.P.diagonal())

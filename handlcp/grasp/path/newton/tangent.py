@@ -75,13 +75,13 @@ class Borne(NamedTuple):
 
 class Yielding(NamedTuple):
     """What gives way under the forces. J (c, nv), P (c, c) : of the joints, and flexibility of all else, in contact
-    axes, turns of soft contacts last. root (nv, m) : C = root rootᵀ. give (c,) : ŝ - η (s⁻ - ŝ). d (c,). Y (nv, k).
-    tensed (nv, nv) : H; empty: none.
+    axes, turns of soft contacts last. compliance_factor (nv, m) : A of C = A Aᵀ. give (c,) : ŝ - η (s⁻ - ŝ). d (c,).
+    Y (nv, k). tensed (nv, nv) : H; empty: none.
     """
 
     J: Array
     P: Array
-    root: Array
+    compliance_factor: Array
     give: Array
     d: Array
     Y: Array
@@ -251,7 +251,7 @@ def condensed(turned: Turned, still: bool, elastic: Yielding, driven: Driven) ->
     J, P, Y, slow = elastic.J, elastic.P, elastic.Y, driven.slow
     (c, nv), k = J.shape, Y.shape[1]
     n3, size, found = turned.force.shape[0], nv + c, True
-    C = product(elastic.root, np.ascontiguousarray(elastic.root.T))
+    C = product(elastic.compliance_factor, np.ascontiguousarray(elastic.compliance_factor.T))
     A = np.zeros((size, size + 1 + c + 6 + k))  # the system, then its right sides by (1, r, u, g)
     for j in range(nv):
         A[j, j], A[j, size] = 1.0 + slow, driven.command[j] + slow * driven.lag[j]
