@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-import scipy
 
-from handlcp.check import Array, Ints, read_only
+from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.lcp.kernels.dense import kernel
 
-_COST_TOLERANCE = 1e-14  # of the cost
+_EPS = float(np.finfo(float).eps)
 _TORQUE_WEIGHT = 1e6  # that tensions make the torques weighs so many times as much as that they are small
 _TORQUE_SHARE = 1e-6  # of the torques: tensions that miss them by less make them
 
@@ -37,8 +36,7 @@ class Cables(NamedTuple):
         [m]; 0 of others.
     elasticity_at : from joints at q (nv,) to the tendons there and the root of the joints' compliance with them, as in
         `Elasticity`; None: arms stay.
-    moment_arm_stiffness : from tensions T (t,) to Σ T ∂R/∂q (nv, nv) in this posture [N·m/rad], by which the tendons
-        pull harder as joints move; None: 0.
+    arm_rates : gives ∂R/∂q (t, nv, nv) in this posture [m/rad²], by which tendons pull harder as joints move; None: 0.
     wrapped_bodies (b,) : round bodies that they pass, in words.
     wrap_sides (b, 3) : on which side of each, a unit vector in the axes of its link.
     """
@@ -55,7 +53,7 @@ class Cables(NamedTuple):
     arms_beyond: Array
     shift: Array
     elasticity_at: Callable[[Array], tuple[Cables, Array]] | None = None
-    moment_arm_stiffness: Callable[[Array], Array] | None = None
+    arm_rates: Callable[[], Array] | None = None
     wrapped_bodies: tuple[str, ...] = ()
     wrap_sides: Array = NO_WRAP_SIDES
 
@@ -75,19 +73,7 @@ class Cables(NamedTuple):
         """(t,) t [N] that make torques Rᵀ (t - T₀) (nv,) [N·m] with the least pull beyond T₀: none is let go below T₀
         where the others can do without, and none below 0. Of tendons without a known T₀, how much harder they pull.
         """
-        begun, more = self.initial_tension, np.asarray(np.linalg.lstsq(self.arms.T, torque)[0])
-        known = np.isfinite(self.pretension)
-        if (more >= 0.0)[known].all():
-            return begun + more
-        size = float(abs(self.arms).max())
-        rows = np.vstack([_TORQUE_WEIGHT * self.arms.T / size, np.eye(len(known))])
-        asked = np.append(_TORQUE_WEIGHT * torque / size, np.zeros(len(known)))
-        for least in (np.zeros(len(known)), -begun):
-            bounds = np.where(known, least, -np.inf), np.inf
-            more = scipy.optimize.lsq_linear(rows, asked, bounds, "bvls", _COST_TOLERANCE).x
-            if abs(self.arms.T @ more - torque).max() <= _TORQUE_SHARE * abs(torque).max():
-                break
-        return np.where(known, np.maximum(begun + more, 0.0), more)
+        return least_tensions(self.arms, self.initial_tension, np.isfinite(self.pretension), torque)
 
     def crossed_body(self, a: Array, b: Array) -> str:
         """The first round body, in words, that a tendon passes on one side with joints at a (nv,) and on the other at b
@@ -107,6 +93,79 @@ class Cables(NamedTuple):
     def unmade_torque(self, torque: Array) -> Array:
         """(nv,) the part of torques (nv,) [N·m] that no tensions make."""
         return np.asarray(torque - self.arms.T @ (self.tensions(torque) - self.initial_tension))
+
+
+class TendonArms(NamedTuple):
+    """What of `Cables` changes with the posture, as compiled code reads it: arms (t, nv), shift (t,), wrap_friction
+    (m,) and arms_beyond (m, nv).
+    """
+
+    arms: Array
+    shift: Array
+    wrap_friction: Array
+    arms_beyond: Array
+
+
+@kernel
+def least_tensions(arms: Array, initial: Array, known: Bools, torque: Array) -> Array:
+    """(t,) t [N] that make torques Rᵀ (t - T₀) (nv,) [N·m] with the least pull beyond T₀, as `Cables.tensions` has it.
+
+    arms (t, nv) : R. initial (t,) : T₀ [N], 0 where it is not known. known (t,) : whether it is.
+    """
+    t, nv = arms.shape
+    if t == 0:
+        return np.zeros(0)
+    more = np.linalg.lstsq(np.ascontiguousarray(arms.T), torque, _EPS * max(t, nv))[0]
+    if not np.any(known & (more < 0.0)):
+        return initial + more
+    rows, asked, weight = np.zeros((nv + t, t)), np.zeros(nv + t), _TORQUE_WEIGHT / np.abs(arms).max()
+    rows[:nv], asked[:nv] = weight * arms.T, weight * torque
+    for i in range(t):
+        rows[nv + i, i] = 1.0
+    for attempt in range(2):
+        more = _bounded_least_squares(rows, asked, -attempt * initial, known)
+        missed = np.abs(np.dot(np.ascontiguousarray(arms.T), more) - torque).max()
+        if missed <= _TORQUE_SHARE * np.abs(torque).max():
+            break
+    return np.where(known, np.maximum(initial + more, 0.0), more)
+
+
+@kernel
+def _bounded_least_squares(A: Array, b: Array, least: Array, bounded: Bools) -> Array:
+    """(n,) x of the smallest |A x - b| with x ≥ least where it is bounded; A (m, n) of full rank. Active sets: Lawson
+    and Hanson, Solving Least Squares Problems (1974), chapter 23.
+    """
+    n, tries, best = A.shape[1], 0, -1
+    free, tried, x = ~bounded, np.zeros(A.shape[1], np.bool_), np.where(bounded, least, 0.0)
+    while tries < 10 * n + 10:
+        while True:  # on to the least of the free ones, or to the first bound on the way there
+            z, chosen, share, hit = x.copy(), np.flatnonzero(free), 1.0, -1
+            columns = np.zeros((len(b), len(chosen)))
+            for k in range(len(chosen)):
+                columns[:, k] = A[:, chosen[k]]
+            if len(chosen) > 0:
+                left = b - np.dot(A, np.where(free, 0.0, x))
+                z[chosen] = np.linalg.lstsq(columns, left, _EPS * len(b))[0]
+            for i in range(n):
+                if free[i] and bounded[i] and z[i] < least[i]:
+                    part = (x[i] - least[i]) / (x[i] - z[i])
+                    if hit < 0 or part < share:
+                        share, hit = part, i
+            x += share * (z - x)
+            if hit < 0:
+                break
+            x[hit], free[hit] = least[hit], False
+        if best >= 0 and free[best]:
+            tried[:] = False
+        slope, best = np.dot(np.ascontiguousarray(A.T), b - np.dot(A, x)), -1
+        for i in range(n):
+            if not free[i] and not tried[i] and slope[i] > 0.0 and (best < 0 or slope[i] > slope[best]):
+                best = i
+        if best < 0:
+            return x
+        free[best] = tried[best] = True
+        tries += 1
+    return x
 
 
 # ----------------------------------------------------------------
