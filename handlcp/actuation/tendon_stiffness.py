@@ -11,12 +11,13 @@ from typing import Any, Self, TypeVar
 import numpy as np
 
 from handlcp.actuation.cable_routing import CableRouting
-from handlcp.actuation.joint_stiffness import TENDON_TENSION, Effort, JointStiffness, inverse_root, orthonormal_basis
+from handlcp.actuation.joint_stiffness import TENDON_TENSION, Effort, JointStiffness, orthonormal_basis
 from handlcp.actuation.motor import Drives, check_driven_once, read_tendon_motors
 from handlcp.actuation.route import BoundRoutes, Route
 from handlcp.check import Array, Bools, read_only
 from handlcp.errors import InputError
 from handlcp.grasp.model.mechanism import Cables
+from handlcp.lcp.kernels.dense import inverse_root
 from handlcp.tolerances import SEMIDEFINITE_TOLERANCE
 
 TENDON_EQUATION = "K = K_p + Rᵀ k R,  t = k R δq"

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from handlcp.check import Array, Bools, Ints, read_only
-from handlcp.lcp.kernels.dense import kernel
+from handlcp.lcp.kernels.dense import add_transposed, bounded_least_squares, kernel, solve_least_squares
 
 _EPS = float(np.finfo(float).eps)
 _TORQUE_WEIGHT = 1e6  # that tensions make the torques weighs so many times as much as that they are small
@@ -115,57 +115,31 @@ def least_tensions(arms: Array, initial: Array, known: Bools, torque: Array) -> 
     t, nv = arms.shape
     if t == 0:
         return np.zeros(0)
-    more = np.linalg.lstsq(np.ascontiguousarray(arms.T), torque, _EPS * max(t, nv))[0]
-    if not np.any(known & (more < 0.0)):
-        return initial + more
-    rows, asked, weight = np.zeros((nv + t, t)), np.zeros(nv + t), _TORQUE_WEIGHT / np.abs(arms).max()
-    rows[:nv], asked[:nv] = weight * arms.T, weight * torque
+    more, lacks, longest = solve_least_squares(arms.T.copy(), torque, _EPS * max(t, nv)), False, 0.0
     for i in range(t):
-        rows[nv + i, i] = 1.0
-    for attempt in range(2):
-        more = _bounded_least_squares(rows, asked, -attempt * initial, known)
-        missed = np.abs(np.dot(np.ascontiguousarray(arms.T), more) - torque).max()
-        if missed <= _TORQUE_SHARE * np.abs(torque).max():
+        lacks = lacks or (known[i] and more[i] < 0.0)
+        for j in range(nv):
+            longest = max(longest, abs(arms[i, j]))
+    rows, asked, least = np.zeros((nv + t, t)), np.zeros(nv + t), np.zeros(t)
+    for j in range(nv):
+        asked[j] = _TORQUE_WEIGHT / longest * torque[j]
+        for i in range(t):
+            rows[j, i], rows[nv + i, i] = _TORQUE_WEIGHT / longest * arms[i, j], 1.0
+    for attempt in range(2 if lacks else 0):
+        if attempt == 1:
+            least = -initial
+        more = bounded_least_squares(rows, asked, least, known)
+        missed, largest, left = 0.0, 0.0, torque.copy()
+        add_transposed(arms, more, -1.0, left)
+        for j in range(nv):
+            missed, largest = max(missed, abs(left[j])), max(largest, abs(torque[j]))
+        if missed <= _TORQUE_SHARE * largest:
             break
-    return np.where(known, np.maximum(initial + more, 0.0), more)
-
-
-@kernel
-def _bounded_least_squares(A: Array, b: Array, least: Array, bounded: Bools) -> Array:
-    """(n,) x of the smallest |A x - b| with x ≥ least where it is bounded; A (m, n) of full rank. Active sets: Lawson
-    and Hanson, Solving Least Squares Problems (1974), chapter 23.
-    """
-    n, tries, best = A.shape[1], 0, -1
-    free, tried, x = ~bounded, np.zeros(A.shape[1], np.bool_), np.where(bounded, least, 0.0)
-    while tries < 10 * n + 10:
-        while True:  # on to the least of the free ones, or to the first bound on the way there
-            z, chosen, share, hit = x.copy(), np.flatnonzero(free), 1.0, -1
-            columns = np.zeros((len(b), len(chosen)))
-            for k in range(len(chosen)):
-                columns[:, k] = A[:, chosen[k]]
-            if len(chosen) > 0:
-                left = b - np.dot(A, np.where(free, 0.0, x))
-                z[chosen] = np.linalg.lstsq(columns, left, _EPS * len(b))[0]
-            for i in range(n):
-                if free[i] and bounded[i] and z[i] < least[i]:
-                    part = (x[i] - least[i]) / (x[i] - z[i])
-                    if hit < 0 or part < share:
-                        share, hit = part, i
-            x += share * (z - x)
-            if hit < 0:
-                break
-            x[hit], free[hit] = least[hit], False
-        if best >= 0 and free[best]:
-            tried[:] = False
-        slope, best = np.dot(np.ascontiguousarray(A.T), b - np.dot(A, x)), -1
-        for i in range(n):
-            if not free[i] and not tried[i] and slope[i] > 0.0 and (best < 0 or slope[i] > slope[best]):
-                best = i
-        if best < 0:
-            return x
-        free[best] = tried[best] = True
-        tries += 1
-    return x
+    for i in range(t):
+        more[i] += initial[i]
+        if lacks and known[i]:
+            more[i] = max(more[i], 0.0)
+    return more
 
 
 # ----------------------------------------------------------------

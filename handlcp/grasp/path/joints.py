@@ -38,6 +38,7 @@ the joints stand and how far the tendons are drawn in, and nothing else.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -46,10 +47,18 @@ import numpy as np
 from handlcp.check import Array, Bools, Ints, read_only
 from handlcp.grasp.model.mechanism import Cables, TendonArms, least_tensions
 from handlcp.grasp.path.pull import NO_PULL, Pull, Task
-from handlcp.lcp.kernels.dense import kernel
+from handlcp.lcp.kernels.dense import (
+    add_product,
+    add_transposed,
+    inverse_root,
+    kernel,
+    product,
+    solve_least_squares,
+    solve_wide,
+)
 
 MAX_MODE_TRIALS = 80
-MAX_JOINT_TRIALS_AT_ONCE = 6  # trials after which one mode alone is assumed anew
+_ALL_AT_ONCE = 6  # trials after which one mode alone is assumed anew
 _ROUNDING = 1e-9  # of the friction, of the motion that it makes, or of the largest tension: less is none
 _SETTLED = 1e-10  # of the largest tension: friction at posts that changes by no more
 _DEPENDENT = 1e-9  # of the longest: rows shorter than this across others say nothing that these do not
@@ -64,7 +73,7 @@ class JointSystem(NamedTuple):
     stiffness : (nv, nv) K with all tendons taut [N·m/rad], 0 of rigid joints. compliance_factor : (nv, k) A, compliance
         (nv, nv) C = A Aᵀ of these springs. gives : (nv,) joints that are not rigid.
     friction_rows : (nv + m, nv) D: ones of the joints, and arms of tendons from each post on [1, m/rad].
-    dry_friction : (nv,) τ_f [N·m, N]. has_friction : (nv + m,). friction_compliance : (nv + m,) D C Dᵀ, its diagonal.
+    dry_friction : (nv,) τ_f [N·m, N]. has_friction : (nv + m,).
     post_tendon : (m,) number of the tendon. wrap_friction : (m,) μθ.
     rest : (nv,) q₀ of the joints' own springs, passive (nv, nv) K_p. preload : (nv,) R₀ᵀ T₀, which they bear at rest.
     springs : (t, t) k [N/m]. initial_tension : (t,) T₀ [N]. slackens : (t,) tendons that can go slack.
@@ -79,7 +88,6 @@ class JointSystem(NamedTuple):
     friction_rows: Array
     dry_friction: Array
     has_friction: Bools
-    friction_compliance: Array
     post_tendon: Ints
     wrap_friction: Array
     rest: Array
@@ -113,7 +121,7 @@ class JointTrial(NamedTuple):
     modes : (nv + m + t,) of joints and posts 0 where they stick, ±1 the way they slip; of tendons 1 where they are
         slack, else 0. post_friction : (m,) f of posts that slip [N].
     friction : (nv + m,) f [N·m, N]. tension, taut, drawn : (t,) t, a and d [N].
-    mixed : (2, 4, m) the last iterates of post_friction, and how far each was from what came of it.
+    mixed : (4, m) the last iterates of post_friction. apart : (4, m) how far each was from what came of it.
     counts : (2,) trials, and iterates in `mixed`.
     """
 
@@ -124,6 +132,7 @@ class JointTrial(NamedTuple):
     taut: Array
     drawn: Array
     mixed: Array
+    apart: Array
     counts: Ints
 
 
@@ -147,61 +156,71 @@ def begin_trial(s: JointSystem, modes: Ints, post_friction: Array) -> JointTrial
     rows, m, t = len(s.friction_rows), len(s.wrap_friction), len(s.springs)
     return JointTrial(
         modes.copy(), post_friction.copy(), np.zeros(rows), np.zeros(t), np.zeros(t), np.zeros(t),
-        np.zeros((2, _MIXED, m)), np.zeros(2, np.int64),
+        np.zeros((_MIXED, m)), np.zeros((_MIXED, m)), np.zeros(2, np.int64),
     )  # fmt: skip
 
 
 @kernel
 def joint_springs(s: JointSystem, trial: JointTrial) -> JointSprings:
-    """The springs in a trial's modes."""
+    """The springs in a trial's modes.
+
+    Of slack tendons t = 0 and s = -k⁻¹ a of these alone, and the others lose what springs between tendons take. What
+    sticks leaves of the compliance A Aᵀ the part across its rows: A (1 - Qᵀ Q), with Q an orthonormal basis of D A.
+    """
     nv, t = len(s.stiffness), len(s.springs)
-    held, slack, lost = _sticking(s, trial.modes), _slack(s, trial.modes), np.zeros((nv, t))
+    held, slack, lost = _sticking(s, trial.modes), _tendons_in(s, trial.modes, 1), np.zeros((nv, t))
     if len(held) == 0 and len(slack) == 0:
         return JointSprings(s.stiffness, s.compliance_factor, s.compliance, lost)
-    K, factor = s.stiffness, np.zeros((nv, nv))
+    K, factor = s.stiffness, s.compliance_factor
     if len(slack) > 0:
-        # t = 0 of the slack ones, s = -k⁻¹ a of these alone; the others lose what springs between tendons take
-        taut, joints = _others(slack, t), np.arange(nv)
-        columns = -_block(s.arms, slack, joints)
-        if len(taut) > 0:
-            shared = np.linalg.solve(_block(s.springs, slack, slack), _block(s.springs, slack, taut))
-            columns -= np.dot(shared, _block(s.arms, taut, joints))
+        taut = _tendons_in(s, trial.modes, 0)
+        shared = _solve_block(s.springs, slack, _block(s.springs, slack, taut))
         for a in range(len(slack)):
-            lost[:, slack[a]] = columns[a]
-        K = _leave_no_joint_loose(s, s.stiffness + np.dot(lost, s.spring_arms))
-    elastic = np.flatnonzero(s.gives)
-    if len(elastic) > 0:
-        moves = _null_space(_block(s.friction_rows, held, elastic))
-        ways = np.zeros((nv, moves.shape[1]))
-        ways[elastic] = moves
-        if moves.shape[1] > 0:
-            across = np.ascontiguousarray(ways.T)
-            L = np.linalg.cholesky(np.dot(across, np.dot(K, ways)))
-            factor[:, : moves.shape[1]] = np.linalg.solve(L, across).T
-    return JointSprings(K, factor, np.dot(factor, np.ascontiguousarray(factor.T)), lost)
+            for j in range(nv):
+                lost[j, slack[a]] = -s.arms[slack[a], j]
+                for b in range(len(taut)):
+                    lost[j, slack[a]] -= shared[a, b] * s.arms[taut[b], j]
+        K = product(lost, s.spring_arms)
+        for i in range(nv):
+            for j in range(nv):
+                K[i, j] += s.stiffness[i, j]
+        _stiffen_loose(K, s.stiffness, s.gives)
+        factor = _factor_of(K, s.gives)
+    if len(held) > 0:
+        factor = _factor_across(factor, product(_block(s.friction_rows, held, np.arange(nv)), factor))
+    return JointSprings(K, factor, product(factor, np.ascontiguousarray(factor.T)), lost)
 
 
 @kernel
 def joint_command(s: JointSystem, springs: JointSprings, step: JointStep, trial: JointTrial, at: Array) -> Array:
     """(nv,) from where joints stand at an iterate, at (nv,), to where springs alone would have to be driven to."""
-    friction = np.dot(np.ascontiguousarray(s.friction_rows.T), _slipping_friction(s, trial))
-    driven = step.begun + np.dot(springs.compliance, spring_torque(s, springs, step, step.begun) - friction)
-    return np.where(s.gives, driven, step.commanded) - at
+    torque = spring_torque(s, springs, step, step.begun)
+    add_transposed(s.friction_rows, _slipping_friction(s, trial), -1.0, torque)
+    driven = step.begun.copy()
+    add_product(springs.compliance, torque, 1.0, driven)
+    for j in range(len(at)):
+        driven[j] = (driven[j] if s.gives[j] else step.commanded[j]) - at[j]
+    return driven
 
 
 @kernel
 def spring_torque(s: JointSystem, springs: JointSprings, step: JointStep, q: Array) -> Array:
     """(nv,) with which springs and tendons pull at the joints at q (nv,), friction left out [N·m]."""
-    torque = np.dot(springs.stiffness, step.target - q)
-    if step.driven:
-        return torque
-    return torque + np.dot(springs.slack_torque, step.drawn - drawn_force(s, step.target))
+    torque = np.zeros(len(q))
+    add_product(springs.stiffness, step.target, 1.0, torque)
+    add_product(springs.stiffness, q, -1.0, torque)
+    if not step.driven:
+        taut = step.drawn.copy()
+        add_drawn_force(s, step.target, -1.0, taut)
+        add_product(springs.slack_torque, taut, 1.0, torque)
+    return torque
 
 
 @kernel
-def drawn_force(s: JointSystem, q: Array) -> Array:
-    """(t,) k l: what joints at q (nv,) have drawn in of the tendons, times their stiffness [N]."""
-    return np.dot(s.springs, s.shift) + np.dot(s.spring_arms, q)
+def add_drawn_force(s: JointSystem, q: Array, sign: float, out: Array) -> None:
+    """Add ±k l to out (t,): what joints at q (nv,) have drawn in of the tendons, times their stiffness [N]."""
+    add_product(s.springs, s.shift, sign, out)
+    add_product(s.spring_arms, q, sign, out)
 
 
 @kernel
@@ -209,10 +228,13 @@ def tensioned_stiffness(s: JointSystem, step: JointStep, trial: JointTrial, at: 
     """(nv, nv) H = Σ T ∂R/∂q of the tensions with joints at (nv,) [N·m/rad]; empty (0, 0) where arms stay."""
     if len(s.arm_rates) == 0:
         return np.zeros((0, 0))
-    tension = _slack_tensions(s, step.drawn - drawn_force(s, at), _slack(s, trial.modes))
-    H = np.zeros(s.stiffness.shape)
+    taut, H = step.drawn.copy(), np.zeros(s.stiffness.shape)
+    add_drawn_force(s, at, -1.0, taut)
+    tension = _slack_tensions(s, taut, trial.modes)
     for i in range(len(tension)):
-        H += tension[i] * s.arm_rates[i]
+        for j in range(len(H)):
+            for k in range(len(H)):
+                H[j, k] += tension[i] * s.arm_rates[i, j, k]
     return H
 
 
@@ -226,23 +248,37 @@ def read_joint_state(
     """Write tensions and friction of a trial whose joints have come to q (nv,), with torques (nv,) left for the
     contacts [N·m].
     """
-    pull, arms_t = spring_torque(s, springs, step, q), np.ascontiguousarray(s.arms.T)
+    pull, drawn = spring_torque(s, springs, step, q), np.zeros(len(s.springs))
+    add_drawn_force(s, q, 1.0, drawn)
+    tension, taut = step.drawn, step.drawn
     if step.driven:
         # Rᵀ (t - T₀) is what springs pull with in all, and turns the joints against their own springs
-        made = pull + np.dot(s.passive, q - s.rest) + s.preload - np.dot(arms_t, s.initial_tension)
-        trial.tension[:] = least_tensions(s.arms, s.initial_tension, s.slackens, made)
-        trial.taut[:] = trial.tension
-        trial.drawn[:] = trial.tension + drawn_force(s, q)
+        made = pull.copy()
+        add_passive_torque(s, q, made)
+        tension = least_tensions(s.arms, s.initial_tension, s.slackens, made)
+        for i in range(len(drawn)):
+            trial.tension[i] = trial.taut[i] = tension[i]
+            trial.drawn[i] = tension[i] + drawn[i]
     else:
-        trial.drawn[:] = step.drawn
-        trial.taut[:] = step.drawn - drawn_force(s, q)
-        trial.tension[:] = _slack_tensions(s, trial.taut, _slack(s, trial.modes))
-    trial.friction[:] = _slipping_friction(s, trial)
-    held = _sticking(s, trial.modes)
+        for i in range(len(drawn)):
+            trial.drawn[i] = step.drawn[i]
+            trial.taut[i] = step.drawn[i] - drawn[i]
+        taut = _slack_tensions(s, trial.taut, trial.modes)
+        for i in range(len(drawn)):
+            trial.tension[i] = taut[i]
+    friction, held = _slipping_friction(s, trial), _sticking(s, trial.modes)
+    for r in range(len(friction)):
+        trial.friction[r] = friction[r]
     if len(held) > 0:
-        rows = _block(s.friction_rows, held, np.arange(len(q)))
-        left = pull - torque - np.dot(np.ascontiguousarray(s.friction_rows.T), trial.friction)
-        trial.friction[held] = np.linalg.lstsq(np.ascontiguousarray(rows.T), left, _DEPENDENT)[0]
+        add_transposed(s.friction_rows, friction, -1.0, pull)
+        rows = np.empty((len(q), len(held)))
+        for j in range(len(q)):
+            pull[j] -= torque[j]
+            for a in range(len(held)):
+                rows[j, a] = s.friction_rows[held[a], j]
+        found = solve_least_squares(rows, pull, _DEPENDENT)
+        for a in range(len(held)):
+            trial.friction[held[a]] = found[a]
 
 
 @kernel
@@ -253,7 +289,6 @@ def assume_anew(s: JointSystem, step: JointStep, trial: JointTrial, q: Array) ->
     nv, rows = len(s.dry_friction), len(s.friction_rows)
     low, high = _friction_band(s, trial)
     modes, found, wrong = trial.modes, np.zeros(len(trial.modes), np.int64), -1
-    moved = np.dot(s.friction_rows, q - step.begun)
     for r in range(rows):
         size = max(high[r], -low[r])
         if s.has_friction[r] and modes[r] == 0:
@@ -261,104 +296,121 @@ def assume_anew(s: JointSystem, step: JointStep, trial: JointTrial, q: Array) ->
                 found[r] = 1
             elif trial.friction[r] < low[r] - _ROUNDING * size:
                 found[r] = -1
-        elif s.has_friction[r] and moved[r] * modes[r] >= -_ROUNDING * size * s.friction_compliance[r]:
-            found[r] = modes[r]
-    _find_slack(s, step, trial, found[rows:])
+        elif s.has_friction[r]:
+            moved, yields = 0.0, 0.0  # along the row, and by a unit of friction
+            for i in range(nv):
+                moved += s.friction_rows[r, i] * (q[i] - step.begun[i])
+                for j in range(nv):
+                    yields += s.friction_rows[r, i] * s.compliance[i, j] * s.friction_rows[r, j]
+            if moved * modes[r] >= -_ROUNDING * size * yields:
+                found[r] = modes[r]
+    _find_slack(s, step, trial, found)
     for r in range(len(found) - 1, -1, -1):
         if found[r] != modes[r]:
             wrong = r
-    settled = np.zeros(rows - nv)
+    settled, largest, change = np.zeros(rows - nv), 0.0, 0.0
     for p in range(rows - nv):
         if found[nv + p] != 0:
             settled[p] = high[nv + p] if found[nv + p] > 0 else low[nv + p]
+        change = max(change, abs(settled[p] - trial.post_friction[p]))
+    for i in range(len(trial.tension)):
+        largest = max(largest, abs(trial.tension[i]))
     trial.counts[0] += 1
-    if wrong < 0:
-        largest, change = 0.0, 0.0
-        for i in range(len(trial.tension)):
-            largest = max(largest, abs(trial.tension[i]))
-        for p in range(len(settled)):
-            change = max(change, abs(settled[p] - trial.post_friction[p]))
-        if change <= _SETTLED * largest:
-            trial.post_friction[:] = trial.friction[nv:]
-            return True
+    if wrong < 0 and change > _SETTLED * largest:
         _mix(trial, settled)
         return False
-    if trial.counts[0] <= MAX_JOINT_TRIALS_AT_ONCE:
-        modes[:] = found
-    else:
-        modes[wrong] = found[wrong]
-    trial.post_friction[:] = settled
+    for p in range(rows - nv):
+        trial.post_friction[p] = trial.friction[nv + p] if wrong < 0 else settled[p]
+    for r in range(len(found)):
+        if trial.counts[0] <= _ALL_AT_ONCE or r == wrong:
+            modes[r] = found[r]
     trial.counts[1] = 0
-    return False
+    return wrong < 0
 
 
 @kernel
 def move_free_joints(s: JointSystem, step: JointStep, trial: JointTrial, at: Array) -> tuple[Array, bool]:
     """Where joints come to that meet nothing (nv,), from an iterate at (nv,); whether the trials have ended."""
-    nv = len(at)
+    nv, q, torque = len(at), at.copy(), np.zeros(len(at))
     for _ in range(MAX_MODE_TRIALS):
-        springs = joint_springs(s, trial)
-        H, torque = tensioned_stiffness(s, step, trial, at), np.zeros(nv)
+        springs, H = joint_springs(s, trial), tensioned_stiffness(s, step, trial, at)
         moved = joint_command(s, springs, step, trial, at)
-        if len(H) > 0:
-            moved = np.linalg.solve(np.eye(nv) - np.dot(springs.compliance, H), moved)
-            torque = -np.dot(H, moved)
-        read_joint_state(s, springs, step, trial, at + moved, torque)
-        if assume_anew(s, step, trial, at + moved):
-            return at + moved, True
-    return at.copy(), False
+        if len(H) > 0:  # (1 - C H) δq = command
+            A = np.zeros((nv, nv + 1))
+            A[:, :nv] = product(springs.compliance, H)
+            for i in range(nv):
+                for j in range(nv):
+                    A[i, j] = (1.0 if i == j else 0.0) - A[i, j]
+                A[i, nv] = moved[i]
+            if not solve_wide(A, 0.0):
+                break
+            moved = A[:, nv].copy()
+            torque = np.zeros(nv)
+            add_product(H, moved, -1.0, torque)
+        for j in range(nv):
+            q[j] = at[j] + moved[j]
+        read_joint_state(s, springs, step, trial, q, torque)
+        if assume_anew(s, step, trial, q):
+            return q, True
+    return q, False
 
 
 @kernel
 def _friction_band(s: JointSystem, trial: JointTrial) -> tuple[Array, Array]:
     """(nv + m,) each: the least and the largest friction, with that of a trial at the posts before each."""
-    nv, rows, left = len(s.dry_friction), len(s.friction_rows), np.maximum(trial.tension, 0.0)
+    nv, rows, left = len(s.dry_friction), len(s.friction_rows), trial.tension.copy()
     low, high = np.zeros(rows), np.zeros(rows)
-    low[:nv], high[:nv] = -s.dry_friction, s.dry_friction
+    for j in range(nv):
+        low[j], high[j] = -s.dry_friction[j], s.dry_friction[j]
     for p in range(rows - nv):
-        T, r = left[s.post_tendon[p]], nv + p
-        low[r], high[r] = T * (1.0 - np.exp(s.wrap_friction[p])), T * (1.0 - np.exp(-s.wrap_friction[p]))
+        T, r, wrap = max(left[s.post_tendon[p]], 0.0), nv + p, s.wrap_friction[p]
+        low[r], high[r] = T * (1.0 - math.exp(wrap)), T * (1.0 - math.exp(-wrap))
         left[s.post_tendon[p]] = T - min(max(trial.friction[r], low[r]), high[r])
     return low, high
 
 
 @kernel
 def _find_slack(s: JointSystem, step: JointStep, trial: JointTrial, found: Ints) -> None:
-    """Write 1 into found (t,), of zeros, for each tendon that is slack where some were assumed to be."""
+    """Write 1 into the last t of found, of zeros, for each tendon that is slack where some were assumed to be."""
     if step.driven:
         return
-    slack, largest, slackness = _slack(s, trial.modes), 0.0, np.zeros(len(found))
-    for i in range(len(found)):
+    slack, rows, largest = _tendons_in(s, trial.modes, 1), len(s.friction_rows), 0.0
+    for i in range(len(trial.taut)):
         largest = max(largest, abs(trial.taut[i]), abs(step.drawn[i]))
-    if len(slack) > 0:
-        loose = np.linalg.solve(_block(s.springs, slack, slack), -trial.taut[slack])
-        for a in range(len(slack)):
-            slackness[slack[a]] = s.springs[slack[a], slack[a]] * loose[a]  # k s
-    for i in range(len(found)):
-        pushes = trial.tension[i] < -_ROUNDING * largest
-        if trial.modes[len(s.friction_rows) + i] == 1:
-            pushes = slackness[i] >= -_ROUNDING * largest
-        if s.slackens[i] and pushes:
-            found[i] = 1
+    for i in range(len(trial.taut)):
+        if s.slackens[i] and trial.modes[rows + i] == 0 and trial.tension[i] < -_ROUNDING * largest:
+            found[rows + i] = 1
+    pushed = np.zeros((len(slack), 1))
+    for a in range(len(slack)):
+        pushed[a, 0] = -trial.taut[slack[a]]
+    loose = _solve_block(s.springs, slack, pushed)
+    for a in range(len(slack)):
+        if s.slackens[slack[a]] and s.springs[slack[a], slack[a]] * loose[a, 0] >= -_ROUNDING * largest:  # k s
+            found[rows + slack[a]] = 1
 
 
 @kernel
 def _mix(trial: JointTrial, settled: Array) -> None:
     """Take the next iterate of post_friction (m,), from what came of the last ones, settled (m,) of this one."""
-    at, apart = trial.mixed[0], trial.mixed[1]
+    m, at, apart = len(settled), trial.mixed, trial.apart
     if trial.counts[1] == _MIXED:
         for i in range(_MIXED - 1):
-            at[i], apart[i] = at[i + 1], apart[i + 1]
+            for p in range(m):
+                at[i, p], apart[i, p] = at[i + 1, p], apart[i + 1, p]
         trial.counts[1] -= 1
     last = trial.counts[1]
-    at[last], apart[last] = trial.post_friction, settled - trial.post_friction
     trial.counts[1] += 1
-    trial.post_friction[:] = settled
+    changes, miss = np.empty((m, last)), np.empty(m)
+    for p in range(m):
+        at[last, p], apart[last, p] = trial.post_friction[p], settled[p] - trial.post_friction[p]
+        trial.post_friction[p], miss[p] = settled[p], apart[last, p]
+        for i in range(last):
+            changes[p, i] = apart[i + 1, p] - apart[i, p]
     if last > 0:
-        changes, steps = (apart[1 : last + 1] - apart[:last]).copy(), (at[1 : last + 1] - at[:last]).copy()
-        most = _EPS * max(changes.shape[0], changes.shape[1])
-        share = np.linalg.lstsq(np.ascontiguousarray(changes.T), apart[last].copy(), most)[0]
-        trial.post_friction[:] -= np.dot(share, steps + changes)
+        share = solve_least_squares(changes, miss, _EPS * max(m, last))
+        for p in range(m):
+            for i in range(last):
+                trial.post_friction[p] -= share[i] * (at[i + 1, p] - at[i, p] + changes[p, i])
 
 
 # ---------------------------------------------------------------- Parts of it.
@@ -367,13 +419,23 @@ def _mix(trial: JointTrial, settled: Array) -> None:
 @kernel
 def _sticking(s: JointSystem, modes: Ints) -> Ints:
     """Numbers of the rows along which friction holds."""
-    return np.flatnonzero(s.has_friction & (modes[: len(s.has_friction)] == 0))
+    found, count = np.empty(len(s.has_friction), np.int64), 0
+    for r in range(len(found)):
+        if s.has_friction[r] and modes[r] == 0:
+            found[count] = r
+            count += 1
+    return found[:count].copy()
 
 
 @kernel
-def _slack(s: JointSystem, modes: Ints) -> Ints:
-    """Numbers of the tendons that are slack."""
-    return np.flatnonzero(modes[len(s.has_friction) :] == 1)
+def _tendons_in(s: JointSystem, modes: Ints, mode: int) -> Ints:
+    """Numbers of the tendons that are slack, mode 1, or taut, mode 0."""
+    found, count, rows = np.empty(len(s.springs), np.int64), 0, len(s.has_friction)
+    for i in range(len(found)):
+        if modes[rows + i] == mode:
+            found[count] = i
+            count += 1
+    return found[:count].copy()
 
 
 @kernel
@@ -387,45 +449,91 @@ def _slipping_friction(s: JointSystem, trial: JointTrial) -> Array:
 
 
 @kernel
-def _slack_tensions(s: JointSystem, a: Array, slack: Ints) -> Array:
+def _slack_tensions(s: JointSystem, a: Array, modes: Ints) -> Array:
     """(t,) t of tendons that as springs would pull with a (t,), of which some are slack."""
-    if len(slack) == 0:
-        return a.copy()
-    taut, tension = _others(slack, len(a)), np.zeros(len(a))
-    loose = np.linalg.solve(_block(s.springs, slack, slack), a[slack])
-    tension[taut] = a[taut] - np.dot(_block(s.springs, taut, slack), loose)
+    slack, taut, tension = _tendons_in(s, modes, 1), _tendons_in(s, modes, 0), np.zeros(len(a))
+    pulled = np.empty((len(slack), 1))
+    for k in range(len(slack)):
+        pulled[k, 0] = a[slack[k]]
+    loose = _solve_block(s.springs, slack, pulled)
+    for i in taut:
+        tension[i] = a[i]
+        for k in range(len(slack)):
+            tension[i] -= s.springs[i, slack[k]] * loose[k, 0]
     return tension
 
 
 @kernel
-def _leave_no_joint_loose(s: JointSystem, K: Array) -> Array:
-    """K (nv, nv), with a little of each joint's stiffness where slack tendons leave a motion without a spring."""
-    elastic, diagonal = np.flatnonzero(s.gives), np.diag(s.stiffness).copy()
-    size = np.sqrt(diagonal)
-    size[size == 0.0] = 1.0
-    scaled = _block(K / size / size.reshape(-1, 1), elastic, elastic)
-    if len(elastic) > 0 and np.linalg.eigvalsh(scaled)[0] < _LEAST_STIFFNESS:
-        return K + _LEAST_STIFFNESS * np.diag(diagonal)
-    return K
+def add_passive_torque(s: JointSystem, q: Array, out: Array) -> None:
+    """Add to out (nv,) what tendons that pull with T₀ + t - T₀ make at joints at q (nv,) beside their load, so that it
+    is Rᵀ (t - T₀): K_p (q - q₀) + R₀ᵀ T₀ - Rᵀ T₀ [N·m].
+    """
+    add_product(s.passive, q, 1.0, out)
+    add_product(s.passive, s.rest, -1.0, out)
+    add_transposed(s.arms, s.initial_tension, -1.0, out)
+    for j in range(len(out)):
+        out[j] += s.preload[j]
 
 
 @kernel
-def _null_space(rows: Array) -> Array:
-    """(n, k) an orthonormal basis of what is across rows (m, n)."""
-    m, n = rows.shape
-    if m == 0:
-        return np.eye(n)
-    unit = rows.copy()
-    for i in range(m):
-        length = np.sqrt(np.dot(unit[i], unit[i]))
-        if length > 0.0:
-            unit[i] /= length
-    _, values, across = np.linalg.svd(unit)
-    rank = 0
-    for value in values:
-        if value > _DEPENDENT * values[0]:
-            rank += 1
-    return np.ascontiguousarray(across[rank:].T)
+def _stiffen_loose(K: Array, before: Array, gives: Bools) -> None:
+    """Add a little of each joint's stiffness `before` (nv, nv) to K (nv, nv), where joints that give way (nv,) can move
+    with hardly a spring.
+    """
+    on = np.flatnonzero(gives)
+    scaled = _block(K, on, on)
+    for i in range(len(on)):
+        for j in range(len(on)):
+            scaled[i, j] /= math.sqrt(before[on[i], on[i]] * before[on[j], on[j]])
+        scaled[i, i] -= _LEAST_STIFFNESS
+    if not inverse_root(scaled, np.zeros((len(on), len(on)))):
+        for j in on:
+            K[j, j] += _LEAST_STIFFNESS * before[j, j]
+
+
+@kernel
+def _factor_of(K: Array, gives: Bools) -> Array:
+    """(nv, nv) A of K⁻¹ = A Aᵀ over the joints that give way (nv,), 0 of the others."""
+    on, out = np.flatnonzero(gives), np.zeros(K.shape)
+    A = np.zeros((len(on), len(on)))
+    inverse_root(_block(K, on, on), A)
+    for i in range(len(on)):
+        for j in range(len(on)):
+            out[on[i], on[j]] = A[i, j]
+    return out
+
+
+@kernel
+def _factor_across(A: Array, rows: Array) -> Array:
+    """A (nv, k) without what is along rows (m, k): A (1 - Qᵀ Q), Q an orthonormal basis of the rows, which are
+    overwritten. Modified Gram-Schmidt, twice.
+    """
+    out, m, k = A.copy(), len(rows), A.shape[1]
+    for r in range(m):
+        size = 0.0
+        for c in range(k):
+            size += rows[r, c] ** 2
+        for _ in range(2):
+            for b in range(r):
+                along = 0.0
+                for c in range(k):
+                    along += rows[b, c] * rows[r, c]
+                for c in range(k):
+                    rows[r, c] -= along * rows[b, c]
+        left = 0.0
+        for c in range(k):
+            left += rows[r, c] ** 2
+        scale = 1.0 / math.sqrt(left) if left > _DEPENDENT**2 * size else 0.0
+        for c in range(k):
+            rows[r, c] *= scale
+        for _ in range(2):
+            for i in range(len(out)):
+                along = 0.0
+                for c in range(k):
+                    along += out[i, c] * rows[r, c]
+                for c in range(k):
+                    out[i, c] -= along * rows[r, c]
+    return out
 
 
 @kernel
@@ -439,11 +547,16 @@ def _block(A: Array, rows: Ints, columns: Ints) -> Array:
 
 
 @kernel
-def _others(chosen: Ints, count: int) -> Ints:
-    """The numbers below `count` that are not chosen."""
-    left = np.ones(count, np.bool_)
-    left[chosen] = False
-    return np.flatnonzero(left)
+def _solve_block(A: Array, chosen: Ints, b: Array) -> Array:
+    """(i, j) A⁻¹ b of the chosen rows and columns of A, positive definite; b (i, j)."""
+    n, wide = len(chosen), np.empty((len(chosen), len(chosen) + b.shape[1]))
+    for i in range(n):
+        for j in range(n):
+            wide[i, j] = A[chosen[i], chosen[j]]
+        for j in range(b.shape[1]):
+            wide[i, n + j] = b[i, j]
+    solve_wide(wide, 0.0)
+    return wide[:, n:].copy()
 
 
 # ---------------------------------------------------------------- Tendons along routes: the joints in another posture.
@@ -452,31 +565,24 @@ def _others(chosen: Ints, count: int) -> Ints:
 @kernel
 def system_in_posture(s: JointSystem, laid: TendonArms, arm_rates: Array) -> JointSystem:
     """The joints where tendons have these arms; arm_rates (t, nv, nv)."""
-    nv, rows, elastic = len(s.stiffness), s.friction_rows.copy(), np.flatnonzero(s.gives)
-    rows[nv:] = laid.arms_beyond
-    spring_arms = np.dot(s.springs, laid.arms)
-    K = s.passive + np.dot(np.ascontiguousarray(laid.arms.T), spring_arms)
-    K = (K + K.T) / 2.0
-    factor = np.zeros((nv, nv))
-    if len(elastic) > 0:
-        own = np.linalg.solve(np.linalg.cholesky(_block(K, elastic, elastic)), np.eye(len(elastic)))
-        for i in range(len(elastic)):
-            factor[elastic[i], elastic] = own[:, i]
-    C = np.dot(factor, np.ascontiguousarray(factor.T))
-    has_friction = s.has_friction.copy()
+    nv, rows, has_friction = len(s.stiffness), s.friction_rows.copy(), s.has_friction.copy()
     for p in range(len(laid.wrap_friction)):
-        has_friction[nv + p] = laid.wrap_friction[p] > 0.0 and np.any(laid.arms_beyond[p] != 0.0)
+        reach = 0.0
+        for j in range(nv):
+            rows[nv + p, j] = laid.arms_beyond[p, j]
+            reach = max(reach, abs(rows[nv + p, j]))
+        has_friction[nv + p] = laid.wrap_friction[p] > 0.0 and reach > 0.0
+    spring_arms = product(s.springs, laid.arms)
+    K = product(np.ascontiguousarray(laid.arms.T), spring_arms)
+    for i in range(nv):
+        for j in range(i + 1):
+            K[i, j] = K[j, i] = s.passive[i, j] + 0.5 * (K[i, j] + K[j, i])
+    factor = _factor_of(K, s.gives)
     return JointSystem(
-        K, factor, C, s.gives, rows, s.dry_friction, has_friction, _quadratic(rows, C), s.post_tendon,
-        laid.wrap_friction, s.rest, s.passive, s.preload, s.springs, s.initial_tension, s.slackens, laid.arms,
-        laid.shift, spring_arms, arm_rates,
+        K, factor, product(factor, np.ascontiguousarray(factor.T)), s.gives, rows, s.dry_friction, has_friction,
+        s.post_tendon, laid.wrap_friction, s.rest, s.passive, s.preload, s.springs, s.initial_tension, s.slackens,
+        laid.arms, laid.shift, spring_arms, arm_rates,
     )  # fmt: skip
-
-
-@kernel
-def _quadratic(rows: Array, C: Array) -> Array:
-    """(m,) the diagonal of rows C rowsᵀ; rows (m, nv)."""
-    return (np.dot(rows, C) * rows).sum(axis=1)
 
 
 @kernel
@@ -484,16 +590,27 @@ def spring_target(s: JointSystem, commanded: Array, drawn: Array) -> Array:
     """(nv,) where springs as stiff as in this posture would drive joints whose tendons are drawn in by d (t,):
     K q = Rᵀ (d - k (l - R q)) + K_p q₀ - R₀ᵀ T₀; rigid joints go where they are commanded.
     """
-    torque = np.dot(np.ascontiguousarray(s.arms.T), drawn - np.dot(s.springs, s.shift))
-    return np.where(s.gives, np.dot(s.compliance, torque + np.dot(s.passive, s.rest) - s.preload), commanded)
+    pull, torque, target = drawn.copy(), np.zeros(len(commanded)), np.zeros(len(commanded))
+    add_product(s.springs, s.shift, -1.0, pull)
+    add_product(s.passive, s.rest, 1.0, torque)
+    add_transposed(s.arms, pull, 1.0, torque)
+    for j in range(len(torque)):
+        torque[j] -= s.preload[j]
+    add_product(s.compliance, torque, 1.0, target)
+    for j in range(len(torque)):
+        if not s.gives[j]:
+            target[j] = commanded[j]
+    return target
 
 
 @kernel
 def commanded_draw(s: JointSystem, commanded: Array) -> Array:
     """(t,) d of tendons that hold joints free of contacts where they are commanded to be (nv,), s in that posture."""
-    torque = np.dot(s.passive, commanded - s.rest) + s.preload
-    torque = torque - np.dot(np.ascontiguousarray(s.arms.T), s.initial_tension)
-    return least_tensions(s.arms, s.initial_tension, s.slackens, torque) + drawn_force(s, commanded)
+    torque = np.zeros(len(commanded))
+    add_passive_torque(s, commanded, torque)
+    drawn = least_tensions(s.arms, s.initial_tension, s.slackens, torque)
+    add_drawn_force(s, commanded, 1.0, drawn)
+    return drawn
 
 
 # ---------------------------------------------------------------- The same for callers in Python.
@@ -628,7 +745,7 @@ def _system_of(factor: Array, friction: Array, cables: Cables, rest: Array, prel
     rows, dry = np.concatenate([np.eye(nv), cables.arms_beyond]), np.where(gives, friction, 0.0)  # rigid joints stick
     rubs = np.append(dry > 0.0, (cables.wrap_friction > 0.0) & cables.arms_beyond.any(axis=1))
     parts = (
-        K, factor, C, gives, rows, dry, rubs, _quadratic(rows, C), cables.post_tendon, cables.wrap_friction, rest,
+        K, factor, C, gives, rows, dry, rubs, cables.post_tendon, cables.wrap_friction, rest,
         cables.passive, preload, cables.springs, cables.initial_tension, np.isfinite(cables.pretension), cables.arms,
         cables.shift, cables.springs @ cables.arms, np.zeros((0, nv, nv)),
     )  # fmt: skip
