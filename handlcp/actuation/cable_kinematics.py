@@ -26,7 +26,7 @@ import numpy as np
 
 from handlcp.check import Array, Bools, Ints
 from handlcp.grasp.model.mechanism import TendonArms
-from handlcp.lcp.kernels.dense import kernel
+from handlcp.lcp.kernels.dense import kernel, product
 
 SURFACE_ROUNDING = 1e-9  # of a radius: a point less deep inside a body lies on its surface
 
@@ -375,19 +375,23 @@ def lay_tendons(s: RoutedTendons, posed: CablePosture, q: Array) -> tuple[Tendon
     wrong, depth = evaluate_cable_paths(s.routes, posed, paths)
     arms, beyond, own = paths.arms, paths.arms_beyond, paths.piece_arms
     if len(s.coupling) > 0:
-        arms, beyond = np.dot(arms, s.coupling), np.dot(beyond, s.coupling)
-        own = np.dot(own.reshape(2 * legs, joints), s.coupling).reshape(legs, 2, nv)
+        arms, beyond, own = product(arms, s.coupling), product(beyond, s.coupling), np.zeros((legs, 2, nv))
+        for n in range(legs):
+            own[n] = product(paths.piece_arms[n], s.coupling)
     R, shift = s.given.arms.copy(), np.zeros(len(s.given.arms))
     friction, arms_beyond = s.given.wrap_friction.copy(), s.given.arms_beyond.copy()
     for k in range(r):
         i = s.numbers[k]
-        R[i] = np.where(s.elastic, arms[k], 0.0)
-        shift[i] = -paths.lengths[k] - np.dot(R[i], q)
+        shift[i] = -paths.lengths[k]
+        for j in range(nv):
+            R[i, j] = arms[k, j] if s.elastic[j] else 0.0
+            shift[i] -= R[i, j] * q[j]
     for p in range(len(friction)):
         leg = s.post_legs[p]
         if leg >= 0:
             friction[p] *= paths.wrap_angles[leg]
-            arms_beyond[p] = np.where(s.elastic, beyond[leg], 0.0)
+            for j in range(nv):
+                arms_beyond[p, j] = beyond[leg, j] if s.elastic[j] else 0.0
     paths = CablePaths(paths.lengths, arms, paths.wrap_angles, own, beyond, paths.piece_ends, paths.wrap_sides)
     return TendonArms(R, shift, friction, arms_beyond), paths, wrong, depth
 
@@ -401,7 +405,7 @@ def tendon_arm_rates(s: RoutedTendons, posed: CablePosture) -> Array:
     for k in range(len(s.numbers)):
         own = rates[k]
         if len(s.coupling) > 0:
-            own = np.dot(np.ascontiguousarray(s.coupling.T), np.dot(own, s.coupling))
+            own = product(s.coupling.T.copy(), product(own, s.coupling))
         for i in range(nv):
             for j in range(nv):
                 if s.elastic[i] and s.elastic[j]:

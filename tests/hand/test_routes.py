@@ -474,6 +474,18 @@ def test_tensions_weigh_how_arms_change_and_rigid_joints_feel_none_of_it():
     np.testing.assert_allclose(np.tensordot(T, rigid.arm_rates(), 1), expected, atol=1e-12)
 
 
+def test_what_joints_have_drawn_in_of_a_cable_is_what_it_is_shorter_by_over_rigid_joints_too():
+    """l = -L in every posture, so that a rigid joint whose arm changes with the others' angles draws nothing in."""
+    plain = cabled()
+    rigid = dict.fromkeys(plain.joint_names, 1.0) | {plain.joint_names[0]: np.inf}
+    hand = plain.replace(joint_stiffness=hl.Tendons(plain.stiffness.routes, 3e4, rigid))
+    for q in random_postures(hand, 2):
+        assert abs(q[0]) > 1e-2
+        cables = hand.posed(q).stiffness.cables
+        lengths = [bound.at(q).length for bound in alone(hand)]
+        np.testing.assert_allclose(cables.shift + cables.arms @ q, np.negative(lengths), rtol=1e-12)
+
+
 def test_friction_at_posts_of_several_branches_is_refused():
     """Also where they share the tension alike: what one branch loses the other does not miss."""
     routes = [cabled().stiffness.routes[f"cable {k}"].places for k in (1, 2)]

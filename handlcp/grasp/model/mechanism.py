@@ -273,7 +273,7 @@ class Mechanism:
         raise NotImplementedError
 
 
-def read_joints(
+def evaluate_joints(
     mechanism: Mechanism, scene: Any, effects: Any, forces: Array, torsion: Array | None, extra: dict[str, Array]
 ) -> JointReading:
     """What the joints do at an answer; arguments as in `Mechanism.solution_fields`."""
