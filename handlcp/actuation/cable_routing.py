@@ -94,7 +94,10 @@ class CableRouting:
         )
         arms[tendons.numbers] = paths.arms
         cables = given._replace(
-            **{name: read_only(value) for name, value in laid._asdict().items()},
+            arms=read_only(laid.arms),
+            shift=read_only(laid.shift),
+            wrap_friction=read_only(laid.wrap_friction),
+            arms_beyond=read_only(laid.arms_beyond),
             arm_rates=partial(tendon_arm_rates, tendons, posed),
             wrap_sides=read_only(paths.wrap_sides[wrapping]),
         )

@@ -475,7 +475,7 @@ def test_tensions_weigh_how_arms_change_and_rigid_joints_feel_none_of_it():
 
 
 def test_what_joints_have_drawn_in_of_a_cable_is_what_it_is_shorter_by_over_rigid_joints_too():
-    """l = -L in every posture, so that a rigid joint whose arm changes with the others' angles draws nothing in."""
+    """L = -L in every posture, so that a rigid joint whose arm changes with the others' angles draws nothing in."""
     plain = cabled()
     rigid = dict.fromkeys(plain.joint_names, 1.0) | {plain.joint_names[0]: np.inf}
     hand = plain.replace(joint_stiffness=hl.Tendons(plain.stiffness.routes, 3e4, rigid))

@@ -487,8 +487,8 @@ def _stiffen_loose(K: Array, before: Array, gives: Bools) -> None:
             scaled[i, j] /= math.sqrt(before[on[i], on[i]] * before[on[j], on[j]])
         scaled[i, i] -= _LEAST_STIFFNESS
     if not inverse_root(scaled, np.zeros((len(on), len(on)))):
-        for j in on:
-            K[j, j] += _LEAST_STIFFNESS * before[j, j]
+        for i in range(len(on)):
+            K[on[i], on[i]] += _LEAST_STIFFNESS * before[on[i], on[i]]
 
 
 @kernel

@@ -96,7 +96,7 @@ def solve_least_squares(A: Array, b: Array, rank_tolerance: float) -> Array:
     """(n,) the shortest x of those with the smallest |A x - b|; A (m, n). Singular values below this share of the
     largest count as zero.
     """
-    return np.linalg.lstsq(A, b, rank_tolerance)[0]
+    return np.linalg.lstsq(A, b, rank_tolerance)[0].astype(np.float64)
 
 
 @kernel
